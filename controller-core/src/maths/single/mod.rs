@@ -1,0 +1,42 @@
+//! Single-precision elementary functions for the control loop.
+//!
+//! Pure functions on `f32`: no tables indexed by data the compiler cannot bound, no state, no
+//! allocation, no panic. Only `+ - * /`, comparisons and integer operations on the bits are used,
+//! in a fixed order, so every target with IEEE arithmetic and no contraction to fused
+//! multiply-add returns the same bits. A function that has no value at its argument returns
+//! [`f32::NAN`], the same bits everywhere.
+//!
+//! | function | range | largest error |
+//! |---|---|---|
+//! | [`sin_cos`] | any finite angle | 9.4e-8 absolute |
+//! | [`wrap`] | any finite angle | half an ulp of the result + 4e-9 |
+//! | [`atan2`] | everything | 2.4e-7 absolute |
+//! | [`asin`] | [−1, 1] | 1.3e-7 absolute |
+//! | [`exp_m1`] | everything | 1.3e-7 relative |
+//! | [`sqrt`] | everything | correctly rounded |
+//!
+//! The polynomials were fitted offline: weighted minimax (Remez exchange, 40 digits) on the
+//! interval written next to the coefficients, then rounded to `f32` from the lowest power up, the
+//! remaining powers being fitted again after each rounding.
+#![forbid(unsafe_code)]
+
+mod asin;
+mod atan2;
+mod exp_m1;
+mod reduce;
+mod sin_cos;
+mod sqrt;
+mod wrap;
+
+pub use asin::asin;
+pub use atan2::atan2;
+pub use exp_m1::exp_m1;
+pub use sin_cos::sin_cos;
+pub use sqrt::sqrt;
+pub use wrap::wrap;
+
+/// The sign bit.
+const SIGN: u32 = 0x8000_0000;
+
+/// Bits of +∞: a magnitude at or above is not finite.
+const INFINITY_BITS: u32 = 0x7f80_0000;

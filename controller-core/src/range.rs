@@ -1,0 +1,23 @@
+//! Range checks shared by all parameters.
+
+use crate::error::{Field, ParamError, Problem};
+use crate::scalar::Scalar;
+
+/// `value` if it is finite and in [`low`, `high`], else an error that names field and limit.
+pub(crate) fn within<T: Scalar>(
+    field: Field,
+    value: T,
+    low: f64,
+    high: f64,
+) -> Result<T, ParamError> {
+    let problem = if !value.is_finite() {
+        Problem::NotFinite
+    } else if value < T::from_f64(low) {
+        Problem::Below(low)
+    } else if value > T::from_f64(high) {
+        Problem::Above(high)
+    } else {
+        return Ok(value);
+    };
+    Err(ParamError { field, problem })
+}

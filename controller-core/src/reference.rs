@@ -1,0 +1,114 @@
+//! The moving reference of Eq. (6), and the virtual target point.
+
+use crate::maths::Maths;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Pose, Twist};
+
+/// One sample of a reference trajectory: what the law needs to know of it at a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reference<T> {
+    /// q_r = (x_r, y_r, θ_r).
+    pub pose: Pose<T>,
+    /// (v_r, w_r).
+    pub twist: Twist<T>,
+    /// (v̇_r, ẇ_r).
+    pub accel: Accel<T>,
+}
+
+impl<T: Scalar> Reference<T> {
+    /// A reference that stands still at `pose`.
+    pub fn at_rest(pose: Pose<T>) -> Self {
+        Self {
+            pose,
+            ..Self::default()
+        }
+    }
+
+    /// Everything finite.
+    pub fn is_finite(&self) -> bool {
+        self.pose.is_finite() && self.twist.is_finite() && self.accel.is_finite()
+    }
+}
+
+/// A reference with constant v_r and w_r: a line, an arc, or a turn in place. Eq. (6) in closed form.
+///
+/// ```
+/// use controller_core::maths::Libm;
+/// use controller_core::reference::ConstantTwist;
+/// use controller_core::types::{Pose, Twist};
+///
+/// let curve = ConstantTwist {
+///     start: Pose::new(0.0, 0.0, 0.0),
+///     twist: Twist::new(0.4, 0.15),
+/// };
+/// let target = curve.at::<Libm>(10.0).pose;
+/// assert!((target.x - 2.659_99_f64).abs() < 1e-5 && (target.y - 2.478_03).abs() < 1e-5);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstantTwist<T> {
+    /// Pose at time 0.
+    pub start: Pose<T>,
+    /// Constant (v_r, w_r).
+    pub twist: Twist<T>,
+}
+
+impl<T: Scalar> ConstantTwist<T> {
+    /// The reference at time `t` \[s\]. Eq. (6).
+    ///
+    /// Over the turn φ = w_r t the chord has length v_r t · sin(φ/2)/(φ/2) and direction
+    /// θ_r(0) + φ/2; both are smooth through w_r = 0, so line and arc are one formula.
+    pub fn at<M: Maths<T>>(&self, t: T) -> Reference<T> {
+        let half_turn = T::HALF * self.twist.angular * t;
+        let (sine, cosine) = M::sin_cos(self.start.theta + half_turn);
+        let chord = self.twist.linear * t * sinc::<T, M>(half_turn);
+        Reference {
+            pose: Pose {
+                x: self.start.x + chord * cosine,
+                y: self.start.y + chord * sine,
+                theta: self.start.theta + self.twist.angular * t,
+            },
+            twist: self.twist,
+            accel: Accel::default(),
+        }
+    }
+}
+
+/// sin(x)/x, by its series where the quotient would lose digits.
+pub(crate) fn sinc<T: Scalar, M: Maths<T>>(x: T) -> T {
+    // Below 1e-2 the series to x⁴ is exact to 2e-16 (next term x⁶/5040).
+    if x.abs() < T::from_f64(1.0e-2) {
+        let x2 = x * x;
+        T::ONE - x2 * (T::from_f64(1.0 / 6.0) - x2 * T::from_f64(1.0 / 120.0))
+    } else {
+        M::sin_cos(x).0 / x
+    }
+}
+
+/// When to leave the trajectory and where to park: the paper's P and N.
+///
+/// The virtual target point is the reference pose at P; the real target is another pose, usually
+/// that of the reference at N > P. Their difference is the pulse that the pose error shows at the
+/// hand-over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParkingPlan<T> {
+    /// P \[s\]: the first tick at or after this time hands over.
+    pub hand_over_s: T,
+    /// q_r(N): where to park.
+    pub goal: Pose<T>,
+}
+
+impl<T: Scalar> ParkingPlan<T> {
+    /// Parks where the reference will be at N = `target_s`, leaving it at P = `hand_over_s`.
+    pub fn along<M: Maths<T>>(path: &ConstantTwist<T>, hand_over_s: T, target_s: T) -> Self {
+        Self {
+            hand_over_s,
+            goal: path.at::<M>(target_s).pose,
+        }
+    }
+
+    /// It is time to park at `t` \[s\]. The slack of 1 ns keeps k·dt, summed in floating point,
+    /// from being one tick late.
+    pub fn is_due(&self, t: T) -> bool {
+        t >= self.hand_over_s - T::from_f64(1.0e-9)
+    }
+}

@@ -1,0 +1,124 @@
+//! The two number types the core is written for.
+//!
+//! `f64` exists to prove the formulas against an oracle without rounding in the way, `f32` is what
+//! a Cortex-M4F computes in hardware. The trait is sealed: every bound stated in this crate was
+//! checked for these two.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// `f32` or `f64`, with the few operations that the control law needs beside arithmetic.
+///
+/// Ordering is done by comparison, never by floating-point `max`, `min` or `clamp`: those leave
+/// the sign of zero open, and host and chip have to agree bit for bit.
+pub trait Scalar:
+    sealed::Sealed
+    + Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Send
+    + Sync
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// 1/2.
+    const HALF: Self;
+    /// π, rounded to nearest.
+    const PI: Self;
+    /// π/2, rounded to nearest.
+    const FRAC_PI_2: Self;
+    /// The distance from 1 to the next larger value.
+    const EPSILON: Self;
+    /// The largest finite value.
+    const MAX: Self;
+
+    /// Rounds a double to this type; meant for constants and for parameters, not for the tick.
+    fn from_f64(value: f64) -> Self;
+    /// Widens to a double; exact.
+    fn to_f64(self) -> f64;
+    /// Magnitude; clears the sign bit.
+    fn abs(self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The angle congruent to `self` in (−π, π]; see [`crate::angle::wrap`].
+    fn wrap_angle(self) -> Self;
+}
+
+impl Scalar for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const HALF: Self = 0.5;
+    const PI: Self = core::f32::consts::PI;
+    const FRAC_PI_2: Self = core::f32::consts::FRAC_PI_2;
+    const EPSILON: Self = f32::EPSILON;
+    const MAX: Self = f32::MAX;
+
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        value as f32
+    }
+    #[inline]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+    #[inline]
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+    #[inline]
+    fn wrap_angle(self) -> Self {
+        crate::angle::wrap_f32(self)
+    }
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const HALF: Self = 0.5;
+    const PI: Self = core::f64::consts::PI;
+    const FRAC_PI_2: Self = core::f64::consts::FRAC_PI_2;
+    const EPSILON: Self = f64::EPSILON;
+    const MAX: Self = f64::MAX;
+
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+    #[inline]
+    fn wrap_angle(self) -> Self {
+        crate::angle::wrap_f64(self)
+    }
+}

@@ -1,0 +1,116 @@
+//! Poses, twists, wrenches: the quantities that cross the border of the core.
+//!
+//! SI units and radians throughout. World frame: x, y in the plane, headings counter-clockwise
+//! from x. Body frame: x forward, y left. Where wheels come in pairs, right comes before left.
+
+use crate::scalar::Scalar;
+
+/// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose<T> {
+    /// Position \[m\].
+    pub x: T,
+    /// Position \[m\].
+    pub y: T,
+    /// Heading \[rad\], counter-clockwise; not wrapped.
+    pub theta: T,
+}
+
+/// Forward speed and turn rate: the v̄ = (v, w)ᵀ of Eq. (1).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist<T> {
+    /// Speed along the heading \[m/s\]; negative backs up.
+    pub linear: T,
+    /// Turn rate \[rad/s\], counter-clockwise.
+    pub angular: T,
+}
+
+/// Rate of change of a [`Twist`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Accel<T> {
+    /// \[m/s²\].
+    pub linear: T,
+    /// \[rad/s²\].
+    pub angular: T,
+}
+
+/// Force along the heading and moment about the vertical: the τ̄ = (τ₁, τ₂)ᵀ of Eq. (3).
+///
+/// The paper calls both "torques"; with M̄ = diag(m, I) the first one is a force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench<T> {
+    /// τ₁ \[N\].
+    pub force: T,
+    /// τ₂ \[N m\], counter-clockwise.
+    pub moment: T,
+}
+
+/// Torques at the two wheels \[N m\]; positive drives the robot forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelTorques<T> {
+    /// Right wheel.
+    pub right: T,
+    /// Left wheel.
+    pub left: T,
+}
+
+/// Angular speeds of the two wheels \[rad/s\]; positive drives the robot forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelSpeeds<T> {
+    /// Right wheel.
+    pub right: T,
+    /// Left wheel.
+    pub left: T,
+}
+
+/// What the base knows of itself at a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured<T> {
+    /// Pose in the world frame.
+    pub pose: Pose<T>,
+    /// Speed and turn rate in the body frame.
+    pub twist: Twist<T>,
+}
+
+impl<T: Scalar> Pose<T> {
+    /// A pose from its three coordinates \[m, m, rad\].
+    pub const fn new(x: T, y: T, theta: T) -> Self {
+        Self { x, y, theta }
+    }
+
+    /// All coordinates finite.
+    pub fn is_finite(&self) -> bool {
+        self.x.is_finite() && self.y.is_finite() && self.theta.is_finite()
+    }
+}
+
+impl<T: Scalar> Twist<T> {
+    /// A twist from speed \[m/s\] and turn rate \[rad/s\].
+    pub const fn new(linear: T, angular: T) -> Self {
+        Self { linear, angular }
+    }
+
+    /// Both components finite.
+    pub fn is_finite(&self) -> bool {
+        self.linear.is_finite() && self.angular.is_finite()
+    }
+}
+
+impl<T: Scalar> Accel<T> {
+    /// An acceleration from its components \[m/s², rad/s²\].
+    pub const fn new(linear: T, angular: T) -> Self {
+        Self { linear, angular }
+    }
+
+    /// Both components finite.
+    pub fn is_finite(&self) -> bool {
+        self.linear.is_finite() && self.angular.is_finite()
+    }
+}
+
+impl<T: Scalar> Measured<T> {
+    /// Everything finite.
+    pub fn is_finite(&self) -> bool {
+        self.pose.is_finite() && self.twist.is_finite()
+    }
+}
