@@ -17,7 +17,7 @@ use crate::types::{Accel, Twist};
 /// ```
 ///
 /// Symbols and units as in [`crate::tracking::command`], with the errors themselves for s₁, s₂.
-#[inline]
+#[inline(always)]
 pub fn tracking_command<T: Scalar>(
     gains: &TrackingGains<T>,
     reference: &Twist<T>,
@@ -33,7 +33,7 @@ pub fn tracking_command<T: Scalar>(
 /// v̇_c = k₁ ė_x + v̇_r cos e_θ − v_r sin e_θ (w_r − w)
 /// ẇ_c = ẇ_r + k₂ (v̇_r e_y + v_r ė_y) + k₃ cos e_θ (w_r − w)
 /// ```
-#[inline]
+#[inline(always)]
 pub fn tracking_command_rate<T: Scalar>(
     gains: &TrackingGains<T>,
     reference: &Reference<T>,
@@ -41,7 +41,7 @@ pub fn tracking_command_rate<T: Scalar>(
     error: &PoseError<T>,
     twist: &Twist<T>,
 ) -> Accel<T> {
-    let rate = pose_error_rate(error, heading, &reference.twist, twist);
+    let rate = pose_error_rate(error, heading, reference.twist(), twist);
     let drives = (rate.x, rate.y);
     crate::tracking::command_rate(gains, reference, heading, twist.angular, error.y, drives)
 }
@@ -51,7 +51,7 @@ pub fn tracking_command_rate<T: Scalar>(
 /// ```text
 /// v_c = k₄ e_x        w_c = k₅ sin e_θ
 /// ```
-#[inline]
+#[inline(always)]
 pub fn parking_command<T: Scalar>(
     gains: &ParkingGains<T>,
     heading: (T, T),
@@ -65,7 +65,7 @@ pub fn parking_command<T: Scalar>(
 /// ```text
 /// v̇_c = k₄ (w e_y − v)      ẇ_c = −k₅ cos(e_θ) w
 /// ```
-#[inline]
+#[inline(always)]
 pub fn parking_command_rate<T: Scalar>(
     gains: &ParkingGains<T>,
     heading: (T, T),

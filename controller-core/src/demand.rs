@@ -50,22 +50,37 @@ pub(crate) fn check_measured<T: Scalar>(measured: &Measured<T>) -> Result<(), St
     }
 }
 
-/// Refuses a tick whose inputs cannot be used.
+/// Refuses a tick for its inputs, looking at all of them.
 pub(crate) fn check_step<T: Scalar>(
     dt: T,
     max_tick: T,
     demand: &Demand<T>,
     measured: &Measured<T>,
 ) -> Result<(), StepFault> {
-    if dt > T::ZERO && dt <= max_tick {
-        check_measured(measured)?;
-        demand.check()
-    } else if dt > max_tick {
-        let max_tick_s = max_tick.to_f64();
-        Err(StepFault::TickTooLong { max_tick_s })
-    } else if dt <= T::ZERO {
-        Err(StepFault::TickNotPositive)
+    check_tick(dt, max_tick)?;
+    check_measured(measured)?;
+    demand.check()
+}
+
+/// Refuses a time step that is not positive, not a number or too long.
+#[inline(always)]
+pub(crate) fn check_tick<T: Scalar>(dt: T, max_tick: T) -> Result<(), StepFault> {
+    if dt.is_positive_up_to(max_tick) {
+        Ok(())
     } else {
-        Err(StepFault::NotFinite(Input::Tick))
+        Err(tick_fault(dt, max_tick))
+    }
+}
+
+#[cold]
+fn tick_fault<T: Scalar>(dt: T, max_tick: T) -> StepFault {
+    if dt > max_tick {
+        // At most 1e3 s, so it fits.
+        let max_tick_us = (max_tick.to_f64() * 1.0e6) as u32;
+        StepFault::TickTooLong { max_tick_us }
+    } else if dt <= T::ZERO {
+        StepFault::TickNotPositive
+    } else {
+        StepFault::NotFinite(Input::Tick)
     }
 }

@@ -27,6 +27,8 @@ pub enum Field {
     LowerD,
     MaxWheelTorque,
     MaxTick,
+    CountsPerTurn,
+    Bandwidth,
 }
 
 impl Field {
@@ -53,6 +55,8 @@ impl Field {
             Self::LowerD => "D",
             Self::MaxWheelTorque => "max_wheel_torque",
             Self::MaxTick => "max_tick",
+            Self::CountsPerTurn => "counts_per_turn",
+            Self::Bandwidth => "bandwidth",
         }
     }
 }
@@ -119,10 +123,10 @@ pub enum StepFault {
     NotFinite(Input),
     /// No time, or less than none, has passed since the last tick.
     TickNotPositive,
-    /// More time than `max_tick` \[s\] has passed since the last tick.
+    /// More time than `max_tick` has passed since the last tick.
     TickTooLong {
-        /// The limit that was passed \[s\].
-        max_tick_s: f64,
+        /// The limit that was passed \[µs\].
+        max_tick_us: u32,
     },
     /// Tracking was asked of a controller that parks, or parking of one that tracks.
     WrongPhase,
@@ -135,8 +139,8 @@ impl fmt::Display for StepFault {
         match self {
             Self::NotFinite(input) => write!(f, "{input:?} is not finite"),
             Self::TickNotPositive => f.write_str("elapsed time is not positive"),
-            Self::TickTooLong { max_tick_s } => {
-                write!(f, "elapsed time is above its limit of {max_tick_s} s")
+            Self::TickTooLong { max_tick_us } => {
+                write!(f, "elapsed time is above its limit of {max_tick_us} us")
             }
             Self::WrongPhase => f.write_str("the demand does not fit the phase"),
             Self::Overflow => f.write_str("the inputs are too large for a finite torque"),

@@ -14,6 +14,7 @@
 //! | neurons | [`shunting`] (4)(5), [`neuron`] |
 //! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`torque`] (12)(14)(16)(21), [`handover`] (23), [`neural_law`] (17)(22) |
 //! | controllers | [`neural::NeuralController`], [`plain::PlainController`], [`demand`], [`report`] |
+//! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`] |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
 #![no_std]
 #![forbid(unsafe_code)]
@@ -22,6 +23,7 @@ pub mod angle;
 pub mod backstepping;
 pub mod demand;
 pub mod error;
+pub mod hal;
 pub mod handover;
 pub mod lyapunov;
 pub mod maths;
@@ -29,6 +31,7 @@ pub mod model;
 pub mod neural;
 pub mod neural_law;
 pub mod neuron;
+pub mod odometry;
 mod output;
 pub mod params;
 pub mod parking;

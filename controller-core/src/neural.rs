@@ -1,17 +1,17 @@
 //! The paper's controller: tracking and parking through shunting neurons, in sampled time.
 
-use crate::demand::{Demand, check_measured, check_step};
+use crate::demand::{Demand, check_measured, check_step, check_tick};
 use crate::error::StepFault;
 use crate::handover::{TorqueBefore, acceleration_neurons, pose_neurons, wrench_step};
-use crate::maths::{Libm, Maths};
+use crate::maths::{Maths, Single};
 use crate::neural_law::{LawOutput, NeuralState, park, track};
-use crate::output::report;
+use crate::output::{check_rate, wheel_torques};
 use crate::params::Validated;
-use crate::pose_error::pose_error;
+use crate::pose_error::{PoseError, pose_error, tracking_error};
 use crate::reference::Reference;
-use crate::report::{NeuronStates, Notes, Phase, StepReport};
+use crate::report::{Phase, StepReport};
 use crate::scalar::Scalar;
-use crate::shunting::{ExactMean, NeuronUpdate};
+use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::tracking::start;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
 use core::marker::PhantomData;
@@ -23,9 +23,11 @@ use core::marker::PhantomData;
 /// * `M`: mathematical back end.
 /// * `U`: how the neurons are advanced over a tick.
 ///
+/// The defaults suit a chip with a single-precision floating-point unit.
+///
 /// ```
 /// use controller_core::demand::Demand;
-/// use controller_core::maths::Libm;
+/// use controller_core::maths::Single;
 /// use controller_core::neural::NeuralController;
 /// use controller_core::params::Params;
 /// use controller_core::reference::ConstantTwist;
@@ -34,42 +36,33 @@ use core::marker::PhantomData;
 /// let line = ConstantTwist { start: Pose::default(), twist: Twist::new(0.4, 0.0) };
 /// let mut measured = Measured { pose: Pose::new(0.0, 1.0, 0.0), ..Measured::default() };
 /// let params = Params::<f32>::paper().validate()?;
-/// let (mut controller, first): (NeuralController, _) =
-///     NeuralController::start(&params, &line.at::<Libm>(0.0), &measured)?;
-/// assert_eq!(first.torques.right, 0.0);
+/// let mut controller: NeuralController =
+///     NeuralController::start(&params, &line.at::<Single>(0.0), &measured)?;
+/// assert_eq!(controller.report().torques.right, 0.0);
 /// measured.twist.linear = 0.01; // … a tick later, from the encoders
-/// let report = controller.step(0.01, &Demand::Track(line.at::<Libm>(0.01)), &measured)?;
+/// let report = controller.step(0.01, &Demand::Track(line.at::<Single>(0.01)), &measured)?;
 /// assert!(report.torques.right.is_finite());
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NeuralController<T = f32, M = Libm, U = ExactMean> {
+pub struct NeuralController<T = f32, M = Single, U = RationalMean> {
     params: Validated<T>,
-    memory: Memory<T>,
+    /// Where to park; unused while tracking.
+    goal: Pose<T>,
+    /// The last report is the controller's memory: neurons, bridge terms, and the inputs that the
+    /// neurons had. It is written once a tick, at its end, so that a fault changes nothing.
+    report: StepReport<T>,
+    wrench_step: Option<Wrench<T>>,
     back_ends: PhantomData<(M, U)>,
 }
 
-/// What changes from tick to tick; copied first and stored last, so that a fault changes nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Memory<T> {
-    state: NeuralState<T>,
-    /// Where to park; `None` while tracking.
-    goal: Option<Pose<T>>,
-    /// Inputs of the pose neurons at the last tick.
-    drives: (T, T),
-    /// Inputs of the acceleration neurons at the last tick.
-    command_rate: Accel<T>,
-}
-
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
-    /// Bridge terms below this \[m/s, rad/s\] are dropped. It is below the rounding of any command
-    /// above 1e-5 in single precision, and times k_d = 1e3 a torque of 1e-9 N.
-    const BRIDGE_FLOOR: f64 = 1.0e-12;
-
-    /// Starts tracking: the first command is the measured twist, the first torque 0. Eqs. (18), (19).
+    /// Starts tracking: the first command is the measured twist, the first torque 0; see
+    /// [`report`](Self::report). Eqs. (18), (19).
     ///
     /// `reference` is where the reference is now. Any pose error, any measured twist and any
-    /// reference speed will do; the report's `bridging` tells when (18) could not be met as printed.
+    /// reference speed will do; [`StepReport::is_bridging`] tells when (18) could not be met as
+    /// printed.
     ///
     /// # Errors
     /// An input that is not finite, or so large that a torque is not.
@@ -77,19 +70,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         params: &Validated<T>,
         reference: &Reference<T>,
         measured: &Measured<T>,
-    ) -> Result<(Self, StepReport<T>), StepFault> {
+    ) -> Result<Self, StepFault> {
+        let demand = Demand::Track(*reference);
         check_measured(measured)?;
-        Demand::Track(*reference).check()?;
-        let error = pose_error::<T, M>(&reference.pose, &measured.pose);
-        let heading = M::sin_cos(error.theta);
+        demand.check()?;
+        let (error, heading) = tracking_error::<T, M>(reference, &measured.pose);
         let gains = &params.params.tracking;
-        let first = start(
-            gains,
-            &params.shunting,
-            &reference.twist,
-            heading,
-            &measured.twist,
-        );
+        let neuron = &params.shunting;
+        let first = start(gains, neuron, reference.twist(), heading, &measured.twist);
         let state = NeuralState {
             s1: first.s1,
             s_turn: first.s2,
@@ -97,20 +85,18 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
             bridge: first.bridge,
         };
         let output = track(params, &state, reference, measured, error, heading);
+        // The first torque does not depend on the errors, the next one will.
+        check_rate(&output.command_rate, &demand, measured)?;
         let wrench = output.tracking_wrench(params, &state.accel);
-        let memory = Memory {
-            state,
-            goal: None,
-            drives: output.drives,
-            command_rate: output.command_rate,
-        };
-        let controller = Self {
+        let mut controller = Self {
             params: *params,
-            memory,
+            goal: Pose::default(),
+            report: StepReport::default(),
+            wrench_step: None,
             back_ends: PhantomData,
         };
-        let report = controller.finish(&memory, &output, wrench, None)?;
-        Ok((controller, report))
+        controller.finish(Phase::Tracking, &state, &output, wrench, &demand, measured)?;
+        Ok(controller)
     }
 
     /// One tick: advances the neurons over the measured time `dt` \[s\], then computes the torques
@@ -118,201 +104,206 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
     ///
     /// # Errors
     /// Any [`StepFault`]; the state is then unchanged, and the wheels are the caller's to make safe.
+    #[inline(never)]
     pub fn step(
         &mut self,
         dt: T,
         demand: &Demand<T>,
         measured: &Measured<T>,
-    ) -> Result<StepReport<T>, StepFault> {
-        check_step(dt, self.params.params.max_tick_s, demand, measured)?;
-        let mut memory = self.memory;
-        self.fade_bridge(&mut memory.state, dt);
-        let (output, wrench, jump) = match (demand, memory.goal) {
-            (Demand::Track(reference), None) => {
-                let output = self.track(&mut memory, dt, reference, measured);
-                let wrench = output.tracking_wrench(&self.params, &memory.state.accel);
-                (output, wrench, None)
+    ) -> Result<&StepReport<T>, StepFault> {
+        check_tick(dt, self.params.params.max_tick_s)?;
+        match (demand, self.report.phase) {
+            (Demand::Track(reference), Phase::Tracking) => {
+                let (state, output) = self.track(dt, reference, measured);
+                let wrench = output.tracking_wrench(&self.params, &state.accel);
+                self.finish(Phase::Tracking, &state, &output, wrench, demand, measured)
             }
-            (Demand::Park, Some(goal)) => {
-                let output = self.park(&mut memory, dt, &goal, measured);
-                let wrench = output.parking_wrench(&self.params, &memory.state.accel);
-                (output, wrench, None)
+            (Demand::Park, Phase::Parking) => {
+                let (state, output) = self.park(dt, measured);
+                let wrench = output.parking_wrench(&self.params, &state.accel);
+                self.finish(Phase::Parking, &state, &output, wrench, demand, measured)
             }
-            (Demand::HandOver { reference, goal }, None) => {
-                let before = self.track(&mut memory, dt, reference, measured);
-                let old = before.tracking_wrench(&self.params, &memory.state.accel);
-                let output = self.hand_over(&mut memory, &before, goal, measured);
-                let new = output.parking_wrench(&self.params, &memory.state.accel);
-                (output, new, Some(wrench_step(&new, &old)))
+            (Demand::HandOver { reference, goal }, Phase::Tracking) => {
+                self.hand_over(dt, reference, goal, demand, measured)
             }
-            _ => return Err(StepFault::WrongPhase),
-        };
-        memory.drives = output.drives;
-        memory.command_rate = output.command_rate;
-        let report = self.finish(&memory, &output, wrench, jump)?;
-        self.memory = memory;
-        Ok(report)
-    }
-
-    /// The law in force.
-    pub fn phase(&self) -> Phase {
-        match self.memory.goal {
-            None => Phase::Tracking,
-            Some(_) => Phase::Parking,
+            _ => Err(StepFault::WrongPhase),
         }
     }
 
-    /// Neurons and bridge terms as the last tick left them.
-    pub fn state(&self) -> &NeuralState<T> {
-        &self.memory.state
+    /// The report of the last tick.
+    pub fn report(&self) -> &StepReport<T> {
+        &self.report
     }
 
-    fn fade_bridge(&self, state: &mut NeuralState<T>, dt: T) {
-        let fade = self.params.shunting.fade::<U, M>(dt);
-        let faded = |bridge: T| {
-            let next = bridge * fade;
-            if next.abs() < T::from_f64(Self::BRIDGE_FLOOR) {
-                T::ZERO
-            } else {
-                next
-            }
-        };
-        state.bridge = Twist {
-            linear: faded(state.bridge.linear),
-            angular: faded(state.bridge.angular),
-        };
+    /// The step of the wrench at the hand-over: what parking asked for minus what tracking would
+    /// have, at the same instant. `None` before; 0 up to rounding with the default reset.
+    pub fn hand_over_step(&self) -> Option<Wrench<T>> {
+        self.wrench_step
+    }
+
+    /// An acceleration neuron was put outside [−D, B] by the hand-over and is on its way back.
+    pub fn is_relaxing(&self) -> bool {
+        let accel = &self.report.neurons.accel;
+        let neuron = &self.params.shunting;
+        !(neuron.contains(accel.linear) && neuron.contains(accel.angular))
+    }
+
+    /// Neurons and bridge terms as the last tick left them.
+    pub fn state(&self) -> NeuralState<T> {
+        let StepReport {
+            phase,
+            neurons,
+            bridge,
+            ..
+        } = self.report;
+        NeuralState {
+            s1: neurons.s1,
+            s_turn: match phase {
+                Phase::Tracking => neurons.s2,
+                Phase::Parking => neurons.s3,
+            },
+            accel: neurons.accel,
+            bridge,
+        }
     }
 
     /// Eq. (17) over the tick, then Eq. (15).
-    #[inline]
+    #[inline(always)]
     fn track(
         &self,
-        memory: &mut Memory<T>,
         dt: T,
         reference: &Reference<T>,
         measured: &Measured<T>,
-    ) -> LawOutput<T> {
-        let error = pose_error::<T, M>(&reference.pose, &measured.pose);
-        let heading = M::sin_cos(error.theta);
-        self.advance_pose(memory, (error.x, error.y), dt);
-        let output = track(
-            &self.params,
-            &memory.state,
-            reference,
-            measured,
-            error,
-            heading,
-        );
-        self.advance_accel(memory, &output.command_rate, dt);
-        output
+    ) -> (NeuralState<T>, LawOutput<T>) {
+        let two_per_dt = (T::ONE + T::ONE) / dt;
+        let (error, heading) = tracking_error::<T, M>(reference, &measured.pose);
+        let turn = (self.report.neurons.s2, self.report.error.y, error.y);
+        let mut state = self.advance_pose(&error, turn, two_per_dt);
+        let output = track(&self.params, &state, reference, measured, error, heading);
+        state.accel = self.advance_accel(&output.command_rate, two_per_dt);
+        (state, output)
     }
 
     /// Eq. (22) over the tick, then Eq. (20).
-    #[inline]
-    fn park(
-        &self,
-        memory: &mut Memory<T>,
-        dt: T,
-        goal: &Pose<T>,
-        measured: &Measured<T>,
-    ) -> LawOutput<T> {
-        let error = pose_error::<T, M>(goal, &measured.pose);
-        self.advance_pose(memory, (error.x, error.theta), dt);
-        let output = park::<T, M>(&self.params, &memory.state, measured, error);
-        self.advance_accel(memory, &output.command_rate, dt);
-        output
+    #[inline(always)]
+    fn park(&self, dt: T, measured: &Measured<T>) -> (NeuralState<T>, LawOutput<T>) {
+        let two_per_dt = (T::ONE + T::ONE) / dt;
+        let error = pose_error::<T, M>(&self.goal, &measured.pose);
+        let turn = (self.report.neurons.s3, self.report.error.theta, error.theta);
+        let mut state = self.advance_pose(&error, turn, two_per_dt);
+        let output = park::<T, M>(&self.params, &state, measured, error);
+        state.accel = self.advance_accel(&output.command_rate, two_per_dt);
+        (state, output)
     }
 
-    /// Eq. (23) at the present instant.
+    /// Tracking up to the present instant, then Eq. (23) at it.
+    #[cold]
+    #[inline(never)]
     fn hand_over(
-        &self,
-        memory: &mut Memory<T>,
-        before: &LawOutput<T>,
+        &mut self,
+        dt: T,
+        reference: &Reference<T>,
         goal: &Pose<T>,
+        demand: &Demand<T>,
         measured: &Measured<T>,
-    ) -> LawOutput<T> {
-        let params = &self.params.params;
-        let pose = pose_neurons::<T, M>(&params.parking, &self.params.shunting, &before.command);
+    ) -> Result<&StepReport<T>, StepFault> {
+        let params = self.params.params;
+        check_step(dt, params.max_tick_s, demand, measured)?;
+        let (before, old) = self.track(dt, reference, measured);
+        let pose = pose_neurons::<T, M>(&params.parking, &self.params.shunting, &old.command);
         let torque = TorqueBefore {
-            velocity_error: before.velocity_error,
-            filtered: memory.state.accel,
-            command_rate: before.command_rate,
+            velocity_error: old.velocity_error,
+            filtered: before.accel,
+            command_rate: old.command_rate,
             gain: (params.tracking.k_d1, params.tracking.k_d2),
         };
-        memory.goal = Some(*goal);
-        memory.state = NeuralState {
+        let state = NeuralState {
             s1: pose.s1,
             s_turn: pose.s3,
             accel: acceleration_neurons(params.reset, &params.robot, &params.parking, &torque),
             bridge: pose.bridge,
         };
         let error = pose_error::<T, M>(goal, &measured.pose);
-        park::<T, M>(&self.params, &memory.state, measured, error)
+        let output = park::<T, M>(&self.params, &state, measured, error);
+        let new_wrench = output.parking_wrench(&self.params, &state.accel);
+        let old_wrench = old.tracking_wrench(&self.params, &before.accel);
+        self.finish(
+            Phase::Parking,
+            &state,
+            &output,
+            new_wrench,
+            demand,
+            measured,
+        )?;
+        self.report.phase = Phase::Parking;
+        self.report.neurons.s2 = T::ZERO;
+        self.wrench_step = Some(wrench_step(&new_wrench, &old_wrench));
+        self.goal = *goal;
+        Ok(&self.report)
     }
 
-    #[inline]
-    fn advance_pose(&self, memory: &mut Memory<T>, now: (T, T), dt: T) {
+    /// s₁, the turning neuron `(state, last input, input)` and the bridges over a tick.
+    #[inline(always)]
+    fn advance_pose(&self, error: &PoseError<T>, turn: (T, T, T), two_per_dt: T) -> NeuralState<T> {
         let neuron = &self.params.shunting;
-        let state = &mut memory.state;
-        let (ahead, turn) = memory.drives;
-        state.s1 = neuron.advance::<U, M>(state.s1, U::drive(ahead, now.0), dt);
-        state.s_turn = neuron.advance::<U, M>(state.s_turn, U::drive(turn, now.1), dt);
+        let last = &self.report;
+        let ahead = U::twice_input(last.error.x, error.x);
+        let around = U::twice_input(turn.1, turn.2);
+        let faded = neuron.fading::<U, M>(two_per_dt);
+        NeuralState {
+            s1: neuron.advance::<U, M>(last.neurons.s1, ahead, two_per_dt),
+            s_turn: neuron.advance::<U, M>(turn.0, around, two_per_dt),
+            accel: last.neurons.accel,
+            bridge: Twist {
+                linear: last.bridge.linear - faded * last.bridge.linear,
+                angular: last.bridge.angular - faded * last.bridge.angular,
+            },
+        }
     }
 
-    #[inline]
-    fn advance_accel(&self, memory: &mut Memory<T>, now: &Accel<T>, dt: T) {
+    /// v̇_s and ẇ_s over a tick.
+    #[inline(always)]
+    fn advance_accel(&self, now: &Accel<T>, two_per_dt: T) -> Accel<T> {
         let neuron = &self.params.shunting;
-        let accel = &mut memory.state.accel;
-        let last = &memory.command_rate;
-        let linear = U::drive(last.linear, now.linear);
-        let angular = U::drive(last.angular, now.angular);
-        accel.linear = neuron.advance::<U, M>(accel.linear, linear, dt);
-        accel.angular = neuron.advance::<U, M>(accel.angular, angular, dt);
+        let (last, accel) = (&self.report.command_rate, &self.report.neurons.accel);
+        let linear = U::twice_input(last.linear, now.linear);
+        let angular = U::twice_input(last.angular, now.angular);
+        Accel {
+            linear: neuron.advance::<U, M>(accel.linear, linear, two_per_dt),
+            angular: neuron.advance::<U, M>(accel.angular, angular, two_per_dt),
+        }
     }
 
+    /// Torques, checks, and the report in its place.
+    #[inline(always)]
     fn finish(
-        &self,
-        memory: &Memory<T>,
+        &mut self,
+        phase: Phase,
+        state: &NeuralState<T>,
         output: &LawOutput<T>,
         wrench: Wrench<T>,
-        jump: Option<Wrench<T>>,
-    ) -> Result<StepReport<T>, StepFault> {
-        let state = &memory.state;
-        let phase = match memory.goal {
-            None => Phase::Tracking,
-            Some(_) => Phase::Parking,
-        };
-        let (s2, s3) = match phase {
-            Phase::Tracking => (state.s_turn, T::ZERO),
-            Phase::Parking => (T::ZERO, state.s_turn),
-        };
-        let neuron = &self.params.shunting;
-        let inside = neuron.contains(state.accel.linear) && neuron.contains(state.accel.angular);
-        report(
-            &self.params,
-            StepReport {
-                phase,
-                error: output.error,
-                neurons: NeuronStates {
-                    s1: state.s1,
-                    s2,
-                    s3,
-                    accel: state.accel,
-                },
-                command: output.command,
-                command_rate: output.command_rate,
-                velocity_error: output.velocity_error,
-                bridge: state.bridge,
-                wrench,
-                wrench_step: jump.unwrap_or_default(),
-                torques: Default::default(),
-                notes: Notes {
-                    handed_over: jump.is_some(),
-                    bridging: state.bridge != Twist::default(),
-                    relaxing: !inside,
-                    saturated: false,
-                },
-            },
-        )
+        demand: &Demand<T>,
+        measured: &Measured<T>,
+    ) -> Result<&StepReport<T>, StepFault> {
+        if !U::USES_PRESENT_INPUT {
+            check_rate(&output.command_rate, demand, measured)?;
+        }
+        let (torques, saturated) = wheel_torques(&self.params, &wrench, demand, measured)?;
+        let report = &mut self.report;
+        report.error = output.error;
+        report.neurons.s1 = state.s1;
+        match phase {
+            Phase::Tracking => report.neurons.s2 = state.s_turn,
+            Phase::Parking => report.neurons.s3 = state.s_turn,
+        }
+        report.neurons.accel = state.accel;
+        report.command = output.command;
+        report.command_rate = output.command_rate;
+        report.velocity_error = output.velocity_error;
+        report.bridge = state.bridge;
+        report.wrench = wrench;
+        report.torques = torques;
+        report.saturated = saturated;
+        Ok(report)
     }
 }

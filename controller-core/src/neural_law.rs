@@ -3,7 +3,7 @@
 
 use crate::maths::Maths;
 use crate::params::Validated;
-use crate::pose_error::{PoseError, pose_error};
+use crate::pose_error::{PoseError, pose_error, tracking_error};
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
@@ -56,7 +56,7 @@ impl<T: Scalar> LawOutput<T> {
     }
 
     /// Eq. (16): the wrench while tracking.
-    #[inline]
+    #[inline(always)]
     pub fn tracking_wrench(&self, params: &Validated<T>, accel: &Accel<T>) -> Wrench<T> {
         let gains = &params.params.tracking;
         let gain = (gains.k_d1, gains.k_d2);
@@ -64,7 +64,7 @@ impl<T: Scalar> LawOutput<T> {
     }
 
     /// Eq. (21): the wrench while parking.
-    #[inline]
+    #[inline(always)]
     pub fn parking_wrench(&self, params: &Validated<T>, accel: &Accel<T>) -> Wrench<T> {
         let gains = &params.params.parking;
         let gain = (gains.k_c1, gains.k_c2);
@@ -73,20 +73,19 @@ impl<T: Scalar> LawOutput<T> {
 }
 
 /// The tracking law at one instant. Eq. (15) and its rate.
-#[inline]
+#[inline(always)]
 pub fn tracking_law<T: Scalar, M: Maths<T>>(
     params: &Validated<T>,
     state: &NeuralState<T>,
     reference: &Reference<T>,
     measured: &Measured<T>,
 ) -> LawOutput<T> {
-    let error = pose_error::<T, M>(&reference.pose, &measured.pose);
-    let heading = M::sin_cos(error.theta);
+    let (error, heading) = tracking_error::<T, M>(reference, &measured.pose);
     track(params, state, reference, measured, error, heading)
 }
 
 /// [`tracking_law`] with the pose error at hand.
-#[inline]
+#[inline(always)]
 pub(crate) fn track<T: Scalar>(
     params: &Validated<T>,
     state: &NeuralState<T>,
@@ -105,13 +104,13 @@ pub(crate) fn track<T: Scalar>(
         measured,
         error,
         drives,
-        tracking::command(gains, &reference.twist, heading, state.s1, state.s_turn),
+        tracking::command(gains, reference.twist(), heading, state.s1, state.s_turn),
         tracking::command_rate(gains, reference, heading, turn_rate, state.s_turn, rates),
     )
 }
 
 /// The parking law at one instant. Eq. (20) and its rate.
-#[inline]
+#[inline(always)]
 pub fn parking_law<T: Scalar, M: Maths<T>>(
     params: &Validated<T>,
     state: &NeuralState<T>,
@@ -123,7 +122,7 @@ pub fn parking_law<T: Scalar, M: Maths<T>>(
 }
 
 /// [`parking_law`] with the pose error at hand.
-#[inline]
+#[inline(always)]
 pub(crate) fn park<T: Scalar, M: Maths<T>>(
     params: &Validated<T>,
     state: &NeuralState<T>,
@@ -133,7 +132,7 @@ pub(crate) fn park<T: Scalar, M: Maths<T>>(
     let gains = &params.params.parking;
     let drives = (error.x, error.theta);
     let rates = neuron_rates(params, state, drives);
-    let turn = M::sin_cos(state.s_turn);
+    let turn = M::sin_cos_near(state.s_turn);
     assemble(
         params,
         state,
@@ -145,7 +144,7 @@ pub(crate) fn park<T: Scalar, M: Maths<T>>(
     )
 }
 
-#[inline]
+#[inline(always)]
 fn neuron_rates<T: Scalar>(
     params: &Validated<T>,
     state: &NeuralState<T>,
@@ -159,7 +158,7 @@ fn neuron_rates<T: Scalar>(
 }
 
 /// Adds the bridge terms, which fade as db/dt = −A b, and forms the velocity error.
-#[inline]
+#[inline(always)]
 fn assemble<T: Scalar>(
     params: &Validated<T>,
     state: &NeuralState<T>,

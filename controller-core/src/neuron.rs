@@ -45,7 +45,7 @@ impl<T: Scalar> Neuron<T> {
 
     /// Advances over `dt` ≥ 0 \[s\] with a held input and returns the new state.
     ///
-    /// `dt` may be infinite: the neuron is then at its equilibrium.
+    /// `dt` may be infinite: the neuron is then at its equilibrium. See [`Shunting::step`].
     ///
     /// # Errors
     /// An input that is not finite, or a `dt` that is negative or NaN; the state is unchanged.
@@ -58,7 +58,7 @@ impl<T: Scalar> Neuron<T> {
             return Err(NeuronError::InputNotFinite);
         }
         if dt >= T::ZERO {
-            self.state = self.shunting.advance::<U, M>(self.state, input, dt);
+            self.state = self.shunting.step::<U, M>(self.state, (input, input), dt);
             Ok(self.state)
         } else {
             Err(NeuronError::TickNegative)

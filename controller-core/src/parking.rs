@@ -18,7 +18,7 @@ use crate::types::{Accel, Twist};
 /// | k₄, k₅ | `gains` | 1/s, rad/s |
 /// | s₁ | neuron of e_x | m with A = B = D |
 /// | (sin s₃, cos s₃) | `turn`, s₃ the neuron of the wrapped e_θ | |
-#[inline]
+#[inline(always)]
 pub fn command<T: Scalar>(gains: &ParkingGains<T>, s1: T, turn: (T, T)) -> Twist<T> {
     Twist {
         linear: gains.k4 * s1,
@@ -31,7 +31,7 @@ pub fn command<T: Scalar>(gains: &ParkingGains<T>, s1: T, turn: (T, T)) -> Twist
 /// ```text
 /// v̇_c = k₄ ṡ₁       ẇ_c = k₅ cos(s₃) ṡ₃
 /// ```
-#[inline]
+#[inline(always)]
 pub fn command_rate<T: Scalar>(
     gains: &ParkingGains<T>,
     turn: (T, T),

@@ -2,6 +2,7 @@
 
 use crate::angle::wrap;
 use crate::maths::Maths;
+use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Pose, Twist};
 
@@ -39,7 +40,7 @@ impl<T: Scalar> PoseError<T> {
 ///
 /// Not in the paper: e_θ is wrapped. Single precision resolves 0.5 µm at 5 m and 0.5 mm at 10 km
 /// from the origin; far away, subtract a common origin in double precision first.
-#[inline]
+#[inline(always)]
 pub fn pose_error<T: Scalar, M: Maths<T>>(reference: &Pose<T>, pose: &Pose<T>) -> PoseError<T> {
     let (sine, cosine) = M::sin_cos(pose.theta);
     let (dx, dy) = (reference.x - pose.x, reference.y - pose.y);
@@ -48,6 +49,34 @@ pub fn pose_error<T: Scalar, M: Maths<T>>(reference: &Pose<T>, pose: &Pose<T>) -
         y: dy * cosine - dx * sine,
         theta: wrap(reference.theta - pose.theta),
     }
+}
+
+/// [`pose_error`] and the (sin e_θ, cos e_θ) that tracking needs, at the price of one sine and cosine.
+///
+/// The world difference is turned by the reference's heading, which comes as a unit vector, and
+/// then back by e_θ: θ = θ_r − e_θ.
+///
+/// ```text
+/// X =  (x_r − x) cos θ_r + (y_r − y) sin θ_r        e_x = X cos e_θ − Y sin e_θ
+/// Y = −(x_r − x) sin θ_r + (y_r − y) cos θ_r        e_y = X sin e_θ + Y cos e_θ
+/// ```
+#[inline(always)]
+pub fn tracking_error<T: Scalar, M: Maths<T>>(
+    reference: &Reference<T>,
+    pose: &Pose<T>,
+) -> (PoseError<T>, (T, T)) {
+    let (from, heading) = (reference.pose(), reference.heading());
+    let (dx, dy) = (from.x - pose.x, from.y - pose.y);
+    let along = dx * heading.cos + dy * heading.sin;
+    let across = dy * heading.cos - dx * heading.sin;
+    let theta = wrap(from.theta - pose.theta);
+    let (sine, cosine) = M::sin_cos_near(theta);
+    let error = PoseError {
+        x: along * cosine - across * sine,
+        y: along * sine + across * cosine,
+        theta,
+    };
+    (error, (sine, cosine))
 }
 
 /// Rate of change of the pose error. Eq. (9).
@@ -63,7 +92,7 @@ pub fn pose_error<T: Scalar, M: Maths<T>>(reference: &Pose<T>, pose: &Pose<T>) -
 /// | (sin e_θ, cos e_θ) | `heading` | |
 /// | (v_r, w_r) | `reference` | m/s, rad/s |
 /// | (v, w) | `twist` | m/s, rad/s |
-#[inline]
+#[inline(always)]
 pub fn pose_error_rate<T: Scalar>(
     error: &PoseError<T>,
     heading: (T, T),

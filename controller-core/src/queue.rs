@@ -12,7 +12,7 @@ use core::fmt;
 use heapless::spsc;
 
 /// A reference sample and the instant it belongs to \[s\], on the clock of the control tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedReference<T> {
     /// Seconds.
     pub t: T,
@@ -67,6 +67,8 @@ pub enum PushError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Gap<T> {
+    /// The instant asked for is NaN or infinite.
+    NotFinite,
     /// Nothing has arrived yet, or only one sample.
     Empty,
     /// The instant is before the oldest sample left.
@@ -137,6 +139,9 @@ impl<T: Scalar> ReferenceConsumer<'_, T> {
     /// # Errors
     /// A [`Gap`]; samples are kept, so a later call can succeed.
     pub fn at<M: Maths<T>>(&mut self, t: T) -> Result<Reference<T>, Gap<T>> {
+        if !t.is_finite() {
+            return Err(Gap::NotFinite);
+        }
         let (mut from, mut to) = match self.span {
             Some(span) => span,
             None => {
@@ -190,37 +195,31 @@ pub fn interpolate<T: Scalar, M: Maths<T>>(
     let h = to.t - from.t;
     let s = (t - from.t) / h;
     let (a, b) = (&from.reference, &to.reference);
-    let (sin_a, cos_a) = M::sin_cos(a.pose.theta);
-    let (sin_b, cos_b) = M::sin_cos(b.pose.theta);
+    let (p, q) = (a.pose(), b.pose());
+    let (v, w) = (a.twist(), b.twist());
     // The turn between the samples, of which the sampled rates tell all but the rounding.
-    let expected = T::HALF * h * (a.twist.angular + b.twist.angular);
-    let turn = expected + wrap(b.pose.theta - a.pose.theta - expected);
-    let cubic = |p: (T, T), q: (T, T)| hermite(s, h, p, q);
+    let expected = T::HALF * h * (v.angular + w.angular);
+    let turn = expected + wrap(q.theta - p.theta - expected);
+    let cubic = |from: (T, T), to: (T, T)| hermite(s, h, from, to);
     let (x, _) = cubic(
-        (a.pose.x, a.twist.linear * cos_a),
-        (b.pose.x, b.twist.linear * cos_b),
+        (p.x, v.linear * a.heading().cos),
+        (q.x, w.linear * b.heading().cos),
     );
     let (y, _) = cubic(
-        (a.pose.y, a.twist.linear * sin_a),
-        (b.pose.y, b.twist.linear * sin_b),
+        (p.y, v.linear * a.heading().sin),
+        (q.y, w.linear * b.heading().sin),
     );
-    let (theta, _) = cubic(
-        (a.pose.theta, a.twist.angular),
-        (a.pose.theta + turn, b.twist.angular),
+    let (theta, _) = cubic((p.theta, v.angular), (p.theta + turn, w.angular));
+    let (linear, linear_rate) = cubic((v.linear, a.accel().linear), (w.linear, b.accel().linear));
+    let (angular, angular_rate) = cubic(
+        (v.angular, a.accel().angular),
+        (w.angular, b.accel().angular),
     );
-    let (v, v_dot) = cubic(
-        (a.twist.linear, a.accel.linear),
-        (b.twist.linear, b.accel.linear),
-    );
-    let (w, w_dot) = cubic(
-        (a.twist.angular, a.accel.angular),
-        (b.twist.angular, b.accel.angular),
-    );
-    Reference {
-        pose: Pose { x, y, theta },
-        twist: Twist::new(v, w),
-        accel: Accel::new(v_dot, w_dot),
-    }
+    Reference::new::<M>(
+        Pose { x, y, theta },
+        Twist::new(linear, angular),
+        Accel::new(linear_rate, angular_rate),
+    )
 }
 
 /// Value and slope at s in [0, 1] of the cubic through two (value, slope) pairs `h` apart.

@@ -4,24 +4,69 @@ use crate::maths::Maths;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist};
 
+/// A direction in the plane as a unit vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heading<T> {
+    /// Component along x.
+    pub cos: T,
+    /// Component along y.
+    pub sin: T,
+}
+
 /// One sample of a reference trajectory: what the law needs to know of it at a tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+///
+/// It carries the unit vector of its heading, so that whoever makes samples ahead of time (a
+/// planner, a table in flash) pays for sine and cosine, and not the control tick. Hence fields are
+/// read through functions: the vector always belongs to the heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<T> {
-    /// q_r = (x_r, y_r, θ_r).
-    pub pose: Pose<T>,
-    /// (v_r, w_r).
-    pub twist: Twist<T>,
-    /// (v̇_r, ẇ_r).
-    pub accel: Accel<T>,
+    pose: Pose<T>,
+    heading: Heading<T>,
+    twist: Twist<T>,
+    accel: Accel<T>,
 }
 
 impl<T: Scalar> Reference<T> {
-    /// A reference that stands still at `pose`.
-    pub fn at_rest(pose: Pose<T>) -> Self {
+    /// A sample: q_r = (x_r, y_r, θ_r), (v_r, w_r) and (v̇_r, ẇ_r). Values are checked where they are
+    /// used, at the tick.
+    #[inline]
+    pub fn new<M: Maths<T>>(pose: Pose<T>, twist: Twist<T>, accel: Accel<T>) -> Self {
+        let (sin, cos) = M::sin_cos(pose.theta);
         Self {
             pose,
-            ..Self::default()
+            heading: Heading { cos, sin },
+            twist,
+            accel,
         }
+    }
+
+    /// A reference that stands still at `pose`.
+    pub fn at_rest<M: Maths<T>>(pose: Pose<T>) -> Self {
+        Self::new::<M>(pose, Twist::default(), Accel::default())
+    }
+
+    /// q_r = (x_r, y_r, θ_r).
+    #[inline]
+    pub fn pose(&self) -> &Pose<T> {
+        &self.pose
+    }
+
+    /// (cos θ_r, sin θ_r).
+    #[inline]
+    pub fn heading(&self) -> &Heading<T> {
+        &self.heading
+    }
+
+    /// (v_r, w_r).
+    #[inline]
+    pub fn twist(&self) -> &Twist<T> {
+        &self.twist
+    }
+
+    /// (v̇_r, ẇ_r).
+    #[inline]
+    pub fn accel(&self) -> &Accel<T> {
+        &self.accel
     }
 
     /// Everything finite.
@@ -41,7 +86,7 @@ impl<T: Scalar> Reference<T> {
 ///     start: Pose::new(0.0, 0.0, 0.0),
 ///     twist: Twist::new(0.4, 0.15),
 /// };
-/// let target = curve.at::<Libm>(10.0).pose;
+/// let target = *curve.at::<Libm>(10.0).pose();
 /// assert!((target.x - 2.659_99_f64).abs() < 1e-5 && (target.y - 2.478_03).abs() < 1e-5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,15 +106,12 @@ impl<T: Scalar> ConstantTwist<T> {
         let half_turn = T::HALF * self.twist.angular * t;
         let (sine, cosine) = M::sin_cos(self.start.theta + half_turn);
         let chord = self.twist.linear * t * sinc::<T, M>(half_turn);
-        Reference {
-            pose: Pose {
-                x: self.start.x + chord * cosine,
-                y: self.start.y + chord * sine,
-                theta: self.start.theta + self.twist.angular * t,
-            },
-            twist: self.twist,
-            accel: Accel::default(),
-        }
+        let pose = Pose {
+            x: self.start.x + chord * cosine,
+            y: self.start.y + chord * sine,
+            theta: self.start.theta + self.twist.angular * t,
+        };
+        Reference::new::<M>(pose, self.twist, Accel::default())
     }
 }
 

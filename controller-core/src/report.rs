@@ -1,6 +1,7 @@
 //! Everything that a tick computed, in one value.
 
 use crate::pose_error::PoseError;
+use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, WheelTorques, Wrench};
 
 /// Which law is in force.
@@ -41,28 +42,23 @@ pub struct StepReport<T> {
     pub command_rate: Accel<T>,
     /// δ = (v − v_c, w − w_c).
     pub velocity_error: Twist<T>,
-    /// Bridge terms (b_v, b_w) within the command.
+    /// Bridge terms (b_v, b_w) within the command; see [`StepReport::is_bridging`].
     pub bridge: Twist<T>,
     /// (τ₁, τ₂) that the law asks for.
     pub wrench: Wrench<T>,
-    /// At the tick of a hand-over: what the new law asks for minus what the old one would have,
-    /// at the same instant. Zero at all other ticks.
-    pub wrench_step: Wrench<T>,
     /// What the wheels are to be told \[N m\]: the wrench through B̄⁻¹, limited.
     pub torques: WheelTorques<T>,
-    /// What is unusual about this tick.
-    pub notes: Notes,
-}
-
-/// Conditions that a user wants to know of; none of them is an error.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Notes {
-    /// This tick handed over from tracking to parking.
-    pub handed_over: bool,
-    /// A bridge term is at work: the start or the hand-over asked for more than the neurons hold.
-    pub bridging: bool,
-    /// An acceleration neuron was put outside [−D, B] by the hand-over and is on its way back.
-    pub relaxing: bool,
     /// Both wheel torques were scaled down to the limit; `wrench` is what was asked for.
     pub saturated: bool,
+}
+
+impl<T: Scalar> StepReport<T> {
+    /// A bridge term above `threshold` \[m/s, rad/s\] is at work: the start or the hand-over asked
+    /// for more than the neurons hold.
+    ///
+    /// Bridges fade as exp(−A t) and become exactly 0 only when they underflow; with a threshold of
+    /// 0 the answer tells whether one was needed at all.
+    pub fn is_bridging(&self, threshold: T) -> bool {
+        self.bridge.linear.abs() > threshold || self.bridge.angular.abs() > threshold
+    }
 }

@@ -51,10 +51,18 @@ pub trait Scalar:
 
     /// Rounds a double to this type; meant for constants and for parameters, not for the tick.
     fn from_f64(value: f64) -> Self;
+    /// The nearest value of this type.
+    fn from_i32(value: i32) -> Self;
     /// Widens to a double; exact.
     fn to_f64(self) -> f64;
     /// Magnitude; clears the sign bit.
     fn abs(self) -> Self;
+    /// 1 for a negative sign bit, else 0: chooses between two values without a comparison.
+    fn sign_index(self) -> usize;
+    /// 0 < `self` ≤ `limit`, for a positive finite `limit`; false for NaN.
+    ///
+    /// Positive floats are ordered like their bits, so one unsigned comparison does it all.
+    fn is_positive_up_to(self, limit: Self) -> bool;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The angle congruent to `self` in (−π, π]; see [`crate::angle::wrap`].
@@ -75,12 +83,24 @@ impl Scalar for f32 {
         value as f32
     }
     #[inline]
+    fn from_i32(value: i32) -> Self {
+        value as f32
+    }
+    #[inline]
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
     #[inline]
     fn abs(self) -> Self {
         f32::abs(self)
+    }
+    #[inline(always)]
+    fn sign_index(self) -> usize {
+        (self.to_bits() >> 31) as usize
+    }
+    #[inline(always)]
+    fn is_positive_up_to(self, limit: Self) -> bool {
+        self.to_bits().wrapping_sub(1) < limit.to_bits()
     }
     #[inline]
     fn is_finite(self) -> bool {
@@ -106,12 +126,24 @@ impl Scalar for f64 {
         value
     }
     #[inline]
+    fn from_i32(value: i32) -> Self {
+        f64::from(value)
+    }
+    #[inline]
     fn to_f64(self) -> f64 {
         self
     }
     #[inline]
     fn abs(self) -> Self {
         f64::abs(self)
+    }
+    #[inline(always)]
+    fn sign_index(self) -> usize {
+        (self.to_bits() >> 63) as usize
+    }
+    #[inline(always)]
+    fn is_positive_up_to(self, limit: Self) -> bool {
+        self.to_bits().wrapping_sub(1) < limit.to_bits()
     }
     #[inline]
     fn is_finite(self) -> bool {

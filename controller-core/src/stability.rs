@@ -63,7 +63,8 @@ pub fn parking_is_stable<T: Scalar>(params: &Params<T>) -> bool {
 }
 
 /// Reference speed \[m/s\] above which the robot weaves about a straight line with growing
-/// amplitude; `None` if the heading loop is unstable at any speed.
+/// amplitude. `None` only if gains are so extreme that a product overflows or drowns in rounding:
+/// for positive gains the loop is always stable at low speed.
 ///
 /// The lateral loop (e_y, e_θ, s₂, w, ẇ_s), with x = v_r²,
 ///

@@ -19,7 +19,7 @@ use crate::types::{Accel, Twist, Wrench};
 /// | v − v_c, w − w_c | `velocity_error` | m/s, rad/s |
 /// | v̇_s, ẇ_s (v̇_c, ẇ_c) | `accel` | m/s², rad/s² |
 /// | m, I | `robot` | kg, kg m² |
-#[inline]
+#[inline(always)]
 pub fn wrench<T: Scalar>(
     robot: &Robot<T>,
     gain: (T, T),

@@ -21,7 +21,7 @@ use crate::types::{Accel, Twist};
 /// | s₁, s₂ | neurons of e_x and e_y | m with A = B = D |
 ///
 /// A bridge term may be added to each; see [`start`].
-#[inline]
+#[inline(always)]
 pub fn command<T: Scalar>(
     gains: &TrackingGains<T>,
     reference: &Twist<T>,
@@ -48,7 +48,7 @@ pub fn command<T: Scalar>(
 /// | --- | --- | --- |
 /// | w | `turn_rate`, measured | rad/s |
 /// | ṡ₁, ṡ₂ | Eq. (17) at the present errors | m/s with A = B = D |
-#[inline]
+#[inline(always)]
 pub fn command_rate<T: Scalar>(
     gains: &TrackingGains<T>,
     reference: &Reference<T>,
@@ -58,7 +58,7 @@ pub fn command_rate<T: Scalar>(
     (ds1, ds2): (T, T),
 ) -> Accel<T> {
     let (sine, cosine) = heading;
-    let Reference { twist, accel, .. } = reference;
+    let (twist, accel) = (reference.twist(), reference.accel());
     let heading_rate = twist.angular - turn_rate;
     Accel {
         linear: gains.k1 * ds1 + accel.linear * cosine - twist.linear * sine * heading_rate,
@@ -90,7 +90,7 @@ pub struct Start<T> {
 /// 41 % of headings at 0.05 m/s with the default gains) or divides by v_r = 0. There the neurons
 /// are clipped and a bridge term per command carries the rest: a neuron without input, so it fades
 /// with the neurons' own rate A and keeps every bound.
-#[inline]
+#[inline(always)]
 pub fn start<T: Scalar>(
     gains: &TrackingGains<T>,
     shunting: &Shunting<T>,
@@ -111,7 +111,7 @@ pub fn start<T: Scalar>(
 }
 
 /// Splits `wanted` into gain · s with s in [−D, B], and a rest that is zero if s could carry it all.
-#[inline]
+#[inline(always)]
 pub(crate) fn carry<T: Scalar>(shunting: &Shunting<T>, wanted: T, gain: T) -> (T, T) {
     if gain == T::ZERO {
         return (T::ZERO, wanted);

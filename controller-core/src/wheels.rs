@@ -91,7 +91,7 @@ impl<T: Scalar> WheelMap<T> {
     }
 
     /// Wheel torques that exert a wrench: B̄⁻¹ τ̄.
-    #[inline]
+    #[inline(always)]
     pub fn torques(&self, wrench: &Wrench<T>) -> WheelTorques<T> {
         let [[rf, rm], [lf, lm]] = self.to_wheels;
         WheelTorques {
@@ -101,7 +101,7 @@ impl<T: Scalar> WheelMap<T> {
     }
 
     /// The wrench that wheel torques exert: B̄ (τ_R, τ_L)ᵀ.
-    #[inline]
+    #[inline(always)]
     pub fn wrench(&self, torques: &WheelTorques<T>) -> Wrench<T> {
         let [[fr, fl], [mr, ml]] = self.to_wrench;
         Wrench {
@@ -111,7 +111,7 @@ impl<T: Scalar> WheelMap<T> {
     }
 
     /// Wheel speeds that go with a twist: B̄ᵀ (v, w)ᵀ, by virtual work.
-    #[inline]
+    #[inline(always)]
     pub fn wheel_speeds(&self, twist: &Twist<T>) -> WheelSpeeds<T> {
         let [[fr, fl], [mr, ml]] = self.to_wrench;
         WheelSpeeds {
@@ -121,7 +121,7 @@ impl<T: Scalar> WheelMap<T> {
     }
 
     /// The twist that goes with wheel speeds: B̄⁻ᵀ (φ̇_R, φ̇_L)ᵀ.
-    #[inline]
+    #[inline(always)]
     pub fn twist(&self, speeds: &WheelSpeeds<T>) -> Twist<T> {
         let [[rf, rm], [lf, lm]] = self.to_wheels;
         Twist {
@@ -135,7 +135,7 @@ impl<T: Scalar> WheelMap<T> {
 ///
 /// One factor keeps the ratio of force to moment, and with it the curvature that the law asked
 /// for. `limit` > 0.
-#[inline]
+#[inline(always)]
 pub fn limit_torques<T: Scalar>(torques: WheelTorques<T>, limit: T) -> (WheelTorques<T>, bool) {
     let (right, left) = (torques.right.abs(), torques.left.abs());
     let largest = if right > left { right } else { left };

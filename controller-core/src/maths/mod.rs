@@ -21,6 +21,12 @@ use crate::scalar::Scalar;
 pub trait Maths<T: Scalar>: Copy + core::fmt::Debug + Default + Send + Sync + 'static {
     /// Sine and cosine of one angle \[rad\].
     fn sin_cos(angle: T) -> (T, T);
+    /// [`sin_cos`](Maths::sin_cos) for |`angle`| ≤ 1e4 rad, where no range check is needed: wrapped
+    /// headings, and neurons, whose bounds are at most 1e4.
+    #[inline(always)]
+    fn sin_cos_near(angle: T) -> (T, T) {
+        Self::sin_cos(angle)
+    }
     /// Angle \[rad\] in [−π/2, π/2] whose sine is `sine`, which lies in [−1, 1].
     fn asin(sine: T) -> T;
     /// Angle \[rad\] in (−π, π] of the vector (x, y).

@@ -10,9 +10,13 @@ use super::{Maths, single};
 pub struct Single;
 
 impl Maths<f32> for Single {
-    #[inline]
+    #[inline(always)]
     fn sin_cos(angle: f32) -> (f32, f32) {
         single::sin_cos(angle)
+    }
+    #[inline(always)]
+    fn sin_cos_near(angle: f32) -> (f32, f32) {
+        single::sin_cos_near(angle)
     }
     #[inline]
     fn asin(sine: f32) -> f32 {

@@ -17,7 +17,7 @@ const FRAC_PI_2_REST: f32 = -4.371_139e-8;
 
 /// Angle in [−π/2, π/2] rad whose sine is `x`.
 ///
-/// Within 1.3e-7 of the true value for every `x` in [−1, 1] (all tried), and odd bit for bit;
+/// Within 1.4e-7 of the true value for every `x` in [−1, 1] (all tried), and odd bit for bit;
 /// NaN outside.
 #[inline]
 pub fn asin(x: f32) -> f32 {

@@ -3,16 +3,15 @@
 //! Pure functions on `f32`: no tables indexed by data the compiler cannot bound, no state, no
 //! allocation, no panic. Only `+ - * /`, comparisons and integer operations on the bits are used,
 //! in a fixed order, so every target with IEEE arithmetic and no contraction to fused
-//! multiply-add returns the same bits. A function that has no value at its argument returns
-//! [`f32::NAN`], the same bits everywhere.
+//! multiply-add returns the same bits. A function that has no value at its argument returns NaN.
 //!
 //! | function | range | largest error |
 //! |---|---|---|
-//! | [`sin_cos`] | any finite angle | 9.4e-8 absolute |
+//! | [`sin_cos`] | any finite angle | 8.8e-8 absolute |
 //! | [`wrap`] | any finite angle | half an ulp of the result + 4e-9 |
-//! | [`atan2`] | everything | 2.4e-7 absolute |
-//! | [`asin`] | [−1, 1] | 1.3e-7 absolute |
-//! | [`exp_m1`] | everything | 1.3e-7 relative |
+//! | [`atan2`] | everything | 2.7e-7 absolute |
+//! | [`asin`] | [−1, 1] | 1.4e-7 absolute |
+//! | [`exp_m1`] | everything | 1.2e-7 relative |
 //! | [`sqrt`] | everything | correctly rounded |
 //!
 //! The polynomials were fitted offline: weighted minimax (Remez exchange, 40 digits) on the
@@ -31,7 +30,7 @@ mod wrap;
 pub use asin::asin;
 pub use atan2::atan2;
 pub use exp_m1::exp_m1;
-pub use sin_cos::sin_cos;
+pub use sin_cos::{sin_cos, sin_cos_near};
 pub use sqrt::sqrt;
 pub use wrap::wrap;
 

@@ -1,0 +1,175 @@
+//! What a base has to offer to be driven: wheel torques, encoders, a clock.
+//!
+//! In the manner of `embedded-hal`: an associated error with a generic kind, implementations for
+//! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
+//! else; they come from [`crate::report::StepReport::torques`].
+
+use crate::types::WheelTorques;
+use core::fmt;
+
+/// An error of a driver, reduced to what a supervisor can act on.
+pub trait Error: fmt::Debug {
+    /// The kind.
+    fn kind(&self) -> ErrorKind;
+}
+
+/// What a supervisor can act on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The driver did not answer, or answered nonsense.
+    Bus,
+    /// The driver switched off for too much current.
+    OverCurrent,
+    /// The supply is too low to drive the motors.
+    UnderVoltage,
+    /// A torque that is not finite or above [`WheelDrive::max_torque_nm`] was refused.
+    OutOfRange,
+    /// Anything else.
+    Other,
+}
+
+impl fmt::Display for ErrorKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Bus => "the driver does not answer",
+            Self::OverCurrent => "the driver saw too much current",
+            Self::UnderVoltage => "the supply is too low",
+            Self::OutOfRange => "the torque is out of range",
+            Self::Other => "the driver failed",
+        })
+    }
+}
+
+impl Error for ErrorKind {
+    fn kind(&self) -> ErrorKind {
+        *self
+    }
+}
+
+impl Error for core::convert::Infallible {
+    fn kind(&self) -> ErrorKind {
+        match *self {}
+    }
+}
+
+/// Common error type of the traits below.
+pub trait ErrorType {
+    /// What the driver's methods fail with.
+    type Error: Error;
+}
+
+impl<D: ErrorType + ?Sized> ErrorType for &mut D {
+    type Error = D::Error;
+}
+
+/// A pair of driven wheels that takes torques.
+pub trait WheelDrive: ErrorType {
+    /// Largest torque of either wheel \[N m\], positive and finite.
+    fn max_torque_nm(&self) -> f32;
+
+    /// Sets both wheels at once; they hold until the next call.
+    ///
+    /// # Errors
+    /// A torque that is NaN, infinite or above [`max_torque_nm`](Self::max_torque_nm) in magnitude is
+    /// refused with [`ErrorKind::OutOfRange`] and leaves both wheels as they were: limiting is the
+    /// controller's business, where it is told. Otherwise what the hardware reports; the wheels'
+    /// state is then unknown, and the caller calls [`release`](Self::release).
+    fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), Self::Error>;
+
+    /// Makes both wheels safe: no torque, free to coast. Must work at any time, also after errors
+    /// and twice in a row.
+    ///
+    /// # Errors
+    /// What the hardware reports; an implementation tries everything it can before it fails.
+    fn release(&mut self) -> Result<(), Self::Error>;
+}
+
+impl<D: WheelDrive + ?Sized> WheelDrive for &mut D {
+    fn max_torque_nm(&self) -> f32 {
+        (**self).max_torque_nm()
+    }
+    fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), Self::Error> {
+        (**self).set_torques(torques)
+    }
+    fn release(&mut self) -> Result<(), Self::Error> {
+        (**self).release()
+    }
+}
+
+/// Both torques are finite and within the limit: the check that every [`WheelDrive`] makes.
+pub fn accepts(torques: &WheelTorques<f32>, max_torque_nm: f32) -> bool {
+    torques.right.abs() <= max_torque_nm && torques.left.abs() <= max_torque_nm
+}
+
+/// Positions of both wheels in counts; positive counts drive forward, and both wrap around at the
+/// ends of `i32`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct WheelCounts {
+    /// Right wheel.
+    pub right: i32,
+    /// Left wheel.
+    pub left: i32,
+}
+
+/// A pair of encoders.
+pub trait WheelEncoders: ErrorType {
+    /// Both positions, read as close together as the hardware allows.
+    ///
+    /// A counter narrower than 32 bits is widened by the implementation: between two calls a wheel
+    /// turns less than half its range.
+    ///
+    /// # Errors
+    /// What the hardware reports.
+    fn counts(&mut self) -> Result<WheelCounts, Self::Error>;
+}
+
+impl<E: WheelEncoders + ?Sized> WheelEncoders for &mut E {
+    fn counts(&mut self) -> Result<WheelCounts, Self::Error> {
+        (**self).counts()
+    }
+}
+
+/// A clock that only goes forward and wraps around at the end of `u32` (every 71 minutes).
+pub trait Clock {
+    /// Microseconds since some instant.
+    fn now_us(&self) -> u32;
+}
+
+impl<C: Clock + ?Sized> Clock for &mut C {
+    fn now_us(&self) -> u32 {
+        (**self).now_us()
+    }
+}
+
+/// Widens a counter of `u16`, such as a timer in encoder mode, to `i32`.
+///
+/// ```
+/// use controller_core::hal::Widened;
+/// let mut wheel = Widened::new(65_530);
+/// assert_eq!(wheel.update(4), 10); // ten counts forward, through the rollover
+/// assert_eq!(wheel.update(65_530), 0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Widened {
+    last: u16,
+    total: i32,
+}
+
+impl Widened {
+    /// Starts at total 0 with the counter at `raw`.
+    pub const fn new(raw: u16) -> Self {
+        Self {
+            last: raw,
+            total: 0,
+        }
+    }
+
+    /// The total after the counter moved to `raw`, by less than 32,768 counts either way.
+    pub fn update(&mut self, raw: u16) -> i32 {
+        let moved = raw.wrapping_sub(self.last) as i16;
+        self.last = raw;
+        self.total = self.total.wrapping_add(i32::from(moved));
+        self.total
+    }
+}
