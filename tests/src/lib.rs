@@ -1,7 +1,13 @@
-//! What the tests share: the oracle, the golden traces, seeded states and the tolerances.
+//! What the tests share: the oracle, the golden traces, the core in closed loop, seeded states and the tolerances.
 
 pub mod check;
+pub mod core_draw;
+pub mod core_draw_loop;
+pub mod core_flow;
+pub mod core_loop;
+pub mod core_params;
 pub mod golden;
 pub mod oracle;
+pub mod plant;
 pub mod random;
 pub mod tolerance;

@@ -1,0 +1,90 @@
+//! Files.
+
+use super::error::CommandError;
+use crate::cli::Output;
+use serde::Serialize;
+use sim_host::figure::{Labelled, five_panels, png};
+use sim_host::metrics::Metrics;
+use sim_host::scenario::Controller;
+use sim_host::trace::Trace;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// Metrics of one run, as they stand in a JSON file.
+#[derive(Serialize)]
+pub struct Record<'a> {
+    pub scenario: &'a str,
+    pub description: &'a str,
+    pub controller: Controller,
+    pub period_s: f64,
+    pub duration_s: f64,
+    pub metrics: &'a Metrics,
+}
+
+impl<'a> From<&'a super::Finished> for Record<'a> {
+    fn from(run: &'a super::Finished) -> Self {
+        Self {
+            scenario: &run.scenario.name,
+            description: &run.scenario.description,
+            controller: run.scenario.controller,
+            period_s: run.scenario.period_s,
+            duration_s: run.scenario.duration_s,
+            metrics: &run.metrics,
+        }
+    }
+}
+
+/// Writes results and remembers what it wrote.
+pub struct Writer<'a> {
+    output: &'a Output,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(output: &'a Output) -> Result<Self, CommandError> {
+        fs::create_dir_all(&output.out).map_err(|error| failed(&output.out, &error))?;
+        Ok(Self { output })
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.output.out.join(name)
+    }
+
+    pub fn figure(
+        &self,
+        name: &str,
+        title: &str,
+        main: Labelled<'_>,
+        other: Option<Labelled<'_>>,
+    ) -> Result<(), CommandError> {
+        let svg = five_panels(title, main, other)?;
+        let raster = png(&svg)?;
+        for (extension, bytes) in [("svg", svg.as_bytes()), ("png", &raster)] {
+            let path = self.path(&format!("{name}.{extension}"));
+            fs::write(&path, bytes).map_err(|error| failed(&path, &error))?;
+        }
+        Ok(())
+    }
+
+    pub fn csv(&self, name: &str, trace: &Trace) -> Result<(), CommandError> {
+        let path = self.path(&format!("{name}.csv"));
+        let file = File::create(&path).map_err(|error| failed(&path, &error))?;
+        sim_host::csv_out::write(trace, self.output.every.get(), BufWriter::new(file))
+            .map_err(|error| failed(&path, &error))
+    }
+
+    pub fn metrics(&self, name: &str, records: &[Record<'_>]) -> Result<(), CommandError> {
+        let path = self.path(&format!("{name}.json"));
+        let mut text =
+            serde_json::to_string_pretty(records).map_err(|error| failed(&path, &error))?;
+        text.push('\n');
+        fs::write(&path, text).map_err(|error| failed(&path, &error))
+    }
+}
+
+fn failed(path: &Path, cause: &dyn std::error::Error) -> CommandError {
+    CommandError::Write {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+    }
+}

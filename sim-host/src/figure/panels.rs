@@ -1,0 +1,215 @@
+//! The five panels.
+
+use super::Labelled;
+use super::corner::Corner;
+use super::limits::Span;
+use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, PALE, STRONG};
+use super::thin_out::thin_out;
+use super::time_panel::{Signal, TimePanel};
+use crate::trace::Row;
+use kuva::plot::legend::{LegendEntry, LegendShape};
+use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{LinePlot, LineStyle, ScatterPlot};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+
+pub(super) type Panel = (Vec<Plot>, Layout);
+
+/// (a): the plane, both axes to one scale.
+pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+    let rows = &main.trace.rows;
+    let tracked = main.trace.hand_over.map_or(rows.len(), |h| h.row);
+    let mut reference: Vec<_> = rows[..tracked].iter().map(reference_point).collect();
+    let mut marks = vec![("start", MarkerShape::Circle, point(&rows[0]))];
+    if let Some(hand_over) = &main.trace.hand_over {
+        let pose = hand_over.virtual_target.pose();
+        reference.push((pose.x, pose.y));
+        marks.push((
+            "hand-over",
+            MarkerShape::Diamond,
+            point(&rows[hand_over.row]),
+        ));
+        marks.push((
+            "target",
+            MarkerShape::Star,
+            (hand_over.goal.x, hand_over.goal.y),
+        ));
+    }
+    let path: Vec<_> = rows.iter().map(point).collect();
+    let below: Vec<_> = other.map_or_else(Vec::new, |o| o.trace.rows.iter().map(point).collect());
+    let marked = marks.iter().map(|(_, _, point)| *point);
+    let all = || reference.iter().chain(&path).copied().chain(marked.clone());
+    let span = |pick: fn((f64, f64)) -> f64| {
+        let stretch = Span::of(below.iter().copied().map(pick));
+        let own = Span::of(all().map(pick));
+        if below.is_empty() {
+            own
+        } else {
+            own.stretched(stretch)
+        }
+    };
+    let plot = (
+        style::CELL.0 - style::MARGINS.0,
+        style::FIRST_ROW - style::MARGINS.1,
+    );
+    let (x, y) = equal_aspect(span(|p| p.0).padded(), span(|p| p.1).padded(), plot);
+    let pixels = plot.0 / (x.1 - x.0);
+    let line = |points: &[(f64, f64)], color: &str, width| {
+        LinePlot::new()
+            .with_data(thin_out(points, (pixels, pixels), 0.15))
+            .with_color(color)
+            .with_stroke_width(width)
+    };
+    let mut plots: Vec<Plot> = Vec::new();
+    let mut entries = vec![
+        entry("reference", GREY, LegendShape::Line, Some("6 4")),
+        entry(main.label, BLUE.strong, LegendShape::Line, None),
+    ];
+    if let Some(other) = other {
+        plots.push(line(&below, BLUE.pale, 1.6).into());
+        entries.push(entry(other.label, BLUE.pale, LegendShape::Line, None));
+    }
+    let dashes = LineStyle::Custom("6 4".into());
+    plots.push(line(&reference, GREY, 1.6).with_line_style(dashes).into());
+    plots.push(line(&path, BLUE.strong, STRONG).into());
+    for (name, shape, point) in marks {
+        let color = if name == "target" {
+            ORANGE.strong
+        } else {
+            BLACK
+        };
+        let mark = ScatterPlot::new()
+            .with_data(vec![point])
+            .with_marker(shape)
+            .with_size(6.0)
+            .with_color(color);
+        plots.push(mark.into());
+        entries.push(entry(name, color, LegendShape::Marker(shape), None));
+    }
+    let seen = reference.iter().chain(&path).chain(&below).copied();
+    let (corner, _) = Corner::emptiest(seen, (x, y), &entries, plot);
+    let layout = style::layout(x, y)
+        .with_equal_aspect()
+        .with_title("Reference and real trajectories")
+        .with_x_label("x [m]")
+        .with_y_label("y [m]")
+        .with_legend_entries(entries)
+        .with_legend_position(corner.position());
+    (plots, layout)
+}
+
+/// Both ranges, one of them widened, so that a metre is as long across as up.
+fn equal_aspect(x: (f64, f64), y: (f64, f64), plot: (f64, f64)) -> ((f64, f64), (f64, f64)) {
+    let metre = ((x.1 - x.0) / plot.0).max((y.1 - y.0) / plot.1);
+    let widened = |range: (f64, f64), pixels: f64| {
+        let (middle, half) = (0.5 * (range.0 + range.1), 0.5 * metre * pixels);
+        (middle - half, middle + half)
+    };
+    (widened(x, plot.0), widened(y, plot.1))
+}
+
+fn point(row: &Row) -> (f64, f64) {
+    (row.truth.pose.x, row.truth.pose.y)
+}
+
+fn reference_point(row: &Row) -> (f64, f64) {
+    (row.reference.pose().x, row.reference.pose().y)
+}
+
+pub(super) fn entry(
+    label: &str,
+    color: &str,
+    shape: LegendShape,
+    dashes: Option<&str>,
+) -> LegendEntry {
+    LegendEntry {
+        label: label.to_owned(),
+        color: color.to_owned(),
+        shape,
+        dasharray: dashes.map(str::to_owned),
+    }
+}
+
+/// (b).
+pub(super) fn errors(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+    TimePanel {
+        title: "Posture errors",
+        y_label: "e_x, e_y [m], e_θ [rad]",
+        size: (style::CELL.0, style::FIRST_ROW),
+        signals: &[
+            signal("e_x", BLUE, |row| row.error.x),
+            signal("e_y", ORANGE, |row| row.error.y),
+            signal("e_θ", GREEN, |row| row.error.theta),
+        ],
+    }
+    .draw(main, other)
+}
+
+/// (c).
+pub(super) fn linear_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+    TimePanel {
+        title: "Actual and desired linear velocities",
+        y_label: "v, v_c [m/s]",
+        size: style::CELL,
+        signals: &[
+            signal("actual v", BLUE, |row| row.truth.twist.linear),
+            Signal {
+                dashed: true,
+                ..signal("desired v_c", ORANGE, |row| row.report.command.linear)
+            },
+        ],
+    }
+    .draw(main, other)
+}
+
+/// (d).
+pub(super) fn angular_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+    TimePanel {
+        title: "Actual and desired angular velocities",
+        y_label: "w, w_c [rad/s]",
+        size: style::CELL,
+        signals: &[
+            signal("actual w", BLUE, |row| row.truth.twist.angular),
+            Signal {
+                dashed: true,
+                ..signal("desired w_c", ORANGE, |row| row.report.command.angular)
+            },
+        ],
+    }
+    .draw(main, other)
+}
+
+/// (e).
+pub(super) fn torques(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+    TimePanel {
+        title: "Linear and angular torques",
+        y_label: "τ_1 [N], τ_2 [N m]",
+        size: (2.0 * style::CELL.0 + style::SPACING, style::CELL.1),
+        signals: &[
+            Signal {
+                from_zero: true,
+                ..signal("force τ_1", BLUE, |row| row.report.wrench.force)
+            },
+            Signal {
+                from_zero: true,
+                ..signal("moment τ_2", ORANGE, |row| row.report.wrench.moment)
+            },
+        ],
+    }
+    .draw(main, other)
+}
+
+fn signal(name: &'static str, ink: Ink, value: fn(&Row) -> f64) -> Signal {
+    Signal {
+        name,
+        ink,
+        value,
+        dashed: false,
+        from_zero: false,
+    }
+}
+
+/// The stroke of the main run and of the one below it.
+pub(super) fn stroke(main: bool) -> f64 {
+    if main { STRONG } else { PALE }
+}

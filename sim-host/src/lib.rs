@@ -1,0 +1,36 @@
+//! A closed-loop simulator around `controller-core`.
+//!
+//! Scenario files go in, figures, tables and traces come out. The controller is the one that runs
+//! on the chip, the same source called through a [`pilot::Pilot`]; the [`plant`] is independent of
+//! it and in double precision. Time is k times the control period, never a clock, so a scenario
+//! gives the same numbers every time.
+//!
+//! | step | modules |
+//! | --- | --- |
+//! | read | [`scenario`], [`motion`], [`advice`] |
+//! | run | [`plant`], [`pilot`], [`mod@run`], [`trace`] |
+//! | report | [`metrics`], [`table`], [`csv_out`], [`figure`] |
+//!
+//! ```
+//! use sim_host::metrics::Metrics;
+//! use sim_host::scenario::BuiltIn;
+//!
+//! let scenario = BuiltIn::find("paper-line").ok_or("not built in")?.scenario()?;
+//! let trace = sim_host::run::run(&scenario)?;
+//! let metrics = Metrics::of(&trace).ok_or("no rows")?;
+//! assert!((metrics.settling_s.ok_or("never settled")? - 4.98).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod advice;
+pub mod csv_out;
+pub mod figure;
+pub mod metrics;
+pub mod motion;
+pub mod pilot;
+pub mod plant;
+pub mod run;
+pub mod scenario;
+pub mod table;
+pub mod trace;

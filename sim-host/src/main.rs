@@ -1,0 +1,25 @@
+//! Desktop simulator around `controller-core`: see `sim-host --help`.
+
+mod cli;
+mod commands;
+
+use clap::Parser;
+use std::error::Error as _;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    // A usage error ends the process here, with exit code 2.
+    let cli = cli::Cli::parse();
+    match commands::execute(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            let mut cause = error.source();
+            while let Some(inner) = cause {
+                eprintln!("  because: {inner}");
+                cause = inner.source();
+            }
+            ExitCode::FAILURE
+        }
+    }
+}

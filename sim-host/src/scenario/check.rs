@@ -1,0 +1,135 @@
+//! From keys to a [`Scenario`]: defaults, ranges, contradictions.
+
+use super::source::Source;
+use super::{Controller, MathsBackEnd, Precision, Scenario, ScenarioError, belief, file, ranges};
+use crate::motion::{Motion, Profile};
+use controller_core::params::Params;
+use controller_core::reference::{ConstantTwist, ParkingPlan};
+use controller_core::types::{Measured, Pose, Twist};
+
+/// More ticks than this, and the trace would not fit a small machine's memory.
+const MAX_TICKS: f64 = 2.0e6;
+
+pub(super) type Checked<T> = Result<T, ScenarioError>;
+
+pub(super) fn scenario(name: String, keys: &file::File, place: &Source<'_>) -> Checked<Scenario> {
+    ranges::check(keys, place)?;
+    let controller = controller(&keys.controller, place)?;
+    let params = belief::params(keys, place)?;
+    let robot = belief::true_robot(&params, keys, place)?;
+    let motion = motion(&keys.reference);
+    let (duration_s, period_s) = timing(&keys.run, &params, place)?;
+    let hand_over = match &keys.hand_over {
+        Some(keys) => Some(hand_over(keys, &motion, duration_s, place)?),
+        None => None,
+    };
+    let start = &keys.start;
+    Ok(Scenario {
+        name,
+        description: keys.description.clone(),
+        controller,
+        params,
+        robot,
+        start: Measured {
+            pose: Pose::new(start.x, start.y, start.theta),
+            twist: Twist::new(start.v, start.w),
+        },
+        motion,
+        hand_over,
+        duration_s,
+        period_s,
+    })
+}
+
+fn controller(keys: &file::Controller, place: &Source<'_>) -> Checked<Controller> {
+    if keys.precision == Precision::F64 && keys.maths != MathsBackEnd::Libm {
+        let message =
+            "computes in single precision only: set precision = \"f32\", or maths = \"libm\"";
+        return Err(place.error("controller.maths", message));
+    }
+    Ok(Controller {
+        kind: keys.kind,
+        precision: keys.precision,
+        maths: keys.maths,
+        neurons: keys.neurons,
+        parking: keys.parking,
+    })
+}
+
+fn motion(keys: &file::Motion) -> Motion {
+    let start = Pose::new(keys.start.x, keys.start.y, keys.start.theta);
+    let profile = |keys: &file::Profile| {
+        let (amplitude, frequency, phase) = keys.sine.unwrap_or_default();
+        Profile {
+            mean: keys.mean,
+            amplitude,
+            frequency,
+            phase,
+        }
+    };
+    match (keys.v.sine, keys.w.sine) {
+        (None, None) => Motion::Constant(ConstantTwist {
+            start,
+            twist: Twist::new(keys.v.mean, keys.w.mean),
+        }),
+        _ => Motion::Modulated {
+            start,
+            speed: profile(&keys.v),
+            turn_rate: profile(&keys.w),
+        },
+    }
+}
+
+fn timing(keys: &file::Run, params: &Params<f64>, place: &Source<'_>) -> Checked<(f64, f64)> {
+    let file::Run { duration, period } = *keys;
+    if !(period.is_finite() && period > 0.0) {
+        return Err(place.error("run.period", "must be a finite number above 0"));
+    }
+    let max_tick = params.max_tick_s;
+    if period > max_tick {
+        let message = format!("is above controller.max_tick = {max_tick} s");
+        return Err(place.error("run.period", message));
+    }
+    let ticks = duration / period;
+    if !(ticks.is_finite() && duration >= period) {
+        let message = "must be a finite number and at least one run.period";
+        return Err(place.error("run.duration", message));
+    }
+    if ticks > MAX_TICKS {
+        let message = format!("is {ticks:.0} periods; at most {MAX_TICKS:.0} are kept");
+        return Err(place.error("run.duration", message));
+    }
+    Ok((duration, period))
+}
+
+fn hand_over(
+    keys: &file::HandOver,
+    motion: &Motion,
+    duration_s: f64,
+    place: &Source<'_>,
+) -> Checked<ParkingPlan<f64>> {
+    // The first tick starts tracking, so there is nothing to hand over at 0.
+    if !(keys.time > 0.0 && keys.time <= duration_s) {
+        let message = "must be above 0 and within run.duration; without [hand_over] the robot tracks to the end";
+        return Err(place.error("hand_over.time", message));
+    }
+    let goal = match (keys.target_at, keys.target) {
+        (Some(_), Some(_)) => {
+            let message = "says the same as target: leave one of them out";
+            return Err(place.error("hand_over.target_at", message));
+        }
+        (None, None) => {
+            let message = "needs target_at (a time on the reference) or target (a pose)";
+            return Err(place.error("hand_over", message));
+        }
+        (None, Some(target)) => Pose::new(target.x, target.y, target.theta),
+        (Some(at), None) if (0.0..=1.0e4).contains(&at) => *motion.at(at).pose(),
+        (Some(_), None) => {
+            return Err(place.error("hand_over.target_at", "must be in 0 to 1e4 s"));
+        }
+    };
+    Ok(ParkingPlan {
+        hand_over_s: keys.time,
+        goal,
+    })
+}

@@ -1,0 +1,182 @@
+//! Scenarios: one closed loop each, written as a TOML file.
+//!
+//! Everything is settable and nothing is guessed: an unknown key or a value out of range is a
+//! [`ScenarioError`] that names file, line and key. Omitted gains are those of
+//! [`Params::paper`]. The files in `scenarios/` are commented and built into the program.
+
+mod belief;
+mod built_in;
+mod check;
+mod file;
+mod ranges;
+mod source;
+
+pub use built_in::{BUILT_IN, BuiltIn, PAPER};
+pub use source::ScenarioError;
+
+use crate::motion::Motion;
+use controller_core::handover::Reset;
+use controller_core::params::{Params, Robot};
+use controller_core::reference::ParkingPlan;
+use controller_core::types::Measured;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The control law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// Backstepping through shunting neurons, Eqs. (15)-(23).
+    #[default]
+    Neural,
+    /// Backstepping alone, Eqs. (10)-(14): the baseline.
+    Plain,
+}
+
+/// The number type of the controller. The plant is always `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// Single, as on a chip.
+    F32,
+    /// Double.
+    #[default]
+    F64,
+}
+
+/// The controller's mathematical functions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MathsBackEnd {
+    /// `libm`.
+    #[default]
+    Libm,
+    /// `micromath`, single precision only.
+    Micromath,
+    /// The core's own functions, single precision only.
+    Single,
+}
+
+/// How neurons are advanced over a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Update {
+    /// Exact exponential, last input held.
+    ExactHeld,
+    /// Exact exponential, mean of last and present input.
+    #[default]
+    ExactMean,
+    /// Rational approximation, mean of last and present input.
+    RationalMean,
+}
+
+/// The law that drives the last metres to the target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ParkingLaw {
+    /// Eq. (20) as published: no feedback of e_y.
+    #[default]
+    Paper,
+}
+
+/// What happens to the acceleration neurons at the hand-over, Eq. (23).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ResetRule {
+    /// The torque does not jump.
+    #[default]
+    TorqueContinuous,
+    /// As the paper prints it.
+    Printed,
+    /// They start from zero.
+    Zero,
+}
+
+impl From<ResetRule> for Reset {
+    fn from(rule: ResetRule) -> Self {
+        match rule {
+            ResetRule::TorqueContinuous => Self::TorqueContinuous,
+            ResetRule::Printed => Self::Printed,
+            ResetRule::Zero => Self::Zero,
+        }
+    }
+}
+
+/// Which controller flies the scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+pub struct Controller {
+    /// The law.
+    pub kind: Law,
+    /// Its number type.
+    pub precision: Precision,
+    /// Its mathematical functions.
+    pub maths: MathsBackEnd,
+    /// Its neurons' update; without meaning for [`Law::Plain`].
+    pub neurons: Update,
+    /// Its parking law.
+    pub parking: ParkingLaw,
+}
+
+/// A closed loop, checked: every field is within its range and fits the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// File name without its extension.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// Which controller.
+    pub controller: Controller,
+    /// What the controller believes and how it is tuned.
+    pub params: Params<f64>,
+    /// What the robot really is.
+    pub robot: Robot<f64>,
+    /// Where the robot is at t = 0 and how it moves.
+    pub start: Measured<f64>,
+    /// The reference, Eq. (6).
+    pub motion: Motion,
+    /// When to stop tracking and where to park; `None` tracks to the end.
+    pub hand_over: Option<ParkingPlan<f64>>,
+    /// Length of the run \[s\].
+    pub duration_s: f64,
+    /// Control period \[s\].
+    pub period_s: f64,
+}
+
+impl Scenario {
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or [`Scenario::parse`]'s.
+    pub fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let file = path.display().to_string();
+        let text =
+            std::fs::read_to_string(path).map_err(|error| source::unreadable(&file, &error))?;
+        Self::parse(&file, &text)
+    }
+
+    /// A scenario from its text; `file` is the name that errors show.
+    ///
+    /// # Errors
+    /// Not TOML, an unknown or missing key, a value of the wrong type or out of range, or values
+    /// that contradict each other.
+    pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
+        let place = source::Source::new(file, text);
+        let keys = toml::from_str(text).map_err(|error| place.reader_error(&error))?;
+        let stem = Path::new(file).file_stem();
+        let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        check::scenario(name, &keys, &place)
+    }
+
+    /// The same scenario flown by another law.
+    pub fn with_law(&self, kind: Law) -> Self {
+        let mut other = self.clone();
+        other.controller.kind = kind;
+        other
+    }
+
+    /// Number of control periods.
+    pub fn ticks(&self) -> usize {
+        // `check` keeps the quotient between 1 and a few millions.
+        (self.duration_s / self.period_s).round() as usize
+    }
+}

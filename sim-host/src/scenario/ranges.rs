@@ -1,0 +1,55 @@
+//! Ranges of what the core leaves open: poses and motions.
+
+use super::check::Checked;
+use super::file::{File, PoseKeys, Profile};
+use super::source::Source;
+
+/// Largest coordinate \[m, rad\]: beyond, even double precision gets coarse.
+const FAR: f64 = 1.0e6;
+/// Largest speed, turn rate, angular frequency \[m/s, rad/s\]: bounds the work of integrating (6).
+const FAST: f64 = 1.0e3;
+
+type Value = (String, f64, f64);
+
+/// Refuses the first value out of its range; TOML can say `nan` and `inf` as well.
+pub(super) fn check(keys: &File, place: &Source<'_>) -> Checked<()> {
+    let start = &keys.start;
+    let mut values = pose("start", start.x, start.y, start.theta);
+    values.push(("start.v".to_owned(), start.v, FAST));
+    values.push(("start.w".to_owned(), start.w, FAST));
+    let PoseKeys { x, y, theta } = keys.reference.start;
+    values.extend(pose("reference.start", x, y, theta));
+    values.extend(profile("v", &keys.reference.v));
+    values.extend(profile("w", &keys.reference.w));
+    if let Some(PoseKeys { x, y, theta }) = keys.hand_over.as_ref().and_then(|h| h.target) {
+        values.extend(pose("hand_over.target", x, y, theta));
+    }
+    // Not `abs() > limit`, which lets a NaN pass.
+    let outside = |(_, value, limit): &&Value| !(-limit..=*limit).contains(value);
+    match values.iter().find(outside) {
+        Some((key, _, limit)) => {
+            Err(place.error(key, format!("must be a number in -{limit:e} to {limit:e}")))
+        }
+        None => Ok(()),
+    }
+}
+
+fn pose(table: &str, x: f64, y: f64, theta: f64) -> Vec<Value> {
+    let keys = [("x", x), ("y", y), ("theta", theta)];
+    let named = keys.map(|(key, value)| (format!("{table}.{key}"), value, FAR));
+    named.to_vec()
+}
+
+/// `signal` is `v` or `w`.
+fn profile(signal: &str, profile: &Profile) -> Vec<Value> {
+    let key = |name: &str| format!("reference.{signal}{name}");
+    match profile.sine {
+        None => vec![(key(""), profile.mean, FAST)],
+        Some((amplitude, frequency, phase)) => vec![
+            (key(&format!(".{signal}0")), profile.mean, FAST),
+            (key(&format!(".{signal}1")), amplitude, FAST),
+            (key(&format!(".O{signal}")), frequency, FAST),
+            (key(&format!(".p{signal}")), phase, FAR),
+        ],
+    }
+}

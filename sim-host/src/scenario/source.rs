@@ -1,0 +1,164 @@
+//! Where in a file a key stands, and errors that show the place.
+
+use std::fmt;
+use std::ops::Range;
+use toml::de::{DeTable, DeValue};
+
+/// A scenario that cannot be used: which file, which line, which key, and why.
+///
+/// Its `Display` shows the line:
+///
+/// ```text
+/// my.toml:12: gains.k2: k2 is below its smallest value 1e-6
+///    |
+/// 12 | k2 = -3.0
+///    |      ^^^^
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScenarioError {
+    /// The file as the user named it.
+    pub file: String,
+    /// Line, counted from 1; none if the file could not be read.
+    pub line: Option<usize>,
+    /// The key with its tables, `gains.k2`; empty if the error is of no key.
+    pub key: String,
+    /// What is wrong.
+    pub message: String,
+    /// The line and a marker below it.
+    excerpt: String,
+}
+
+impl fmt::Display for ScenarioError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.file)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if !self.key.is_empty() {
+            write!(f, ": {}", self.key)?;
+        }
+        write!(f, ": {}{}", self.message, self.excerpt)
+    }
+}
+
+impl std::error::Error for ScenarioError {}
+
+const IS_MISSING: &str = "is missing";
+
+/// The text of a file, to point into.
+pub(super) struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    pub fn new(file: &'a str, text: &'a str) -> Self {
+        Self { file, text }
+    }
+
+    /// An error of the key at `path`, or of the table that lacks it.
+    pub fn error(&self, path: &str, message: impl fmt::Display) -> ScenarioError {
+        self.place(path.to_owned(), self.span_of(path), message.to_string())
+    }
+
+    /// An error of the TOML reader, which knows the place but not always the key.
+    pub fn reader_error(&self, error: &toml::de::Error) -> ScenarioError {
+        let span = error.span();
+        let table = span.as_ref().map_or_else(String::new, |s| self.key_at(s));
+        let missing = error.message().strip_prefix("missing field `");
+        match missing.and_then(|rest| rest.strip_suffix('`')) {
+            // The reader points at the table that lacks the key.
+            Some(key) if table.is_empty() => self.place(key.to_owned(), span, IS_MISSING.into()),
+            Some(key) => self.place(format!("{table}.{key}"), span, IS_MISSING.into()),
+            None => self.place(table, span, error.message().to_owned()),
+        }
+    }
+
+    fn place(&self, key: String, span: Option<Range<usize>>, message: String) -> ScenarioError {
+        // A missing table has no place of its own; the top of the file stands for it.
+        let span = span.unwrap_or(0..0);
+        let before = &self.text[..span.start.min(self.text.len())];
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count();
+        let content = self.text.lines().nth(line - 1).unwrap_or("");
+        let room = content.chars().count().saturating_sub(column);
+        let width = self.text.get(span).map_or(1, |s| s.chars().count());
+        let marker = "^".repeat(width.clamp(1, room.max(1)));
+        let number = line.to_string();
+        let margin = " ".repeat(number.len());
+        let indent = " ".repeat(column);
+        let excerpt = format!("\n{margin} |\n{number} | {content}\n{margin} | {indent}{marker}");
+        ScenarioError {
+            file: self.file.to_owned(),
+            line: Some(line),
+            key,
+            message,
+            excerpt,
+        }
+    }
+
+    fn span_of(&self, path: &str) -> Option<Range<usize>> {
+        let document = DeTable::parse(self.text).ok()?;
+        let parts: Vec<&str> = path.split('.').collect();
+        span_in(document.get_ref(), &parts)
+    }
+
+    fn key_at(&self, span: &Range<usize>) -> String {
+        // The reader points at nothing when it means the whole file.
+        if span.is_empty() {
+            return String::new();
+        }
+        let mut path = Vec::new();
+        match DeTable::parse(self.text) {
+            Ok(document) => {
+                path_to(document.get_ref(), span, &mut path);
+            }
+            // Not TOML: what stands before the equals sign will be the key.
+            Err(_) => {
+                let start = self.text[..span.start].rfind('\n').map_or(0, |at| at + 1);
+                let line = self.text[start..].lines().next().unwrap_or("");
+                path.extend(line.split_once('=').map(|(key, _)| key.trim().to_owned()));
+            }
+        }
+        path.reverse();
+        path.join(".")
+    }
+}
+
+/// The place of the value at `path`, or of the innermost table on the way that exists.
+fn span_in(table: &DeTable<'_>, path: &[&str]) -> Option<Range<usize>> {
+    let (first, rest) = path.split_first()?;
+    let (key, value) = table.iter().find(|(key, _)| key.get_ref() == *first)?;
+    match value.get_ref() {
+        // The name of a table says more than its whole body.
+        DeValue::Table(inner) => span_in(inner, rest).or_else(|| Some(key.span())),
+        _ => Some(value.span()),
+    }
+}
+
+/// Pushes the names that lead to `span`, innermost first; tells whether it found the place.
+fn path_to(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    let covers = |s: Range<usize>| s.start <= span.start && span.end <= s.end;
+    for (key, value) in table {
+        let inside = match value.get_ref() {
+            DeValue::Table(inner) => path_to(inner, span, path),
+            _ => false,
+        };
+        if inside || covers(key.span()) || covers(value.span()) {
+            path.push(key.get_ref().to_string());
+            return true;
+        }
+    }
+    false
+}
+
+/// An error of a file that could not be read at all.
+pub(super) fn unreadable(file: &str, error: &std::io::Error) -> ScenarioError {
+    ScenarioError {
+        file: file.to_owned(),
+        line: None,
+        key: String::new(),
+        message: format!("cannot be read: {error}"),
+        excerpt: String::new(),
+    }
+}

@@ -1,0 +1,269 @@
+//! The program from outside, in an empty directory.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .expect("the program runs")
+}
+
+fn directory() -> TempDir {
+    tempfile::tempdir().expect("a directory")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+fn succeeds(directory: &Path, arguments: &[&str]) -> String {
+    let output = sim_host(directory, arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn files(directory: &Path) -> Vec<String> {
+    let entries = fs::read_dir(directory).expect("a directory");
+    let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let mut names: Vec<_> = entries
+        .map(|entry| name(entry.expect("an entry")))
+        .collect();
+    names.sort();
+    names
+}
+
+/// A short scenario of the user's own.
+const MINE: &str = "\
+description = \"mine\"
+[run]
+duration = 1.0
+period = 0.01
+[controller]
+parking = \"paper\"
+[reference]
+v = 0.4
+[hand_over]
+time = 0.505
+target_at = 0.8
+";
+
+#[test]
+fn without_a_command_both_cases_of_the_paper_are_run() {
+    let here = directory();
+    let shown = succeeds(here.path(), &["--every", "100"]);
+    for part in [
+        "paper-line",
+        "paper-curve",
+        "settling time",
+        "plain : neural",
+        "4.98",
+        "5.2",
+    ] {
+        assert!(shown.contains(part), "{part} is not in\n{shown}");
+    }
+    let mut expected = Vec::new();
+    for case in ["paper-curve", "paper-line"] {
+        for end in ["-neural.csv", "-plain.csv", ".json", ".png", ".svg"] {
+            expected.push(format!("{case}{end}"));
+        }
+    }
+    let out = here.path().join("out");
+    assert_eq!(files(&out), expected);
+
+    let json = fs::read_to_string(out.join("paper-line.json")).expect("metrics");
+    let records: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(records[0]["controller"]["kind"], "neural");
+    assert_eq!(records[1]["controller"]["kind"], "plain");
+    let settling = records[0]["metrics"]["settling_s"]
+        .as_f64()
+        .expect("a time");
+    assert!((settling - 4.98).abs() < 0.02, "{settling}");
+
+    let svg = fs::read_to_string(out.join("paper-line.svg")).expect("a figure");
+    for panel in [
+        "(a)",
+        "(b)",
+        "(c)",
+        "(d)",
+        "(e)",
+        "Posture errors",
+        "P = 9 s",
+    ] {
+        assert!(svg.contains(panel), "{panel}");
+    }
+    let png = fs::read(out.join("paper-curve.png")).expect("a figure");
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 50_000);
+}
+
+#[test]
+fn csv_files_hold_every_signal_in_full_precision() {
+    let here = directory();
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    let out = here.path().join("results");
+    succeeds(
+        here.path(),
+        &["run", "mine.toml", "--csv", "--out", "results"],
+    );
+    assert_eq!(
+        files(&out),
+        ["mine.csv", "mine.json", "mine.png", "mine.svg"]
+    );
+
+    let mut reader = csv::Reader::from_path(out.join("mine.csv")).expect("CSV");
+    let header = reader.headers().expect("a header").clone();
+    for column in [
+        "t",
+        "x",
+        "y",
+        "theta",
+        "v",
+        "w",
+        "x_r",
+        "y_r",
+        "theta_r",
+        "v_r",
+        "w_r",
+        "e_x",
+        "e_y",
+        "e_theta",
+        "s1",
+        "s2",
+        "s3",
+        "vdot_s",
+        "wdot_s",
+        "v_c",
+        "w_c",
+        "tau1",
+        "tau2",
+        "tau_right",
+        "tau_left",
+        "phase",
+    ] {
+        assert!(header.iter().any(|name| name == column), "{column}");
+    }
+    let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), 101);
+    let column = |name: &str| header.iter().position(|other| other == name).expect(name);
+    let trace = {
+        let path = here.path().join("mine.toml");
+        let scenario = sim_host::scenario::Scenario::load(&path).expect("in order");
+        sim_host::run::run(&scenario).expect("no fault")
+    };
+    for (written, row) in rows.iter().zip(&trace.rows) {
+        let read = |name: &str| written[column(name)].parse::<f64>().expect(name);
+        assert_eq!(read("x").to_bits(), row.truth.pose.x.to_bits());
+        assert_eq!(read("tau2").to_bits(), row.report.wrench.moment.to_bits());
+        assert_eq!(read("s1").to_bits(), row.report.neurons.s1.to_bits());
+    }
+    // 0.505 s: the first tick at or after it.
+    assert_eq!(&rows[50][column("phase")], "tracking");
+    assert_eq!(&rows[51][column("phase")], "parking");
+    assert_eq!(&rows[51][column("handed_over")], "1");
+}
+
+#[test]
+fn every_keeps_the_hand_over_and_the_last_row() {
+    let here = directory();
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    succeeds(here.path(), &["run", "mine.toml", "--csv", "--every", "30"]);
+    let mut reader = csv::Reader::from_path(here.path().join("out/mine.csv")).expect("CSV");
+    let ticks: Vec<_> = reader
+        .records()
+        .map(|row| {
+            row.expect("a row")
+                .iter()
+                .next_back()
+                .expect("tick")
+                .to_owned()
+        })
+        .collect();
+    assert_eq!(ticks, ["0", "30", "51", "60", "90", "100"]);
+}
+
+#[test]
+fn scenarios_are_compared_with_each_other_or_by_law() {
+    let here = directory();
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    let shown = succeeds(here.path(), &["compare", "mine.toml"]);
+    assert!(shown.contains("plain : neural"), "{shown}");
+    let plain = MINE.replace("[controller]", "[controller]\nkind = \"plain\"");
+    fs::write(here.path().join("rival.toml"), plain).expect("written");
+    let shown = succeeds(
+        here.path(),
+        &["compare", "mine.toml", "rival.toml", "--out", "both"],
+    );
+    assert!(shown.contains("rival : mine"), "{shown}");
+    let both = files(&here.path().join("both"));
+    assert_eq!(
+        both,
+        [
+            "mine-vs-rival.json",
+            "mine-vs-rival.png",
+            "mine-vs-rival.svg"
+        ]
+    );
+}
+
+#[test]
+fn scenarios_are_listed_and_shown() {
+    let here = directory();
+    let listed = succeeds(here.path(), &["list"]);
+    assert!(
+        listed.contains("weaving") && listed.contains("Straight line of Fig. 3"),
+        "{listed}"
+    );
+    let shown = succeeds(here.path(), &["show", "paper-line"]);
+    fs::create_dir(here.path().join("own")).expect("made");
+    fs::write(here.path().join("own/copy.toml"), &shown).expect("written");
+    let listed = succeeds(here.path(), &["list", "own"]);
+    assert!(listed.starts_with("copy  Straight line"), "{listed}");
+}
+
+#[test]
+fn warnings_go_to_standard_error() {
+    let here = directory();
+    let output = sim_host(here.path(), &["run", "weaving"]);
+    assert!(output.status.success());
+    let said = text(&output.stderr);
+    assert!(
+        said.starts_with("warning: weaving:") && said.contains("1.215"),
+        "{said}"
+    );
+    assert!(!text(&output.stdout).contains("warning"));
+}
+
+#[test]
+fn a_bad_file_is_an_error_with_file_line_and_key() {
+    let here = directory();
+    let bad = format!("{MINE}[gains]\nk2 = -1.0\n");
+    fs::write(here.path().join("bad.toml"), bad).expect("written");
+    let output = sim_host(here.path(), &["run", "bad.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = text(&output.stderr);
+    assert!(said.starts_with("error: bad.toml:13: gains.k2: "), "{said}");
+    assert!(output.stdout.is_empty() && !here.path().join("out").exists());
+}
+
+#[test]
+fn exit_codes_tell_wrong_usage_from_failure() {
+    let here = directory();
+    let code = |arguments: &[&str]| sim_host(here.path(), arguments).status.code();
+    assert_eq!(code(&["run"]), Some(2));
+    assert_eq!(code(&["fly"]), Some(2));
+    assert_eq!(code(&["--every", "0"]), Some(2));
+    assert_eq!(code(&["run", "no-such.toml"]), Some(1));
+    assert_eq!(code(&["show", "no-such"]), Some(1));
+    assert_eq!(code(&["list", "no-such"]), Some(1));
+    // Two files of one name would write the same results.
+    fs::create_dir(here.path().join("a")).expect("made");
+    fs::write(here.path().join("a/mine.toml"), MINE).expect("written");
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    assert_eq!(code(&["run", "mine.toml", "a/mine.toml"]), Some(1));
+    // A file where the directory should be.
+    assert_eq!(code(&["run", "mine.toml", "--out", "mine.toml"]), Some(1));
+}

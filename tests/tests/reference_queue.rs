@@ -1,0 +1,248 @@
+//! The queue of timed reference samples: what it interpolates, what it refuses, and that the controller runs from it.
+
+use controller_core::demand::Demand;
+use controller_core::maths::Libm;
+use controller_core::queue::{Gap, PushError, ReferenceQueue, TimedReference, interpolate};
+use controller_core::reference::{ConstantTwist, Reference};
+use controller_core::types::{Accel, Pose, Twist};
+use nalgebra::{Vector2, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+use tests::core_draw::cases;
+use tests::core_loop::Exact;
+use tests::core_params::{measured, sample, spoiled, validated};
+use tests::oracle::laws::Target;
+use tests::oracle::{self, Params, Reset, posture};
+use tests::plant::Body;
+use tests::tolerance::{
+    FOLLOWED, INTERPOLATED, INTERPOLATED_ERROR, INTERPOLATED_TWIST, ROUNDED_END,
+};
+
+/// The sample of the oracle's reference at `t`.
+fn at(reference: &oracle::Reference, t: f64) -> TimedReference<f64> {
+    let target = Target {
+        twist: reference.twist(t),
+        accel: reference.accel(t),
+    };
+    TimedReference {
+        t,
+        reference: sample(&reference.posture(t), &target),
+    }
+}
+
+/// A slalom: v_r = 0.8 + 0.2 sin 2t, w_r = sin 1.5t.
+fn slalom() -> oracle::Reference {
+    oracle::Reference {
+        v1: 0.2,
+        omega_v: 2.0,
+        w1: 1.0,
+        omega_w: 1.5,
+        ..oracle::Reference::steady([1.0, -2.0, 3.0], 0.8, 0.0)
+    }
+}
+
+/// Eq. (6) between samples of an arc: h⁴ v w³/384, and nothing at the samples.
+#[test]
+fn arc_is_interpolated_within_its_bound() {
+    let path = ConstantTwist {
+        start: Pose::new(0.3, 0.2, 0.1),
+        twist: Twist::new(1.0, 2.0),
+    };
+    let timed = |t: f64| TimedReference {
+        t,
+        reference: path.at::<Libm>(t),
+    };
+    for (h, bound) in [(0.1, INTERPOLATED), (0.05, INTERPOLATED / 16.0)] {
+        let (from, to) = (timed(1.0), timed(1.0 + h));
+        let mut worst = 0.0;
+        for k in 0..=100 {
+            let t = 1.0 + h * f64::from(k) / 100.0;
+            let found = *interpolate::<f64, Libm>(&from, &to, t).pose();
+            let expected = *path.at::<Libm>(t).pose();
+            worst = f64::max(worst, (found.x - expected.x).hypot(found.y - expected.y));
+            assert!((found.theta - expected.theta).abs() < ROUNDED_END);
+        }
+        println!("{h} s: {worst:.2e} m");
+        assert!(worst <= bound, "{h} s: {worst:e}");
+        for end in [from, to] {
+            let found = interpolate::<f64, Libm>(&from, &to, end.t);
+            let (p, q) = (found.pose(), end.reference.pose());
+            assert!((p.x - q.x).hypot(p.y - q.y) <= ROUNDED_END, "ends come out");
+            assert_eq!(*found.twist(), path.twist);
+            assert_eq!(*found.accel(), Accel::default());
+        }
+        assert_eq!(
+            interpolate::<f64, Libm>(&from, &to, 1.0),
+            from.reference,
+            "bit for bit"
+        );
+    }
+}
+
+/// The sample with its heading wrapped, and then some whole turns away.
+fn turned(mut sample: TimedReference<f64>, turns: i32) -> TimedReference<f64> {
+    let mut pose = *sample.reference.pose();
+    pose.theta = posture::wrap(pose.theta) + f64::from(turns) * TAU;
+    let (twist, accel) = (*sample.reference.twist(), *sample.reference.accel());
+    sample.reference = Reference::new::<Libm>(pose, twist, accel);
+    sample
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    /// A slalom with changing speed, its headings given wrapped or with any number of turns, at any instant.
+    #[test]
+    fn slalom_is_interpolated_whatever_its_turns(
+        start in 0.0..8.0_f64, share in 0.0..1.0_f64, turns in (-3..4_i32, -3..4_i32),
+    ) {
+        let reference = slalom();
+        let from = turned(at(&reference, start), turns.0);
+        let to = turned(at(&reference, start + 0.1), turns.1);
+        let t = start + share * 0.1;
+        let found = interpolate::<f64, Libm>(&from, &to, t);
+        let expected = at(&reference, t).reference;
+        let place = (found.pose().x - expected.pose().x).hypot(found.pose().y - expected.pose().y);
+        let heading = posture::wrap(found.pose().theta - expected.pose().theta).abs();
+        prop_assert!(place <= INTERPOLATED && heading <= INTERPOLATED, "{place:e} {heading:e}");
+        prop_assert!((found.twist().linear - expected.twist().linear).abs() <= INTERPOLATED);
+        prop_assert!((found.twist().angular - expected.twist().angular).abs() <= INTERPOLATED);
+        prop_assert!((found.accel().linear - expected.accel().linear).abs() <= INTERPOLATED_TWIST);
+        prop_assert!((found.accel().angular - expected.accel().angular).abs() <= INTERPOLATED_TWIST);
+    }
+}
+
+/// What does not fit, is no number or runs back is refused, and what was queued stays.
+#[test]
+fn producer_refuses_overflow_disorder_and_numbers_that_are_none() {
+    let mut queue = ReferenceQueue::<f64, 4>::new();
+    let (mut producer, mut consumer) = queue.split();
+    let reference = slalom();
+    assert_eq!(producer.room(), 3);
+    for t in [0.0, 0.1, 0.2] {
+        assert_eq!(producer.push(at(&reference, t)), Ok(()));
+    }
+    assert_eq!(producer.push(at(&reference, 0.3)), Err(PushError::Full));
+    assert_eq!((producer.room(), consumer.waiting()), (0, 3));
+    assert!(consumer.at::<Libm>(0.05).is_ok());
+    assert_eq!(producer.room(), 2, "a span takes two samples out");
+    for t in [0.2, 0.1, -1.0] {
+        assert_eq!(producer.push(at(&reference, t)), Err(PushError::NotLater));
+    }
+    let good = at(&reference, 0.3);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut samples = vec![TimedReference { t: bad, ..good }];
+        samples.extend(
+            spoiled(&good.reference, bad)
+                .into_iter()
+                .map(|reference| TimedReference { reference, ..good }),
+        );
+        assert_eq!(samples.len(), 8);
+        for sample in samples {
+            assert_eq!(producer.push(sample), Err(PushError::NotFinite));
+        }
+    }
+    assert_eq!(producer.push(good), Ok(()), "a refusal changes nothing");
+    assert!(consumer.at::<Libm>(0.25).is_ok());
+    for error in [PushError::Full, PushError::NotFinite, PushError::NotLater] {
+        assert!(error.to_string().contains("reference"), "{error}");
+    }
+}
+
+/// Before the first sample, between none, and after the last: told, and mended by what comes later.
+#[test]
+fn consumer_tells_gaps() {
+    let mut queue = ReferenceQueue::<f64, 8>::new();
+    let (mut producer, mut consumer) = queue.split();
+    let reference = slalom();
+    assert_eq!(consumer.at::<Libm>(1.0), Err(Gap::Empty));
+    producer.push(at(&reference, 1.0)).expect("room");
+    assert_eq!(
+        consumer.at::<Libm>(1.0),
+        Err(Gap::Empty),
+        "one sample is no span"
+    );
+    producer.push(at(&reference, 1.1)).expect("room");
+    assert_eq!(
+        consumer.at::<Libm>(0.9),
+        Err(Gap::TooEarly { first_s: 1.0 })
+    );
+    assert_eq!(consumer.at::<Libm>(1.0), Ok(at(&reference, 1.0).reference));
+    assert!(consumer.at::<Libm>(1.1).is_ok());
+    let last = at(&reference, 1.1);
+    assert_eq!(consumer.at::<Libm>(1.2), Err(Gap::Underrun { last }));
+    producer.push(at(&reference, 1.2)).expect("room");
+    producer.push(at(&reference, 1.3)).expect("room");
+    assert!(consumer.at::<Libm>(1.2).is_ok(), "samples arrived");
+    assert!(consumer.at::<Libm>(1.25).is_ok());
+    assert_eq!(
+        consumer.at::<Libm>(1.15),
+        Err(Gap::TooEarly { first_s: 1.2 }),
+        "passed"
+    );
+}
+
+/// An instant that is no number is an error and costs no samples.
+#[test]
+fn consumer_refuses_an_instant_that_is_no_number() {
+    let mut queue = ReferenceQueue::<f64, 8>::new();
+    let (mut producer, mut consumer) = queue.split();
+    let reference = slalom();
+    for t in [0.0, 0.1, 0.2, 0.3] {
+        producer.push(at(&reference, t)).expect("room");
+    }
+    assert!(consumer.at::<Libm>(f64::NAN).is_err());
+    assert!(
+        consumer.at::<Libm>(0.05).is_ok(),
+        "the samples are still there"
+    );
+}
+
+/// 20 s of slalom from samples every 0.1 s at 10 ms ticks: the controller does as with the true reference.
+#[test]
+fn controller_runs_from_the_queue() {
+    let reference = slalom();
+    let p = Params::recommended();
+    let params = validated::<f64>(&p, Reset::Corrected);
+    let drive = |reference_at: &mut dyn FnMut(f64) -> Reference<f64>| {
+        let mut body = Body {
+            q: Vector3::new(0.8, -2.5, 2.5),
+            twist: Vector2::zeros(),
+        };
+        let mut places = Vec::new();
+        let first = measured(&body.q, &body.twist);
+        let mut controller = Exact::start(&params, &reference_at(0.0), &first).expect("finite");
+        let mut report = *controller.report();
+        for k in 1..=2000 {
+            let wrench = report.wrench;
+            body = body.after(&p, &Vector2::new(wrench.force, wrench.moment), 10e-3);
+            let demand = Demand::Track(reference_at(f64::from(k) * 10e-3));
+            let now = measured(&body.q, &body.twist);
+            report = *controller.step(10e-3, &demand, &now).expect("a good tick");
+            places.push(body.q);
+        }
+        let e = report.error;
+        assert!(e.x.hypot(e.y) < FOLLOWED, "the robot follows: {e:?}");
+        places
+    };
+    let mut queue = ReferenceQueue::<f64, 8>::new();
+    let (mut producer, mut consumer) = queue.split();
+    let mut pushed = 0;
+    let queued = drive(&mut |t| {
+        while producer.room() > 0 {
+            producer
+                .push(at(&reference, f64::from(pushed) * 0.1))
+                .expect("room");
+            pushed += 1;
+        }
+        consumer.at::<Libm>(t).expect("the producer is ahead")
+    });
+    let exact = drive(&mut |t| at(&reference, t).reference);
+    let worst = queued
+        .iter()
+        .zip(&exact)
+        .map(|(a, b)| (a - b).amax())
+        .fold(0.0, f64::max);
+    println!("queue against true reference: {worst:.2e} m or rad");
+    assert!(worst <= INTERPOLATED_ERROR, "{worst:e}");
+}
