@@ -1,0 +1,21 @@
+//! Firmware library: protocol, supervisor and control task around `controller-core`.
+//!
+//! Every module but `board` builds on the host and on the chip alike; nothing here allocates, and in a
+//! release image nothing can panic (the feature `panic-proof` turns a reachable panic into a link error).
+#![no_std]
+
+#[cfg(feature = "host")]
+extern crate std;
+
+pub mod pil;
+pub mod protocol;
+pub mod queue;
+pub mod supervisor;
+pub mod telemetry;
+
+#[cfg(target_os = "none")]
+#[allow(unsafe_code)]
+pub mod board;
+
+#[cfg(all(feature = "host", not(target_os = "none")))]
+pub mod host;

@@ -1,0 +1,42 @@
+//! The versioned serial protocol between host and robot.
+//!
+//! A frame on the wire is `cobs(content) 0x00`, and its content is
+//!
+//! | field | bytes | |
+//! |---|---|---|
+//! | version | 1 | [`VERSION`] |
+//! | sequence | 2 | little endian; an answer carries the number of its question |
+//! | payload | 1 to 247 | one [`Command`] or [`Telemetry`] in postcard |
+//! | check | 4 | CRC-32/ISO-HDLC of all bytes before it, little endian |
+//!
+//! Content stops at [`MAX_CONTENT`] bytes, because up to there consistent-overhead stuffing adds exactly one
+//! byte and works in place. The byte 0 occurs only as delimiter, so a receiver that lost its place is back in
+//! step at the next one. Floats travel as their bits: a NaN arrives as the NaN that was sent.
+
+mod cobs;
+mod command;
+mod decoder;
+mod encoder;
+mod report;
+mod telemetry;
+
+pub use command::{Command, Measure, ParameterSet, TimedSample, WirePose, WireTwist};
+pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
+pub use encoder::{EncodeError, encode};
+pub use report::{Report, report_flags};
+pub use telemetry::{Counters, Hello, RejectReason, Telemetry};
+
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
+
+/// Version of frame layout and message set; a receiver rejects any other.
+pub const VERSION: u8 = 1;
+/// Most bytes of content in a frame.
+pub const MAX_CONTENT: usize = 254;
+/// Most bytes of a frame on the wire: content, one byte of stuffing, the delimiter.
+pub const MAX_FRAME: usize = MAX_CONTENT + 2;
+/// Version and sequence number.
+const HEADER_LEN: usize = 3;
+const CHECK_LEN: usize = 4;
+
+// A `static`, so that the table exists once in flash and is never copied to the stack.
+static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
