@@ -14,6 +14,7 @@
 //! | neurons | [`shunting`] (4)(5), [`neuron`] |
 //! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`torque`] (12)(14)(16)(21), [`handover`] (23), [`neural_law`] (17)(22) |
 //! | controllers | [`neural::NeuralController`], [`plain::PlainController`], [`demand`], [`report`] |
+//! | a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival |
 //! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`] |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
 #![no_std]
@@ -28,6 +29,7 @@ pub mod handover;
 pub mod lyapunov;
 pub mod maths;
 pub mod model;
+pub mod motion;
 pub mod neural;
 pub mod neural_law;
 pub mod neuron;

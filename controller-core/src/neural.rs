@@ -1,8 +1,7 @@
 //! The paper's controller: tracking and parking through shunting neurons, in sampled time.
 
-use crate::demand::{Demand, check_measured, check_step, check_tick};
+use crate::demand::{Demand, check_measured, check_tick};
 use crate::error::StepFault;
-use crate::handover::{TorqueBefore, acceleration_neurons, pose_neurons, wrench_step};
 use crate::maths::{Maths, Single};
 use crate::neural_law::{LawOutput, NeuralState, park, track};
 use crate::output::{check_rate, wheel_torques};
@@ -15,6 +14,8 @@ use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::tracking::start;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
 use core::marker::PhantomData;
+
+mod switch;
 
 /// Tracks a reference and parks at a pose, with velocities and torques that start from what they
 /// are and do not jump at the hand-over. Eqs. (15)-(23).
@@ -194,52 +195,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         let output = park::<T, M>(&self.params, &state, measured, error);
         state.accel = self.advance_accel(&output.command_rate, two_per_dt);
         (state, output)
-    }
-
-    /// Tracking up to the present instant, then Eq. (23) at it.
-    #[cold]
-    #[inline(never)]
-    fn hand_over(
-        &mut self,
-        dt: T,
-        reference: &Reference<T>,
-        goal: &Pose<T>,
-        demand: &Demand<T>,
-        measured: &Measured<T>,
-    ) -> Result<&StepReport<T>, StepFault> {
-        let params = self.params.params;
-        check_step(dt, params.max_tick_s, demand, measured)?;
-        let (before, old) = self.track(dt, reference, measured);
-        let pose = pose_neurons::<T, M>(&params.parking, &self.params.shunting, &old.command);
-        let torque = TorqueBefore {
-            velocity_error: old.velocity_error,
-            filtered: before.accel,
-            command_rate: old.command_rate,
-            gain: (params.tracking.k_d1, params.tracking.k_d2),
-        };
-        let state = NeuralState {
-            s1: pose.s1,
-            s_turn: pose.s3,
-            accel: acceleration_neurons(params.reset, &params.robot, &params.parking, &torque),
-            bridge: pose.bridge,
-        };
-        let error = pose_error::<T, M>(goal, &measured.pose);
-        let output = park::<T, M>(&self.params, &state, measured, error);
-        let new_wrench = output.parking_wrench(&self.params, &state.accel);
-        let old_wrench = old.tracking_wrench(&self.params, &before.accel);
-        self.finish(
-            Phase::Parking,
-            &state,
-            &output,
-            new_wrench,
-            demand,
-            measured,
-        )?;
-        self.report.phase = Phase::Parking;
-        self.report.neurons.s2 = T::ZERO;
-        self.wrench_step = Some(wrench_step(&new_wrench, &old_wrench));
-        self.goal = *goal;
-        Ok(&self.report)
     }
 
     /// s₁, the turning neuron `(state, last input, input)` and the bridges over a tick.

@@ -101,6 +101,14 @@ pub struct ReferenceProducer<'a, T> {
     last: Option<T>,
 }
 
+/// A queue of heapless has at least one slot; its handles forget how many. Where this is known to
+/// hold the compiler sees that their divisions by the number of slots cannot fail, and a firmware
+/// image has no panic in them, even with the queue in a `static`.
+#[inline(always)]
+fn has_slots(capacity: usize) -> bool {
+    capacity != usize::MAX
+}
+
 impl<T: Scalar> ReferenceProducer<'_, T> {
     /// Appends a sample.
     ///
@@ -113,6 +121,9 @@ impl<T: Scalar> ReferenceProducer<'_, T> {
         if self.last.is_some_and(|last| sample.t <= last) {
             return Err(PushError::NotLater);
         }
+        if !has_slots(self.queue.capacity()) {
+            return Err(PushError::Full);
+        }
         self.queue.enqueue(sample).map_err(|_| PushError::Full)?;
         self.last = Some(sample.t);
         Ok(())
@@ -120,7 +131,18 @@ impl<T: Scalar> ReferenceProducer<'_, T> {
 
     /// Samples that still fit.
     pub fn room(&self) -> usize {
-        self.queue.capacity() - self.queue.len()
+        let capacity = self.queue.capacity();
+        if has_slots(capacity) {
+            capacity.saturating_sub(self.queue.len())
+        } else {
+            0
+        }
+    }
+
+    /// Forgets the last sample's time: the next one begins another trajectory. The other end has to
+    /// be [cleared](ReferenceConsumer::clear) before.
+    pub fn restart(&mut self) {
+        self.last = None;
     }
 }
 
@@ -146,20 +168,20 @@ impl<T: Scalar> ReferenceConsumer<'_, T> {
             Some(span) => span,
             None => {
                 // Two samples make a span; one alone stays where it is.
-                if self.queue.len() < 2 {
+                if self.waiting() < 2 {
                     return Err(Gap::Empty);
                 }
-                match (self.queue.dequeue(), self.queue.dequeue()) {
+                match (self.take(), self.take()) {
                     (Some(from), Some(to)) => (from, to),
                     _ => return Err(Gap::Empty),
                 }
             }
         };
-        for _ in 0..self.queue.len() {
+        for _ in 0..self.waiting() {
             if t <= to.t {
                 break;
             }
-            if let Some(next) = self.queue.dequeue() {
+            if let Some(next) = self.take() {
                 from = to;
                 to = next;
             }
@@ -176,7 +198,28 @@ impl<T: Scalar> ReferenceConsumer<'_, T> {
 
     /// Samples waiting, without the two that are in use.
     pub fn waiting(&self) -> usize {
-        self.queue.len()
+        if has_slots(self.queue.capacity()) {
+            self.queue.len()
+        } else {
+            0
+        }
+    }
+
+    /// Drops every sample, for a trajectory that will not be finished.
+    pub fn clear(&mut self) {
+        self.span = None;
+        for _ in 0..self.waiting() {
+            self.take();
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self) -> Option<TimedReference<T>> {
+        if has_slots(self.queue.capacity()) {
+            self.queue.dequeue()
+        } else {
+            None
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the tests share: the oracle, the golden traces, the core in closed loop, seeded states and the tolerances.
 
+pub mod aicardi;
 pub mod check;
 pub mod core_draw;
 pub mod core_draw_loop;
@@ -7,6 +8,10 @@ pub mod core_flow;
 pub mod core_loop;
 pub mod core_params;
 pub mod golden;
+pub mod motion_base;
+pub mod motion_loop;
+pub mod motion_parking;
+pub mod motion_tracking;
 pub mod oracle;
 pub mod plant;
 pub mod random;

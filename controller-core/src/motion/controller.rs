@@ -1,0 +1,481 @@
+//! The controller for a real base: one tick from pose to wheel torques.
+
+use super::arrival::{AtRest, Latch, Pushing, STOPPING_DECAY, Stall, Standing};
+use super::bridge::Bridge;
+use super::follow::{Follower, Instant, Wish, clamp};
+use super::governor::Command;
+use super::params::Motion;
+use super::polar::Parker;
+use super::report::{Limited, Mode, MotionReport, Outcome};
+use super::saturation::share;
+use crate::demand::{check_measured, check_tick};
+use crate::error::{Input, StepFault};
+use crate::maths::{Maths, Single};
+use crate::pose_error::{PoseError, pose_error, tracking_error};
+use crate::reference::Reference;
+use crate::scalar::Scalar;
+use crate::shunting::{NeuronUpdate, RationalMean};
+use crate::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
+use core::marker::PhantomData;
+
+/// What the robot is to do in a tick. May change at any time; command and torque do not jump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Task<T> {
+    /// Follow this sample of a reference: its pose and twist are those of the present instant.
+    /// Sample its acceleration half a tick ahead if you can, since it will be held for a tick: at
+    /// 10 ms that is 1.4 to 2 times less error.
+    Follow(Reference<T>),
+    /// Go to this pose and stay.
+    Park(Pose<T>),
+}
+
+/// Follows any trajectory and parks exactly, within the limits of the base. See [`crate::motion`].
+///
+/// ```
+/// use controller_core::maths::Single;
+/// use controller_core::motion::{Limits, MotionController, MotionParams, Policy, Task};
+/// use controller_core::params::Params;
+/// use controller_core::types::{Measured, Pose};
+///
+/// let limits = Limits {
+///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+/// };
+/// let motion = MotionParams::new::<Single>(Params::paper().robot, limits).validate()?;
+/// let here = Measured::default();
+/// let task = Task::Park(Pose::new(1.0_f32, 0.5, 0.0));
+/// let mut controller: MotionController = MotionController::start(&motion, &task, &here)?;
+/// assert_eq!(controller.report().torques.right, 0.0);
+/// let report = controller.step(0.01, &task, &here)?;
+/// assert!(report.torques.right.abs() <= 8.0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionController<T = f32, M = Single, U = RationalMean> {
+    motion: Motion<T>,
+    state: State<T>,
+    report: MotionReport<T>,
+    back_ends: PhantomData<(M, U)>,
+}
+
+/// What changes from tick to tick; copied first and stored last, so that a fault changes nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct State<T> {
+    task: Task<T>,
+    follower: Follower<T>,
+    parker: Parker<T>,
+    latch: Latch<T>,
+    stall: Stall<T>,
+    /// Of speed and turn rate.
+    bridges: (Bridge<T>, Bridge<T>),
+    command: Command<T>,
+    /// The caller said that the pose will jump.
+    declared: bool,
+    /// Parked without torque: the command is what the robot does by itself.
+    released: bool,
+}
+
+impl<T: Scalar> State<T> {
+    /// No memory is infinite or NaN: a wild input is refused, and does not stay.
+    fn is_finite(&self) -> bool {
+        let (linear, angular) = &self.bridges;
+        self.follower.is_finite()
+            && self.parker.is_finite()
+            && linear.is_finite()
+            && angular.is_finite()
+    }
+}
+
+/// What a pose law made of an instant.
+struct Law<T> {
+    wish: Wish<T>,
+    error: PoseError<T>,
+    /// Following and parking, parked and not: a change starts a new bridge.
+    rebase: bool,
+}
+
+impl<T: Scalar> Law<T> {
+    fn is_finite(&self) -> bool {
+        let Wish { twist, rate } = &self.wish;
+        let error = &self.error;
+        let error = error.x.is_finite() && error.y.is_finite() && error.theta.is_finite();
+        error && twist.is_finite() && rate.is_finite()
+    }
+}
+
+impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
+    /// Starts from any pose and twist: the first command is the measured twist, the first torque 0
+    /// (from a twist beyond the limits: the command is the limit, and the torque brakes).
+    ///
+    /// # Errors
+    /// An input that is not finite, or so large that a torque is not.
+    pub fn start(
+        motion: &Motion<T>,
+        task: &Task<T>,
+        measured: &Measured<T>,
+    ) -> Result<Self, StepFault> {
+        check(task, measured)?;
+        let command = Command::of_robot(motion, &measured.twist);
+        let mut controller = Self {
+            motion: *motion,
+            state: State {
+                task: *task,
+                follower: Follower::default(),
+                parker: Parker::default(),
+                latch: Latch::default(),
+                stall: Stall::default(),
+                bridges: Default::default(),
+                command,
+                declared: false,
+                released: false,
+            },
+            report: MotionReport::default(),
+            back_ends: PhantomData,
+        };
+        let mut state = controller.state;
+        let law = controller.law(&mut state, T::ZERO, None, task, measured);
+        state.bridges = bridges(&command, &law.wish, T::ONE, T::ZERO);
+        controller.finish(state, &law, Default::default(), true, measured, T::ZERO)?;
+        Ok(controller)
+    }
+
+    /// One tick, `dt` \[s\] after the last.
+    ///
+    /// # Errors
+    /// Any [`StepFault`]; the state is then unchanged, and the wheels are the caller's to make safe.
+    pub fn step(
+        &mut self,
+        dt: T,
+        task: &Task<T>,
+        measured: &Measured<T>,
+    ) -> Result<&MotionReport<T>, StepFault> {
+        check_tick(dt, self.motion.params().max_tick_s)?;
+        check(task, measured)?;
+        let mut state = self.state;
+        if state.released {
+            state.command = Command::of_robot(&self.motion, &measured.twist);
+        }
+        let jumped = self.is_jump(dt, task, measured);
+        let two_per_dt = (T::ONE + T::ONE) / dt;
+        let advance = if jumped { None } else { Some(two_per_dt) };
+        let law = self.law(&mut state, dt, advance, task, measured);
+        if jumped || law.rebase {
+            let kept = self.kept(jumped, dt);
+            state.bridges = bridges(&state.command, &law.wish, kept, dt);
+        } else {
+            state.bridges = self.faded(&state, dt);
+        }
+        state.released &= state.latch.parked;
+        let limited = if state.released {
+            Limited::default()
+        } else {
+            let wish = bridged(&law.wish, &state.bridges);
+            let (command, limited) = state.command.advance(&self.motion, &wish, dt);
+            state.command = command;
+            limited
+        };
+        state.task = *task;
+        state.declared = false;
+        let pushing = Pushing {
+            command: state.command.twist,
+            twist: measured.twist,
+            saturated: self.report.limited.torque,
+        };
+        state.stall = state.stall.advance(&self.motion, &pushing, dt);
+        self.finish(state, &law, limited, jumped, measured, dt)
+    }
+
+    /// The next pose jumps: the localisation was corrected, or the reference replaced. Command and
+    /// torque go on as they are, and the difference fades.
+    pub fn declare_jump(&mut self) {
+        self.state.declared = true;
+    }
+
+    /// The report of the last tick.
+    pub fn report(&self) -> &MotionReport<T> {
+        &self.report
+    }
+
+    /// The parameters in use.
+    pub fn motion(&self) -> &Motion<T> {
+        &self.motion
+    }
+
+    /// A new task, a new goal, a declared jump, or an error that moved further than the robot can.
+    fn is_jump(&self, dt: T, task: &Task<T>, measured: &Measured<T>) -> bool {
+        let changed = match (&self.state.task, task) {
+            (Task::Follow(_), Task::Follow(_)) => false,
+            (Task::Park(old), Task::Park(new)) => old != new,
+            _ => true,
+        };
+        if changed || self.state.declared {
+            return true;
+        }
+        let Some(threshold) = self.motion.params().jump else {
+            return false;
+        };
+        let (error, speed) = match task {
+            Task::Follow(reference) => {
+                let (error, _) = tracking_error::<T, M>(reference, &measured.pose);
+                (error, reference.twist().linear.abs())
+            }
+            Task::Park(goal) => (pose_error::<T, M>(goal, &measured.pose), T::ZERO),
+        };
+        let last = &self.report.error;
+        let limits = &self.motion.params().limits;
+        // The robot and the reference move, and the frame turns under the error.
+        let (dx, dy) = (error.x - last.x, error.y - last.y);
+        let reach = M::sqrt(last.x * last.x + last.y * last.y);
+        let moved = dt * (limits.speed + speed + limits.turn_rate * reach);
+        let turned = (T::ONE + T::ONE) * dt * limits.turn_rate;
+        let heading = crate::angle::wrap(error.theta - last.theta).abs();
+        M::sqrt(dx * dx + dy * dy) > threshold.distance_m + moved
+            || heading > threshold.heading_rad + turned
+    }
+
+    fn law(
+        &self,
+        state: &mut State<T>,
+        dt: T,
+        two_per_dt: Option<T>,
+        task: &Task<T>,
+        measured: &Measured<T>,
+    ) -> Law<T> {
+        let motion = &self.motion;
+        let command = state.command.twist;
+        match task {
+            Task::Follow(reference) => {
+                let (error, heading) = tracking_error::<T, M>(reference, &measured.pose);
+                let now = Instant {
+                    reference,
+                    error,
+                    heading,
+                    turn_rate: measured.twist.angular,
+                };
+                state.latch = Latch::default();
+                let wish = state
+                    .follower
+                    .advance::<U, M>(motion, &now, &command, two_per_dt);
+                Law {
+                    wish,
+                    error,
+                    rebase: false,
+                }
+            }
+            Task::Park(goal) => {
+                let error = pose_error::<T, M>(goal, &measured.pose);
+                let distance = M::sqrt(error.x * error.x + error.y * error.y);
+                let was_parked = state.latch.parked;
+                if two_per_dt.is_none() {
+                    state.latch = Latch::default();
+                }
+                let standing = Standing {
+                    error,
+                    distance,
+                    twist: measured.twist,
+                    command,
+                    command_rate: state.command.rate,
+                };
+                state.latch = state.latch.advance(motion, &standing, dt);
+                let parked = state.latch.parked;
+                let wish = if parked {
+                    state.parker.rest();
+                    Wish::default()
+                } else {
+                    // Pushed off its goal, the law starts afresh.
+                    let advance = if was_parked { None } else { two_per_dt };
+                    state
+                        .parker
+                        .advance::<U, M>(motion, &error, distance, &command, advance)
+                };
+                Law {
+                    wish,
+                    error,
+                    rebase: parked != was_parked,
+                }
+            }
+        }
+    }
+
+    /// How much of its rate the command keeps in a tick that jumps: all of it, unless the last tick
+    /// jumped too. A goal that moves at every tick must not keep the robot from answering.
+    fn kept(&self, jumped: bool, dt: T) -> T {
+        if jumped && self.report.jumped {
+            let decay = self.motion.gains().decay;
+            T::ONE + M::exp_m1(-((decay + decay) * dt))
+        } else {
+            T::ONE
+        }
+    }
+
+    fn faded(&self, state: &State<T>, dt: T) -> (Bridge<T>, Bridge<T>) {
+        let decay = if state.latch.parked {
+            T::from_f64(STOPPING_DECAY)
+        } else {
+            self.motion.gains().decay
+        };
+        let fade = T::ONE + M::exp_m1(-(decay * dt));
+        let (linear, angular) = &state.bridges;
+        (
+            linear.advance(decay, dt, fade),
+            angular.advance(decay, dt, fade),
+        )
+    }
+
+    /// Torque, the wheels' limit, what it does to the command, and the report.
+    fn finish(
+        &mut self,
+        mut state: State<T>,
+        law: &Law<T>,
+        mut limited: Limited,
+        jumped: bool,
+        measured: &Measured<T>,
+        dt: T,
+    ) -> Result<&MotionReport<T>, StepFault> {
+        let params = self.motion.params();
+        let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
+        let Command { twist, rate } = state.command;
+        let velocity_error = Twist {
+            linear: measured.twist.linear - twist.linear,
+            angular: measured.twist.angular - twist.angular,
+        };
+        let wrench = Wrench {
+            force: robot.mass_kg * (rate.linear - gains.speed_loop * velocity_error.linear),
+            moment: robot.inertia_kg_m2 * (rate.angular - gains.turn_loop * velocity_error.angular),
+        };
+        let finite = wrench.force.is_finite() && wrench.moment.is_finite();
+        if !(finite && law.is_finite() && state.is_finite()) {
+            return Err(StepFault::Overflow);
+        }
+        let torque = limits.wheel_torque_nm;
+        let (applied, saturated) = share(&self.motion.wheels, &wrench, torque, limits.policy);
+        if saturated {
+            // Back-calculation: the command that would have asked for just this.
+            let (f, n) = (
+                applied.force / robot.mass_kg,
+                applied.moment / robot.inertia_kg_m2,
+            );
+            let v = measured.twist.linear + (f - rate.linear) / gains.speed_loop;
+            let w = measured.twist.angular + (n - rate.angular) / gains.turn_loop;
+            state.command.twist = Twist {
+                linear: clamp(v, limits.speed),
+                angular: clamp(w, limits.turn_rate),
+            };
+        }
+        limited.torque = saturated;
+        let released = self.is_released(&state, &velocity_error, &wrench, dt);
+        state.released = released;
+        let outcome = if state.latch.parked {
+            Outcome::Parked
+        } else if state.stall.is_stalled(&self.motion) {
+            Outcome::Stalled
+        } else {
+            Outcome::Driving
+        };
+        self.report = MotionReport {
+            mode: match state.task {
+                Task::Follow(_) => Mode::Following,
+                Task::Park(_) => Mode::Parking,
+            },
+            outcome,
+            error: law.error,
+            wanted: law.wish.twist,
+            wanted_rate: law.wish.rate,
+            bridge: Twist {
+                linear: state.bridges.0.value,
+                angular: state.bridges.1.value,
+            },
+            command: twist,
+            command_rate: rate,
+            velocity_error,
+            wrench,
+            torques: if released {
+                WheelTorques::default()
+            } else {
+                bounded(&self.motion.wheels.torques(&applied), torque)
+            },
+            limited,
+            jumped,
+            backing: state.parker.is_backing(),
+        };
+        self.state = state;
+        Ok(&self.report)
+    }
+
+    /// Parked without torque: from when the robot stands and the torque left is a step of less than
+    /// L dt, until it is pushed off the goal.
+    fn is_released(
+        &self,
+        state: &State<T>,
+        velocity_error: &Twist<T>,
+        wrench: &Wrench<T>,
+        dt: T,
+    ) -> bool {
+        let still = T::from_f64(1.0e-3);
+        let command = &state.command.twist;
+        let stands = command.linear.abs() < still
+            && command.angular.abs() < still
+            && velocity_error.linear.abs() < still
+            && velocity_error.angular.abs() < still
+            && wrench.force.abs() <= self.motion.force_rate_limit() * dt
+            && wrench.moment.abs() <= self.motion.moment_rate_limit() * dt;
+        state.latch.parked
+            && self.motion.params().arrival.at_rest == AtRest::Release
+            && (state.released || stands)
+    }
+}
+
+fn check<T: Scalar>(task: &Task<T>, measured: &Measured<T>) -> Result<(), StepFault> {
+    check_measured(measured)?;
+    match task {
+        Task::Follow(reference) if !reference.is_finite() => {
+            Err(StepFault::NotFinite(Input::Reference))
+        }
+        Task::Park(goal) if !goal.is_finite() => Err(StepFault::NotFinite(Input::Goal)),
+        _ => Ok(()),
+    }
+}
+
+/// Bridges with which the wish, from now on, goes on from where a command would be by now, in value
+/// and, as far as it is `kept`, in rate.
+fn bridges<T: Scalar>(
+    command: &Command<T>,
+    wish: &Wish<T>,
+    kept: T,
+    dt: T,
+) -> (Bridge<T>, Bridge<T>) {
+    let bridge = |speed: T, accel: T, wish: T, wish_rate: T| {
+        let rate = kept * (accel - wish_rate);
+        Bridge {
+            value: speed + dt * (wish_rate + rate) - wish,
+            rate,
+        }
+    };
+    let (twist, rate) = (&command.twist, &command.rate);
+    let (to, to_rate) = (&wish.twist, &wish.rate);
+    (
+        bridge(twist.linear, rate.linear, to.linear, to_rate.linear),
+        bridge(twist.angular, rate.angular, to.angular, to_rate.angular),
+    )
+}
+
+fn bridged<T: Scalar>(wish: &Wish<T>, (linear, angular): &(Bridge<T>, Bridge<T>)) -> Wish<T> {
+    Wish {
+        twist: Twist {
+            linear: wish.twist.linear + linear.value,
+            angular: wish.twist.angular + angular.value,
+        },
+        rate: Accel {
+            linear: wish.rate.linear + linear.rate,
+            angular: wish.rate.angular + angular.rate,
+        },
+    }
+}
+
+/// Clips the last bits that [`share`] may leave above the limit.
+fn bounded<T: Scalar>(torques: &WheelTorques<T>, limit: T) -> WheelTorques<T> {
+    WheelTorques {
+        right: clamp(torques.right, limit),
+        left: clamp(torques.left, limit),
+    }
+}

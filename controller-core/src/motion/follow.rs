@@ -1,0 +1,136 @@
+//! Following a moving reference, at any speed and from any heading.
+
+use super::lag::LagState;
+use super::params::Motion;
+use crate::maths::Maths;
+use crate::pose_error::PoseError;
+use crate::reference::Reference;
+use crate::scalar::Scalar;
+use crate::shunting::NeuronUpdate;
+use crate::types::{Accel, Twist};
+
+/// Memory of the following law.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Follower<T> {
+    along: LagState<T>,
+    across: LagState<T>,
+    around: LagState<T>,
+    /// Which way to turn out of a heading error beyond π/2: ±1, 0 if there is none.
+    side: T,
+}
+
+/// What a pose law wants: a twist and its exact rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Wish<T> {
+    pub(crate) twist: Twist<T>,
+    pub(crate) rate: Accel<T>,
+}
+
+/// The present instant of a follower.
+pub(crate) struct Instant<'a, T> {
+    pub(crate) reference: &'a Reference<T>,
+    pub(crate) error: PoseError<T>,
+    /// (sin e_θ, cos e_θ).
+    pub(crate) heading: (T, T),
+    /// Measured turn rate.
+    pub(crate) turn_rate: T,
+}
+
+impl<T: Scalar> Follower<T> {
+    /// Eq. (15) for any v_r, with the reference fed forward and the schedule in a neuron's input.
+    ///
+    /// ```text
+    /// v_d = s₁ + v_r cos e_θ
+    /// w_d = w_r + k₃ (s₂ + sin e_θ + s₃)
+    /// ```
+    ///
+    /// | neuron | wish | bound |
+    /// | --- | --- | --- |
+    /// | s₁ | k₁ e_x | `along_bound` |
+    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to 1.3 | 1.3 |
+    /// | s₃ | beyond \|e_θ\| = π/2: ±1 − sin e_θ, so that a robot that looks back turns as fast as one that looks aside | 1.5 |
+    ///
+    /// k₂ of the paper is c/(v_r² + v_f²): lateral poles that do not depend on v_r, no division by it,
+    /// smooth through 0 and the same for v_r < 0. As it is part of an input, no derivative of it is
+    /// needed. The heading asked for by s₂ is at most some 0.65 rad for any offset.
+    pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        motion: &Motion<T>,
+        now: &Instant<'_, T>,
+        command: &Twist<T>,
+        two_per_dt: Option<T>,
+    ) -> Wish<T> {
+        let gains = motion.gains();
+        let (reference, accel) = (now.reference.twist(), now.reference.accel());
+        let (sine, cosine) = now.heading;
+        let v = reference.linear;
+        let slope = gains.across / gains.heading * v / (v * v + gains.slow * gains.slow);
+        let ahead = slope * now.error.x;
+        let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
+        let wishes = (
+            gains.along * now.error.x,
+            clamp(across, T::from_f64(1.3)),
+            self.turn_around(now.error.theta, sine),
+        );
+        match two_per_dt {
+            Some(two_per_dt) => {
+                let step = |lag: &super::lag::Lag<T>, state: &LagState<T>, wish| {
+                    lag.advance::<U, M>(state, wish, two_per_dt)
+                };
+                self.along = step(&motion.along, &self.along, wishes.0);
+                self.across = step(&motion.across, &self.across, wishes.1);
+                self.around = step(&motion.around, &self.around, wishes.2);
+            }
+            None => {
+                let turned = (command.angular - reference.angular) / gains.heading - sine;
+                self.along = motion.along.reset(command.linear - v * cosine, wishes.0);
+                self.across = motion.across.reset(turned, wishes.1);
+                self.around = motion.around.reset(T::ZERO, wishes.2);
+            }
+        }
+        let heading_rate = reference.angular - now.turn_rate;
+        let turn = self.across.value + sine + self.around.value;
+        let turn_rate = motion.across.rate(&self.across)
+            + motion.around.rate(&self.around)
+            + cosine * heading_rate;
+        Wish {
+            twist: Twist {
+                linear: self.along.value + v * cosine,
+                angular: reference.angular + gains.heading * turn,
+            },
+            rate: Accel {
+                linear: motion.along.rate(&self.along) + accel.linear * cosine
+                    - v * sine * heading_rate,
+                angular: accel.angular + gains.heading * turn_rate,
+            },
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.along.is_finite() && self.across.is_finite() && self.around.is_finite()
+    }
+
+    /// What sin e_θ lacks beyond a quarter turn. Which way is decided once and kept near half a
+    /// turn, where the sign of e_θ is noise.
+    fn turn_around(&mut self, theta: T, sine: T) -> T {
+        if theta.abs() <= T::FRAC_PI_2 {
+            self.side = T::ZERO;
+            return T::ZERO;
+        }
+        if self.side == T::ZERO || theta.abs() < T::PI - T::from_f64(0.3) {
+            self.side = if theta > T::ZERO { T::ONE } else { -T::ONE };
+        }
+        self.side - sine
+    }
+}
+
+/// `value`, but not beyond ±`largest`.
+pub(crate) fn clamp<T: Scalar>(value: T, largest: T) -> T {
+    if value > largest {
+        largest
+    } else if value < -largest {
+        -largest
+    } else {
+        value
+    }
+}

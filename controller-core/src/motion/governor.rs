@@ -1,0 +1,147 @@
+//! Keeps the command within what the base can do, and says so.
+
+use super::follow::{Wish, clamp};
+use super::limits::Limits;
+use super::params::Motion;
+use super::report::Limited;
+use super::saturation::share;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Twist, Wrench};
+
+/// The command: what the velocity loop is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Command<T> {
+    pub(crate) twist: Twist<T>,
+    pub(crate) rate: Accel<T>,
+}
+
+/// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
+pub(crate) const COMMAND_SHARE: f64 = 0.75;
+
+impl<T: Scalar> Command<T> {
+    /// The command that asks a robot for what it does already, as far as the limits allow.
+    pub(crate) fn of_robot(motion: &Motion<T>, twist: &Twist<T>) -> Self {
+        let limits = &motion.params().limits;
+        Self {
+            twist: Twist {
+                linear: clamp(twist.linear, limits.speed),
+                angular: clamp(twist.angular, limits.turn_rate),
+            },
+            rate: Accel::default(),
+        }
+    }
+
+    /// The command one tick on: a copy of the wish, slewed. With no limit at work it is the wish,
+    /// value and rate, without lag.
+    ///
+    /// The speed moves towards the wanted one by at most accel (or brake) · dt; what is fed forward
+    /// is the wanted rate, or the slewed one, moved by at most jerk · dt. The latter is never
+    /// integrated into the former: noise in it would become an error of the command.
+    pub(crate) fn advance(&self, motion: &Motion<T>, wish: &Wish<T>, dt: T) -> (Self, Limited) {
+        let limits = &motion.params().limits;
+        let needed = Accel {
+            linear: (wish.twist.linear - self.twist.linear) / dt,
+            angular: (wish.twist.angular - self.twist.angular) / dt,
+        };
+        let slew = self.slew(motion, &needed);
+        let moved = Twist {
+            linear: self.twist.linear + slew.linear * dt,
+            angular: self.twist.angular + slew.angular * dt,
+        };
+        let twist = Twist {
+            linear: clamp(moved.linear, limits.speed),
+            angular: clamp(moved.angular, limits.turn_rate),
+        };
+        let slewed = (slew.linear != needed.linear, slew.angular != needed.angular);
+        let mut rate = Accel {
+            linear: if slewed.0 {
+                slew.linear
+            } else {
+                wish.rate.linear
+            },
+            angular: if slewed.1 {
+                slew.angular
+            } else {
+                wish.rate.angular
+            },
+        };
+        rate.linear = not_outward(rate.linear, wish.twist.linear, limits.speed);
+        rate.angular = not_outward(rate.angular, wish.twist.angular, limits.turn_rate);
+        let rate = self.within_accel(limits, &rate);
+        let (linear, linear_jerk) = towards(self.rate.linear, rate.linear, limits.jerk * dt);
+        let (angular, angular_jerk) =
+            towards(self.rate.angular, rate.angular, limits.turn_jerk * dt);
+        let limited = Limited {
+            speed: twist != moved,
+            accel: slewed.0 || slewed.1,
+            jerk: linear_jerk || angular_jerk,
+            torque: false,
+        };
+        let rate = Accel { linear, angular };
+        (Self { twist, rate }, limited)
+    }
+
+    /// `needed` within acceleration, braking and the wheels' share for the command.
+    fn slew(&self, motion: &Motion<T>, needed: &Accel<T>) -> Accel<T> {
+        let params = motion.params();
+        let limits = &params.limits;
+        let wanted = self.within_accel(limits, needed);
+        let wrench = Wrench {
+            force: params.robot.mass_kg * wanted.linear,
+            moment: params.robot.inertia_kg_m2 * wanted.angular,
+        };
+        let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
+        let (shared, limited) = share(&motion.wheels, &wrench, torque, limits.policy);
+        if limited {
+            Accel {
+                linear: shared.force / params.robot.mass_kg,
+                angular: shared.moment / params.robot.inertia_kg_m2,
+            }
+        } else {
+            wanted
+        }
+    }
+
+    /// Braking is towards rest, accelerating away from it.
+    fn within_accel(&self, limits: &Limits<T>, rate: &Accel<T>) -> Accel<T> {
+        let v = self.twist.linear;
+        let (up, down) = if v > T::ZERO {
+            (limits.accel, limits.brake)
+        } else if v < T::ZERO {
+            (limits.brake, limits.accel)
+        } else {
+            (limits.accel, limits.accel)
+        };
+        let linear = if rate.linear > up {
+            up
+        } else if rate.linear < -down {
+            -down
+        } else {
+            rate.linear
+        };
+        Accel {
+            linear,
+            angular: clamp(rate.angular, limits.turn_accel),
+        }
+    }
+}
+
+/// 0 instead of a rate that points beyond the limit at which the wish stands.
+fn not_outward<T: Scalar>(rate: T, wish: T, limit: T) -> T {
+    if wish.abs() >= limit && rate * wish > T::ZERO {
+        T::ZERO
+    } else {
+        rate
+    }
+}
+
+/// `to`, but at most `step` away from `from`, and whether that mattered.
+fn towards<T: Scalar>(from: T, to: T, step: T) -> (T, bool) {
+    if to > from + step {
+        (from + step, true)
+    } else if to < from - step {
+        (from - step, true)
+    } else {
+        (to, false)
+    }
+}

@@ -1,0 +1,188 @@
+//! Parameters of the law for a real base: plain data, validated once.
+
+use super::arrival::Arrival;
+use super::gains::MotionGains;
+use super::governor::COMMAND_SHARE;
+use super::lag::Lag;
+use super::limits::Limits;
+use crate::error::{Field, ParamError};
+use crate::maths::Maths;
+use crate::params::Robot;
+use crate::range::within;
+use crate::scalar::Scalar;
+use crate::wheels::WheelMap;
+
+/// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
+/// localisation, or of the reference, that nobody declared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JumpThreshold<T> {
+    /// \[m\], 1e-4 to 100; above the noise of the pose.
+    pub distance_m: T,
+    /// \[rad\], 1e-4 to 4; above the noise of the heading.
+    pub heading_rad: T,
+}
+
+/// Everything that the controller needs to know of a base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionParams<T> {
+    /// Mass, inertia, wheels.
+    pub robot: Robot<T>,
+    /// What it can do.
+    pub limits: Limits<T>,
+    /// Gains; [`MotionGains::for_limits`] unless you know better.
+    pub gains: MotionGains<T>,
+    /// Standard deviation of the measured position \[m\], 0 to 1, per tick.
+    pub pose_noise_m: T,
+    /// When the robot has arrived, and when it is stuck.
+    pub arrival: Arrival<T>,
+    /// Jumps to be detected; `None` leaves it to the caller to declare them.
+    pub jump: Option<JumpThreshold<T>>,
+    /// Longest accepted time between ticks \[s\], 1e-6 to 1e3.
+    pub max_tick_s: T,
+}
+
+impl<T: Scalar> MotionParams<T> {
+    /// Parameters for a base, with gains that suit its limits and exact poses.
+    ///
+    /// Where the wheels are too weak for the accelerations that the limits name, gains suit the wheels.
+    pub fn new<M: Maths<T>>(robot: Robot<T>, limits: Limits<T>) -> Self {
+        Self {
+            robot,
+            limits,
+            gains: MotionGains::for_limits::<M>(&within_reach(&robot, &limits)),
+            pose_noise_m: T::ZERO,
+            arrival: Arrival::exact(),
+            jump: None,
+            max_tick_s: T::HALF,
+        }
+    }
+
+    /// Checks every field and works out what follows from them.
+    ///
+    /// # Errors
+    /// The first field out of range, with the limit it passed.
+    pub fn validate(self) -> Result<Motion<T>, ParamError> {
+        let f = T::from_f64;
+        within(Field::Mass, self.robot.mass_kg, 1.0e-3, 1.0e5)?;
+        within(Field::Inertia, self.robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
+        let wheels = WheelMap::from_geometry(&self.robot.wheels)?;
+        self.limits.check()?;
+        self.gains.check()?;
+        self.arrival.check()?;
+        within(Field::PoseNoise, self.pose_noise_m, 0.0, 1.0)?;
+        if let Some(jump) = &self.jump {
+            within(Field::JumpDistance, jump.distance_m, 1.0e-4, 100.0)?;
+            within(Field::JumpHeading, jump.heading_rad, 1.0e-4, 4.0)?;
+        }
+        within(Field::MaxTick, self.max_tick_s, 1.0e-6, 1.0e3)?;
+        let gains = &self.gains;
+        // At 5 standard deviations the direction to the goal is known to 0.2 rad; without noise
+        // 0.3 mm keeps the direction out of the last rounding of single precision.
+        let noise_radius = f(5.0) * self.pose_noise_m;
+        let least = f(3.0e-4);
+        Ok(Motion {
+            params: self,
+            wheels,
+            near: if noise_radius > least {
+                noise_radius
+            } else {
+                least
+            },
+            along: Lag::new(gains.decay, gains.along_bound)?,
+            // 1.3 leaves room for the largest demand, A/(A + A) of it, and a start on the move.
+            across: Lag::new(gains.decay, f(1.3))?,
+            around: Lag::new(gains.decay, f(1.5))?,
+            approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,
+            turn: Lag::new(gains.decay, f(4.0))?,
+        })
+    }
+}
+
+/// The limits with no more acceleration than the wheels have to give to a command.
+fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
+    let wheels = &robot.wheels;
+    let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
+    let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
+    let linear = force / robot.mass_kg;
+    let angular = T::HALF * wheels.track_m * force / robot.inertia_kg_m2;
+    // Parameters that are not checked yet: what is not a number limits nothing.
+    let smaller = |reach: T, limit: T| if reach < limit { reach } else { limit };
+    Limits {
+        accel: smaller(linear, limits.accel),
+        brake: smaller(linear, limits.brake),
+        turn_accel: smaller(angular, limits.turn_accel),
+        ..*limits
+    }
+}
+
+/// [`MotionParams`] that passed `validate`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<T> {
+    params: MotionParams<T>,
+    pub(crate) wheels: WheelMap<T>,
+    /// Distance to the goal below which its direction is noise \[m\].
+    pub(crate) near: T,
+    /// Neuron of e_x while following \[m/s\].
+    pub(crate) along: Lag<T>,
+    /// Neuron of e_y while following \[rad\].
+    pub(crate) across: Lag<T>,
+    /// Neuron that turns a robot which looks back \[1\].
+    pub(crate) around: Lag<T>,
+    /// Neuron of the distance while parking \[m/s\].
+    pub(crate) approach: Lag<T>,
+    /// Neuron of the bearing while parking \[rad/s\].
+    pub(crate) turn: Lag<T>,
+}
+
+impl<T: Scalar> Motion<T> {
+    /// The parameters as they were given.
+    pub fn params(&self) -> &MotionParams<T> {
+        &self.params
+    }
+
+    /// The gains in use.
+    pub fn gains(&self) -> &MotionGains<T> {
+        &self.params.gains
+    }
+
+    /// The map between wrench and wheel torques.
+    pub fn wheels(&self) -> &WheelMap<T> {
+        &self.wheels
+    }
+
+    /// L of the force \[N/s\], before the wheels' limit: whatever happens, jumps included, it changes
+    /// by at most L dt in a tick. m (jerk + κ₁ (a_max + F/m)), with F/m the largest acceleration
+    /// that the wheels can make.
+    pub fn force_rate_limit(&self) -> T {
+        let limits = &self.params.limits;
+        let accel = if limits.accel > limits.brake {
+            limits.accel
+        } else {
+            limits.brake
+        };
+        let mass = self.params.robot.mass_kg;
+        let loop_rate = self.gains().speed_loop;
+        mass * (limits.jerk + loop_rate * (accel + self.largest_force() / mass))
+    }
+
+    /// L of the moment \[N m/s\]; see [`Motion::force_rate_limit`].
+    pub fn moment_rate_limit(&self) -> T {
+        let limits = &self.params.limits;
+        let inertia = self.params.robot.inertia_kg_m2;
+        let loop_rate = self.gains().turn_loop;
+        inertia
+            * (limits.turn_jerk + loop_rate * (limits.turn_accel + self.largest_moment() / inertia))
+    }
+
+    /// The largest force that the wheels exert \[N\].
+    pub fn largest_force(&self) -> T {
+        let limit = self.params.limits.wheel_torque_nm;
+        let wheels = &self.params.robot.wheels;
+        limit / wheels.radius_right_m + limit / wheels.radius_left_m
+    }
+
+    /// The largest moment that the wheels exert \[N m\].
+    pub fn largest_moment(&self) -> T {
+        T::HALF * self.params.robot.wheels.track_m * self.largest_force()
+    }
+}

@@ -1,0 +1,73 @@
+//! Everything that a tick computed, in one value.
+
+use crate::pose_error::PoseError;
+use crate::types::{Accel, Twist, WheelTorques, Wrench};
+
+/// What the controller is at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// Following a moving reference.
+    #[default]
+    Following,
+    /// Going to a pose at rest.
+    Parking,
+}
+
+/// What came of it so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Outcome {
+    /// On the way.
+    #[default]
+    Driving,
+    /// At the goal within tolerance, and staying.
+    Parked,
+    /// A speed was commanded for long, and the robot does not move.
+    Stalled,
+}
+
+/// Which limits were at work in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Limited {
+    /// The command was held at the largest speed or turn rate.
+    pub speed: bool,
+    /// The command was slewed by acceleration, braking or what the wheels can exert.
+    pub accel: bool,
+    /// The fed-forward acceleration was slewed by jerk.
+    pub jerk: bool,
+    /// A wheel torque was at its limit; the command was set back to what is achieved.
+    pub torque: bool,
+}
+
+/// The report of one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotionReport<T> {
+    /// Following or parking.
+    pub mode: Mode,
+    /// Whether the robot got there.
+    pub outcome: Outcome,
+    /// Pose error in the body frame, Eq. (8).
+    pub error: PoseError<T>,
+    /// What the pose law wants.
+    pub wanted: Twist<T>,
+    /// Its exact rate.
+    pub wanted_rate: Accel<T>,
+    /// What past jumps still add to it.
+    pub bridge: Twist<T>,
+    /// What is asked of the velocity loop, within all limits.
+    pub command: Twist<T>,
+    /// Fed forward, within all limits.
+    pub command_rate: Accel<T>,
+    /// Measured minus commanded twist.
+    pub velocity_error: Twist<T>,
+    /// What the law asks for, before the wheels' limit.
+    pub wrench: Wrench<T>,
+    /// What the wheels are to be told \[N m\], within their limit.
+    pub torques: WheelTorques<T>,
+    /// Limits at work.
+    pub limited: Limited,
+    /// This tick took a jump: a new task, a new goal, a declared or detected jump of the pose.
+    pub jumped: bool,
+    /// While parking: the robot backs up.
+    pub backing: bool,
+}

@@ -1,0 +1,95 @@
+//! A wrench that the wheels can exert.
+
+use super::limits::Policy;
+use crate::scalar::Scalar;
+use crate::types::{WheelTorques, Wrench};
+use crate::wheels::WheelMap;
+
+/// The wrench nearest to `wanted`, in the sense of `policy`, whose wheel torques stay within
+/// ±`limit`, and whether it differs.
+///
+/// `limit` > 0. The torques of the result may exceed the limit by rounding only; whoever sends them
+/// clips those last bits.
+pub fn share<T: Scalar>(
+    wheels: &WheelMap<T>,
+    wanted: &Wrench<T>,
+    limit: T,
+    policy: Policy,
+) -> (Wrench<T>, bool) {
+    let asked = wheels.torques(wanted);
+    if largest(&asked) <= limit {
+        return (*wanted, false);
+    }
+    let force = Wrench {
+        force: wanted.force,
+        moment: T::ZERO,
+    };
+    let moment = Wrench {
+        force: T::ZERO,
+        moment: wanted.moment,
+    };
+    let (drive, turn) = match policy {
+        Policy::KeepCurvature => {
+            let scale = limit / largest(&asked);
+            (scale, scale)
+        }
+        Policy::TurnFirst => {
+            let first = scale_within(&wheels.torques(&moment), limit);
+            let rest = room(wheels, &moment, first, &force, limit);
+            (rest, first)
+        }
+        Policy::DriveFirst => {
+            let first = scale_within(&wheels.torques(&force), limit);
+            let rest = room(wheels, &force, first, &moment, limit);
+            (first, rest)
+        }
+    };
+    let shared = Wrench {
+        force: drive * wanted.force,
+        moment: turn * wanted.moment,
+    };
+    (shared, true)
+}
+
+fn largest<T: Scalar>(torques: &WheelTorques<T>) -> T {
+    let (right, left) = (torques.right.abs(), torques.left.abs());
+    if right > left { right } else { left }
+}
+
+/// The largest factor up to 1 that brings both torques within ±limit.
+fn scale_within<T: Scalar>(torques: &WheelTorques<T>, limit: T) -> T {
+    let largest = largest(torques);
+    if largest > limit {
+        limit / largest
+    } else {
+        T::ONE
+    }
+}
+
+/// The largest factor of `second` in [0, 1] that fits beside `scale` times `first`.
+fn room<T: Scalar>(
+    wheels: &WheelMap<T>,
+    first: &Wrench<T>,
+    scale: T,
+    second: &Wrench<T>,
+    limit: T,
+) -> T {
+    let (first, second) = (wheels.torques(first), wheels.torques(second));
+    let fits = |taken: T, more: T| {
+        // Room in the direction of `more`, at least 0 although the last bit may say otherwise.
+        let room = if more > T::ZERO {
+            limit - scale * taken
+        } else {
+            limit + scale * taken
+        };
+        let room = if room > T::ZERO { room } else { T::ZERO };
+        if more.abs() > room {
+            room / more.abs()
+        } else {
+            T::ONE
+        }
+    };
+    let right = fits(first.right, second.right);
+    let left = fits(first.left, second.left);
+    if right < left { right } else { left }
+}

@@ -1,0 +1,208 @@
+//! What the real world adds: moving goals, uneven ticks, wrong masses, late poses, far from the origin.
+
+use std::f64::consts::PI;
+
+use controller_core::maths::{Libm, Single};
+use controller_core::motion::{JumpThreshold, Limits, Outcome, Policy, Task};
+use controller_core::pose_error::pose_error;
+use controller_core::shunting::{ExactMean, RationalMean};
+use controller_core::types::Pose;
+use tests::motion_base::{Base, Body};
+use tests::motion_loop::{Drive, Order, both_cores, goal, ring, steady};
+use tests::motion_parking::{park_all, print};
+use tests::motion_tracking::Exact;
+use tests::random::Random;
+use tests::tolerance::ARRIVED;
+
+const BASE: Base = Base::STANDARD;
+
+/// A goal that trembles at every tick by ±1 mm and ±1 mrad (a detected dock) is a jump at every tick, and reached.
+#[test]
+fn goal_that_changes_at_every_tick_is_reached() {
+    let mut params = BASE.exact();
+    params.pose_noise_m = 1e-3;
+    let motion = params.validate().expect("valid");
+    for (x, y, theta) in [(-1.0, 0.3, 0.0), (-0.5, -0.5, 1.0), (1.0, 0.2, 0.3)] {
+        for dt in [0.01, 0.001] {
+            let mut random = Random(0x5EED_0009);
+            let still: Order = Task::Park(Pose::default());
+            let mut drive = Exact::start(&motion, BASE, Body::at(x, y, theta), &still, dt);
+            while drive.t < 20.0 {
+                let goal = Pose::new(
+                    random.within(1e-3),
+                    random.within(1e-3),
+                    random.within(1e-3),
+                );
+                drive.advance(|_| Task::Park(goal));
+            }
+            let left = drive.error(&still);
+            println!("trembling goal: {left:?}");
+            assert!(
+                left.x.hypot(left.y) < 0.01 && left.theta.abs() < 0.02,
+                "{left:?}"
+            );
+        }
+    }
+}
+
+/// A threshold below the noise makes every tick a jump; the robot follows all the same.
+#[test]
+fn threshold_below_the_noise_does_no_harm() {
+    let mut params = BASE.exact();
+    params.jump = Some(JumpThreshold {
+        distance_m: 1e-4,
+        heading_rad: 1e-4,
+    });
+    let motion = params.validate().expect("valid");
+    let path = steady(0.4, 0.15);
+    let mut random = Random(0x5EED_000A);
+    let mut drive = Exact::start(&motion, BASE, Body::at(0.0, 0.5, 0.0), &path(0.0), 0.01);
+    let mut jumps = 0;
+    while drive.t < 20.0 {
+        drive.coast(&Default::default());
+        let mut measured = drive.body.measured::<f64>();
+        measured.pose.x += random.within(0.05);
+        measured.pose.y += random.within(0.05);
+        jumps += i32::from(drive.take(&path(drive.t), &measured).jumped);
+    }
+    let left = drive.error(&path(drive.t));
+    println!("{jumps} jumps of 2000, left {left:?}");
+    assert!(jumps > 500);
+    assert!(left.x.hypot(left.y) < 0.05, "{left:?}");
+}
+
+/// Ticks anywhere from 2 to 30 ms.
+#[test]
+fn uneven_ticks_park() {
+    let motion = BASE.params::<f32, Single>().validate().expect("valid");
+    let order = Task::Park(Pose::default());
+    let starts: Vec<Body> = ring().into_iter().step_by(7).collect();
+    let lost = both_cores(&starts, |body| {
+        let mut random = Random(0x5EED_000B);
+        let mut drive =
+            Drive::<f32, Single, RationalMean>::start(&motion, BASE, *body, &order, 0.01);
+        let mut t = 0.0;
+        while t < 20.0 {
+            drive.dt = 0.016 + random.within(0.014);
+            t += drive.dt;
+            drive.advance(|_| order);
+        }
+        let left = drive.error(&order);
+        let parked = drive.report().outcome == Outcome::Parked;
+        !(parked && left.x.hypot(left.y) < ARRIVED && left.theta.abs() < ARRIVED)
+    });
+    assert_eq!(lost.into_iter().filter(|lost| *lost).count(), 0);
+}
+
+/// Single precision 200 m from the origin: poses come in steps of 15 µm.
+#[test]
+fn single_precision_parks_far_from_the_origin() {
+    let motion = BASE.params::<f32, Single>().validate().expect("valid");
+    let order = Task::Park(Pose::new(200.0, -150.0, 3.0));
+    for bearing in 0..12 {
+        let (sine, cosine) = (f64::from(bearing) * PI / 6.0).sin_cos();
+        let body = Body::at(200.0 + cosine, -150.0 + sine, 1.0);
+        let mut drive =
+            Drive::<f32, Single, RationalMean>::start(&motion, BASE, body, &order, 0.01);
+        while drive.t < 20.0 {
+            drive.advance(|_| order);
+        }
+        let left = drive.error(&order);
+        assert_eq!(drive.report().outcome, Outcome::Parked, "{left:?}");
+        assert!(left.x.hypot(left.y) < ARRIVED && left.theta.abs() < ARRIVED);
+    }
+}
+
+/// Case 2 and parking at its end, with another robot than the controller believes in, and poses `late` ticks old.
+fn mission(plant: Base, late: usize, limits: Limits<f64>) -> (f64, f64, bool) {
+    let motion = Base { limits, ..BASE }.exact().validate().expect("valid");
+    let path = steady(0.4, 0.15);
+    let target = goal(&path(10.0));
+    let order = Task::Park(target);
+    let mut drive = Exact::start(&motion, plant, Body::at(0.0, 1.0, 0.0), &path(0.0), 0.01);
+    let mut poses = vec![drive.body.pose; late + 1];
+    let (mut parking, mut overshoot) = (false, 0.0_f64);
+    while drive.t < 40.0 {
+        let left = (10.0 - drive.t).max(0.0) * 0.4 + drive.error(&path(drive.t)).x;
+        let speed = drive.report().command.linear;
+        parking |= left <= motion.hand_over_distance(speed) || drive.t > 10.0;
+        drive.coast(&Default::default());
+        poses.push(drive.body.pose);
+        let mut measured = drive.body.measured::<f64>();
+        measured.pose = poses[poses.len() - 1 - late];
+        let now = if parking { order } else { path(drive.t) };
+        drive.take(&now, &measured);
+        if parking {
+            let past = pose_error::<f64, Libm>(&drive.body.pose, &target);
+            overshoot = overshoot.max(past.x);
+        }
+    }
+    let left = drive.error(&order);
+    let parked = drive.report().outcome == Outcome::Parked;
+    (overshoot, left.x.hypot(left.y), parked)
+}
+
+/// Wrong masses and late poses cost millimetres of overshoot, not the goal.
+#[test]
+fn wrong_masses_and_late_poses_still_park() {
+    for (name, mass, inertia, late, most) in [
+        ("as believed", 1.0, 1.0, 0, 5e-4),
+        ("m 1.3, I 0.7", 1.3, 0.7, 0, 0.015),
+        ("m 2, I 2", 2.0, 2.0, 0, 0.06),
+        ("m 0.5, I 0.5", 0.5, 0.5, 0, 5e-4),
+        ("20 ms late", 1.0, 1.0, 2, 1e-3),
+        ("50 ms late", 1.0, 1.0, 5, 2e-3),
+        ("100 ms late", 1.0, 1.0, 10, 0.01),
+        ("200 ms late", 1.0, 1.0, 20, 0.04),
+    ] {
+        let plant = Base {
+            mass: mass * BASE.mass,
+            inertia: inertia * BASE.inertia,
+            ..BASE
+        };
+        let (overshoot, left, parked) = mission(plant, late, BASE.limits);
+        println!(
+            "{name}: overshoot {:.2} mm, left {:.2} mm",
+            1e3 * overshoot,
+            1e3 * left
+        );
+        assert!(parked && left < ARRIVED, "{name}: {left}");
+        assert!(overshoot < most, "{name}: {overshoot}");
+    }
+}
+
+/// Braking and speeding up apart.
+#[test]
+fn unequal_braking_does_not_overshoot() {
+    for (accel, brake) in [(1.5, 0.5), (0.5, 3.0), (1.5, 0.2)] {
+        let limits = Limits {
+            accel,
+            brake,
+            ..BASE.limits
+        };
+        let (overshoot, left, parked) = mission(BASE, 0, limits);
+        println!(
+            "{accel}, {brake} m/s²: overshoot {:.3} mm, left {:.2} mm",
+            1e3 * overshoot,
+            1e3 * left
+        );
+        assert!(parked && overshoot < 5e-4);
+    }
+}
+
+/// Wheels of 4 N m that saturate in every turn: no policy loses a pose of the ring.
+#[test]
+fn every_policy_parks_the_ring() {
+    for policy in [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst] {
+        let limits = Limits {
+            wheel_torque_nm: 4.0,
+            policy,
+            ..BASE.limits
+        };
+        let base = Base { limits, ..BASE };
+        let motion = base.exact().validate().expect("valid");
+        let runs = park_all::<f64, Libm, ExactMean>(&motion, base, &ring(), 0.01, 40.0);
+        let all = print(&format!("4 N m, {policy:?}"), &runs);
+        assert_eq!(all.lost, 0);
+    }
+}

@@ -1,0 +1,121 @@
+//! Wheels at their limit: nothing winds up, nothing is lost.
+
+use controller_core::motion::{Limits, Outcome, Policy, Task};
+use controller_core::types::{Pose, Wrench};
+use tests::motion_base::{Base, Body};
+use tests::motion_loop::{goal, steady};
+use tests::motion_tracking::{Exact, follow};
+use tests::tolerance::ARRIVED;
+
+/// Wheels that make 10 N together, on a base that believes in 1.5 m/s².
+fn overrated() -> Base {
+    let limits = Limits {
+        wheel_torque_nm: 0.5,
+        ..Base::STANDARD.limits
+    };
+    Base {
+        limits,
+        ..Base::STANDARD
+    }
+}
+
+/// 1 m/s from rest with wheels of 10 N, held back by 12 N from 4 to 8 s: the force at release goes on as it was and the
+/// way lost is caught up without overshoot.
+#[test]
+fn release_is_continuous_and_recovery_monotone() {
+    let base = overrated();
+    let motion = base.exact().validate().expect("valid");
+    let path = steady(1.0, 0.0);
+    let mut drive = Exact::start(&motion, base, Body::default(), &path(0.0), 0.01);
+    let limit = motion.force_rate_limit() * drive.dt;
+    let mut saturated = 0;
+    let (mut last, mut lag, mut largest_change) = (0.0, f64::INFINITY, 0.0_f64);
+    let mut largest_lag = 0.0_f64;
+    while drive.t < 60.0 {
+        let held = (4.0..8.0).contains(&drive.t);
+        let push = Wrench {
+            force: if held { -12.0 } else { 0.0 },
+            moment: 0.0,
+        };
+        drive.coast(&push);
+        drive.take(&path(drive.t), &drive.body.measured());
+        saturated += i32::from(drive.report().limited.torque);
+        let force = drive.applied().force;
+        if drive.t > 7.9 {
+            largest_change = largest_change.max((force - last).abs());
+        }
+        last = force;
+        let error = drive.error(&path(drive.t)).x;
+        largest_lag = largest_lag.max(error);
+        // It takes 3 s to be as fast as the reference again; from then on the lag only falls.
+        if drive.t > 11.0 {
+            assert!(error <= lag + 1e-9, "lag rises to {error} at {} s", drive.t);
+            assert!(error > -1e-3, "overshoot {error} at {} s", drive.t);
+            lag = error;
+        }
+    }
+    println!(
+        "saturated {saturated} ticks, lag {largest_lag:.2} m, then {lag:.1e} m, change {largest_change:.3} N of {limit:.1} N"
+    );
+    assert!(saturated > 100 && largest_lag > 1.0 && lag < 1e-3);
+    assert!(largest_change <= limit);
+}
+
+/// Case 2 with 10 N and 5 N m, and any policy: the paper's law loses it; this one arrives, late.
+#[test]
+fn case_2_with_weak_wheels_arrives_late() {
+    let start = Body::at(0.0, 1.0, 0.0);
+    for policy in [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst] {
+        let base = Base::WEAK.with_policy(policy);
+        let motion = base.exact().validate().expect("valid");
+        let run = follow(&motion, base, start, 0.01, 40.0, steady(0.4, 0.15));
+        println!(
+            "{policy:?}: on the path at {:.1} s, left {:.1e} m",
+            run.settled_s, run.late
+        );
+        assert!(
+            (8.0..20.0).contains(&run.settled_s),
+            "{policy:?}: {} s",
+            run.settled_s
+        );
+    }
+    let base = Base::WEAK;
+    let motion = base.exact().validate().expect("valid");
+    let path = steady(0.4, 0.15);
+    let target = goal(&path(10.0));
+    let mut drive = Exact::start(&motion, base, start, &path(0.0), 0.01);
+    let mut parking = false;
+    let mut parked_s = 0.0;
+    while drive.t < 60.0 {
+        let left = (10.0 - drive.t).max(0.0) * 0.4 + drive.error(&path(drive.t)).x;
+        parking |=
+            left <= motion.hand_over_distance(drive.report().command.linear) || drive.t > 10.0;
+        drive.advance(|t| if parking { Task::Park(target) } else { path(t) });
+        if drive.report().outcome != Outcome::Parked {
+            parked_s = drive.t;
+        }
+    }
+    let error = drive.error(&Task::Park(target));
+    println!("case 2, weak: parked at {parked_s:.1} s, {error:?}");
+    assert!(parked_s < 40.0 && error.x.hypot(error.y) < ARRIVED && error.theta.abs() < ARRIVED);
+}
+
+/// Gains of a strong base on wheels of 10 N: overrated limits, but the torque limit is told to the law.
+#[test]
+fn overrated_base_still_parks() {
+    let base = overrated();
+    let motion = base.exact().validate().expect("valid");
+    for (x, y, theta) in [(-1.0, 0.5, 0.0), (0.3, -0.8, 2.0), (-0.5, -0.5, -1.0)] {
+        let target = Task::Park(Pose::default());
+        let mut drive = Exact::start(&motion, base, Body::at(x, y, theta), &target, 0.01);
+        while drive.t < 60.0 {
+            drive.advance(|_| target);
+        }
+        println!(
+            "overrated: {:?} {:?}",
+            drive.report().outcome,
+            drive.error(&target)
+        );
+        assert_eq!(drive.report().outcome, Outcome::Parked);
+    }
+}

@@ -1,0 +1,186 @@
+//! Encoder counts to pose and twist, and the traits of a base.
+
+use controller_core::error::{Field, Problem};
+use controller_core::hal::{Error, ErrorKind, WheelCounts, Widened, accepts};
+use controller_core::maths::Libm;
+use controller_core::odometry::{Odometry, OdometryParams};
+use controller_core::types::{Pose, WheelTorques};
+use controller_core::wheels::WheelGeometry;
+use std::f64::consts::PI;
+use tests::check::assert_within;
+
+/// Wheels of different radii, 2,048 counts a turn.
+fn params() -> OdometryParams<f64> {
+    OdometryParams {
+        wheels: WheelGeometry {
+            radius_right_m: 0.1,
+            radius_left_m: 0.098,
+            track_m: 0.5,
+        },
+        counts_per_turn: 2048.0,
+        bandwidth: 50.0,
+    }
+}
+
+/// Counts of a wheel of radius `r` that has rolled `s`.
+fn counts(s: f64, r: f64) -> f64 {
+    s / (2.0 * PI * r) * 2048.0
+}
+
+/// Eq. (6): constant wheel rates give the arc, however long the ticks, through a rollover of the counters.
+#[test]
+fn constant_rates_give_the_exact_arc() {
+    let start = Pose::new(0.3, -0.2, 1.0);
+    let base = WheelCounts {
+        right: i32::MAX - 500,
+        left: i32::MIN + 10,
+    };
+    let (v, w): (f64, f64) = (0.4, 0.7);
+    let mut odometry = Odometry::new(&params(), start, base).expect("in range");
+    let dt = 0.5;
+    let mut truth = start;
+    for k in 1..=20 {
+        let t = f64::from(k) * dt;
+        let count = |side: f64, r: f64| counts((v + side * w * 0.25) * t, r).round() as i32;
+        let now = WheelCounts {
+            right: base.right.wrapping_add(count(1.0, 0.1)),
+            left: base.left.wrapping_add(count(-1.0, 0.098)),
+        };
+        let measured = odometry.update::<Libm>(now, dt);
+        let theta = start.theta + w * t;
+        truth = Pose::new(
+            start.x + v / w * (theta.sin() - start.theta.sin()),
+            start.y - v / w * (theta.cos() - start.theta.cos()),
+            theta,
+        );
+        assert_eq!(measured.pose, *odometry.pose());
+    }
+    // A count is 0.3 mm of travel; its rounding turns the heading by 0.6 mrad, and 4 m follow.
+    let pose = odometry.pose();
+    assert_within(pose.theta, truth.theta, 0.7e-3, "heading");
+    assert_within(pose.x, truth.x, 3e-3, "x");
+    assert_within(pose.y, truth.y, 3e-3, "y");
+}
+
+/// The speed estimate has no error at constant speed, and lags a ramp by 2/bandwidth.
+#[test]
+fn speed_estimate_is_unbiased_and_delayed_by_two_time_constants() {
+    let (dt, accel) = (1e-3, 0.5);
+    // Fine counts, so that the loop and not the quantisation is seen.
+    let fine = OdometryParams {
+        counts_per_turn: 1.0e7,
+        ..params()
+    };
+    let run = |speed: &dyn Fn(f64) -> f64, place: &dyn Fn(f64) -> f64| {
+        let mut odometry =
+            Odometry::new(&fine, Pose::default(), WheelCounts::default()).expect("in range");
+        let mut last = 0.0;
+        for k in 1..=2000 {
+            let t = f64::from(k) * dt;
+            let count = |r: f64| (place(t) / (2.0 * PI * r) * 1.0e7).round() as i32;
+            let now = WheelCounts {
+                right: count(0.1),
+                left: count(0.098),
+            };
+            last = odometry.update::<Libm>(now, dt).twist.linear - speed(t);
+        }
+        last
+    };
+    let constant = run(&|_| 0.3, &|t| 0.3 * t);
+    // Quantisation: one count of 6e-8 m, through bandwidth² dt.
+    assert_within(constant, 0.0, 1e-6, "constant speed");
+    let ramp = run(&|t| accel * t, &|t| 0.5 * accel * t * t);
+    // 2/50 s, and half a tick since the loop sees travel; 1 % for the implicit step.
+    assert_within(ramp, -accel * (2.0 / 50.0 + 0.5e-3), 3e-4, "ramp");
+}
+
+/// At a count every 30 ticks the estimate stays smooth: no spike of a count per tick.
+#[test]
+fn slow_wheels_do_not_make_the_speed_rattle() {
+    let dt = 1e-3;
+    let speed = 0.01;
+    let mut odometry =
+        Odometry::new(&params(), Pose::default(), WheelCounts::default()).expect("in range");
+    let (mut largest_step, mut before) = (0.0_f64, 0.0);
+    for k in 1..=3000 {
+        let s = speed * f64::from(k) * dt;
+        let now = WheelCounts {
+            right: counts(s, 0.1).floor() as i32,
+            left: counts(s, 0.098).floor() as i32,
+        };
+        let v = odometry.update::<Libm>(now, dt).twist.linear;
+        if k > 1000 {
+            largest_step = largest_step.max((v - before).abs());
+        }
+        before = v;
+    }
+    // bandwidth² dt per count of 0.3 mm, where a difference quotient would jump by 0.3 m/s.
+    let bound = 50.0 * 50.0 * dt * 2.0 * PI * 0.1 / 2048.0;
+    assert!(largest_step <= bound, "{largest_step} above {bound}");
+    assert_within(before, speed, 0.4 * speed, "speed");
+}
+
+/// A corrected pose is taken over; speeds carry on.
+#[test]
+fn set_pose_keeps_the_speed() {
+    let mut odometry =
+        Odometry::new(&params(), Pose::default(), WheelCounts::default()).expect("in range");
+    let mut measured = odometry.update::<Libm>(WheelCounts::default(), 0.01);
+    for k in 1..=100 {
+        let now = WheelCounts {
+            right: 10 * k,
+            left: 10 * k,
+        };
+        measured = odometry.update::<Libm>(now, 0.01);
+    }
+    odometry.set_pose(Pose::new(5.0, 6.0, 0.5));
+    let now = WheelCounts {
+        right: 1010,
+        left: 1010,
+    };
+    let after = odometry.update::<Libm>(now, 0.01);
+    assert_within(after.pose.x, 5.0, 4e-3, "moved on from the new pose");
+    let change = (after.twist.linear - measured.twist.linear).abs();
+    assert!(change < 0.02 * measured.twist.linear, "{change}");
+}
+
+/// Parameters out of range are named.
+#[test]
+fn odometry_names_bad_parameters() {
+    let refuse = |change: &dyn Fn(&mut OdometryParams<f64>)| {
+        let mut bad = params();
+        change(&mut bad);
+        let error = Odometry::new(&bad, Pose::default(), WheelCounts::default());
+        error.expect_err("out of range")
+    };
+    let error = refuse(&|p| p.counts_per_turn = 0.5);
+    assert_eq!(
+        (error.field, error.problem),
+        (Field::CountsPerTurn, Problem::Below(1.0))
+    );
+    let error = refuse(&|p| p.bandwidth = f64::NAN);
+    assert_eq!(
+        (error.field, error.problem),
+        (Field::Bandwidth, Problem::NotFinite)
+    );
+    assert_eq!(refuse(&|p| p.wheels.track_m = 0.0).field, Field::Track);
+}
+
+/// What drivers refuse, what kinds say, and counters of 16 bits in either direction.
+#[test]
+fn hal_helpers_do_what_drivers_need() {
+    let torques = |right, left| WheelTorques { right, left };
+    assert!(accepts(&torques(2.0, -2.0), 2.0));
+    for bad in [2.1, -2.1, f32::NAN, f32::INFINITY] {
+        assert!(!accepts(&torques(bad, 0.0), 2.0) && !accepts(&torques(0.0, bad), 2.0));
+    }
+    assert_eq!(ErrorKind::OverCurrent.kind(), ErrorKind::OverCurrent);
+    assert!(ErrorKind::UnderVoltage.to_string().contains("supply"));
+    let mut wheel = Widened::new(0);
+    assert_eq!(wheel.update(u16::MAX), -1);
+    let mut total = -1;
+    for _ in 0..10 {
+        total += 30_000;
+        assert_eq!(wheel.update(total as u16), total);
+    }
+}
