@@ -1,4 +1,4 @@
-//! Range checks shared by all parameters.
+//! Range checks shared by all parameters, and the symmetric limit shared by the laws.
 
 use crate::error::{Field, ParamError, Problem};
 use crate::scalar::Scalar;
@@ -20,4 +20,16 @@ pub(crate) fn within<T: Scalar>(
         return Ok(value);
     };
     Err(ParamError { field, problem })
+}
+
+/// `value`, but not beyond ±`largest`. By comparison: host and chip agree on every bit.
+#[inline]
+pub(crate) fn clamp<T: Scalar>(value: T, largest: T) -> T {
+    if value > largest {
+        largest
+    } else if value < -largest {
+        -largest
+    } else {
+        value
+    }
 }

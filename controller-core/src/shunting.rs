@@ -3,7 +3,7 @@
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
 use crate::params::NeuronParams;
-use crate::range::within;
+use crate::range::{clamp, within};
 use crate::scalar::Scalar;
 
 /// Excitatory input. Eq. (5): S⁺(u) = max(0, u).
@@ -231,25 +231,18 @@ impl<T: Scalar> Shunting<T> {
         if dt == T::ZERO {
             return state;
         }
-        let twice = U::twice_input(bounded(input.0, 1.0e30), bounded(input.1, 1.0e30));
-        self.advance::<U, M>(state, twice, bounded((T::ONE + T::ONE) / dt, 1.0e18))
+        let largest = T::from_f64(1.0e30);
+        let twice = U::twice_input(clamp(input.0, largest), clamp(input.1, largest));
+        self.advance::<U, M>(
+            state,
+            twice,
+            clamp((T::ONE + T::ONE) / dt, T::from_f64(1.0e18)),
+        )
     }
 
     /// The share of a bridge term that fades over a tick: that of a neuron without input.
     #[inline(always)]
     pub(crate) fn fading<U: NeuronUpdate<T>, M: Maths<T>>(&self, two_per_dt: T) -> T {
         U::share::<M>(self.half_time * two_per_dt)
-    }
-}
-
-/// `value`, but not beyond ±`largest`.
-fn bounded<T: Scalar>(value: T, largest: f64) -> T {
-    let largest = T::from_f64(largest);
-    if value > largest {
-        largest
-    } else if value < -largest {
-        -largest
-    } else {
-        value
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arrival::{AtRest, Latch, Pushing, STOPPING_DECAY, Stall, Standing};
 use super::bridge::Bridge;
-use super::follow::{Follower, Instant, Wish, clamp};
+use super::follow::{Follower, Instant, Wish};
 use super::governor::Command;
 use super::params::Motion;
 use super::polar::Parker;
@@ -12,11 +12,15 @@ use crate::demand::{check_measured, check_tick};
 use crate::error::{Input, StepFault};
 use crate::maths::{Maths, Single};
 use crate::pose_error::{PoseError, pose_error, tracking_error};
+use crate::range::clamp;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
 use core::marker::PhantomData;
+
+mod output;
+mod pose_law;
 
 /// What the robot is to do in a tick. May change at any time; command and torque do not jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,102 +205,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         &self.motion
     }
 
-    /// A new task, a new goal, a declared jump, or an error that moved further than the robot can.
-    fn is_jump(&self, dt: T, task: &Task<T>, measured: &Measured<T>) -> bool {
-        let changed = match (&self.state.task, task) {
-            (Task::Follow(_), Task::Follow(_)) => false,
-            (Task::Park(old), Task::Park(new)) => old != new,
-            _ => true,
-        };
-        if changed || self.state.declared {
-            return true;
-        }
-        let Some(threshold) = self.motion.params().jump else {
-            return false;
-        };
-        let (error, speed) = match task {
-            Task::Follow(reference) => {
-                let (error, _) = tracking_error::<T, M>(reference, &measured.pose);
-                (error, reference.twist().linear.abs())
-            }
-            Task::Park(goal) => (pose_error::<T, M>(goal, &measured.pose), T::ZERO),
-        };
-        let last = &self.report.error;
-        let limits = &self.motion.params().limits;
-        // The robot and the reference move, and the frame turns under the error.
-        let (dx, dy) = (error.x - last.x, error.y - last.y);
-        let reach = M::sqrt(last.x * last.x + last.y * last.y);
-        let moved = dt * (limits.speed + speed + limits.turn_rate * reach);
-        let turned = (T::ONE + T::ONE) * dt * limits.turn_rate;
-        let heading = crate::angle::wrap(error.theta - last.theta).abs();
-        M::sqrt(dx * dx + dy * dy) > threshold.distance_m + moved
-            || heading > threshold.heading_rad + turned
-    }
-
-    fn law(
-        &self,
-        state: &mut State<T>,
-        dt: T,
-        two_per_dt: Option<T>,
-        task: &Task<T>,
-        measured: &Measured<T>,
-    ) -> Law<T> {
-        let motion = &self.motion;
-        let command = state.command.twist;
-        match task {
-            Task::Follow(reference) => {
-                let (error, heading) = tracking_error::<T, M>(reference, &measured.pose);
-                let now = Instant {
-                    reference,
-                    error,
-                    heading,
-                    turn_rate: measured.twist.angular,
-                };
-                state.latch = Latch::default();
-                let wish = state
-                    .follower
-                    .advance::<U, M>(motion, &now, &command, two_per_dt);
-                Law {
-                    wish,
-                    error,
-                    rebase: false,
-                }
-            }
-            Task::Park(goal) => {
-                let error = pose_error::<T, M>(goal, &measured.pose);
-                let distance = M::sqrt(error.x * error.x + error.y * error.y);
-                let was_parked = state.latch.parked;
-                if two_per_dt.is_none() {
-                    state.latch = Latch::default();
-                }
-                let standing = Standing {
-                    error,
-                    distance,
-                    twist: measured.twist,
-                    command,
-                    command_rate: state.command.rate,
-                };
-                state.latch = state.latch.advance(motion, &standing, dt);
-                let parked = state.latch.parked;
-                let wish = if parked {
-                    state.parker.rest();
-                    Wish::default()
-                } else {
-                    // Pushed off its goal, the law starts afresh.
-                    let advance = if was_parked { None } else { two_per_dt };
-                    state
-                        .parker
-                        .advance::<U, M>(motion, &error, distance, &command, advance)
-                };
-                Law {
-                    wish,
-                    error,
-                    rebase: parked != was_parked,
-                }
-            }
-        }
-    }
-
     /// How much of its rate the command keeps in a tick that jumps: all of it, unless the last tick
     /// jumped too. A goal that moves at every tick must not keep the robot from answering.
     fn kept(&self, jumped: bool, dt: T) -> T {
@@ -320,108 +228,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             linear.advance(decay, dt, fade),
             angular.advance(decay, dt, fade),
         )
-    }
-
-    /// Torque, the wheels' limit, what it does to the command, and the report.
-    fn finish(
-        &mut self,
-        mut state: State<T>,
-        law: &Law<T>,
-        mut limited: Limited,
-        jumped: bool,
-        measured: &Measured<T>,
-        dt: T,
-    ) -> Result<&MotionReport<T>, StepFault> {
-        let params = self.motion.params();
-        let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
-        let Command { twist, rate } = state.command;
-        let velocity_error = Twist {
-            linear: measured.twist.linear - twist.linear,
-            angular: measured.twist.angular - twist.angular,
-        };
-        let wrench = Wrench {
-            force: robot.mass_kg * (rate.linear - gains.speed_loop * velocity_error.linear),
-            moment: robot.inertia_kg_m2 * (rate.angular - gains.turn_loop * velocity_error.angular),
-        };
-        let finite = wrench.force.is_finite() && wrench.moment.is_finite();
-        if !(finite && law.is_finite() && state.is_finite()) {
-            return Err(StepFault::Overflow);
-        }
-        let torque = limits.wheel_torque_nm;
-        let (applied, saturated) = share(&self.motion.wheels, &wrench, torque, limits.policy);
-        if saturated {
-            // Back-calculation: the command that would have asked for just this.
-            let (f, n) = (
-                applied.force / robot.mass_kg,
-                applied.moment / robot.inertia_kg_m2,
-            );
-            let v = measured.twist.linear + (f - rate.linear) / gains.speed_loop;
-            let w = measured.twist.angular + (n - rate.angular) / gains.turn_loop;
-            state.command.twist = Twist {
-                linear: clamp(v, limits.speed),
-                angular: clamp(w, limits.turn_rate),
-            };
-        }
-        limited.torque = saturated;
-        let released = self.is_released(&state, &velocity_error, &wrench, dt);
-        state.released = released;
-        let outcome = if state.latch.parked {
-            Outcome::Parked
-        } else if state.stall.is_stalled(&self.motion) {
-            Outcome::Stalled
-        } else {
-            Outcome::Driving
-        };
-        self.report = MotionReport {
-            mode: match state.task {
-                Task::Follow(_) => Mode::Following,
-                Task::Park(_) => Mode::Parking,
-            },
-            outcome,
-            error: law.error,
-            wanted: law.wish.twist,
-            wanted_rate: law.wish.rate,
-            bridge: Twist {
-                linear: state.bridges.0.value,
-                angular: state.bridges.1.value,
-            },
-            command: twist,
-            command_rate: rate,
-            velocity_error,
-            wrench,
-            torques: if released {
-                WheelTorques::default()
-            } else {
-                bounded(&self.motion.wheels.torques(&applied), torque)
-            },
-            limited,
-            jumped,
-            backing: state.parker.is_backing(),
-        };
-        self.state = state;
-        Ok(&self.report)
-    }
-
-    /// Parked without torque: from when the robot stands and the torque left is a step of less than
-    /// L dt, until it is pushed off the goal.
-    fn is_released(
-        &self,
-        state: &State<T>,
-        velocity_error: &Twist<T>,
-        wrench: &Wrench<T>,
-        dt: T,
-    ) -> bool {
-        let still = T::from_f64(1.0e-3);
-        let command = &state.command.twist;
-        let stands = command.linear.abs() < still
-            && command.angular.abs() < still
-            && velocity_error.linear.abs() < still
-            && velocity_error.angular.abs() < still
-            && wrench.force.abs() <= self.motion.force_rate_limit() * dt
-            && wrench.moment.abs() <= self.motion.moment_rate_limit() * dt;
-        state.latch.parked
-            && self.motion.params().arrival.at_rest == AtRest::Release
-            && (state.released || stands)
     }
 }
 
@@ -469,13 +275,5 @@ fn bridged<T: Scalar>(wish: &Wish<T>, (linear, angular): &(Bridge<T>, Bridge<T>)
             linear: wish.rate.linear + linear.rate,
             angular: wish.rate.angular + angular.rate,
         },
-    }
-}
-
-/// Clips the last bits that [`share`] may leave above the limit.
-fn bounded<T: Scalar>(torques: &WheelTorques<T>, limit: T) -> WheelTorques<T> {
-    WheelTorques {
-        right: clamp(torques.right, limit),
-        left: clamp(torques.left, limit),
     }
 }

@@ -4,6 +4,7 @@ use super::lag::LagState;
 use super::params::Motion;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
+use crate::range::clamp;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
@@ -121,16 +122,5 @@ impl<T: Scalar> Follower<T> {
             self.side = if theta > T::ZERO { T::ONE } else { -T::ONE };
         }
         self.side - sine
-    }
-}
-
-/// `value`, but not beyond ±`largest`.
-pub(crate) fn clamp<T: Scalar>(value: T, largest: T) -> T {
-    if value > largest {
-        largest
-    } else if value < -largest {
-        -largest
-    } else {
-        value
     }
 }

@@ -1,10 +1,11 @@
 //! Keeps the command within what the base can do, and says so.
 
-use super::follow::{Wish, clamp};
+use super::follow::Wish;
 use super::limits::Limits;
 use super::params::Motion;
 use super::report::Limited;
 use super::saturation::share;
+use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
 

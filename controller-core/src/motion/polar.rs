@@ -1,11 +1,12 @@
 //! Parking at a pose, position and heading, forward or backward.
 
-use super::follow::{Wish, clamp};
+use super::follow::Wish;
 use super::lag::LagState;
 use super::params::Motion;
 use crate::angle::wrap;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
+use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
