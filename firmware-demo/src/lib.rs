@@ -7,11 +7,19 @@
 #[cfg(feature = "host")]
 extern crate std;
 
+pub mod control;
+pub mod drive;
+pub mod fault;
+pub mod line;
+pub mod model;
 pub mod pil;
 pub mod protocol;
 pub mod queue;
+pub mod route;
+pub mod station;
 pub mod supervisor;
 pub mod telemetry;
+pub mod wire;
 
 #[cfg(target_os = "none")]
 #[allow(unsafe_code)]

@@ -1,17 +1,21 @@
-//! Processor in the loop: the host owns the plant, this side computes the ticks.
+//! Processor in the loop: the host owns the plant, this side owns the controller.
 //!
 //! One question, one answer, in lock step, over any byte link. The loop is the same on every board and, with
 //! links in memory, in the host's tests.
 
+use controller_core::demand::Demand;
+use controller_core::neural::NeuralController;
+use controller_core::params::{Params, Validated};
+use controller_core::types::Measured;
 use embedded_io::{Read, Write};
 
+use crate::line::send;
 use crate::protocol::{
-    Command, Counters, Decoder, Hello, MAX_CONTENT, MAX_FRAME, Measure, RejectReason, Report,
-    Telemetry, VERSION, encode,
+    Command, Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, RejectReason, Telemetry,
+    WireDemand,
 };
+use crate::wire::Ticked;
 
-/// Ticks per second that a greeting announces.
-pub const TICK_HZ: u16 = 1000;
 /// Bytes asked of the link at once; a whole question fits.
 const CHUNK: usize = 128;
 
@@ -45,15 +49,112 @@ pub enum End {
     Broken,
 }
 
+/// The controller on behalf of a host.
+#[derive(Clone, Copy, Debug)]
+pub struct Pil {
+    params: Validated<f32>,
+    controller: Option<NeuralController>,
+    tick: u32,
+}
+
+impl Pil {
+    /// No controller is running; the next one is started with `params` unless the host sends others.
+    pub const fn new(params: Validated<f32>) -> Self {
+        Self {
+            params,
+            controller: None,
+            tick: 0,
+        }
+    }
+
+    /// The answer to one command; `frames` is what the link's decoder has seen.
+    ///
+    /// The instructions in a report are those of the core's `step` (or `start`) alone, its report included;
+    /// reading the question and writing the answer come on top.
+    pub fn answer<P: Probe>(
+        &mut self,
+        command: &Command,
+        frames: FrameCounters,
+        probe: &mut P,
+    ) -> Telemetry {
+        match command {
+            Command::Tick {
+                dt,
+                demand,
+                measured,
+            } => self.tick(*dt, demand, &measured.into(), probe),
+            Command::Begin {
+                reference,
+                measured,
+            } => {
+                let (reference, measured) = (reference.into(), measured.into());
+                let params = &self.params;
+                let (started, instructions) =
+                    probe.count(|| NeuralController::start(params, &reference, &measured));
+                match started {
+                    Ok(controller) => {
+                        self.tick = 0;
+                        self.controller = Some(controller);
+                        report(Ticked::of(&controller, false), 0, instructions)
+                    }
+                    Err(fault) => Telemetry::Refused(fault.into()),
+                }
+            }
+            Command::SetParameters(set) => match Params::from(set).validate() {
+                Ok(params) => {
+                    self.params = params;
+                    Telemetry::Ack
+                }
+                Err(_) => Telemetry::Nack(RejectReason::Value),
+            },
+            Command::GetCounters => Telemetry::Counters(Counters {
+                frames_good: frames.good,
+                frames_rejected: frames.rejected(),
+                stack_bytes: probe.stack_bytes(),
+                ..Counters::default()
+            }),
+            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
+            Command::Stop => Telemetry::Ack,
+            Command::Arm | Command::Sample(_) | Command::Park { .. } | Command::ResetFault => {
+                Telemetry::Nack(RejectReason::Unsupported)
+            }
+        }
+    }
+
+    fn tick<P: Probe>(
+        &mut self,
+        dt: f32,
+        demand: &WireDemand,
+        measured: &Measured<f32>,
+        probe: &mut P,
+    ) -> Telemetry {
+        let Some(controller) = &mut self.controller else {
+            return Telemetry::Nack(RejectReason::State);
+        };
+        let demand: Demand<f32> = demand.into();
+        let (outcome, instructions) = probe.count(|| controller.step(dt, &demand, measured));
+        if let Err(fault) = outcome {
+            return Telemetry::Refused(fault.into());
+        }
+        self.tick = self.tick.wrapping_add(1);
+        let handed_over = matches!(demand, Demand::HandOver { .. });
+        report(Ticked::of(controller, handed_over), self.tick, instructions)
+    }
+}
+
+fn report(ticked: Ticked, tick: u32, instructions: u32) -> Telemetry {
+    let ticked = Ticked {
+        tick,
+        instructions,
+        ..ticked
+    };
+    Telemetry::Report((&ticked).into())
+}
+
 /// Answers the host until it stops, closes or breaks the link.
 ///
-/// Each [`Command::Measure`] is given to `tick`, and its report goes back with the same sequence number and
-/// with the instructions that `probe` counted. Damaged frames are counted and not answered.
-pub fn serve<L: Read + Write, P: Probe>(
-    link: &mut L,
-    probe: &mut P,
-    mut tick: impl FnMut(&Measure, &mut Report),
-) -> End {
+/// Each answer carries the sequence number of its question. Damaged frames are counted and not answered.
+pub fn serve<L: Read + Write, P: Probe>(link: &mut L, probe: &mut P, pil: &mut Pil) -> End {
     let mut decoder = Decoder::<Command, MAX_CONTENT>::new();
     let mut chunk = [0; CHUNK];
     loop {
@@ -66,69 +167,18 @@ pub fn serve<L: Read + Write, P: Probe>(
             let Some(Ok(frame)) = decoder.push(byte) else {
                 continue;
             };
-            let stop = frame.message == Command::Stop;
-            let answer = match frame.message {
-                Command::Measure(measure) => {
-                    let mut report = Report::default();
-                    let ((), instructions) = probe.count(|| tick(&measure, &mut report));
-                    report.instructions = instructions;
-                    Telemetry::Report(report)
-                }
-                Command::GetCounters => {
-                    let frames = decoder.counters();
-                    Telemetry::Counters(Counters {
-                        frames_good: frames.good,
-                        frames_rejected: frames.rejected(),
-                        stack_bytes: probe.stack_bytes(),
-                        ..Counters::default()
-                    })
-                }
-                Command::Heartbeat => Telemetry::Hello(HELLO),
-                Command::Stop => Telemetry::Ack,
-                _ => Telemetry::Nack(RejectReason::Unsupported),
+            let answer = Frame {
+                sequence: frame.sequence,
+                message: pil.answer(&frame.message, decoder.counters(), probe),
             };
-            if !send(link, frame.sequence, &answer) {
+            if !send(link, &answer) {
                 return End::Broken;
             }
-            if stop {
+            if frame.message == Command::Stop {
                 return End::Stopped;
             }
         }
     }
-}
-
-const HELLO: Hello = Hello {
-    protocol: VERSION,
-    firmware: [0, 1, 0],
-    tick_hz: TICK_HZ,
-};
-
-fn send<L: Write>(link: &mut L, sequence: u16, answer: &Telemetry) -> bool {
-    let mut frame = [0; MAX_FRAME];
-    let Ok(mut rest) = encode(sequence, answer, &mut frame) else {
-        return false;
-    };
-    // Not `write_all`, which panics when a link takes nothing. Each turn takes at least one byte.
-    while !rest.is_empty() {
-        match link.write(rest) {
-            Ok(taken @ 1..) => rest = rest.get(taken..).unwrap_or_default(),
-            _ => return false,
-        }
-    }
-    link.flush().is_ok()
-}
-
-/// Stands in for the controller until it is wired up: cheap, and every bit of the answer depends on the
-/// question, so that a test sees a damaged transport.
-pub fn stand_in(measure: &Measure, report: &mut Report) {
-    report.tick = measure.tick;
-    report.e_x = -measure.pose.x;
-    report.e_y = -measure.pose.y;
-    report.e_theta = -measure.pose.theta;
-    report.e_v = -measure.twist.v;
-    report.e_w = -measure.twist.w;
-    report.tau_right = measure.dt * (measure.pose.x + measure.twist.w);
-    report.tau_left = measure.dt * (measure.pose.x - measure.twist.w);
 }
 
 #[cfg(test)]

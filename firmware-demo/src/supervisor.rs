@@ -30,6 +30,11 @@ impl State {
     pub const fn drives(self) -> bool {
         matches!(self, Self::Tracking | Self::Parking)
     }
+
+    /// Whether the robot may begin to move by itself or by a command, so that everything is watched.
+    pub const fn is_live(self) -> bool {
+        !matches!(self, Self::Idle | Self::Stopped | Self::Fault)
+    }
 }
 
 /// What can happen.
@@ -47,6 +52,8 @@ pub enum Event {
     Underrun,
     /// The mission says the robot stands at its goal.
     Reached,
+    /// The controlled stop after an underrun has come to its end.
+    Halted,
     /// The host asks for a stop.
     Stop,
     /// Nothing was heard of the host for too long.
@@ -70,8 +77,10 @@ pub enum Reaction {
     StartTracking,
     /// Hand over, or start, to the commanded goal.
     StartParking,
-    /// Hand over to the pose of the last reference: the controlled stop.
+    /// Hand over to the pose of the last reference.
     ParkAtLastReference,
+    /// Hand over to a pose just far enough ahead: the controlled stop.
+    Brake,
     /// Make the wheels safe.
     Release,
 }
@@ -84,7 +93,9 @@ pub const fn next(state: State, event: Event) -> (State, Reaction) {
     match (state, event) {
         (S::Idle, E::Arm) => (S::Armed, R::Enable),
         (S::Idle, E::Track | E::Park | E::ResetFault) => (S::Idle, R::Refuse),
-        (S::Idle, E::TrajectoryEnded | E::Underrun | E::Reached) => (S::Idle, R::Continue),
+        (S::Idle, E::TrajectoryEnded | E::Underrun | E::Reached | E::Halted) => {
+            (S::Idle, R::Continue)
+        }
         (S::Idle, E::Stop) => (S::Stopped, R::Release),
         (S::Idle, E::LinkLost) => (S::Idle, R::Continue),
         (S::Idle, E::Fault) => (S::Fault, R::Release),
@@ -92,7 +103,9 @@ pub const fn next(state: State, event: Event) -> (State, Reaction) {
         (S::Armed, E::Arm) => (S::Armed, R::Continue),
         (S::Armed, E::Track) => (S::Tracking, R::StartTracking),
         (S::Armed, E::Park) => (S::Parking, R::StartParking),
-        (S::Armed, E::TrajectoryEnded | E::Underrun | E::Reached) => (S::Armed, R::Continue),
+        (S::Armed, E::TrajectoryEnded | E::Underrun | E::Reached | E::Halted) => {
+            (S::Armed, R::Continue)
+        }
         (S::Armed, E::Stop | E::LinkLost) => (S::Stopped, R::Release),
         (S::Armed, E::Fault) => (S::Fault, R::Release),
         (S::Armed, E::ResetFault) => (S::Armed, R::Refuse),
@@ -101,9 +114,10 @@ pub const fn next(state: State, event: Event) -> (State, Reaction) {
         // More references for a trajectory under way.
         (S::Tracking, E::Track) => (S::Tracking, R::Continue),
         (S::Tracking, E::Park) => (S::Parking, R::StartParking),
-        (S::Tracking, E::TrajectoryEnded | E::Underrun) => (S::Parking, R::ParkAtLastReference),
-        // A goal is reached in parking only.
-        (S::Tracking, E::Reached) => (S::Tracking, R::Continue),
+        (S::Tracking, E::TrajectoryEnded) => (S::Parking, R::ParkAtLastReference),
+        (S::Tracking, E::Underrun) => (S::Parking, R::Brake),
+        // Parking ends by these, tracking does not.
+        (S::Tracking, E::Reached | E::Halted) => (S::Tracking, R::Continue),
         (S::Tracking, E::Stop | E::LinkLost) => (S::Stopped, R::Release),
         (S::Tracking, E::Fault) => (S::Fault, R::Release),
 
@@ -111,13 +125,16 @@ pub const fn next(state: State, event: Event) -> (State, Reaction) {
         (S::Parking, E::Park) => (S::Parking, R::StartParking),
         (S::Parking, E::TrajectoryEnded | E::Underrun) => (S::Parking, R::Continue),
         (S::Parking, E::Reached) => (S::Parked, R::Release),
+        (S::Parking, E::Halted) => (S::Stopped, R::Release),
         (S::Parking, E::Stop | E::LinkLost) => (S::Stopped, R::Release),
         (S::Parking, E::Fault) => (S::Fault, R::Release),
 
         (S::Parked, E::Arm) => (S::Armed, R::Enable),
         (S::Parked, E::Track) => (S::Tracking, R::StartTracking),
         (S::Parked, E::Park) => (S::Parking, R::StartParking),
-        (S::Parked, E::TrajectoryEnded | E::Underrun | E::Reached) => (S::Parked, R::Continue),
+        (S::Parked, E::TrajectoryEnded | E::Underrun | E::Reached | E::Halted) => {
+            (S::Parked, R::Continue)
+        }
         // A host that comes back must arm before anything moves.
         (S::Parked, E::Stop | E::LinkLost) => (S::Stopped, R::Release),
         (S::Parked, E::Fault) => (S::Fault, R::Release),
@@ -125,13 +142,17 @@ pub const fn next(state: State, event: Event) -> (State, Reaction) {
 
         (S::Stopped, E::Arm) => (S::Armed, R::Enable),
         (S::Stopped, E::Track | E::Park | E::ResetFault) => (S::Stopped, R::Refuse),
-        (S::Stopped, E::TrajectoryEnded | E::Underrun | E::Reached) => (S::Stopped, R::Continue),
+        (S::Stopped, E::TrajectoryEnded | E::Underrun | E::Reached | E::Halted) => {
+            (S::Stopped, R::Continue)
+        }
         // Released again: a stop is never too much.
         (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, R::Release),
         (S::Stopped, E::Fault) => (S::Fault, R::Release),
 
         (S::Fault, E::Arm | E::Track | E::Park) => (S::Fault, R::Refuse),
-        (S::Fault, E::TrajectoryEnded | E::Underrun | E::Reached) => (S::Fault, R::Continue),
+        (S::Fault, E::TrajectoryEnded | E::Underrun | E::Reached | E::Halted) => {
+            (S::Fault, R::Continue)
+        }
         (S::Fault, E::Stop | E::LinkLost | E::Fault) => (S::Fault, R::Release),
         (S::Fault, E::ResetFault) => (S::Idle, R::Release),
     }

@@ -1,8 +1,12 @@
 //! The protocol against hostile lines: whatever arrives, no panic, no wrong message, and back in step soon.
 
+#[path = "support/commands.rs"]
+mod commands;
+
+use commands::command;
 use firmware_demo::protocol::{
-    Command, Decoder, FrameCounters, FrameError, MAX_CONTENT, MAX_FRAME, Measure, ParameterSet,
-    Report, Telemetry, TimedSample, VERSION, WirePose, WireTwist, encode,
+    Command, Decoder, FrameCounters, FrameError, MAX_CONTENT, MAX_FRAME, Report, Telemetry,
+    VERSION, WirePose, encode,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -49,54 +53,6 @@ fn reference_frame(version: u8, sequence: u16, payload: &[u8]) -> Vec<u8> {
     }
     wire.push(0);
     wire
-}
-
-/// All bit patterns, so also NaN with payloads, infinities, both zeros and subnormals.
-fn real() -> impl Strategy<Value = f32> {
-    any::<u32>().prop_map(f32::from_bits)
-}
-
-fn pose() -> impl Strategy<Value = WirePose> {
-    (real(), real(), real()).prop_map(|(x, y, theta)| WirePose { x, y, theta })
-}
-
-fn twist() -> impl Strategy<Value = WireTwist> {
-    (real(), real()).prop_map(|(v, w)| WireTwist { v, w })
-}
-
-fn command() -> impl Strategy<Value = Command> {
-    prop_oneof![
-        Just(Command::Heartbeat),
-        Just(Command::Arm),
-        Just(Command::Stop),
-        Just(Command::ResetFault),
-        Just(Command::GetCounters),
-        pose().prop_map(|goal| Command::Park { goal }),
-        (real(), pose(), twist(), twist()).prop_map(|(t, pose, twist, accel)| {
-            Command::Sample(TimedSample {
-                t,
-                pose,
-                twist,
-                accel,
-            })
-        }),
-        (any::<u32>(), real(), pose(), twist()).prop_map(|(tick, dt, pose, twist)| {
-            Command::Measure(Measure {
-                tick,
-                dt,
-                pose,
-                twist,
-            })
-        }),
-        (real(), real(), real()).prop_map(|(k1, decay, max_torque)| {
-            Command::SetParameters(ParameterSet {
-                k1,
-                decay,
-                max_torque,
-                ..Default::default()
-            })
-        }),
-    ]
 }
 
 proptest! {

@@ -1,6 +1,8 @@
 //! Arguments.
 
-use clap::{Args, Parser, Subcommand};
+use crate::drive_args::{DriveArgs, TrajectoryArgs};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use firmware_demo::host::{LinkKind, Machine};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -10,8 +12,12 @@ Examples:
   sim-host list                             what can be run by name
   sim-host show paper-curve > mine.toml     a commented file to start from
   sim-host run mine.toml --csv              figure, metrics and trace of your own scenario
+  sim-host run slalom.json                  the same for a trajectory file, as people have them
+  sim-host check slalom.json                whether it can be driven, and what was repaired
   sim-host compare mine.toml                your scenario, neural beside plain
-  sim-host compare weaving mine.toml        two scenarios beside each other";
+  sim-host compare weaving mine.toml        two scenarios beside each other
+  sim-host pil paper-curve                  the same, with the controller on an emulated chip
+  sim-host monitor /dev/ttyACM0             live numbers of a real board";
 
 /// Closed-loop simulation of a two-wheeled robot that follows a reference and parks.
 ///
@@ -44,20 +50,28 @@ pub enum Command {
     /// Prints a table and writes for each case a figure (.svg, .png) in the layout of the paper's
     /// Figs. 3 and 4, a CSV of every signal for both controllers, and the metrics as JSON.
     Paper,
-    /// Run scenarios, each with the controller that it names
+    /// Run scenarios, each with the controller that it names, or trajectory files
     ///
     /// Writes NAME.svg, NAME.png and NAME.json; NAME.csv with --csv.
+    ///
+    /// Trajectory files are WPILib trajectory JSON, Choreo .traj of a differential drive, TUM poses,
+    /// or CSV with the header t,x,y,theta[,v,w[,a,alpha]]; the content tells. The robot starts at
+    /// rest beside the path, follows, hands over by itself and parks at the last pose. If it does
+    /// not park, the exit code is 1.
     #[command(after_help = "\
 Examples:
   sim-host run paper-line
-  sim-host run scenarios/*.toml --out results --csv --every 10")]
+  sim-host run scenarios/*.toml --out results --csv --every 10
+  sim-host run slalom.json --base bases/lab-10kg.toml --offset 0.3")]
     Run {
-        /// Scenario files, or names from `sim-host list`
+        /// Scenario or trajectory files, or names from `sim-host list`
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
         /// Write the trace of each run as CSV
         #[arg(long)]
         csv: bool,
+        #[command(flatten)]
+        drive: DriveArgs,
     },
     /// Run one scenario with both laws, or several scenarios, and put them side by side
     ///
@@ -75,6 +89,46 @@ Examples:
         #[arg(long)]
         csv: bool,
     },
+    /// Processor in the loop: the controller on an emulated chip, the plant here
+    ///
+    /// Builds the firmware, starts the emulator, and closes the loop. Writes NAME-pil.svg, .png,
+    /// .json and .csv, and says whether every torque, velocity command and neuron state was
+    /// bit-equal to the same controller run here in lock step; if not, the exit code is 1. Also
+    /// instructions per tick, stack, flash and RAM.
+    #[command(after_help = "\
+Examples:
+  sim-host pil                              both cases of the paper
+  sim-host pil mine.toml --machine riscv32 --every 10
+  sim-host pil mine.toml --link uart        over the emulated serial port: slow and real")]
+    Pil {
+        /// Scenario files, or names from `sim-host list`; none: both cases of the paper
+        #[arg(value_name = "FILE")]
+        files: Vec<PathBuf>,
+        /// The emulated chip
+        #[arg(long, value_enum, default_value_t = Chip::CortexM4f)]
+        machine: Chip,
+        /// The way to it
+        #[arg(long, value_enum, default_value_t = Link::Fifo)]
+        link: Link,
+    },
+    /// Show and log what a board sends over its serial port
+    ///
+    /// Only listens, unless told to poll. Ends with the line, after --seconds, or with Ctrl-C.
+    #[command(after_help = "\
+Examples:
+  sim-host monitor /dev/ttyACM0
+  sim-host monitor /dev/ttyUSB0 --baud 921600 --csv bench.csv")]
+    Monitor(MonitorArgs),
+    /// Say whether files can be driven, without running anything
+    ///
+    /// Prints format, figures, repairs with their places, and what the base stretches; or why a file
+    /// is refused. Exit code 0 if all can be driven, 1 if not.
+    Check(TrajectoryArgs),
+    /// Compile trajectory files for a chip
+    ///
+    /// Writes NAME.rs, a table for flash, and NAME.bin, the same as little-endian f32 for streaming:
+    /// as few samples as the core's interpolation needs, stretched to the base's limits.
+    Compile(TrajectoryArgs),
     /// List scenarios with their descriptions
     List {
         /// A directory of scenario files instead of the built-in ones
@@ -86,6 +140,62 @@ Examples:
         /// A name from `sim-host list`
         name: String,
     },
+}
+
+/// What to listen to.
+#[derive(Clone, Debug, Args)]
+pub struct MonitorArgs {
+    /// A serial port, or the Unix socket of an emulator
+    #[arg(value_name = "PORT")]
+    pub port: PathBuf,
+    /// Write every report to this file
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Bits per second of a serial port
+    #[arg(long, value_name = "N", default_value = "115200")]
+    pub baud: u32,
+    /// Stop after so many seconds
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<f64>,
+    /// Ask for the board's own counters once a second. To the board this is a host that lives!
+    #[arg(long)]
+    pub poll: bool,
+}
+
+/// Emulated chips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Chip {
+    /// Cortex-M4F, mps2-an386
+    CortexM4f,
+    /// riscv32imafc, virt
+    Riscv32,
+}
+
+impl From<Chip> for Machine {
+    fn from(chip: Chip) -> Self {
+        match chip {
+            Chip::CortexM4f => Self::CortexM4F,
+            Chip::Riscv32 => Self::Riscv32,
+        }
+    }
+}
+
+/// Ways to a chip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Link {
+    /// The emulated serial port
+    Uart,
+    /// Semihosting: fast
+    Fifo,
+}
+
+impl From<Link> for LinkKind {
+    fn from(link: Link) -> Self {
+        match link {
+            Link::Uart => Self::Uart,
+            Link::Fifo => Self::Fifo,
+        }
+    }
 }
 
 impl Cli {

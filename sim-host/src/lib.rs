@@ -9,6 +9,7 @@
 //! | --- | --- |
 //! | read | [`scenario`], [`motion`], [`advice`] |
 //! | run | [`plant`], [`pilot`], [`mod@run`], [`trace`] |
+//! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | report | [`metrics`], [`table`], [`csv_out`], [`figure`] |
 //!
 //! ```
@@ -25,12 +26,17 @@
 
 pub mod advice;
 pub mod csv_out;
+pub mod drive;
 pub mod figure;
+pub mod import;
 pub mod metrics;
+pub mod monitor;
 pub mod motion;
+pub mod pil;
 pub mod pilot;
 pub mod plant;
 pub mod run;
 pub mod scenario;
+pub mod sim_robot;
 pub mod table;
 pub mod trace;

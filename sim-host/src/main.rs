@@ -2,6 +2,7 @@
 
 mod cli;
 mod commands;
+mod drive_args;
 
 use clap::Parser;
 use std::error::Error as _;

@@ -1,4 +1,4 @@
-//! Processor in the loop on an emulated board: answers measurements with reports.
+//! Processor in the loop on an emulated board: the controller answers measurements with reports.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -6,13 +6,14 @@ firmware_demo::firmware!(run);
 
 #[cfg(target_os = "none")]
 fn run() {
+    use controller_core::params::Params;
     use firmware_demo::board::{EXIT_LINK, Meter, open_link, semihosting};
-    use firmware_demo::pil::{End, serve, stand_in};
+    use firmware_demo::pil::{End, Pil, serve};
 
-    let Some(mut link) = open_link() else {
+    let (Some(mut link), Ok(params)) = (open_link(), Params::paper().validate()) else {
         semihosting::exit(EXIT_LINK)
     };
-    if serve(&mut link, &mut Meter::start(), stand_in) != End::Stopped {
+    if serve(&mut link, &mut Meter::start(), &mut Pil::new(params)) != End::Stopped {
         semihosting::exit(EXIT_LINK);
     }
 }
@@ -21,5 +22,5 @@ fn run() {
 fn main() {
     println!("This program runs on an emulated board; build it with");
     println!("  cargo build -p firmware-demo --release --target thumbv7em-none-eabihf --bin pil");
-    println!("and let firmware_demo::host::Emulator start it (examples/exchange.rs shows how).");
+    println!("and let firmware_demo::host::Chip start it (examples/exchange.rs shows how).");
 }

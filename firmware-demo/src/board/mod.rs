@@ -10,6 +10,7 @@ mod meter;
 pub mod print;
 pub mod semihosting;
 mod stack;
+mod timer;
 
 #[cfg(target_arch = "arm")]
 #[path = "mps2_an386.rs"]
@@ -17,6 +18,12 @@ mod machine;
 #[cfg(target_arch = "riscv32")]
 #[path = "virt.rs"]
 mod machine;
+#[cfg(target_arch = "arm")]
+#[path = "mps2_timer.rs"]
+mod timer_machine;
+#[cfg(target_arch = "riscv32")]
+#[path = "virt_timer.rs"]
+mod timer_machine;
 
 pub use entry::panicked;
 pub use fifo::Fifos;
@@ -24,6 +31,7 @@ pub use link::{Link, open_link};
 pub use machine::Uart;
 pub use meter::{Meter, Spread, thousand_nops};
 pub use stack::{high_water_mark, paint};
+pub use timer::{interrupt, with_ticks};
 
 /// Exit code of a firmware that panicked.
 pub const EXIT_PANIC: u32 = 101;

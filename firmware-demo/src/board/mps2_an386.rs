@@ -20,6 +20,7 @@ const RECEIVE_FULL: u32 = 1 << 1;
 const RECEIVE_INTERRUPT: u32 = 1 << 1;
 /// Both directions on, interrupt on a received byte.
 const ENABLE: u32 = 1 | 1 << 1 | 1 << 3;
+const ENABLE_POLLED: u32 = 1 | 1 << 1;
 /// Lowest divisor that the device accepts.
 const DIVISOR: u32 = 16;
 
@@ -47,6 +48,18 @@ impl Uart {
         // SAFETY: interrupts are masked, so unmasking this one at the NVIC runs no code.
         unsafe { NVIC::unmask(ReceiveIrq) };
         Self(())
+    }
+
+    /// Switches UART0 on without its interrupt: for [`try_read`](Self::try_read) and writing only.
+    pub fn polled() -> Self {
+        store(BAUD_DIVISOR, DIVISOR);
+        store(CONTROL, ENABLE_POLLED);
+        Self(())
+    }
+
+    /// The next byte, if one is there.
+    pub fn try_read(&mut self) -> Option<u8> {
+        Self::received().then(|| load(DATA) as u8)
     }
 
     fn received() -> bool {

@@ -39,6 +39,17 @@ impl Uart {
         Self(())
     }
 
+    /// Switches UART0 on without its interrupt: for [`try_read`](Self::try_read) and writing only.
+    pub fn polled() -> Self {
+        store(INTERRUPT_ENABLE, 0);
+        Self(())
+    }
+
+    /// The next byte, if one is there.
+    pub fn try_read(&mut self) -> Option<u8> {
+        Self::received().then(|| load(DATA))
+    }
+
     fn received() -> bool {
         load(LINE_STATUS) & RECEIVED != 0
     }

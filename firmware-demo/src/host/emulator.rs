@@ -133,6 +133,19 @@ impl Emulator {
         image: &Path,
         options: &Options,
     ) -> Result<(Self, Option<AnyLink>), EmulatorError> {
+        Self::start_with(image, options, &[])
+    }
+
+    /// As [`start`](Self::start), with more arguments for the emulator.
+    ///
+    /// # Errors
+    ///
+    /// As `start`.
+    pub fn start_with(
+        image: &Path,
+        options: &Options,
+        arguments: &[&str],
+    ) -> Result<(Self, Option<AnyLink>), EmulatorError> {
         let program = options.machine.emulator();
         let directory = make_directory().map_err(|error| EmulatorError::Start(program, error))?;
         let fifo = match options.link {
@@ -140,7 +153,7 @@ impl Emulator {
             _ => None,
         };
         let mut command = command_line(image, options);
-        command.current_dir(&directory);
+        command.args(arguments).current_dir(&directory);
         let mut child = match command.spawn() {
             Ok(child) => child,
             Err(error) => {

@@ -46,7 +46,7 @@ impl Display for BuildError {
 
 impl Error for BuildError {}
 
-/// Builds an image in release mode and returns its path.
+/// Builds an image with the profile `chip` of the workspace and returns its path.
 ///
 /// # Errors
 ///
@@ -58,7 +58,7 @@ pub fn build_image(image: &Image<'_>) -> Result<PathBuf, BuildError> {
         .args([
             "build",
             "--quiet",
-            "--release",
+            "--profile=chip",
             "--message-format=json-render-diagnostics",
         ])
         .args(["--target", image.machine.target(), "--bin", image.bin])

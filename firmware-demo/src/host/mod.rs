@@ -2,12 +2,14 @@
 //!
 //! Everything here ends: links have a silence limit, the emulator a life limit, and dropping it kills it.
 
+mod chip;
 mod emulator;
 mod fifo;
 mod image;
 mod session;
 mod uart;
 
+pub use chip::{Chip, ChipError};
 pub use emulator::{Emulator, EmulatorError, LinkKind, Machine, Options, Outcome};
 pub use fifo::FifoLink;
 pub use image::{BuildError, Image, build_image};

@@ -2,12 +2,14 @@
 
 use core::convert::Infallible;
 
+use controller_core::params::Params;
 use embedded_io::{ErrorType, Read, Write};
 use heapless::Vec;
 
-use super::{End, NoProbe, serve, stand_in};
+use super::{End, NoProbe, Pil, serve};
 use crate::protocol::{
-    Command, Decoder, MAX_CONTENT, MAX_FRAME, Measure, RejectReason, Telemetry, WirePose, encode,
+    Command, Decoder, MAX_CONTENT, MAX_FRAME, Refusal, RejectReason, Telemetry, WireDemand,
+    WireMeasured, WireReference, encode,
 };
 
 /// Gives prepared bytes a few at a time and records the answers.
@@ -25,7 +27,7 @@ impl Memory {
         self.to_chip.extend_from_slice(frame).unwrap();
     }
 
-    fn answers(&self) -> Vec<(u16, Telemetry), 8> {
+    fn answers(&self) -> Vec<(u16, Telemetry), 12> {
         let mut decoder = Decoder::<Telemetry, MAX_CONTENT>::new();
         self.from_chip
             .iter()
@@ -61,51 +63,72 @@ impl Write for Memory {
     }
 }
 
+fn pil() -> Pil {
+    Pil::new(Params::paper().validate().unwrap())
+}
+
+fn tick(dt: f32) -> Command {
+    Command::Tick {
+        dt,
+        demand: WireDemand::Track(WireReference::default()),
+        measured: WireMeasured::default(),
+    }
+}
+
 #[test]
 fn every_question_gets_one_answer_with_its_number() {
-    let pose = WirePose {
-        x: 1.0,
-        y: f32::NAN,
-        theta: -0.0,
+    let begin = Command::Begin {
+        reference: WireReference::default(),
+        measured: WireMeasured::default(),
     };
-    let measure = Measure {
-        tick: 3,
-        dt: 0.001,
-        pose,
-        ..Measure::default()
-    };
+    let mut wrong = (&Params::paper()).into();
     let mut link = Memory::default();
     link.ask(1, &Command::Heartbeat);
-    link.ask(2, &Command::Measure(measure));
+    link.ask(2, &tick(0.001));
     link.to_chip.extend_from_slice(b"rubbish\0").unwrap();
-    link.ask(3, &Command::Arm);
-    link.ask(4, &Command::GetCounters);
-    link.ask(5, &Command::Stop);
-    link.ask(6, &Command::Heartbeat);
+    link.ask(3, &begin);
+    link.ask(4, &tick(0.001));
+    link.ask(5, &tick(0.0));
+    link.ask(6, &Command::SetParameters(wrong));
+    wrong.max_wheel_torque = Some(-1.0);
+    link.ask(7, &Command::SetParameters(wrong));
+    link.ask(8, &Command::Arm);
+    link.ask(9, &Command::GetCounters);
+    link.ask(10, &Command::Stop);
+    link.ask(11, &Command::Heartbeat);
 
-    assert_eq!(serve(&mut link, &mut NoProbe, stand_in), End::Stopped);
+    assert_eq!(serve(&mut link, &mut NoProbe, &mut pil()), End::Stopped);
 
     let answers = link.answers();
-    let numbers: Vec<u16, 8> = answers.iter().map(|&(number, _)| number).collect();
-    assert_eq!(numbers[..], [1, 2, 3, 4, 5]);
-    assert!(matches!(answers[0].1, Telemetry::Hello(_)));
-    let Telemetry::Report(report) = answers[1].1 else {
-        panic!("{:?}", answers[1])
-    };
-    assert_eq!(report.e_x, -1.0);
-    assert!(report.e_y.is_nan());
-    assert_eq!(answers[2].1, Telemetry::Nack(RejectReason::Unsupported));
-    let Telemetry::Counters(counters) = answers[3].1 else {
-        panic!("{:?}", answers[3])
-    };
-    assert_eq!((counters.frames_good, counters.frames_rejected), (4, 1));
-    assert_eq!(answers[4].1, Telemetry::Ack);
+    assert!(answers.iter().map(|&(number, _)| number).eq(1..=10));
+    let mut answers = answers.iter().map(|(_, answer)| answer);
+    let mut next = || answers.next().unwrap();
+    assert!(matches!(next(), Telemetry::Hello(_)));
+    assert_eq!(*next(), Telemetry::Nack(RejectReason::State));
+    for expected in [0, 1] {
+        let answer = next();
+        assert!(
+            matches!(answer, Telemetry::Report(report) if report.tick == expected),
+            "{answer:?}"
+        );
+    }
+    assert_eq!(*next(), Telemetry::Refused(Refusal::TickNotPositive));
+    assert_eq!(*next(), Telemetry::Ack);
+    assert_eq!(*next(), Telemetry::Nack(RejectReason::Value));
+    assert_eq!(*next(), Telemetry::Nack(RejectReason::Unsupported));
+    let counters = next();
+    assert!(
+        matches!(counters, Telemetry::Counters(counters)
+            if (counters.frames_good, counters.frames_rejected) == (9, 1)),
+        "{counters:?}"
+    );
+    assert_eq!(*next(), Telemetry::Ack);
 }
 
 #[test]
 fn a_closed_link_ends_the_loop() {
     let mut link = Memory::default();
     link.ask(1, &Command::Heartbeat);
-    assert_eq!(serve(&mut link, &mut NoProbe, stand_in), End::Closed);
+    assert_eq!(serve(&mut link, &mut NoProbe, &mut pil()), End::Closed);
     assert_eq!(link.answers().len(), 1);
 }

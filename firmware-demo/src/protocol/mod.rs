@@ -17,14 +17,18 @@ mod cobs;
 mod command;
 mod decoder;
 mod encoder;
+mod parameters;
 mod report;
 mod telemetry;
+mod values;
 
-pub use command::{Command, Measure, ParameterSet, TimedSample, WirePose, WireTwist};
+pub use command::Command;
 pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
 pub use encoder::{EncodeError, encode};
+pub use parameters::{ParameterSet, WireReset};
 pub use report::{Report, report_flags};
-pub use telemetry::{Counters, Hello, RejectReason, Telemetry};
+pub use telemetry::{Counters, Hello, Refusal, RejectReason, Telemetry};
+pub use values::{TimedSample, WireDemand, WireMeasured, WirePose, WireReference, WireTwist};
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 

@@ -8,16 +8,16 @@ pub mod report_flags {
     pub const SATURATED: u8 = 1;
     /// This tick handed over from tracking to parking.
     pub const HANDED_OVER: u8 = 1 << 1;
-    /// The tick was refused and the torques are those of the safe state.
-    pub const FAULT: u8 = 1 << 2;
+    /// An acceleration neuron is outside its bounds, on its way back.
+    pub const RELAXING: u8 = 1 << 2;
 }
 
 /// The terms of the law in the paper's symbols, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Number of the tick.
+    /// Ticks since the controller was started.
     pub tick: u32,
-    /// Executed instructions of the tick where the board can count them, else 0.
+    /// Executed instructions of the step where the board can count them, else 0.
     pub instructions: u32,
     /// 0 tracking, 1 parking.
     pub phase: u8,
@@ -31,9 +31,9 @@ pub struct Report {
     pub e_theta: f32,
     /// Neuron of the forward error.
     pub s1: f32,
-    /// Neuron of the lateral error.
+    /// Neuron of the lateral error, tracking only.
     pub s2: f32,
-    /// Neuron of the heading error.
+    /// Neuron of the heading error, parking only.
     pub s3: f32,
     /// Filtered rate of the forward command, m/s^2.
     pub vdot_s: f32,
@@ -51,16 +51,20 @@ pub struct Report {
     pub e_v: f32,
     /// Turn rate error, rad/s.
     pub e_w: f32,
-    /// What bridges the hand-over in the forward rate, m/s^2.
+    /// What the forward command carries beside the neuron, m/s.
     pub bridge_v: f32,
-    /// What bridges the hand-over in the turn rate, rad/s^2.
+    /// What the turn command carries beside the neuron, rad/s.
     pub bridge_w: f32,
     /// Demanded force, N.
     pub force: f32,
     /// Demanded moment, N m.
     pub moment: f32,
-    /// Torque of the right wheel as sent, N m.
+    /// Torque of the right wheel, limited, N m.
     pub tau_right: f32,
-    /// Torque of the left wheel as sent, N m.
+    /// Torque of the left wheel, limited, N m.
     pub tau_left: f32,
+    /// Step of the force at the hand-over, N; 0 in every other tick.
+    pub step_force: f32,
+    /// Step of the moment at the hand-over, N m; 0 in every other tick.
+    pub step_moment: f32,
 }

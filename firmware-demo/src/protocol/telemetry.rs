@@ -1,8 +1,12 @@
 //! What the robot tells a host.
 
+use core::error::Error;
+use core::fmt::{self, Display, Formatter};
+
 use serde::{Deserialize, Serialize};
 
 use super::Report;
+use crate::fault::Cause;
 use crate::supervisor::State;
 
 /// Who answers; the first thing to read after connecting.
@@ -14,6 +18,15 @@ pub struct Hello {
     pub firmware: [u8; 3],
     /// Control ticks per second.
     pub tick_hz: u16,
+}
+
+impl Hello {
+    /// That of this firmware.
+    pub const OURS: Self = Self {
+        protocol: super::VERSION,
+        firmware: [0, 1, 0],
+        tick_hz: 1000,
+    };
 }
 
 /// What went wrong so far, and how deep the stack got.
@@ -45,6 +58,64 @@ pub enum RejectReason {
     Unsupported,
 }
 
+impl Display for RejectReason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::State => "not in this state",
+            Self::Value => "a value is out of its range",
+            Self::Full => "the reference queue is full",
+            Self::Unsupported => "this firmware does not do that",
+        })
+    }
+}
+
+impl Error for RejectReason {}
+
+/// Why the controller refused a start or a tick; its state is what it was before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The measured pose is not finite.
+    Pose,
+    /// The measured velocity is not finite.
+    Twist,
+    /// The reference is not finite.
+    Reference,
+    /// The goal is not finite.
+    Goal,
+    /// The elapsed time is not a number.
+    Tick,
+    /// No time has passed.
+    TickNotPositive,
+    /// Too much time has passed.
+    TickTooLong,
+    /// Tracking was asked of a controller that parks, or the other way round.
+    WrongPhase,
+    /// Finite inputs gave a torque that is not.
+    Overflow,
+    /// A reason that this protocol version has no name for.
+    Other,
+}
+
+impl Display for Refusal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Pose => "the measured pose is not finite",
+            Self::Twist => "the measured velocity is not finite",
+            Self::Reference => "the reference is not finite",
+            Self::Goal => "the goal is not finite",
+            Self::Tick => "the elapsed time is not a number",
+            Self::TickNotPositive => "the elapsed time is not positive",
+            Self::TickTooLong => "the elapsed time is above its limit",
+            Self::WrongPhase => "the demand does not fit the phase",
+            Self::Overflow => "the inputs are too large for a finite torque",
+            Self::Other => "for a reason without a name",
+        })
+    }
+}
+
+impl Error for Refusal {}
+
 /// A message from the robot.
 // See `Command`: moved once, never boxed.
 #[allow(clippy::large_enum_variant)]
@@ -54,12 +125,16 @@ pub enum Telemetry {
     Hello(Hello),
     /// One tick.
     Report(Report),
+    /// A start or a tick that the controller refused (processor in the loop only).
+    Refused(Refusal),
     /// The supervisor changed its state.
     State {
+        /// Ticks since power-on; wraps around.
+        tick: u32,
         /// Its new state.
         state: State,
-        /// Code of the fault that led here, 0 for none.
-        fault: u8,
+        /// Why.
+        cause: Cause,
     },
     /// Answer to the request for counters.
     Counters(Counters),

@@ -12,13 +12,14 @@ const STATES: [State; 7] = [
     State::Fault,
 ];
 
-const EVENTS: [Event; 10] = [
+const EVENTS: [Event; 11] = [
     Event::Arm,
     Event::Track,
     Event::Park,
     Event::TrajectoryEnded,
     Event::Underrun,
     Event::Reached,
+    Event::Halted,
     Event::Stop,
     Event::LinkLost,
     Event::Fault,
@@ -26,15 +27,15 @@ const EVENTS: [Event; 10] = [
 ];
 
 /// Rows are states, columns events, in the order above: initial of the next state (`d` Parked, `X` Fault),
-/// then of the reaction (`.` continue, `!` refuse, `e` enable, `t` track, `p` park, `l` park at last, `r` release).
+/// then of the reaction (`.` continue, `!` refuse, `e` enable, `t` track, `p` park, `l` park at last, `b` brake, `r` release).
 const TABLE: [&str; 7] = [
-    "Ae I! I! I. I. I. Sr I. Xr I!",
-    "A. Tt Pp A. A. A. Sr Sr Xr A!",
-    "T! T. Pp Pl Pl T. Sr Sr Xr T!",
-    "P! P! Pp P. P. dr Sr Sr Xr P!",
-    "Ae Tt Pp d. d. d. Sr Sr Xr d!",
-    "Ae S! S! S. S. S. Sr Sr Xr S!",
-    "X! X! X! X. X. X. Xr Xr Xr Ir",
+    "Ae I! I! I. I. I. I. Sr I. Xr I!",
+    "A. Tt Pp A. A. A. A. Sr Sr Xr A!",
+    "T! T. Pp Pl Pb T. T. Sr Sr Xr T!",
+    "P! P! Pp P. P. dr Sr Sr Sr Xr P!",
+    "Ae Tt Pp d. d. d. d. Sr Sr Xr d!",
+    "Ae S! S! S. S. S. S. Sr Sr Xr S!",
+    "X! X! X! X. X. X. X. Xr Xr Xr Ir",
 ];
 
 fn letters(state: State, reaction: Reaction) -> [u8; 2] {
@@ -54,6 +55,7 @@ fn letters(state: State, reaction: Reaction) -> [u8; 2] {
         Reaction::StartTracking => b't',
         Reaction::StartParking => b'p',
         Reaction::ParkAtLastReference => b'l',
+        Reaction::Brake => b'b',
         Reaction::Release => b'r',
     };
     [state, reaction]

@@ -1,6 +1,10 @@
 //! Why a command failed.
 
+use sim_host::drive::{DriveError, FileError};
 use sim_host::figure::FigureError;
+use sim_host::import::LimitError;
+use sim_host::monitor::MonitorError;
+use sim_host::pil::PilError;
 use sim_host::run::RunError;
 use sim_host::scenario::ScenarioError;
 use std::path::PathBuf;
@@ -11,6 +15,23 @@ pub enum CommandError {
     Scenario(#[from] ScenarioError),
     #[error(transparent)]
     Run(#[from] RunError),
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    #[error("{}: cannot be read: {cause}", path.display())]
+    Read {
+        path: PathBuf,
+        cause: std::io::Error,
+    },
+    #[error("{}: {cause}", path.display())]
+    Trajectory { path: PathBuf, cause: FileError },
+    #[error(transparent)]
+    Limits(LimitError),
+    #[error("{count} of {of} files refused: see above")]
+    Refused { count: usize, of: usize },
+    #[error("{}: a scenario, not a trajectory", .0.display())]
+    NoTrajectory(PathBuf),
+    #[error("{0}: the robot did not park")]
+    NotParked(String),
     #[error(transparent)]
     Figure(#[from] FigureError),
     #[error("{}: cannot be written: {cause}", path.display())]
@@ -24,6 +45,12 @@ pub enum CommandError {
     SameName(String),
     #[error("no built-in scenario is named {0}: see `sim-host list`")]
     NoSuchName(String),
+    #[error(transparent)]
+    Pil(#[from] PilError),
+    #[error(transparent)]
+    Monitor(#[from] MonitorError),
+    #[error("chip and host computed different bits: see the report above")]
+    Apart,
     #[error("cannot print: {0}")]
     Print(std::io::Error),
     #[error("the run has no ticks")]

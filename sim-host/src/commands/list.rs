@@ -2,37 +2,58 @@
 
 use super::error::CommandError;
 use super::say;
-use sim_host::scenario::{BUILT_IN, BuiltIn, Scenario};
+use sim_host::drive::Mission;
+use sim_host::scenario::{BUILT_IN, MISSIONS, Scenario, ScenarioError};
 use std::path::{Path, PathBuf};
 
 /// Names and descriptions, built in or of a directory.
 pub fn list(directory: Option<&Path>) -> Result<(), CommandError> {
     let scenarios = match directory {
         None => {
-            let built_in = BUILT_IN.iter().map(BuiltIn::scenario);
-            built_in.collect::<Result<Vec<_>, _>>()?
+            let built_in = BUILT_IN.iter().chain(MISSIONS);
+            let named = built_in.map(|b| described(&format!("{}.toml", b.name), b.text));
+            named.collect::<Result<Vec<_>, _>>()?
         }
         Some(directory) => {
             let files = toml_files(directory)?;
-            let loaded = files.iter().map(|file| Scenario::load(file));
-            loaded.collect::<Result<Vec<_>, _>>()?
+            files
+                .iter()
+                .map(|file| load(file))
+                .collect::<Result<Vec<_>, _>>()?
         }
     };
-    let width = scenarios.iter().map(|s| s.name.chars().count()).max();
+    let width = scenarios.iter().map(|(name, _)| name.chars().count()).max();
     let width = width.unwrap_or(0);
-    for scenario in &scenarios {
-        say(&format!(
-            "{:width$}  {}\n",
-            scenario.name, scenario.description
-        ))?;
+    for (name, description) in &scenarios {
+        say(&format!("{name:width$}  {description}\n"))?;
     }
     Ok(())
+}
+
+/// Name and description of a file.
+fn load(file: &Path) -> Result<(String, String), CommandError> {
+    match std::fs::read_to_string(file) {
+        Ok(text) => Ok(described(&file.display().to_string(), &text)?),
+        // Says what is wrong with it.
+        Err(_) => Ok(Scenario::load(file).map(|s| (s.name, s.description))?),
+    }
+}
+
+/// Name and description of a scenario, with either law.
+fn described(file: &str, text: &str) -> Result<(String, String), ScenarioError> {
+    if Mission::is_motion(text) {
+        Mission::parse(file, text).map(|m| (m.name, m.description))
+    } else {
+        Scenario::parse(file, text).map(|s| (s.name, s.description))
+    }
 }
 
 /// The text of a built-in file.
 pub fn show(name: &str) -> Result<(), CommandError> {
     let missing = || CommandError::NoSuchName(name.to_owned());
-    say(BuiltIn::find(name).ok_or_else(missing)?.text)
+    say(sim_host::scenario::BuiltIn::find(name)
+        .ok_or_else(missing)?
+        .text)
 }
 
 fn toml_files(directory: &Path) -> Result<Vec<PathBuf>, CommandError> {

@@ -1,8 +1,12 @@
 //! What each command does.
 
 mod compare;
+mod drive;
 mod error;
+mod job;
 mod list;
+mod monitor;
+mod pil;
 mod run;
 mod write;
 
@@ -20,8 +24,26 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
     let output = cli.output();
     match cli.command() {
         Command::Paper => compare::paper(&PAPER, output),
-        Command::Run { files, csv } => run::all(&load_all(files)?, *csv, output),
+        Command::Run { files, csv, drive } => {
+            let base = drive::base(drive.base.as_deref())?;
+            let jobs = drive::load_all(files, &drive.file_run(), &base)?;
+            run::all(&jobs, *csv, output)
+        }
+        Command::Check(arguments) => drive::check(arguments),
+        Command::Compile(arguments) => drive::compile(arguments, output),
         Command::Compare { files, csv } => compare::scenarios(&load_all(files)?, *csv, output),
+        Command::Pil {
+            files,
+            machine,
+            link,
+        } => {
+            let scenarios = match files.as_slice() {
+                [] => load_all(&PAPER.map(PathBuf::from))?,
+                files => load_all(files)?,
+            };
+            pil::all(&scenarios, (*machine).into(), (*link).into(), output)
+        }
+        Command::Monitor(arguments) => monitor::listen(arguments),
         Command::List { directory } => list::list(directory.as_deref()),
         Command::Show { name } => list::show(name),
     }

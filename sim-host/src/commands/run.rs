@@ -1,16 +1,37 @@
 //! `run`.
 
 use super::error::CommandError;
+use super::job::Job;
 use super::write::{Record, Writer};
-use super::{say, simulate, warn};
+use super::{drive, say, simulate, warn};
 use crate::cli::Output;
 use sim_host::figure::Labelled;
 use sim_host::scenario::{Law, Scenario};
 use sim_host::table::{Column, side_by_side};
 
-pub fn all(scenarios: &[Scenario], csv: bool, output: &Output) -> Result<(), CommandError> {
+pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
-    for scenario in scenarios {
+    // One that does not park does not keep the others from running.
+    let mut not_parked = Ok(());
+    for job in jobs {
+        let scenario = match job {
+            Job::Scenario(scenario) => scenario,
+            Job::Mission(mission) => {
+                drive::run(mission, None, csv, &writer)?;
+                continue;
+            }
+            Job::File {
+                mission,
+                stretch,
+                verdict,
+            } => {
+                match drive::run(mission, Some((stretch, verdict)), csv, &writer) {
+                    Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
+                    other => other?,
+                }
+                continue;
+            }
+        };
         warn(scenario);
         let run = simulate(scenario)?;
         let name = &scenario.name;
@@ -26,7 +47,8 @@ pub fn all(scenarios: &[Scenario], csv: bool, output: &Output) -> Result<(), Com
             writer.csv(name, trace)?;
         }
     }
-    say(&format!("results are in {}\n", output.out.display()))
+    say(&format!("results are in {}\n", output.out.display()))?;
+    not_parked
 }
 
 /// The law's name in tables and legends.

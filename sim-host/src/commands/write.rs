@@ -3,6 +3,7 @@
 use super::error::CommandError;
 use crate::cli::Output;
 use serde::Serialize;
+use sim_host::drive::{DriveTrace, write_csv};
 use sim_host::figure::{Labelled, five_panels, png};
 use sim_host::metrics::Metrics;
 use sim_host::scenario::Controller;
@@ -20,6 +21,9 @@ pub struct Record<'a> {
     pub period_s: f64,
     pub duration_s: f64,
     pub metrics: &'a Metrics,
+    /// Only of a run with the controller on a chip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chip: Option<super::pil::ChipRecord>,
 }
 
 impl<'a> From<&'a super::Finished> for Record<'a> {
@@ -31,6 +35,7 @@ impl<'a> From<&'a super::Finished> for Record<'a> {
             period_s: run.scenario.period_s,
             duration_s: run.scenario.duration_s,
             metrics: &run.metrics,
+            chip: None,
         }
     }
 }
@@ -73,7 +78,24 @@ impl<'a> Writer<'a> {
             .map_err(|error| failed(&path, &error))
     }
 
+    pub fn drive_csv(&self, name: &str, trace: &DriveTrace) -> Result<(), CommandError> {
+        let path = self.path(&format!("{name}.csv"));
+        let file = File::create(&path).map_err(|error| failed(&path, &error))?;
+        write_csv(trace, self.output.every.get(), BufWriter::new(file))
+            .map_err(|error| failed(&path, &error))
+    }
+
     pub fn metrics(&self, name: &str, records: &[Record<'_>]) -> Result<(), CommandError> {
+        self.json(name, records)
+    }
+
+    /// A file of that very name.
+    pub fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), CommandError> {
+        let path = self.path(name);
+        fs::write(&path, bytes).map_err(|error| failed(&path, &error))
+    }
+
+    pub fn json(&self, name: &str, records: &[impl Serialize]) -> Result<(), CommandError> {
         let path = self.path(&format!("{name}.json"));
         let mut text =
             serde_json::to_string_pretty(records).map_err(|error| failed(&path, &error))?;

@@ -75,12 +75,11 @@ fn key_of(error: &ParamError, one_radius: bool) -> String {
 
 /// The true robot: the one that the controller believes in, times the factors of `[plant]`.
 pub(super) fn true_robot(
-    params: &Params<f64>,
-    keys: &file::File,
+    robot: &Robot<f64>,
+    plant: &file::Plant,
     place: &Source<'_>,
 ) -> Checked<Robot<f64>> {
-    let plant = &keys.plant;
-    let mut robot = params.robot;
+    let mut robot = *robot;
     for (field, factor, key) in [
         (&mut robot.mass_kg, plant.mass_factor, "mass_factor"),
         (

@@ -12,9 +12,9 @@ pub struct BuiltIn {
 }
 
 macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        /// All files of `scenarios/`.
-        pub const BUILT_IN: &[BuiltIn] = &[$(BuiltIn {
+    ($(#[$doc:meta])* $list:ident: $($name:literal),* $(,)?) => {
+        $(#[$doc])*
+        pub const $list: &[BuiltIn] = &[$(BuiltIn {
             name: $name,
             text: include_str!(concat!("../../../scenarios/", $name, ".toml")),
         }),*];
@@ -22,6 +22,8 @@ macro_rules! built_in {
 }
 
 built_in![
+    /// The files of `scenarios/` with a controller of the paper.
+    BUILT_IN:
     "paper-line",
     "paper-curve",
     "moving-start",
@@ -31,13 +33,28 @@ built_in![
     "weaving",
 ];
 
+built_in![
+    /// The files of `scenarios/` with the law for a real base: [`crate::drive::Mission`]s.
+    MISSIONS:
+    "park-beside",
+    "start-from-rest",
+    "reverse",
+    "turn-in-place",
+    "heading-pi",
+    "weak-base",
+    "retarget",
+    "back-to-tracking",
+    "fast",
+];
+
 /// The paper's two cases, Figs. 3 and 4.
 pub const PAPER: [&str; 2] = ["paper-line", "paper-curve"];
 
 impl BuiltIn {
     /// The built-in scenario of this name.
     pub fn find(name: &str) -> Option<&'static Self> {
-        BUILT_IN.iter().find(|built_in| built_in.name == name)
+        let mut all = BUILT_IN.iter().chain(MISSIONS);
+        all.find(|built_in| built_in.name == name)
     }
 
     /// Reads it like any other file.

@@ -3,7 +3,6 @@
 use super::source::Source;
 use super::{Controller, MathsBackEnd, Precision, Scenario, ScenarioError, belief, file, ranges};
 use crate::motion::{Motion, Profile};
-use controller_core::params::Params;
 use controller_core::reference::{ConstantTwist, ParkingPlan};
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -16,9 +15,9 @@ pub(super) fn scenario(name: String, keys: &file::File, place: &Source<'_>) -> C
     ranges::check(keys, place)?;
     let controller = controller(&keys.controller, place)?;
     let params = belief::params(keys, place)?;
-    let robot = belief::true_robot(&params, keys, place)?;
+    let robot = belief::true_robot(&params.robot, &keys.plant, place)?;
     let motion = motion(&keys.reference);
-    let (duration_s, period_s) = timing(&keys.run, &params, place)?;
+    let (duration_s, period_s) = timing(&keys.run, params.max_tick_s, place)?;
     let hand_over = match &keys.hand_over {
         Some(keys) => Some(hand_over(keys, &motion, duration_s, place)?),
         None => None,
@@ -56,7 +55,7 @@ fn controller(keys: &file::Controller, place: &Source<'_>) -> Checked<Controller
     })
 }
 
-fn motion(keys: &file::Motion) -> Motion {
+pub(super) fn motion(keys: &file::Motion) -> Motion {
     let start = Pose::new(keys.start.x, keys.start.y, keys.start.theta);
     let profile = |keys: &file::Profile| {
         let (amplitude, frequency, phase) = keys.sine.unwrap_or_default();
@@ -80,12 +79,11 @@ fn motion(keys: &file::Motion) -> Motion {
     }
 }
 
-fn timing(keys: &file::Run, params: &Params<f64>, place: &Source<'_>) -> Checked<(f64, f64)> {
+pub(super) fn timing(keys: &file::Run, max_tick: f64, place: &Source<'_>) -> Checked<(f64, f64)> {
     let file::Run { duration, period } = *keys;
     if !(period.is_finite() && period > 0.0) {
         return Err(place.error("run.period", "must be a finite number above 0"));
     }
-    let max_tick = params.max_tick_s;
     if period > max_tick {
         let message = format!("is above controller.max_tick = {max_tick} s");
         return Err(place.error("run.period", message));

@@ -2,16 +2,19 @@
 //!
 //! Everything is settable and nothing is guessed: an unknown key or a value out of range is a
 //! [`ScenarioError`] that names file, line and key. Omitted gains are those of
-//! [`Params::paper`]. The files in `scenarios/` are commented and built into the program.
+//! [`Params::paper`]. A file whose `controller.kind` is `motion` is a [`crate::drive::Mission`], for the
+//! law for a real base. The files in `scenarios/` are commented and built into the program.
 
+mod base;
 mod belief;
 mod built_in;
 mod check;
 mod file;
+mod mission;
 mod ranges;
 mod source;
 
-pub use built_in::{BUILT_IN, BuiltIn, PAPER};
+pub use built_in::{BUILT_IN, BuiltIn, MISSIONS, PAPER};
 pub use source::ScenarioError;
 
 use crate::motion::Motion;
@@ -161,6 +164,10 @@ impl Scenario {
     /// that contradict each other.
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
         let place = source::Source::new(file, text);
+        if crate::drive::Mission::is_motion(text) {
+            let message = "is the law for a real base, which `run` takes and this does not";
+            return Err(place.error("controller.kind", message));
+        }
         let keys = toml::from_str(text).map_err(|error| place.reader_error(&error))?;
         let stem = Path::new(file).file_stem();
         let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());

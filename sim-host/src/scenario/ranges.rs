@@ -1,7 +1,7 @@
 //! Ranges of what the core leaves open: poses and motions.
 
 use super::check::Checked;
-use super::file::{File, PoseKeys, Profile};
+use super::file::{File, Motion, PoseKeys, Profile, Start};
 use super::source::Source;
 
 /// Largest coordinate \[m, rad\]: beyond, even double precision gets coarse.
@@ -9,21 +9,21 @@ const FAR: f64 = 1.0e6;
 /// Largest speed, turn rate, angular frequency \[m/s, rad/s\]: bounds the work of integrating (6).
 const FAST: f64 = 1.0e3;
 
-type Value = (String, f64, f64);
+/// Key, value, largest magnitude.
+pub(super) type Value = (String, f64, f64);
 
 /// Refuses the first value out of its range; TOML can say `nan` and `inf` as well.
 pub(super) fn check(keys: &File, place: &Source<'_>) -> Checked<()> {
-    let start = &keys.start;
-    let mut values = pose("start", start.x, start.y, start.theta);
-    values.push(("start.v".to_owned(), start.v, FAST));
-    values.push(("start.w".to_owned(), start.w, FAST));
-    let PoseKeys { x, y, theta } = keys.reference.start;
-    values.extend(pose("reference.start", x, y, theta));
-    values.extend(profile("v", &keys.reference.v));
-    values.extend(profile("w", &keys.reference.w));
+    let mut values = start(&keys.start);
+    values.extend(reference(&keys.reference));
     if let Some(PoseKeys { x, y, theta }) = keys.hand_over.as_ref().and_then(|h| h.target) {
         values.extend(pose("hand_over.target", x, y, theta));
     }
+    refuse(&values, place)
+}
+
+/// Refuses the first value out of its range.
+pub(super) fn refuse(values: &[Value], place: &Source<'_>) -> Checked<()> {
     // Not `abs() > limit`, which lets a NaN pass.
     let outside = |(_, value, limit): &&Value| !(-limit..=*limit).contains(value);
     match values.iter().find(outside) {
@@ -34,7 +34,24 @@ pub(super) fn check(keys: &File, place: &Source<'_>) -> Checked<()> {
     }
 }
 
-fn pose(table: &str, x: f64, y: f64, theta: f64) -> Vec<Value> {
+/// Where a robot starts.
+pub(super) fn start(start: &Start) -> Vec<Value> {
+    let mut values = pose("start", start.x, start.y, start.theta);
+    values.push(("start.v".to_owned(), start.v, FAST));
+    values.push(("start.w".to_owned(), start.w, FAST));
+    values
+}
+
+/// How a reference moves.
+pub(super) fn reference(keys: &Motion) -> Vec<Value> {
+    let PoseKeys { x, y, theta } = keys.start;
+    let mut values = pose("reference.start", x, y, theta);
+    values.extend(profile("v", &keys.v));
+    values.extend(profile("w", &keys.w));
+    values
+}
+
+pub(super) fn pose(table: &str, x: f64, y: f64, theta: f64) -> Vec<Value> {
     let keys = [("x", x), ("y", y), ("theta", theta)];
     let named = keys.map(|(key, value)| (format!("{table}.{key}"), value, FAR));
     named.to_vec()

@@ -1,0 +1,150 @@
+//! The timer interrupt's half: from encoders to motors.
+
+use core::fmt::{self, Display, Formatter};
+
+use controller_core::hal::{Clock, WheelDrive, WheelEncoders};
+use controller_core::maths::Single;
+use controller_core::odometry::Odometry;
+use controller_core::types::Pose;
+use controller_core::wheels::WheelMap;
+use embedded_hal::digital::OutputPin;
+use embedded_hal::pwm::SetDutyCycle;
+use firmware_demo::control::{ControlTask, SensorFault};
+use firmware_demo::drive::{MotorPair, MotorSide};
+use firmware_demo::station::{Queues, Station};
+
+use crate::config;
+use crate::line::Line;
+
+/// What a board is made of.
+pub struct Parts<P, D, N, E, C> {
+    /// PWM and direction of the right motor.
+    pub right: MotorSide<P, D>,
+    /// PWM and direction of the left motor.
+    pub left: MotorSide<P, D>,
+    /// High switches the bridges on; a resistor holds it low from reset on.
+    pub enable: N,
+    /// Both encoders.
+    pub encoders: E,
+    /// Microseconds.
+    pub clock: C,
+}
+
+/// Why there is no robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StartError {
+    /// A value of [`config`] is out of its range.
+    Config,
+    /// The motor outputs cannot be made safe.
+    Motors,
+    /// The encoders do not answer.
+    Encoders,
+}
+
+impl Display for StartError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Config => "a value of the configuration is out of its range",
+            Self::Motors => "the motor outputs cannot be made safe",
+            Self::Encoders => "the encoders do not answer",
+        })
+    }
+}
+
+impl core::error::Error for StartError {}
+
+/// Everything that happens once a tick.
+pub struct Base<'queue, P, D, N, E, C> {
+    station: Station<'queue, MotorPair<P, D>>,
+    enable: N,
+    encoders: E,
+    clock: C,
+    odometry: Odometry<f32>,
+    wheels: WheelMap<f32>,
+    last_us: u32,
+}
+
+/// The two halves of a board: for the timer's interrupt, and for the background.
+pub type Halves<'queue, P, D, N, E, C> = (Base<'queue, P, D, N, E, C>, Line<'queue>);
+
+/// Makes the outputs safe and puts a robot together from its parts.
+///
+/// # Errors
+///
+/// [`StartError`]; the outputs are then as safe as they could be made.
+pub fn start<'queue, P, D, N, E, C>(
+    parts: Parts<P, D, N, E, C>,
+    queues: &'queue mut Queues,
+) -> Result<Halves<'queue, P, D, N, E, C>, StartError>
+where
+    P: SetDutyCycle,
+    D: OutputPin,
+    N: OutputPin,
+    E: WheelEncoders,
+    C: Clock,
+{
+    let Parts {
+        right,
+        left,
+        mut enable,
+        mut encoders,
+        clock,
+    } = parts;
+    enable.set_low().map_err(|_| StartError::Motors)?;
+    let motor = config::MOTOR.validate().map_err(|_| StartError::Config)?;
+    let mut motors = MotorPair::new(right, left, motor);
+    motors.release().map_err(|_| StartError::Motors)?;
+    let params = config::PARAMS.validate().map_err(|_| StartError::Config)?;
+    let settings = config::settings()
+        .validate()
+        .map_err(|_| StartError::Config)?;
+    let counts = encoders.counts().map_err(|_| StartError::Encoders)?;
+    let odometry = Odometry::new(&config::ODOMETRY, Pose::default(), counts)
+        .map_err(|_| StartError::Config)?;
+    let wheels = WheelMap::from_geometry(&config::WHEELS).map_err(|_| StartError::Config)?;
+    let (references, ends, reception) = queues.split(config::DECIMATE);
+    let task =
+        ControlTask::new(motors, references, settings, params).map_err(|_| StartError::Config)?;
+    let base = Base {
+        station: Station::new(task, ends),
+        enable,
+        encoders,
+        last_us: clock.now_us().wrapping_sub(config::PERIOD_US),
+        clock,
+        odometry,
+        wheels,
+    };
+    Ok((base, Line::new(reception)))
+}
+
+impl<P, D, N, E, C> Base<'_, P, D, N, E, C>
+where
+    P: SetDutyCycle,
+    D: OutputPin,
+    N: OutputPin,
+    E: WheelEncoders,
+    C: Clock,
+{
+    /// One tick: reads, computes, drives. The bridges are on only while the wheels are told a torque, if one of 0 as when armed.
+    pub fn tick(&mut self) {
+        let now_us = self.clock.now_us();
+        // A tick takes time, so 0 is a clock that stands; the control task is told as much by its own clock check.
+        let elapsed_us = now_us.wrapping_sub(self.last_us).max(1);
+        self.last_us = now_us;
+        let dt = elapsed_us as f32 * 1.0e-6;
+        let sensed = match self.encoders.counts() {
+            Ok(counts) => Ok(self.odometry.update::<Single>(counts, dt)),
+            Err(_) => Err(SensorFault),
+        };
+        if let Ok(measured) = &sensed {
+            let speeds = self.wheels.wheel_speeds(&measured.twist);
+            self.station.drive_mut().observe(&speeds);
+        }
+        self.station.tick(now_us, sensed);
+        let driven = self.station.task().told().is_some();
+        if self.enable.set_state(driven.into()).is_err() {
+            // The pin cannot be set, so the bridges are kept off by their duty at least. The next tick tries again.
+            let _ = self.station.drive_mut().release();
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! What the real boards share: everything but the pins.
+//!
+//! ```text
+//! receive interrupt -> Bytes -> Line (background) -> Reception ─┐
+//! timer interrupt   -> Base::tick: encoders, odometry, Station ─┴─> motors, enable pin
+//! ```
+//!
+//! A board brings a clock, two encoders, two PWM outputs, two direction pins, one enable pin and a line; [`start`]
+//! makes of them the two halves that run in the timer's interrupt and in the background.
+#![no_std]
+
+mod base;
+mod bytes;
+pub mod config;
+mod line;
+
+pub use base::{Base, Halves, Parts, StartError, start};
+pub use bytes::Bytes;
+pub use line::{BAUD, Line};
+
+// What a board needs of the workspace, so that it depends on this crate only.
+pub use controller_core::hal::{Clock, ErrorKind, ErrorType, WheelCounts, WheelEncoders, Widened};
+pub use firmware_demo::drive::MotorSide;
+pub use firmware_demo::station::Queues;

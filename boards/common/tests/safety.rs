@@ -1,0 +1,198 @@
+//! A board made of memory: nothing is driven before the host has armed it, and nothing once the host is gone.
+
+use std::cell::Cell;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use board_common::{
+    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, WheelCounts, WheelEncoders, start,
+};
+use controller_core::maths::Single;
+use controller_core::queue::TimedReference;
+use controller_core::reference::Reference;
+use controller_core::types::{Accel, Pose, Twist};
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::pwm::{self, SetDutyCycle};
+use firmware_demo::protocol::{Command, MAX_FRAME, encode};
+
+/// One wire, seen from both of its ends.
+#[derive(Clone, Default)]
+struct Wire(Rc<Cell<u16>>);
+
+impl digital::ErrorType for Wire {
+    type Error = Infallible;
+}
+
+impl OutputPin for Wire {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.set(0);
+        Ok(())
+    }
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.set(1);
+        Ok(())
+    }
+}
+
+impl pwm::ErrorType for Wire {
+    type Error = Infallible;
+}
+
+impl SetDutyCycle for Wire {
+    fn max_duty_cycle(&self) -> u16 {
+        1000
+    }
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        self.0.set(duty);
+        Ok(())
+    }
+}
+
+/// Microseconds that pass by themselves with each look, and counts that follow the duty.
+#[derive(Clone, Default)]
+struct World {
+    now_us: Rc<Cell<u32>>,
+    turned: Rc<Cell<i32>>,
+}
+
+impl Clock for World {
+    fn now_us(&self) -> u32 {
+        self.now_us.get()
+    }
+}
+
+impl ErrorType for World {
+    type Error = Infallible;
+}
+
+impl WheelEncoders for World {
+    fn counts(&mut self) -> Result<WheelCounts, Infallible> {
+        let turned = self.turned.get();
+        Ok(WheelCounts {
+            right: turned,
+            left: turned,
+        })
+    }
+}
+
+struct Board {
+    halves: Halves<'static, Wire, Wire, Wire, World, World>,
+    wires: [Wire; 3],
+    world: World,
+    received: Bytes,
+    sequence: u16,
+}
+
+impl Board {
+    /// All outputs begin high, as if something had gone wrong before.
+    fn new() -> Self {
+        let wires = [(); 3].map(|()| Wire(Rc::new(Cell::new(1))));
+        let [enable, right, left] = wires.clone();
+        let world = World::default();
+        let side = |pwm| MotorSide {
+            pwm,
+            direction: Wire::default(),
+        };
+        let parts = Parts {
+            right: side(right),
+            left: side(left),
+            enable,
+            encoders: world.clone(),
+            clock: world.clone(),
+        };
+        let queues = Box::leak(Box::new(Queues::default()));
+        Self {
+            halves: start(parts, queues).expect("the configuration is valid"),
+            wires,
+            world,
+            received: Bytes::new(),
+            sequence: 0,
+        }
+    }
+
+    fn send(&mut self, command: &Command) {
+        self.sequence += 1;
+        let mut frame = [0; MAX_FRAME];
+        let frame = encode(self.sequence, command, &mut frame).expect("a frame");
+        frame.iter().for_each(|&byte| self.received.push(byte));
+        // Answers and telemetry are sent and forgotten.
+        for _ in 0..4 {
+            self.halves.1.poll(&self.received, |_| true);
+        }
+    }
+
+    /// A millisecond; the wheels turn while they are pushed.
+    fn tick(&mut self) {
+        self.world
+            .now_us
+            .set(self.world.now_us.get().wrapping_add(1000));
+        let [_, right, _] = &self.wires;
+        self.world
+            .turned
+            .set(self.world.turned.get() + i32::from(right.0.get() > 0));
+        self.halves.0.tick();
+        self.halves.1.poll(&self.received, |_| true);
+    }
+
+    fn outputs(&self) -> [u16; 3] {
+        self.wires.clone().map(|wire| wire.0.get())
+    }
+
+    /// A trajectory of a second, straight on at 0.2 m/s.
+    fn send_trajectory(&mut self) {
+        for at in 0..20 {
+            let t = at as f32 * 0.05;
+            let reference = Reference::new::<Single>(
+                Pose::new(0.2 * t, 0.0, 0.0),
+                Twist::new(0.2, 0.0),
+                Accel::default(),
+            );
+            self.send(&Command::Sample((&TimedReference { t, reference }).into()));
+        }
+    }
+}
+
+#[test]
+fn outputs_are_off_from_the_start_until_armed() {
+    let mut board = Board::new();
+    assert_eq!(board.outputs(), [0; 3]);
+    board.send_trajectory();
+    for _ in 0..500 {
+        board.send(&Command::Heartbeat);
+        board.tick();
+        assert_eq!(board.outputs(), [0; 3]);
+    }
+}
+
+#[test]
+fn an_armed_board_drives_and_a_silent_host_stops_it_within_100_ms() {
+    let mut board = Board::new();
+    board.tick();
+    board.send(&Command::Arm);
+    board.tick();
+    assert_eq!(board.outputs(), [1, 0, 0], "armed, and told no torque");
+    board.send_trajectory();
+    for _ in 0..200 {
+        board.send(&Command::Heartbeat);
+        board.tick();
+    }
+    let [enable, right, left] = board.outputs();
+    assert!(
+        enable == 1 && right > 0 && left > 0,
+        "{:?}",
+        board.outputs()
+    );
+    for _ in 0..102 {
+        board.tick();
+    }
+    assert_eq!(board.outputs(), [0; 3], "the host is gone");
+    for _ in 0..100 {
+        board.send(&Command::Heartbeat);
+        board.tick();
+        assert_eq!(
+            board.outputs(),
+            [0; 3],
+            "a host that comes back does not drive on"
+        );
+    }
+}

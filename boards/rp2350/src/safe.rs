@@ -1,0 +1,42 @@
+//! The safe state, whatever happened: bridges off, and the watchdog brings a fresh start.
+//!
+//! The HAL's set-up can panic, so this image has no proof that a panic is out of reach. It does what a hard fault does.
+
+use core::panic::PanicInfo;
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use embassy_rp::pac;
+
+/// Enable, GPIO 6, and the directions beside it: GPIO 4 to 6.
+const OUTPUTS: u32 = 0b111_0000;
+
+/// Switches the bridges off and stops. A running watchdog then resets the chip, and pins are inputs from reset on.
+pub fn halt() -> ! {
+    cortex_m::interrupt::disable();
+    pac::SIO.gpio_out(0).value_clr().write_value(OUTPUTS);
+    // The output stays where it is when its slice stops, so the duty goes first.
+    pac::PWM.ch(1).cc().write(|w| {
+        w.set_a(0);
+        w.set_b(0);
+    });
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+#[exception]
+#[allow(unsafe_code)]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    halt()
+}
+
+#[exception]
+#[allow(unsafe_code)]
+unsafe fn DefaultHandler(_: i16) {
+    halt()
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    halt()
+}

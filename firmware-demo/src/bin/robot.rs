@@ -1,0 +1,80 @@
+//! A whole robot on an emulated board: control in the timer's interrupt, commands by the serial port in the
+//! background, and a model in place of motors and wheels.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+firmware_demo::firmware!(run);
+#[cfg(target_os = "none")]
+firmware_demo::timer_interrupt!();
+
+#[cfg(target_os = "none")]
+fn run() {
+    chip::run();
+}
+
+#[cfg(target_os = "none")]
+mod chip {
+    use controller_core::params::Params;
+    use controller_core::types::Measured;
+    use firmware_demo::board::{EXIT_LINK, Uart, high_water_mark, semihosting, with_ticks};
+    use firmware_demo::control::{ControlTask, Settings};
+    use firmware_demo::drive::MockDrive;
+    use firmware_demo::line::send;
+    use firmware_demo::model::Model;
+    use firmware_demo::station::{Queues, Reception, Station};
+
+    const MAX_TORQUE_NM: f32 = 3.0;
+    /// Of so many reports one is sent: 50 a second.
+    const DECIMATE: u16 = 20;
+
+    /// Returns only when the line fails.
+    pub fn run() {
+        let settings = Settings::default();
+        let mut params = Params::paper();
+        params.max_wheel_torque_nm = Some(MAX_TORQUE_NM);
+        let (Ok(params), Ok(valid)) = (params.validate(), settings.validate()) else {
+            semihosting::exit(EXIT_LINK)
+        };
+        let mut queues = Queues::default();
+        let (references, ends, mut reception) = queues.split(DECIMATE);
+        let wheels = MockDrive::<0>::new(MAX_TORQUE_NM);
+        let Ok(task) = ControlTask::new(wheels, references, valid, params) else {
+            semihosting::exit(EXIT_LINK)
+        };
+        let mut station = Station::new(task, ends);
+        let mut model = Model::new(params, Measured::default());
+        let mut last_us = 0;
+        let mut tick = move |now_us: u32| {
+            // First the time that has passed, with what the wheels were told before.
+            let dt = now_us.wrapping_sub(last_us) as f32 * 1e-6;
+            last_us = now_us;
+            model.advance(dt, station.task().told());
+            station.tick(now_us, Ok(*model.measured()));
+        };
+        let mut uart = Uart::polled();
+        with_ticks(settings.period_us, &mut tick, || {
+            while serve(&mut uart, &mut reception) {}
+        });
+        semihosting::exit(EXIT_LINK);
+    }
+
+    /// What has arrived and what is to be sent; `false` when the line fails.
+    fn serve(uart: &mut Uart, reception: &mut Reception<'_>) -> bool {
+        let answer = uart
+            .try_read()
+            .and_then(|byte| reception.push(byte, high_water_mark));
+        answer.is_none_or(|answer| send(uart, &answer))
+            && reception.pending().is_none_or(|answer| send(uart, &answer))
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This program runs on an emulated board; build it with");
+    println!("  cargo build -p firmware-demo --release --target thumbv7em-none-eabihf --bin robot");
+    println!("and run it with");
+    println!(
+        "  qemu-system-arm -M mps2-an386 -display none -monitor none -serial unix:PATH,server=on \\"
+    );
+    println!("    -semihosting-config enable=on,target=native -kernel IMAGE");
+}

@@ -1,0 +1,222 @@
+//! The control task on the host, with wheels that only remember: what they are told, phase by phase.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+// Nothing to show on a chip: `robot` is the program for that.
+#[cfg(target_os = "none")]
+firmware_demo::firmware!(nothing);
+
+#[cfg(target_os = "none")]
+fn nothing() {}
+
+#[cfg(not(target_os = "none"))]
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    demo::run()
+}
+
+#[cfg(not(target_os = "none"))]
+mod demo {
+    use std::error::Error;
+
+    use controller_core::maths::Single;
+    use controller_core::neural::NeuralController;
+    use controller_core::params::Params;
+    use controller_core::queue::{ReferenceProducer, ReferenceQueue, TimedReference};
+    use controller_core::reference::{ConstantTwist, Reference};
+    use controller_core::types::{Accel, Measured, Pose, Twist};
+    use firmware_demo::control::{ControlTask, Settings};
+    use firmware_demo::drive::{MockDrive, Script};
+    use firmware_demo::model::Model;
+    use firmware_demo::protocol::{Command, RejectReason, WirePose};
+    use firmware_demo::station::Queues;
+
+    /// The task, its wheels and a robot model that moves as the wheels are told.
+    struct Bench<'queue> {
+        task: ControlTask<'queue, MockDrive>,
+        references: ReferenceProducer<'queue, f32>,
+        model: Model,
+        period_us: u32,
+        now_us: u32,
+        changes: u32,
+    }
+
+    /// Shows a mission, a trajectory that is cut off, a host that falls silent and a driver that fails.
+    pub fn run() -> Result<(), Box<dyn Error>> {
+        let mut queue = ReferenceQueue::<f32, 64>::new();
+        let (references, consumer) = queue.split();
+        let mut params = Params::paper();
+        params.max_wheel_torque_nm = Some(3.0);
+        let params = params.validate()?;
+        let settings = Settings::default();
+        let wheels = MockDrive::new(3.0);
+        let state = Measured {
+            pose: Pose::new(0.0, 0.3, 0.0),
+            ..Measured::default()
+        };
+        let mut bench = Bench {
+            task: ControlTask::new(wheels, consumer, settings.validate()?, params)?,
+            references,
+            model: Model::new(params, state),
+            period_us: settings.period_us,
+            now_us: 0,
+            changes: u32::MAX,
+        };
+        println!("      t  state     right N m  left N m       x      y  theta    v m/s");
+
+        bench.title("armed, a curve with its end at rest, then parking");
+        bench.run(5)?;
+        bench.tell(Command::Arm)?;
+        bench.run(100)?;
+        bench.curve(36, true)?;
+        bench.run(9000)?;
+
+        bench.title("parking at a pose ahead");
+        let Pose { x, y, theta } = bench.model.measured().pose;
+        let goal = WirePose {
+            x: x + theta.cos(),
+            y: y + theta.sin(),
+            theta,
+        };
+        bench.tell(Command::Park { goal })?;
+        bench.run(5500)?;
+
+        bench.title("a trajectory that is cut off: controlled stop");
+        bench.tell(Command::Arm)?;
+        bench.curve(12, false)?;
+        bench.run(4500)?;
+
+        bench.title("a host that falls silent: wheels released within 100 ms");
+        bench.tell(Command::Arm)?;
+        bench.curve(60, false)?;
+        bench.run(600)?;
+        bench.silence(300);
+
+        bench.title("a driver that fails: released at once, until the fault is reset");
+        bench.tell(Command::Arm)?;
+        bench.curve(60, false)?;
+        bench.run(400)?;
+        let script = Script {
+            from: 0,
+            count: 1,
+            kind: None,
+        };
+        bench.task.drive_mut().fail(script);
+        bench.run(200)?;
+        bench.tell(Command::ResetFault)?;
+        bench.run(5)?;
+        sizes();
+        Ok(())
+    }
+
+    impl Bench<'_> {
+        fn title(&self, title: &str) {
+            println!("\n{title}");
+        }
+
+        fn tell(&mut self, command: Command) -> Result<(), RejectReason> {
+            self.task.command(&command)
+        }
+
+        /// Samples every 0.1 s from where the robot is, its lateral offset aside.
+        fn curve(&mut self, samples: u16, rest: bool) -> Result<(), Box<dyn Error>> {
+            let start = self.model.measured().pose;
+            let path = ConstantTwist {
+                start: Pose::new(start.x, start.y - 0.1, start.theta),
+                twist: Twist::new(0.4, 0.15),
+            };
+            self.references.restart();
+            let end = f32::from(samples.saturating_sub(1)) * 0.1;
+            for number in 0..samples {
+                let t = f32::from(number) * 0.1;
+                // To end at rest the last second is driven at a speed that falls to 0 in equal steps.
+                let left = end - t;
+                let (passed, speed, slowing) = if rest && left < 1.0 {
+                    (end - 0.5 - 0.5 * left * left, left, -1.0)
+                } else {
+                    (t, 1.0, 0.0)
+                };
+                let reference = Reference::new::<Single>(
+                    *path.at::<Single>(passed).pose(),
+                    Twist::new(path.twist.linear * speed, path.twist.angular * speed),
+                    Accel::new(path.twist.linear * slowing, path.twist.angular * slowing),
+                );
+                self.references
+                    .push(TimedReference { t, reference })
+                    .map_err(|error| error.to_string())?;
+            }
+            Ok(())
+        }
+
+        /// Runs with a host that says something every 20 ms.
+        fn run(&mut self, ticks: u32) -> Result<(), RejectReason> {
+            for tick in 0..ticks {
+                if tick % 20 == 0 {
+                    self.tell(Command::Heartbeat)?;
+                }
+                self.tick();
+            }
+            Ok(())
+        }
+
+        fn silence(&mut self, ticks: u32) {
+            for _ in 0..ticks {
+                self.tick();
+            }
+        }
+
+        fn tick(&mut self) {
+            self.now_us = self.now_us.wrapping_add(self.period_us);
+            let measured = *self.model.measured();
+            self.task.tick(self.now_us, Ok(measured));
+            let changed = self.task.changes() != self.changes;
+            let shown = self.task.state().drives() && self.now_us.is_multiple_of(500_000);
+            if changed || shown {
+                self.changes = self.task.changes();
+                self.print(changed);
+            }
+            let dt = self.period_us as f32 * 1e-6;
+            self.model.advance(dt, self.task.told());
+        }
+
+        fn print(&mut self, changed: bool) {
+            let Measured { pose, twist } = *self.model.measured();
+            let state = format!("{:?}", self.task.state());
+            let wheels = match self.task.drive_mut().told() {
+                Some(told) => format!("{:9.3} {:9.3}", told.right, told.left),
+                None => format!("{:>19}", "released"),
+            };
+            let cause = if changed {
+                format!("  <- {:?}", self.task.cause())
+            } else {
+                String::new()
+            };
+            println!(
+                "{:7.3}  {state:9} {wheels}  {:6.3} {:6.3} {:6.3}  {:7.3}{cause}",
+                f64::from(self.now_us) * 1e-6,
+                pose.x,
+                pose.y,
+                pose.theta,
+                twist.linear,
+            );
+        }
+    }
+
+    fn sizes() {
+        println!("\nBytes of state on this machine (no heap)");
+        for (name, bytes) in [
+            (
+                "controller, with its parameters",
+                size_of::<NeuralController>(),
+            ),
+            (
+                "control task, with controller",
+                size_of::<ControlTask<'_, MockDrive<0>>>(),
+            ),
+            (
+                "queues for samples, commands, telemetry",
+                size_of::<Queues>(),
+            ),
+        ] {
+            println!("{bytes:7}  {name}");
+        }
+    }
+}

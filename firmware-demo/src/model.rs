@@ -1,0 +1,47 @@
+//! A small robot that does what its wheels are told: for the demonstration, the emulated robot and tests.
+//!
+//! Rigid body on two wheels, no slip, a little rolling resistance; Eqs. (1) to (3) by semi-implicit Euler
+//! steps. The simulator of the project has the accurate one.
+
+use controller_core::maths::{Maths, Single};
+use controller_core::params::Validated;
+use controller_core::types::{Measured, WheelTorques};
+
+/// The robot.
+#[derive(Clone, Copy, Debug)]
+pub struct Model {
+    params: Validated<f32>,
+    state: Measured<f32>,
+    /// Share of the speed that rolling resistance takes in a second.
+    drag_per_s: f32,
+}
+
+impl Model {
+    /// At `state`, with mass, inertia and wheels of `params`.
+    pub const fn new(params: Validated<f32>, state: Measured<f32>) -> Self {
+        Self {
+            params,
+            state,
+            drag_per_s: 0.05,
+        }
+    }
+
+    /// What perfect sensors measure.
+    pub const fn measured(&self) -> &Measured<f32> {
+        &self.state
+    }
+
+    /// Lets `dt` \[s\] pass with the wheels told `torques`; `None` lets them coast.
+    pub fn advance(&mut self, dt: f32, torques: Option<WheelTorques<f32>>) {
+        let wrench = self.params.wheels().wrench(&torques.unwrap_or_default());
+        let robot = &self.params.params().robot;
+        let Measured { pose, twist } = &mut self.state;
+        let keep = 1.0 - self.drag_per_s * dt;
+        twist.linear = keep * twist.linear + dt * (wrench.force / robot.mass_kg);
+        twist.angular = keep * twist.angular + dt * (wrench.moment / robot.inertia_kg_m2);
+        let (sine, cosine) = Single::sin_cos(pose.theta);
+        pose.x += dt * twist.linear * cosine;
+        pose.y += dt * twist.linear * sine;
+        pose.theta += dt * twist.angular;
+    }
+}

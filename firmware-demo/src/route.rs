@@ -1,0 +1,172 @@
+//! A trajectory in flash, followed and parked at by the law for a real base.
+
+use controller_core::error::{ParamError, StepFault};
+use controller_core::maths::Single;
+use controller_core::motion::{
+    Limits, Motion, MotionController, MotionParams, Outcome, Policy, Task,
+};
+use controller_core::params::{Params, Validated};
+use controller_core::queue::{TimedReference, interpolate};
+use controller_core::reference::Reference;
+use controller_core::types::{Accel, Measured, Pose, Twist};
+
+use crate::model::Model;
+
+#[path = "routes/bend.rs"]
+mod bend;
+
+/// Samples made by `sim-host compile`: t, x, y, θ, v, w, v̇, ẇ.
+#[derive(Clone, Copy, Debug)]
+pub struct Route {
+    samples: &'static [[f32; 8]],
+}
+
+/// Ten seconds, four metres, half a turn; for a 30 kg base.
+pub const BEND: Route = Route {
+    samples: &bend::BEND,
+};
+
+impl Route {
+    /// The reference at `t` \[s\]: between samples by the core's interpolation, outside at rest at the
+    /// ends. The work is bounded by the number of samples.
+    pub fn at(&self, t: f32) -> Option<Reference<f32>> {
+        let mut before: Option<&[f32; 8]> = None;
+        for sample in self.samples {
+            if sample[0] > t {
+                return Some(match before {
+                    Some(from) => interpolate::<f32, Single>(&timed(from), &timed(sample), t),
+                    None => Reference::at_rest::<Single>(pose(sample)),
+                });
+            }
+            before = Some(sample);
+        }
+        before.map(|last| Reference::at_rest::<Single>(pose(last)))
+    }
+
+    /// Where it ends; `None` for a route without samples.
+    pub fn goal(&self) -> Option<Pose<f32>> {
+        self.samples.last().map(pose)
+    }
+}
+
+fn pose(&[_, x, y, theta, ..]: &[f32; 8]) -> Pose<f32> {
+    Pose { x, y, theta }
+}
+
+fn timed(sample: &[f32; 8]) -> TimedReference<f32> {
+    let &[t, _, _, _, v, w, v_rate, w_rate] = sample;
+    TimedReference {
+        t,
+        reference: Reference::new::<Single>(
+            pose(sample),
+            Twist::new(v, w),
+            Accel::new(v_rate, w_rate),
+        ),
+    }
+}
+
+/// The 30 kg base that [`BEND`] was made for.
+pub fn base() -> Result<(Motion<f32>, Validated<f32>), ParamError> {
+    let limits = Limits {
+        speed: 2.5,
+        turn_rate: 3.0,
+        accel: 1.5,
+        brake: 1.5,
+        turn_accel: 3.0,
+        jerk: 20.0,
+        turn_jerk: 40.0,
+        wheel_torque_nm: 15.0,
+        policy: Policy::KeepCurvature,
+    };
+    let params = Params::<f32>::paper();
+    let motion = MotionParams::new::<Single>(params.robot, limits).validate()?;
+    Ok((motion, params.validate()?))
+}
+
+/// What came of a drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Driven {
+    /// Control ticks.
+    pub ticks: u32,
+    /// The tick that handed over to parking; 0 if none did.
+    pub handed_over: u32,
+    /// The first tick of the last stay at the goal; 0 if it is not parked.
+    pub parked: u32,
+    /// A checksum over the bits of every torque, command and wish of every tick (FNV-1a).
+    pub checksum: u32,
+}
+
+/// Drives a route at 1 kHz with the model robot, 0.15 m to the left of its start and at rest, for
+/// `ticks`. `step` makes each control tick; it may count what that costs.
+///
+/// # Errors
+/// The first fault of the controller.
+pub fn drive(
+    route: &Route,
+    (motion, params): &(Motion<f32>, Validated<f32>),
+    ticks: u32,
+    mut step: impl FnMut(
+        &mut MotionController,
+        f32,
+        &Task<f32>,
+        &Measured<f32>,
+    ) -> Result<(), StepFault>,
+) -> Result<Driven, StepFault> {
+    const DT: f32 = 1.0e-3;
+    let mut driven = Driven {
+        checksum: 0x811c_9dc5,
+        ..Driven::default()
+    };
+    let (Some(first), Some(goal)) = (route.at(0.0), route.goal()) else {
+        return Ok(driven);
+    };
+    let start = Measured {
+        pose: Pose {
+            y: first.pose().y + 0.15,
+            ..*first.pose()
+        },
+        twist: Twist::default(),
+    };
+    let mut robot = Model::new(*params, start);
+    let mut task = Task::Follow(first);
+    let mut controller: MotionController = MotionController::start(motion, &task, &start)?;
+    for tick in 1..=ticks {
+        robot.advance(DT, Some(controller.report().torques));
+        let measured = *robot.measured();
+        let t = tick as f32 * DT;
+        if let (Task::Follow(_), Some(reference)) = (&task, route.at(t)) {
+            let near = distance(&measured.pose, &goal)
+                <= motion.hand_over_distance(controller.report().command.linear);
+            task = if near {
+                driven.handed_over = tick;
+                Task::Park(goal)
+            } else {
+                Task::Follow(reference)
+            };
+        }
+        step(&mut controller, DT, &task, &measured)?;
+        let report = controller.report();
+        for value in [
+            report.torques.right,
+            report.torques.left,
+            report.command.linear,
+            report.command.angular,
+            report.wanted.linear,
+            report.wanted.angular,
+        ] {
+            driven.checksum = (driven.checksum ^ value.to_bits()).wrapping_mul(0x0100_0193);
+        }
+        match report.outcome {
+            Outcome::Parked if driven.parked == 0 => driven.parked = tick,
+            Outcome::Parked => {}
+            _ => driven.parked = 0,
+        }
+        driven.ticks = tick;
+    }
+    Ok(driven)
+}
+
+fn distance(a: &Pose<f32>, b: &Pose<f32>) -> f32 {
+    let (dx, dy) = (a.x - b.x, a.y - b.y);
+    controller_core::maths::single::sqrt(dx * dx + dy * dy)
+}

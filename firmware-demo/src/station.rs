@@ -1,0 +1,250 @@
+//! The control task with a host at the other end of a line: what runs in the timer's interrupt, and what runs
+//! in the background.
+//!
+//! ```text
+//! bytes -> Reception --requests--> Station::tick -> wheels
+//!             |      --samples---> (control task)
+//!             v                        |
+//! bytes <- answers <----telemetry------+
+//! ```
+//!
+//! All three queues are bounded and lock-free, so neither side ever waits for the other.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use controller_core::hal::WheelDrive;
+use controller_core::queue::{PushError, ReferenceProducer, ReferenceQueue};
+use controller_core::types::Measured;
+use heapless::spsc::Queue;
+
+use crate::control::{ControlTask, SensorFault};
+use crate::protocol::{
+    Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
+};
+use crate::queue::{self, Receiver, Sender};
+use crate::supervisor::State;
+use crate::telemetry::Outbox;
+
+/// Slots for samples; a host is ahead of the robot by one less.
+pub const SAMPLES: usize = 64;
+/// Slots for commands under way to the tick.
+pub const REQUESTS: usize = 8;
+/// Slots for telemetry under way to the line.
+pub const REPORTS: usize = 16;
+
+type Request = Frame<Command>;
+type Answer = Frame<Telemetry>;
+
+/// Sequence number of telemetry that nobody asked for.
+pub const UNASKED: u16 = u16::MAX;
+
+/// What both sides look at; each field has one writer.
+#[derive(Debug, Default)]
+struct Shared {
+    /// Sound frames, written by the reception.
+    frames: AtomicU32,
+    /// Whether samples are taken, in the lowest bit, and changes of state above; written by the tick.
+    state: AtomicU32,
+    overruns: AtomicU32,
+    dropped: AtomicU32,
+}
+
+/// The queues between the two sides. It outlives both, in a `static` or on the stack of `main`.
+#[derive(Default)]
+pub struct Queues {
+    samples: ReferenceQueue<f32, SAMPLES>,
+    requests: Queue<Request, REQUESTS>,
+    answers: Queue<Answer, REPORTS>,
+    shared: Shared,
+}
+
+/// Ends of the queues for the tick.
+pub struct TickEnds<'queue> {
+    requests: Receiver<'queue, Request, REQUESTS>,
+    outbox: Outbox<'queue, Answer, REPORTS>,
+    shared: &'queue Shared,
+}
+
+impl Queues {
+    /// The control task's references, the tick's ends, and the background's side. Of `decimate` reports one is
+    /// sent.
+    pub fn split(
+        &mut self,
+        decimate: u16,
+    ) -> (
+        controller_core::queue::ReferenceConsumer<'_, f32>,
+        TickEnds<'_>,
+        Reception<'_>,
+    ) {
+        let (producer, consumer) = self.samples.split();
+        let (sender, requests) = queue::split(&mut self.requests);
+        let (outbox, answers) = Outbox::split(&mut self.answers, decimate);
+        let shared = &self.shared;
+        let reception = Reception {
+            decoder: Decoder::new(),
+            samples: producer,
+            requests: sender,
+            answers,
+            shared,
+            trajectory: 0,
+        };
+        let ends = TickEnds {
+            requests,
+            outbox,
+            shared,
+        };
+        (consumer, ends, reception)
+    }
+}
+
+/// The background's side: bytes from the line, answers to it.
+pub struct Reception<'queue> {
+    decoder: Decoder<Command, MAX_CONTENT>,
+    samples: ReferenceProducer<'queue, f32>,
+    requests: Sender<'queue, Request, REQUESTS>,
+    answers: Receiver<'queue, Answer, REPORTS>,
+    shared: &'queue Shared,
+    /// Changes of state when the present trajectory began.
+    trajectory: u32,
+}
+
+impl Reception<'_> {
+    /// Takes one byte from the line. Some commands are answered here, the others by the tick.
+    pub fn push(&mut self, byte: u8, stack_bytes: impl FnOnce() -> u32) -> Option<Answer> {
+        let Ok(Frame { sequence, message }) = self.decoder.push(byte)? else {
+            return None;
+        };
+        let frames = self.decoder.counters();
+        self.shared.frames.store(frames.good, Ordering::Relaxed);
+        let answer = match message {
+            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
+            Command::GetCounters => Telemetry::Counters(Counters {
+                frames_good: frames.good,
+                frames_rejected: frames.rejected(),
+                reports_dropped: self.shared.dropped.load(Ordering::Relaxed),
+                overruns: self.shared.overruns.load(Ordering::Relaxed),
+                stack_bytes: stack_bytes(),
+            }),
+            Command::Sample(sample) => outcome(self.sample(&sample)),
+            _ if self.requests.send(Frame { sequence, message }) => return None,
+            _ => Telemetry::Nack(RejectReason::Full),
+        };
+        Some(Frame {
+            sequence,
+            message: answer,
+        })
+    }
+
+    /// What the tick has to say, oldest first.
+    pub fn pending(&mut self) -> Option<Answer> {
+        self.answers.receive()
+    }
+
+    fn sample(&mut self, sample: &TimedSample) -> Result<(), RejectReason> {
+        let state = self.shared.state.load(Ordering::Acquire);
+        if state & 1 == 0 {
+            return Err(RejectReason::State);
+        }
+        // The first one after the robot came to accept samples begins a trajectory, at whatever time.
+        if self.trajectory != state {
+            self.samples.restart();
+            self.trajectory = state;
+        }
+        self.samples
+            .push(sample.into())
+            .map_err(|error| match error {
+                PushError::Full => RejectReason::Full,
+                _ => RejectReason::Value,
+            })
+    }
+}
+
+/// The tick's side: commands first, then the control task, then telemetry.
+pub struct Station<'queue, D> {
+    task: ControlTask<'queue, D>,
+    ends: TickEnds<'queue>,
+    frames: u32,
+    changes: u32,
+    /// The state word of the trajectory under way.
+    word: u32,
+}
+
+impl<'queue, D: WheelDrive> Station<'queue, D> {
+    /// Puts a task on the line.
+    pub const fn new(task: ControlTask<'queue, D>, ends: TickEnds<'queue>) -> Self {
+        Self {
+            task,
+            ends,
+            frames: 0,
+            changes: 0,
+            word: 0,
+        }
+    }
+
+    /// One tick; see [`ControlTask::tick`].
+    pub fn tick(&mut self, now_us: u32, sensed: Result<Measured<f32>, SensorFault>) {
+        let frames = self.ends.shared.frames.load(Ordering::Relaxed);
+        if frames != self.frames {
+            self.frames = frames;
+            self.task.heard();
+        }
+        // As many as there can be, and no more, however fast they come.
+        for _ in 0..REQUESTS {
+            let Some(Frame { sequence, message }) = self.ends.requests.receive() else {
+                break;
+            };
+            let message = outcome(self.task.command(&message));
+            self.ends.outbox.push(Frame { sequence, message });
+        }
+        self.task.tick(now_us, sensed);
+        self.publish();
+    }
+
+    /// The control task, to look at.
+    pub const fn task(&self) -> &ControlTask<'queue, D> {
+        &self.task
+    }
+
+    /// The wheels; see [`ControlTask::drive_mut`].
+    pub const fn drive_mut(&mut self) -> &mut D {
+        self.task.drive_mut()
+    }
+
+    fn publish(&mut self) {
+        let Self { task, ends, .. } = self;
+        let unasked = |message| Frame {
+            sequence: UNASKED,
+            message,
+        };
+        if task.changes() != self.changes {
+            self.changes = task.changes();
+            ends.outbox.push(unasked(Telemetry::State {
+                tick: task.ticks(),
+                state: task.state(),
+                cause: task.cause(),
+            }));
+        }
+        if let Some(ticked) = task.report() {
+            ends.outbox
+                .offer(|| unasked(Telemetry::Report((&ticked).into())));
+        }
+        let takes = matches!(task.state(), State::Armed | State::Tracking | State::Parked);
+        // Tracking goes on with the trajectory that it was started with.
+        if task.state() != State::Tracking {
+            self.word = task.changes() << 1 | u32::from(takes);
+        }
+        let shared = ends.shared;
+        shared.state.store(self.word, Ordering::Release);
+        shared.overruns.store(task.overruns(), Ordering::Relaxed);
+        shared
+            .dropped
+            .store(ends.outbox.dropped(), Ordering::Relaxed);
+    }
+}
+
+fn outcome(result: Result<(), RejectReason>) -> Telemetry {
+    match result {
+        Ok(()) => Telemetry::Ack,
+        Err(reason) => Telemetry::Nack(reason),
+    }
+}

@@ -1,0 +1,86 @@
+//! Parameters of the core as a flat set, and back.
+
+use controller_core::handover::Reset;
+use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
+use controller_core::wheels::WheelGeometry;
+
+use crate::protocol::{ParameterSet, WireReset};
+
+impl From<&Params<f32>> for ParameterSet {
+    fn from(params: &Params<f32>) -> Self {
+        let Params {
+            robot,
+            tracking,
+            parking,
+            neurons,
+            ..
+        } = params;
+        Self {
+            mass: robot.mass_kg,
+            inertia: robot.inertia_kg_m2,
+            radius_right: robot.wheels.radius_right_m,
+            radius_left: robot.wheels.radius_left_m,
+            track: robot.wheels.track_m,
+            k1: tracking.k1,
+            k2: tracking.k2,
+            k3: tracking.k3,
+            k_d1: tracking.k_d1,
+            k_d2: tracking.k_d2,
+            k4: parking.k4,
+            k5: parking.k5,
+            k_c1: parking.k_c1,
+            k_c2: parking.k_c2,
+            a: neurons.a,
+            b: neurons.b,
+            d: neurons.d,
+            reset: match params.reset {
+                Reset::TorqueContinuous => WireReset::TorqueContinuous,
+                Reset::Printed => WireReset::Printed,
+                Reset::Zero => WireReset::Zero,
+            },
+            max_wheel_torque: params.max_wheel_torque_nm,
+            max_tick: params.max_tick_s,
+        }
+    }
+}
+
+impl From<&ParameterSet> for Params<f32> {
+    fn from(set: &ParameterSet) -> Self {
+        Self {
+            robot: Robot {
+                mass_kg: set.mass,
+                inertia_kg_m2: set.inertia,
+                wheels: WheelGeometry {
+                    radius_right_m: set.radius_right,
+                    radius_left_m: set.radius_left,
+                    track_m: set.track,
+                },
+            },
+            tracking: TrackingGains {
+                k1: set.k1,
+                k2: set.k2,
+                k3: set.k3,
+                k_d1: set.k_d1,
+                k_d2: set.k_d2,
+            },
+            parking: ParkingGains {
+                k4: set.k4,
+                k5: set.k5,
+                k_c1: set.k_c1,
+                k_c2: set.k_c2,
+            },
+            neurons: NeuronParams {
+                a: set.a,
+                b: set.b,
+                d: set.d,
+            },
+            reset: match set.reset {
+                WireReset::TorqueContinuous => Reset::TorqueContinuous,
+                WireReset::Printed => Reset::Printed,
+                WireReset::Zero => Reset::Zero,
+            },
+            max_wheel_torque_nm: set.max_wheel_torque,
+            max_tick_s: set.max_tick,
+        }
+    }
+}

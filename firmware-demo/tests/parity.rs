@@ -1,0 +1,245 @@
+//! The controller on the emulated chip against the same controller here: every bit of every report.
+
+mod support;
+
+use controller_core::demand::Demand;
+use controller_core::handover::Reset;
+use controller_core::maths::Single;
+use controller_core::neural::NeuralController;
+use controller_core::params::Params;
+use controller_core::reference::{ConstantTwist, Reference};
+use controller_core::report::StepReport;
+use controller_core::types::{Measured, Pose, Twist};
+use firmware_demo::host::{Chip, ChipError, LinkKind, Machine};
+use firmware_demo::protocol::{Refusal, RejectReason, Report};
+use firmware_demo::wire::Ticked;
+use support::{LIMIT, MACHINES, Random, options};
+
+const DT: f32 = 1e-3;
+
+/// Every bit but those of the instructions, which the host cannot know; all NaN are one.
+fn bits(ticked: &Ticked) -> Vec<u32> {
+    let wire = Report {
+        instructions: 0,
+        ..ticked.into()
+    };
+    let mut bytes = [0; 256];
+    let bytes = postcard::to_slice(&wire, &mut bytes).unwrap();
+    let (head, floats) = bytes.split_at(bytes.len() - 22 * 4);
+    let head = head.iter().copied().map(u32::from);
+    let floats = floats.chunks(4).map(|float| {
+        let float = f32::from_le_bytes(float.try_into().unwrap());
+        if float.is_nan() {
+            f32::NAN.to_bits()
+        } else {
+            float.to_bits()
+        }
+    });
+    head.chain(floats).collect()
+}
+
+/// A base that does what the torques say, pushed around at random.
+struct Base {
+    measured: Measured<f32>,
+    params: Params<f32>,
+    random: Random,
+}
+
+impl Base {
+    fn advance(&mut self, report: &StepReport<f32>, dt: f32) {
+        let Measured { pose, twist } = &mut self.measured;
+        let wheels = &self.params.robot.wheels;
+        let right = report.torques.right / wheels.radius_right_m;
+        let left = report.torques.left / wheels.radius_left_m;
+        let push = self.random.within(-20.0, 20.0);
+        let turn = self.random.within(-10.0, 10.0);
+        twist.linear += dt * (right + left + push) / self.params.robot.mass_kg;
+        let moment = 0.5 * wheels.track_m * (right - left) + turn;
+        twist.angular += dt * moment / self.params.robot.inertia_kg_m2;
+        pose.x += dt * twist.linear * pose.theta.cos();
+        pose.y += dt * twist.linear * pose.theta.sin();
+        pose.theta += dt * twist.angular;
+    }
+}
+
+/// One mission on both: tracking, a refused tick now and then, hand-over, parking. Returns refused ticks.
+fn mission(chip: &mut Chip, params: Params<f32>, seed: u32, ticks: u32) -> u32 {
+    let mut random = Random(seed);
+    let path = ConstantTwist {
+        start: Pose::new(0.0, 0.0, random.within(-3.0, 3.0)),
+        twist: Twist::new(random.within(-0.2, 0.8), random.within(-0.5, 0.5)),
+    };
+    let mut base = Base {
+        measured: Measured {
+            pose: Pose::new(
+                random.within(-1.0, 1.0),
+                random.within(-1.0, 1.0),
+                random.within(-7.0, 7.0),
+            ),
+            twist: Twist::new(random.within(-0.3, 0.3), random.within(-0.3, 0.3)),
+        },
+        params,
+        random: Random(seed ^ 0x5555),
+    };
+    let valid = params.validate().unwrap();
+    chip.configure(&params).unwrap();
+
+    let reference = path.at::<Single>(0.0);
+    let mut local: NeuralController =
+        NeuralController::start(&valid, &reference, &base.measured).unwrap();
+    let remote = chip.begin(&reference, &base.measured).unwrap();
+    assert_eq!(
+        bits(&remote),
+        bits(&Ticked::of(&local, false)),
+        "start, seed {seed}"
+    );
+
+    let hand_over = ticks * 3 / 5;
+    let (mut good, mut refused) = (0, 0);
+    for tick in 1..=ticks {
+        let reference = path.at::<Single>(tick as f32 * DT);
+        let goal = Pose::new(1.0, 0.5, 0.3);
+        let mut demand = match tick {
+            tick if tick < hand_over => Demand::Track(reference),
+            tick if tick == hand_over => Demand::HandOver { reference, goal },
+            _ => Demand::Park,
+        };
+        let mut measured = base.measured;
+        let mut dt = DT * base.random.within(0.5, 1.5);
+        match base.random.bits() % 50 {
+            0 if tick != hand_over => measured.pose.y = f32::NAN,
+            1 if tick != hand_over => measured.twist.angular = f32::INFINITY,
+            2 if tick != hand_over => dt = 0.0,
+            3 if tick != hand_over => dt = 1.0,
+            4 if tick < hand_over => demand = Demand::Park,
+            5 if tick > hand_over => demand = Demand::Track(reference),
+            _ => {}
+        }
+        let handed_over = matches!(demand, Demand::HandOver { .. });
+        match (
+            local.step(dt, &demand, &measured),
+            chip.tick(dt, &demand, &measured),
+        ) {
+            (Ok(_), Ok(remote)) => {
+                good += 1;
+                let expected = Ticked {
+                    tick: good,
+                    ..Ticked::of(&local, handed_over)
+                };
+                assert_eq!(
+                    bits(&remote),
+                    bits(&expected),
+                    "tick {tick}, seed {seed}: {remote:?} {expected:?}"
+                );
+                assert_eq!(remote.hand_over_step.is_some(), handed_over);
+                base.advance(&remote.report, dt);
+            }
+            (Err(fault), Err(ChipError::Refused(refusal))) => {
+                refused += 1;
+                assert_eq!(Refusal::from(fault), refusal, "tick {tick}, seed {seed}");
+            }
+            other => panic!("tick {tick}, seed {seed}: {other:?}"),
+        }
+    }
+    refused
+}
+
+/// Parameters far from the paper's: unequal wheels, unequal gains, a low torque limit, the printed reset.
+fn others() -> Params<f32> {
+    let mut params = Params::paper();
+    params.robot.mass_kg = 7.3;
+    params.robot.wheels.radius_left_m = 0.093;
+    params.tracking.k2 = 11.0;
+    params.parking.k_c1 = 31.0;
+    params.neurons.b = 0.7;
+    params.neurons.d = 1.3;
+    params.reset = Reset::Printed;
+    params.max_wheel_torque_nm = Some(0.8);
+    params
+}
+
+fn parity(machine: Machine, link: LinkKind, ticks: u32) {
+    let mut chip = Chip::start(&options(machine, link, false)).unwrap();
+    let (reference, measured) = (
+        Reference::at_rest::<Single>(Pose::default()),
+        Measured::default(),
+    );
+    let early = chip.tick(DT, &Demand::Track(reference), &measured);
+    assert!(matches!(
+        early,
+        Err(ChipError::Rejected(RejectReason::State))
+    ));
+
+    let mut refused = mission(&mut chip, Params::paper(), 1, ticks / 2);
+    refused += mission(&mut chip, others(), 2, ticks - ticks / 2);
+    assert!(refused > 0, "no refused tick was tried");
+
+    let mut wrong = Params::paper();
+    wrong.tracking.k3 = f32::NAN;
+    let answer = chip.configure(&wrong);
+    assert!(matches!(
+        answer,
+        Err(ChipError::Rejected(RejectReason::Value))
+    ));
+    // Refused without change: the parameters of before still make the same bits.
+    let valid = others().validate().unwrap();
+    let local: NeuralController = NeuralController::start(&valid, &reference, &measured).unwrap();
+    let remote = chip.begin(&reference, &measured).unwrap();
+    assert_eq!(bits(&remote), bits(&Ticked::of(&local, false)));
+
+    let counters = chip.counters().unwrap();
+    assert_eq!(counters.frames_rejected, 0);
+    assert!((512..4096).contains(&counters.stack_bytes), "{counters:?}");
+    assert_eq!(chip.finish().unwrap().code, Some(0), "within {LIMIT:?}");
+}
+
+#[test]
+fn cortex_m4f_computes_the_same_bits() {
+    parity(Machine::CortexM4F, LinkKind::Fifo, 2000);
+}
+
+#[test]
+fn riscv_computes_the_same_bits() {
+    parity(Machine::Riscv32, LinkKind::Fifo, 300);
+}
+
+#[test]
+fn serial_port_carries_every_bit() {
+    for machine in MACHINES {
+        parity(machine, LinkKind::Uart, 100);
+    }
+}
+
+/// The counter sees the step alone: nearly the same number in every tick of a phase, and about what the step
+/// costs by itself. The gate on that cost is not here.
+#[test]
+fn instructions_are_those_of_the_step() {
+    for (machine, most) in [(Machine::CortexM4F, 330), (Machine::Riscv32, 440)] {
+        let mut chip = Chip::start(&options(machine, LinkKind::Fifo, true)).unwrap();
+        let reference = Reference::at_rest::<Single>(Pose::new(0.3, 0.2, 0.1));
+        let mut measured = Measured::default();
+        chip.begin(&reference, &measured).unwrap();
+        for demand in [
+            Demand::Track(reference),
+            Demand::HandOver {
+                reference,
+                goal: Pose::default(),
+            },
+            Demand::Park,
+        ] {
+            let mut counts = (0..5).map_while(|_| {
+                measured.pose.x += 0.001;
+                let ticked = chip.tick(DT, &demand, &measured).ok()?;
+                Some(ticked.instructions)
+            });
+            let first = counts.next().unwrap();
+            if !matches!(demand, Demand::HandOver { .. }) {
+                assert!((150..=most).contains(&first), "{machine:?} {first}");
+                for count in counts {
+                    assert!(count.abs_diff(first) <= 15, "{machine:?} {first} {count}");
+                }
+            }
+        }
+        chip.finish().unwrap();
+    }
+}

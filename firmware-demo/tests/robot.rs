@@ -1,0 +1,168 @@
+//! A whole robot in the emulator, driven over its serial port: control in the timer's interrupt at 1 kHz.
+
+mod support;
+
+use std::time::{Duration, Instant};
+
+use controller_core::maths::Single;
+use controller_core::queue::TimedReference;
+use controller_core::reference::ConstantTwist;
+use controller_core::types::{Pose, Twist};
+use firmware_demo::fault::Cause;
+use firmware_demo::host::{AnyLink, Emulator, LinkKind, Machine, Session};
+use firmware_demo::protocol::{Command, RejectReason, Report, Telemetry, WirePose};
+use firmware_demo::station::UNASKED;
+use firmware_demo::supervisor::State;
+use support::{LIMIT, MACHINES, image, options};
+
+/// The host's side: sends, and sorts what comes back.
+struct Remote {
+    session: Session<AnyLink>,
+    // Dropped last: it kills the emulator.
+    _emulator: Emulator,
+    states: Vec<(u32, State, Cause)>,
+    reports: Vec<Report>,
+}
+
+impl Remote {
+    fn start(machine: Machine) -> Self {
+        let options = options(machine, LinkKind::Uart, false);
+        // 16 ns an instruction, whatever else the host has to do: no tick is late because the host is busy.
+        let pace = ["-icount", "shift=4"];
+        let image = image(machine, "robot");
+        let (emulator, link) = Emulator::start_with(&image, &options, &pace).unwrap();
+        Self {
+            session: Session::new(link.unwrap()),
+            _emulator: emulator,
+            states: Vec::new(),
+            reports: Vec::new(),
+        }
+    }
+
+    fn ask(&mut self, command: &Command) -> Telemetry {
+        let sequence = self.session.send(command).unwrap();
+        loop {
+            let frame = self.session.receive().unwrap();
+            if frame.sequence == sequence {
+                return frame.message;
+            }
+            self.keep(frame.sequence, frame.message);
+        }
+    }
+
+    fn tell(&mut self, command: &Command) {
+        assert_eq!(self.ask(command), Telemetry::Ack, "{command:?}");
+    }
+
+    fn keep(&mut self, sequence: u16, message: Telemetry) {
+        assert_eq!(sequence, UNASKED);
+        match message {
+            Telemetry::State { tick, state, cause } => self.states.push((tick, state, cause)),
+            Telemetry::Report(report) => self.reports.push(report),
+            other => panic!("nobody asked for {other:?}"),
+        }
+    }
+
+    /// Talks until the robot is in `state`, or only listens.
+    fn wait_for(&mut self, state: State, talk: bool) -> (u32, Cause) {
+        let until = Instant::now() + LIMIT;
+        loop {
+            if let Some((tick, now, cause)) = self.states.last()
+                && *now == state
+            {
+                return (*tick, *cause);
+            }
+            assert!(Instant::now() < until, "no {state:?}: {:?}", self.states);
+            if talk {
+                std::thread::sleep(Duration::from_millis(10));
+                let hello = self.ask(&Command::Heartbeat);
+                assert!(matches!(hello, Telemetry::Hello(_)));
+            } else {
+                let frame = self.session.receive().unwrap();
+                self.keep(frame.sequence, frame.message);
+            }
+        }
+    }
+
+    fn line(&mut self, from: Pose<f32>, samples: u16) {
+        let line = ConstantTwist {
+            start: from,
+            twist: Twist::new(0.4, 0.0),
+        };
+        for number in 0..samples {
+            let t = f32::from(number) * 0.1;
+            let reference = line.at::<Single>(t);
+            self.tell(&Command::Sample((&TimedReference { t, reference }).into()));
+        }
+    }
+}
+
+#[test]
+fn short_mission_over_the_serial_port() {
+    for machine in MACHINES {
+        let mut remote = Remote::start(machine);
+        let hello = remote.ask(&Command::Heartbeat);
+        assert!(matches!(hello, Telemetry::Hello(hello) if hello.tick_hz == 1000));
+        let goal = WirePose::default();
+        let refused = remote.ask(&Command::Park { goal });
+        assert_eq!(refused, Telemetry::Nack(RejectReason::State));
+
+        // A trajectory that is cut off ends in a controlled stop.
+        remote.tell(&Command::Arm);
+        remote.line(Pose::default(), 12);
+        let (stopped, cause) = remote.wait_for(Stopped, true);
+        assert_eq!(cause, Cause::Underrun);
+        let states: Vec<State> = remote.states.iter().map(|&(_, state, _)| state).collect();
+        use State::{Armed, Parking, Stopped, Tracking};
+        assert_eq!(states, [Armed, Tracking, Parking, Stopped]);
+        let (started, ..) = remote.states[1];
+        let (underrun, ..) = remote.states[2];
+        assert!(
+            (1050..1200).contains(&(underrun - started)),
+            "1.1 s of samples took {} ticks",
+            underrun - started
+        );
+        assert!(stopped - underrun < 5000);
+        assert!(!remote.reports.is_empty());
+        for report in &remote.reports {
+            assert!(report.tau_right.abs() <= 3.0 && report.tau_left.abs() <= 3.0);
+        }
+
+        // The next trajectory, and a host that falls silent in it.
+        remote.tell(&Command::Arm);
+        remote.line(Pose::new(0.7, 0.0, 0.0), 30);
+        remote.states.clear();
+        let hello = remote.ask(&Command::Heartbeat);
+        assert!(matches!(hello, Telemetry::Hello(_)));
+        let last_report = remote.reports.last().map(|report| report.tick);
+        let (_, cause) = remote.wait_for(Stopped, false);
+        assert_eq!(cause, Cause::LinkLost);
+        // Reports come every 20 ticks; those after the last word of the host tell how long it moved on.
+        let moved_on = remote
+            .reports
+            .last()
+            .map(|report| report.tick)
+            .zip(last_report)
+            .map(|(last, before)| last - before);
+        assert!(moved_on.is_some_and(|ticks| ticks <= 120), "{moved_on:?}");
+
+        // From standstill to a pose.
+        remote.tell(&Command::Arm);
+        let goal = WirePose {
+            x: 1.2,
+            y: 0.0,
+            theta: 0.0,
+        };
+        remote.tell(&Command::Park { goal });
+        remote.states.clear();
+        let (_, cause) = remote.wait_for(State::Parked, true);
+        assert_eq!(cause, Cause::Reached);
+        remote.tell(&Command::Stop);
+        let Telemetry::Counters(counters) = remote.ask(&Command::GetCounters) else {
+            panic!("no counters")
+        };
+        println!("{machine:?}: {counters:?}");
+        assert_eq!((counters.frames_rejected, counters.overruns), (0, 0));
+        assert!(counters.stack_bytes < 16 * 1024);
+    }
+}

@@ -1,0 +1,184 @@
+//! Missions: `run`, and `check` and `compile` for trajectory files.
+
+use super::error::CommandError;
+use super::job::{Content, Job};
+use super::say;
+use super::write::Writer;
+use crate::cli::Output;
+use crate::drive_args::TrajectoryArgs;
+use serde::Serialize;
+use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, Mission, drive, summary, verdict};
+use sim_host::figure::Labelled;
+use sim_host::import::{Stretch, Verdict};
+use sim_host::scenario::Scenario;
+use std::path::Path;
+
+/// Metrics of one run, as they stand in a JSON file.
+#[derive(Serialize)]
+struct DriveRecord<'a> {
+    scenario: &'a str,
+    description: &'a str,
+    base: &'a str,
+    controller: &'static str,
+    precision: sim_host::scenario::Precision,
+    period_s: f64,
+    duration_s: f64,
+    /// Of a trajectory file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stretched_by: Option<f64>,
+    /// Of a trajectory file, one line each.
+    repairs: Vec<String>,
+    metrics: &'a DriveMetrics,
+}
+
+/// A base's file, or the default base.
+pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
+    match file {
+        Some(file) => Ok(Base::load(file)?),
+        None => Ok(Base::default()),
+    }
+}
+
+/// Runs a mission and writes its results.
+pub fn run(
+    mission: &Mission,
+    file: Option<(&Stretch, &Verdict)>,
+    csv: bool,
+    writer: &Writer<'_>,
+) -> Result<(), CommandError> {
+    let name = &mission.name;
+    say(&format!("{name}: {}\n", mission.description))?;
+    let mut repairs = Vec::new();
+    if let Some((stretch, verdict)) = file {
+        say(&format!(
+            "{verdict}\nbase       {}: {stretch}\n",
+            mission.base.name
+        ))?;
+        if let Verdict::Drivable { repairs: list, .. } = verdict {
+            repairs.extend(list.iter().map(ToString::to_string));
+        }
+    }
+    let trace = drive(mission)?;
+    let metrics = DriveMetrics::of(mission, &trace).ok_or(CommandError::NoRows)?;
+    say(&format!("{}\n", summary(&metrics)))?;
+    let label = "robot";
+    let common = trace.common();
+    // In figures an underscore begins a subscript.
+    let title = format!("{}: {}", name.replace('_', " "), mission.description);
+    let main = Labelled {
+        label,
+        trace: &common,
+    };
+    writer.figure(name, &title, main, None)?;
+    let record = DriveRecord {
+        scenario: name,
+        description: &mission.description,
+        base: &mission.base.name,
+        controller: "motion",
+        precision: mission.precision,
+        period_s: mission.period_s,
+        duration_s: trace.rows.last().map_or(0.0, |row| row.t),
+        stretched_by: file.map(|(stretch, _)| stretch.factor),
+        repairs,
+        metrics: &metrics,
+    };
+    writer.json(name, &[record])?;
+    if csv {
+        writer.drive_csv(name, &trace)?;
+    }
+    // A scenario may end on the way; a file is to be driven to its end.
+    if file.is_some() && metrics.parked_s.is_none() {
+        return Err(CommandError::NotParked(name.clone()));
+    }
+    Ok(())
+}
+
+/// Verdicts, without running anything.
+pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
+    let base = base(arguments.base.as_deref())?;
+    let mut refused = 0;
+    for file in &arguments.files {
+        say(&format!("{}\n", file.display()))?;
+        let verdict = match Content::read(file)? {
+            Content::Scenario { file, text } => {
+                let parsed = if Mission::is_motion(&text) {
+                    Mission::parse(&file, &text).map(|_| ())
+                } else {
+                    Scenario::parse(&file, &text).map(|_| ())
+                };
+                match parsed {
+                    Ok(()) => say("format     scenario\nverdict    in order\n\n")?,
+                    Err(error) => {
+                        refused += 1;
+                        say(&format!(
+                            "format     scenario\nverdict    refused\n{error}\n\n"
+                        ))?;
+                    }
+                }
+                continue;
+            }
+            Content::Trajectory { bytes, .. } => verdict(&bytes),
+        };
+        say(&format!("{verdict}\n"))?;
+        match &verdict {
+            Verdict::Drivable { trajectory, .. } => {
+                let stretched = trajectory.stretched(&base.reference_limits());
+                let (_, stretch) = stretched.map_err(CommandError::Limits)?;
+                say(&format!("base       {}: {stretch}\n", base.name))?;
+            }
+            Verdict::Refused(_) => refused += 1,
+        }
+        say("\n")?;
+    }
+    match refused {
+        0 => Ok(()),
+        count => Err(CommandError::Refused {
+            count,
+            of: arguments.files.len(),
+        }),
+    }
+}
+
+/// Tables for a chip.
+pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), CommandError> {
+    let base = base(arguments.base.as_deref())?;
+    let writer = Writer::new(output)?;
+    for file in &arguments.files {
+        let Content::Trajectory { name, bytes } = Content::read(file)? else {
+            return Err(CommandError::NoTrajectory(file.clone()));
+        };
+        let failed = |cause| CommandError::Trajectory {
+            path: file.clone(),
+            cause,
+        };
+        let table = ChipTable::of(&name, &bytes, &base).map_err(failed)?;
+        writer.bytes(&format!("{name}.rs"), table.rust().as_bytes())?;
+        let binary = table.binary();
+        writer.bytes(&format!("{name}.bin"), &binary)?;
+        say(&format!(
+            "{name}: {} samples, {} bytes, {}\n",
+            table.compact.samples.len(),
+            binary.len(),
+            table.accuracy()
+        ))?;
+    }
+    say(&format!("results are in {}\n", output.out.display()))
+}
+
+/// All files of a `run`.
+pub fn load_all(
+    files: &[std::path::PathBuf],
+    run: &FileRun,
+    base: &Base,
+) -> Result<Vec<Job>, CommandError> {
+    let mut jobs: Vec<Job> = Vec::new();
+    for file in files {
+        let job = Job::load(file, run, base)?;
+        // Results are named after the file: a second one would overwrite the first one's.
+        if jobs.iter().any(|other| other.name() == job.name()) {
+            return Err(CommandError::SameName(job.name().to_owned()));
+        }
+        jobs.push(job);
+    }
+    Ok(jobs)
+}

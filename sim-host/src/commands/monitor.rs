@@ -1,0 +1,109 @@
+//! `monitor`.
+
+use super::error::CommandError;
+use super::say;
+use crate::cli::MonitorArgs;
+use firmware_demo::protocol::Command;
+use sim_host::monitor::{Log, Monitor, MonitorError, Port, Received};
+use std::fs::File;
+use std::io::{IsTerminal as _, stdout};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How often a terminal sees new numbers, and everything else a new line.
+const REDRAW: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(1));
+const POLL: Duration = Duration::from_secs(1);
+/// Longest wait for bytes before the display and the end are looked at.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
+    let mut port = Port::open(&arguments.port, arguments.baud)?;
+    let mut log = match &arguments.csv {
+        Some(path) => Some((open_log(path)?, path)),
+        None => None,
+    };
+    let terminal = stdout().is_terminal();
+    let redraw = if terminal { REDRAW.0 } else { REDRAW.1 };
+    let limit = arguments.seconds.map(|seconds| seconds.max(0.0));
+    let mut monitor = Monitor::default();
+    let mut buffer = [0; 4096];
+    let start = Instant::now();
+    let (mut next_line, mut next_poll) = (start + redraw, start);
+    loop {
+        let now = Instant::now();
+        if arguments.poll && now >= next_poll {
+            port.ask(&Command::GetCounters)?;
+            next_poll = now + POLL;
+        }
+        if now >= next_line {
+            show(&monitor, terminal)?;
+            next_line = now + redraw;
+        }
+        let time_s = now.duration_since(start).as_secs_f64();
+        if limit.is_some_and(|limit| time_s >= limit) {
+            break;
+        }
+        match port.receive(&mut buffer, PATIENCE)? {
+            Received::Silence => {}
+            Received::End => break,
+            Received::Bytes(count) => {
+                let time_s = start.elapsed().as_secs_f64();
+                let bytes = buffer.get(..count).unwrap_or_default();
+                take(&mut monitor, bytes, time_s, &mut log)?;
+            }
+        }
+    }
+    show(&monitor, terminal)?;
+    let frames = monitor.frames();
+    let end = if terminal { "\n" } else { "" };
+    say(&format!(
+        "{end}{} reports, {} good frames, {} bad\n",
+        monitor.reports(),
+        frames.good,
+        frames.rejected()
+    ))
+}
+
+fn take(
+    monitor: &mut Monitor,
+    bytes: &[u8],
+    time_s: f64,
+    log: &mut Option<(Log<File>, &std::path::PathBuf)>,
+) -> Result<(), CommandError> {
+    let mut written = Ok(());
+    monitor.take(bytes, |report, heard| {
+        if let (Some((log, _)), Ok(())) = (&mut *log, &written) {
+            written = log.add(time_s, report, heard);
+        }
+    });
+    if let Some((log, path)) = log {
+        // At once: the usual end of a monitor is Ctrl-C.
+        written
+            .and_then(|()| log.flush())
+            .map_err(|error| failed(path, &error))?;
+    }
+    Ok(())
+}
+
+fn show(monitor: &Monitor, terminal: bool) -> Result<(), CommandError> {
+    let line = monitor.line();
+    if terminal {
+        // Over the line before, and what is left of it erased.
+        say(&format!("\r{line}\u{1b}[K"))?;
+        std::io::Write::flush(&mut stdout()).map_err(CommandError::Print)
+    } else {
+        say(&format!("{line}\n"))
+    }
+}
+
+fn open_log(path: &Path) -> Result<Log<File>, MonitorError> {
+    let file = File::create(path).map_err(|error| failed(path, &error))?;
+    Log::new(file).map_err(|error| failed(path, &error))
+}
+
+fn failed(path: &Path, cause: &dyn std::error::Error) -> MonitorError {
+    MonitorError::Log {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+    }
+}

@@ -1,0 +1,211 @@
+//! `pil`.
+
+use super::error::CommandError;
+use super::write::{Record, Writer};
+use super::{Finished, say, warn};
+use crate::cli::Output;
+use firmware_demo::host::{LinkKind, Machine};
+use serde::Serialize;
+use sim_host::figure::Labelled;
+use sim_host::metrics::Metrics;
+use sim_host::pil::{Bench, Cost, FIRMWARE, Flight, Footprint, Parity};
+use sim_host::scenario::{Controller, Scenario};
+use sim_host::table::{Column, side_by_side};
+use std::io::Write as _;
+
+/// What the JSON file says of the chip.
+#[derive(Clone, Copy, Serialize)]
+pub struct ChipRecord {
+    machine: &'static str,
+    link: &'static str,
+    parity: Parity,
+    /// Executed instructions of the controller's step.
+    instructions: Cost,
+    /// High-water mark since the firmware was started.
+    stack_bytes: u32,
+    image: Footprint,
+    ticks_per_second: f64,
+}
+
+pub fn all(
+    scenarios: &[Scenario],
+    machine: Machine,
+    link: LinkKind,
+    output: &Output,
+) -> Result<(), CommandError> {
+    let writer = Writer::new(output)?;
+    let mut bench = Bench::start(machine, link, true)?;
+    let image = bench.footprint()?;
+    let (mut exact, mut total) = (true, Total::default());
+    for scenario in scenarios {
+        warn(scenario);
+        note(scenario);
+        let flight = bench.fly(scenario)?;
+        exact &= flight.parity.is_exact();
+        total.add(&flight);
+        let chip = ChipRecord {
+            machine: machine_name(machine),
+            link: link_name(link),
+            parity: flight.parity,
+            instructions: flight.cost,
+            stack_bytes: bench.stack_bytes()?,
+            image,
+            ticks_per_second: rate(&flight),
+        };
+        write(scenario, flight, chip, &writer)?;
+    }
+    if scenarios.len() > 1 {
+        say(&format!("all scenarios\n{}", costs(&total.cost)))?;
+        say(&format!("  {}\n", verdict(&total.parity)))?;
+    }
+    say(&format!(
+        "image: {} bytes of flash (code {}, constants {}), {} of RAM and {} of stack\n",
+        image.flash(),
+        image.text,
+        image.rodata + image.data,
+        image.ram(),
+        bench.stack_bytes()?,
+    ))?;
+    bench.finish()?;
+    say(&format!("results are in {}\n", output.out.display()))?;
+    if exact {
+        Ok(())
+    } else {
+        Err(CommandError::Apart)
+    }
+}
+
+#[derive(Default)]
+struct Total {
+    parity: Parity,
+    cost: Cost,
+}
+
+impl Total {
+    fn add(&mut self, flight: &Flight) {
+        self.parity.merge(&flight.parity);
+        self.cost.merge(&flight.cost);
+    }
+}
+
+/// Says which settings of the file the firmware does not follow.
+fn note(scenario: &Scenario) {
+    let asked = scenario.controller;
+    if asked != FIRMWARE {
+        // Nobody to tell is no reason to stop.
+        let _ = writeln!(
+            std::io::stderr(),
+            "note: {}: the chip runs {}; the file says {}",
+            scenario.name,
+            settings(&FIRMWARE),
+            settings(&asked),
+        );
+    }
+}
+
+/// In the words of scenario files.
+fn settings(controller: &Controller) -> String {
+    let word = |value: Result<serde_json::Value, _>| match value {
+        Ok(serde_json::Value::String(word)) => word,
+        _ => String::new(),
+    };
+    format!(
+        "precision {}, maths {}, neurons {}",
+        word(serde_json::to_value(controller.precision)),
+        word(serde_json::to_value(controller.maths)),
+        word(serde_json::to_value(controller.neurons)),
+    )
+}
+
+fn write(
+    scenario: &Scenario,
+    flight: Flight,
+    chip: ChipRecord,
+    writer: &Writer<'_>,
+) -> Result<(), CommandError> {
+    let metrics = Metrics::of(&flight.trace).ok_or(CommandError::NoRows)?;
+    let mut flown = scenario.clone();
+    flown.controller = FIRMWARE;
+    let run = Finished {
+        scenario: flown,
+        trace: flight.trace,
+        metrics,
+    };
+    let (name, label) = (&scenario.name, chip.machine);
+    say(&format!("{name}: {}\n", scenario.description))?;
+    let metrics = &run.metrics;
+    say(&format!("{}\n", side_by_side(&[Column { label, metrics }])))?;
+    say(&costs(&chip.instructions))?;
+    say(&format!(
+        "  {:.0} ticks/s over {}\n  {}\n",
+        chip.ticks_per_second,
+        chip.link,
+        verdict(&chip.parity)
+    ))?;
+    let file = format!("{name}-pil");
+    let title = format!("{name} on {label}: {}", scenario.description);
+    let trace = &run.trace;
+    writer.figure(&file, &title, Labelled { label, trace }, None)?;
+    let record = Record {
+        chip: Some(chip),
+        ..Record::from(&run)
+    };
+    writer.metrics(&file, &[record])?;
+    writer.csv(&file, trace)
+}
+
+fn costs(cost: &Cost) -> String {
+    let mut text = format!(
+        "  {:<24} {:>6} {:>9} {:>6} {:>8}\n",
+        "instructions per tick", "least", "mean", "most", "ticks"
+    );
+    for (name, spread) in cost.named() {
+        if let Some(mean) = spread.mean() {
+            text.push_str(&format!(
+                "    {name:<22} {:>6} {mean:>9.2} {:>6} {:>8}\n",
+                spread.least, spread.most, spread.ticks
+            ));
+        }
+    }
+    text
+}
+
+fn verdict(parity: &Parity) -> String {
+    let Parity { ticks, numbers, .. } = parity;
+    match parity.first {
+        None => format!(
+            "bit-equal to the host: 0 of {numbers} numbers differ in {ticks} ticks (torques, \
+             velocity commands, neuron states and every other term)"
+        ),
+        Some(first) => format!(
+            "NOT bit-equal to the host: {} of {numbers} numbers differ, by {} bits, in {} of \
+             {ticks} ticks; first {} in tick {}, {:e} on the chip and {:e} here",
+            parity.numbers_apart,
+            parity.bits_apart,
+            parity.ticks_apart,
+            first.signal,
+            first.tick,
+            first.chip,
+            first.host,
+        ),
+    }
+}
+
+fn rate(flight: &Flight) -> f64 {
+    flight.parity.ticks as f64 / flight.elapsed.as_secs_f64().max(1.0e-9)
+}
+
+fn machine_name(machine: Machine) -> &'static str {
+    match machine {
+        Machine::CortexM4F => "Cortex-M4F",
+        Machine::Riscv32 => "riscv32imafc",
+    }
+}
+
+fn link_name(link: LinkKind) -> &'static str {
+    match link {
+        LinkKind::Uart => "uart",
+        LinkKind::Fifo => "fifo",
+        LinkKind::None => "none",
+    }
+}

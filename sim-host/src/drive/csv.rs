@@ -1,0 +1,153 @@
+//! Traces as CSV: full precision, one row per control tick.
+
+use super::trace::{DriveRow, DriveTrace};
+use controller_core::motion::{Mode, Outcome};
+use std::io::Write;
+
+/// The columns, in order. SI units, radians.
+///
+/// * x … w: the robot as it truly is; x_m … theta_m: the pose that the controller was told.
+/// * x_r … wdot_r: the reference (acceleration half a tick ahead); while parking the goal.
+/// * e_x … e_theta: the error that the controller computed; v_d … wdot_d: what its pose law wants.
+/// * b_v, b_w: what past jumps still add; v_c … wdot_c: the command, within all limits.
+/// * d_v, d_w: measured minus commanded twist.
+/// * tau1, tau2: force \[N\] and moment \[N m\] asked for; tau_right, tau_left: what acts until the
+///   next row.
+/// * mode: `following` or `parking`; outcome: `driving`, `parked` or `stalled`; then flags, 0 or 1.
+pub const COLUMNS: [&str; 44] = [
+    "t",
+    "x",
+    "y",
+    "theta",
+    "v",
+    "w",
+    "x_m",
+    "y_m",
+    "theta_m",
+    "x_r",
+    "y_r",
+    "theta_r",
+    "v_r",
+    "w_r",
+    "vdot_r",
+    "wdot_r",
+    "e_x",
+    "e_y",
+    "e_theta",
+    "v_d",
+    "w_d",
+    "vdot_d",
+    "wdot_d",
+    "b_v",
+    "b_w",
+    "v_c",
+    "w_c",
+    "vdot_c",
+    "wdot_c",
+    "d_v",
+    "d_w",
+    "tau1",
+    "tau2",
+    "tau_right",
+    "tau_left",
+    "mode",
+    "outcome",
+    "speed_limited",
+    "accel_limited",
+    "jerk_limited",
+    "torque_limited",
+    "jumped",
+    "backing",
+    "tick",
+];
+
+/// Writes a trace: the first row, every `every`-th after it, and always the hand-over and the last.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<()> {
+    let mut writer = csv::Writer::from_writer(out);
+    writer.write_record(COLUMNS)?;
+    let last = trace.rows.len().saturating_sub(1);
+    let hand_over = trace.hand_over.map(|hand_over| hand_over.row);
+    for (tick, row) in trace.rows.iter().enumerate() {
+        if tick % every.max(1) == 0 || tick == last || Some(tick) == hand_over {
+            for number in numbers(row) {
+                // `Display` of a double is the shortest text that reads back as the same double.
+                writer.write_field(number.to_string())?;
+            }
+            let report = &row.report;
+            writer.write_field(match report.mode {
+                Mode::Following => "following",
+                Mode::Parking => "parking",
+            })?;
+            writer.write_field(match report.outcome {
+                Outcome::Parked => "parked",
+                Outcome::Stalled => "stalled",
+                _ => "driving",
+            })?;
+            let limited = &report.limited;
+            for flag in [
+                limited.speed,
+                limited.accel,
+                limited.jerk,
+                limited.torque,
+                report.jumped,
+                report.backing,
+            ] {
+                writer.write_field(if flag { "1" } else { "0" })?;
+            }
+            writer.write_field(tick.to_string())?;
+            writer.write_record(None::<&[u8]>)?;
+        }
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+fn numbers(row: &DriveRow) -> [f64; 35] {
+    let (pose, twist, told) = (row.truth.pose, row.truth.twist, row.measured);
+    let (at, moves, rates) = (
+        row.reference.pose(),
+        row.reference.twist(),
+        row.reference.accel(),
+    );
+    let report = &row.report;
+    [
+        row.t,
+        pose.x,
+        pose.y,
+        pose.theta,
+        twist.linear,
+        twist.angular,
+        told.x,
+        told.y,
+        told.theta,
+        at.x,
+        at.y,
+        at.theta,
+        moves.linear,
+        moves.angular,
+        rates.linear,
+        rates.angular,
+        report.error.x,
+        report.error.y,
+        report.error.theta,
+        report.wanted.linear,
+        report.wanted.angular,
+        report.wanted_rate.linear,
+        report.wanted_rate.angular,
+        report.bridge.linear,
+        report.bridge.angular,
+        report.command.linear,
+        report.command.angular,
+        report.command_rate.linear,
+        report.command_rate.angular,
+        report.velocity_error.linear,
+        report.velocity_error.angular,
+        report.wrench.force,
+        report.wrench.moment,
+        report.torques.right,
+        report.torques.left,
+    ]
+}

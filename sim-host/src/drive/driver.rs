@@ -1,0 +1,245 @@
+//! The controller, in the precision that a mission asks for.
+
+use super::Base;
+use crate::scenario::Precision;
+use controller_core::angle::wrap;
+use controller_core::error::{ParamError, StepFault};
+use controller_core::maths::{Libm, Maths, Single};
+use controller_core::motion::{
+    Arrival, Limits, Motion, MotionController, MotionGains, MotionParams, MotionReport, Task,
+};
+use controller_core::params::Robot;
+use controller_core::pose_error::PoseError;
+use controller_core::reference::Reference;
+use controller_core::scalar::Scalar;
+use controller_core::shunting::RationalMean;
+use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
+use controller_core::wheels::WheelGeometry;
+
+/// A [`MotionController`] with `f64` on its outside.
+///
+/// Single precision runs with [`Single`], as on a chip; double with [`Libm`]. Positions reach the
+/// controller relative to an origin, so that a map far from (0, 0) costs no digits, and headings
+/// within (−π, π].
+#[derive(Clone, Copy, Debug)]
+pub struct Driver {
+    origin: (f64, f64),
+    inner: Inner,
+}
+
+// One per run: the size of the larger one is of no concern.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug)]
+enum Inner {
+    Single(MotionController<f32, Single, RationalMean>),
+    Double(MotionController<f64, Libm, RationalMean>),
+}
+
+impl Driver {
+    /// Starts a controller; the first report is the start's.
+    ///
+    /// # Errors
+    /// Parameters that are out of range in the precision asked for, or inputs that are not finite.
+    pub fn start(
+        base: &Base,
+        precision: Precision,
+        task: &Task<f64>,
+        measured: &Measured<f64>,
+    ) -> Result<Self, StartError> {
+        let pose = match task {
+            Task::Follow(reference) => *reference.pose(),
+            Task::Park(goal) => *goal,
+        };
+        let origin = (pose.x, pose.y);
+        let inner = match precision {
+            Precision::F32 => Inner::Single(start(base, origin, task, measured)?),
+            Precision::F64 => Inner::Double(start(base, origin, task, measured)?),
+        };
+        Ok(Self { origin, inner })
+    }
+
+    /// One tick.
+    ///
+    /// # Errors
+    /// The controller's.
+    pub fn step(
+        &mut self,
+        dt: f64,
+        task: &Task<f64>,
+        measured: &Measured<f64>,
+    ) -> Result<MotionReport<f64>, StepFault> {
+        let origin = self.origin;
+        match &mut self.inner {
+            Inner::Single(controller) => step(controller, origin, dt, task, measured),
+            Inner::Double(controller) => step(controller, origin, dt, task, measured),
+        }
+    }
+
+    /// Tells the controller of a jump of the next pose.
+    pub fn declare_jump(&mut self) {
+        match &mut self.inner {
+            Inner::Single(controller) => controller.declare_jump(),
+            Inner::Double(controller) => controller.declare_jump(),
+        }
+    }
+
+    /// The report of the last tick.
+    pub fn report(&self) -> MotionReport<f64> {
+        match &self.inner {
+            Inner::Single(controller) => widen(controller.report()),
+            Inner::Double(controller) => widen(controller.report()),
+        }
+    }
+
+    /// See [`Motion::hand_over_distance`].
+    pub fn hand_over_distance(&self, speed: f64) -> f64 {
+        match &self.inner {
+            Inner::Single(c) => f64::from(c.motion().hand_over_distance(speed as f32)),
+            Inner::Double(c) => c.motion().hand_over_distance(speed),
+        }
+    }
+}
+
+/// Why a controller does not start.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StartError {
+    /// A parameter.
+    #[error("{0}")]
+    Params(ParamError),
+    /// An input.
+    #[error("{0}")]
+    Fault(StepFault),
+}
+
+type Controller<T, M> = MotionController<T, M, RationalMean>;
+
+fn start<T: Scalar, M: Maths<T>>(
+    base: &Base,
+    origin: (f64, f64),
+    task: &Task<f64>,
+    measured: &Measured<f64>,
+) -> Result<Controller<T, M>, StartError> {
+    let motion = parameters::<T, M>(&base.motion()).map_err(StartError::Params)?;
+    let task = narrow_task::<T, M>(task, origin);
+    let measured = narrow_measured(measured, origin);
+    MotionController::start(&motion, &task, &measured).map_err(StartError::Fault)
+}
+
+fn step<T: Scalar, M: Maths<T>>(
+    controller: &mut Controller<T, M>,
+    origin: (f64, f64),
+    dt: f64,
+    task: &Task<f64>,
+    measured: &Measured<f64>,
+) -> Result<MotionReport<f64>, StepFault> {
+    let task = narrow_task::<T, M>(task, origin);
+    let measured = narrow_measured(measured, origin);
+    controller
+        .step(T::from_f64(dt), &task, &measured)
+        .map(widen)
+}
+
+fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion<T>, ParamError> {
+    let f = T::from_f64;
+    let (robot, limits) = (&from.robot, &from.limits);
+    let limits = Limits {
+        speed: f(limits.speed),
+        turn_rate: f(limits.turn_rate),
+        accel: f(limits.accel),
+        brake: f(limits.brake),
+        turn_accel: f(limits.turn_accel),
+        jerk: f(limits.jerk),
+        turn_jerk: f(limits.turn_jerk),
+        wheel_torque_nm: f(limits.wheel_torque_nm),
+        policy: limits.policy,
+    };
+    let params = MotionParams {
+        gains: MotionGains::for_limits::<M>(&limits),
+        arrival: Arrival::exact(),
+        ..MotionParams::new::<M>(
+            Robot {
+                mass_kg: f(robot.mass_kg),
+                inertia_kg_m2: f(robot.inertia_kg_m2),
+                wheels: WheelGeometry {
+                    radius_right_m: f(robot.wheels.radius_right_m),
+                    radius_left_m: f(robot.wheels.radius_left_m),
+                    track_m: f(robot.wheels.track_m),
+                },
+            },
+            limits,
+        )
+    };
+    params.validate()
+}
+
+fn narrow_pose<T: Scalar>(pose: &Pose<f64>, origin: (f64, f64)) -> Pose<T> {
+    let f = T::from_f64;
+    Pose {
+        x: f(pose.x - origin.0),
+        y: f(pose.y - origin.1),
+        theta: f(wrap(pose.theta)),
+    }
+}
+
+fn narrow_twist<T: Scalar>(twist: &Twist<f64>) -> Twist<T> {
+    Twist {
+        linear: T::from_f64(twist.linear),
+        angular: T::from_f64(twist.angular),
+    }
+}
+
+fn narrow_measured<T: Scalar>(measured: &Measured<f64>, origin: (f64, f64)) -> Measured<T> {
+    Measured {
+        pose: narrow_pose(&measured.pose, origin),
+        twist: narrow_twist(&measured.twist),
+    }
+}
+
+fn narrow_task<T: Scalar, M: Maths<T>>(task: &Task<f64>, origin: (f64, f64)) -> Task<T> {
+    match task {
+        Task::Follow(reference) => {
+            let accel = reference.accel();
+            Task::Follow(Reference::new::<M>(
+                narrow_pose(reference.pose(), origin),
+                narrow_twist(reference.twist()),
+                Accel {
+                    linear: T::from_f64(accel.linear),
+                    angular: T::from_f64(accel.angular),
+                },
+            ))
+        }
+        Task::Park(goal) => Task::Park(narrow_pose(goal, origin)),
+    }
+}
+
+/// A report, widened without rounding.
+fn widen<T: Scalar>(from: &MotionReport<T>) -> MotionReport<f64> {
+    let twist = |t: &Twist<T>| Twist::new(t.linear.to_f64(), t.angular.to_f64());
+    let accel = |a: &Accel<T>| Accel::new(a.linear.to_f64(), a.angular.to_f64());
+    MotionReport {
+        mode: from.mode,
+        outcome: from.outcome,
+        error: PoseError {
+            x: from.error.x.to_f64(),
+            y: from.error.y.to_f64(),
+            theta: from.error.theta.to_f64(),
+        },
+        wanted: twist(&from.wanted),
+        wanted_rate: accel(&from.wanted_rate),
+        bridge: twist(&from.bridge),
+        command: twist(&from.command),
+        command_rate: accel(&from.command_rate),
+        velocity_error: twist(&from.velocity_error),
+        wrench: Wrench {
+            force: from.wrench.force.to_f64(),
+            moment: from.wrench.moment.to_f64(),
+        },
+        torques: WheelTorques {
+            right: from.torques.right.to_f64(),
+            left: from.torques.left.to_f64(),
+        },
+        limited: from.limited,
+        jumped: from.jumped,
+        backing: from.backing,
+    }
+}

@@ -1,0 +1,176 @@
+//! Missions from trajectory files.
+
+use super::Base;
+use super::mission::{Course, End, HandOverRule, Mission, Route, When};
+use crate::import::{
+    Figures, Format, LimitError, Options, Refusal, Stretch, Tolerance, Trajectory, Verdict, check,
+};
+use crate::scenario::Precision;
+use controller_core::types::{Measured, Pose, Twist};
+
+/// How close a driven reference passes the poses of its file.
+///
+/// Wider than the importer's own for planned files: they are printed with few digits or sampled
+/// coarsely at cusps, and half a millimetre leaves angular accelerations of tens of rad/s² there,
+/// which a base then pays for in time. A base of this kind tracks to about a millimetre anyway.
+pub const TOLERANCE: Tolerance = Tolerance {
+    position_m: 1.0e-3,
+    heading_rad: 5.0e-3,
+};
+
+/// How a trajectory file is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FileRun {
+    /// Where the robot starts: at rest, this far to the left of the first pose \[m\]; `None` is
+    /// 0.15 m, or 0 on a route too short to settle from there, see [`FileRun::offset_on`].
+    pub offset_m: Option<f64>,
+    /// Number type of the controller.
+    pub precision: Precision,
+    /// Control period \[s\].
+    pub period_s: f64,
+}
+
+impl Default for FileRun {
+    /// Single precision, as on a chip, and 10 ms, as slow as bases of this kind are controlled.
+    fn default() -> Self {
+        Self {
+            offset_m: None,
+            precision: Precision::F32,
+            period_s: 0.01,
+        }
+    }
+}
+
+/// Why a file is not run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// It cannot be driven.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The base's limits cannot be used.
+    #[error(transparent)]
+    Limits(#[from] LimitError),
+    /// An option is out of its range.
+    #[error("{0} must be a number in {1} to {2}")]
+    Option(&'static str, f64, f64),
+    /// The run would not fit a small machine's memory.
+    #[error("{0:.0} control periods; at most {MAX_TICKS:.0} are kept: choose a longer period")]
+    TooLong(f64),
+}
+
+/// More ticks than this, and the trace would not fit a small machine's memory.
+const MAX_TICKS: f64 = 2.0e6;
+/// How long parking may take before a run is given up \[s\].
+const PARKING_S: f64 = 60.0;
+
+impl FileRun {
+    /// The offset at the start of a route of this length \[m\] and duration \[s\].
+    ///
+    /// From rest, 0.15 m takes 4 to 6 s to shrink to 5 mm, and at low speed a way of some 0.5 m; the
+    /// last 1 to 2 s belong to parking. A route that leaves no time between them to see the robot on
+    /// the path is started on it.
+    pub fn offset_on(&self, length_m: f64, duration_s: f64) -> f64 {
+        let long_enough = length_m >= 1.0 && duration_s >= 8.0;
+        self.offset_m
+            .unwrap_or(if long_enough { 0.15 } else { 0.0 })
+    }
+
+    /// What `base` is to do with a file, and what of it was stretched.
+    ///
+    /// # Errors
+    /// A file that is refused, or options out of range.
+    pub fn mission(
+        &self,
+        name: &str,
+        bytes: &[u8],
+        base: &Base,
+    ) -> Result<(Mission, Stretch), FileError> {
+        let offset = self.offset_m.unwrap_or_default();
+        if !(-10.0..=10.0).contains(&offset) {
+            return Err(FileError::Option("offset", -10.0, 10.0));
+        }
+        let longest = base.motion().max_tick_s;
+        if !(1.0e-4..=longest).contains(&self.period_s) {
+            return Err(FileError::Option("period", 1.0e-4, longest));
+        }
+        let (trajectory, stretch) = fitted(bytes, base)?;
+        let figures: Figures = trajectory.figures();
+        let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
+        let longest_s = end_s + PARKING_S;
+        if longest_s / self.period_s > MAX_TICKS {
+            return Err(FileError::TooLong(longest_s / self.period_s));
+        }
+        let last = trajectory.at(end_s);
+        let (sin, cos) = first.theta.sin_cos();
+        let aside = self.offset_on(figures.length_m, end_s);
+        let description = format!("{} on a {}", trajectory.source(), base.name);
+        let mission = Mission {
+            name: name.to_owned(),
+            description,
+            base: base.clone(),
+            robot: base.robot,
+            precision: self.precision,
+            start: Measured {
+                pose: Pose::new(first.x - aside * sin, first.y + aside * cos, first.theta),
+                twist: Twist::default(),
+            },
+            course: Course::Follow {
+                route: Route::File(Box::new(trajectory)),
+                hand_over: Some(HandOverRule {
+                    goal: Pose::new(last.x, last.y, last.theta),
+                    end_s,
+                    when: When::Distance,
+                }),
+            },
+            events: Vec::new(),
+            period_s: self.period_s,
+            end: End::Parked(longest_s),
+        };
+        Ok((mission, stretch))
+    }
+}
+
+/// How long a route takes to get going \[s\].
+///
+/// Files that start at rest start with their full acceleration. The controller does not: its torque
+/// starts at 0 and what is missing fades in, which leaves it behind by a/A², 44 mm at 1.1 m/s². With
+/// this ramp there is nothing to fade in, at a jerk far below that of any base here.
+const RAMP_S: f64 = 0.3;
+
+/// The reference of a file for a base: stretched to its limits, and begun gently.
+///
+/// # Errors
+/// A file that is refused, or a base whose limits are not positive.
+pub fn fitted(bytes: &[u8], base: &Base) -> Result<(Trajectory, Stretch), FileError> {
+    let (trajectory, stretch) = trajectory(bytes)?.stretched(&base.reference_limits())?;
+    Ok((trajectory.eased(RAMP_S), stretch))
+}
+
+/// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are
+/// noisy, within the importer's own.
+pub fn verdict(bytes: &[u8]) -> Verdict {
+    let planned = Options {
+        tolerance: Some(TOLERANCE),
+    };
+    let verdict = check(bytes, &planned);
+    let format = match &verdict {
+        Verdict::Drivable { format, .. } => Some(*format),
+        Verdict::Refused(refusal) => refusal.format,
+    };
+    match format {
+        Some(Format::TumPoses) => check(bytes, &Options::default()),
+        _ => verdict,
+    }
+}
+
+/// The reference of a file, as [`verdict`] has it.
+///
+/// # Errors
+/// A file that cannot be driven.
+pub fn trajectory(bytes: &[u8]) -> Result<Trajectory, Refusal> {
+    match verdict(bytes) {
+        Verdict::Drivable { trajectory, .. } => Ok(*trajectory),
+        Verdict::Refused(refusal) => Err(refusal),
+    }
+}

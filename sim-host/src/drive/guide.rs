@@ -1,0 +1,161 @@
+//! What each tick is to do.
+
+use super::mission::{Change, Course, Event, HandOverRule, Mission, When};
+use super::timetable::Timetable;
+use controller_core::maths::{Libm, Maths};
+use controller_core::motion::Task;
+use controller_core::pose_error::pose_error;
+use controller_core::reference::Reference;
+use controller_core::types::{Measured, Pose, Twist};
+
+/// Decides from tick to tick.
+pub(super) struct Guide<'a> {
+    table: Timetable,
+    rule: Option<HandOverRule>,
+    events: &'a [Event],
+    /// Half the distance of the wheels \[m\]: what a turn makes a wheel travel.
+    lever: f64,
+    /// Parking there; following if there is none.
+    goal: Option<Pose<f64>>,
+    /// How far the localisation is still off: what is to be added to it.
+    correction: Pose<f64>,
+}
+
+/// A tick's orders.
+pub(super) struct Orders {
+    pub(super) task: Task<f64>,
+    /// Where the robot is to be.
+    pub(super) target: Reference<f64>,
+    /// The reference and the way to go, in the tick that leaves it.
+    pub(super) left: Option<(Reference<f64>, f64)>,
+    /// The localisation jumped.
+    pub(super) jumped: bool,
+    /// The pose as the localisation has it.
+    pub(super) measured: Measured<f64>,
+}
+
+impl<'a> Guide<'a> {
+    pub(super) fn new(mission: &'a Mission) -> Self {
+        let (rule, goal) = match &mission.course {
+            Course::Park(goal) => (None, Some(*goal)),
+            Course::Follow { hand_over, .. } => (*hand_over, None),
+        };
+        let mut correction = Pose::default();
+        for event in &mission.events {
+            if let Change::Jump(jump) = event.change {
+                correction.x += jump.x;
+                correction.y += jump.y;
+                correction.theta += jump.theta;
+            }
+        }
+        Self {
+            table: Timetable::of(mission),
+            rule,
+            events: &mission.events,
+            lever: 0.5 * mission.base.robot.wheels.track_m,
+            goal,
+            correction,
+        }
+    }
+
+    /// Orders for a tick. `command` is what was commanded last, `distance` gives the distance at
+    /// which parking takes over from a speed.
+    pub(super) fn at(
+        &mut self,
+        tick: usize,
+        t: f64,
+        truth: &Measured<f64>,
+        command: &Twist<f64>,
+        distance: impl Fn(f64) -> f64,
+    ) -> Orders {
+        let mut jumped = false;
+        // 1 ns of slack: k·dt, in floating point, is not one tick late.
+        while let Some((event, rest)) = self
+            .events
+            .split_first()
+            .filter(|(e, _)| t >= e.at_s - 1e-9)
+        {
+            self.events = rest;
+            match event.change {
+                Change::Goal(goal) => self.goal = Some(goal),
+                Change::Follow => self.goal = None,
+                Change::Jump(jump) => {
+                    self.correction.x -= jump.x;
+                    self.correction.y -= jump.y;
+                    self.correction.theta -= jump.theta;
+                    jumped = true;
+                }
+            }
+        }
+        let measured = Measured {
+            pose: Pose {
+                x: truth.pose.x - self.correction.x,
+                y: truth.pose.y - self.correction.y,
+                theta: truth.pose.theta - self.correction.theta,
+            },
+            twist: truth.twist,
+        };
+        let mut left = None;
+        if self.goal.is_none()
+            && let (Some(rule), Some(reference)) = (self.rule, self.table.at(tick))
+        {
+            let way = self.way(tick, &reference, &measured);
+            let due = match rule.when {
+                When::Time(time) => t >= time - 1e-9,
+                When::Distance => self.is_due(tick, way, command, distance),
+            };
+            // Tick 0 starts, so it cannot hand over.
+            if due && tick > 0 {
+                self.goal = Some(rule.goal);
+                left = Some((reference, way));
+            }
+        }
+        let target = match self.goal {
+            Some(goal) => Reference::at_rest::<Libm>(goal),
+            None => self
+                .table
+                .at(tick)
+                .unwrap_or_else(|| Reference::at_rest::<Libm>(measured.pose)),
+        };
+        let task = match self.goal {
+            Some(goal) => Task::Park(goal),
+            None => Task::Follow(target),
+        };
+        Orders {
+            task,
+            target,
+            left,
+            jumped,
+            measured,
+        }
+    }
+
+    /// What the robot still has to go: the rest of the route, and what it is behind.
+    fn way(&self, tick: usize, reference: &Reference<f64>, measured: &Measured<f64>) -> f64 {
+        let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
+        let behind = if reference.twist().linear < 0.0 {
+            -error.x
+        } else {
+            error.x
+        };
+        self.table.to_go(tick).0 + behind
+    }
+
+    /// The way is short enough for parking, and so is the turn: a route that ends by turning in
+    /// place has no way to go all along, and is followed until the turn is nearly done.
+    fn is_due(
+        &self,
+        tick: usize,
+        way: f64,
+        command: &Twist<f64>,
+        distance: impl Fn(f64) -> f64,
+    ) -> bool {
+        let turn = self.lever * self.table.to_go(tick).1;
+        let near = way <= distance(command.linear);
+        let turned = turn
+            <= distance(Libm::sqrt(
+                command.linear * command.linear + (self.lever * command.angular).powi(2),
+            ));
+        self.table.is_over(tick) || (near && turned)
+    }
+}

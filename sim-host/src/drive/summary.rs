@@ -1,0 +1,72 @@
+//! A run in a few lines, for people.
+
+use super::metrics::DriveMetrics;
+use std::fmt::Write as _;
+
+/// What came of a run, a line for each thing.
+pub fn summary(metrics: &DriveMetrics) -> String {
+    let mut text = String::new();
+    // Writing to a string does not fail.
+    let mut line = |name: &str, what: String| {
+        let _ = writeln!(text, "{name:<11}{what}");
+    };
+    match &metrics.tracking {
+        Some(t) => line(
+            "tracking",
+            format!(
+                "from {:.2} s to {:.2} s: {:.2} mm RMS, {:.2} mm peak; {:.2} mrad RMS, {:.2} peak",
+                t.from_s,
+                t.to_s,
+                1e3 * t.rms_m,
+                1e3 * t.peak_m,
+                1e3 * t.heading_rms_rad,
+                1e3 * t.heading_peak_rad
+            ),
+        ),
+        None if metrics.hand_over_distance_m.is_none() && metrics.run.hand_over.is_some() => {}
+        None => line(
+            "tracking",
+            "none: never within 5 mm of a moving reference".into(),
+        ),
+    }
+    if let (Some(hand_over), Some(way)) = (&metrics.run.hand_over, metrics.hand_over_distance_m) {
+        line(
+            "hand-over",
+            format!(
+                "at {:.2} s, {:.1} mm to go; torque step {:.1e} N, {:.1e} N m; overshoot {:.2} mm",
+                hand_over.time_s,
+                1e3 * way,
+                hand_over.torque_step.force_n.abs(),
+                hand_over.torque_step.moment_nm.abs(),
+                1e3 * hand_over.overshoot_m
+            ),
+        );
+    }
+    let last = &metrics.run.final_error;
+    let final_error = format!(
+        "final error {:.3} mm, {:.3} mrad",
+        1e3 * last.position_m,
+        1e3 * last.e_theta_rad.abs()
+    );
+    line(
+        metrics.outcome,
+        match metrics.parked_s {
+            Some(time) => format!("from {time:.2} s on; {final_error}"),
+            None => final_error,
+        },
+    );
+    let uses = metrics.limits.iter().map(|use_| {
+        format!(
+            "{} {} of {}",
+            use_.name,
+            short(use_.peak),
+            short(use_.limit)
+        )
+    });
+    line("peaks", uses.collect::<Vec<_>>().join(", "));
+    text
+}
+
+fn short(value: f64) -> String {
+    format!("{}", (value * 1e3).round() / 1e3)
+}

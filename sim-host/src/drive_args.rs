@@ -1,0 +1,57 @@
+//! Arguments for trajectory files.
+
+use clap::{Args, ValueEnum};
+use sim_host::drive::FileRun;
+use sim_host::scenario::Precision;
+use std::path::PathBuf;
+
+/// How trajectory files are run. Scenario files say it themselves.
+#[derive(Clone, Debug, Args)]
+pub struct DriveArgs {
+    /// Trajectory files: the base that drives, a file with [robot] and [limits]; else a 30 kg base
+    #[arg(long, value_name = "FILE")]
+    pub base: Option<PathBuf>,
+    /// Trajectory files: start this far to the left of the path [m]; else 0.15, or 0 on a
+    /// route shorter than 1 m or 8 s, which leaves no time to settle
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    offset: Option<f64>,
+    /// Trajectory files: number type of the controller
+    #[arg(long, value_enum, default_value_t = Number::F32)]
+    precision: Number,
+    /// Trajectory files: time between control ticks [s]
+    #[arg(long, value_name = "S", default_value = "0.01")]
+    period: f64,
+}
+
+impl DriveArgs {
+    /// The same for the library.
+    pub fn file_run(&self) -> FileRun {
+        FileRun {
+            offset_m: self.offset,
+            precision: match self.precision {
+                Number::F32 => Precision::F32,
+                Number::F64 => Precision::F64,
+            },
+            period_s: self.period,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Number {
+    /// Single precision, as on a chip
+    F32,
+    /// Double precision
+    F64,
+}
+
+/// What is checked or compiled.
+#[derive(Clone, Debug, Args)]
+pub struct TrajectoryArgs {
+    /// Trajectory files; `check` takes scenario files as well
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// The base that is to drive, a file with [robot] and [limits]; else a 30 kg base
+    #[arg(long, value_name = "FILE")]
+    pub base: Option<PathBuf>,
+}

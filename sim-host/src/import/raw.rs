@@ -1,0 +1,136 @@
+//! Samples as a reader hands them over, and the checks common to all formats.
+
+use super::refusal::{Place, Reason, Refusal};
+use super::repair::{Fix, Repairs};
+use super::{Format, MAX_SAMPLES};
+use std::f64::consts::{PI, TAU};
+
+/// Farthest coordinate taken \[m\]; beyond, double precision is worse than 1 µm.
+const MAX_COORDINATE: f64 = 1e9;
+/// Latest time taken \[s\]; beyond, it is not in seconds.
+const MAX_TIME: f64 = 1e11;
+/// Largest heading taken \[rad\].
+const MAX_HEADING: f64 = 1e6;
+/// Fastest motion between samples that is not a jump \[m/s\], \[rad/s\].
+const MAX_SPEED: f64 = 100.0;
+const MAX_TURN_RATE: f64 = 200.0;
+/// Distance \[m\] and angle \[rad\] that rounding may put between two equal poses.
+const ROUNDING: f64 = 1e-4;
+/// Nobody knows what the base does in a longer gap \[s\].
+const MAX_GAP: f64 = 30.0;
+/// Repeats of an instant may go back by this much \[s\].
+const REPEAT: f64 = 1e-9;
+
+/// One sample of a file.
+#[derive(Clone, Debug)]
+pub(super) struct RawSample {
+    pub(super) place: Place,
+    pub(super) t: f64,
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) theta: f64,
+    /// Speed, if the file has it and it is finite.
+    pub(super) v: Option<f64>,
+    /// Turn rate, if the file tells it and it means something.
+    pub(super) w: Option<f64>,
+}
+
+/// What a reader hands over.
+#[derive(Clone, Debug)]
+pub(super) struct Raw {
+    pub(super) format: Format,
+    pub(super) samples: Vec<RawSample>,
+    pub(super) repairs: Repairs,
+}
+
+impl Raw {
+    /// Checks every value and the order of time, drops repeats, unwraps headings, starts time at 0.
+    /// Returns the time of the file's first sample.
+    pub(super) fn clean(&mut self) -> Result<f64, Refusal> {
+        let format = self.format;
+        let refuse = |place: &Place, field: &str, reason| {
+            Err(Refusal::new(format, place.clone().field(field), reason))
+        };
+        if self.samples.len() > MAX_SAMPLES {
+            let reason = Reason::TooManySamples { limit: MAX_SAMPLES };
+            return Err(Refusal::new(format, Place::default(), reason));
+        }
+        for sample in &self.samples {
+            for (field, value, limit) in [
+                ("t", sample.t, MAX_TIME),
+                ("x", sample.x, MAX_COORDINATE),
+                ("y", sample.y, MAX_COORDINATE),
+                ("theta", sample.theta, MAX_HEADING),
+            ] {
+                if value.is_nan() || value.abs() > limit {
+                    return refuse(&sample.place, field, Reason::OutOfRange { value, limit });
+                }
+            }
+        }
+        let mut kept: Vec<RawSample> = Vec::with_capacity(self.samples.len());
+        for mut sample in self.samples.drain(..) {
+            let Some(last) = kept.last() else {
+                kept.push(sample);
+                continue;
+            };
+            let dt = sample.t - last.t;
+            let chord = (sample.x - last.x).hypot(sample.y - last.y);
+            sample.theta = unwrap(last, &sample, dt);
+            let turn = (sample.theta - last.theta).abs();
+            if dt < -REPEAT {
+                return refuse(&sample.place, "t", Reason::TimeGoesBack(-dt));
+            }
+            let (far, round) = (MAX_SPEED * dt.max(0.0), MAX_TURN_RATE * dt.max(0.0));
+            if chord > ROUNDING + far || turn > ROUNDING + round {
+                let reason = Reason::Jump {
+                    apart_m: chord,
+                    apart_rad: turn,
+                    dt_s: dt,
+                };
+                return Err(Refusal::new(format, sample.place, reason));
+            }
+            if dt > MAX_GAP {
+                return refuse(&sample.place, "t", Reason::Gap(dt));
+            }
+            if dt <= 0.0 {
+                self.repairs.add(sample.place, sample.t, Fix::DroppedRepeat);
+                continue;
+            }
+            kept.push(sample);
+        }
+        let count = kept.len();
+        let Some(first) = kept.first() else {
+            return refuse(&Place::default(), "samples", Reason::TooFewSamples(0));
+        };
+        let start = first.t;
+        for sample in &mut kept {
+            sample.t -= start;
+            // -0.0 is a zero like any other; nothing below may tell them apart.
+            sample.x += 0.0;
+            sample.y += 0.0;
+            sample.v = sample.v.map(|v| v + 0.0);
+        }
+        self.samples = kept;
+        if count < 2 {
+            return refuse(&Place::default(), "samples", Reason::TooFewSamples(count));
+        }
+        Ok(start)
+    }
+}
+
+/// The heading of `to` on the branch that its turn rates tell, or else nearest to `from`.
+fn unwrap(from: &RawSample, to: &RawSample, dt: f64) -> f64 {
+    let expected = match (from.w, to.w) {
+        (Some(a), Some(b)) => 0.5 * dt * (a + b),
+        _ => 0.0,
+    };
+    // A rate that would turn the base more than once is not trusted with the branch.
+    let expected = if expected.abs() < TAU { expected } else { 0.0 };
+    from.theta + expected + wrap(to.theta - from.theta - expected)
+}
+
+/// The same angle in (−π, π].
+pub(super) fn wrap(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}

@@ -1,0 +1,267 @@
+//! A reference that satisfies Eq. (6) at every instant.
+
+use super::fit::motion::advance;
+use super::fit::{self, CLUSTER, Node, Rest, Target};
+use super::raw::{Raw, RawSample};
+use super::refusal::{Reason, Refusal};
+use super::repair::{Fix, Repair};
+use super::warp::Warp;
+use super::{Format, Options};
+
+/// The reference at an instant. SI units, radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Time from the start.
+    pub t: f64,
+    /// Position.
+    pub x: f64,
+    /// Position.
+    pub y: f64,
+    /// Heading, counter-clockwise, not wrapped.
+    pub theta: f64,
+    /// Speed along the heading, negative when backing up.
+    pub v: f64,
+    /// Turn rate.
+    pub w: f64,
+    /// Rate of `v`.
+    pub a: f64,
+    /// Rate of `w`.
+    pub alpha: f64,
+}
+
+/// How close a reference passes the poses of its file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closeness {
+    /// Largest distance \[m\].
+    pub position_m: f64,
+    /// Largest angle \[rad\].
+    pub heading_rad: f64,
+}
+
+/// A trajectory that a wheeled base can follow: continuous in pose, twist and acceleration.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    pub(super) nodes: Vec<Node>,
+    pub(super) warp: Option<Warp>,
+    samples: Vec<Sample>,
+    repairs: Vec<Repair>,
+    source: Format,
+    closeness: Closeness,
+    start: f64,
+}
+
+/// Speed \[m/s\] and turn rate \[rad/s\] below which a file means rest.
+const REST: [f64; 2] = [1e-3, 1e-2];
+/// Implied angular accelerations from here on are reported when they are smoothed \[rad/s²\].
+const HARSH: f64 = 50.0;
+
+impl Trajectory {
+    /// Fits a reference to cleaned samples.
+    pub(super) fn of(raw: Raw, start: f64, options: &Options) -> Result<Self, Refusal> {
+        let Raw {
+            format,
+            samples,
+            mut repairs,
+        } = raw;
+        let tolerance = options.tolerance(format);
+        let targets: Vec<Target> = samples
+            .iter()
+            .map(|s| Target {
+                t: s.t,
+                x: s.x,
+                y: s.y,
+                theta: s.theta,
+            })
+            .collect();
+        let at_rest = |sample: Option<&RawSample>| {
+            sample.is_some_and(|s| {
+                s.v.is_some_and(|v| v.abs() < REST[0]) && s.w.is_none_or(|w| w.abs() < REST[1])
+            })
+        };
+        let rest = Rest {
+            start: at_rest(samples.first()),
+            end: at_rest(samples.last()),
+        };
+        // Relative to the first position: coordinates may be large, the path is not.
+        let origin = targets.first().map_or([0.0; 2], |t| [t.x, t.y]);
+        let local: Vec<Target> = targets
+            .iter()
+            .map(|t| Target {
+                x: t.x - origin[0],
+                y: t.y - origin[1],
+                ..*t
+            })
+            .collect();
+        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance) else {
+            let span = samples.last().map_or(0.0, |s| s.t);
+            let place = samples.last().map(|s| s.place.clone()).unwrap_or_default();
+            return Err(Refusal::new(format, place, Reason::TooShort(span)));
+        };
+        if close.position > tolerance[0] || close.heading > tolerance[1] {
+            return Err(undrivable(format, &samples, &close, tolerance[0]));
+        }
+        for node in &mut nodes {
+            node.z[0] += origin[0];
+            node.z[1] += origin[1];
+        }
+        let mut trajectory = Self {
+            nodes,
+            warp: None,
+            samples: Vec::new(),
+            repairs: Vec::new(),
+            source: format,
+            closeness: Closeness {
+                position_m: close.position,
+                heading_rad: close.heading,
+            },
+            start,
+        };
+        for pair in samples.windows(2) {
+            let [from, to] = pair else { continue };
+            if to.t - from.t < CLUSTER {
+                repairs.add(to.place.clone(), to.t + start, Fix::SharedKnot);
+            } else if let (Some(a), Some(b)) = (from.w, to.w) {
+                let implied = ((b - a) / (to.t - from.t)).abs();
+                let mid = trajectory.at(0.5 * (from.t + to.t)).alpha.abs();
+                let now = trajectory.at(from.t).alpha.abs().max(mid);
+                let now = now.max(trajectory.at(to.t).alpha.abs());
+                if implied > HARSH && now < 0.5 * implied {
+                    let what = Fix::Smoothed { implied, now };
+                    repairs.add(to.place.clone(), to.t + start, what);
+                }
+            }
+        }
+        trajectory.repairs = repairs.finish(start);
+        let times: Vec<f64> = trajectory.nodes.iter().map(|n| n.t).collect();
+        trajectory.samples = times.into_iter().map(|t| trajectory.at(t)).collect();
+        Ok(trajectory)
+    }
+
+    /// The reference at `t` seconds from the start. Before the start it stands at the first pose,
+    /// after the end at the last.
+    pub fn at(&self, t: f64) -> Sample {
+        let end = self.duration();
+        let inside = t.clamp(0.0, end);
+        let (s, rate, rate_dot) = match &self.warp {
+            Some(warp) => warp.at(inside),
+            None => (inside, 1.0, 0.0),
+        };
+        let after = self.nodes.partition_point(|n| n.t <= s);
+        let Some(node) = self.nodes.get(after.saturating_sub(1)) else {
+            return Sample::default();
+        };
+        let z = advance(&node.z, &node.u, s - node.t);
+        let moving = if t < 0.0 || t > end { 0.0 } else { 1.0 };
+        Sample {
+            t,
+            x: z[0],
+            y: z[1],
+            theta: z[2],
+            v: moving * z[3] * rate,
+            w: moving * z[4] * rate,
+            a: moving * (z[5] * rate * rate + z[3] * rate_dot),
+            alpha: moving * (z[6] * rate * rate + z[4] * rate_dot),
+        }
+    }
+
+    /// Seconds from start to end.
+    pub fn duration(&self) -> f64 {
+        match &self.warp {
+            Some(warp) => warp.duration(),
+            None => self.path_duration(),
+        }
+    }
+
+    /// Seconds that the file takes.
+    pub(super) fn path_duration(&self) -> f64 {
+        self.nodes.last().map_or(0.0, |n| n.t)
+    }
+
+    /// Samples in strictly increasing time, at most about 25 ms apart, from 0 to the end.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// What had to be repaired in the file.
+    pub fn repairs(&self) -> &[Repair] {
+        &self.repairs
+    }
+
+    /// The format of the file.
+    pub fn source(&self) -> Format {
+        self.source
+    }
+
+    /// How close the poses of the file are passed; stretching does not change it.
+    pub fn closeness(&self) -> Closeness {
+        self.closeness
+    }
+
+    /// Time of the file's first sample, on the clock of the file \[s\].
+    pub fn file_start_s(&self) -> f64 {
+        self.start
+    }
+
+    /// The same path at the pace of the file. Without samples: only for [`Self::at`].
+    pub(super) fn unwarped(&self) -> Self {
+        Self {
+            nodes: self.nodes.clone(),
+            warp: None,
+            samples: Vec::new(),
+            repairs: self.repairs.clone(),
+            ..*self
+        }
+    }
+
+    /// The same path under another law of time.
+    pub(super) fn warped(&self, warp: Warp) -> Self {
+        let mut trajectory = Self {
+            warp: Some(warp),
+            ..self.unwarped()
+        };
+        let times = trajectory
+            .warp
+            .as_ref()
+            .map(Warp::times)
+            .unwrap_or_default();
+        trajectory.samples = times.into_iter().map(|t| trajectory.at(t)).collect();
+        trajectory
+    }
+}
+
+/// The refusal of poses that no wheeled base passes: where it moves across its heading by more
+/// than a turn explains, or else where the fit missed most.
+fn undrivable(
+    format: Format,
+    samples: &[RawSample],
+    close: &fit::Closeness,
+    tolerance: f64,
+) -> Refusal {
+    let step = |i: usize| {
+        let (from, to) = (samples.get(i.checked_sub(1)?)?, samples.get(i)?);
+        let (sin, cos) = (0.5 * (from.theta + to.theta)).sin_cos();
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
+        Some((
+            dx * cos + dy * sin,
+            dy * cos - dx * sin,
+            to.theta - from.theta,
+        ))
+    };
+    let slip = |i| {
+        step(i).map_or(0.0, |(forward, sideways, turn): (f64, f64, f64)| {
+            sideways.abs() - 0.5 * (forward * turn).abs()
+        })
+    };
+    let most = (1..samples.len()).max_by(|&a, &b| slip(a).total_cmp(&slip(b)));
+    let worst = most
+        .filter(|&i| slip(i) > tolerance)
+        .unwrap_or(close.worst.max(1));
+    let (forward_m, sideways_m, turn_rad) = step(worst).unwrap_or_default();
+    let reason = Reason::Undrivable {
+        forward_m,
+        sideways_m,
+        turn_rad,
+    };
+    let place = samples.get(worst).map(|s| s.place.clone());
+    Refusal::new(format, place.unwrap_or_default(), reason)
+}

@@ -1,0 +1,146 @@
+//! A chip that is ready to fly scenarios, one after another.
+
+use super::setup::explain;
+use super::{Cost, FIRMWARE, Footprint, OnChip, Parity, PilError};
+use crate::pilot::narrow;
+use crate::run::run_with;
+use crate::scenario::Scenario;
+use crate::trace::Trace;
+use firmware_demo::host::{Chip, LinkKind, Machine, Options};
+use std::time::{Duration, Instant};
+
+/// Longest silence of the chip before a run is given up: an emulator on a busy machine may be slow.
+const SILENCE: Duration = Duration::from_secs(30);
+
+/// An emulated chip on a link.
+///
+/// ```no_run
+/// use firmware_demo::host::{LinkKind, Machine};
+/// use sim_host::pil::Bench;
+/// use sim_host::scenario::BuiltIn;
+///
+/// let scenario = BuiltIn::find("paper-line").ok_or("not built in")?.scenario()?;
+/// let mut bench = Bench::start(Machine::CortexM4F, LinkKind::Fifo, true)?;
+/// let flight = bench.fly(&scenario)?;
+/// assert!(flight.parity.is_exact());
+/// println!("{} bytes of stack", bench.stack_bytes()?);
+/// bench.finish()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Bench {
+    chip: Chip,
+    machine: Machine,
+}
+
+/// What came of a scenario.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// As of any other run; the torques are the chip's.
+    pub trace: Trace,
+    /// Chip against host.
+    pub parity: Parity,
+    /// Instructions on the chip; all 0 if they were not counted.
+    pub cost: Cost,
+    /// Time that the run took, plant and shadow included.
+    pub elapsed: Duration,
+}
+
+impl Bench {
+    /// Builds the firmware and starts it. Counting instructions makes the emulator slower.
+    ///
+    /// # Errors
+    /// What is missing on this machine, or does not start.
+    pub fn start(
+        machine: Machine,
+        link: LinkKind,
+        count_instructions: bool,
+    ) -> Result<Self, PilError> {
+        let options = Options {
+            machine,
+            link,
+            icount: count_instructions,
+            core: None,
+            silence: SILENCE,
+        };
+        match Chip::start(&options) {
+            Ok(chip) => Ok(Self { chip, machine }),
+            Err(error) => Err(explain(machine, error)),
+        }
+    }
+
+    /// Flies a scenario with [`FIRMWARE`], whatever controller settings it has beside the law.
+    ///
+    /// # Errors
+    /// A law that the firmware does not have, a fault of the controller, or a failed link.
+    pub fn fly(&mut self, scenario: &Scenario) -> Result<Flight, PilError> {
+        let asked = &scenario.controller;
+        if asked.kind != FIRMWARE.kind || asked.parking != FIRMWARE.parking {
+            return Err(PilError::Law(scenario.name.clone()));
+        }
+        let params = narrow::params::<f32>(&scenario.params);
+        let validated = params.validate().map_err(|cause| PilError::Params {
+            name: scenario.name.clone(),
+            cause,
+        })?;
+        self.chip.configure(&params)?;
+        let mut pilot = OnChip::new(&mut self.chip, validated);
+        let start = Instant::now();
+        let trace = run_with(scenario, &mut pilot)?;
+        Ok(Flight {
+            trace,
+            parity: *pilot.parity(),
+            cost: *pilot.cost(),
+            elapsed: start.elapsed(),
+        })
+    }
+
+    /// The most bytes of stack in use since the start.
+    ///
+    /// # Errors
+    /// A failed link.
+    pub fn stack_bytes(&mut self) -> Result<u32, PilError> {
+        Ok(self.chip.counters()?.stack_bytes)
+    }
+
+    /// Frames that either side had to throw away; 0 on links that lose nothing.
+    ///
+    /// # Errors
+    /// A failed link.
+    pub fn frames_rejected(&mut self) -> Result<u32, PilError> {
+        Ok(self.chip.counters()?.frames_rejected)
+    }
+
+    /// Flash and RAM of the image.
+    ///
+    /// # Errors
+    /// An image that cannot be read.
+    pub fn footprint(&self) -> Result<Footprint, PilError> {
+        let path = self.chip.image();
+        let failed = |cause: String| PilError::Image {
+            path: path.to_owned(),
+            cause,
+        };
+        let elf = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
+        Footprint::of(&elf).map_err(|error| failed(error.to_string()))
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    /// Stops the firmware.
+    ///
+    /// # Errors
+    /// A firmware that does not end, or not in order.
+    pub fn finish(self) -> Result<(), PilError> {
+        let outcome = self.chip.finish()?;
+        match outcome.code {
+            Some(0) => Ok(()),
+            code => Err(PilError::Ended {
+                code,
+                console: outcome.console,
+            }),
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Processor in the loop: the controller on an emulated chip, the plant here.
+//!
+//! A [`Bench`] builds the firmware in release mode with the proof that it cannot panic, starts the
+//! emulator and flies scenarios with it. In lock step runs the host's own single-precision
+//! controller on the same inputs, and every number of both reports is compared bit for bit.
+
+mod bench;
+mod cost;
+mod footprint;
+mod on_chip;
+mod parity;
+mod setup;
+
+pub use bench::{Bench, Flight};
+pub use cost::{Cost, Spread};
+pub use footprint::Footprint;
+pub use on_chip::OnChip;
+pub use parity::{Difference, Parity};
+pub use setup::PilError;
+
+use crate::scenario::{Controller, Law, MathsBackEnd, ParkingLaw, Precision, Update};
+
+/// The controller that the firmware has.
+pub const FIRMWARE: Controller = Controller {
+    kind: Law::Neural,
+    precision: Precision::F32,
+    maths: MathsBackEnd::Single,
+    neurons: Update::RationalMean,
+    parking: ParkingLaw::Paper,
+};

@@ -1,0 +1,171 @@
+//! A pilot that asks the chip, with the host's controller as a shadow.
+
+use super::cost::Cost;
+use super::parity::Parity;
+use crate::pilot::{Answer, InProcess, Pilot, PilotError, narrow};
+use controller_core::demand::Demand;
+use controller_core::maths::Single;
+use controller_core::neural::NeuralController;
+use controller_core::params::Validated;
+use controller_core::reference::Reference;
+use controller_core::types::{Measured, Wrench};
+use firmware_demo::host::{Chip, ChipError};
+use firmware_demo::wire::Ticked;
+
+/// Flies with the chip's torques. The same controller in this process gets the same inputs, and
+/// both reports are compared; what it computes acts on nothing.
+pub struct OnChip<'a> {
+    chip: &'a mut Chip,
+    shadow: InProcess<f32, Single, NeuralController>,
+    tick: u32,
+    hand_over_step: Option<Wrench<f64>>,
+    parity: Parity,
+    cost: Cost,
+}
+
+/// Chip and host disagree on more than numbers.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Disagreement {
+    /// One of them refused the tick.
+    #[error("tick {tick}: the chip says \"{chip}\", the host \"{host}\"")]
+    Refusal {
+        /// Tick of the run.
+        tick: u32,
+        /// The chip's word.
+        chip: String,
+        /// The host's word.
+        host: String,
+    },
+    /// The chip counts other ticks: a question was lost or done twice.
+    #[error("tick {host}: the chip is at tick {chip}")]
+    Tick {
+        /// Its count.
+        chip: u32,
+        /// Ours.
+        host: u32,
+    },
+}
+
+impl<'a> OnChip<'a> {
+    /// A chip that was configured with `params`.
+    pub fn new(chip: &'a mut Chip, params: Validated<f32>) -> Self {
+        Self {
+            chip,
+            shadow: InProcess::new(params),
+            tick: 0,
+            hand_over_step: None,
+            parity: Parity::default(),
+            cost: Cost::default(),
+        }
+    }
+
+    /// What the comparison has found so far.
+    pub fn parity(&self) -> &Parity {
+        &self.parity
+    }
+
+    /// Instructions so far.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    fn compare(
+        &mut self,
+        chip: Result<Ticked, ChipError>,
+        host: Result<Answer, PilotError>,
+        handed_over: bool,
+    ) -> Result<(Answer, u32), PilotError> {
+        let ticked = match (chip, host) {
+            (Ok(ticked), Ok(_)) => ticked,
+            // Both refuse: the fault of the scenario, not of the chip.
+            (Err(ChipError::Refused(refusal)), Err(PilotError::Fault(fault)))
+                if refusal == fault.into() =>
+            {
+                return Err(PilotError::Fault(fault));
+            }
+            (Err(error), host) if !matches!(error, ChipError::Refused(_)) => {
+                drop(host);
+                return Err(PilotError::Link(Box::new(error)));
+            }
+            (chip, host) => {
+                return Err(link(Disagreement::Refusal {
+                    tick: self.tick,
+                    chip: word(&chip),
+                    host: word(&host),
+                }));
+            }
+        };
+        if ticked.tick != self.tick {
+            return Err(link(Disagreement::Tick {
+                chip: ticked.tick,
+                host: self.tick,
+            }));
+        }
+        if let Some(controller) = self.shadow.controller() {
+            let host = Ticked::of(controller, handed_over);
+            self.parity.compare(self.tick, &ticked, &host);
+        }
+        let step = ticked.hand_over_step.map(|step| narrow::wrench(&step));
+        self.hand_over_step = step.or(self.hand_over_step);
+        let answer = Answer {
+            report: narrow::widen(&ticked.report),
+            hand_over_step: self.hand_over_step,
+            relaxing: ticked.relaxing,
+        };
+        Ok((answer, ticked.instructions))
+    }
+}
+
+impl Pilot for OnChip<'_> {
+    fn start(
+        &mut self,
+        reference: &Reference<f64>,
+        measured: &Measured<f64>,
+    ) -> Result<Answer, PilotError> {
+        self.tick = 0;
+        self.hand_over_step = None;
+        let chip = self.chip.begin(
+            &narrow::reference::<f32, Single>(reference),
+            &narrow::measured(measured),
+        );
+        let host = self.shadow.start(reference, measured);
+        let (answer, instructions) = self.compare(chip, host, false)?;
+        self.cost.start.add(instructions);
+        Ok(answer)
+    }
+
+    fn step(
+        &mut self,
+        dt: f64,
+        demand: &Demand<f64>,
+        measured: &Measured<f64>,
+    ) -> Result<Answer, PilotError> {
+        if self.shadow.controller().is_none() {
+            return Err(PilotError::NotStarted);
+        }
+        self.tick = self.tick.wrapping_add(1);
+        let chip = self.chip.tick(
+            dt as f32,
+            &narrow::demand::<f32, Single>(demand),
+            &narrow::measured(measured),
+        );
+        let host = self.shadow.step(dt, demand, measured);
+        let handed_over = matches!(demand, Demand::HandOver { .. });
+        let (answer, instructions) = self.compare(chip, host, handed_over)?;
+        self.cost
+            .add(answer.report.phase, handed_over, instructions);
+        Ok(answer)
+    }
+}
+
+fn link(error: Disagreement) -> PilotError {
+    PilotError::Link(Box::new(error))
+}
+
+fn word<T, E: std::fmt::Display>(outcome: &Result<T, E>) -> String {
+    match outcome {
+        Ok(_) => "done".to_owned(),
+        Err(error) => error.to_string(),
+    }
+}

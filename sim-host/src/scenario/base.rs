@@ -1,0 +1,177 @@
+//! Files that describe a base, and the tables of them that a mission may have.
+
+use super::file::PoseKeys;
+use super::source::{self, Source};
+use super::{ScenarioError, check::Checked};
+use crate::drive::Base;
+use controller_core::error::{Field, ParamError};
+use controller_core::motion::{Limits, Policy};
+use controller_core::params::Robot;
+use controller_core::types::Pose;
+use controller_core::wheels::WheelGeometry;
+use serde::Deserialize;
+use std::path::Path;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    description: String,
+    robot: RobotKeys,
+    limits: LimitKeys,
+}
+
+/// All keys are needed: a robot that is half somebody else's is nobody's.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RobotKeys {
+    m: f64,
+    #[serde(rename = "I")]
+    inertia: f64,
+    r: Option<f64>,
+    r_right: Option<f64>,
+    r_left: Option<f64>,
+    l: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LimitKeys {
+    speed: f64,
+    turn_rate: f64,
+    accel: f64,
+    brake: f64,
+    turn_accel: f64,
+    jerk: f64,
+    turn_jerk: f64,
+    wheel_torque: f64,
+    #[serde(default)]
+    policy: PolicyKey,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum PolicyKey {
+    #[default]
+    KeepCurvature,
+    TurnFirst,
+    DriveFirst,
+}
+
+impl Base {
+    /// Reads a file with `[robot]` and `[limits]`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or [`Base::parse`]'s.
+    pub fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let file = path.display().to_string();
+        let text =
+            std::fs::read_to_string(path).map_err(|error| source::unreadable(&file, &error))?;
+        Self::parse(&file, &text)
+    }
+
+    /// A base from its text; `file` is the name that errors show.
+    ///
+    /// # Errors
+    /// Not TOML, an unknown or missing key, or a value of the wrong type or out of range.
+    pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
+        let place = Source::new(file, text);
+        let keys: File = toml::from_str(text).map_err(|error| place.reader_error(&error))?;
+        let stem = Path::new(file).file_stem();
+        let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let name = if keys.description.is_empty() {
+            stem
+        } else {
+            keys.description
+        };
+        base(name, Some(&keys.robot), Some(&keys.limits), &place)
+    }
+}
+
+/// A base of the tables that there are, and of the default base's values for the other.
+pub(super) fn base(
+    name: String,
+    robot: Option<&RobotKeys>,
+    limits: Option<&LimitKeys>,
+    place: &Source<'_>,
+) -> Checked<Base> {
+    let mut base = Base {
+        name,
+        ..Base::default()
+    };
+    if let Some(keys) = robot {
+        base.robot = keys.robot(place)?;
+    }
+    if let Some(keys) = limits {
+        base.limits = keys.limits();
+    }
+    let one_radius = robot.is_some_and(|keys| keys.r.is_some());
+    match base.validate() {
+        Ok(()) => Ok(base),
+        Err(error) => Err(place.error(&key_of(&error, one_radius), error)),
+    }
+}
+
+impl RobotKeys {
+    fn robot(&self, place: &Source<'_>) -> Checked<Robot<f64>> {
+        let radius = |side: Option<f64>, key: &str| match (self.r, side) {
+            (Some(_), Some(_)) => {
+                Err(place.error("robot.r", "is both radii: leave out r_right and r_left"))
+            }
+            (Some(radius), None) | (None, Some(radius)) => Ok(radius),
+            (None, None) => Err(place.error(&format!("robot.{key}"), "is missing; r sets both")),
+        };
+        Ok(Robot {
+            mass_kg: self.m,
+            inertia_kg_m2: self.inertia,
+            wheels: WheelGeometry {
+                radius_right_m: radius(self.r_right, "r_right")?,
+                radius_left_m: radius(self.r_left, "r_left")?,
+                track_m: self.l,
+            },
+        })
+    }
+}
+
+impl LimitKeys {
+    fn limits(&self) -> Limits<f64> {
+        Limits {
+            speed: self.speed,
+            turn_rate: self.turn_rate,
+            accel: self.accel,
+            brake: self.brake,
+            turn_accel: self.turn_accel,
+            jerk: self.jerk,
+            turn_jerk: self.turn_jerk,
+            wheel_torque_nm: self.wheel_torque,
+            policy: match self.policy {
+                PolicyKey::KeepCurvature => Policy::KeepCurvature,
+                PolicyKey::TurnFirst => Policy::TurnFirst,
+                PolicyKey::DriveFirst => Policy::DriveFirst,
+            },
+        }
+    }
+}
+
+/// The key that sets a parameter of the core. Gains follow from the limits.
+fn key_of(error: &ParamError, one_radius: bool) -> String {
+    let name = error.field.name();
+    match error.field {
+        Field::RadiusRight | Field::RadiusLeft if one_radius => "robot.r".to_owned(),
+        Field::Mass
+        | Field::Inertia
+        | Field::RadiusRight
+        | Field::RadiusLeft
+        | Field::Track
+        | Field::WheelMatrix => format!("robot.{name}"),
+        Field::MaxWheelTorque => "limits.wheel_torque".to_owned(),
+        _ => match name.strip_prefix("max_") {
+            Some(limit) => format!("limits.{limit}"),
+            None => "limits".to_owned(),
+        },
+    }
+}
+
+pub(super) fn pose(keys: PoseKeys) -> Pose<f64> {
+    Pose::new(keys.x, keys.y, keys.theta)
+}

@@ -1,0 +1,215 @@
+//! Scenario files with `controller.kind = "motion"`: the law for a real base.
+
+use super::base::{LimitKeys, RobotKeys, base, pose};
+use super::check::{Checked, motion, timing};
+use super::file::{self, PoseKeys, Run, Start};
+use super::source::Source;
+use super::{Precision, ScenarioError, belief, ranges};
+use crate::drive::{Change, Course, End, Event, HandOverRule, Mission, Route, When};
+use crate::motion::Motion;
+use controller_core::types::{Measured, Pose, Twist};
+use serde::Deserialize;
+use std::path::Path;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    description: String,
+    run: Run,
+    controller: Controller,
+    robot: Option<RobotKeys>,
+    limits: Option<LimitKeys>,
+    #[serde(default)]
+    plant: file::Plant,
+    #[serde(default)]
+    start: Start,
+    reference: Option<file::Motion>,
+    hand_over: Option<HandOver>,
+    goal: Option<PoseKeys>,
+    #[serde(default)]
+    event: Vec<EventKeys>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Controller {
+    #[allow(dead_code)] // `is_motion` has read it.
+    kind: String,
+    #[serde(default)]
+    precision: Precision,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HandOver {
+    time: Option<f64>,
+    target_at: Option<f64>,
+    target: Option<PoseKeys>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EventKeys {
+    at: f64,
+    goal: Option<PoseKeys>,
+    jump: Option<PoseKeys>,
+    #[serde(default)]
+    follow: bool,
+}
+
+impl Mission {
+    /// Whether a text is a scenario file for the law for a real base.
+    pub fn is_motion(text: &str) -> bool {
+        let table: Option<toml::Table> = toml::from_str(text).ok();
+        let kind = table
+            .as_ref()
+            .and_then(|t| t.get("controller")?.get("kind")?.as_str());
+        kind == Some("motion")
+    }
+
+    /// A mission from the text of a scenario file; `file` is the name that errors show.
+    ///
+    /// # Errors
+    /// Not TOML, an unknown or missing key, a value of the wrong type or out of range, or values
+    /// that contradict each other.
+    pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
+        let place = Source::new(file, text);
+        let keys: File = toml::from_str(text).map_err(|error| place.reader_error(&error))?;
+        check_ranges(&keys, &place)?;
+        let name = if keys.robot.is_none() && keys.limits.is_none() {
+            "30 kg base"
+        } else {
+            "base of the scenario"
+        };
+        let base = base(
+            name.to_owned(),
+            keys.robot.as_ref(),
+            keys.limits.as_ref(),
+            &place,
+        )?;
+        let robot = belief::true_robot(&base.robot, &keys.plant, &place)?;
+        let (duration, period_s) = timing(&keys.run, base.motion().max_tick_s, &place)?;
+        let start = &keys.start;
+        let stem = Path::new(file).file_stem();
+        Ok(Self {
+            name: stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
+            course: course(&keys, duration, &place)?,
+            events: events(&keys, duration, &place)?,
+            description: keys.description,
+            base,
+            robot,
+            precision: keys.controller.precision,
+            start: Measured {
+                pose: Pose::new(start.x, start.y, start.theta),
+                twist: Twist::new(start.v, start.w),
+            },
+            period_s,
+            end: End::At(duration),
+        })
+    }
+}
+
+fn course(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Course> {
+    match (&keys.reference, keys.goal) {
+        (Some(_), Some(_)) => {
+            let message = "is to be parked at from the start: leave out [reference], or say [hand_over] target";
+            Err(place.error("goal", message))
+        }
+        (None, None) => Err(place.error("reference", "is missing, or a [goal] to park at")),
+        (None, Some(goal)) => match keys.hand_over {
+            Some(_) => Err(place.error("hand_over", "needs a [reference]")),
+            None => Ok(Course::Park(pose(goal))),
+        },
+        (Some(reference), None) => {
+            let motion = motion(reference);
+            let hand_over = keys.hand_over.as_ref();
+            let rule = hand_over.map(|h| hand_over_rule(h, &motion, duration, place));
+            Ok(Course::Follow {
+                route: Route::Motion(motion),
+                hand_over: rule.transpose()?,
+            })
+        }
+    }
+}
+
+fn hand_over_rule(
+    keys: &HandOver,
+    motion: &Motion,
+    duration: f64,
+    place: &Source<'_>,
+) -> Checked<HandOverRule> {
+    let outside = |time: &f64| !(*time > 0.0 && *time <= duration);
+    if keys.time.as_ref().is_some_and(outside) {
+        return Err(place.error("hand_over.time", "must be above 0 and within run.duration"));
+    }
+    let (goal, end_s) = match (keys.target_at, keys.target, keys.time) {
+        (Some(_), Some(_), _) => {
+            let message = "says the same as target: leave one of them out";
+            return Err(place.error("hand_over.target_at", message));
+        }
+        (Some(at), None, _) if (0.0..=1.0e4).contains(&at) => (*motion.at(at).pose(), at),
+        (Some(_), None, _) => {
+            return Err(place.error("hand_over.target_at", "must be in 0 to 1e4 s"));
+        }
+        (None, Some(target), Some(time)) => (pose(target), time),
+        (None, Some(_), None) => {
+            let message = "needs a time as well: the way to a pose off the reference is not known";
+            return Err(place.error("hand_over.target", message));
+        }
+        (None, None, _) => {
+            let message = "needs target_at (a time on the reference) or target (a pose)";
+            return Err(place.error("hand_over", message));
+        }
+    };
+    Ok(HandOverRule {
+        goal,
+        end_s,
+        when: keys.time.map_or(When::Distance, When::Time),
+    })
+}
+
+fn events(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Vec<Event>> {
+    let mut events: Vec<Event> = Vec::new();
+    for keys_of in &keys.event {
+        let error = |message: &str| {
+            let (number, message) = (events.len() + 1, message.to_owned());
+            Err(place.error("event", format!("number {number} {message}")))
+        };
+        if !(0.0..=duration).contains(&keys_of.at) {
+            return error("is not within run.duration");
+        }
+        if events.last().is_some_and(|last| last.at_s > keys_of.at) {
+            return error("is before the one above it");
+        }
+        let change = match (keys_of.goal, keys_of.jump, keys_of.follow) {
+            (Some(goal), None, false) => Change::Goal(pose(goal)),
+            (None, Some(jump), false) => Change::Jump(pose(jump)),
+            (None, None, true) if keys.reference.is_some() => Change::Follow,
+            (None, None, true) => return error("follows, but there is no [reference]"),
+            _ => return error("needs one of goal, jump, follow = true"),
+        };
+        events.push(Event {
+            at_s: keys_of.at,
+            change,
+        });
+    }
+    Ok(events)
+}
+
+fn check_ranges(keys: &File, place: &Source<'_>) -> Checked<()> {
+    let mut values = ranges::start(&keys.start);
+    if let Some(reference) = &keys.reference {
+        values.extend(ranges::reference(reference));
+    }
+    let target = keys.hand_over.as_ref().and_then(|h| h.target);
+    let poses = [("goal", keys.goal), ("hand_over.target", target)];
+    let events = keys.event.iter();
+    let of_events = events.flat_map(|e| [("event", e.goal), ("event", e.jump)]);
+    for (table, keys) in poses.into_iter().chain(of_events) {
+        if let Some(PoseKeys { x, y, theta }) = keys {
+            values.extend(ranges::pose(table, x, y, theta));
+        }
+    }
+    ranges::refuse(&values, place)
+}

@@ -1,0 +1,152 @@
+//! `run`, `check` and `compile` of trajectory files and motion scenarios, from outside.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn sim_host(directory: &Path, arguments: &[&str]) -> Result<Output, Box<dyn Error>> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
+    Ok(command.args(arguments).current_dir(directory).output()?)
+}
+
+fn fixture(name: &str) -> String {
+    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "tests/fixtures", name]
+        .iter()
+        .collect();
+    path.display().to_string()
+}
+
+#[test]
+fn a_file_is_run_with_figure_metrics_and_trace() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let file = fixture("wpilib_gaps.json");
+    let output = sim_host(here.path(), &["run", &file, "--csv"])?;
+    let said = String::from_utf8(output.stdout)?;
+    assert!(output.status.success(), "{said}");
+    for part in [
+        "format     WPILib",
+        "repairs",
+        "base       30 kg base",
+        "tracking",
+        "parked",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let out = here.path().join("out");
+    let svg = fs::read_to_string(out.join("wpilib_gaps.svg"))?;
+    assert!(svg.contains("hand-over") && svg.contains("Posture errors"));
+    assert!(fs::read(out.join("wpilib_gaps.png"))?.starts_with(b"\x89PNG"));
+    let json = fs::read_to_string(out.join("wpilib_gaps.json"))?;
+    let records: serde_json::Value = serde_json::from_str(&json)?;
+    let metrics = records.pointer("/0/metrics").ok_or("no metrics")?;
+    assert_eq!(metrics.pointer("/outcome"), Some(&"parked".into()));
+    let number = |at: &str| {
+        metrics
+            .pointer(at)
+            .and_then(serde_json::Value::as_f64)
+            .ok_or(at.to_owned())
+    };
+    assert!(number("/tracking/rms_m")? < 5e-3 && number("/tracking/peak_m")? < 2e-2);
+    assert!(number("/parked_s")? > number("/run/hand_over/time_s")?);
+    assert!(number("/hand_over_distance_m")? > 0.05);
+    let mut trace = csv::Reader::from_path(out.join("wpilib_gaps.csv"))?;
+    assert_eq!(trace.headers()?, sim_host::drive::COLUMNS.as_slice());
+    let last = trace.records().last().ok_or("no rows")??;
+    assert!(last.iter().any(|field| field == "parked"));
+    Ok(())
+}
+
+#[test]
+fn what_is_refused_says_where_and_why() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    for (name, reason) in [
+        ("pathplanner.path", "field `waypoints`: a PathPlanner path"),
+        ("pathweaver.path", "line 1: a PathWeaver path"),
+        (
+            "choreo_swerve.traj",
+            "field `trajectory.sampleType`: samples of a swerve base",
+        ),
+        (
+            "table_sideways.csv",
+            "line 21, sample 19: no wheeled base passes here",
+        ),
+        (
+            "tum_climbing.txt",
+            "line 22, sample 21, field `z`: not planar",
+        ),
+    ] {
+        let checked = sim_host(here.path(), &["check", &fixture(name)])?;
+        assert_eq!(checked.status.code(), Some(1), "{name}");
+        let said = String::from_utf8(checked.stdout)?;
+        assert!(
+            said.contains("verdict    refused") && said.contains(reason),
+            "{said}"
+        );
+        let run = sim_host(here.path(), &["run", &fixture(name)])?;
+        assert_eq!(run.status.code(), Some(1), "{name}");
+        assert!(String::from_utf8(run.stderr)?.contains(reason), "{name}");
+    }
+    assert!(!here.path().join("out").exists());
+    Ok(())
+}
+
+#[test]
+fn check_says_what_is_drivable_without_running() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    for name in [
+        "wpilib_dirty.json",
+        "choreo_v1.traj",
+        "tum_planar.txt",
+        "table_bare.csv",
+    ] {
+        let output = sim_host(here.path(), &["check", &fixture(name)])?;
+        let said = String::from_utf8(output.stdout)?;
+        assert!(
+            output.status.success() && said.contains("verdict    drivable"),
+            "{said}"
+        );
+        assert!(said.contains("base       30 kg base: "), "{said}");
+    }
+    // Scenarios of both laws as well.
+    for (name, code) in [("paper-line", 0), ("park-beside", 0), ("no-such.toml", 1)] {
+        assert_eq!(
+            sim_host(here.path(), &["check", name])?.status.code(),
+            Some(code),
+            "{name}"
+        );
+    }
+    assert!(!here.path().join("out").exists());
+    Ok(())
+}
+
+#[test]
+fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    fs::copy(fixture("table.csv"), here.path().join("a.toml"))?;
+    fs::write(here.path().join("b.json"), "# mine\n\n[run]\nduration = \n")?;
+    fs::write(here.path().join("c.toml"), "")?;
+    let checked = sim_host(here.path(), &["check", "a.toml"])?;
+    assert!(String::from_utf8(checked.stdout)?.contains("format     CSV"));
+    let run = sim_host(here.path(), &["run", "b.json"])?;
+    assert!(String::from_utf8(run.stderr)?.starts_with("error: b.json:4"));
+    let run = sim_host(here.path(), &["run", "c.toml"])?;
+    assert!(String::from_utf8(run.stderr)?.starts_with("error: c.toml:1: run: is missing"));
+    Ok(())
+}
+
+#[test]
+fn files_are_compiled_for_a_chip() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let output = sim_host(here.path(), &["compile", &fixture("choreo_v1.traj")])?;
+    assert!(output.status.success());
+    let rust = fs::read_to_string(here.path().join("out/choreo_v1.rs"))?;
+    assert!(rust.contains("pub static CHOREO_V1: [[f32; 8];") && rust.contains("within 0."));
+    assert_eq!(
+        fs::read(here.path().join("out/choreo_v1.bin"))?.len() % 32,
+        0
+    );
+    let output = sim_host(here.path(), &["compile", "paper-line"])?;
+    assert_eq!(output.status.code(), Some(1));
+    Ok(())
+}

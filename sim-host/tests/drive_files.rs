@@ -1,0 +1,190 @@
+//! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
+
+use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, drive};
+use sim_host::scenario::Precision;
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+fn fixture(name: &str) -> Result<Vec<u8>, Box<dyn Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    Ok(fs::read(path.join(name))?)
+}
+
+fn metrics(name: &str, run: &FileRun, base: &Base) -> Result<DriveMetrics, Box<dyn Error>> {
+    let (mission, stretch) = run.mission(name, &fixture(name)?, base)?;
+    assert!(stretch.load <= 1.0, "{name}: {stretch}");
+    let trace = drive(&mission)?;
+    Ok(DriveMetrics::of(&mission, &trace).ok_or("no rows")?)
+}
+
+/// Parked, exactly, and no limit passed.
+fn assert_parked(name: &str, metrics: &DriveMetrics) {
+    assert_eq!(metrics.outcome, "parked", "{name}: {metrics:?}");
+    let last = &metrics.run.final_error;
+    assert!(last.position_m < 1e-3, "{name}: {last:?}");
+    assert!(last.e_theta_rad.abs() < 2e-3, "{name}: {last:?}");
+    for used in &metrics.limits {
+        assert!(used.peak <= used.limit * (1.0 + 1e-6), "{name}: {used:?}");
+    }
+}
+
+const DRIVABLE: [&str; 13] = [
+    "wpilib_dirty.json",
+    "wpilib_gaps.json",
+    "small_wpilib.json",
+    "choreo_v0.traj",
+    "choreo_v0_track.traj",
+    "choreo_v1.traj",
+    "choreo_shifted.traj",
+    "tum_planar.txt",
+    "small_tum.txt",
+    "table.csv",
+    "table_bare.csv",
+    "table_spin.csv",
+    "small_table.csv",
+];
+
+#[test]
+fn every_format_is_driven_to_parked() -> Result<(), Box<dyn Error>> {
+    for name in DRIVABLE {
+        let metrics = metrics(name, &FileRun::default(), &Base::default())?;
+        assert_parked(name, &metrics);
+    }
+    Ok(())
+}
+
+#[test]
+fn clean_files_are_tracked_within_millimetres() -> Result<(), Box<dyn Error>> {
+    for name in [
+        "wpilib_gaps.json",
+        "choreo_v1.traj",
+        "table.csv",
+        "small_wpilib.json",
+    ] {
+        for precision in [Precision::F32, Precision::F64] {
+            let run = FileRun {
+                precision,
+                ..FileRun::default()
+            };
+            let metrics = metrics(name, &run, &Base::default())?;
+            let tracking = metrics.tracking.ok_or(name)?;
+            assert!(
+                tracking.rms_m < 5e-3 && tracking.peak_m < 2e-2,
+                "{name}: {tracking:?}"
+            );
+            let hand_over = metrics.run.hand_over.ok_or(name)?;
+            assert!(hand_over.overshoot_m < 1e-3, "{name}: {hand_over:?}");
+            assert!(metrics.run.start_torque_step.force_n == 0.0, "{name}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn any_side_and_any_base() -> Result<(), Box<dyn Error>> {
+    let bases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
+    for file in ["paper-30kg.toml", "lab-10kg.toml", "hobby-1kg.toml"] {
+        let base = Base::load(&bases.join(file))?;
+        for offset in [-0.3, 0.0, 0.3] {
+            let run = FileRun {
+                offset_m: Some(offset),
+                ..FileRun::default()
+            };
+            assert_parked(file, &metrics("choreo_v1.traj", &run, &base)?);
+        }
+    }
+    assert_eq!(Base::load(&bases.join("paper-30kg.toml"))?, Base::default());
+    Ok(())
+}
+
+#[test]
+fn far_from_the_origin_single_precision_parks_as_well() -> Result<(), Box<dyn Error>> {
+    let rows = (0..=40).map(|i| {
+        let s = f64::from(i) / 40.0;
+        let x = 2.0 * s * s * (3.0 - 2.0 * s);
+        format!("{},{},{},0\n", 10.0 * s, 500_000.0 + x, 5_400_000.0)
+    });
+    let text = format!("t,x,y,theta\n{}", rows.collect::<String>());
+    let (mission, _) = FileRun::default().mission("utm", text.as_bytes(), &Base::default())?;
+    let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
+    assert_parked("utm", &metrics);
+    Ok(())
+}
+
+#[test]
+fn options_out_of_range_are_named() -> Result<(), Box<dyn Error>> {
+    let bytes = fixture("table.csv")?;
+    for (run, name) in [
+        (
+            FileRun {
+                offset_m: Some(f64::NAN),
+                ..FileRun::default()
+            },
+            "offset",
+        ),
+        (
+            FileRun {
+                period_s: 0.0,
+                ..FileRun::default()
+            },
+            "period",
+        ),
+        (
+            FileRun {
+                period_s: f64::INFINITY,
+                ..FileRun::default()
+            },
+            "period",
+        ),
+    ] {
+        let error = run
+            .mission("x", &bytes, &Base::default())
+            .err()
+            .ok_or(name)?;
+        assert!(error.to_string().starts_with(name), "{error}");
+    }
+    Ok(())
+}
+
+#[test]
+fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases/lab-10kg.toml");
+    let good = fs::read_to_string(path)?;
+    for (from, to, key) in [
+        ("m = 10.0", "m = -1.0", "robot.m"),
+        ("r = 0.075", "r = 1e9", "robot.r"),
+        ("l = 0.35", "l = 0.35\ncolour = 3", "robot.colour"),
+        ("speed = 1.2", "speed = nan", "limits.speed"),
+        ("jerk = 20.0", "", "limits.jerk"),
+        (
+            "wheel_torque = 2.0",
+            "wheel_torque = 0",
+            "limits.wheel_torque",
+        ),
+    ] {
+        let text = good.replacen(from, to, 1);
+        let error = Base::parse("b.toml", &text).err().ok_or(key)?;
+        assert_eq!(error.key, key, "{error}");
+        assert!(error.line.is_some(), "{error}");
+    }
+    Ok(())
+}
+
+#[test]
+fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
+    let table = ChipTable::of("table", &fixture("table.csv")?, &Base::default())?;
+    let samples = &table.compact.samples;
+    assert!(table.compact.position_error_m < 1e-4 && samples.len() > 3);
+    let rust = table.rust();
+    assert!(
+        rust.contains(&format!("pub static TABLE: [[f32; 8]; {}]", samples.len())),
+        "{rust}"
+    );
+    assert!(rust.contains(&table.accuracy()), "{rust}");
+    let binary = table.binary();
+    assert_eq!(binary.len(), 32 * samples.len());
+    let x = samples.get(1).ok_or("one sample")?.x;
+    assert_eq!(binary.get(36..40), Some(&x.to_le_bytes()[..]));
+    Ok(())
+}

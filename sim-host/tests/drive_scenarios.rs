@@ -1,0 +1,117 @@
+//! Scenario files with the law for a real base.
+
+use sim_host::drive::{DriveMetrics, DriveTrace, Mission, drive};
+use sim_host::scenario::{MISSIONS, Scenario};
+use std::error::Error;
+
+fn run(text: &str, name: &str) -> Result<(Mission, DriveTrace, DriveMetrics), Box<dyn Error>> {
+    let mission = Mission::parse(&format!("{name}.toml"), text)?;
+    let trace = drive(&mission)?;
+    let metrics = DriveMetrics::of(&mission, &trace).ok_or("no rows")?;
+    Ok((mission, trace, metrics))
+}
+
+#[test]
+fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Error>> {
+    for built_in in MISSIONS {
+        let name = built_in.name;
+        let (mission, trace, metrics) = run(built_in.text, name)?;
+        assert_eq!((metrics.outcome, mission.name.as_str()), ("parked", name));
+        let last = &metrics.run.final_error;
+        assert!(
+            last.position_m < 1e-3 && last.e_theta_rad.abs() < 1e-3,
+            "{name}: {last:?}"
+        );
+        for used in &metrics.limits {
+            assert!(used.peak <= used.limit * (1.0 + 1e-6), "{name}: {used:?}");
+        }
+        let motion = mission.base.motion().validate()?;
+        for pair in trace.rows.windows(2) {
+            let [a, b] = pair else { continue };
+            let step = b.report.wrench.force - a.report.wrench.force;
+            assert!(
+                step.abs() <= 1.01 * motion.force_rate_limit() * trace.period_s,
+                "{name}"
+            );
+            let step = b.report.wrench.moment - a.report.wrench.moment;
+            assert!(
+                step.abs() <= 1.01 * motion.moment_rate_limit() * trace.period_s,
+                "{name}"
+            );
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_jump_of_the_localisation_is_a_jump_of_the_measured_pose_only() -> Result<(), Box<dyn Error>> {
+    let text = MISSIONS
+        .iter()
+        .find(|m| m.name == "retarget")
+        .ok_or("not built in")?
+        .text;
+    let (_, trace, _) = run(text, "retarget")?;
+    let (before, after) = (&trace.rows[399], &trace.rows[400]);
+    assert!((after.measured.x - before.measured.x - 0.2).abs() < 0.02);
+    assert!((after.truth.pose.x - before.truth.pose.x).abs() < 0.02);
+    assert!(after.report.jumped && !before.report.jumped);
+    Ok(())
+}
+
+const GOOD: &str = "\
+[run]
+duration = 5
+period = 0.01
+[controller]
+kind = \"motion\"
+[goal]
+x = 1
+";
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    for (from, to, key) in [
+        ("period = 0.01", "period = 0", "run.period"),
+        ("[goal]", "[goal]\nz = 1", "goal.z"),
+        ("x = 1", "x = inf", "goal.x"),
+        ("[goal]\nx = 1\n", "", "reference"),
+        ("[goal]", "[reference]\nv = 1\n[goal]", "goal"),
+        ("[goal]", "[limits]\nspeed = 1\n[goal]", "limits.turn_rate"),
+        ("[goal]", "[gains]\nk1 = 1\n[goal]", "gains"),
+        (
+            "x = 1\n",
+            "x = 1\n[[event]]\nat = 9\nfollow = true\n",
+            "event",
+        ),
+        (
+            "x = 1\n",
+            "x = 1\n[[event]]\nat = 1\nfollow = true\n",
+            "event",
+        ),
+        (
+            "x = 1\n",
+            "x = 1\n[plant]\nmass_factor = 0\n",
+            "plant.mass_factor",
+        ),
+        (
+            "[goal]\nx = 1",
+            "[reference]\nv = 1\n[hand_over]\n",
+            "hand_over",
+        ),
+    ] {
+        let text = GOOD.replacen(from, to, 1);
+        let error = Mission::parse("mine.toml", &text).expect_err(key);
+        assert_eq!(error.key, key, "{error}");
+        assert!(error.line.is_some(), "{error}");
+    }
+    assert!(Mission::parse("mine.toml", GOOD).is_ok());
+}
+
+#[test]
+fn the_papers_loop_does_not_take_it() {
+    let error = Scenario::parse("mine.toml", GOOD).expect_err("another law");
+    assert_eq!(
+        (error.key.as_str(), error.line),
+        ("controller.kind", Some(5))
+    );
+}

@@ -1,0 +1,212 @@
+//! Fixture files of every format become references that are continuous and consistent.
+
+use sim_host::import::{Fix, Format, Options, Trajectory, Verdict, check, import};
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+fn load(name: &str) -> Result<Trajectory, Box<dyn Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    Ok(import(&fs::read(path.join(name))?, &Options::default())?)
+}
+
+const DRIVABLE: [(&str, Format); 13] = [
+    ("wpilib_dirty.json", Format::WpilibJson),
+    ("wpilib_gaps.json", Format::WpilibJson),
+    ("small_wpilib.json", Format::WpilibJson),
+    ("choreo_v0.traj", Format::ChoreoTraj),
+    ("choreo_v0_track.traj", Format::ChoreoTraj),
+    ("choreo_v1.traj", Format::ChoreoTraj),
+    ("choreo_shifted.traj", Format::ChoreoTraj),
+    ("tum_planar.txt", Format::TumPoses),
+    ("small_tum.txt", Format::TumPoses),
+    ("table.csv", Format::Csv),
+    ("table_bare.csv", Format::Csv),
+    ("table_spin.csv", Format::Csv),
+    ("small_table.csv", Format::Csv),
+];
+
+/// Midpoint steps of this size drift by less than 1e-6 m in these files.
+const STEP: f64 = 1e-4;
+
+#[test]
+fn pose_is_the_integral_of_twist_and_twist_of_acceleration() -> Outcome {
+    for (name, format) in DRIVABLE {
+        let trajectory = load(name)?;
+        assert_eq!(trajectory.source(), format, "{name}");
+        let steps = (trajectory.duration() / STEP).round();
+        let h = trajectory.duration() / steps;
+        let start = trajectory.at(0.0);
+        let (mut x, mut y, mut theta) = (start.x, start.y, start.theta);
+        let (mut v, mut w) = (start.v, start.w);
+        for i in 0..steps as usize {
+            let middle = trajectory.at((i as f64 + 0.5) * h);
+            x += h * middle.v * middle.theta.cos();
+            y += h * middle.v * middle.theta.sin();
+            theta += h * middle.w;
+            v += h * middle.a;
+            w += h * middle.alpha;
+            let end = trajectory.at(((i + 1) as f64 * h).min(trajectory.duration()));
+            let pose = (end.x - x).hypot(end.y - y).max((end.theta - theta).abs());
+            assert!(pose < 1e-5, "{name} at {:.4}: pose off by {pose:e}", end.t);
+            let twist = (end.v - v).abs().max((end.w - w).abs());
+            assert!(
+                twist < 1e-3,
+                "{name} at {:.4}: twist off by {twist:e}",
+                end.t
+            );
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn samples_are_finite_and_strictly_later() -> Outcome {
+    for (name, _) in DRIVABLE {
+        let trajectory = load(name)?;
+        let mut last = -1.0;
+        for s in trajectory.samples() {
+            let values = [s.t, s.x, s.y, s.theta, s.v, s.w, s.a, s.alpha];
+            assert!(values.iter().all(|v| v.is_finite()), "{name}: {s:?}");
+            assert!(s.t > last, "{name}: {} after {last}", s.t);
+            last = s.t;
+        }
+        assert_eq!(last, trajectory.duration(), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn rest_at_both_ends_is_rest() -> Outcome {
+    for (name, _) in DRIVABLE {
+        if ["tum_planar.txt", "small_tum.txt", "table_bare.csv"].contains(&name) {
+            continue; // These do not say.
+        }
+        let trajectory = load(name)?;
+        for t in [0.0, trajectory.duration()] {
+            let s = trajectory.at(t);
+            assert!(s.v.abs() < 1e-6 && s.w.abs() < 1e-6, "{name} at {t}: {s:?}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn dirt_is_listed_with_its_place() -> Outcome {
+    let trajectory = load("wpilib_dirty.json")?;
+    let at = |line, wanted: fn(&Fix) -> bool| {
+        let found = trajectory
+            .repairs()
+            .iter()
+            .find(|r| r.place.line == Some(line));
+        assert!(
+            found.is_some_and(|r| wanted(&r.what)),
+            "line {line}: {found:?}"
+        );
+    };
+    at(
+        2,
+        |fix| matches!(fix, Fix::CurvatureIgnored(k) if *k == 1e12),
+    );
+    at(22, |fix| *fix == Fix::ValueIgnored);
+    at(74, |fix| matches!(fix, Fix::CurvatureIgnored(_)));
+    at(75, |fix| *fix == Fix::DroppedRepeat);
+    at(76, |fix| *fix == Fix::SharedKnot);
+    assert_eq!(trajectory.repairs().len(), 5);
+    Ok(())
+}
+
+#[test]
+fn reversal_and_turn_through_pi_are_kept() -> Outcome {
+    let trajectory = load("wpilib_dirty.json")?;
+    let figures = trajectory.figures();
+    assert!((figures.speed_m_s.0 - 0.8).abs() < 0.02 && (figures.speed_m_s.1 + 0.6).abs() < 0.02);
+    // 2.4 rad at the start and the integral of the turn rate from there: beyond π, not wrapped.
+    assert!((trajectory.at(trajectory.duration()).theta - 4.985).abs() < 1e-4);
+    assert!(figures.accel < 1.0, "{figures:?}");
+    Ok(())
+}
+
+#[test]
+fn spin_of_three_turns_keeps_count() -> Outcome {
+    let trajectory = load("table_spin.csv")?;
+    let end = trajectory.at(trajectory.duration());
+    assert!((end.theta - 21.0).abs() < 1e-3, "{end:?}");
+    assert!(trajectory.figures().length_m < 1e-6);
+    Ok(())
+}
+
+#[test]
+fn shifted_columns_are_found_and_change_nothing() -> Outcome {
+    let (good, shifted) = (load("choreo_v1.traj")?, load("choreo_shifted.traj")?);
+    let columns: Vec<_> = shifted
+        .repairs()
+        .iter()
+        .filter_map(|r| match r.what {
+            Fix::ColumnContradicts { column, .. } => Some(column),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(columns, ["omega", "al", "ar", "fl, fr"]);
+    for t in [0.0, 1.0, 3.3, 6.0] {
+        let (a, b) = (good.at(t), shifted.at(t));
+        assert!((a.x - b.x).hypot(a.y - b.y) < 1e-9 && (a.v - b.v).abs() < 1e-9);
+    }
+    let derived = |name: &str| -> Result<_, Box<dyn Error>> {
+        let found = load(name)?;
+        Ok(found.repairs().first().map(|r| r.what))
+    };
+    let from = |from| {
+        Some(Fix::ColumnDerived {
+            column: "omega",
+            from,
+        })
+    };
+    assert_eq!(derived("choreo_v0.traj")?, from("the headings"));
+    assert_eq!(
+        derived("choreo_v0_track.traj")?,
+        from("vl, vr and the track width")
+    );
+    Ok(())
+}
+
+#[test]
+fn first_and_last_pose_are_met() -> Outcome {
+    let trajectory = load("table.csv")?;
+    let (start, end) = (trajectory.at(0.0), trajectory.at(trajectory.duration()));
+    assert!(start.x.hypot(start.y) < 1e-6 && start.theta.abs() < 1e-6);
+    assert!((end.x + 0.213446).hypot(end.y - 0.809798) < 1e-6 && end.theta.abs() < 1e-6);
+    Ok(())
+}
+
+#[test]
+fn time_outside_is_standstill_at_the_ends() -> Outcome {
+    let trajectory = load("small_tum.txt")?;
+    let end = trajectory.at(trajectory.duration());
+    for (t, at) in [(-1.0, trajectory.at(0.0)), (99.0, end)] {
+        let s = trajectory.at(t);
+        assert_eq!((s.x, s.y, s.theta), (at.x, at.y, at.theta));
+        assert_eq!([s.v, s.w, s.a, s.alpha], [0.0; 4]);
+    }
+    Ok(())
+}
+
+#[test]
+fn verdict_reads_well() -> Outcome {
+    let text = check(
+        b"t,x,y,theta,v\n0,0,0,0,0\n1,0.5,0,0,1\n2,1,0,0,0\n",
+        &Options::default(),
+    );
+    assert!(text.is_drivable());
+    let text = text.to_string();
+    for part in ["CSV", "drivable", "2.000 s", "1.000 m", "repairs    none"] {
+        assert!(text.contains(part), "{part} not in {text}");
+    }
+    assert!(matches!(
+        check(b"", &Options::default()),
+        Verdict::Refused(_)
+    ));
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! No input panics, hangs, or comes out as a reference that is not finite.
+
+use proptest::prelude::*;
+use sim_host::import::{Options, import};
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+const SMALL: [&str; 10] = [
+    "small_wpilib.json",
+    "small_choreo.traj",
+    "small_tum.txt",
+    "small_table.csv",
+    "pathweaver.path",
+    "pathplanner.path",
+    "choreo_swerve.traj",
+    "choreo_2024.traj",
+    "choreo_empty.traj",
+    "table_sideways.csv",
+];
+
+/// What a file of a few kilobytes may take, with room for a busy machine.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+fn small(name: &str) -> std::io::Result<Vec<u8>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    fs::read(path.join(name))
+}
+
+/// A finite reference, or a refusal that says something, in time.
+fn survives(bytes: &[u8]) {
+    let begin = Instant::now();
+    match import(bytes, &Options::default()) {
+        Ok(trajectory) => {
+            for s in trajectory.samples() {
+                let values = [s.t, s.x, s.y, s.theta, s.v, s.w, s.a, s.alpha];
+                assert!(values.iter().all(|v| v.is_finite()), "{s:?}");
+            }
+            let close = trajectory.closeness();
+            assert!(close.position_m < 0.01 && close.heading_rad < 0.03);
+        }
+        Err(refusal) => assert!(refusal.to_string().len() > 10),
+    }
+    assert!(begin.elapsed() < PATIENCE);
+}
+
+#[test]
+fn every_truncation_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> {
+    for name in SMALL {
+        let bytes = small(name)?;
+        for end in 0..=bytes.len() {
+            survives(bytes.get(..end).unwrap_or_default());
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn every_byte_flip_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> {
+    for name in SMALL {
+        let mut bytes = small(name)?;
+        for at in 0..bytes.len() {
+            // Every other bit, and one of the characters that numbers and structure are made of.
+            let flips = (at % 2..8).step_by(2).map(|bit| 1u8 << bit);
+            let Some(&byte) = bytes.get(at) else { continue };
+            let swaps = b"0-9e,]".iter().skip(at % 6).take(1).map(|new| new ^ byte);
+            for flip in flips.chain(swaps) {
+                if let Some(b) = bytes.get_mut(at) {
+                    *b ^= flip;
+                }
+                survives(&bytes);
+                if let Some(b) = bytes.get_mut(at) {
+                    *b = byte;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Numbers that files have and should not have.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -3.0..3.0f64,
+        1 => prop_oneof![Just(0.0), Just(-0.0), Just(1e-6), Just(1e12), Just(-1e308), Just(5e-324)],
+        1 => any::<f64>(),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+
+    #[test]
+    fn any_bytes_survive(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        survives(&bytes);
+    }
+
+    #[test]
+    fn any_csv_survives(rows in prop::collection::vec((number(), number(), number(), number()), 0..12)) {
+        let mut text = "t,x,y,theta,v\n".to_owned();
+        let mut t = 0.0;
+        for (dt, x, y, theta) in rows {
+            t += dt.abs() / 3.0;
+            text.push_str(&format!("{t:?},{x:?},{y:?},{theta:?},{x:?}\n"));
+        }
+        survives(text.as_bytes());
+    }
+
+    #[test]
+    fn any_drive_survives(steps in prop::collection::vec((1e-6..1.6f64, -1.0..1.0f64, -3.0..3.0f64), 1..24), k in number()) {
+        let (mut t, mut x, mut y, mut theta) = (0.0, 0.0, 0.0, 0.0f64);
+        let mut states = Vec::new();
+        for (i, (dt, v, w)) in steps.into_iter().enumerate() {
+            if i > 0 {
+                (t, theta) = (t + dt, theta + w * dt);
+                (x, y) = (x + v * dt * (theta - 0.5 * w * dt).cos(), y + v * dt * (theta - 0.5 * w * dt).sin());
+            }
+            let wrapped = theta.sin().atan2(theta.cos());
+            let k = if k.is_finite() { k } else { 0.0 };
+            states.push(format!(
+                r#"{{"time":{t:?},"velocity":{v:?},"acceleration":0,"curvature":{k:?},"pose":{{"translation":{{"x":{x:?},"y":{y:?}}},"rotation":{{"radians":{wrapped:?}}}}}}}"#
+            ));
+        }
+        survives(format!("[{}]", states.join(",")).as_bytes());
+    }
+}

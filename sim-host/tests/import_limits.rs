@@ -1,0 +1,254 @@
+//! Stretched trajectories keep every limit on the same path; compact ones keep their tolerance.
+
+use proptest::prelude::*;
+use sim_host::import::{
+    Bound, Drive, Limits, Options, Sample, Tolerance, Trajectory, compact, import,
+};
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+fn load(name: &str) -> Result<Trajectory, Box<dyn Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    Ok(import(&fs::read(path.join(name))?, &Options::default())?)
+}
+
+const NAMES: [&str; 5] = [
+    "wpilib_dirty.json",
+    "wpilib_gaps.json",
+    "choreo_v1.traj",
+    "table.csv",
+    "table_spin.csv",
+];
+
+/// By how much a sample exceeds its limits, written down a second time.
+fn excess(s: &Sample, l: &Limits) -> f64 {
+    let along = if s.a * s.v >= 0.0 {
+        l.max_accel
+    } else {
+        l.max_decel
+    };
+    let torque = l.drive.map_or(0.0, |d| {
+        let (force, moment) = (d.mass * s.a, d.inertia * s.alpha);
+        let wheel = 0.5 * force.abs() + moment.abs() / d.track;
+        wheel * d.wheel_radius / d.wheel_torque
+    });
+    [
+        s.v.abs() / l.max_speed,
+        s.w.abs() / l.max_turn_rate,
+        // Where v passes through zero, either limit may hold.
+        if s.v.abs() < 1e-6 {
+            0.0
+        } else {
+            s.a.abs() / along
+        },
+        s.alpha.abs() / l.max_angular_accel,
+        (s.v * s.w).abs() / l.max_lateral,
+        torque,
+    ]
+    .into_iter()
+    .fold(0.0, f64::max)
+}
+
+/// Between the instants that were checked a limit may be passed by this part of it.
+const BETWEEN: f64 = 1.01;
+
+fn limits() -> impl Strategy<Value = Limits> {
+    let drive = (0.2..5.0f64, 0.2..3.0f64).prop_map(|(wheel_torque, inertia)| Drive {
+        wheel_torque,
+        wheel_radius: 0.08,
+        track: 0.4,
+        mass: 12.0,
+        inertia,
+    });
+    let rates = (
+        0.1..2.0f64,
+        0.1..2.0f64,
+        0.1..2.0f64,
+        0.3..4.0f64,
+        0.5..20.0f64,
+        0.1..2.0f64,
+    );
+    (rates, prop::option::of(drive)).prop_map(|((v, a, d, w, alpha, lateral), drive)| Limits {
+        max_speed: v,
+        max_accel: a,
+        max_decel: d,
+        max_turn_rate: w,
+        max_angular_accel: alpha,
+        max_lateral: lateral,
+        drive,
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
+
+    #[test]
+    fn stretched_keeps_every_limit_and_the_path(index in 0..NAMES.len(), limits in limits()) {
+        let name = NAMES.get(index).copied().unwrap_or_default();
+        let file = load(name).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        let (run, stretch) = file.stretched(&limits).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert!(stretch.factor >= 1.0 - 1e-9 && stretch.load <= 1.0);
+        prop_assert_eq!(stretch.places.is_empty(), run.duration() == file.duration());
+        let steps = 20_000;
+        let h = run.duration() / f64::from(steps);
+        let (mut v, mut w) = (run.at(0.0).v, run.at(0.0).w);
+        let mut before = run.at(0.0);
+        for i in 1..=steps {
+            let s = run.at((h * f64::from(i)).min(run.duration()));
+            prop_assert!(excess(&s, &limits) < BETWEEN, "{}: {:?}", name, s);
+            v += 0.5 * h * (before.a + s.a);
+            w += 0.5 * h * (before.alpha + s.alpha);
+            prop_assert!((s.v - v).abs() < 1e-3 && (s.w - w).abs() < 0.02, "{}: {:?} {} {}", name, s, v, w);
+            before = s;
+        }
+        let (a, b) = (file.at(file.duration()), run.at(run.duration()));
+        prop_assert!((a.x - b.x).hypot(a.y - b.y) < 1e-9 && (a.theta - b.theta).abs() < 1e-9);
+        let (before, after) = (file.figures().length_m, run.figures().length_m);
+        prop_assert!((before - after).abs() < 1e-3 * before + 1e-6, "{} {}", before, after);
+    }
+}
+
+#[test]
+fn file_within_limits_is_untouched() -> Result<(), Box<dyn Error>> {
+    for name in NAMES {
+        let file = load(name)?;
+        let figures = file.figures();
+        let limits = Limits {
+            max_speed: 1.01 * figures.speed_m_s.0.max(-figures.speed_m_s.1).max(1.0),
+            max_turn_rate: 1.01 * figures.turn_rate,
+            max_accel: 1.01 * figures.accel.max(0.1),
+            max_decel: 1.01 * figures.accel.max(0.1),
+            max_angular_accel: 1.01 * figures.angular_accel,
+            ..Limits::default()
+        };
+        let (run, stretch) = file.stretched(&limits)?;
+        assert_eq!(
+            (stretch.factor, stretch.places.len()),
+            (1.0, 0),
+            "{name}: {stretch}"
+        );
+        assert_eq!(run.samples(), file.samples(), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn stretch_is_local_and_names_what_was_exceeded() -> Result<(), Box<dyn Error>> {
+    // The step of the turn rate, 2 s into the motion after 1.6 s of rest.
+    let file = load("wpilib_dirty.json")?;
+    let limits = Limits {
+        max_turn_rate: 2.0,
+        ..Limits::default()
+    };
+    let (run, stretch) = file.stretched(&limits)?;
+    assert_eq!(stretch.places.len(), 1, "{stretch}");
+    let place = stretch.places.first().ok_or("no place")?;
+    assert!(place.file_s.0 > 3.3 && place.file_s.1 < 4.0, "{stretch}");
+    assert!(
+        place
+            .exceeded
+            .is_some_and(|(bound, by)| bound == Bound::TurnRate && by > 2.0)
+    );
+    let (a, b) = (run.at(3.0), file.at(3.0));
+    assert!(
+        (a.x - b.x).abs() < 1e-9 && (a.v - b.v).abs() < 1e-9,
+        "{a:?} {b:?}"
+    );
+    let added = run.duration() - file.duration();
+    assert!(added > 0.05 && added < 0.3, "{added}");
+    Ok(())
+}
+
+#[test]
+fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
+    // 2 m straight, planned for 2 s; a bang-bang run at 0.5 m/s² takes 4 s.
+    let text: String = (0..=40)
+        .map(|i| {
+            let s = f64::from(i) / 40.0;
+            let x = 2.0 * s * s * (3.0 - 2.0 * s);
+            format!("{},{x},0,0,{}\n", 2.0 * s, 6.0 * s * (1.0 - s))
+        })
+        .collect();
+    let file = import(
+        format!("t,x,y,theta,v\n{text}").as_bytes(),
+        &Options::default(),
+    )?;
+    let limits = Limits {
+        max_accel: 0.5,
+        max_decel: 0.5,
+        ..Limits::default()
+    };
+    let (run, stretch) = file.stretched(&limits)?;
+    assert!(run.duration() > 4.0 && run.duration() < 4.4, "{stretch}");
+    let (again, nothing) = run.stretched(&limits)?;
+    assert!(
+        nothing.places.is_empty() && again.duration() == run.duration(),
+        "{nothing}"
+    );
+    let tighter = Limits {
+        max_accel: 0.2,
+        max_decel: 0.2,
+        ..limits
+    };
+    let (slower, _) = run.stretched(&tighter)?;
+    assert!(
+        slower.duration() > 6.3 && slower.duration() < 7.0,
+        "{}",
+        slower.duration()
+    );
+    Ok(())
+}
+
+#[test]
+fn limits_that_are_not_positive_are_named() -> Result<(), Box<dyn Error>> {
+    let file = load("table.csv")?;
+    for bad in [0.0, -1.0, f64::NAN] {
+        let limits = Limits {
+            max_decel: bad,
+            ..Limits::default()
+        };
+        assert_eq!(
+            file.stretched(&limits).err().map(|e| e.field),
+            Some("max_decel")
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn compact_keeps_its_tolerance_with_few_samples() -> Result<(), Box<dyn Error>> {
+    let tolerance = Tolerance {
+        position_m: 1e-4,
+        heading_rad: 1e-3,
+    };
+    for name in NAMES {
+        let file = load(name)?;
+        let small = compact(&file, tolerance);
+        assert!(
+            small.position_error_m <= tolerance.position_m,
+            "{name}: {small:?}"
+        );
+        assert!(
+            small.heading_error_rad <= tolerance.heading_rad,
+            "{name}: {small:?}"
+        );
+        assert!(
+            small.samples.len() * 4 < file.samples().len(),
+            "{name}: {}",
+            small.samples.len()
+        );
+        assert!(small.samples.is_sorted_by(|a, b| a.t < b.t), "{name}");
+        let last = small.samples.last().ok_or("empty")?;
+        assert!((f64::from(last.t) - file.duration()).abs() < 1e-5, "{name}");
+        let finer = compact(
+            &file,
+            Tolerance {
+                position_m: 1e-5,
+                heading_rad: 1e-4,
+            },
+        );
+        assert!(finer.samples.len() > small.samples.len() && finer.position_error_m <= 1e-5);
+    }
+    Ok(())
+}

@@ -1,0 +1,273 @@
+//! The monitor against a pseudo-terminal and a socket that play a board by a script.
+
+use firmware_demo::fault::Cause;
+use firmware_demo::protocol::{
+    Command as Ask, Counters, Decoder, MAX_CONTENT, MAX_FRAME, Report, Telemetry, encode,
+    report_flags,
+};
+use firmware_demo::supervisor::State;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use sim_host::monitor::{COLUMNS, Log, Monitor, Port, Received};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::os::unix::net::UnixListener;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+fn frame(sequence: u16, message: &Telemetry) -> Vec<u8> {
+    let mut out = [0; MAX_FRAME];
+    encode(sequence, message, &mut out).expect("fits").to_vec()
+}
+
+fn report(tick: u32) -> Report {
+    Report {
+        tick,
+        e_x: 0.1 * tick as f32,
+        tau_left: f32::NAN,
+        tau_right: -0.0,
+        v_c: 1.0e-30,
+        flags: report_flags::SATURATED,
+        phase: u8::from(tick > 1),
+        ..Report::default()
+    }
+}
+
+/// Three reports, a state, the board's counters, and between them everything that can be damaged.
+fn script() -> Vec<u8> {
+    let mut bytes = b"half a frame\0".to_vec();
+    bytes.extend(frame(0, &Telemetry::Report(report(0))));
+    let state = State::Tracking;
+    let cause = Cause::Host;
+    bytes.extend(frame(
+        1,
+        &Telemetry::State {
+            tick: 1,
+            state,
+            cause,
+        },
+    ));
+    let mut damaged = frame(2, &Telemetry::Report(report(1)));
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 0x40;
+    // A flip may make a zero, which would be a delimiter.
+    damaged[middle] |= 0x01;
+    bytes.extend(damaged);
+    bytes.extend(frame(3, &Telemetry::Report(report(2))));
+    bytes.extend(frame(
+        4,
+        &Telemetry::Counters(Counters {
+            frames_rejected: 7,
+            reports_dropped: 3,
+            overruns: 2,
+            stack_bytes: 1234,
+            ..Counters::default()
+        }),
+    ));
+    bytes.extend(frame(5, &Telemetry::Report(report(3))));
+    bytes
+}
+
+#[test]
+fn reports_are_told_from_damage_whatever_the_chunks() {
+    for size in [1, 7, 4096] {
+        let mut monitor = Monitor::default();
+        let mut ticks = Vec::new();
+        for chunk in script().chunks(size) {
+            monitor.take(chunk, |report, _| ticks.push(report.tick));
+        }
+        assert_eq!(ticks, [0, 2, 3]);
+        assert_eq!(monitor.reports(), 3);
+        let frames = monitor.frames();
+        assert_eq!((frames.good, frames.rejected()), (5, 2));
+        assert_eq!(monitor.heard().state, Some((State::Tracking, Cause::Host)));
+        let line = monitor.line();
+        for part in [
+            "Tracking (Host)",
+            "tick 3",
+            "bad",
+            "7 bad",
+            "3 dropped",
+            "stack 1234",
+        ] {
+            assert!(line.contains(part), "{part} is not in {line}");
+        }
+    }
+}
+
+#[test]
+fn log_reads_back_bit_for_bit() {
+    let mut bytes = Vec::new();
+    let mut log = Log::new(&mut bytes).expect("written");
+    let mut monitor = Monitor::default();
+    monitor.take(&script(), |report, heard| {
+        log.add(0.25, report, heard).expect("written");
+    });
+    log.flush().expect("written");
+    drop(log);
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    let header = reader.headers().expect("a header").clone();
+    assert!(header.iter().eq(COLUMNS));
+    let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), 3);
+    let cell = |row: usize, name: &str| {
+        let at = COLUMNS.iter().position(|column| *column == name);
+        rows[row][at.expect("a column")].to_owned()
+    };
+    let number = |row, name| cell(row, name).parse::<f32>().expect("a number");
+    assert_eq!(number(2, "e_x").to_bits(), (0.1 * 3.0_f32).to_bits());
+    assert_eq!(number(0, "tau_right").to_bits(), (-0.0_f32).to_bits());
+    assert_eq!(number(0, "v_c").to_bits(), 1.0e-30_f32.to_bits());
+    assert!(number(0, "tau_left").is_nan());
+    assert_eq!(cell(0, "state"), "");
+    assert_eq!(cell(1, "state"), "Tracking");
+    assert_eq!(
+        (cell(0, "phase").as_str(), cell(1, "phase").as_str()),
+        ("tracking", "parking")
+    );
+    assert_eq!(cell(1, "saturated"), "1");
+}
+
+/// Both ends of a pseudo-terminal: the board's, and the path that a user would name.
+fn terminal() -> (File, PathBuf) {
+    // A program under test that inherited the board's end would keep it open itself.
+    let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+    let board = openpt(flags).expect("a terminal");
+    grantpt(&board).expect("granted");
+    unlockpt(&board).expect("unlocked");
+    let name = ptsname(&board, Vec::new()).expect("a name");
+    (File::from(board), name.to_str().expect("UTF-8").into())
+}
+
+#[test]
+fn a_terminal_is_raw_and_tells_silence_from_the_end() {
+    let (mut board, path) = terminal();
+    let mut port = Port::open(&path, 921_600).expect("opens");
+    let patience = Duration::from_millis(20);
+    let mut buffer = [0; 64];
+    let silence = port.receive(&mut buffer, patience).expect("no failure");
+    assert_eq!(silence, Received::Silence);
+    // What a terminal in its usual mode would swallow, turn into signals, translate or echo.
+    let awkward = [3, 4, 10, 13, 17, 19, 26, 28, 127, 255];
+    board.write_all(&awkward).expect("written");
+    let mut received = Vec::<u8>::new();
+    while received.len() < awkward.len() {
+        match port
+            .receive(&mut buffer, Duration::from_secs(5))
+            .expect("no failure")
+        {
+            Received::Bytes(count) => received.extend_from_slice(&buffer[..count]),
+            other => panic!("{other:?}"),
+        }
+    }
+    assert_eq!(received, awkward);
+    drop(board);
+    let end = port.receive(&mut buffer, patience).expect("no failure");
+    assert_eq!(end, Received::End);
+}
+
+fn monitor(directory: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
+    command
+        .arg("monitor")
+        .args(arguments)
+        .current_dir(directory)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
+#[test]
+fn the_program_logs_a_terminal_until_it_is_unplugged() {
+    let here = tempfile::tempdir().expect("a directory");
+    let (mut board, path) = terminal();
+    let path = path.to_str().expect("UTF-8");
+    let child = monitor(
+        here.path(),
+        &[
+            path,
+            "--csv",
+            "bench.csv",
+            "--baud",
+            "115200",
+            "--poll",
+            "--seconds",
+            "60",
+        ],
+    )
+    .spawn()
+    .expect("the program runs");
+    // It asks once it listens, so nothing is sent to a line in its usual mode.
+    let mut decoder = Decoder::<Ask, MAX_CONTENT>::new();
+    let mut byte = [0];
+    let asked = loop {
+        board.read_exact(&mut byte).expect("a byte");
+        if let Some(frame) = decoder.push(byte[0]) {
+            break frame.expect("sound").message;
+        }
+    };
+    assert_eq!(asked, Ask::GetCounters);
+    board.write_all(&script()).expect("written");
+    let log = here.path().join("bench.csv");
+    let until = std::time::Instant::now() + Duration::from_secs(20);
+    while std::fs::read_to_string(&log).map_or(0, |text| text.lines().count()) < 4 {
+        assert!(std::time::Instant::now() < until, "no rows");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    drop(board);
+    let output = child.wait_with_output().expect("ends");
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{output:?}");
+    assert!(shown.contains("3 reports, 5 good frames, 2 bad"), "{shown}");
+}
+
+#[test]
+fn the_program_listens_to_a_socket() {
+    let here = tempfile::tempdir().expect("a directory");
+    let listener = UnixListener::bind(here.path().join("uart")).expect("bound");
+    let child = monitor(here.path(), &["uart", "--seconds", "60"])
+        .spawn()
+        .expect("the program runs");
+    let (mut board, _) = listener.accept().expect("connected");
+    board.write_all(&script()).expect("written");
+    drop(board);
+    let output = child.wait_with_output().expect("ends");
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{output:?}");
+    assert!(
+        shown.contains("tick 3") && shown.contains("2 bad\n"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn it_ends_by_itself_and_refuses_what_is_no_port() {
+    let here = tempfile::tempdir().expect("a directory");
+    let (_board, path) = terminal();
+    let path = path.to_str().expect("UTF-8");
+    let run = |arguments: &[&str]| monitor(here.path(), arguments).output().expect("runs");
+    let output = run(&[path, "--seconds", "0.2"]);
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success() && shown.contains("no report yet"),
+        "{output:?}"
+    );
+
+    std::fs::write(here.path().join("file"), "text").expect("written");
+    for (arguments, word) in [
+        (
+            ["file", "--baud", "9600"],
+            "neither a serial port nor a Unix socket",
+        ),
+        (["no-such", "--baud", "9600"], "cannot be opened"),
+        (
+            [path, "--csv", "no/such/directory.csv"],
+            "cannot be written",
+        ),
+    ] {
+        let output = run(&arguments);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1));
+        assert!(said.contains(word), "{said}");
+    }
+}

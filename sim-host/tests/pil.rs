@@ -1,0 +1,165 @@
+//! `sim-host pil` from outside. The emulator is part of the test: it is not skipped without it.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Short, with a hand-over, other parking gains and a torque limit.
+const MINE: &str = "\
+description = \"mine\"
+[run]
+duration = 1.0
+period = 0.005
+[gains]
+kc1 = 150.0
+[robot]
+max_wheel_torque = 1.0
+[start]
+y = 0.3
+[reference]
+v = 0.4
+[hand_over]
+time = 0.5
+target_at = 0.8
+";
+
+fn pil(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .arg("pil")
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .expect("the program runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(path: &Path) -> Value {
+    let text = fs::read_to_string(path).expect("metrics");
+    let mut records: Value = serde_json::from_str(&text).expect("JSON");
+    records[0].take()
+}
+
+#[test]
+fn a_scenario_is_flown_by_the_chip_bit_for_bit() {
+    let here = tempfile::tempdir().expect("a directory");
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    let output = pil(here.path(), &["mine.toml", "--every", "10"]);
+    let (shown, said) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{said}");
+    for part in [
+        "bit-equal",
+        "instructions per tick",
+        "hand-over",
+        "of stack",
+        "ticks/s",
+    ] {
+        assert!(shown.contains(part), "{part} is not in\n{shown}");
+    }
+    assert!(
+        said.contains("the chip runs precision f32, maths single"),
+        "{said}"
+    );
+
+    let out = here.path().join("out");
+    let record = json(&out.join("mine-pil.json"));
+    let chip = &record["chip"];
+    assert_eq!(record["controller"]["maths"], "single");
+    assert_eq!(chip["machine"], "Cortex-M4F");
+    assert_eq!(chip["parity"]["ticks"], 201);
+    assert_eq!(chip["parity"]["bits_apart"], 0);
+    let count = |phase: &str, key: &str| chip["instructions"][phase][key].as_u64();
+    for (phase, ticks) in [
+        ("start", 1),
+        ("tracking", 99),
+        ("hand_over", 1),
+        ("parking", 100),
+    ] {
+        assert_eq!(count(phase, "ticks"), Some(ticks), "{phase}");
+        let least = count(phase, "least").expect("a number");
+        let most = count(phase, "most").expect("a number");
+        assert!((50..=2000).contains(&least) && most >= least, "{phase}");
+    }
+    let size = |key: &str| chip["image"][key].as_u64().expect("a number");
+    assert!((2_000..100_000).contains(&size("text")) && size("rodata") > 0);
+    assert!(size("data") + size("bss") < 32_768);
+    let stack = chip["stack_bytes"].as_u64().expect("a number");
+    assert!((256..8192).contains(&stack), "{stack}");
+
+    let rows = fs::read_to_string(out.join("mine-pil.csv")).expect("CSV");
+    assert_eq!(rows.lines().count(), 1 + 21);
+    assert!(
+        fs::read(out.join("mine-pil.png"))
+            .expect("a figure")
+            .starts_with(b"\x89PNG")
+    );
+    let svg = fs::read_to_string(out.join("mine-pil.svg")).expect("a figure");
+    assert!(svg.contains("Cortex-M4F"));
+
+    // The same numbers as a run of the same controller here: not only ticks, the whole flight.
+    let single = format!(
+        "{MINE}[controller]\nprecision = \"f32\"\nmaths = \"single\"\nneurons = \"rational-mean\"\n"
+    );
+    let single = sim_host::scenario::Scenario::parse("mine.toml", &single).expect("in order");
+    let trace = sim_host::run::run(&single).expect("no fault");
+    let mut expected = Vec::new();
+    sim_host::csv_out::write(&trace, 10, &mut expected).expect("written");
+    assert_eq!(rows, text(&expected));
+}
+
+#[test]
+fn riscv_over_the_serial_port_does_the_same() {
+    let here = tempfile::tempdir().expect("a directory");
+    let mine = MINE.replace("duration = 1.0", "duration = 0.6");
+    fs::write(here.path().join("mine.toml"), mine).expect("written");
+    let arguments = ["mine.toml", "--machine", "riscv32", "--link", "uart"];
+    let output = pil(here.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let record = json(&here.path().join("out/mine-pil.json"));
+    assert_eq!(record["chip"]["machine"], "riscv32imafc");
+    assert_eq!(record["chip"]["link"], "uart");
+    assert_eq!(record["chip"]["parity"]["ticks"], 121);
+    assert_eq!(record["chip"]["parity"]["ticks_apart"], 0);
+}
+
+#[test]
+fn what_the_firmware_does_not_have_is_refused_with_the_reason() {
+    let here = tempfile::tempdir().expect("a directory");
+    let plain = format!("{MINE}[controller]\nkind = \"plain\"\n");
+    fs::write(here.path().join("plain.toml"), plain).expect("written");
+    let output = pil(here.path(), &["plain.toml"]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        said.contains("plain: the firmware has the neural law"),
+        "{said}"
+    );
+    assert!(said.contains("sim-host run"), "{said}");
+}
+
+#[test]
+fn a_missing_emulator_is_named_with_its_package() {
+    let here = tempfile::tempdir().expect("a directory");
+    let path = std::env::var("PATH").expect("a path");
+    // The tools of Rust, without the emulator.
+    let tools: Vec<_> = std::env::split_paths(&path)
+        .filter(|directory| !directory.join("qemu-system-arm").exists())
+        .collect();
+    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(["pil", "paper-line"])
+        .current_dir(here.path())
+        .env("PATH", std::env::join_paths(tools).expect("a path"))
+        // A test that cargo runs has this variable; it need not be on the path that is left.
+        .env("CARGO", std::env::var_os("CARGO").expect("run by cargo"))
+        .output()
+        .expect("the program runs");
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        said.contains("apt-get install -y --no-install-recommends qemu-system-arm"),
+        "{said}"
+    );
+}

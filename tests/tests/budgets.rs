@@ -1,0 +1,325 @@
+//! What the controller costs on a chip: executed instructions, flash, RAM and stack against checked-in budgets, and
+//! the proofs that images neither panic nor allocate.
+//!
+//! Instructions are counted in the emulator, never timed. `cargo test -p tests --test budgets -- --nocapture` prints
+//! the tables; with `UPDATE_BUDGETS=1` it writes what it measured to `firmware-demo/budgets.toml`. Static stack sizes
+//! are not here: `-Z emit-stack-sizes` needs a nightly compiler. The painted stack of a run stands for them.
+
+#[path = "../src/budget.rs"]
+mod budget;
+#[path = "../src/budget_image.rs"]
+mod budget_image;
+#[path = "../src/budget_report.rs"]
+mod budget_report;
+
+use std::fs;
+use std::io::{Write, stderr};
+use std::process::Command;
+use std::sync::OnceLock;
+
+use budget::Table;
+use budget_image::{
+    BOARDS, Board, Elf, LEVELS, Rows, build, cargo, footprint, root, run, target_dir,
+};
+use sim_host::pil::Footprint;
+
+/// The requirement: a whole tick on the Cortex-M4F for ordinary inputs, at opt level 3.
+const TICK: u64 = 300;
+/// The requirement: most over least.
+const SPREAD: f64 = 1.05;
+
+/// One board at one opt level.
+struct Measured {
+    board: Board,
+    level: &'static str,
+    cost: Rows,
+    pil: Rows,
+    size: Footprint,
+}
+
+/// Everything, measured once.
+fn measured() -> &'static [Measured] {
+    static ALL: OnceLock<Vec<Measured>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let mut all = Vec::new();
+        for board in BOARDS {
+            for level in LEVELS {
+                let cost = build(board, level, "cost");
+                let pil = build(board, level, "pil");
+                all.push(Measured {
+                    board,
+                    level,
+                    cost: run(board, "cost", &cost),
+                    pil: run(board, "pil", &pil),
+                    size: footprint(&pil),
+                });
+            }
+        }
+        all
+    })
+}
+
+/// What has a budget, of one board at one opt level.
+fn entries(measured: &Measured) -> [(&'static str, u64); 13] {
+    let Measured {
+        cost, pil, size, ..
+    } = measured;
+    let tick = |part: &str| cost.most(&format!("tick/single+rational/{part}/ordinary"));
+    let worst = |part: &str| {
+        ["ordinary", "wrapped", "saturated", "large"]
+            .map(|kind| cost.most(&format!("tick/single+rational/{part}/{kind}")))
+            .into_iter()
+            .fold(0, u64::max)
+    };
+    let stack = |part: &str| cost.most(&format!("stack/single+rational/{part}"));
+    [
+        ("track", tick("track")),
+        ("track-worst", worst("track")),
+        ("track-with-reference", tick("track-with-reference")),
+        ("park", tick("park")),
+        ("park-worst", worst("park")),
+        ("start", worst("start")),
+        ("hand-over", worst("hand-over")),
+        ("monitor", worst("monitor")),
+        ("tick-stack", stack("track").max(stack("park"))),
+        ("hand-over-stack", stack("hand-over")),
+        ("pil-stack", pil.most("stack/pil")),
+        ("pil-flash", size.flash()),
+        ("pil-ram", size.ram()),
+    ]
+}
+
+fn table() -> Table {
+    measured()
+        .iter()
+        .map(|measured| {
+            let section = format!("{}.{}", measured.board.name, measured.level);
+            let entries = entries(measured).map(|(key, value)| (key.to_owned(), value));
+            (section, entries.into())
+        })
+        .collect()
+}
+
+/// A change for the worse fails with both numbers; one for the better asks to lower the budget.
+#[test]
+fn chip_images_keep_their_budgets() {
+    let path = root().join("firmware-demo/budgets.toml");
+    let text = fs::read_to_string(&path).expect("the budgets can be read");
+    let table = table();
+    println!("measured:\n{}", budget::print(&table));
+    if std::env::var_os("UPDATE_BUDGETS").is_some() {
+        let head: String = text
+            .lines()
+            .take_while(|line| line.starts_with('#'))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        fs::write(&path, head + &budget::print(&table)).expect("the budgets can be written");
+        return;
+    }
+    let budgets = budget::parse(&text).expect("the budgets can be understood");
+    let verdict = budget::compare(&budgets, &table);
+    for hint in &verdict.hints {
+        // Not by `println!`, which a passing test keeps to itself.
+        let _ = writeln!(stderr(), "BETTER THAN ITS BUDGET {hint}");
+    }
+    assert!(
+        verdict.failures.is_empty(),
+        "worse than budgeted in firmware-demo/budgets.toml:\n  {}",
+        verdict.failures.join("\n  ")
+    );
+}
+
+/// The comparison itself: worse, better, missing on either side.
+#[test]
+fn a_budget_tells_worse_from_better() {
+    let table = |text: &str| budget::parse(text).expect("a table");
+    let budgets =
+        table("# comment\n[a.b]\nworse = 100 # why\nbetter = 1_000\nsame = 0\ngone = 5\n");
+    let measured = table("[a.b]\nworse = 101\nbetter = 979\nsame = 0\nnew = 1\n");
+    let verdict = budget::compare(&budgets, &measured);
+    let expected = [
+        "[a.b] new: measured 1, no budget",
+        "[a.b] worse: measured 101, budget 100 (+1.0 %)",
+        "[a.b] gone: not measured, budget 5",
+    ];
+    assert_eq!(verdict.failures, expected);
+    let hint = "[a.b] better: measured 979, budget 1000 (-2.1 %): lower the budget";
+    assert_eq!(verdict.hints, [hint]);
+    assert!(budget::compare(&measured, &measured).failures.is_empty());
+    assert_eq!(table(&budget::print(&budgets)), budgets);
+    assert!(budget::parse("key").is_err() && budget::parse("[a]\nkey = x").is_err());
+    assert!(budget::parse("[a]\nkey = 1\nkey = 2").is_err());
+}
+
+/// At most 300 instructions in each phase, and the same for all ordinary inputs within 5 %.
+#[test]
+fn a_tick_takes_300_instructions_at_most() {
+    for measured in measured() {
+        let Measured {
+            board, level, cost, ..
+        } = measured;
+        assert_eq!(cost.row("thousand-nops"), (1000, 1000.0, 1000));
+        for phase in ["track", "park"] {
+            let (least, _, most) = cost.row(&format!("tick/single+rational/{phase}/ordinary"));
+            println!("{} opt {level} {phase}: {least} to {most}", board.name);
+            assert!(
+                most as f64 <= SPREAD * least as f64,
+                "{phase}: {least} to {most}"
+            );
+            if board.name == "cortex-m4f" && *level == "3" {
+                assert!(most <= TICK, "{phase}: {most} instructions");
+            }
+        }
+    }
+}
+
+/// No image holds any part of an allocator, and the undefined symbol of the panic proof is in none.
+#[test]
+fn images_neither_allocate_nor_panic() {
+    measured();
+    for board in BOARDS {
+        for level in LEVELS {
+            for bin in ["cost", "pil"] {
+                let image = target_dir(level).join(board.target).join("chip").join(bin);
+                let symbols = Elf::read(&image).symbols();
+                assert!(
+                    symbols.iter().any(|name| name.contains("NeuralController")),
+                    "{symbols:?}"
+                );
+                let bad = [
+                    "__rust_alloc",
+                    "__rust_no_alloc",
+                    "__rdl_",
+                    "__rg_",
+                    "malloc",
+                    "a_panic_is_reachable",
+                    "panicking",
+                ];
+                let found: Vec<_> = symbols
+                    .iter()
+                    .filter(|name| bad.iter().any(|bad| name.contains(bad)))
+                    .collect();
+                assert!(
+                    found.is_empty(),
+                    "{bin} for {} at {level}: {found:?}",
+                    board.name
+                );
+            }
+        }
+    }
+}
+
+/// A program around the firmware's entry and panic handler; its index is not known before it runs.
+const PROGRAM: &str = r#"#![no_std]
+#![no_main]
+use core::hint::black_box;
+firmware_demo::firmware!(run);
+fn run() {
+    let values = black_box([1_u32, 2, 3]);
+    black_box(INDEX);
+}
+"#;
+
+/// Builds [`PROGRAM`] with an index in place; the answer is what the linker said.
+fn link(level: &str, index: &str) -> (bool, String) {
+    let folder = target_dir(level).join("panic-proof-program");
+    fs::create_dir_all(folder.join("src")).expect("a folder can be made");
+    let firmware = root()
+        .join("firmware-demo")
+        .canonicalize()
+        .expect("firmware-demo is there");
+    let firmware = firmware.display();
+    let manifest = format!(
+        "[package]\nname = \"program\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
+         [dependencies]\ncortex-m-rt = \"0.7.5\"\n\
+         firmware-demo = {{ path = \"{firmware}\", features = [\"panic-proof\"] }}\n\
+         [profile.chip]\ninherits = \"release\"\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
+    );
+    let write = |name: &str, text: &[u8]| {
+        fs::write(folder.join(name), text).expect("a file can be written")
+    };
+    write("Cargo.toml", manifest.as_bytes());
+    write("src/main.rs", PROGRAM.replace("INDEX", index).as_bytes());
+    // The same versions, and no question to the registry.
+    write(
+        "Cargo.lock",
+        &fs::read(root().join("Cargo.lock")).expect("the lock file is there"),
+    );
+    write(
+        "memory.x",
+        &fs::read(root().join("firmware-demo/memory/mps2-an386.x")).expect("the map is there"),
+    );
+    let mut command: Command = cargo(&folder, level);
+    command
+        .args([
+            "build",
+            "--quiet",
+            "--profile",
+            "chip",
+            "--target",
+            BOARDS[0].target,
+        ])
+        .env(
+            "RUSTFLAGS",
+            format!(
+                "-Clink-arg=-L{} -Clink-arg=--nmagic -Clink-arg=-Tlink.x",
+                folder.display()
+            ),
+        );
+    let output = command.output().expect("cargo can be started");
+    (
+        output.status.success(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+/// The proof is one: a panic that can be reached does not link, and the same program without it does.
+#[test]
+fn a_reachable_panic_does_not_link() {
+    for level in LEVELS {
+        let (links, words) = link(level, "values.get(black_box(7_usize))");
+        assert!(links, "{words}");
+        let (links, words) = link(level, "values[black_box(7_usize)]");
+        assert!(!links, "a reachable panic was linked at opt level {level}");
+        assert!(
+            words.contains("undefined symbol: a_panic_is_reachable"),
+            "{words}"
+        );
+    }
+}
+
+/// Back ends, parts and peers as tables for the README.
+#[test]
+fn tables_of_back_ends_parts_and_peers() {
+    let arm = measured()
+        .iter()
+        .find(|measured| measured.board == BOARDS[0] && measured.level == "3")
+        .expect("the Cortex-M4F at opt level 3 was measured");
+    println!("{}", budget_report::back_ends(&arm.cost));
+    println!("{}", budget_report::inputs(&arm.cost));
+    println!("{}", budget_report::parts(&arm.cost));
+    println!("{}", budget_report::peers(&arm.cost, &peers()));
+    let all: Vec<_> = measured()
+        .iter()
+        .map(|m| (m.board.name, m.level, &m.cost, &m.pil, m.size))
+        .collect();
+    println!("{}", budget_report::images(&all));
+}
+
+/// The peers are a workspace of their own, for their dependencies burden nobody.
+fn peers() -> Rows {
+    let mut command = cargo(&root().join("boards/cost-peers"), "3");
+    command.args([
+        "build",
+        "--quiet",
+        "--locked",
+        "--release",
+        "--features",
+        "panic-proof",
+    ]);
+    budget_image::succeed(&mut command);
+    let image = target_dir("3")
+        .join(BOARDS[0].target)
+        .join("release/cost-peers");
+    run(BOARDS[0], "cost", &image)
+}
