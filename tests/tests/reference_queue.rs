@@ -246,3 +246,26 @@ fn controller_runs_from_the_queue() {
     println!("queue against true reference: {worst:.2e} m or rad");
     assert!(worst <= INTERPOLATED_ERROR, "{worst:e}");
 }
+
+/// A second trajectory with times of its own follows a first one that was not finished, and nothing of it is left.
+#[test]
+fn cleared_queue_takes_another_trajectory() {
+    let mut queue = ReferenceQueue::<f64, 8>::new();
+    let (mut producer, mut consumer) = queue.split();
+    let reference = slalom();
+    for t in [5.0, 5.1, 5.2, 5.3] {
+        producer.push(at(&reference, t)).expect("room");
+    }
+    assert!(consumer.at::<Libm>(5.05).is_ok());
+    assert_eq!(producer.push(at(&reference, 0.0)), Err(PushError::NotLater));
+    consumer.clear();
+    assert_eq!((consumer.waiting(), producer.room()), (0, 7));
+    assert_eq!(consumer.at::<Libm>(5.05), Err(Gap::Empty));
+    producer.restart();
+    for t in [0.0, 0.1] {
+        producer
+            .push(at(&reference, t))
+            .expect("another trajectory");
+    }
+    assert_eq!(consumer.at::<Libm>(0.0), Ok(at(&reference, 0.0).reference));
+}
