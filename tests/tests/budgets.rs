@@ -11,10 +11,11 @@ mod budget;
 mod budget_image;
 #[path = "../src/budget_report.rs"]
 mod budget_report;
+#[path = "../src/panic_link.rs"]
+mod panic_link;
 
 use std::fs;
 use std::io::{Write, stderr};
-use std::process::Command;
 use std::sync::OnceLock;
 
 use budget::Table;
@@ -209,77 +210,13 @@ fn images_neither_allocate_nor_panic() {
     }
 }
 
-/// A program around the firmware's entry and panic handler; its index is not known before it runs.
-const PROGRAM: &str = r#"#![no_std]
-#![no_main]
-use core::hint::black_box;
-firmware_demo::firmware!(run);
-fn run() {
-    let values = black_box([1_u32, 2, 3]);
-    black_box(INDEX);
-}
-"#;
-
-/// Builds [`PROGRAM`] with an index in place; the answer is what the linker said.
-fn link(level: &str, index: &str) -> (bool, String) {
-    let folder = target_dir(level).join("panic-proof-program");
-    fs::create_dir_all(folder.join("src")).expect("a folder can be made");
-    let firmware = root()
-        .join("firmware-demo")
-        .canonicalize()
-        .expect("firmware-demo is there");
-    let firmware = firmware.display();
-    let manifest = format!(
-        "[package]\nname = \"program\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
-         [dependencies]\ncortex-m-rt = \"0.7.5\"\n\
-         firmware-demo = {{ path = \"{firmware}\", features = [\"panic-proof\"] }}\n\
-         [profile.chip]\ninherits = \"release\"\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
-    );
-    let write = |name: &str, text: &[u8]| {
-        fs::write(folder.join(name), text).expect("a file can be written")
-    };
-    write("Cargo.toml", manifest.as_bytes());
-    write("src/main.rs", PROGRAM.replace("INDEX", index).as_bytes());
-    // The same versions, and no question to the registry.
-    write(
-        "Cargo.lock",
-        &fs::read(root().join("Cargo.lock")).expect("the lock file is there"),
-    );
-    write(
-        "memory.x",
-        &fs::read(root().join("firmware-demo/memory/mps2-an386.x")).expect("the map is there"),
-    );
-    let mut command: Command = cargo(&folder, level);
-    command
-        .args([
-            "build",
-            "--quiet",
-            "--profile",
-            "chip",
-            "--target",
-            BOARDS[0].target,
-        ])
-        .env(
-            "RUSTFLAGS",
-            format!(
-                "-Clink-arg=-L{} -Clink-arg=--nmagic -Clink-arg=-Tlink.x",
-                folder.display()
-            ),
-        );
-    let output = command.output().expect("cargo can be started");
-    (
-        output.status.success(),
-        String::from_utf8_lossy(&output.stderr).into_owned(),
-    )
-}
-
 /// The proof is one: a panic that can be reached does not link, and the same program without it does.
 #[test]
 fn a_reachable_panic_does_not_link() {
     for level in LEVELS {
-        let (links, words) = link(level, "values.get(black_box(7_usize))");
+        let (links, words) = panic_link::link(level, "values.get(black_box(7_usize))");
         assert!(links, "{words}");
-        let (links, words) = link(level, "values[black_box(7_usize)]");
+        let (links, words) = panic_link::link(level, "values[black_box(7_usize)]");
         assert!(!links, "a reachable panic was linked at opt level {level}");
         assert!(
             words.contains("undefined symbol: a_panic_is_reachable"),

@@ -20,6 +20,10 @@ mod parts;
 mod inputs;
 
 #[cfg(target_os = "none")]
+#[path = "cost/kinds.rs"]
+mod kinds;
+
+#[cfg(target_os = "none")]
 #[path = "cost/print.rs"]
 mod print;
 

@@ -7,7 +7,7 @@ use controller_core::demand::Demand;
 use controller_core::lyapunov::{neuron_energy, pose_energy, velocity_energy};
 use controller_core::maths::{Maths, Single};
 use controller_core::neural::NeuralController;
-use controller_core::params::{Params, Validated};
+use controller_core::params::Validated;
 use controller_core::plain::PlainController;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
@@ -17,83 +17,13 @@ use firmware_demo::board::Meter;
 
 use crate::call;
 use crate::inputs::Inputs;
+use crate::kinds::{KINDS, Kind, measured, params, reference};
 use crate::print::{Row, complain};
 
 /// Inputs per row.
 const COUNT: u32 = 1000;
 /// The control period \[s\].
 const DT: f32 = 1.0e-3;
-
-/// A kind of inputs.
-struct Kind {
-    name: &'static str,
-    /// Largest pose error \[m\] and \[rad\].
-    error: (f32, f32),
-    /// Turns that the robot's heading is off by, of which the law must not know.
-    turns: f32,
-    /// Largest wheel torque \[N m\].
-    torque: f32,
-    /// Whether every torque, or none, is to be limited; `None` leaves it open.
-    limited: Option<bool>,
-}
-
-const KINDS: [Kind; 4] = [
-    Kind {
-        name: "ordinary",
-        error: (0.1, 1.5),
-        turns: 0.0,
-        torque: 200.0,
-        limited: Some(false),
-    },
-    Kind {
-        name: "wrapped",
-        error: (0.1, 1.5),
-        turns: 1.0,
-        torque: 200.0,
-        limited: Some(false),
-    },
-    Kind {
-        name: "saturated",
-        error: (0.1, 1.5),
-        turns: 0.0,
-        torque: 1.0e-4,
-        limited: Some(true),
-    },
-    Kind {
-        name: "large",
-        error: (5.0, 6.0),
-        turns: 0.0,
-        torque: 5.0,
-        limited: None,
-    },
-];
-
-fn params<T: Scalar>(kind: &Kind) -> Option<Validated<T>> {
-    let mut params = Params::<T>::paper();
-    params.max_wheel_torque_nm = Some(T::from_f64(f64::from(kind.torque)));
-    params.validate().ok()
-}
-
-fn reference<T: Scalar>(inputs: &mut Inputs) -> (Pose<T>, Twist<T>, Accel<T>) {
-    (
-        Pose::new(inputs.real(2.0), inputs.real(2.0), inputs.real(1.5)),
-        Twist::new(inputs.real(1.0), inputs.real(1.0)),
-        Accel::new(inputs.real(1.0), inputs.real(1.0)),
-    )
-}
-
-fn measured<T: Scalar>(inputs: &mut Inputs, near: &Pose<T>, kind: &Kind) -> Measured<T> {
-    let (metres, radians) = kind.error;
-    let turns = T::from_f64(f64::from(kind.turns)) * (T::PI + T::PI);
-    Measured {
-        pose: Pose {
-            x: near.x + inputs.real(metres),
-            y: near.y + inputs.real(metres),
-            theta: near.theta + inputs.real(radians) + turns,
-        },
-        twist: Twist::new(inputs.real(1.0), inputs.real(1.0)),
-    }
-}
 
 /// The meter, and what the harness executes around a tick.
 pub struct Bench {
