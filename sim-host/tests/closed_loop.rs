@@ -50,7 +50,7 @@ fn the_papers_hand_over_is_a_pulse_without_a_jump() {
     let line = metrics(&scenario("paper-line"))
         .hand_over
         .expect("hands over");
-    // The theory's table, to its digits.
+    // An independent reference's figures, to their digits.
     assert!(near(line.error_after.e_x_m, 0.400, 1e-3), "{line:?}");
     assert!(
         near(line.parked_after_s.expect("parks"), 2.18, 0.01),
@@ -82,7 +82,7 @@ fn the_papers_hand_over_is_a_pulse_without_a_jump() {
 fn a_switch_at_the_target_overshoots() {
     let late = changed("paper-curve", "time = 9.5", "time = 10.0");
     let hand_over = metrics(&late).hand_over.expect("hands over");
-    // The theory's table: 11.0 cm.
+    // An independent reference: 11.0 cm.
     assert!(near(hand_over.overshoot_m, 0.110, 1e-3), "{hand_over:?}");
 }
 

@@ -49,13 +49,13 @@ pub const FIRST_ORDER_LOW: f64 = 0.9;
 /// See [`FIRST_ORDER_LOW`].
 pub const FIRST_ORDER_HIGH: f64 = 1.1;
 
-/// How many times closer to the continuous loop the mean of two inputs is than the held one, at 10 ms; theory: 2.2.
+/// How many times closer to the continuous loop the mean of two inputs is than the held one, at 10 ms; an independent reference: 2.2.
 pub const MEAN_BEATS_HELD: f64 = 2.0;
 
 /// Settling times quoted with two decimals \[s\]: the paper's own "about" is five times as wide.
 pub const SETTLING: f64 = 0.02;
 
-/// Final position error with the paper's parking \[m\]; theory has 0.94 mm and 1.24 mm.
+/// Final position error with the paper's parking \[m\]; an independent reference has 0.94 mm and 1.24 mm.
 pub const PARKED: f64 = 1.5e-3;
 
 /// Torque and velocity at a start that ought to have none \[N, N m, m/s, rad/s\]: rounding of gains of 90 times
@@ -65,16 +65,16 @@ pub const START: f64 = 1e-12;
 /// Torque step at a sampled hand-over \[N, N m\]: rounding of torques of 100 N leaves 1e-13, the arcsine as much.
 pub const HAND_OVER: f64 = 1e-9;
 
-/// Largest change of torque per tick, plain to neural, at 1 ms; theory has 140 and 143 at least.
+/// Largest change of torque per tick, plain to neural, at 1 ms; an independent reference has 140 and 143 at least.
 pub const TORQUE_CHANGE_RATIO: f64 = 100.0;
 
-/// Pose error left at the hand-over (m, rad): theory has 4.0e-3 and 4.4e-3.
+/// Pose error left at the hand-over (m, rad): an independent reference has 4.0e-3 and 4.4e-3.
 pub const TRACKED: f64 = 5e-3;
 
 /// Movement past the target that does not count as overshoot \[m\]: what is left of rounding and of the sample.
 pub const OVERSHOOT: f64 = 1e-4;
 
-/// Single against double precision over a whole run (m, rad): theory has 1e-7 within 5 m; the issue asks for 1e-5.
+/// Single against double precision over a whole run (m, rad): an independent reference has 1e-7 within 5 m; 1e-5 is a hundred times finer than any pose source.
 pub const SINGLE_POSE: f64 = 1e-5;
 
 /// micromath against double precision over a whole run (m, rad): its sine is wrong by 1.1e-3, which at 4 m from the
@@ -169,16 +169,16 @@ pub const BRIDGE_FLOOR: f64 = 1e-15;
 /// Wheel torque of a tick against the same by the oracle's B̄ \[N m\]: rounding of torques below 100 N m.
 pub const LIMITED: f64 = 1e-12;
 
-/// The paper's "corrected" (m, rad): theory reads it as 5 cm and 0.05 rad.
+/// The paper's "corrected" (m, rad), read as 5 cm and 0.05 rad.
 pub const SETTLED: f64 = 0.05;
 
-/// Distance of a robot to a slalom that asks for up to 1.5 rad/s² \[m\]: the lag of its neurons, theory has 0.1 to 0.2.
+/// Distance of a robot to a slalom that asks for up to 1.5 rad/s² \[m\]: the lag of its neurons, 0.1 to 0.2 expected.
 pub const FOLLOWED: f64 = 0.2;
 
 /// Real part of an eigenvalue too near to 0 to tell its sign \[1/s\]: rounding of matrices with entries up to 1e6.
 pub const EIGENVALUE: f64 = 1e-9;
 
-/// How many times closer a neuron is with the mean of a sine's two values than with the held one, at 10 ms; theory: 105.
+/// How many times closer a neuron is with the mean of a sine's two values than with the held one, at 10 ms; an independent reference: 105.
 pub const MEAN_GAIN: f64 = 90.0;
 
 /// The same for the rational share, whose own a²/6 is of the size of the mean's error there: 46.6 measured.
@@ -191,17 +191,17 @@ pub const SETTLED_NEURON: f64 = 8.0 * f64::EPSILON;
 /// at 10 ms cost at most some tenths of a millimetre on a circle of 2 m/s and 1 rad/s.
 pub const MOTION_SETTLED_LATE: f64 = 2e-3;
 
-/// The same lateral offset from 0.1 to 2 m/s, slowest to fastest: the issue asks for 2.
+/// The same lateral offset from 0.1 to 2 m/s, slowest to fastest: required is 2.
 pub const MOTION_SETTLING_RATIO: f64 = 2.0;
 
-/// Distance to a reference that accelerates by up to 0.4 m/s² and 0.8 rad/s², root mean square \[m\]: the issue asks for
+/// Distance to a reference that accelerates by up to 0.4 m/s² and 0.8 rad/s², root mean square \[m\]: required is
 /// 1 to 3 mm at 10 ms.
 pub const FED_FORWARD_RMS: f64 = 3e-3;
 
 /// Movement past the goal that does not count as overshoot \[m\]: the tolerance in which the robot may come to rest.
 pub const MOTION_OVERSHOOT: f64 = 5e-4;
 
-/// Parked (m, rad): the issue asks for 1 mm and 1 mrad.
+/// Parked (m, rad): required is 1 mm and 1 mrad.
 pub const ARRIVED: f64 = 1e-3;
 
 /// A command and its rate against limits of slewing, relative: some roundings in single precision.
@@ -211,7 +211,7 @@ pub const MOTION_LIMIT: f64 = 1e-5;
 /// 2 m/s times loop gains, over a change that is a hundredth of them at 1 ms.
 pub const MOTION_RATE: (f64, f64) = (1e-9, 5e-3);
 
-/// Lateral error after parking from a hand-over \[m\]: the issue asks for 0.1 mm.
+/// Lateral error after parking from a hand-over \[m\]: required is 0.1 mm.
 pub const PARKED_ACROSS: f64 = 1e-4;
 
 /// The motion controller in single against double precision until it parks (m, rad): poses are rounded to 2.4e-7 at

@@ -24,7 +24,7 @@ fn chosen_law_beats_the_two_way_polar_law() {
         )
     };
     let (theirs, ours) = both("90 states", &hand_over_states());
-    // The reference's own figures, as theory has them: 5.9 s, 9 N, 55 N m.
+    // An independent reference's figures: 5.9 s, 9 N, 55 N m.
     assert_within(
         theirs.near_s,
         5.89,
@@ -38,6 +38,6 @@ fn chosen_law_beats_the_two_way_polar_law() {
     assert!(ours.arrived_s < theirs.arrived_s && ours.near_s < theirs.near_s);
     assert!(ours.changes <= theirs.changes && ours.late_s < theirs.late_s);
     assert!(ours.moment < theirs.moment && ours.force < theirs.force);
-    // What it fails of the figures: a law without a parked state goes on turning.
+    // What it fails of the requirements: a law without a parked state goes on turning.
     assert!(theirs.late_s > 1.0 && ours.late_s < 1.0);
 }

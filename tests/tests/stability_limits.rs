@@ -118,9 +118,9 @@ proptest! {
     }
 }
 
-/// The limits of theory for the recommended gains and for others.
+/// The limits derived in `docs/derivation.md` for the recommended gains and for others.
 #[test]
-fn speed_limits_are_those_of_theory() {
+fn speed_limits_are_those_derived() {
     let p = Params::recommended();
     let scaled = |a: f64| Params { a, b: a, d: a, ..p };
     let limit = stable_speed(&p).expect("a limit");
