@@ -177,10 +177,7 @@ fn assemble<T: Scalar>(
         linear: shaped_rate.linear - decay * state.bridge.linear,
         angular: shaped_rate.angular - decay * state.bridge.angular,
     };
-    let velocity_error = Twist {
-        linear: measured.twist.linear - command.linear,
-        angular: measured.twist.angular - command.angular,
-    };
+    let velocity_error = measured.twist.minus(&command);
     LawOutput {
         error,
         drives,

@@ -14,7 +14,7 @@ use crate::reference::Reference;
 use crate::report::{Phase, StepReport};
 use crate::scalar::Scalar;
 use crate::torque;
-use crate::types::{Measured, Pose, Twist, Wrench};
+use crate::types::{Measured, Pose, Wrench};
 use core::marker::PhantomData;
 
 /// Backstepping without neurons: no memory but the goal and the last report, and jumps wherever an error jumps.
@@ -141,10 +141,7 @@ impl<T: Scalar, M: Maths<T>> PlainController<T, M> {
         demand: &Demand<T>,
         measured: &Measured<T>,
     ) -> Result<StepReport<T>, StepFault> {
-        report.velocity_error = Twist {
-            linear: measured.twist.linear - report.command.linear,
-            angular: measured.twist.angular - report.command.angular,
-        };
+        report.velocity_error = measured.twist.minus(&report.command);
         check_rate(&report.command_rate, demand, measured)?;
         let robot = &self.params.params.robot;
         report.wrench = torque::wrench(robot, gain, &report.velocity_error, &report.command_rate);

@@ -85,6 +85,15 @@ impl<T: Scalar> Pose<T> {
 }
 
 impl<T: Scalar> Twist<T> {
+    /// Component by component: measured minus commanded is the velocity error δ.
+    #[inline(always)]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self {
+            linear: self.linear - other.linear,
+            angular: self.angular - other.angular,
+        }
+    }
+
     /// A twist from speed \[m/s\] and turn rate \[rad/s\].
     pub const fn new(linear: T, angular: T) -> Self {
         Self { linear, angular }

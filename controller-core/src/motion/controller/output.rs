@@ -16,10 +16,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let params = self.motion.params();
         let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
         let Command { twist, rate } = state.command;
-        let velocity_error = Twist {
-            linear: measured.twist.linear - twist.linear,
-            angular: measured.twist.angular - twist.angular,
-        };
+        let velocity_error = measured.twist.minus(&twist);
         let wrench = Wrench {
             force: robot.mass_kg * (rate.linear - gains.speed_loop * velocity_error.linear),
             moment: robot.inertia_kg_m2 * (rate.angular - gains.turn_loop * velocity_error.angular),
