@@ -53,6 +53,28 @@ pub const COLUMNS: [&str; 37] = [
     "tick",
 ];
 
+/// Which of `rows` rows are written: the first, every `every`-th after it, and always the hand-over
+/// and the last.
+pub(crate) fn written(
+    rows: usize,
+    every: usize,
+    hand_over: Option<usize>,
+) -> impl Iterator<Item = usize> {
+    let last = rows.saturating_sub(1);
+    (0..rows).filter(move |&row| row % every.max(1) == 0 || row == last || Some(row) == hand_over)
+}
+
+/// Writes numbers as fields. `Display` of a double is the shortest text that reads back as the same
+/// double.
+pub(crate) fn write_numbers<W: Write>(
+    writer: &mut csv::Writer<W>,
+    numbers: impl IntoIterator<Item = f64>,
+) -> csv::Result<()> {
+    numbers
+        .into_iter()
+        .try_for_each(|number| writer.write_field(number.to_string()))
+}
+
 /// Writes a trace: the first row, every `every`-th after it, and always the hand-over and the last.
 ///
 /// # Errors
@@ -60,27 +82,21 @@ pub const COLUMNS: [&str; 37] = [
 pub fn write(trace: &Trace, every: usize, out: impl Write) -> csv::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS)?;
-    let last = trace.rows.len().saturating_sub(1);
     let hand_over = trace.hand_over.map(|hand_over| hand_over.row);
-    for (tick, row) in trace.rows.iter().enumerate() {
-        if tick % every.max(1) == 0 || tick == last || Some(tick) == hand_over {
-            let numbers = numbers(row);
-            for number in numbers {
-                // `Display` of a double is the shortest text that reads back as the same double.
-                writer.write_field(number.to_string())?;
-            }
-            writer.write_field(phase(row))?;
-            for flag in [
-                Some(tick) == hand_over,
-                row.is_bridging(),
-                row.relaxing,
-                row.report.saturated,
-            ] {
-                writer.write_field(if flag { "1" } else { "0" })?;
-            }
-            writer.write_field(tick.to_string())?;
-            writer.write_record(None::<&[u8]>)?;
+    for tick in written(trace.rows.len(), every, hand_over) {
+        let row = &trace.rows[tick];
+        write_numbers(&mut writer, numbers(row))?;
+        writer.write_field(phase(row))?;
+        for flag in [
+            Some(tick) == hand_over,
+            row.is_bridging(),
+            row.relaxing,
+            row.report.saturated,
+        ] {
+            writer.write_field(if flag { "1" } else { "0" })?;
         }
+        writer.write_field(tick.to_string())?;
+        writer.write_record(None::<&[u8]>)?;
     }
     writer.flush()?;
     Ok(())

@@ -1,6 +1,7 @@
 //! Traces as CSV: full precision, one row per control tick.
 
 use super::trace::{DriveRow, DriveTrace};
+use crate::csv_out::{write_numbers, written};
 use controller_core::motion::{Mode, Outcome};
 use std::io::Write;
 
@@ -68,38 +69,33 @@ pub const COLUMNS: [&str; 44] = [
 pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS)?;
-    let last = trace.rows.len().saturating_sub(1);
     let hand_over = trace.hand_over.map(|hand_over| hand_over.row);
-    for (tick, row) in trace.rows.iter().enumerate() {
-        if tick % every.max(1) == 0 || tick == last || Some(tick) == hand_over {
-            for number in numbers(row) {
-                // `Display` of a double is the shortest text that reads back as the same double.
-                writer.write_field(number.to_string())?;
-            }
-            let report = &row.report;
-            writer.write_field(match report.mode {
-                Mode::Following => "following",
-                Mode::Parking => "parking",
-            })?;
-            writer.write_field(match report.outcome {
-                Outcome::Parked => "parked",
-                Outcome::Stalled => "stalled",
-                _ => "driving",
-            })?;
-            let limited = &report.limited;
-            for flag in [
-                limited.speed,
-                limited.accel,
-                limited.jerk,
-                limited.torque,
-                report.jumped,
-                report.backing,
-            ] {
-                writer.write_field(if flag { "1" } else { "0" })?;
-            }
-            writer.write_field(tick.to_string())?;
-            writer.write_record(None::<&[u8]>)?;
+    for tick in written(trace.rows.len(), every, hand_over) {
+        let row = &trace.rows[tick];
+        write_numbers(&mut writer, numbers(row))?;
+        let report = &row.report;
+        writer.write_field(match report.mode {
+            Mode::Following => "following",
+            Mode::Parking => "parking",
+        })?;
+        writer.write_field(match report.outcome {
+            Outcome::Parked => "parked",
+            Outcome::Stalled => "stalled",
+            _ => "driving",
+        })?;
+        let limited = &report.limited;
+        for flag in [
+            limited.speed,
+            limited.accel,
+            limited.jerk,
+            limited.torque,
+            report.jumped,
+            report.backing,
+        ] {
+            writer.write_field(if flag { "1" } else { "0" })?;
         }
+        writer.write_field(tick.to_string())?;
+        writer.write_record(None::<&[u8]>)?;
     }
     writer.flush()?;
     Ok(())
