@@ -49,6 +49,18 @@ pub enum Field {
     StallTime,
     JumpDistance,
     JumpHeading,
+    CalibrationRight,
+    CalibrationLeft,
+    CalibrationTrack,
+    FixNoise,
+    FixHeadingNoise,
+    FixRate,
+    FixBandwidth,
+    FixHeadingBandwidth,
+    FixGate,
+    RelocaliseAfter,
+    OdometryDrift,
+    FixStale,
 }
 
 impl Field {
@@ -97,6 +109,18 @@ impl Field {
             Self::StallTime => "stall_time",
             Self::JumpDistance => "jump_distance",
             Self::JumpHeading => "jump_heading",
+            Self::CalibrationRight => "calibration_right",
+            Self::CalibrationLeft => "calibration_left",
+            Self::CalibrationTrack => "calibration_track",
+            Self::FixNoise => "fix_noise",
+            Self::FixHeadingNoise => "fix_heading_noise",
+            Self::FixRate => "fix_rate",
+            Self::FixBandwidth => "fix_bandwidth",
+            Self::FixHeadingBandwidth => "fix_heading_bandwidth",
+            Self::FixGate => "fix_gate",
+            Self::RelocaliseAfter => "relocalise_after",
+            Self::OdometryDrift => "odometry_drift",
+            Self::FixStale => "fix_stale",
         }
     }
 }
@@ -152,6 +176,8 @@ pub enum Input {
     Goal,
     /// The measured time since the last tick.
     Tick,
+    /// The acceleration that odometry is told of.
+    Accel,
 }
 
 /// A tick, or a start, that was refused. The controller's state is what it was before the call;

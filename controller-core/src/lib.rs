@@ -15,7 +15,7 @@
 //! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`torque`] (12)(14)(16)(21), [`handover`] (23), [`neural_law`] (17)(22) |
 //! | controllers | [`neural::NeuralController`], [`plain::PlainController`], [`demand`], [`report`] |
 //! | a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival |
-//! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`] |
+//! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
 #![no_std]
 #![forbid(unsafe_code)]
@@ -26,6 +26,7 @@ pub mod demand;
 pub mod error;
 pub mod hal;
 pub mod handover;
+pub mod localiser;
 pub mod lyapunov;
 pub mod maths;
 pub mod model;

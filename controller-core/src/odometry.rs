@@ -6,35 +6,94 @@ use crate::maths::Maths;
 use crate::range::within;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
-use crate::types::{Measured, Pose, Twist};
+use crate::types::{Accel, Measured, Pose, Twist};
 use crate::wheels::WheelGeometry;
+
+mod speed;
+use speed::{Turned, Wheel};
+
+/// What a calibration run found, as factors on the nominal lengths; 1 where it found nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration<T> {
+    /// On the right wheel's radius, 0.5 to 2.
+    pub right: T,
+    /// On the left wheel's radius, 0.5 to 2.
+    pub left: T,
+    /// On the distance of the wheels, 0.5 to 2: wide tyres roll about a point that no ruler finds.
+    pub track: T,
+}
+
+impl<T: Scalar> Calibration<T> {
+    /// The lengths as they were measured with a ruler.
+    pub const NOMINAL: Self = Self {
+        right: T::ONE,
+        left: T::ONE,
+        track: T::ONE,
+    };
+}
+
+impl<T: Scalar> Default for Calibration<T> {
+    fn default() -> Self {
+        Self::NOMINAL
+    }
+}
 
 /// What odometry needs to know of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OdometryParams<T> {
-    /// Radii and distance of the wheels, as calibrated.
+    /// Nominal radii and distance of the wheels.
     pub wheels: WheelGeometry<T>,
+    /// What they turned out to be.
+    pub calibration: Calibration<T>,
     /// Encoder counts per turn of a wheel, after gears and quadrature: 1 to 1e7.
     pub counts_per_turn: T,
-    /// Bandwidth of the speed estimate \[rad/s\], 1 to 1e4. Its delay is 2/bandwidth.
+    /// Bandwidth of the speed estimate \[rad/s\], 1 to 1e4. Its delay is [`OdometryParams::delay_s`].
     pub bandwidth: T,
 }
 
-/// Wheel travel \[m\] and its rate \[m/s\], estimated by a second-order tracking loop.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Wheel<T> {
-    /// Measured minus estimated travel: kept instead of both, so that it never grows.
-    lag: T,
-    speed: T,
+impl<T: Scalar> OdometryParams<T> {
+    /// Delay of the speed estimate for accelerations that it was not told of \[s\]: 2/bandwidth.
+    pub fn delay_s(&self) -> T {
+        (T::ONE + T::ONE) / self.bandwidth
+    }
+
+    /// Largest travel of a wheel per count \[m\].
+    pub fn travel_per_count_m(&self) -> T {
+        let right = self.wheels.radius_right_m * self.calibration.right;
+        let left = self.wheels.radius_left_m * self.calibration.left;
+        (T::PI + T::PI) / self.counts_per_turn * if right > left { right } else { left }
+    }
+
+    /// Distance of the wheels, calibrated \[m\].
+    pub fn track_m(&self) -> T {
+        self.wheels.track_m * self.calibration.track
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        let (wheels, calibration) = (&self.wheels, &self.calibration);
+        for (field, value, low, high) in [
+            (Field::RadiusRight, wheels.radius_right_m, 1.0e-3, 10.0),
+            (Field::RadiusLeft, wheels.radius_left_m, 1.0e-3, 10.0),
+            (Field::Track, wheels.track_m, 1.0e-2, 100.0),
+            (Field::CalibrationRight, calibration.right, 0.5, 2.0),
+            (Field::CalibrationLeft, calibration.left, 0.5, 2.0),
+            (Field::CalibrationTrack, calibration.track, 0.5, 2.0),
+            (Field::CountsPerTurn, self.counts_per_turn, 1.0, 1.0e7),
+            (Field::Bandwidth, self.bandwidth, 1.0, 1.0e4),
+        ] {
+            within(field, value, low, high)?;
+        }
+        Ok(())
+    }
 }
 
 /// Integrates encoder counts to a pose along exact arcs and estimates the twist.
 ///
 /// The pose error of one step is zero for wheels that turn at constant rates in between. The speed
-/// estimate is that of a loop tracking the wheel's travel with two equal poles at `bandwidth`: no
-/// steady error at constant speed, a delay of 2/bandwidth, and at low speed, where a count spans
-/// many ticks, a smooth curve instead of a train of spikes: one count moves it by
-/// bandwidth² · dt · (travel per count) a tick.
+/// estimate has no steady error at constant speed and no ripple either, at a count in many ticks as
+/// well as at many in one. Changes of speed that no acceleration told of arrive 2/bandwidth late, or
+/// 1.3 times the time between counts, where that is longer; a wheel that has stopped reads at
+/// most one count per time since the next was due, and soon exactly 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odometry<T> {
     right_per_count: T,
@@ -57,21 +116,28 @@ impl<T: Scalar> Odometry<T> {
         pose: Pose<T>,
         counts: WheelCounts,
     ) -> Result<Self, ParamError> {
-        let wheels = &params.wheels;
-        let right = within(Field::RadiusRight, wheels.radius_right_m, 1.0e-3, 10.0)?;
-        let left = within(Field::RadiusLeft, wheels.radius_left_m, 1.0e-3, 10.0)?;
-        let turn = within(Field::CountsPerTurn, params.counts_per_turn, 1.0, 1.0e7)?;
-        let radians_per_count = (T::PI + T::PI) / turn;
-        Ok(Self {
-            right_per_count: right * radians_per_count,
-            left_per_count: left * radians_per_count,
-            track: within(Field::Track, wheels.track_m, 1.0e-2, 100.0)?,
-            bandwidth: within(Field::Bandwidth, params.bandwidth, 1.0, 1.0e4)?,
+        params.check()?;
+        Ok(Self::of_checked(params, pose, counts))
+    }
+
+    /// [`Odometry::new`] of parameters that were checked before.
+    pub(crate) fn of_checked(
+        params: &OdometryParams<T>,
+        pose: Pose<T>,
+        counts: WheelCounts,
+    ) -> Self {
+        let (wheels, calibration) = (&params.wheels, &params.calibration);
+        let radians_per_count = (T::PI + T::PI) / params.counts_per_turn;
+        Self {
+            right_per_count: wheels.radius_right_m * calibration.right * radians_per_count,
+            left_per_count: wheels.radius_left_m * calibration.left * radians_per_count,
+            track: params.track_m(),
+            bandwidth: params.bandwidth,
             counts,
             right: Wheel::default(),
             left: Wheel::default(),
             pose,
-        })
+        }
     }
 
     /// Moves the pose by what the wheels turned since the last call, `dt` > 0 \[s\] ago.
@@ -79,11 +145,28 @@ impl<T: Scalar> Odometry<T> {
     /// Along an arc with turn φ the chord is d · sin(φ/2)/(φ/2) in direction θ + φ/2: Eq. (6) again.
     /// Counts wrap; a wheel turns less than 2³¹ counts between calls.
     pub fn update<M: Maths<T>>(&mut self, counts: WheelCounts, dt: T) -> Measured<T> {
-        let moved =
-            |now: i32, last: i32, per_count: T| T::from_i32(now.wrapping_sub(last)) * per_count;
-        let right = moved(counts.right, self.counts.right, self.right_per_count);
-        let left = moved(counts.left, self.counts.left, self.left_per_count);
+        self.update_with_accel::<M>(counts, dt, &Accel::default())
+    }
+
+    /// [`update`](Self::update) for a robot that was accelerated by `accel` (finite) since the last call.
+    ///
+    /// That is what the torques of that time do to it: force over mass, moment over inertia. The speed
+    /// estimate then lags only what this leaves out, friction, slopes and wrong masses; a velocity
+    /// loop sees its own torques without delay (the observer's poles and the loop's do not mix), and
+    /// `bandwidth` may be as low as disturbances allow.
+    pub fn update_with_accel<M: Maths<T>>(
+        &mut self,
+        counts: WheelCounts,
+        dt: T,
+        accel: &Accel<T>,
+    ) -> Measured<T> {
+        let moved = (
+            counts.right.wrapping_sub(self.counts.right),
+            counts.left.wrapping_sub(self.counts.left),
+        );
         self.counts = counts;
+        let right = T::from_i32(moved.0) * self.right_per_count;
+        let left = T::from_i32(moved.1) * self.left_per_count;
         let (travel, turn) = (T::HALF * (right + left), (right - left) / self.track);
         let half_turn = T::HALF * turn;
         let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
@@ -93,8 +176,21 @@ impl<T: Scalar> Odometry<T> {
             y: self.pose.y + chord * sine,
             theta: self.pose.theta + turn,
         };
-        let right = self.right.track(right, self.bandwidth, dt);
-        let left = self.left.track(left, self.bandwidth, dt);
+        let rim = T::HALF * self.track * accel.angular;
+        let right = Turned {
+            counts: moved.0,
+            per_count: self.right_per_count,
+            accel: accel.linear + rim,
+            dt,
+        };
+        let left = Turned {
+            counts: moved.1,
+            per_count: self.left_per_count,
+            accel: accel.linear - rim,
+            dt,
+        };
+        let right = self.right.track(&right, self.bandwidth);
+        let left = self.left.track(&left, self.bandwidth);
         Measured {
             pose: self.pose,
             twist: Twist {
@@ -105,6 +201,9 @@ impl<T: Scalar> Odometry<T> {
     }
 
     /// Puts the robot elsewhere on the map. Speeds, and with them the torques' damping, carry on.
+    ///
+    /// A motion controller that is told by
+    /// [`declare_jump`](crate::motion::MotionController::declare_jump) takes it without a jump of torque.
     pub fn set_pose(&mut self, pose: Pose<T>) {
         self.pose = pose;
     }
@@ -112,21 +211,5 @@ impl<T: Scalar> Odometry<T> {
     /// The pose of the last update.
     pub fn pose(&self) -> &Pose<T> {
         &self.pose
-    }
-}
-
-impl<T: Scalar> Wheel<T> {
-    /// Critically damped loop, lag' = moved − v, v' = ω² lag with 2ω of damping, solved implicitly:
-    /// stable for every ω dt, and exact at constant speed.
-    fn track(&mut self, moved: T, bandwidth: T, dt: T) -> T {
-        let a = bandwidth * dt;
-        let one_plus = T::ONE + a;
-        // The speed that leaves the loop's two poles at 1/(1 + a) each.
-        let error = self.lag + moved - self.speed * dt;
-        let shrink = T::ONE / (one_plus * one_plus);
-        let speed = self.speed + bandwidth * (a * shrink) * error;
-        self.lag = error * shrink;
-        self.speed = speed;
-        self.speed
     }
 }

@@ -5,7 +5,7 @@ use controller_core::error::{Field, Problem};
 use controller_core::hal::{Clock, Error, ErrorKind, WheelCounts, WheelDrive, WheelEncoders};
 use controller_core::maths::{Libm, Single};
 use controller_core::neural::NeuralController;
-use controller_core::odometry::{Odometry, OdometryParams};
+use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::params::Params;
 use controller_core::pose_error::pose_error;
 use controller_core::reference::{ConstantTwist, Reference};
@@ -182,6 +182,7 @@ fn a_robot_that_knows_only_its_encoders_tracks_and_parks() {
     };
     let odometry = OdometryParams {
         wheels: params.robot.wheels,
+        calibration: Calibration::NOMINAL,
         counts_per_turn: 4096.0,
         bandwidth: 200.0,
     };

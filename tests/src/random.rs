@@ -21,6 +21,12 @@ impl Random {
         scale * ((z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
     }
 
+    /// Normal, of standard deviation 1, by Box and Muller's rule.
+    pub fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (0.5 * (1.0 - self.within(1.0))).ln()).sqrt();
+        radius * self.within(PI).cos()
+    }
+
     /// An error of up to 3 m with any heading.
     pub fn error(&mut self) -> Vector3<f64> {
         Vector3::new(self.within(3.0), self.within(3.0), self.within(PI))

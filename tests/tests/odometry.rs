@@ -3,7 +3,7 @@
 use controller_core::error::{Field, Problem};
 use controller_core::hal::{Error, ErrorKind, WheelCounts, Widened, accepts};
 use controller_core::maths::Libm;
-use controller_core::odometry::{Odometry, OdometryParams};
+use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::types::{Pose, WheelTorques};
 use controller_core::wheels::WheelGeometry;
 use std::f64::consts::PI;
@@ -17,6 +17,7 @@ fn params() -> OdometryParams<f64> {
             radius_left_m: 0.098,
             track_m: 0.5,
         },
+        calibration: Calibration::NOMINAL,
         counts_per_turn: 2048.0,
         bandwidth: 50.0,
     }

@@ -2,7 +2,7 @@
 //! board's README from its first line.
 
 use controller_core::handover::Reset;
-use controller_core::odometry::OdometryParams;
+use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
 use controller_core::wheels::WheelGeometry;
 use firmware_demo::control::{LinkWatch, Settings, StallWatch};
@@ -70,6 +70,7 @@ pub const PARAMS: Params<f32> = Params {
 /// Encoder of 64 counts a motor turn.
 pub const ODOMETRY: OdometryParams<f32> = OdometryParams {
     wheels: WHEELS,
+    calibration: Calibration::NOMINAL,
     counts_per_turn: 64.0 * 30.0,
     bandwidth: 60.0,
 };

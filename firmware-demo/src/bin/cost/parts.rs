@@ -5,7 +5,7 @@ use core::hint::black_box;
 use controller_core::angle::wrap;
 use controller_core::hal::WheelCounts;
 use controller_core::maths::{Maths, Single};
-use controller_core::odometry::{Odometry, OdometryParams};
+use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::params::NeuronParams;
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
@@ -180,6 +180,7 @@ pub fn odometry(meter: &mut Meter) {
             radius_left_m: 0.1,
             track_m: 0.5,
         },
+        calibration: Calibration::NOMINAL,
         counts_per_turn: 4096.0,
         bandwidth: 50.0,
     };

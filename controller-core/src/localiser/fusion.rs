@@ -1,0 +1,221 @@
+//! The map from odometry's frame to the world's, and its correction.
+
+use super::params::Fusion;
+use super::{Fix, FixOutcome};
+use crate::angle::wrap;
+use crate::maths::Maths;
+use crate::range::clamp;
+use crate::scalar::Scalar;
+use crate::types::Pose;
+
+/// How far off an honest pose may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Slack<T> {
+    m: T,
+    rad: T,
+}
+
+/// Outliers that agree: their mean, at the time of the last of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Candidate<T> {
+    pose: Pose<T>,
+    /// The pose of odometry at that time.
+    then: Pose<T>,
+    count: u8,
+    /// How far the next may be off.
+    slack: Slack<T>,
+}
+
+/// State of the fusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Correction<T> {
+    /// The pose that is reported. With the pose of odometry it is the map between the frames.
+    pub(super) pose: Pose<T>,
+    /// What is still to be corrected.
+    pending: Pose<T>,
+    /// What drift may have added to the error since fixes last took it away.
+    slack: Slack<T>,
+    candidate: Option<Candidate<T>>,
+    pub(super) fix_age_s: T,
+}
+
+impl<T: Scalar> Correction<T> {
+    pub(super) fn new(pose: Pose<T>) -> Self {
+        Self {
+            pose,
+            pending: Pose::default(),
+            slack: Slack::default(),
+            candidate: None,
+            fix_age_s: T::ZERO,
+        }
+    }
+
+    pub(super) fn set(&mut self, pose: Pose<T>) {
+        *self = Self {
+            fix_age_s: self.fix_age_s,
+            ..Self::new(pose)
+        };
+    }
+
+    /// A tick in which odometry moved from `before` to `now`: the robot moves with it, and what is to
+    /// be corrected is, by the exponential that the noise is derived for, at no more than its rate.
+    pub(super) fn advance<M: Maths<T>>(
+        &mut self,
+        fusion: &Fusion<T>,
+        before: &Pose<T>,
+        now: &Pose<T>,
+        dt: T,
+    ) {
+        self.pose = carried::<T, M>(&self.pose, before, now);
+        let share = -M::exp_m1(-(fusion.spread * dt));
+        let (most, turn) = (dt * fusion.position.rate, dt * fusion.heading.rate);
+        let step = Pose {
+            x: clamp(share * self.pending.x, most),
+            y: clamp(share * self.pending.y, most),
+            theta: clamp(share * self.pending.theta, turn),
+        };
+        self.pose = sum(&self.pose, &step, T::ONE);
+        self.pending = sum(&self.pending, &step, -T::ONE);
+        let driven = fusion.driven::<M>(before, now);
+        self.slack.grow(&driven);
+        if let Some(candidate) = &mut self.candidate {
+            candidate.slack.grow(&driven);
+        }
+        self.fix_age_s += dt;
+    }
+
+    /// Judges a fix of the time when odometry was at `then`; it is at `now`.
+    pub(super) fn take<M: Maths<T>>(
+        &mut self,
+        fusion: &Fusion<T>,
+        fix: &Fix<T>,
+        then: &Pose<T>,
+        now: &Pose<T>,
+    ) -> FixOutcome<T> {
+        let (position, heading) = (&fusion.position, &fusion.heading);
+        let target = sum(&self.pose, &self.pending, T::ONE);
+        let off = difference(&fix.pose, &carried::<T, M>(&target, now, then));
+        let gate = Slack {
+            m: position.gate + self.slack.m,
+            rad: heading.gate + self.slack.rad,
+        };
+        if gate.allows(&off) {
+            let step = Pose {
+                x: position.gain * off.x,
+                y: position.gain * off.y,
+                theta: heading.gain * off.theta,
+            };
+            self.pending = sum(&self.pending, &step, T::ONE);
+            self.slack.m = self.slack.m * (T::ONE - position.gain);
+            self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
+            self.candidate = None;
+            self.fix_age_s = fix.age_s;
+            return FixOutcome::Fused;
+        }
+        let candidate = match &self.candidate {
+            Some(earlier) => earlier.joined::<M>(&fix.pose, then, fusion),
+            None => Candidate::first(&fix.pose, then, fusion),
+        };
+        if candidate.count < fusion.relocalise_after {
+            self.candidate = Some(candidate);
+            return FixOutcome::Rejected;
+        }
+        self.set(carried::<T, M>(&candidate.pose, then, now));
+        self.fix_age_s = fix.age_s;
+        FixOutcome::Relocalised
+    }
+}
+
+impl<T: Scalar> Candidate<T> {
+    fn first(fix: &Pose<T>, then: &Pose<T>, fusion: &Fusion<T>) -> Self {
+        Self {
+            pose: *fix,
+            then: *then,
+            count: 1,
+            slack: Slack {
+                m: fusion.position.agree,
+                rad: fusion.heading.agree,
+            },
+        }
+    }
+
+    /// With one more outlier; anew from it, if it disagrees.
+    fn joined<M: Maths<T>>(&self, fix: &Pose<T>, then: &Pose<T>, fusion: &Fusion<T>) -> Self {
+        let expected = carried::<T, M>(&self.pose, &self.then, then);
+        let off = difference(fix, &expected);
+        let first = Self::first(fix, then, fusion);
+        if !self.slack.allows(&off) {
+            return first;
+        }
+        let count = self.count.saturating_add(1);
+        let weight = T::ONE / T::from_i32(i32::from(count));
+        Self {
+            pose: sum(&expected, &off, weight),
+            count,
+            ..first
+        }
+    }
+}
+
+/// How far a tick drove, times the share that odometry may be wrong by.
+struct Driven<T> {
+    travel: T,
+    drift_m: T,
+    drift_rad: T,
+}
+
+impl<T: Scalar> Fusion<T> {
+    /// Errors of the radii of opposite sign turn a straight run by twice their share of travel over
+    /// track.
+    fn driven<M: Maths<T>>(&self, before: &Pose<T>, now: &Pose<T>) -> Driven<T> {
+        let (dx, dy) = (now.x - before.x, now.y - before.y);
+        let travel = M::sqrt(dx * dx + dy * dy);
+        let turn = (now.theta - before.theta).abs();
+        Driven {
+            travel,
+            drift_m: self.drift * travel,
+            drift_rad: self.drift * (self.two_per_track * travel + turn),
+        }
+    }
+}
+
+impl<T: Scalar> Slack<T> {
+    /// A heading that is off takes the position along.
+    fn grow(&mut self, driven: &Driven<T>) {
+        self.m += driven.drift_m + self.rad * driven.travel;
+        self.rad += driven.drift_rad;
+    }
+
+    /// Written so that what is not a number is not allowed.
+    fn allows(&self, off: &Pose<T>) -> bool {
+        off.x.abs() <= self.m && off.y.abs() <= self.m && off.theta.abs() <= self.rad
+    }
+}
+
+/// `pose`, carried along by what odometry did from `from` to `to`: rigidly, forward or back in time.
+fn carried<T: Scalar, M: Maths<T>>(pose: &Pose<T>, from: &Pose<T>, to: &Pose<T>) -> Pose<T> {
+    let (sine, cosine) = M::sin_cos(pose.theta - from.theta);
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    Pose {
+        x: pose.x + (dx * cosine - dy * sine),
+        y: pose.y + (dx * sine + dy * cosine),
+        theta: pose.theta + (to.theta - from.theta),
+    }
+}
+
+fn sum<T: Scalar>(pose: &Pose<T>, step: &Pose<T>, weight: T) -> Pose<T> {
+    Pose {
+        x: pose.x + weight * step.x,
+        y: pose.y + weight * step.y,
+        theta: pose.theta + weight * step.theta,
+    }
+}
+
+/// Coordinate by coordinate in the world, the heading's wrapped.
+fn difference<T: Scalar>(of: &Pose<T>, from: &Pose<T>) -> Pose<T> {
+    Pose {
+        x: of.x - from.x,
+        y: of.y - from.y,
+        theta: wrap(of.theta - from.theta),
+    }
+}

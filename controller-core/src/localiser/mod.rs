@@ -1,0 +1,261 @@
+//! Where the robot is: odometry, drawn towards external poses that come rarely, late and noisy.
+//!
+//! Odometry is smooth and drifts; a camera, beacons or a lidar match do not drift, but each of their
+//! poses is wrong by millimetres, is some ticks old, and now and then is nonsense. [`Localiser`]
+//! reports the pose of odometry under a rigid map from its frame to the world's, and corrects that map
+//! slowly: noise is filtered, the pose never steps, and at constant speed nothing lags.
+//!
+//! * A [`Fix`] is compared with the pose at *its* time, from a ring of the last N poses, under the
+//!   map of today: neither its age nor corrections since then are mistaken for errors.
+//! * A share of the innovation is taken, by the stated bandwidth, and spread over the time between
+//!   fixes. A heading correction turns the robot where it stands, and not the world about its origin.
+//! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
+//!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
+//!   [`declare_jump`](crate::motion::MotionController::declare_jump).
+//!
+//! ```
+//! use controller_core::hal::WheelCounts;
+//! use controller_core::localiser::{Fix, FixOutcome, FusionParams, Localiser, LocaliserParams};
+//! use controller_core::maths::Single;
+//! use controller_core::odometry::{Calibration, OdometryParams};
+//! use controller_core::types::Pose;
+//! use controller_core::wheels::WheelGeometry;
+//!
+//! let wheels = WheelGeometry { radius_right_m: 0.035, radius_left_m: 0.035, track_m: 0.14 };
+//! let params = LocaliserParams {
+//!     odometry: OdometryParams {
+//!         wheels, calibration: Calibration::NOMINAL, counts_per_turn: 2048.0, bandwidth: 50.0,
+//!     },
+//!     fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
+//! };
+//! let localisation = params.validate::<Single>()?;
+//! let counts = WheelCounts::default();
+//! let mut localiser = Localiser::<f32, 32>::start(&localisation, Pose::default(), counts)?;
+//! let fix = Fix { pose: Pose::new(0.004, 0.0, 0.0), age_s: 0.0 };
+//! let estimate = localiser.update::<Single>(counts, 0.01, Some(&fix))?;
+//! assert_eq!(estimate.fix, FixOutcome::Fused);
+//! assert_eq!(estimate.measured.pose.x, 0.0); // corrected from the next tick on
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+
+mod fusion;
+mod history;
+mod noise;
+mod params;
+mod parking;
+
+pub use noise::filtered_share;
+pub use params::{FusionParams, Localisation, LocaliserParams};
+
+use crate::error::{Input, StepFault};
+use crate::hal::WheelCounts;
+use crate::maths::Maths;
+use crate::odometry::Odometry;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Measured, Pose};
+use fusion::Correction;
+use history::History;
+
+/// An external pose that was valid some time ago.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fix<T> {
+    /// In the world frame; the heading may be wrapped or not.
+    pub pose: Pose<T>,
+    /// How long before this tick it was valid \[s\], 0 or more.
+    pub age_s: T,
+}
+
+/// What became of the fix of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FixOutcome<T> {
+    /// There was none.
+    #[default]
+    Absent,
+    /// Part of it is being taken over.
+    Fused,
+    /// An outlier: nothing is taken of it, but it is remembered for its successors to agree with.
+    Rejected,
+    /// The last of so many outliers that agree: the pose is now what they say.
+    Relocalised,
+    /// Not a fix that could be used; nothing is remembered of it.
+    Refused(Refusal<T>),
+}
+
+/// Why a fix cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refusal<T> {
+    /// A coordinate or the age is NaN or infinite.
+    NotFinite,
+    /// It is from the future.
+    NegativeAge,
+    /// It is older than the poses that are remembered, or than the start.
+    TooOld {
+        /// Age of the oldest pose remembered \[s\].
+        oldest_s: T,
+    },
+    /// The localiser was set up without fusion.
+    NoFusion,
+}
+
+/// What is known after a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate<T> {
+    /// Pose and twist now.
+    pub measured: Measured<T>,
+    /// What became of the fix.
+    pub fix: FixOutcome<T>,
+    /// The pose was set: the caller tells the controller by `declare_jump`.
+    pub jumped: bool,
+    /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
+    pub fix_age_s: T,
+    /// `fix_age_s` is above `stale_s`. Never without fusion.
+    pub stale: bool,
+}
+
+/// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks.
+///
+/// A tick costs odometry, one sine and cosine and an exponential; a fix adds two of the former and a
+/// walk through at most N poses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Localiser<T, const N: usize> {
+    localisation: Localisation<T>,
+    odometry: Odometry<T>,
+    history: History<T, N>,
+    correction: Correction<T>,
+}
+
+impl<T: Scalar, const N: usize> Localiser<T, N> {
+    /// At rest at `pose`, with the encoders at `counts`.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub fn start(
+        localisation: &Localisation<T>,
+        pose: Pose<T>,
+        counts: WheelCounts,
+    ) -> Result<Self, StepFault> {
+        const { assert!(N >= 2, "a ring of at least two poses") };
+        if !pose.is_finite() {
+            return Err(StepFault::NotFinite(Input::Pose));
+        }
+        let odometry = &localisation.params().odometry;
+        Ok(Self {
+            localisation: *localisation,
+            odometry: Odometry::of_checked(odometry, pose, counts),
+            history: History::new(pose),
+            correction: Correction::new(pose),
+        })
+    }
+
+    /// One tick, `dt` \[s\] after the last; `fix` if one has come.
+    ///
+    /// # Errors
+    /// A `dt` that is not positive and finite. Nothing has changed then.
+    pub fn update<M: Maths<T>>(
+        &mut self,
+        counts: WheelCounts,
+        dt: T,
+        fix: Option<&Fix<T>>,
+    ) -> Result<Estimate<T>, StepFault> {
+        self.update_with_accel::<M>(counts, dt, &Accel::default(), fix)
+    }
+
+    /// [`update`](Self::update) with the acceleration that the torques of this tick were to cause; see
+    /// [`Odometry::update_with_accel`].
+    ///
+    /// # Errors
+    /// A `dt` that is not positive and finite, an acceleration that is not finite. Nothing has changed
+    /// then.
+    pub fn update_with_accel<M: Maths<T>>(
+        &mut self,
+        counts: WheelCounts,
+        dt: T,
+        accel: &Accel<T>,
+        fix: Option<&Fix<T>>,
+    ) -> Result<Estimate<T>, StepFault> {
+        if !dt.is_finite() {
+            return Err(StepFault::NotFinite(Input::Tick));
+        }
+        if dt <= T::ZERO {
+            return Err(StepFault::TickNotPositive);
+        }
+        if !accel.is_finite() {
+            return Err(StepFault::NotFinite(Input::Accel));
+        }
+        let before = *self.odometry.pose();
+        let measured = self.odometry.update_with_accel::<M>(counts, dt, accel);
+        let Some(fusion) = &self.localisation.fusion else {
+            return Ok(Estimate {
+                measured,
+                fix: fix.map_or(FixOutcome::Absent, |_| {
+                    FixOutcome::Refused(Refusal::NoFusion)
+                }),
+                ..Estimate::default()
+            });
+        };
+        self.history.push(measured.pose, dt);
+        self.correction
+            .advance::<M>(fusion, &before, &measured.pose, dt);
+        let outcome = match fix {
+            None => FixOutcome::Absent,
+            Some(fix) => match self.then(fix) {
+                Err(refusal) => FixOutcome::Refused(refusal),
+                Ok(then) => self
+                    .correction
+                    .take::<M>(fusion, fix, &then, &measured.pose),
+            },
+        };
+        let fix_age_s = self.correction.fix_age_s;
+        Ok(Estimate {
+            measured: Measured {
+                pose: self.correction.pose,
+                twist: measured.twist,
+            },
+            fix: outcome,
+            jumped: outcome == FixOutcome::Relocalised,
+            fix_age_s,
+            stale: fix_age_s > fusion.stale_s,
+        })
+    }
+
+    /// The pose of odometry at the time of a fix.
+    fn then(&self, fix: &Fix<T>) -> Result<Pose<T>, Refusal<T>> {
+        if !(fix.pose.is_finite() && fix.age_s.is_finite()) {
+            return Err(Refusal::NotFinite);
+        }
+        if fix.age_s < T::ZERO {
+            return Err(Refusal::NegativeAge);
+        }
+        let then = self.history.at(fix.age_s);
+        then.map_err(|oldest_s| Refusal::TooOld { oldest_s })
+    }
+
+    /// Puts the robot elsewhere on the map, with the same duty to declare it as a relocalisation.
+    /// Speeds carry on; corrections under way are dropped.
+    pub fn set_pose(&mut self, pose: Pose<T>) {
+        if self.localisation.fusion.is_none() {
+            self.odometry.set_pose(pose);
+        }
+        self.correction.set(pose);
+    }
+
+    /// The pose of the last update.
+    pub fn pose(&self) -> &Pose<T> {
+        if self.localisation.fusion.is_none() {
+            self.odometry.pose()
+        } else {
+            &self.correction.pose
+        }
+    }
+
+    /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
+    pub fn fix_age_s(&self) -> T {
+        self.correction.fix_age_s
+    }
+
+    /// The parameters in use.
+    pub fn localisation(&self) -> &Localisation<T> {
+        &self.localisation
+    }
+}

@@ -1,0 +1,211 @@
+//! Parameters of the localiser: plain data, validated once.
+
+use crate::error::{Field, ParamError};
+use crate::maths::Maths;
+use crate::odometry::OdometryParams;
+use crate::range::within;
+use crate::scalar::Scalar;
+
+/// What is known of the external pose, and how far it is trusted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FusionParams<T> {
+    /// Standard deviation of a fix in each coordinate \[m\], 1e-5 to 10.
+    pub noise_m: T,
+    /// Standard deviation of its heading \[rad\], 1e-5 to 1.
+    pub noise_rad: T,
+    /// Fixes per second, nominal; 1e-2 to 1e3. They may come more rarely.
+    pub rate_hz: T,
+    /// Bandwidth of the position's correction at the nominal rate \[rad/s\], 1e-3 to 100.
+    pub bandwidth: T,
+    /// The same of the heading's.
+    pub heading_bandwidth: T,
+    /// A fix this many standard deviations off is an outlier, 2 to 20.
+    pub gate: T,
+    /// Outliers in a row that agree with each other and so are right, 2 to 100.
+    pub relocalise_after: u8,
+    /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate.
+    pub drift: T,
+    /// Without a fix for longer, the pose is stale \[s\], 1e-2 to 1e4.
+    pub stale_s: T,
+}
+
+impl<T: Scalar> FusionParams<T> {
+    /// A pose source of this noise and rate, and odometry that is good to 2 % or better.
+    ///
+    /// The bandwidths leave a seventh of the noise, 1/50 of its variance, but are at most 1 rad/s: an
+    /// error of the odometry of 2 % at 1 m/s then leaves the pose 2 cm behind, and no less of the
+    /// noise is needed to park. 5 standard deviations reject one good fix in a million; 3 agreeing
+    /// outliers are no chance. Stale after ten fixes.
+    pub fn for_source(noise_m: T, noise_rad: T, rate_hz: T) -> Self {
+        let f = T::from_f64;
+        let quiet = f(2.0 / 50.0) * rate_hz;
+        let bandwidth = if quiet < T::ONE { quiet } else { T::ONE };
+        Self {
+            noise_m,
+            noise_rad,
+            rate_hz,
+            bandwidth,
+            heading_bandwidth: bandwidth,
+            gate: f(5.0),
+            relocalise_after: 3,
+            drift: f(0.02),
+            stale_s: f(10.0) / rate_hz,
+        }
+    }
+
+    fn check(&self) -> Result<(), ParamError> {
+        for (field, value, low, high) in [
+            (Field::FixNoise, self.noise_m, 1.0e-5, 10.0),
+            (Field::FixHeadingNoise, self.noise_rad, 1.0e-5, 1.0),
+            (Field::FixRate, self.rate_hz, 1.0e-2, 1.0e3),
+            (Field::FixBandwidth, self.bandwidth, 1.0e-3, 100.0),
+            (
+                Field::FixHeadingBandwidth,
+                self.heading_bandwidth,
+                1.0e-3,
+                100.0,
+            ),
+            (Field::FixGate, self.gate, 2.0, 20.0),
+            (
+                Field::RelocaliseAfter,
+                T::from_i32(i32::from(self.relocalise_after)),
+                2.0,
+                100.0,
+            ),
+            (Field::OdometryDrift, self.drift, 0.0, 0.5),
+            (Field::FixStale, self.stale_s, 1.0e-2, 1.0e4),
+        ] {
+            within(field, value, low, high)?;
+        }
+        Ok(())
+    }
+}
+
+/// Everything that the localiser needs to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocaliserParams<T> {
+    /// Wheels and encoders.
+    pub odometry: OdometryParams<T>,
+    /// The source of fixes; `None` is odometry alone.
+    pub fusion: Option<FusionParams<T>>,
+}
+
+impl<T: Scalar> LocaliserParams<T> {
+    /// Checks every field and works out what follows from them.
+    ///
+    /// # Errors
+    /// The first field out of range, with the limit it passed.
+    pub fn validate<M: Maths<T>>(self) -> Result<Localisation<T>, ParamError> {
+        self.odometry.check()?;
+        let fusion = match &self.fusion {
+            Some(params) => {
+                params.check()?;
+                Some(Fusion::new::<M>(params, self.odometry.track_m()))
+            }
+            None => None,
+        };
+        Ok(Localisation {
+            params: self,
+            fusion,
+        })
+    }
+}
+
+/// [`LocaliserParams`] that passed `validate`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Localisation<T> {
+    params: LocaliserParams<T>,
+    pub(super) fusion: Option<Fusion<T>>,
+}
+
+impl<T: Scalar> Localisation<T> {
+    /// The parameters as they were given.
+    pub fn params(&self) -> &LocaliserParams<T> {
+        &self.params
+    }
+
+    /// Standard deviation of the reported position in each coordinate, of the fixes' noise \[m\].
+    /// 0 without fixes. See [`filtered_share`](super::filtered_share).
+    pub fn filtered_noise_m(&self) -> T {
+        self.fusion
+            .as_ref()
+            .map_or(T::ZERO, |fusion| fusion.position.filtered)
+    }
+
+    /// The same of the heading \[rad\].
+    pub fn filtered_noise_rad(&self) -> T {
+        self.fusion
+            .as_ref()
+            .map_or(T::ZERO, |fusion| fusion.heading.filtered)
+    }
+
+    /// The farthest that a coordinate of the pose is corrected in a tick of `dt` \[s\]: \[m\] and \[rad\].
+    /// A relocalisation, which says so, is not bound by it.
+    pub fn largest_step(&self, dt: T) -> (T, T) {
+        self.fusion.as_ref().map_or((T::ZERO, T::ZERO), |fusion| {
+            (dt * fusion.position.rate, dt * fusion.heading.rate)
+        })
+    }
+}
+
+/// What follows from the parameters of the fusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fusion<T> {
+    pub(super) position: Channel<T>,
+    pub(super) heading: Channel<T>,
+    /// ω_s of [`filtered_share`](super::filtered_share): how fast corrections are spread \[1/s\].
+    pub(super) spread: T,
+    pub(super) relocalise_after: u8,
+    pub(super) drift: T,
+    pub(super) two_per_track: T,
+    pub(super) stale_s: T,
+}
+
+/// Position or heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Channel<T> {
+    /// g: the share of an innovation that is taken.
+    pub(super) gain: T,
+    /// Largest believable innovation without drift.
+    pub(super) gate: T,
+    /// Largest difference of two fixes that agree, without drift.
+    pub(super) agree: T,
+    /// Largest rate of correction \[1/s\].
+    pub(super) rate: T,
+    /// Standard deviation of what is reported.
+    pub(super) filtered: T,
+}
+
+impl<T: Scalar> Fusion<T> {
+    fn new<M: Maths<T>>(params: &FusionParams<T>, track: T) -> Self {
+        let channel = |noise, bandwidth| Channel::new::<M>(params, noise, bandwidth);
+        Self {
+            position: channel(params.noise_m, params.bandwidth),
+            heading: channel(params.noise_rad, params.heading_bandwidth),
+            spread: params.rate_hz,
+            relocalise_after: params.relocalise_after,
+            drift: params.drift,
+            two_per_track: (T::ONE + T::ONE) / track,
+            stale_s: params.stale_s,
+        }
+    }
+}
+
+impl<T: Scalar> Channel<T> {
+    fn new<M: Maths<T>>(params: &FusionParams<T>, noise: T, bandwidth: T) -> Self {
+        let two = T::ONE + T::ONE;
+        let gain = -M::exp_m1(-(bandwidth / params.rate_hz));
+        // What the filter holds is itself noisy, by g/(2 − g) of the fixes' variance.
+        let gate = params.gate * noise * M::sqrt(two / (two - gain));
+        // Corrections of fixes at the gate, one after the other, while each is spread over 1/rate:
+        // 1 + e⁻¹ + e⁻² + … = 1.6 of them are under way, and leave at the nominal rate.
+        let under_way = T::from_f64(1.0 / (1.0 - 0.367_879_441_171_442_3));
+        Self {
+            gain,
+            gate,
+            agree: params.gate * noise * M::sqrt(two),
+            rate: params.rate_hz * under_way * gain * gate,
+            filtered: noise * M::sqrt(super::noise::filtered_share(gain)),
+        }
+    }
+}

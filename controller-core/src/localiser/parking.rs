@@ -1,0 +1,1 @@
+//! What a noisy pose leaves of parking.

@@ -1,0 +1,107 @@
+//! The bases of `bases/*.toml`, ideal but for their encoders: counts are whole, and rounded down.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use controller_core::hal::WheelCounts;
+use controller_core::maths::Libm;
+use controller_core::motion::MotionParams;
+use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::scalar::Scalar;
+use controller_core::types::{Pose, WheelTorques, Wrench};
+use controller_core::wheels::WheelGeometry;
+use sim_host::drive::Base as File;
+
+use crate::motion_base::{Base, Body};
+
+/// Counts per turn of a wheel.
+pub const COUNTS: f64 = 2048.0;
+
+/// The three bases, by their file's name.
+pub fn bases() -> [(&'static str, File); 3] {
+    ["hobby-1kg", "lab-10kg", "paper-30kg"].map(|name| {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
+        let file = File::load(&root.join(name).with_extension("toml"));
+        (name, file.expect("a base of the project"))
+    })
+}
+
+/// The controller's parameters of a base.
+pub fn motion(file: &File) -> MotionParams<f64> {
+    MotionParams::new::<Libm>(file.robot, file.limits)
+}
+
+/// Odometry with 2,048 counts a turn.
+pub fn odometry<T: Scalar>(file: &File, bandwidth: f64) -> OdometryParams<T> {
+    let (f, wheels) = (T::from_f64, &file.robot.wheels);
+    OdometryParams {
+        wheels: WheelGeometry {
+            radius_right_m: f(wheels.radius_right_m),
+            radius_left_m: f(wheels.radius_left_m),
+            track_m: f(wheels.track_m),
+        },
+        calibration: Calibration::NOMINAL,
+        counts_per_turn: f(COUNTS),
+        bandwidth: f(bandwidth),
+    }
+}
+
+/// A robot with encoders.
+#[derive(Clone, Copy, Debug)]
+pub struct Encoded {
+    /// The true robot.
+    pub body: Body,
+    plant: Base,
+    /// True wheels: calibrated ones may differ from what odometry believes.
+    pub wheels: WheelGeometry<f64>,
+    /// Travel of the right and the left wheel \[m\].
+    pub travel: (f64, f64),
+}
+
+impl Encoded {
+    /// At rest at `pose`, both encoders in the middle of count 0.
+    pub fn new(file: &File, pose: Pose<f64>) -> Self {
+        let wheels = file.robot.wheels;
+        let half = |radius: f64| PI * radius / COUNTS;
+        Self {
+            body: Body::at(pose.x, pose.y, pose.theta),
+            plant: Base {
+                mass: file.robot.mass_kg,
+                inertia: file.robot.inertia_kg_m2,
+                limits: file.limits,
+            },
+            wheels,
+            travel: (half(wheels.radius_right_m), half(wheels.radius_left_m)),
+        }
+    }
+
+    /// The robot after `dt` under held torques.
+    pub fn advance(&mut self, torques: &WheelTorques<f64>, dt: f64) {
+        let (right, left) = (
+            torques.right / self.wheels.radius_right_m,
+            torques.left / self.wheels.radius_left_m,
+        );
+        let lever = 0.5 * self.wheels.track_m;
+        let wrench = Wrench {
+            force: right + left,
+            moment: lever * (right - left),
+        };
+        let before = self.body.twist;
+        self.body = self.body.after(&self.plant, &wrench, dt);
+        let after = self.body.twist;
+        let way = 0.5 * dt * (before.linear + after.linear);
+        let turn = 0.5 * dt * (before.angular + after.angular);
+        self.travel.0 += way + lever * turn;
+        self.travel.1 += way - lever * turn;
+    }
+
+    /// What the encoders show; the counters wrap.
+    pub fn counts(&self) -> WheelCounts {
+        let count =
+            |travel: f64, radius: f64| (travel * COUNTS / (2.0 * PI * radius)).floor() as i64 as i32;
+        WheelCounts {
+            right: count(self.travel.0, self.wheels.radius_right_m),
+            left: count(self.travel.1, self.wheels.radius_left_m),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! The motion controller in closed loop with a localiser, on a robot with encoders.
+
+use controller_core::localiser::{
+    Estimate, FusionParams, Localisation, Localiser, LocaliserParams,
+};
+use controller_core::maths::Libm;
+use controller_core::motion::{Motion, MotionController, Outcome};
+use controller_core::pose_error::{PoseError, pose_error};
+use controller_core::shunting::ExactMean;
+use controller_core::types::{Accel, Pose};
+use sim_host::drive::Base as File;
+
+use crate::encoded::{Encoded, odometry};
+use crate::fixes::Source;
+use crate::motion_loop::{Order, goal, steady};
+
+type Controller = MotionController<f64, Libm, ExactMean>;
+
+/// Bandwidth of the speed estimate \[rad/s\].
+pub const SPEED: f64 = 50.0;
+
+/// A base with fixes of this noise, 20 a second.
+pub fn localisation(file: &File, noise_m: f64, noise_rad: f64) -> Localisation<f64> {
+    let params = LocaliserParams {
+        odometry: odometry(file, SPEED),
+        fusion: Some(FusionParams::for_source(noise_m, noise_rad, 20.0)),
+    };
+    params.validate::<Libm>().expect("valid")
+}
+
+/// Robot, localiser, controller.
+#[derive(Clone, Debug)]
+pub struct Loop {
+    /// The robot.
+    pub robot: Encoded,
+    /// The localiser.
+    pub localiser: Localiser<f64, 64>,
+    /// The controller.
+    pub controller: Controller,
+    /// The last estimate.
+    pub estimate: Estimate<f64>,
+    /// Time \[s\].
+    pub t: f64,
+    dt: f64,
+    ticks: u32,
+}
+
+impl Loop {
+    /// At rest where `robot` is, and known to be.
+    pub fn start(
+        motion: &Motion<f64>,
+        localisation: &Localisation<f64>,
+        robot: Encoded,
+        order: &Order,
+        dt: f64,
+    ) -> Self {
+        let localiser =
+            Localiser::start(localisation, robot.body.pose, robot.counts()).expect("finite");
+        let controller =
+            Controller::start(motion, order, &robot.body.measured()).expect("the start is finite");
+        Self {
+            robot,
+            localiser,
+            controller,
+            estimate: Estimate::default(),
+            t: 0.0,
+            dt,
+            ticks: 0,
+        }
+    }
+
+    /// The robot alone.
+    pub fn coast(&mut self) {
+        let torques = self.controller.report().torques;
+        self.robot.advance(&torques, self.dt);
+        self.ticks += 1;
+        self.t = f64::from(self.ticks) * self.dt;
+    }
+
+    /// Localiser and controller.
+    pub fn take(&mut self, order: &Order, source: &mut Source) {
+        let motion = *self.controller.motion();
+        let wrench = motion.wheels().wrench(&self.controller.report().torques);
+        let robot = &motion.params().robot;
+        let accel = Accel::new(
+            wrench.force / robot.mass_kg,
+            wrench.moment / robot.inertia_kg_m2,
+        );
+        let fix = source.poll(self.t, &self.robot.body.pose);
+        let counts = self.robot.counts();
+        self.estimate = self
+            .localiser
+            .update_with_accel::<Libm>(counts, self.dt, &accel, fix.as_ref())
+            .expect("the tick is accepted");
+        if self.estimate.jumped {
+            self.controller.declare_jump();
+        }
+        self.controller
+            .step(self.dt, order, &self.estimate.measured)
+            .expect("the tick is accepted");
+    }
+
+    /// The true pose error.
+    pub fn error(&self, order: &Order) -> PoseError<f64> {
+        pose_error::<f64, Libm>(&goal(order), &self.robot.body.pose)
+    }
+
+    /// The larger of the wheels' torques over their limit.
+    pub fn load(&self) -> f64 {
+        let torques = &self.controller.report().torques;
+        let limit = self.controller.motion().params().limits.wheel_torque_nm;
+        torques.right.abs().max(torques.left.abs()) / limit
+    }
+}
+
+/// What a mission came to.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// It says so.
+    pub parked: bool,
+    /// When it said so for good \[s\].
+    pub parked_s: f64,
+    /// True distance to the goal and heading error at the end \[m, rad\].
+    pub left: (f64, f64),
+    /// Largest torque over its limit in the last 5 s.
+    pub rest: f64,
+    /// The largest in the last 5 s of the true distance.
+    pub parks_left: u32,
+}
+
+/// The paper's curve at 0.4 m/s and 0.15 rad/s from 0.3 m beside it, then parking at its end.
+pub fn mission(
+    motion: &Motion<f64>,
+    localisation: &Localisation<f64>,
+    file: &File,
+    source: &mut Source,
+    dt: f64,
+) -> End {
+    let path = steady(0.4, 0.15);
+    let target = Order::Park(goal(&path(10.0)));
+    let robot = Encoded::new(file, Pose::new(0.0, 0.3, 0.0));
+    let mut run = Loop::start(motion, localisation, robot, &path(0.0), dt);
+    let (mut parking, mut parked_s, mut rest) = (false, f64::INFINITY, 0.0_f64);
+    let (mut was, mut parks_left) = (false, 0);
+    while run.t < 30.0 {
+        let left = (10.0 - run.t).max(0.0) * 0.4 + run.error(&path(run.t)).x;
+        let speed = run.controller.report().command.linear;
+        parking |= left <= motion.hand_over_distance(speed) || run.t > 10.0;
+        run.coast();
+        run.take(&if parking { target } else { path(run.t) }, source);
+        let parked = run.controller.report().outcome == Outcome::Parked;
+        if parked && !was {
+            parked_s = run.t;
+        }
+        parks_left += u32::from(was && !parked);
+        was = parked;
+        if run.t > 25.0 {
+            rest = rest.max(run.load());
+        }
+    }
+    let left = run.error(&target);
+    End {
+        parked: was,
+        parked_s,
+        left: (left.x.hypot(left.y), left.theta.abs()),
+        rest,
+        parks_left,
+    }
+}
