@@ -97,8 +97,9 @@ impl Encoded {
 
     /// What the encoders show; the counters wrap.
     pub fn counts(&self) -> WheelCounts {
-        let count =
-            |travel: f64, radius: f64| (travel * COUNTS / (2.0 * PI * radius)).floor() as i64 as i32;
+        let count = |travel: f64, radius: f64| {
+            (travel * COUNTS / (2.0 * PI * radius)).floor() as i64 as i32
+        };
         WheelCounts {
             right: count(self.travel.0, self.wheels.radius_right_m),
             left: count(self.travel.1, self.wheels.radius_left_m),

@@ -113,19 +113,51 @@ impl Loop {
     }
 }
 
-/// What a mission came to.
-#[derive(Clone, Copy, Debug)]
+/// What a run came to.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct End {
     /// It says so.
     pub parked: bool,
-    /// When it said so for good \[s\].
+    /// Since when it says so \[s\].
     pub parked_s: f64,
+    /// How often it was parked and then not.
+    pub left_goal: u32,
     /// True distance to the goal and heading error at the end \[m, rad\].
-    pub left: (f64, f64),
-    /// Largest torque over its limit in the last 5 s.
+    pub off: (f64, f64),
+    /// Largest torque over its limit at rest.
     pub rest: f64,
-    /// The largest in the last 5 s of the true distance.
-    pub parks_left: u32,
+}
+
+impl End {
+    /// After a tick; torques count as those at rest from `rest_s` on.
+    fn see(&mut self, run: &Loop, order: &Order, rest_s: f64) {
+        let parked = run.controller.report().outcome == Outcome::Parked;
+        if parked && !self.parked {
+            self.parked_s = run.t;
+        }
+        self.left_goal += u32::from(self.parked && !parked);
+        self.parked = parked;
+        if run.t > rest_s {
+            self.rest = self.rest.max(run.load());
+        }
+        let error = run.error(order);
+        self.off = (error.x.hypot(error.y), error.theta.abs());
+    }
+
+    /// The worst of many, and how many of them are not parked.
+    pub fn worst(runs: &[Self]) -> (Self, usize) {
+        let mut all = Self::default();
+        for run in runs {
+            all = Self {
+                parked: true,
+                parked_s: all.parked_s.max(run.parked_s),
+                left_goal: all.left_goal + run.left_goal,
+                off: (all.off.0.max(run.off.0), all.off.1.max(run.off.1)),
+                rest: all.rest.max(run.rest),
+            };
+        }
+        (all, runs.iter().filter(|run| !run.parked).count())
+    }
 }
 
 /// The paper's curve at 0.4 m/s and 0.15 rad/s from 0.3 m beside it, then parking at its end.
@@ -140,30 +172,34 @@ pub fn mission(
     let target = Order::Park(goal(&path(10.0)));
     let robot = Encoded::new(file, Pose::new(0.0, 0.3, 0.0));
     let mut run = Loop::start(motion, localisation, robot, &path(0.0), dt);
-    let (mut parking, mut parked_s, mut rest) = (false, f64::INFINITY, 0.0_f64);
-    let (mut was, mut parks_left) = (false, 0);
+    let (mut parking, mut end) = (false, End::default());
     while run.t < 30.0 {
         let left = (10.0 - run.t).max(0.0) * 0.4 + run.error(&path(run.t)).x;
         let speed = run.controller.report().command.linear;
         parking |= left <= motion.hand_over_distance(speed) || run.t > 10.0;
         run.coast();
         run.take(&if parking { target } else { path(run.t) }, source);
-        let parked = run.controller.report().outcome == Outcome::Parked;
-        if parked && !was {
-            parked_s = run.t;
-        }
-        parks_left += u32::from(was && !parked);
-        was = parked;
-        if run.t > 25.0 {
-            rest = rest.max(run.load());
-        }
+        end.see(&run, &target, 25.0);
     }
-    let left = run.error(&target);
-    End {
-        parked: was,
-        parked_s,
-        left: (left.x.hypot(left.y), left.theta.abs()),
-        rest,
-        parks_left,
+    end
+}
+
+/// Parking at the origin from rest at `start` for 20 s.
+pub fn park(
+    motion: &Motion<f64>,
+    localisation: &Localisation<f64>,
+    file: &File,
+    start: Pose<f64>,
+    source: &mut Source,
+    dt: f64,
+) -> End {
+    let home = Order::Park(Pose::default());
+    let mut run = Loop::start(motion, localisation, Encoded::new(file, start), &home, dt);
+    let mut end = End::default();
+    while run.t < 20.0 {
+        run.coast();
+        run.take(&home, source);
+        end.see(&run, &home, 15.0);
     }
+    end
 }

@@ -36,14 +36,22 @@ fn drive(
         robot.advance(&torques, dt);
         let wrench = motion.wheels().wrench(&torques);
         let accel = if told {
-            Accel::new(wrench.force / file.robot.mass_kg, wrench.moment / file.robot.inertia_kg_m2)
+            Accel::new(
+                wrench.force / file.robot.mass_kg,
+                wrench.moment / file.robot.inertia_kg_m2,
+            )
         } else {
             Accel::default()
         };
         let measured = odometry.update_with_accel::<Libm>(robot.counts(), dt, &accel);
         let report = controller.step(dt, &order(t), &measured).expect("accepted");
         let torques = report.torques;
-        see(t, (torques.right, torques.left), &robot, measured.twist.linear);
+        see(
+            t,
+            (torques.right, torques.left),
+            &robot,
+            measured.twist.linear,
+        );
     }
 }
 
@@ -71,19 +79,31 @@ fn creeping_does_not_make_the_torque_rattle() {
                 let speed = q / (20.0 * dt);
                 let rate = 2.0 * speed / file.robot.wheels.track_m;
                 let mut worst = [0.0, 0.0];
-                for (ripple, order) in worst.iter_mut().zip([steady(speed, 0.0), steady(0.0, rate)]) {
+                for (ripple, order) in worst
+                    .iter_mut()
+                    .zip([steady(speed, 0.0), steady(0.0, rate)])
+                {
                     let (mut right, mut left) = (Range::NONE, Range::NONE);
-                    drive(&file, (bandwidth, told), dt, 12.0, order, |t, torques, _, _| {
-                        if t > 6.0 {
-                            right.add(torques.0);
-                            left.add(torques.1);
-                        }
-                    });
+                    drive(
+                        &file,
+                        (bandwidth, told),
+                        dt,
+                        12.0,
+                        order,
+                        |t, torques, _, _| {
+                            if t > 6.0 {
+                                right.add(torques.0);
+                                left.add(torques.1);
+                            }
+                        },
+                    );
                     *ripple = right.half().max(left.half()) / file.limits.wheel_torque_nm;
                 }
                 println!(
                     "{name} {} ms, {bandwidth} rad/s, told {told}: ripple {:.3} % straight, {:.3} % turning",
-                    1e3 * dt, 100.0 * worst[0], 100.0 * worst[1]
+                    1e3 * dt,
+                    100.0 * worst[0],
+                    100.0 * worst[1]
                 );
             }
         }
@@ -98,12 +118,16 @@ fn steady_creep_is_read_without_ripple() {
         for dt in [0.01, 0.005, 0.001] {
             let params = odometry::<f64>(&file, 50.0);
             let q = params.travel_per_count_m();
-            let mut odometry = Odometry::new(&params, Pose::default(), WheelCounts::default()).expect("in range");
+            let mut odometry =
+                Odometry::new(&params, Pose::default(), WheelCounts::default()).expect("in range");
             let mut range = Range::NONE;
             let (mut sum, mut n) = (0.0, 0.0);
             for k in 1..=4000 {
                 let count = (f64::from(k) / ticks).floor() as i32;
-                let now = WheelCounts { right: count, left: count };
+                let now = WheelCounts {
+                    right: count,
+                    left: count,
+                };
                 let v = odometry.update::<Libm>(now, dt).twist.linear;
                 if k > 2000 {
                     range.add(v);
@@ -112,7 +136,12 @@ fn steady_creep_is_read_without_ripple() {
                 }
             }
             let speed = q / (ticks * dt);
-            println!("{ticks} ticks of {dt} s: {:.4} mm/s +- {:.4}, mean {:.4}", 1e3*speed, 1e3 * range.half(), 1e3 * sum / n);
+            println!(
+                "{ticks} ticks of {dt} s: {:.4} mm/s +- {:.4}, mean {:.4}",
+                1e3 * speed,
+                1e3 * range.half(),
+                1e3 * sum / n
+            );
             assert_within(sum / n, speed, 0.02 * speed, "mean");
         }
     }
