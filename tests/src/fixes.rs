@@ -21,8 +21,10 @@ pub struct Source {
     pub noise_rad: f64,
     /// Of the noise.
     pub random: Random,
-    taken: u32,
-    under_way: VecDeque<(f64, Pose<f64>)>,
+    /// Fixes taken so far.
+    pub taken: u32,
+    /// Fixes on their way, oldest first: when taken \[s\], and what was seen.
+    pub under_way: VecDeque<(f64, Pose<f64>)>,
 }
 
 impl Source {

@@ -1,0 +1,62 @@
+//! A localiser on a robot that is led along a known way, without a controller.
+
+use controller_core::localiser::{Estimate, Localisation, Localiser};
+use controller_core::maths::Maths;
+use controller_core::scalar::Scalar;
+use controller_core::types::{Pose, Twist, WheelTorques};
+
+use crate::encoded::Encoded;
+use crate::fixes::{Source, fix};
+use crate::motion_base::pose;
+
+/// Robot and localiser.
+#[derive(Clone, Debug)]
+pub struct Led<T, const N: usize> {
+    /// The robot.
+    pub robot: Encoded,
+    /// The localiser.
+    pub localiser: Localiser<T, N>,
+    /// Time \[s\].
+    pub t: f64,
+}
+
+impl<T: Scalar, const N: usize> Led<T, N> {
+    /// The localiser believes the robot where it is.
+    pub fn start(localisation: &Localisation<T>, robot: Encoded) -> Self {
+        let localiser = Localiser::start(localisation, pose(&robot.body.pose), robot.counts());
+        Self {
+            robot,
+            localiser: localiser.expect("a finite pose"),
+            t: 0.0,
+        }
+    }
+
+    /// A tick at a twist.
+    pub fn advance<M: Maths<T>>(
+        &mut self,
+        twist: Twist<f64>,
+        dt: f64,
+        source: &mut Source,
+    ) -> Estimate<T> {
+        self.robot.body.twist = twist;
+        self.robot.advance(&WheelTorques::default(), dt);
+        self.t += dt;
+        let fixed = source.poll(self.t, &self.robot.body.pose);
+        let fixed = fixed.as_ref().map(fix);
+        self.localiser
+            .update::<M>(self.robot.counts(), T::from_f64(dt), fixed.as_ref())
+            .expect("the tick is accepted")
+    }
+
+    /// Reported minus true pose, in the true robot's frame, of an estimate.
+    pub fn off(&self, estimate: &Estimate<T>) -> Pose<f64> {
+        let (found, truth) = (&estimate.measured.pose, &self.robot.body.pose);
+        let (sine, cosine) = truth.theta.sin_cos();
+        let (dx, dy) = (found.x.to_f64() - truth.x, found.y.to_f64() - truth.y);
+        Pose::new(
+            dx * cosine + dy * sine,
+            dy * cosine - dx * sine,
+            controller_core::angle::wrap(found.theta.to_f64() - truth.theta),
+        )
+    }
+}
