@@ -145,6 +145,40 @@ fn set_pose_keeps_the_speed() {
     assert!(change < 0.02 * measured.twist.linear, "{change}");
 }
 
+/// Calibration scales radii and track: as if they had been measured so.
+#[test]
+fn calibration_scales_the_lengths() {
+    let calibrated = OdometryParams {
+        calibration: Calibration {
+            right: 1.02,
+            left: 0.97,
+            track: 1.05,
+        },
+        ..params()
+    };
+    let wheels = params().wheels;
+    let measured = OdometryParams {
+        wheels: WheelGeometry {
+            radius_right_m: 1.02 * wheels.radius_right_m,
+            radius_left_m: 0.97 * wheels.radius_left_m,
+            track_m: 1.05 * wheels.track_m,
+        },
+        ..params()
+    };
+    let drive = |params: &OdometryParams<f64>| {
+        let mut odometry =
+            Odometry::new(params, Pose::default(), WheelCounts::default()).expect("in range");
+        let now = WheelCounts {
+            right: 700,
+            left: 300,
+        };
+        odometry.update::<Libm>(now, 0.1)
+    };
+    assert_eq!(drive(&calibrated), drive(&measured));
+    assert_eq!(calibrated.track_m(), 1.05 * 0.5);
+    assert_eq!(calibrated.delay_s(), 2.0 / 50.0);
+}
+
 /// Parameters out of range are named.
 #[test]
 fn odometry_names_bad_parameters() {
@@ -165,6 +199,18 @@ fn odometry_names_bad_parameters() {
         (Field::Bandwidth, Problem::NotFinite)
     );
     assert_eq!(refuse(&|p| p.wheels.track_m = 0.0).field, Field::Track);
+    assert_eq!(
+        refuse(&|p| p.calibration.right = 0.4).field,
+        Field::CalibrationRight
+    );
+    assert_eq!(
+        refuse(&|p| p.calibration.left = 2.1).field,
+        Field::CalibrationLeft
+    );
+    assert_eq!(
+        refuse(&|p| p.calibration.track = f64::NAN).field,
+        Field::CalibrationTrack
+    );
 }
 
 /// What drivers refuse, what kinds say, and counters of 16 bits in either direction.

@@ -2,7 +2,7 @@
 
 use controller_core::hal::WheelCounts;
 use controller_core::maths::Libm;
-use controller_core::motion::{MotionController, Task};
+use controller_core::motion::MotionController;
 use controller_core::odometry::Odometry;
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Pose};
@@ -15,14 +15,14 @@ use tests::motion_loop::{Order, steady};
 type Controller = MotionController<f64, Libm, ExactMean>;
 
 /// Follows `order` for `end_s` from rest on odometry alone, told of its accelerations or not; calls
-/// `see` with the time, the torques and the estimated speed.
+/// `see` with the time and the torques.
 fn drive(
     file: &File,
     (bandwidth, told): (f64, bool),
     dt: f64,
     end_s: f64,
     order: impl Fn(f64) -> Order,
-    mut see: impl FnMut(f64, (f64, f64), &Encoded, f64),
+    mut see: impl FnMut(f64, (f64, f64)),
 ) {
     let motion = motion(file).validate().expect("valid");
     let mut robot = Encoded::new(file, Pose::default());
@@ -46,12 +46,7 @@ fn drive(
         let measured = odometry.update_with_accel::<Libm>(robot.counts(), dt, &accel);
         let report = controller.step(dt, &order(t), &measured).expect("accepted");
         let torques = report.torques;
-        see(
-            t,
-            (torques.right, torques.left),
-            &robot,
-            measured.twist.linear,
-        );
+        see(t, (torques.right, torques.left));
     }
 }
 
@@ -69,59 +64,75 @@ impl Range {
     }
 }
 
-/// A count in 20 ticks, straight and turning in place: the torque ripple is below 1 % of the limit.
+/// A count in 20 ticks, straight and turning in place, half the range of either wheel's torque over
+/// its limit.
+fn ripple(file: &File, speed_loop: (f64, bool), dt: f64) -> [f64; 2] {
+    let q = 2.0 * PI * file.robot.wheels.radius_right_m / COUNTS;
+    let speed = q / (20.0 * dt);
+    let rate = 2.0 * speed / file.robot.wheels.track_m;
+    [steady(speed, 0.0), steady(0.0, rate)].map(|order| {
+        let (mut right, mut left) = (Range::NONE, Range::NONE);
+        drive(file, speed_loop, dt, 12.0, order, |t, torques| {
+            if t > 6.0 {
+                right.add(torques.0);
+                left.add(torques.1);
+            }
+        });
+        right.half().max(left.half()) / file.limits.wheel_torque_nm
+    })
+}
+
+/// Told of its accelerations, every base creeps with less than 1 % of its torque, at any bandwidth;
+/// without, the two lighter ones do.
 #[test]
 fn creeping_does_not_make_the_torque_rattle() {
     for (name, file) in bases() {
         for dt in [0.01, 0.005] {
-            for (bandwidth, told) in [(50.0, false), (100.0, false), (50.0, true), (20.0, true)] {
-                let q = 2.0 * PI * file.robot.wheels.radius_right_m / COUNTS;
-                let speed = q / (20.0 * dt);
-                let rate = 2.0 * speed / file.robot.wheels.track_m;
-                let mut worst = [0.0, 0.0];
-                for (ripple, order) in worst
-                    .iter_mut()
-                    .zip([steady(speed, 0.0), steady(0.0, rate)])
-                {
-                    let (mut right, mut left) = (Range::NONE, Range::NONE);
-                    drive(
-                        &file,
-                        (bandwidth, told),
-                        dt,
-                        12.0,
-                        order,
-                        |t, torques, _, _| {
-                            if t > 6.0 {
-                                right.add(torques.0);
-                                left.add(torques.1);
-                            }
-                        },
-                    );
-                    *ripple = right.half().max(left.half()) / file.limits.wheel_torque_nm;
-                }
+            for (bandwidth, told) in [(50.0, false), (20.0, true), (50.0, true), (200.0, true)] {
+                let [straight, turning] = ripple(&file, (bandwidth, told), dt);
                 println!(
                     "{name} {} ms, {bandwidth} rad/s, told {told}: ripple {:.3} % straight, {:.3} % turning",
                     1e3 * dt,
-                    100.0 * worst[0],
-                    100.0 * worst[1]
+                    100.0 * straight,
+                    100.0 * turning
+                );
+                // 30 kg turn with 15 kg m² on wheels 0.5 m apart: a loop of 5 rad/s that learns of its
+                // own torque at the next count, 0.2 s later, rings a little.
+                let most = if told || name != "paper-30kg" {
+                    0.01
+                } else {
+                    0.025
+                };
+                assert!(
+                    straight < most && turning < most,
+                    "{name}: {straight} {turning}"
                 );
             }
         }
     }
 }
 
-/// Open loop: at a steady creep the ripple of the estimate dies out; a difference quotient has 20 times the speed.
+/// The speed of one linear loop with the same bandwidth: every count is a blow.
+fn linear(lag: &mut f64, speed: &mut f64, moved: f64, dt: f64) -> f64 {
+    let a = 50.0 * dt;
+    let error = *lag + moved - *speed * dt;
+    *lag = error / ((1.0 + a) * (1.0 + a));
+    *speed += 50.0 * a * *lag;
+    *speed
+}
+
+/// Open loop: at a steady speed the ripple of the estimate dies out, at many ticks to a count and few.
 #[test]
 fn steady_creep_is_read_without_ripple() {
     let (_, file) = bases()[2].clone();
-    for ticks in [1.3, 3.7, 20.0, 20.6] {
+    let params = odometry::<f64>(&file, 50.0);
+    let q = params.travel_per_count_m();
+    for ticks in [0.3, 1.3, 3.7, 20.0, 20.6] {
         for dt in [0.01, 0.005, 0.001] {
-            let params = odometry::<f64>(&file, 50.0);
-            let q = params.travel_per_count_m();
             let mut odometry =
                 Odometry::new(&params, Pose::default(), WheelCounts::default()).expect("in range");
-            let mut range = Range::NONE;
-            let (mut sum, mut n) = (0.0, 0.0);
+            let (mut range, mut blows) = (Range::NONE, Range::NONE);
+            let (mut lag, mut rate, mut last) = (0.0, 0.0, 0);
             for k in 1..=4000 {
                 let count = (f64::from(k) / ticks).floor() as i32;
                 let now = WheelCounts {
@@ -129,20 +140,180 @@ fn steady_creep_is_read_without_ripple() {
                     left: count,
                 };
                 let v = odometry.update::<Libm>(now, dt).twist.linear;
+                let old = linear(&mut lag, &mut rate, f64::from(count - last) * q, dt);
+                last = count;
                 if k > 2000 {
                     range.add(v);
-                    sum += v;
-                    n += 1.0;
+                    blows.add(old);
                 }
             }
             let speed = q / (ticks * dt);
             println!(
-                "{ticks} ticks of {dt} s: {:.4} mm/s +- {:.4}, mean {:.4}",
+                "{ticks} ticks of {dt} s: {:.3} mm/s, ripple {:.4} mm/s, of a linear loop {:.4}",
                 1e3 * speed,
                 1e3 * range.half(),
-                1e3 * sum / n
+                1e3 * blows.half()
             );
-            assert_within(sum / n, speed, 0.02 * speed, "mean");
+            // 2.5 % of the speed: a count that now and then comes a tick earlier.
+            assert!(range.half() < 0.025 * speed, "{}", range.half());
+            assert!((range.0 - speed).abs().max((range.1 - speed).abs()) < 0.05 * speed);
+            assert!(ticks < 2.0 || range.half() < 0.1 * blows.half());
+        }
+    }
+}
+
+/// A stop reads as at most one count per time since the next was due, and soon exactly 0; wheels that
+/// are stuck against their torque read near 0 as well.
+#[test]
+fn standstill_reads_zero() {
+    let (_, file) = bases()[2].clone();
+    let params = odometry::<f64>(&file, 50.0);
+    let q = params.travel_per_count_m();
+    for (v, dt) in [
+        (1.0, 0.01),
+        (0.1, 0.01),
+        (0.01, 0.01),
+        (0.002, 0.01),
+        (1.0, 0.005),
+        (0.002, 0.005),
+    ] {
+        let mut odometry =
+            Odometry::new(&params, Pose::default(), WheelCounts::default()).expect("in range");
+        let mut now = WheelCounts::default();
+        for k in 1..=400 {
+            let count = (f64::from(k) * v * dt / q) as i32;
+            now = WheelCounts {
+                right: count,
+                left: count,
+            };
+            odometry.update::<Libm>(now, dt);
+        }
+        let (mut slow_s, mut zero_s, mut t) = (f64::NAN, f64::NAN, 0.0);
+        while t < 4.0 {
+            t += dt;
+            let speed = odometry.update::<Libm>(now, dt).twist.linear;
+            if speed.abs() < 1e-3 && slow_s.is_nan() {
+                slow_s = t;
+            }
+            if speed == 0.0 && zero_s.is_nan() {
+                zero_s = t;
+            }
+            // The next count is due within the travel of one, or at once.
+            let due = t - q / v - 2.0 * dt;
+            assert!(
+                due <= 0.0 || speed.abs() <= 1.01 * q / due,
+                "{speed} at {t}"
+            );
+        }
+        println!("{v} m/s, {dt} s: below 1 mm/s after {slow_s:.3} s, 0 after {zero_s:.3} s");
+        // Above a count per time constant, within ten time constants; below, a count later.
+        assert!(
+            slow_s < 0.2 + q / v && zero_s < 1.5,
+            "{v}: {slow_s} {zero_s}"
+        );
+    }
+    let mut odometry =
+        Odometry::new(&params, Pose::default(), WheelCounts::default()).expect("in range");
+    let (push, mut last) = (Accel::new(1.0, 0.0), 0.0);
+    for _ in 0..50 {
+        last = odometry
+            .update_with_accel::<Libm>(WheelCounts::default(), 0.01, &push)
+            .twist
+            .linear;
+    }
+    // Half a second at 1 m/s² told, none of it done: a count per time since it was due.
+    assert!(last > 0.0 && last < q / 0.4, "{last}");
+}
+
+/// Told of its accelerations the estimate does not lag them; what it was not told of is 2/bandwidth late.
+#[test]
+fn told_accelerations_are_not_delayed() {
+    let (_, file) = bases()[2].clone();
+    let params = odometry::<f64>(&file, 50.0);
+    let dt = 0.005;
+    for (told, late_s) in [
+        (1.0, 0.0),
+        (0.7, 0.3 * params.delay_s()),
+        (0.0, params.delay_s()),
+    ] {
+        let mut odometry =
+            Odometry::new(&params, Pose::default(), WheelCounts::default()).expect("in range");
+        let mut v = 0.0;
+        for k in 1..=300 {
+            let t = f64::from(k) * dt;
+            let count = (0.5 * t * t / params.travel_per_count_m()) as i32;
+            let now = WheelCounts {
+                right: count,
+                left: count,
+            };
+            v = odometry
+                .update_with_accel::<Libm>(now, dt, &Accel::new(told, 0.0))
+                .twist
+                .linear;
+        }
+        // At 1 m/s² a second is a metre per second. Half a tick, since the loop sees travel, and
+        // half a count of 0.3 mm through the loop.
+        assert_within(1.5 - v, late_s, 0.006, "delay");
+    }
+}
+
+/// A new pose in the middle of a curve and of parking: the twist carries on, and with the jump declared
+/// force and moment change by no more than L dt.
+#[test]
+fn a_reset_pose_does_not_jump_the_torque() {
+    for (name, file) in bases() {
+        let motion = motion(&file).validate().expect("valid");
+        for order in [
+            steady(0.4, 0.15)(0.0),
+            Order::Park(Pose::new(1.5, 0.4, 0.3)),
+        ] {
+            let dt = 0.01;
+            let mut robot = Encoded::new(&file, Pose::default());
+            let start = robot.body.pose;
+            let mut odometry =
+                Odometry::new(&odometry::<f64>(&file, 50.0), start, robot.counts()).expect("valid");
+            let path = steady(0.4, 0.15);
+            let now = |t: f64| {
+                if let Order::Park(_) = order {
+                    order
+                } else {
+                    path(t)
+                }
+            };
+            let mut controller =
+                Controller::start(&motion, &now(0.0), &robot.body.measured()).expect("starts");
+            let mut last = motion.wheels().wrench(&controller.report().torques);
+            let (mut most, mut twist, mut stepped) = (0.0_f64, Default::default(), 0.0_f64);
+            for k in 1..=400 {
+                robot.advance(&controller.report().torques, dt);
+                if k == 100 {
+                    odometry.set_pose(Pose::new(0.1, 0.3, -0.4));
+                    controller.declare_jump();
+                }
+                let accel = controller.report().command_rate;
+                let measured = odometry.update_with_accel::<Libm>(robot.counts(), dt, &accel);
+                if k == 100 {
+                    let before: controller_core::types::Twist<f64> = twist;
+                    stepped = (measured.twist.linear - before.linear).abs();
+                }
+                twist = measured.twist;
+                controller
+                    .step(dt, &now(f64::from(k) * dt), &measured)
+                    .expect("accepted");
+                let wrench = motion.wheels().wrench(&controller.report().torques);
+                if !controller.report().limited.torque {
+                    most = most
+                        .max((wrench.force - last.force).abs() / (motion.force_rate_limit() * dt))
+                        .max(
+                            (wrench.moment - last.moment).abs() / (motion.moment_rate_limit() * dt),
+                        );
+                }
+                last = wrench;
+            }
+            println!("{name}: {most:.3} of L dt, twist {stepped:.4} m/s");
+            assert!(most <= 1.0, "{name}: {most}");
+            // A tick of the largest acceleration.
+            assert!(stepped <= file.limits.accel.max(file.limits.brake) * dt * 1.2);
         }
     }
 }

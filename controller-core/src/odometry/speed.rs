@@ -3,10 +3,10 @@
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// Turns of the loop's phase between two counts \[rad\]: its bandwidth is at most this over the time
-/// between counts. A count tells its speed once; a loop that is faster than the counts takes each for
-/// a blow and forgets it before the next. Of 0.5 to 4 the largest whose ripple at a count in 20 ticks
-/// dies out; at 4 it stays.
+/// The loop's bandwidth is at most this over the time between counts \[rad\]. A count tells its speed
+/// once; a loop that is much faster than the counts takes each for a blow and forgets it before the
+/// next. With 0.7, 1.5, 2.5, 4 a base of 30 kg that turns at a count in 20 ticks without telling its
+/// accelerations has a torque ripple of 3.2, 2.0, 2.1, 2.6 % of its limit.
 const PER_COUNT: f64 = 1.5;
 
 /// Longest time between counts that slows the loop \[s\]: from rest, the second count is believed.
@@ -68,14 +68,20 @@ impl<T: Scalar> Wheel<T> {
         let shrink = T::ONE / (one_plus * one_plus);
         let ahead = dt * (self.speed + T::HALF * dt * accel);
         let error = self.lag + T::from_i32(counts) * per_count - ahead;
-        let beyond = error - clamp(error, T::HALF * per_count);
+        let inside = clamp(error, T::HALF * per_count);
+        let beyond = error - inside;
         let mut speed = self.speed + dt * accel + omega * (a * shrink) * beyond;
         self.lag = error - beyond * (T::ONE - shrink);
         // Written so that a beyond of zero is not overdue.
         let waits = counts == 0 && beyond * ahead < T::ZERO;
         self.overdue = if waits { self.overdue + dt } else { T::ZERO };
         if waits {
-            speed = clamp(speed, per_count / self.overdue);
+            let most = per_count / self.overdue;
+            if speed.abs() > most {
+                // A blow: the travel has stopped at the edge too, or it would be undone backwards.
+                speed = clamp(speed, most);
+                self.lag = inside;
+            }
             if speed.abs() < f(STANDS) * per_count {
                 speed = T::ZERO;
             }

@@ -73,6 +73,7 @@ fn run() {
     parts::neuron::<ExactMean>(meter, "exact");
     parts::reference(meter);
     parts::odometry(meter);
+    parts::localiser(meter);
     ramsete::measure::<Single>(meter, "single");
     ramsete::measure::<Libm>(meter, "libm");
 

@@ -4,6 +4,7 @@ use core::hint::black_box;
 
 use controller_core::angle::wrap;
 use controller_core::hal::WheelCounts;
+use controller_core::localiser::{Fix, FixOutcome, FusionParams, Localiser, LocaliserParams};
 use controller_core::maths::{Maths, Single};
 use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::params::NeuronParams;
@@ -203,4 +204,57 @@ pub fn odometry(meter: &mut Meter) {
         measured = black_box(measured);
     }
     row.print(&["odometry", "update"]);
+}
+
+/// The pose from encoders and fixes: a tick without a fix, and with one of 20 ms ago.
+#[inline(never)]
+pub fn localiser(meter: &mut Meter) {
+    let params = LocaliserParams {
+        odometry: OdometryParams {
+            wheels: WheelGeometry {
+                radius_right_m: 0.1,
+                radius_left_m: 0.1,
+                track_m: 0.5,
+            },
+            calibration: Calibration::NOMINAL,
+            counts_per_turn: 4096.0,
+            bandwidth: 50.0,
+        },
+        fusion: Some(FusionParams::for_source(5.0e-3, 5.0e-3, 20.0)),
+    };
+    let Ok(localisation) = params.validate::<Single>() else {
+        return complain(&["localiser"], "params", 1);
+    };
+    let mut counts = WheelCounts::default();
+    let Ok(mut localiser) = Localiser::<f32, 32>::start(&localisation, Pose::default(), counts)
+    else {
+        return complain(&["localiser"], "start", 1);
+    };
+    let mut inputs = Inputs::new(9);
+    let dt = black_box(1.0e-3);
+    let (mut without, mut with) = (Row::new(), Row::new());
+    let mut faults = 0_u32;
+    let mut estimate = None;
+    for tick in 0..COUNT {
+        counts.right = counts.right.wrapping_add(inputs.bits() as i32 >> 28);
+        counts.left = counts.left.wrapping_add(inputs.bits() as i32 >> 28);
+        let at = *localiser.pose();
+        let fix = Fix {
+            pose: Pose::new(at.x + inputs.real(0.01), at.y, at.theta),
+            age_s: black_box(20.0e-3),
+        };
+        let given = (tick % 4 == 3 && tick > 40).then_some(&fix);
+        let cost = meter
+            .measure(|| estimate = localiser.update::<Single>(counts, dt, given).ok())
+            .1;
+        estimate = black_box(estimate);
+        match (&estimate, given) {
+            (Some(_), None) => without.add(cost),
+            (Some(seen), Some(_)) if seen.fix == FixOutcome::Fused => with.add(cost),
+            _ => faults += 1,
+        }
+    }
+    without.print(&["localiser", "without-fix"]);
+    with.print(&["localiser", "with-fix"]);
+    complain(&["localiser"], "faults", faults);
 }
