@@ -198,6 +198,8 @@ pub fn parts(cost: &Rows) -> String {
         ("reference from numbers", "reference/new"),
         ("reference between two samples", "reference/interpolate"),
         ("odometry", "odometry/update"),
+        ("localiser without a fix", "localiser/without-fix"),
+        ("localiser with a fix", "localiser/with-fix"),
         ("link: decode a tick's question", "wire/decode-tick"),
         ("link: encode a report", "wire/encode-report"),
         ("telemetry into the queue", "wire/telemetry-offer"),
