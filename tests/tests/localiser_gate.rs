@@ -1,10 +1,8 @@
 //! Fixes that are wrong, and poses that are: outliers, relocalisation, refusals, steps.
 
-use controller_core::error::{Field, Input, StepFault};
+use controller_core::error::{Input, StepFault};
 use controller_core::hal::WheelCounts;
-use controller_core::localiser::{
-    Fix, FixOutcome, FusionParams, Localiser, LocaliserParams, Refusal,
-};
+use controller_core::localiser::{Fix, FixOutcome, Localiser, LocaliserParams, Refusal};
 use controller_core::maths::Libm;
 use controller_core::types::{Accel, Pose, Twist};
 use tests::encoded::{Encoded, bases, motion, odometry};
@@ -275,38 +273,4 @@ fn without_fusion_it_is_odometry() {
         }
     }
     assert_eq!(localisation.filtered_noise_m(), 0.0);
-}
-
-/// Parameters out of range are named.
-#[test]
-fn bad_parameters_are_named() {
-    let (_, file) = bases()[1].clone();
-    let refused = |change: &dyn Fn(&mut FusionParams<f64>)| {
-        let mut fusion = FusionParams::for_source(5e-3, 5e-3, 20.0);
-        change(&mut fusion);
-        let params = LocaliserParams {
-            odometry: odometry(&file, SPEED),
-            fusion: Some(fusion),
-        };
-        params.validate::<Libm>().expect_err("out of range").field
-    };
-    assert_eq!(refused(&|p| p.noise_m = 0.0), Field::FixNoise);
-    assert_eq!(refused(&|p| p.noise_rad = f64::NAN), Field::FixHeadingNoise);
-    assert_eq!(refused(&|p| p.rate_hz = 0.0), Field::FixRate);
-    assert_eq!(refused(&|p| p.bandwidth = -1.0), Field::FixBandwidth);
-    assert_eq!(
-        refused(&|p| p.heading_bandwidth = 101.0),
-        Field::FixHeadingBandwidth
-    );
-    assert_eq!(refused(&|p| p.gate = 1.0), Field::FixGate);
-    assert_eq!(refused(&|p| p.relocalise_after = 1), Field::RelocaliseAfter);
-    assert_eq!(refused(&|p| p.drift = 0.6), Field::OdometryDrift);
-    assert_eq!(refused(&|p| p.stale_s = 0.0), Field::FixStale);
-    let mut params = LocaliserParams {
-        odometry: odometry::<f64>(&file, SPEED),
-        fusion: None,
-    };
-    params.odometry.calibration.track = 3.0;
-    let error = params.validate::<Libm>().expect_err("out of range");
-    assert_eq!(error.field, Field::CalibrationTrack);
 }

@@ -220,7 +220,7 @@ pub fn localiser(meter: &mut Meter) {
             counts_per_turn: 4096.0,
             bandwidth: 50.0,
         },
-        fusion: Some(FusionParams::for_source(5.0e-3, 5.0e-3, 20.0)),
+        fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
     };
     let Ok(localisation) = params.validate::<Single>() else {
         return complain(&["localiser"], "params", 1);
@@ -240,7 +240,7 @@ pub fn localiser(meter: &mut Meter) {
         counts.left = counts.left.wrapping_add(inputs.bits() as i32 >> 28);
         let at = *localiser.pose();
         let fix = Fix {
-            pose: Pose::new(at.x + inputs.real(0.01), at.y, at.theta),
+            pose: Pose::new(at.x + inputs.real::<f32>(0.01), at.y, at.theta),
             age_s: black_box(20.0e-3),
         };
         let given = (tick % 4 == 3 && tick > 40).then_some(&fix);
