@@ -8,7 +8,7 @@
 //! | step | modules |
 //! | --- | --- |
 //! | read | [`scenario`], [`motion`], [`advice`] |
-//! | run | [`plant`], [`pilot`], [`mod@run`], [`trace`] |
+//! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | report | [`metrics`], [`table`], [`csv_out`], [`figure`] |
 //!
@@ -40,3 +40,4 @@ pub mod scenario;
 pub mod sim_robot;
 pub mod table;
 pub mod trace;
+pub mod world;

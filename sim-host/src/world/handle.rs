@@ -1,0 +1,204 @@
+//! The whole plant behind one handle.
+
+use super::actuation::Actuation;
+use super::check;
+use super::defect::{Defect, Defects};
+use super::electric::Electric;
+use super::error::{ActuationError, WorldError};
+use super::params::WorldParams;
+use super::plant::{Body, Outside};
+use super::senses::Senses;
+use controller_core::hal::{ErrorKind, WheelCounts};
+use controller_core::types::{Measured, Pose, WheelSpeeds, WheelTorques};
+
+/// A plant that runs. Nothing moves but in [`advance`](Self::advance).
+#[derive(Clone, Debug)]
+pub struct World {
+    body: Body,
+    electric: Electric,
+    senses: Senses,
+    defects: Defects,
+    last: Actuation,
+    substep_us: u32,
+    now_us: u64,
+}
+
+impl World {
+    /// A robot at `start` with open windings. `seed` settles all noise.
+    ///
+    /// # Errors
+    /// The first parameter out of its range, with its key.
+    pub fn new(params: &WorldParams, start: &Measured<f64>, seed: u64) -> Result<Self, WorldError> {
+        check::check(params)?;
+        let body = Body::new(params, start);
+        let electric = Electric::new(params.motor, &params.battery, body.moved());
+        Ok(Self {
+            body,
+            electric,
+            senses: Senses::new(params, seed),
+            defects: Defects::default(),
+            last: Actuation::Release,
+            substep_us: params.substep_us,
+            now_us: 0,
+        })
+    }
+
+    /// Lets `dt_us` pass with a command held, then measures once.
+    ///
+    /// # Errors
+    /// A command or a tick that cannot be; nothing has moved then.
+    pub fn advance(&mut self, command: &Actuation, dt_us: u32) -> Result<(), ActuationError> {
+        command.check(self.electric.has_motor())?;
+        if !(1..=1_000_000).contains(&dt_us) {
+            return Err(ActuationError::BadTick);
+        }
+        let acting = match self.defects.drive_fails {
+            Some(true) => Actuation::Release,
+            Some(false) => self.last,
+            None => *command,
+        };
+        self.last = acting;
+        let steps = dt_us.div_ceil(self.substep_us);
+        let h_us = f64::from(dt_us) / f64::from(steps);
+        for step in 0..steps {
+            let from = self.now_us as f64 + f64::from(step) * h_us;
+            let before = self.body.pose;
+            self.substep(&acting, 1.0e-6 * from, 1.0e-6 * h_us);
+            let to = if step + 1 == steps {
+                (self.now_us + u64::from(dt_us)) as f64
+            } else {
+                from + h_us
+            };
+            self.take_poses(before, from, to);
+        }
+        self.now_us += u64::from(dt_us);
+        let electric = (self.electric.supply_v, self.electric.current);
+        self.senses
+            .measure(self.now_us, self.body.angle, electric, &self.defects);
+        Ok(())
+    }
+
+    fn substep(&mut self, command: &Actuation, time_s: f64, h: f64) {
+        let before = self.body.omega;
+        let [right, left] = self.defects.over_current_a;
+        let battery = (self.defects.sag_v, right + left);
+        let drive = self.electric.drive(command, before, h, battery);
+        let outside = Outside {
+            blocked: self.defects.blocked,
+            ice: self.defects.ice,
+        };
+        self.body.substep(&drive, &outside, time_s, h);
+        let mean = [0, 1].map(|i| 0.5 * (before[i] + self.body.omega[i]));
+        self.electric.settle(mean, h);
+    }
+
+    /// Poses taken within a substep. Between its ends the way is straight to a h²/8, some 1e-8 m.
+    fn take_poses(&mut self, before: Pose<f64>, from: f64, to: f64) {
+        while let Some(moment) = self.senses.next_pose_us().map(|us| us as f64) {
+            if moment > to {
+                return;
+            }
+            let share = (moment - from) / (to - from);
+            let between = |a: f64, b: f64| a + share * (b - a);
+            let after = self.body.pose;
+            let pose = Pose::new(
+                between(before.x, after.x),
+                between(before.y, after.y),
+                between(before.theta, after.theta),
+            );
+            self.senses.take_pose(pose, &self.defects);
+        }
+    }
+
+    /// Length of the next tick \[µs\] of a nominal `period_us`.
+    pub fn next_tick_us(&mut self, period_us: u32) -> u32 {
+        let late_us = std::mem::take(&mut self.defects.late_us);
+        self.senses.next_tick_us(period_us, late_us)
+    }
+
+    /// Time since the start \[µs\].
+    pub fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
+    /// Pose and twist of the axle's middle as they truly are.
+    pub fn truth(&self) -> Measured<f64> {
+        self.body.truth()
+    }
+
+    /// True speed of the axle's middle to the left \[m/s\]: 0 while rigid tyres hold.
+    pub fn sideways(&self) -> f64 {
+        self.body.sideways()
+    }
+
+    /// Encoder counts at the end of the last tick.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Bus`] under [`Defect::EncoderFails`].
+    pub fn counts(&self) -> Result<WheelCounts, ErrorKind> {
+        if self.defects.encoder_fails {
+            return Err(ErrorKind::Bus);
+        }
+        Ok(self.senses.counts())
+    }
+
+    /// The newest external pose that arrived in the last tick, and its age at the end of it \[s\].
+    pub fn fix(&self) -> Option<(Pose<f64>, f64)> {
+        self.senses.fix
+    }
+
+    /// What the drive answered to the last command.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Bus`] or [`ErrorKind::OverCurrent`], under the defects of these names.
+    pub fn drive_answer(&self) -> Result<(), ErrorKind> {
+        self.defects.drive_answer()
+    }
+
+    /// Measured supply voltage \[V\].
+    pub fn supply_v(&self) -> f64 {
+        self.senses.supply_v
+    }
+
+    /// Measured currents of the motors, right and left \[A\]; 0 without motors.
+    pub fn currents(&self) -> [f64; 2] {
+        self.senses.current_a
+    }
+
+    /// True wheel speeds \[rad/s\].
+    pub fn wheel_speeds(&self) -> WheelSpeeds<f64> {
+        let [right, left] = self.body.omega;
+        WheelSpeeds { right, left }
+    }
+
+    /// Torques that truly act between wheels and floor \[N m\], in the last substep.
+    pub fn torques(&self) -> WheelTorques<f64> {
+        let [right, left] = [0, 1].map(|i| self.body.force[i][0] * self.body.radius(i));
+        WheelTorques { right, left }
+    }
+
+    /// Forces of the floor on the right and the left wheel, forward and leftward \[N\].
+    pub fn floor_forces(&self) -> [[f64; 2]; 2] {
+        self.body.force
+    }
+
+    /// Whether each wheel is at the end of its grip, right and left.
+    pub fn slipping(&self) -> [bool; 2] {
+        self.body.slipping
+    }
+
+    /// Puts a fault in; it stays until it is [healed](Self::heal).
+    pub fn inject(&mut self, defect: Defect) {
+        self.defects.set(defect, true);
+    }
+
+    /// Takes out the fault of this kind and side, whatever its amount.
+    pub fn heal(&mut self, defect: Defect) {
+        self.defects.set(defect, false);
+    }
+
+    /// Takes out all faults.
+    pub fn heal_all(&mut self) {
+        self.defects = Defects::default();
+    }
+}

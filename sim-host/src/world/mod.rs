@@ -1,0 +1,60 @@
+//! A realistic plant: the truth that the controller's models are tested against.
+//!
+//! Written from the equations of motion, electricity and friction with nothing of the controller's
+//! motor, odometry or fusion models in it. With the defaults of [`WorldKeys`] it is the perfect
+//! robot of [`crate::plant`]; every imperfection is a key of its own.
+//!
+//! | part | holds | module |
+//! | --- | --- | --- |
+//! | body | off-centre mass, Coriolis terms, slope, pushes | `plant`, `floor` |
+//! | wheels | stiction, Coulomb, viscous and rolling friction; grip on a friction circle, slip, skid | `contact`, `slide` |
+//! | drives | battery sag, dead band, current limit, winding, gear losses | `electric` |
+//! | senses | encoders, late and noisy poses, voltage, currents, uneven ticks | `senses` |
+//! | faults | put in and taken out while it runs | [`Defect`] |
+//!
+//! Everything follows from parameters, start, seed and commands: the same bits on any machine and
+//! any thread. Each source of noise has its own stream of random numbers.
+//!
+//! ```
+//! use controller_core::params::Params;
+//! use controller_core::types::Measured;
+//! use sim_host::world::{Actuation, World, presets};
+//!
+//! let params = presets::paper_30kg().params(&Params::paper().robot);
+//! let mut world = World::new(&params, &Measured::default(), 7)?;
+//! let full = Actuation::Duty { right: 0.5, left: 0.5 };
+//! for _ in 0..100 {
+//!     let dt_us = world.next_tick_us(10_000);
+//!     world.advance(&full, dt_us)?;
+//! }
+//! assert!(world.truth().twist.linear > 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod actuation;
+mod check;
+mod contact;
+mod defect;
+mod electric;
+mod error;
+mod floor;
+mod handle;
+mod keys;
+mod params;
+mod plant;
+pub mod presets;
+mod random;
+mod sense_params;
+mod senses;
+mod slide;
+
+pub use actuation::{Actuation, Side};
+pub use defect::Defect;
+pub use error::{ActuationError, WorldError};
+pub use handle::World;
+pub use keys::{BodyKeys, WorldKeys};
+pub use params::{
+    BatteryParams, BodyParams, FloorParams, FrictionParams, GRAVITY, MotorParams, PatchParams,
+    PushParams, SPEED_LOOP_S, SUBSTEP_US, WorldParams,
+};
+pub use sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};
