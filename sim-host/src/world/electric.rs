@@ -41,6 +41,8 @@ pub(super) struct Electric {
     feeds: [Feed; 2],
     /// Speed that each loop's model has reached, and the torque that it has integrated.
     model: [f64; 2],
+    /// What each wheel lacked of its model at the start of the substep.
+    behind: [f64; 2],
     integral: [f64; 2],
     /// Currents at the end of the last substep \[A\].
     pub current: [f64; 2],
@@ -61,6 +63,7 @@ impl Electric {
             moved_kg_m2,
             feeds: [Feed::Open; 2],
             model: [0.0; 2],
+            behind: [0.0; 2],
             integral: [0.0; 2],
             current: [0.0; 2],
             supply_v: open_circuit_v,
@@ -91,7 +94,7 @@ impl Electric {
         if let Actuation::Speed { .. } = command {
             for i in 0..2 {
                 if matches!(limited[i], Feed::Loop { .. }) {
-                    self.integrate(i, omega[i], h, motor.speed_loop_s);
+                    self.integrate(i, h, motor.speed_loop_s);
                 }
             }
         }
@@ -136,10 +139,10 @@ impl Electric {
                 for (i, wanted) in [right, left].into_iter().enumerate() {
                     let loop_s = SPEED_LOOP_S;
                     let gain = self.moved_kg_m2[i] / loop_s;
-                    self.follow(i, wanted, h, loop_s);
+                    self.follow(i, wanted, omega[i], h, loop_s);
                     drive.torque[i] = gain * wanted + self.integral[i];
                     drive.slope[i] = gain;
-                    self.integrate(i, omega[i], h, loop_s);
+                    self.integrate(i, h, loop_s);
                 }
                 return drive;
             }
@@ -161,7 +164,7 @@ impl Electric {
         if let Actuation::Speed { right, left } = *command {
             let wanted = pick(right, left);
             let gain = self.moved_kg_m2[i] / m.speed_loop_s;
-            self.follow(i, wanted, h, m.speed_loop_s);
+            self.follow(i, wanted, omega, h, m.speed_loop_s);
             return Feed::Loop {
                 at_rest: (gain * wanted + self.integral[i]) / self.constant[i],
                 per_speed: gain / self.constant[i],
@@ -261,15 +264,16 @@ impl Electric {
     }
 
     /// The model of the speed loop: ω_m' = (ω_c − ω_m)/T, exactly.
-    fn follow(&mut self, i: usize, wanted: f64, h: f64, loop_s: f64) {
+    fn follow(&mut self, i: usize, wanted: f64, omega: f64, h: f64, loop_s: f64) {
+        self.behind[i] = self.model[i] - omega;
         self.model[i] -= (wanted - self.model[i]) * Libm::exp_m1(-h / loop_s);
     }
 
     /// What the wheel lacks of the model is a load. J e' = −(J/T) e − z + load with z' = J/(4T²) e
     /// is critically damped; without load the model is met and z stays 0.
-    fn integrate(&mut self, i: usize, omega: f64, h: f64, loop_s: f64) {
+    fn integrate(&mut self, i: usize, h: f64, loop_s: f64) {
         let gain = self.moved_kg_m2[i] / (4.0 * loop_s * loop_s);
-        self.integral[i] += h * gain * (self.model[i] - omega);
+        self.integral[i] += h * gain * self.behind[i];
     }
 
     fn forget(&mut self, omega: [f64; 2]) {
