@@ -92,8 +92,8 @@ impl Electric {
         let limited = [0, 1].map(|i| self.limited(&motor, i, omega[i], h));
         // A loop that gets what it asks for integrates; at a limit it would only wind up.
         if let Actuation::Speed { .. } = command {
-            for i in 0..2 {
-                if matches!(limited[i], Feed::Loop { .. }) {
+            for (i, feed) in limited.iter().enumerate() {
+                if matches!(feed, Feed::Loop { .. }) {
                     self.integrate(i, h, motor.speed_loop_s);
                 }
             }
@@ -101,9 +101,9 @@ impl Electric {
         self.feeds = limited;
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
         let mut drive = Drive::default();
-        for i in 0..2 {
+        for (i, omega) in omega.into_iter().enumerate() {
             let (at_rest, per_speed) = self.mean_current(&motor, i, h);
-            let current = at_rest - per_speed * omega[i];
+            let current = at_rest - per_speed * omega;
             drive.torque[i] = self.constant[i] * at_rest;
             drive.slope[i] = self.constant[i] * per_speed;
             // Driving, η of the torque arrives; driven, 1/η ≈ 2 − η is felt. Either way it is a
@@ -116,15 +116,15 @@ impl Electric {
     /// Currents at the end of a substep over which the wheels turned at `omega` on average.
     pub fn settle(&mut self, omega: [f64; 2], h: f64) {
         let Some(motor) = self.motor else { return };
-        for i in 0..2 {
+        for (i, omega) in omega.into_iter().enumerate() {
             self.current[i] = match self.feeds[i] {
                 Feed::Voltage(duty) => {
-                    let still = duty * self.supply_v - self.constant[i] * omega[i];
+                    let still = duty * self.supply_v - self.constant[i] * omega;
                     let settled = still / motor.resistance_ohm;
                     settled + (self.current[i] - settled) * (1.0 - risen(&motor, h))
                 }
                 Feed::Current(current) => current,
-                Feed::Loop { at_rest, per_speed } => at_rest - per_speed * omega[i],
+                Feed::Loop { at_rest, per_speed } => at_rest - per_speed * omega,
                 Feed::Open => 0.0,
             };
         }

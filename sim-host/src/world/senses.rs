@@ -118,9 +118,9 @@ impl Senses {
             self.fix = Some((pose, 1.0e-6 * (now_us - moment) as f64));
         }
         self.supply_v = supply_v + self.noise.supply_v * self.random.supply.normal();
-        for i in 0..2 {
+        for (i, current_a) in current_a.into_iter().enumerate() {
             let noise = self.noise.current_a * self.random.current.normal();
-            self.current_a[i] = current_a[i] + defects.over_current_a[i] + noise;
+            self.current_a[i] = current_a + defects.over_current_a[i] + noise;
         }
     }
 
