@@ -49,5 +49,6 @@ pub mod shunting;
 pub mod stability;
 pub mod torque;
 pub mod tracking;
+pub mod tuning;
 pub mod types;
 pub mod wheels;

@@ -5,31 +5,18 @@
 //! Near zero a neuron has gain B/A for positive inputs and D/A for negative ones; where they differ
 //! both are checked, which is necessary but for the switching between them not sufficient.
 
+mod feedback;
+mod paper;
+mod polynomial;
+
+pub(crate) use feedback::Feedback;
+pub use feedback::{LARGEST_FACTOR, LoopMargins};
+pub(crate) use paper::{PathLoop, along, lateral};
+pub(crate) use polynomial::{Polynomial, edge};
+
 use crate::maths::Maths;
 use crate::params::{NeuronParams, Params};
 use crate::scalar::Scalar;
-
-/// One feedback path: pose gain k, bandwidth κ of its velocity loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Channel<T> {
-    gain: T,
-    bandwidth: T,
-}
-
-/// The loop e_x → s₁ → v_c → v is stable: the pose is reached without growing oscillation.
-///
-/// λ⁴ + (2A+κ) λ³ + (A²+2Aκ) λ² + (A²κ + k B (κ+B)) λ + k A B κ is Hurwitz. With k = k₁, κ = k_d1/m
-/// for tracking, k₄, k_c1/m and k₅, k_c2/I for parking.
-fn channel_is_stable<T: Scalar>(channel: Channel<T>, a: T, b: T) -> bool {
-    let Channel { gain, bandwidth: k } = channel;
-    let two_a = a + a;
-    let c3 = two_a + k;
-    let c2 = a * a + two_a * k;
-    let c1 = a * a * k + gain * b * (k + b);
-    let c0 = gain * a * b * k;
-    // All coefficients are positive; what is left of Hurwitz' conditions is one determinant.
-    c3 * c2 * c1 > c1 * c1 + c3 * c3 * c0
-}
 
 fn for_both_bounds<T: Scalar>(neurons: &NeuronParams<T>, check: impl Fn(T) -> bool) -> bool {
     check(neurons.b) && check(neurons.d)
@@ -37,28 +24,20 @@ fn for_both_bounds<T: Scalar>(neurons: &NeuronParams<T>, check: impl Fn(T) -> bo
 
 /// Tracking is stable along the path (k₁, k_d1).
 pub fn tracking_along_is_stable<T: Scalar>(params: &Params<T>) -> bool {
-    let channel = Channel {
-        gain: params.tracking.k1,
-        bandwidth: params.tracking.k_d1 / params.robot.mass_kg,
-    };
+    let bandwidth = params.tracking.k_d1 / params.robot.mass_kg;
     for_both_bounds(&params.neurons, |b| {
-        channel_is_stable(channel, params.neurons.a, b)
+        along(params.tracking.k1, bandwidth, params.neurons.a, b).is_stable()
     })
 }
 
 /// The paper's parking is stable, in distance (k₄, k_c1) and in heading (k₅, k_c2).
 pub fn parking_is_stable<T: Scalar>(params: &Params<T>) -> bool {
-    let distance = Channel {
-        gain: params.parking.k4,
-        bandwidth: params.parking.k_c1 / params.robot.mass_kg,
-    };
-    let heading = Channel {
-        gain: params.parking.k5,
-        bandwidth: params.parking.k_c2 / params.robot.inertia_kg_m2,
-    };
+    let gains = &params.parking;
+    let distance = gains.k_c1 / params.robot.mass_kg;
+    let heading = gains.k_c2 / params.robot.inertia_kg_m2;
+    let a = params.neurons.a;
     for_both_bounds(&params.neurons, |b| {
-        channel_is_stable(distance, params.neurons.a, b)
-            && channel_is_stable(heading, params.neurons.a, b)
+        along(gains.k4, distance, a, b).is_stable() && along(gains.k5, heading, a, b).is_stable()
     })
 }
 

@@ -20,3 +20,4 @@ pub mod oracle;
 pub mod plant;
 pub mod random;
 pub mod tolerance;
+pub mod tuning_loop;

@@ -1,0 +1,182 @@
+//! One feedback loop by its characteristic polynomial, and how far it is from growing.
+
+use super::polynomial::{Polynomial, edge};
+use crate::maths::Maths;
+use crate::scalar::Scalar;
+
+/// Largest factor that is looked for; a margin of this size means "at least".
+pub const LARGEST_FACTOR: f64 = 1000.0;
+
+/// How far a loop is from growing oscillation. All 0 or below if it grows as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopMargins<T> {
+    /// Smallest rate at which anything decays \[1/s\]: the negated spectral abscissa. Below 0 it grows.
+    pub decay: T,
+    /// Damping ratio of the least damped pair of roots: 1 for no oscillation, 0.4 for 25 % overshoot.
+    pub damping: T,
+    /// Largest age of the pose that the loop survives \[s\].
+    pub pose_delay_s: T,
+    /// Largest delay of the torque that the loop survives \[s\]: half a tick, drives, bus.
+    pub torque_delay_s: T,
+    /// Largest factor on all pose feedback, at most [`LARGEST_FACTOR`].
+    pub gain: T,
+    /// Largest factor of the true mass (or inertia) over the believed one, at most [`LARGEST_FACTOR`].
+    pub heavier: T,
+}
+
+impl<T: Scalar> LoopMargins<T> {
+    /// The worse of both, field by field.
+    #[must_use]
+    pub fn worse(&self, other: &Self) -> Self {
+        let less = |a: T, b: T| if a < b { a } else { b };
+        Self {
+            decay: less(self.decay, other.decay),
+            damping: less(self.damping, other.damping),
+            pose_delay_s: less(self.pose_delay_s, other.pose_delay_s),
+            torque_delay_s: less(self.torque_delay_s, other.torque_delay_s),
+            gain: less(self.gain, other.gain),
+            heavier: less(self.heavier, other.heavier),
+        }
+    }
+
+    /// Nothing grows.
+    pub fn is_stable(&self) -> bool {
+        self.decay > T::ZERO
+    }
+}
+
+/// The characteristic polynomial μ `mass` + `rest` + g `pose`, with μ = g = 1: what the true over
+/// the believed mass multiplies, what depends on neither, and what the measured pose passes through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Feedback<T> {
+    pub(crate) mass: Polynomial<T>,
+    pub(crate) rest: Polynomial<T>,
+    pub(crate) pose: Polynomial<T>,
+}
+
+impl<T: Scalar> Feedback<T> {
+    pub(crate) fn characteristic(&self) -> Polynomial<T> {
+        self.mass.plus(&self.rest).plus(&self.pose)
+    }
+
+    pub(crate) fn is_stable(&self) -> bool {
+        self.characteristic().is_hurwitz()
+    }
+
+    /// All margins. A late pose multiplies `pose` by e^(−λd), a late torque all but `mass`.
+    pub(crate) fn margins<M: Maths<T>>(&self) -> LoopMargins<T> {
+        // In units of time in which the roots' mean is 1, so that nothing overflows or drowns.
+        let whole = self.characteristic();
+        let order = whole.degree();
+        let mean = (0..order).fold(T::ZERO, |sum, _| sum + T::ONE);
+        let rate = whole.coefficient(order.saturating_sub(1)) / (mean * whole.leading());
+        let leading = T::ONE / whole.in_units_of(rate).leading();
+        let unit = |p: &Polynomial<T>| p.in_units_of(rate).scaled(leading);
+        let (mass, rest, pose) = (unit(&self.mass), unit(&self.rest), unit(&self.pose));
+        let whole = mass.plus(&rest).plus(&pose);
+        let decay = rate * whole.decay();
+        if !whole.is_hurwitz() {
+            return LoopMargins {
+                decay,
+                damping: T::ZERO,
+                pose_delay_s: T::ZERO,
+                torque_delay_s: T::ZERO,
+                gain: T::ZERO,
+                heavier: T::ZERO,
+            };
+        }
+        let late_pose = smallest_delay::<T, M>(&mass.plus(&rest), &pose);
+        let late_torque = smallest_delay::<T, M>(&mass, &rest.plus(&pose));
+        let fixed = rest.plus(&mass);
+        let others = rest.plus(&pose);
+        LoopMargins {
+            decay,
+            damping: whole.damping::<M>(),
+            pose_delay_s: late_pose / rate,
+            torque_delay_s: late_torque / rate,
+            gain: largest_factor(|g| fixed.plus(&pose.scaled(g)).is_hurwitz()),
+            heavier: largest_factor(|mu| others.plus(&mass.scaled(mu)).is_hurwitz()),
+        }
+    }
+}
+
+/// The smallest d > 0 for which D + N e^(−λd) has a root on the imaginary axis, for a loop that is
+/// stable without: at every ω with |D| = |N|, d = arg(−N/D)/ω. `T::MAX` if there is none.
+fn smallest_delay<T: Scalar, M: Maths<T>>(d: &Polynomial<T>, n: &Polynomial<T>) -> T {
+    let gap = d
+        .squared_magnitude()
+        .plus(&n.squared_magnitude().scaled(-T::ONE));
+    let (crossings, _) = gap.positive_roots();
+    crossings.fold(T::MAX, |smallest, x| {
+        let frequency = M::sqrt(x);
+        let (dr, di) = d.value_at((T::ZERO, frequency));
+        let (nr, ni) = n.value_at((T::ZERO, frequency));
+        // −N times the conjugate of D.
+        let angle = M::atan2(nr * di - ni * dr, -(nr * dr + ni * di));
+        let angle = if angle > T::ZERO {
+            angle
+        } else {
+            angle + T::PI + T::PI
+        };
+        let delay = angle / frequency;
+        if delay < smallest { delay } else { smallest }
+    })
+}
+
+/// The first factor above 1 at which `stable` ends, by doubling and halving.
+fn largest_factor<T: Scalar>(stable: impl Fn(T) -> bool) -> T {
+    let largest = T::from_f64(LARGEST_FACTOR);
+    let mut low = T::ONE;
+    // 2^10 is beyond the largest.
+    for _ in 0..10 {
+        let double = low + low;
+        let high = if double < largest { double } else { largest };
+        if !stable(high) {
+            return edge(low, high, &stable);
+        }
+        low = high;
+    }
+    largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::{Libm, Single};
+
+    /// λ + k with a late pose: an integrator with gain k survives π/(2k).
+    fn integrator<T: Scalar>(k: T) -> Feedback<T> {
+        Feedback {
+            mass: Polynomial::new([T::ZERO, T::ONE]),
+            rest: Polynomial::new([T::ZERO]),
+            pose: Polynomial::new([k]),
+        }
+    }
+
+    #[test]
+    fn integrator_survives_a_quarter_turn_of_delay() {
+        let margins = integrator(2.0_f64).margins::<Libm>();
+        let expected = core::f64::consts::FRAC_PI_4;
+        // Bisection to the last bits, and a square root.
+        assert!((margins.pose_delay_s - expected).abs() < 1e-9);
+        assert!((margins.torque_delay_s - expected).abs() < 1e-9);
+        assert!((margins.decay - 2.0).abs() < 1e-9);
+        assert_eq!(margins.gain, LARGEST_FACTOR);
+        let single = integrator(2.0_f32).margins::<Single>();
+        assert!((single.pose_delay_s.to_f64() - expected).abs() < 1e-5);
+    }
+
+    #[test]
+    fn gain_margin_of_three_equal_lags_is_eight() {
+        // (λ + 1)³ + g: stable up to g = 8, and then grows.
+        let lag = Polynomial::new([1.0, 1.0]);
+        let feedback = |g: f64| Feedback {
+            mass: lag.times(&lag).times(&lag),
+            rest: Polynomial::new([0.0]),
+            pose: Polynomial::new([g]),
+        };
+        assert!((feedback(0.5).margins::<Libm>().gain - 16.0).abs() < 1e-6);
+        let lost = feedback(9.0).margins::<Libm>();
+        assert!(lost.decay < 0.0 && lost.gain == 0.0 && !lost.is_stable());
+    }
+}

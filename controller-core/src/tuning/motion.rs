@@ -1,0 +1,108 @@
+//! Wishes and margins for the law of [`crate::motion`].
+
+mod loops;
+mod wishes;
+
+pub use wishes::{MotionWishes, gains};
+
+use super::{Channel, LoopMargins, Warning, concern};
+use crate::maths::Maths;
+use crate::motion::MotionGains;
+use crate::scalar::Scalar;
+use crate::tuning::response::response;
+use loops::{across, along, bearing};
+
+/// Margins of all loops, and the times that the gains amount to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionMargins<T> {
+    /// Following, e_x: k₁, A, κ₁.
+    pub along: LoopMargins<T>,
+    /// Following, e_y and e_θ: k₃, c, A, κ₂. Does not depend on the speed.
+    pub across: LoopMargins<T>,
+    /// Parking, distance: k₄, A, κ₁.
+    pub approach: LoopMargins<T>,
+    /// Parking, bearing, while the distance decays with k₄: k₄, A, κ₂. Its delay margins take that
+    /// decay as undisturbed.
+    pub bearing: LoopMargins<T>,
+    /// Parking, heading inside the noise radius: k₄, A, κ₂.
+    pub heading: LoopMargins<T>,
+    /// A small offset across the path has a tenth left \[s\].
+    pub settling_s: T,
+    /// A small distance to the goal has a tenth left \[s\].
+    pub arrival_s: T,
+}
+
+impl<T: Scalar> MotionMargins<T> {
+    /// The worst of all loops, field by field.
+    pub fn worst(&self) -> LoopMargins<T> {
+        let following = self.along.worse(&self.across);
+        let parking = self.approach.worse(&self.bearing).worse(&self.heading);
+        following.worse(&parking)
+    }
+
+    /// What is not healthy, if anything: unstable before fragile before ringing.
+    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
+        [
+            (Channel::Along, self.along),
+            (Channel::Across, self.across),
+            (Channel::Approach, self.approach),
+            (Channel::Bearing, self.bearing),
+            (Channel::Heading, self.heading),
+        ]
+        .into_iter()
+        .filter_map(|(channel, margins)| concern(channel, &margins))
+    }
+}
+
+/// Margins of any gains, good or hopeless.
+///
+/// ```
+/// use controller_core::maths::Libm;
+/// use controller_core::motion::{Limits, MotionGains, Policy};
+/// use controller_core::tuning::motion::margins;
+///
+/// let limits = Limits {
+///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+/// };
+/// let good = MotionGains::<f64>::for_limits::<Libm>(&limits);
+/// assert_eq!(margins::<f64, Libm>(&good).warnings().count(), 0);
+///
+/// // Ten times the stiffness across the path, for a robot that weaved once too slowly.
+/// let hopeless = MotionGains { across: 10.0 * good.across, ..good };
+/// let warning = margins::<f64, Libm>(&hopeless).warnings().next().expect("one");
+/// assert_eq!(warning.to_string(), "across the path: the loop is unstable");
+/// ```
+pub fn margins<T: Scalar, M: Maths<T>>(gains: &MotionGains<T>) -> MotionMargins<T> {
+    let MotionGains {
+        decay: a,
+        speed_loop,
+        turn_loop,
+        approach,
+        ..
+    } = *gains;
+    let side = across(gains.heading, gains.across, a, turn_loop);
+    let horizon = T::from_f64(200.0);
+    let settle = |p, push, decay: T| {
+        // Ten decay times are four more than a factor of ten takes.
+        let ten = T::from_f64(10.0);
+        if decay > ten / horizon {
+            response(&p, push, ten / decay).tenth_s
+        } else {
+            horizon
+        }
+    };
+    let across_margins = side.margins::<M>();
+    let approach_margins = along(approach, a, speed_loop).margins::<M>();
+    let (side, push) = loops::across_start(gains.heading, gains.across, a);
+    let (ahead, pull) = loops::along_start(approach, a);
+    MotionMargins {
+        along: along(gains.along, a, speed_loop).margins::<M>(),
+        across: across_margins,
+        approach: approach_margins,
+        bearing: bearing(approach, a, turn_loop).margins::<M>(),
+        heading: along(approach, a, turn_loop).margins::<M>(),
+        settling_s: settle(side, push, across_margins.decay),
+        arrival_s: settle(ahead, pull, approach_margins.decay),
+    }
+}

@@ -1,0 +1,86 @@
+//! The loops of the law for a real base, linearised about a straight reference, with μ the true over
+//! the believed mass or inertia. A neuron whose rate is fed forward exactly is a lag of 1/A, and a
+//! velocity loop with the right mass then adds none: v = (λ + κ)/(μλ + κ) v_c.
+
+use crate::scalar::Scalar;
+use crate::stability::{Feedback, Polynomial};
+
+/// Gain on the bearing and coupling of the goal's heading of the polar law, see `docs/motion.md`.
+const POLAR: (f64, f64) = (1.6, 0.4);
+
+/// λ + r.
+fn lag<T: Scalar>(r: T) -> Polynomial<T> {
+    Polynomial::new([r, T::ONE])
+}
+
+fn integrator<T: Scalar>() -> Polynomial<T> {
+    lag(T::ZERO)
+}
+
+/// e_x through s₁, distance and heading of the goal through theirs: k = k₁ or k₄.
+///
+/// ```text
+/// λ (λ + A) (μλ + κ)  +  k A (λ + κ)            for μ = 1: (λ + κ)(λ² + Aλ + kA)
+/// ```
+pub(super) fn along<T: Scalar>(gain: T, a: T, bandwidth: T) -> Feedback<T> {
+    let neuron = integrator().times(&lag(a));
+    Feedback {
+        mass: neuron.times(&integrator()),
+        rest: neuron.scaled(bandwidth),
+        pose: lag(bandwidth).scaled(gain * a),
+    }
+}
+
+/// e_y and e_θ: ė_y = v_r e_θ, ė_θ = −w, s₂ of g e_y with k₃ g v_r = c, and
+/// μ ẇ = α_d − κ (w − w_d), w_d = k₃ (s₂ + e_θ), α_d = k₃ (ṡ₂ − w) with w as measured.
+///
+/// ```text
+/// λ² (λ + A) (μλ + k₃ + κ)  +  A c (λ + κ) + κ k₃ λ (λ + A)
+///                           for μ = 1: (λ + κ)(λ³ + (A + k₃) λ² + A k₃ λ + A c)
+/// ```
+///
+/// The last two terms see the measured pose. c is exact well above the speed v_f, less below.
+pub(super) fn across<T: Scalar>(heading: T, stiffness: T, a: T, bandwidth: T) -> Feedback<T> {
+    let turn = integrator().times(&integrator()).times(&lag(a));
+    let aside = lag(bandwidth).scaled(a * stiffness);
+    let straight = integrator().times(&lag(a)).scaled(bandwidth * heading);
+    Feedback {
+        mass: turn.times(&integrator()),
+        rest: turn.scaled(heading + bandwidth),
+        pose: aside.plus(&straight),
+    }
+}
+
+/// Bearing α and β = α − e_θ of the goal while the distance decays with K = k₄:
+/// α̇ = −w + Kα, β̇ = Kα, w through its neuron of K ((k_a + 1 + h) α + k_a h β).
+///
+/// ```text
+/// λ (λ − K) (λ + A) (μλ + κ)  +  A K (λ + κ) ((k_a + 1 + h) λ + k_a h K)
+/// ```
+///
+/// Stable for K < 0.75 A.
+pub(super) fn bearing<T: Scalar>(approach: T, a: T, bandwidth: T) -> Feedback<T> {
+    let (ka, h) = (T::from_f64(POLAR.0), T::from_f64(POLAR.1));
+    let view = integrator().times(&lag(-approach)).times(&lag(a));
+    let law = Polynomial::new([ka * h * approach, ka + T::ONE + h]);
+    Feedback {
+        mass: view.times(&integrator()),
+        rest: view.scaled(bandwidth),
+        pose: lag(bandwidth).times(&law).scaled(a * approach),
+    }
+}
+
+/// [`across`] for the right inertia from an offset at rest, with the bridge that starts it smoothly,
+/// (λ + A)², and the push that its highest derivative starts with.
+pub(super) fn across_start<T: Scalar>(heading: T, stiffness: T, a: T) -> (Polynomial<T>, T) {
+    let bridge = lag(a).times(&lag(a));
+    let pair = Polynomial::new([a * stiffness, a * heading, a + heading, T::ONE]);
+    (bridge.times(&pair), stiffness * a * a)
+}
+
+/// The same for [`along`].
+pub(super) fn along_start<T: Scalar>(gain: T, a: T) -> (Polynomial<T>, T) {
+    let bridge = lag(a).times(&lag(a));
+    let pair = Polynomial::new([gain * a, a, T::ONE]);
+    (bridge.times(&pair), gain * a * a)
+}

@@ -1,0 +1,212 @@
+//! Gains of the law for a real base from wishes.
+
+use super::loops::{across_start, along_start};
+use super::margins;
+use crate::maths::Maths;
+use crate::motion::{MotionGains, MotionParams};
+use crate::scalar::Scalar;
+use crate::stability::edge;
+use crate::tuning::error::{refused, wished};
+use crate::tuning::response::response;
+use crate::tuning::{Why, Wish, WishError};
+
+/// What an owner wants of following and parking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionWishes<T> {
+    /// An offset across or along the path has a tenth left after this \[s\], 0.5 to 60. For offsets
+    /// that turn the robot by less than some 0.4 rad: up to a fifth of speed times this time.
+    pub settling_s: T,
+    /// Damping ratio of the lateral pair, 0.6 (10 % overshoot) to 0.98 (none).
+    pub damping: T,
+    /// The last distance to a goal has a tenth left after this \[s\], 0.5 to 60.
+    pub arrival_s: T,
+    /// Lag of the speed loop 1/κ₁ \[s\], 1e-3 to 10. Shorter is stiffer against pushes, and noisier.
+    pub speed_lag_s: T,
+    /// Lag of the turn-rate loop 1/κ₂ \[s\], 1e-3 to 10.
+    pub turn_lag_s: T,
+    /// Age of the poses \[s\], 0 to 10; stability has to last to twice that.
+    pub pose_delay_s: T,
+    /// Delay from measurement to torque, half a tick included \[s\], 0 to 1; the same.
+    pub torque_delay_s: T,
+    /// Standard deviation of the measured position \[m\], 0 to 1: keeps the heading quiet when slow.
+    pub pose_noise_m: T,
+}
+
+impl<T: Scalar> MotionWishes<T> {
+    /// One time for everything, with the rest as it suits a base of 10 ms ticks and fresh poses:
+    /// damping 0.8, lags of 1/3 s and 1/5 s, poses 50 ms old, torques 10 ms late, no noise.
+    pub fn settling(settling_s: T) -> Self {
+        let f = T::from_f64;
+        Self {
+            settling_s,
+            damping: f(0.8),
+            arrival_s: settling_s,
+            speed_lag_s: f(1.0 / 3.0),
+            turn_lag_s: f(0.2),
+            pose_delay_s: f(0.05),
+            torque_delay_s: f(0.01),
+            pose_noise_m: T::ZERO,
+        }
+    }
+
+    fn check(&self) -> Result<(), WishError> {
+        for (wish, value, low, high) in [
+            (Wish::Settling, self.settling_s, 0.5, 60.0),
+            (Wish::Damping, self.damping, 0.6, 0.98),
+            (Wish::Arrival, self.arrival_s, 0.5, 60.0),
+            (Wish::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
+            (Wish::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
+            (Wish::PoseDelay, self.pose_delay_s, 0.0, 10.0),
+            (Wish::TorqueDelay, self.torque_delay_s, 0.0, 1.0),
+            (Wish::PoseNoise, self.pose_noise_m, 0.0, 1.0),
+        ] {
+            wished(wish, value, low, high)?;
+        }
+        Ok(())
+    }
+}
+
+/// Decay of the neurons \[1/s\]: that of [`MotionGains::for_limits`].
+const DECAY: f64 = 5.0;
+
+/// Share of the wheels' torque that a command may use, as in [`crate::motion`].
+const COMMAND_SHARE: f64 = 0.75;
+
+/// Gains that do what is wished, on this base. Gains that no wish is about stay as they are in `base`.
+///
+/// With the pair λ² + 2ζωλ + ω² and A given, the lateral loop λ³ + (A + k₃)λ² + A k₃ λ + A c has
+///
+/// ```text
+/// k₃ = 2ζω + ω²/(A − 2ζω)      c = ω² (1 + ω²/(A (A − 2ζω)))
+/// ```
+///
+/// exactly. ω, k₁ and k₄ are found by bisection such that the loop's response, the bridge at its
+/// start included, has a tenth left at the wished time. The limits are those that
+/// [`MotionGains::for_limits`] respects: 2 k₃²/9 · 1 rad/s² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
+/// both accelerations with three quarters of the wheels' torque;
+/// and k₁, k₄ ≤ A/4, beyond which the robot runs past its goal.
+///
+/// # Errors
+/// The first wish that cannot be had, with the nearest value that can.
+pub fn gains<T: Scalar, M: Maths<T>>(
+    wishes: &MotionWishes<T>,
+    base: &MotionParams<T>,
+) -> Result<MotionGains<T>, WishError> {
+    wishes.check()?;
+    let f = T::from_f64;
+    let a = f(DECAY);
+    let damping = wishes.damping;
+    let limits = &base.limits;
+    let (accel, turn_accel) = reach(base);
+    let brake = smaller(limits.accel, limits.brake);
+    let fastest = f(1.2) * M::sqrt(smaller(accel, brake) / f(0.6));
+
+    // Across the path. ω up to where k₃ reaches what the base can turn, or A − 2ζω gets so small
+    // that k₃ is no longer a heading gain but the mirror of A.
+    let time = |omega: T| {
+        let (k3, c) = lateral(omega, damping, a);
+        let (p, push) = across_start(k3, c, a);
+        response(&p, push, f(9.0) / (damping * omega)).tenth_s
+    };
+    let turn_limit = M::sqrt(f(4.5) * smaller(turn_accel, limits.turn_accel));
+    let neurons = T::HALF * a / (damping + damping);
+    let turning = edge(T::ZERO, neurons, |omega| {
+        lateral(omega, damping, a).0 <= turn_limit
+    });
+    let omega = edge(T::ZERO, turning, |omega| time(omega) > wishes.settling_s);
+    if time(omega) > wishes.settling_s * f(1.001) {
+        let why = if turning < neurons * f(0.999) {
+            if turn_accel < limits.turn_accel {
+                Why::Torque
+            } else {
+                Why::TurnAccel
+            }
+        } else {
+            Why::Neurons
+        };
+        return Err(refused(Wish::Settling, wishes.settling_s, time(omega), why));
+    }
+    let (heading, across) = lateral(omega, damping, a);
+
+    let run = |gain: T| {
+        let (p, push) = along_start(gain, a);
+        response(&p, push, f(7.0) / gain).tenth_s
+    };
+    let solve = |wish: Wish, wanted: T| {
+        let most = smaller(fastest, a / f(4.0));
+        let gain = edge(T::ZERO, most, |gain| run(gain) > wanted);
+        if run(gain) > wanted * f(1.001) {
+            let why = if fastest < a / f(4.0) {
+                if accel < brake {
+                    Why::Torque
+                } else {
+                    Why::Accel
+                }
+            } else {
+                Why::Neurons
+            };
+            return Err(refused(wish, wanted, run(gain), why));
+        }
+        Ok(gain)
+    };
+    let along = solve(Wish::Settling, wishes.settling_s)?;
+    let approach = solve(Wish::Arrival, wishes.arrival_s)?;
+
+    // 3 cm/s suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
+    let quiet = across * wishes.pose_noise_m / (f(0.06) * heading);
+    let slow = f(0.03) * f(3.0) / smaller(heading, f(3.0));
+    let gains = MotionGains {
+        decay: a,
+        along,
+        heading,
+        across,
+        slow: if quiet > slow { quiet } else { slow },
+        approach,
+        speed_loop: T::ONE / wishes.speed_lag_s,
+        turn_loop: T::ONE / wishes.turn_lag_s,
+        ..base.gains
+    };
+    survive_delays::<T, M>(wishes, &gains)?;
+    Ok(gains)
+}
+
+/// k₃ and c of a lateral pair.
+fn lateral<T: Scalar>(omega: T, damping: T, a: T) -> (T, T) {
+    let sum = (damping + damping) * omega;
+    let square = omega * omega;
+    let third = square / (a - sum);
+    (sum + third, square * (T::ONE + third / a))
+}
+
+fn survive_delays<T: Scalar, M: Maths<T>>(
+    wishes: &MotionWishes<T>,
+    gains: &MotionGains<T>,
+) -> Result<(), WishError> {
+    let worst = margins::<T, M>(gains).worst();
+    for (wish, delay, margin) in [
+        (Wish::PoseDelay, wishes.pose_delay_s, worst.pose_delay_s),
+        (
+            Wish::TorqueDelay,
+            wishes.torque_delay_s,
+            worst.torque_delay_s,
+        ),
+    ] {
+        if delay + delay > margin {
+            return Err(refused(wish, delay, T::HALF * margin, Why::Delay));
+        }
+    }
+    Ok(())
+}
+
+/// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] that the wheels have to give to a command.
+fn reach<T: Scalar>(base: &MotionParams<T>) -> (T, T) {
+    let (robot, wheels) = (&base.robot, &base.robot.wheels);
+    let torque = T::from_f64(COMMAND_SHARE) * base.limits.wheel_torque_nm;
+    let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
+    let moment = T::HALF * wheels.track_m * force;
+    (force / robot.mass_kg, moment / robot.inertia_kg_m2)
+}
+
+fn smaller<T: Scalar>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}

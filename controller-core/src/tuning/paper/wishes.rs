@@ -1,0 +1,309 @@
+//! Gains of the paper's law from wishes.
+
+use crate::maths::Maths;
+use crate::params::{NeuronParams, Params, ParkingGains, TrackingGains};
+use crate::scalar::Scalar;
+use crate::stability::{PathLoop, Polynomial, along, edge, lateral};
+use crate::tuning::error::{refused, wished};
+use crate::tuning::response::response;
+use crate::tuning::{Why, Wish, WishError};
+
+/// What an owner wants of tracking and parking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wishes<T> {
+    /// An offset of 0.5 m, along or across the path, is below 5 cm after this \[s\], 0.5 to 100; the
+    /// distance at parking likewise.
+    pub settling_s: T,
+    /// Damping ratio of the lateral pair, 0.6 (10 % overshoot) to 0.98 (none).
+    pub damping: T,
+    /// Lag of the speed loop 1/κ₁ = m/k_d1 \[s\], 1e-3 to 10.
+    pub speed_lag_s: T,
+    /// Lag of the turn-rate loop 1/κ₂ = I/k_d2 \[s\], 1e-3 to 10.
+    pub turn_lag_s: T,
+    /// Reference speed that all this holds at \[m/s\], 1e-2 to 100. The time grows below it.
+    pub speed: T,
+}
+
+/// What an owner tolerates, in place of times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance<T> {
+    /// A force that the model does not know (slope, cable, friction) may move a parked robot by this
+    /// much: k_c1 k₄ = force/error.
+    Steady {
+        /// \[N\], 1e-6 to 1e6.
+        force_n: T,
+        /// \[m\], 1e-6 to 10.
+        error_m: T,
+    },
+    /// A blocked robot pushes with all that the wheels have at this distance to its goal:
+    /// k_c1 k₄ = largest force/error.
+    FullTorque {
+        /// \[m\], 1e-6 to 100.
+        error_m: T,
+    },
+}
+
+/// A/ω: the neurons are this much faster than the lateral pair, as with the gains G.
+const NEURONS: f64 = 4.5;
+/// Settling time times κ₁ and κ₂, as with the gains G.
+const LOOPS: (f64, f64) = (15.0, 25.0);
+/// Bandwidth of a velocity loop over A beyond which it counts as ideal for the time of a response.
+const STIFF: f64 = 7.0;
+/// The offset that is wished away \[m\].
+const OFFSET: f64 = 0.5;
+
+impl<T: Scalar> Wishes<T> {
+    /// One time for everything; loops as much faster than it as those of the gains G are: lags of a
+    /// 15th and a 25th of it, damping 0.85.
+    pub fn settling(settling_s: T, speed: T) -> Self {
+        let f = T::from_f64;
+        Self {
+            settling_s,
+            damping: f(0.85),
+            speed_lag_s: settling_s / f(LOOPS.0),
+            turn_lag_s: settling_s / f(LOOPS.1),
+            speed,
+        }
+    }
+
+    /// [`Wishes::settling`] with the time that a tolerance amounts to. All rates scale with one over
+    /// the time, so the stiffness k_c1 k₄ = m κ₁ k₄ scales with one over its square.
+    ///
+    /// # Errors
+    /// A number out of range, or a force beyond that of the wheels.
+    pub fn for_tolerance<M: Maths<T>>(
+        base: &Params<T>,
+        tolerance: Tolerance<T>,
+        speed: T,
+    ) -> Result<Self, WishError> {
+        let stiffness = match tolerance {
+            Tolerance::Steady { force_n, error_m } => {
+                wished(Wish::SteadyForce, force_n, 1.0e-6, 1.0e6)?;
+                wished(Wish::SteadyError, error_m, 1.0e-6, 10.0)?;
+                if let Some(most) = largest_force(base)
+                    && force_n > most
+                {
+                    return Err(refused(Wish::SteadyForce, force_n, most, Why::Torque));
+                }
+                force_n / error_m
+            }
+            Tolerance::FullTorque { error_m } => {
+                wished(Wish::FullTorqueError, error_m, 1.0e-6, 100.0)?;
+                let Some(most) = largest_force(base) else {
+                    return Err(refused(Wish::FullTorqueError, error_m, T::MAX, Why::Torque));
+                };
+                most / error_m
+            }
+        };
+        let unlimited = Params {
+            max_wheel_torque_nm: None,
+            ..*base
+        };
+        let unit = gains::<T, M>(&unlimited, &Self::settling(T::ONE, T::ONE))?.parking;
+        let time = M::sqrt(unit.k_c1 * unit.k4 / stiffness);
+        Ok(Self::settling(time, speed))
+    }
+
+    fn check(&self) -> Result<(), WishError> {
+        for (wish, value, low, high) in [
+            (Wish::Settling, self.settling_s, 0.5, 100.0),
+            (Wish::Damping, self.damping, 0.6, 0.98),
+            (Wish::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
+            (Wish::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
+            (Wish::Speed, self.speed, 1.0e-2, 100.0),
+        ] {
+            wished(wish, value, low, high)?;
+        }
+        Ok(())
+    }
+}
+
+/// `base` with the gains that do what is wished, its robot, reset and limits unchanged.
+///
+/// With A = B = D = 4.5 ω, the lateral polynomial of `docs/derivation.md` is linear in k₃ and k₂ v_r²:
+/// asking it to vanish at −ζω + jω√(1 − ζ²) gives both. ω, k₁ and k₄ = k₅ are found by bisection such
+/// that the response of the linear loop has a tenth left at the wished time. It is an approximation
+/// for an offset of 0.5 m, which the neurons answer with A/(A + 0.5) of the linear gain.
+///
+/// Refused are times for which the pair would not dominate (the loops lag too much), that are unstable
+/// at half as much again as the speed, or for which 0.5 m would ask more torque of a wheel than it has.
+///
+/// # Errors
+/// The first wish that cannot be had, with the nearest value that can.
+pub fn gains<T: Scalar, M: Maths<T>>(
+    base: &Params<T>,
+    wishes: &Wishes<T>,
+) -> Result<Params<T>, WishError> {
+    wishes.check()?;
+    let f = T::from_f64;
+    let design = Design::new::<M>(base, wishes);
+    let wanted = wishes.settling_s;
+    let most = f(20.0) / wanted;
+    // The slowest pair that is quick enough, or the quickest that can be had.
+    let omega = edge(f(0.5) / wanted, most, |omega| {
+        design.across(omega).is_ok() && design.across_time(omega) > wanted
+    });
+    if design.across_time(omega) > wanted * f(1.001) {
+        let why = design.across(omega * f(1.01)).err().unwrap_or(Why::Lag);
+        let limit = design.across_time(omega);
+        return Err(refused(Wish::Settling, wanted, limit, why));
+    }
+    let path = design.path(omega);
+    let (speed_loop, turn_loop) = (T::ONE / wishes.speed_lag_s, path.bandwidth);
+    let a = path.a;
+    let k1 = design.gain(speed_loop, a)?;
+    let turning = design.gain(turn_loop, a)?;
+    // k₄ = k₅: distance and heading shrink alike, and the robot stays on the arc that it came on.
+    let k4 = smaller(turning, k1);
+    let (m, i) = (base.robot.mass_kg, base.robot.inertia_kg_m2);
+    Ok(Params {
+        tracking: TrackingGains {
+            k1,
+            k2: path.across / (wishes.speed * wishes.speed),
+            k3: path.heading,
+            k_d1: m * speed_loop,
+            k_d2: i * turn_loop,
+        },
+        parking: ParkingGains {
+            k4,
+            k5: k4,
+            k_c1: m * speed_loop,
+            k_c2: i * turn_loop,
+        },
+        neurons: NeuronParams { a, b: a, d: a },
+        ..*base
+    })
+}
+
+struct Design<'a, T> {
+    base: &'a Params<T>,
+    wishes: &'a Wishes<T>,
+    /// Imaginary part of the pair for ω = 1.
+    swing: T,
+}
+
+impl<'a, T: Scalar> Design<'a, T> {
+    fn new<M: Maths<T>>(base: &'a Params<T>, wishes: &'a Wishes<T>) -> Self {
+        let swing = M::sqrt(T::ONE - wishes.damping * wishes.damping);
+        Self {
+            base,
+            wishes,
+            swing,
+        }
+    }
+
+    /// k₃ and k₂ v_r² that place the pair.
+    fn path(&self, omega: T) -> PathLoop<T> {
+        let a = T::from_f64(NEURONS) * omega;
+        let with = |across: T, heading: T| PathLoop {
+            across,
+            heading,
+            bandwidth: T::ONE / self.wishes.turn_lag_s,
+            a,
+            b: a,
+        };
+        let polynomial = |path: PathLoop<T>| lateral(&path).characteristic();
+        let root = (-self.wishes.damping * omega, self.swing * omega);
+        let none = polynomial(with(T::ZERO, T::ZERO));
+        let minus = none.scaled(-T::ONE);
+        let at = |p: Polynomial<T>| p.plus(&minus).value_at(root);
+        let (hr, hi) = at(polynomial(with(T::ZERO, T::ONE)));
+        let (xr, xi) = at(polynomial(with(T::ONE, T::ZERO)));
+        let (nr, ni) = none.value_at(root);
+        let determinant = hr * xi - xr * hi;
+        let heading = (xr * ni - nr * xi) / determinant;
+        let across = (nr * hi - hr * ni) / determinant;
+        with(across, heading)
+    }
+
+    /// The pair can be had, or what stands against it.
+    fn across(&self, omega: T) -> Result<(), Why> {
+        let f = T::from_f64;
+        let path = self.path(omega);
+        let placed = path.heading > T::ZERO && path.across > T::ZERO;
+        let whole = lateral(&path).characteristic();
+        let decay = f(0.98) * self.wishes.damping * omega;
+        if !(placed && whole.shifted(decay).is_hurwitz()) {
+            return Err(Why::Lag);
+        }
+        let faster = PathLoop {
+            across: f(2.25) * path.across,
+            ..path
+        };
+        if !lateral(&faster).is_stable() {
+            return Err(Why::Stability);
+        }
+        let Some(limit) = self.base.max_wheel_torque_nm else {
+            return Ok(());
+        };
+        // e_θ = e_y'/v_r, so ẇ = −e_y'''/v_r.
+        let peak = self.response(&path, omega).peak_third;
+        let moment = self.base.robot.inertia_kg_m2 * f(OFFSET) * peak / self.wishes.speed;
+        let wheels = &self.base.robot.wheels;
+        if largest_radius(self.base) * moment / wheels.track_m > limit {
+            return Err(Why::Torque);
+        }
+        Ok(())
+    }
+
+    fn across_time(&self, omega: T) -> T {
+        self.response(&self.path(omega), omega).tenth_s
+    }
+
+    fn response(&self, path: &PathLoop<T>, omega: T) -> crate::tuning::response::Response<T> {
+        // A stiffer loop changes nothing that can be seen, but is stiff to integrate.
+        let path = PathLoop {
+            bandwidth: smaller(path.bandwidth, T::from_f64(STIFF) * path.a),
+            ..*path
+        };
+        let push = path.across * path.b * (path.b + path.bandwidth);
+        let horizon = T::from_f64(9.0) / (self.wishes.damping * omega);
+        response(&lateral(&path).characteristic(), push, horizon)
+    }
+
+    /// The pose gain of a channel that settles in time.
+    fn gain(&self, bandwidth: T, a: T) -> Result<T, WishError> {
+        let f = T::from_f64;
+        let wanted = self.wishes.settling_s;
+        let bandwidth = smaller(bandwidth, f(STIFF) * a);
+        let run = |gain: T| {
+            let whole = along(gain, bandwidth, a, a).characteristic();
+            let push = gain * a * (a + bandwidth);
+            response(&whole, push, f(7.0) / gain)
+        };
+        let gain = edge(T::ZERO, a / f(4.0), |gain| run(gain).tenth_s > wanted);
+        let found = run(gain);
+        if found.tenth_s > wanted * f(1.001) {
+            return Err(refused(Wish::Settling, wanted, found.tenth_s, Why::Lag));
+        }
+        if let Some(limit) = self.base.max_wheel_torque_nm {
+            let force = self.base.robot.mass_kg * f(OFFSET) * found.peak_second;
+            let torque = T::HALF * largest_radius(self.base) * force;
+            if torque > limit {
+                // Torque goes with one over the square of the time, which this can only tell roughly.
+                let slower = wanted * torque / limit;
+                return Err(refused(Wish::Settling, wanted, slower, Why::Torque));
+            }
+        }
+        Ok(gain)
+    }
+}
+
+fn smaller<T: Scalar>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+fn largest_radius<T: Scalar>(base: &Params<T>) -> T {
+    let wheels = &base.robot.wheels;
+    if wheels.radius_right_m > wheels.radius_left_m {
+        wheels.radius_right_m
+    } else {
+        wheels.radius_left_m
+    }
+}
+
+fn largest_force<T: Scalar>(base: &Params<T>) -> Option<T> {
+    let limit = base.max_wheel_torque_nm?;
+    let wheels = &base.robot.wheels;
+    Some(limit / wheels.radius_right_m + limit / wheels.radius_left_m)
+}

@@ -1,0 +1,140 @@
+//! The motion controller on a base of `bases/`, with poses and torques that come late, for statements of the tuner.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use controller_core::maths::Libm;
+use controller_core::motion::{Motion, MotionController, MotionParams};
+use controller_core::shunting::ExactMean;
+use controller_core::types::{Pose, Wrench};
+use sim_host::drive::Base as DriveBase;
+
+use crate::motion_base::{Base, Body};
+use crate::motion_loop::{Order, goal};
+
+/// The bases that come with the product.
+pub const BASES: [&str; 3] = ["hobby-1kg", "lab-10kg", "paper-30kg"];
+
+/// Parameters of one of them, with the gains that follow from its limits.
+pub fn base(name: &str) -> MotionParams<f64> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../bases/{name}.toml"));
+    let base: DriveBase = read(&path);
+    base.motion()
+}
+
+fn read(path: &Path) -> DriveBase {
+    DriveBase::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// What differs from what the controller believes.
+#[derive(Clone, Copy, Debug)]
+pub struct Truth {
+    /// Ticks by which the measured pose is old.
+    pub pose_late: usize,
+    /// Ticks by which the torque is late.
+    pub torque_late: usize,
+    /// True over believed mass and inertia.
+    pub heavier: f64,
+    /// Tick \[s\].
+    pub dt: f64,
+}
+
+/// As believed, at 2 ms.
+pub const AS_BELIEVED: Truth = Truth {
+    pose_late: 0,
+    torque_late: 0,
+    heavier: 1.0,
+    dt: 2e-3,
+};
+
+/// One instant of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// Time \[s\].
+    pub t: f64,
+    /// True error (e_x, e_y, e_θ).
+    pub error: (f64, f64, f64),
+    /// A limit on acceleration, speed or torque was at work.
+    pub limited: bool,
+}
+
+/// Drives from `body` for `end_s`; late poses before the start are those of the start.
+pub fn drive(
+    params: &MotionParams<f64>,
+    truth: Truth,
+    body: Body,
+    order: impl Fn(f64) -> Order,
+    end_s: f64,
+) -> Vec<Instant> {
+    let motion: Motion<f64> = params.validate().expect("the parameters are in range");
+    let robot = &params.robot;
+    let plant = Base {
+        mass: truth.heavier * robot.mass_kg,
+        inertia: truth.heavier * robot.inertia_kg_m2,
+        limits: params.limits,
+    };
+    let mut body = body;
+    // A robot under way was there before: late poses of the start are extrapolated back.
+    let earlier = |age: f64| {
+        let back = -age * body.twist.linear;
+        let (sine, cosine) = body.pose.theta.sin_cos();
+        let (x, y) = (body.pose.x + back * cosine, body.pose.y + back * sine);
+        Pose::new(x, y, body.pose.theta)
+    };
+    let mut poses: VecDeque<Pose<f64>> = (0..=truth.pose_late)
+        .rev()
+        .map(|k| earlier(k as f64 * truth.dt))
+        .collect();
+    let mut measured = body.measured();
+    measured.pose = poses[0];
+    let mut controller =
+        MotionController::<f64, Libm, ExactMean>::start(&motion, &order(0.0), &measured)
+            .expect("finite");
+    let mut wrenches = VecDeque::from(vec![Wrench::default(); truth.torque_late]);
+    let wheels = &robot.wheels;
+    let ticks = (end_s / truth.dt).round() as u32;
+    (1..=ticks)
+        .map(|k| {
+            let torques = controller.report().torques;
+            let (right, left) = (
+                torques.right / wheels.radius_right_m,
+                torques.left / wheels.radius_left_m,
+            );
+            wrenches.push_back(Wrench {
+                force: right + left,
+                moment: wheels.track_m / 2.0 * (right - left),
+            });
+            let applied = wrenches.pop_front().expect("just pushed");
+            body = body.after(&plant, &applied, truth.dt);
+            poses.push_back(body.pose);
+            poses.pop_front();
+            let mut measured = body.measured();
+            measured.pose = poses[0];
+            measured.pose.theta = controller_core::angle::wrap(measured.pose.theta);
+            let t = f64::from(k) * truth.dt;
+            let order = order(t);
+            let report = controller
+                .step(truth.dt, &order, &measured)
+                .expect("the tick is accepted");
+            let error =
+                controller_core::pose_error::pose_error::<f64, Libm>(&goal(&order), &body.pose);
+            Instant {
+                t,
+                error: (error.x, error.y, error.theta),
+                limited: report.limited.accel || report.limited.torque,
+            }
+        })
+        .collect()
+}
+
+/// Largest size of what `part` makes of the instants of [`from`, `to`) \[s\].
+pub fn peak(run: &[Instant], from: f64, to: f64, part: impl Fn(&Instant) -> f64) -> f64 {
+    let inside = run.iter().filter(|now| now.t >= from && now.t < to);
+    inside.map(|now| part(now).abs()).fold(0.0, f64::max)
+}
+
+/// When the size of `part` stayed below `band` \[s\].
+pub fn settled(run: &[Instant], band: f64, part: impl Fn(&Instant) -> f64) -> f64 {
+    let last = run.iter().rfind(|now| part(now).abs() >= band);
+    last.map_or(0.0, |now| now.t)
+}
