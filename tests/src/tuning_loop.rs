@@ -5,12 +5,14 @@ use std::path::Path;
 
 use controller_core::maths::Libm;
 use controller_core::motion::{Motion, MotionController, MotionParams};
+use controller_core::params::Params as CoreParams;
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Pose, Wrench};
 use sim_host::drive::Base as DriveBase;
 
 use crate::motion_base::{Base, Body};
 use crate::motion_loop::{Order, goal};
+use crate::oracle::Params as Constants;
 
 /// The bases that come with the product.
 pub const BASES: [&str; 3] = ["hobby-1kg", "lab-10kg", "paper-30kg"];
@@ -18,12 +20,8 @@ pub const BASES: [&str; 3] = ["hobby-1kg", "lab-10kg", "paper-30kg"];
 /// Parameters of one of them, with the gains that follow from its limits.
 pub fn base(name: &str) -> MotionParams<f64> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../bases/{name}.toml"));
-    let base: DriveBase = read(&path);
+    let base = DriveBase::load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
     base.motion()
-}
-
-fn read(path: &Path) -> DriveBase {
-    DriveBase::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// What differs from what the controller believes.
@@ -137,4 +135,24 @@ pub fn peak(run: &[Instant], from: f64, to: f64, part: impl Fn(&Instant) -> f64)
 pub fn settled(run: &[Instant], band: f64, part: impl Fn(&Instant) -> f64) -> f64 {
     let last = run.iter().rfind(|now| part(now).abs() >= band);
     last.map_or(0.0, |now| now.t)
+}
+
+/// Tuned parameters of the paper's law as the oracle's constants.
+pub fn paper_constants(core: &CoreParams<f64>) -> Constants {
+    let (g, p, n) = (&core.tracking, &core.parking, &core.neurons);
+    Constants {
+        k1: g.k1,
+        k2: g.k2,
+        k3: g.k3,
+        kd1: g.k_d1,
+        kd2: g.k_d2,
+        k4: p.k4,
+        k5: p.k5,
+        kc1: p.k_c1,
+        kc2: p.k_c2,
+        a: n.a,
+        b: n.b,
+        d: n.d,
+        ..Constants::recommended()
+    }
 }

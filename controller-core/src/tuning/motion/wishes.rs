@@ -101,6 +101,12 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let brake = smaller(limits.accel, limits.brake);
     let fastest = f(1.2) * M::sqrt(smaller(accel, brake) / f(0.6));
 
+    let run = |gain: T| {
+        let (p, push) = along_start(gain, a);
+        response(&p, push, f(7.0) / gain).tenth_s
+    };
+    let most = smaller(fastest, a / f(4.0));
+
     // Across the path. ω up to where k₃ reaches what the base can turn, or A − 2ζω gets so small
     // that k₃ is no longer a heading gain but the mirror of A.
     let time = |omega: T| {
@@ -124,16 +130,14 @@ pub fn gains<T: Scalar, M: Maths<T>>(
         } else {
             Why::Neurons
         };
-        return Err(refused(Wish::Settling, wishes.settling_s, time(omega), why));
+        // Along the path it may take longer still.
+        let (aside, along) = (time(omega), run(most));
+        let limit = if along > aside { along } else { aside };
+        return Err(refused(Wish::Settling, wishes.settling_s, limit, why));
     }
     let (heading, across) = lateral(omega, damping, a);
 
-    let run = |gain: T| {
-        let (p, push) = along_start(gain, a);
-        response(&p, push, f(7.0) / gain).tenth_s
-    };
     let solve = |wish: Wish, wanted: T| {
-        let most = smaller(fastest, a / f(4.0));
         let gain = edge(T::ZERO, most, |gain| run(gain) > wanted);
         if run(gain) > wanted * f(1.001) {
             let why = if fastest < a / f(4.0) {
@@ -152,9 +156,9 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let along = solve(Wish::Settling, wishes.settling_s)?;
     let approach = solve(Wish::Arrival, wishes.arrival_s)?;
 
-    // 3 cm/s suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
+    // The base's own suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
     let quiet = across * wishes.pose_noise_m / (f(0.06) * heading);
-    let slow = f(0.03) * f(3.0) / smaller(heading, f(3.0));
+    let slow = base.gains.slow;
     let gains = MotionGains {
         decay: a,
         along,
