@@ -17,6 +17,7 @@
 //! | a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival |
 //! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
+//! | gains | [`tuning`]: from wishes, with margins |
 #![no_std]
 #![forbid(unsafe_code)]
 
