@@ -1,5 +1,6 @@
 //! Wishes and margins for the paper's law, [`crate::neural`].
 
+mod design;
 mod wishes;
 
 pub use wishes::{Tolerance, Wishes, gains};
