@@ -3,7 +3,7 @@
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firmware_demo::host::{LinkKind, Machine};
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -17,6 +17,7 @@ Examples:
   sim-host compare mine.toml                your scenario, neural beside plain
   sim-host compare weaving mine.toml        two scenarios beside each other
   sim-host pil paper-curve                  the same, with the controller on an emulated chip
+  sim-host robustness                       what the laws stand: noise, latency, friction, ...
   sim-host monitor /dev/ttyACM0             live numbers of a real board";
 
 /// Closed-loop simulation of a two-wheeled robot that follows a reference and parks.
@@ -110,6 +111,24 @@ Examples:
         /// The way to it
         #[arg(long, value_enum, default_value_t = Link::Fifo)]
         link: Link,
+    },
+    /// Both cases of the paper under everything that is wrong with a real robot
+    ///
+    /// Control period, mass and inertia, torque saturation, noise, latency, friction, single
+    /// precision: each with the neural, the plain and the default law. Prints a table and writes
+    /// robustness.csv, .svg and .png. Runs on all processors; the results do not depend on how many.
+    #[command(after_help = "\
+Examples:
+  sim-host robustness
+  sim-host robustness --only noise --only together --seeds 100
+  sim-host robustness --only period --out results")]
+    Robustness {
+        /// Runs of each condition with noise
+        #[arg(long, value_name = "N", default_value = "20")]
+        seeds: NonZeroU32,
+        /// Only conditions whose name contains this; may be given several times
+        #[arg(long, value_name = "TEXT")]
+        only: Vec<String>,
     },
     /// Show and log what a board sends over its serial port
     ///

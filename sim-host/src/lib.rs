@@ -35,6 +35,7 @@ pub mod motion;
 pub mod pil;
 pub mod pilot;
 pub mod plant;
+pub mod robustness;
 pub mod run;
 pub mod scenario;
 pub mod sim_robot;

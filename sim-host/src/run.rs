@@ -101,14 +101,14 @@ pub fn run_with(scenario: &Scenario, pilot: &mut dyn Pilot) -> Result<Trace, Run
 }
 
 /// Decides what each tick is to do.
-struct Guide {
+pub(crate) struct Guide {
     walker: Walker,
     plan: Option<ParkingPlan<f64>>,
     parking: bool,
 }
 
 impl Guide {
-    fn new(scenario: &Scenario) -> Self {
+    pub(crate) fn new(scenario: &Scenario) -> Self {
         Self {
             walker: scenario.motion.walk(),
             plan: scenario.hand_over,
@@ -117,7 +117,7 @@ impl Guide {
     }
 
     /// The demand of a tick, and where the robot is to be from this tick on.
-    fn at(&mut self, tick: usize, t: f64) -> (Demand<f64>, Reference<f64>) {
+    pub(crate) fn at(&mut self, tick: usize, t: f64) -> (Demand<f64>, Reference<f64>) {
         match self.plan {
             Some(ParkingPlan { goal, .. }) if self.parking => {
                 (Demand::Park, Reference::at_rest::<Libm>(goal))

@@ -5,6 +5,7 @@ use sim_host::figure::FigureError;
 use sim_host::import::LimitError;
 use sim_host::monitor::MonitorError;
 use sim_host::pil::PilError;
+use sim_host::robustness::StudyError;
 use sim_host::run::RunError;
 use sim_host::scenario::ScenarioError;
 use std::path::PathBuf;
@@ -51,6 +52,10 @@ pub enum CommandError {
     Monitor(#[from] MonitorError),
     #[error("chip and host computed different bits: see the report above")]
     Apart,
+    #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
+    NoCondition { word: String, names: Vec<String> },
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error("cannot print: {0}")]
     Print(std::io::Error),
     #[error("the run has no ticks")]

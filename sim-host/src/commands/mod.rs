@@ -7,6 +7,7 @@ mod job;
 mod list;
 mod monitor;
 mod pil;
+mod robustness;
 mod run;
 mod write;
 
@@ -43,6 +44,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             };
             pil::all(&scenarios, (*machine).into(), (*link).into(), output)
         }
+        Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
         Command::List { directory } => list::list(directory.as_deref()),
         Command::Show { name } => list::show(name),

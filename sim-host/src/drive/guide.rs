@@ -9,7 +9,7 @@ use controller_core::reference::Reference;
 use controller_core::types::{Measured, Pose, Twist};
 
 /// Decides from tick to tick.
-pub(super) struct Guide<'a> {
+pub(crate) struct Guide<'a> {
     table: Timetable,
     rule: Option<HandOverRule>,
     events: &'a [Event],
@@ -22,20 +22,20 @@ pub(super) struct Guide<'a> {
 }
 
 /// A tick's orders.
-pub(super) struct Orders {
-    pub(super) task: Task<f64>,
+pub(crate) struct Orders {
+    pub(crate) task: Task<f64>,
     /// Where the robot is to be.
-    pub(super) target: Reference<f64>,
+    pub(crate) target: Reference<f64>,
     /// The reference and the way to go, in the tick that leaves it.
-    pub(super) left: Option<(Reference<f64>, f64)>,
+    pub(crate) left: Option<(Reference<f64>, f64)>,
     /// The localisation jumped.
-    pub(super) jumped: bool,
+    pub(crate) jumped: bool,
     /// The pose as the localisation has it.
-    pub(super) measured: Measured<f64>,
+    pub(crate) measured: Measured<f64>,
 }
 
 impl<'a> Guide<'a> {
-    pub(super) fn new(mission: &'a Mission) -> Self {
+    pub(crate) fn new(mission: &'a Mission) -> Self {
         let (rule, goal) = match &mission.course {
             Course::Park(goal) => (None, Some(*goal)),
             Course::Follow { hand_over, .. } => (*hand_over, None),
@@ -60,7 +60,7 @@ impl<'a> Guide<'a> {
 
     /// Orders for a tick. `command` is what was commanded last, `distance` gives the distance at
     /// which parking takes over from a speed.
-    pub(super) fn at(
+    pub(crate) fn at(
         &mut self,
         tick: usize,
         t: f64,

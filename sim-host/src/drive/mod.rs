@@ -33,6 +33,7 @@ pub use base::Base;
 pub use csv::{COLUMNS, write as write_csv};
 pub use driver::{Driver, StartError};
 pub use file::{FileError, FileRun, TOLERANCE, fitted, trajectory, verdict};
+pub(crate) use guide::Guide;
 pub use metrics::{DriveMetrics, LimitUse, LimitedTicks, ON_PATH, TrackingFigures};
 pub use mission::{Change, Course, End, Event, HandOverRule, Mission, Route, When};
 pub use run::{DriveError, drive};

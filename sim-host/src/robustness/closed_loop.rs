@@ -1,0 +1,190 @@
+//! One run.
+
+use super::body::Body;
+use super::condition::Disturbance;
+use super::law::{self, Brain, Law, PaperLaw};
+use super::sensor::Sensor;
+use super::{Case, StudyError};
+use crate::metrics::{PARKED, SETTLED};
+use crate::scenario;
+use controller_core::maths::{Libm, Maths};
+use controller_core::pose_error::pose_error;
+use controller_core::types::Wrench;
+
+/// How a run ended, the best first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Verdict {
+    /// Within 5 cm and 0.05 rad of the goal, as a norm.
+    #[default]
+    Arrived,
+    /// Beside the goal, but within [`LOST`] of it.
+    Missed,
+    /// Not arrived, and further than [`LOST`] from the reference at the hand-over.
+    LostFollowing,
+    /// Further than [`LOST`] from the goal at the end.
+    LostParking,
+    /// The controller refused a tick.
+    Refused,
+}
+
+/// A robot whose |(e_x, e_y, e_θ)| is larger is lost \[m, rad\]: half of what it starts with.
+pub const LOST: f64 = 0.5;
+
+impl Verdict {
+    /// For people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Arrived => "arrived",
+            Self::Missed => "beside",
+            Self::LostFollowing => "lost following",
+            Self::LostParking => "lost parking",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+/// The figures of a run. Errors are the true ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Run {
+    /// From when on |(e_x, e_y, e_θ)| < 0.05 up to the hand-over.
+    pub settling_s: Option<f64>,
+    /// From when on it is below 0.01 with respect to the goal.
+    pub parked_s: Option<f64>,
+    /// Distance to the goal at the end.
+    pub final_m: f64,
+    /// Heading error at the end, as a magnitude.
+    pub final_rad: f64,
+    /// Standard deviation of the force over the last second \[N\].
+    pub force_std_n: f64,
+    /// The same of the moment \[N m\].
+    pub moment_std_nm: f64,
+    /// Largest force exerted \[N\].
+    pub peak_force_n: f64,
+    /// Largest moment exerted \[N m\].
+    pub peak_moment_nm: f64,
+    /// How it ended.
+    pub verdict: Verdict,
+}
+
+/// Runs a case.
+///
+/// # Errors
+/// A built-in case that cannot be read, or parameters that the core refuses.
+pub fn run(disturbance: &Disturbance, case: Case, law: Law, seed: u64) -> Result<Run, StudyError> {
+    let scenario = law::scenario(case, disturbance)?;
+    let mission = law::mission(&scenario, disturbance);
+    let brain: Box<dyn Brain> = match law {
+        Law::Neural => Box::new(PaperLaw::new(&scenario, scenario::Law::Neural)?),
+        Law::Plain => Box::new(PaperLaw::new(&scenario, scenario::Law::Plain)?),
+        Law::Default => law::default_law(&mission, disturbance)?,
+    };
+    let body = Body::new(&mission.base.robot, &scenario.start, disturbance)?;
+    let sensor = Sensor::new(disturbance, seed);
+    Ok(close(brain, body, sensor, disturbance))
+}
+
+fn close(
+    mut brain: Box<dyn Brain + '_>,
+    mut body: Body,
+    mut sensor: Sensor,
+    disturbance: &Disturbance,
+) -> Run {
+    let dt = disturbance.period_s;
+    let ticks = (disturbance.duration_s / dt).round() as usize;
+    let mut watch = Watch::new(disturbance);
+    for tick in 0..=ticks {
+        let truth = body.truth();
+        let Some(step) = brain.tick(tick, &sensor.measure(&truth)) else {
+            watch.run.verdict = Verdict::Refused;
+            break;
+        };
+        let error = pose_error::<f64, Libm>(step.target.pose(), &truth.pose);
+        let exerted = body.advance(&step.torques, dt);
+        watch.position_m = Libm::sqrt(error.x * error.x + error.y * error.y);
+        watch.heading_rad = error.theta.abs();
+        watch.see(
+            tick as f64 * dt,
+            error.norm::<Libm>(),
+            step.parking,
+            &exerted,
+        );
+    }
+    watch.finish()
+}
+
+/// Collects the figures of a run tick by tick.
+struct Watch {
+    run: Run,
+    /// When the last second begins \[s\].
+    rest_s: f64,
+    /// The first tick since which the error has been inside the band.
+    inside_since: Option<f64>,
+    parked_since: Option<f64>,
+    /// The last error while following.
+    left_with: f64,
+    last_norm: f64,
+    position_m: f64,
+    heading_rad: f64,
+    at_rest: Vec<Wrench<f64>>,
+}
+
+impl Watch {
+    fn new(disturbance: &Disturbance) -> Self {
+        Self {
+            run: Run::default(),
+            rest_s: disturbance.duration_s - 1.0,
+            inside_since: None,
+            parked_since: None,
+            left_with: f64::INFINITY,
+            last_norm: f64::INFINITY,
+            position_m: f64::INFINITY,
+            heading_rad: f64::INFINITY,
+            at_rest: Vec::new(),
+        }
+    }
+
+    fn see(&mut self, t: f64, norm: f64, parking: bool, exerted: &Wrench<f64>) {
+        let run = &mut self.run;
+        if parking {
+            run.settling_s = self.inside_since;
+            self.parked_since = (norm < PARKED).then(|| self.parked_since.unwrap_or(t));
+        } else {
+            self.inside_since = (norm < SETTLED).then(|| self.inside_since.unwrap_or(t));
+            self.left_with = norm;
+        }
+        self.last_norm = norm;
+        run.peak_force_n = run.peak_force_n.max(exerted.force.abs());
+        run.peak_moment_nm = run.peak_moment_nm.max(exerted.moment.abs());
+        if t >= self.rest_s {
+            self.at_rest.push(*exerted);
+        }
+    }
+
+    fn finish(self) -> Run {
+        let mut run = self.run;
+        run.parked_s = self.parked_since;
+        run.final_m = self.position_m;
+        run.final_rad = self.heading_rad;
+        run.force_std_n = deviation(self.at_rest.iter().map(|wrench| wrench.force));
+        run.moment_std_nm = deviation(self.at_rest.iter().map(|wrench| wrench.moment));
+        if run.verdict != Verdict::Refused {
+            // `<` alone: what is not a number has not arrived.
+            run.verdict = if self.last_norm < SETTLED {
+                Verdict::Arrived
+            } else if !(self.last_norm < LOST) {
+                Verdict::LostParking
+            } else if !(self.left_with < LOST) {
+                Verdict::LostFollowing
+            } else {
+                Verdict::Missed
+            };
+        }
+        run
+    }
+}
+
+fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    Libm::sqrt(values.map(|value| (value - mean).powi(2)).sum::<f64>() / count)
+}

@@ -1,0 +1,97 @@
+//! The default law, told of the noise that it works with.
+
+use super::condition::Disturbance;
+use super::law::{Brain, Move};
+use crate::drive::{Guide, Mission};
+use crate::pilot::narrow;
+use controller_core::error::ParamError;
+use controller_core::maths::Maths;
+use controller_core::motion::{Limits, Motion, MotionController, MotionParams, Task};
+use controller_core::params::Params;
+use controller_core::scalar::Scalar;
+use controller_core::shunting::RationalMean;
+use controller_core::types::{Measured, Twist, WheelTorques};
+
+/// A [`MotionController`] on a mission.
+pub(super) struct DefaultLaw<'a, T, M> {
+    period_s: f64,
+    guide: Guide<'a>,
+    motion: Motion<T>,
+    controller: Option<MotionController<T, M, RationalMean>>,
+}
+
+impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
+    pub(super) fn new(mission: &'a Mission, disturbance: &Disturbance) -> Result<Self, ParamError> {
+        let believed = Params {
+            robot: mission.base.robot,
+            ..Params::paper()
+        };
+        let robot = narrow::params::<T>(&believed).robot;
+        let limits = narrow_limits(&mission.base.limits);
+        let mut params = MotionParams::new::<M>(robot, limits);
+        let sigma = T::from_f64(disturbance.position_noise_m);
+        params.pose_noise_m = sigma;
+        // What `docs/motion.md`, section 10, asks for with noise above 2 mm.
+        let gains = &mut params.gains;
+        let calm = gains.across * sigma / (T::from_f64(0.06) * gains.heading);
+        if calm > gains.slow {
+            gains.slow = calm;
+        }
+        Ok(Self {
+            period_s: mission.period_s,
+            guide: Guide::new(mission),
+            motion: params.validate()?,
+            controller: None,
+        })
+    }
+}
+
+impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
+    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move> {
+        let dt = self.period_s;
+        let command = self.controller.as_ref().map_or(Twist::default(), |c| {
+            let command = &c.report().command;
+            Twist::new(command.linear.to_f64(), command.angular.to_f64())
+        });
+        let motion = &self.motion;
+        let distance = |speed| motion.hand_over_distance(T::from_f64(speed)).to_f64();
+        let orders = self
+            .guide
+            .at(tick, tick as f64 * dt, measured, &command, distance);
+        let task = match &orders.task {
+            Task::Follow(reference) => Task::Follow(narrow::reference::<T, M>(reference)),
+            Task::Park(goal) => Task::Park(narrow::pose(goal)),
+        };
+        let told = narrow::measured(&orders.measured);
+        let report = match &mut self.controller {
+            None => {
+                let started = MotionController::start(motion, &task, &told).ok()?;
+                *self.controller.insert(started).report()
+            }
+            Some(controller) => *controller.step(T::from_f64(dt), &task, &told).ok()?,
+        };
+        Some(Move {
+            torques: WheelTorques {
+                right: report.torques.right.to_f64(),
+                left: report.torques.left.to_f64(),
+            },
+            target: orders.target,
+            parking: matches!(task, Task::Park(_)),
+        })
+    }
+}
+
+fn narrow_limits<T: Scalar>(from: &Limits<f64>) -> Limits<T> {
+    let f = T::from_f64;
+    Limits {
+        speed: f(from.speed),
+        turn_rate: f(from.turn_rate),
+        accel: f(from.accel),
+        brake: f(from.brake),
+        turn_accel: f(from.turn_accel),
+        jerk: f(from.jerk),
+        turn_jerk: f(from.turn_jerk),
+        wheel_torque_nm: f(from.wheel_torque_nm),
+        policy: from.policy,
+    }
+}

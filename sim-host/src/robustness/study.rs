@@ -1,0 +1,147 @@
+//! All runs, side by side.
+
+use super::closed_loop::{Run, Verdict, run};
+use super::condition::Condition;
+use super::law::Law;
+use super::{Case, StudyError};
+use controller_core::maths::{Libm, Maths};
+use rayon::prelude::*;
+use std::num::NonZeroU32;
+
+/// A figure over the seeds of a condition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+/// What came of a condition, a case and a law, over all its seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Number of runs: 1 without noise.
+    pub runs: usize,
+    /// How many of them arrived.
+    pub arrived: usize,
+    /// Settling time \[s\]; none unless all settled.
+    pub settling_s: Option<Spread>,
+    /// Parking time \[s\]; none unless all parked.
+    pub parked_s: Option<Spread>,
+    /// Distance to the goal at the end \[m\].
+    pub final_m: Spread,
+    /// Heading error at the end \[rad\].
+    pub final_rad: Spread,
+    /// Force in the last second, root mean square of the deviations \[N\].
+    pub force_std_n: f64,
+    /// Moment in the last second \[N m\].
+    pub moment_std_nm: f64,
+    /// Largest force of all runs \[N\].
+    pub peak_force_n: f64,
+    /// Largest moment of all runs \[N m\].
+    pub peak_moment_nm: f64,
+    /// The worst of all runs.
+    pub verdict: Verdict,
+}
+
+/// A row of the study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row<'a> {
+    /// Under what.
+    pub condition: &'a Condition,
+    /// Along what.
+    pub case: Case,
+    /// By whom.
+    pub law: Law,
+    /// And what came of it.
+    pub outcome: Outcome,
+}
+
+/// Number of runs that [`study`] makes.
+pub fn runs(conditions: &[Condition], seeds: NonZeroU32) -> u64 {
+    let per_law = conditions.iter().map(|c| seeds_of(c, seeds)).sum::<u64>();
+    per_law * (Case::ALL.len() * Law::ALL.len()) as u64
+}
+
+/// Runs every condition with both cases and all laws; those with noise `seeds` times.
+///
+/// The seed of a run is its number, 0 to `seeds` − 1: laws meet the same noise, and nothing depends
+/// on the number of threads, which is rayon's. Rows are in the order of conditions, cases, laws.
+/// `done` is called after each run.
+///
+/// # Errors
+/// See [`run`].
+pub fn study<'a>(
+    conditions: &'a [Condition],
+    seeds: NonZeroU32,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Row<'a>>, StudyError> {
+    let mut jobs = Vec::new();
+    for condition in conditions {
+        for case in Case::ALL {
+            jobs.extend(Law::ALL.map(|law| (condition, case, law)));
+        }
+    }
+    jobs.into_par_iter()
+        .map(|(condition, case, law)| {
+            let seeds = 0..seeds_of(condition, seeds);
+            let runs = seeds.into_par_iter().map(|seed| {
+                let run = run(&condition.disturbance, case, law, seed);
+                done();
+                run
+            });
+            Ok(Row {
+                condition,
+                case,
+                law,
+                outcome: Outcome::of(&runs.collect::<Result<Vec<_>, _>>()?),
+            })
+        })
+        .collect()
+}
+
+fn seeds_of(condition: &Condition, seeds: NonZeroU32) -> u64 {
+    if condition.disturbance.is_random() {
+        u64::from(seeds.get())
+    } else {
+        1
+    }
+}
+
+impl Outcome {
+    fn of(runs: &[Run]) -> Self {
+        let count = runs.len().max(1) as f64;
+        let all = |pick: fn(&Run) -> f64| Spread::of(runs.iter().map(pick));
+        let when = |pick: fn(&Run) -> Option<f64>| {
+            let times: Option<Vec<f64>> = runs.iter().map(pick).collect();
+            times.map(|times| Spread::of(times.into_iter()))
+        };
+        let pooled = |pick: fn(&Run) -> f64| {
+            Libm::sqrt(runs.iter().map(|run| pick(run).powi(2)).sum::<f64>() / count)
+        };
+        let verdicts = runs.iter().map(|run| run.verdict);
+        Self {
+            runs: runs.len(),
+            arrived: verdicts.clone().filter(|v| *v == Verdict::Arrived).count(),
+            settling_s: when(|run| run.settling_s),
+            parked_s: when(|run| run.parked_s),
+            final_m: all(|run| run.final_m),
+            final_rad: all(|run| run.final_rad),
+            force_std_n: pooled(|run| run.force_std_n),
+            moment_std_nm: pooled(|run| run.moment_std_nm),
+            peak_force_n: all(|run| run.peak_force_n).worst,
+            peak_moment_nm: all(|run| run.peak_moment_nm).worst,
+            verdict: verdicts.max().unwrap_or_default(),
+        }
+    }
+}
+
+impl Spread {
+    fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+        let count = values.clone().count().max(1) as f64;
+        Self {
+            mean: values.clone().sum::<f64>() / count,
+            worst: values.fold(0.0, f64::max),
+        }
+    }
+}
