@@ -5,8 +5,8 @@ use super::say;
 use super::write::Writer;
 use crate::cli::Output;
 use indicatif::{ProgressBar, ProgressStyle};
-use sim_host::figure::png;
-use sim_host::robustness::{Condition, catalogue, figure, runs, study, table, write_csv};
+use sim_host::figure::{png, robustness as figure};
+use sim_host::robustness::{Condition, catalogue, runs, study, table, torque_table, write_csv};
 use std::num::NonZeroU32;
 
 /// The files' name.
@@ -24,8 +24,9 @@ pub fn all(seeds: NonZeroU32, only: &[String], output: &Output) -> Result<(), Co
     say(
         "T: settled within 5 cm and 0.05 rad until the hand-over. end: distance to the goal; \
          mean / worst of the seeds.\n\
-         expected: of the neural law, by an independent calculation. !: beside the goal.\n",
+         expected: of the neural law, by an independent calculation. !: beside the goal.\n\n",
     )?;
+    say(&format!("{}\n", torque_table(&rows)))?;
     let svg = figure(&rows)?;
     writer.bytes(&format!("{NAME}.svg"), svg.as_bytes())?;
     writer.bytes(&format!("{NAME}.png"), &png(&svg)?)?;

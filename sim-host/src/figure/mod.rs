@@ -9,12 +9,14 @@ mod limits;
 mod notes;
 mod panels;
 mod png;
+mod robustness;
 mod style;
 mod thin_out;
 mod time_panel;
 mod typeset;
 
 pub use png::png;
+pub use robustness::robustness;
 pub use thin_out::thin_out;
 
 use crate::trace::Trace;

@@ -225,11 +225,11 @@ fn others() -> Vec<Condition> {
         ..NOMINAL
     };
     vec![
-        // F/(k_c1 k4): no integral action.
+        // F/(k_c1 k4) along the goal: no integral action. The curve adds what it leaves across.
         condition(
             "5 N against",
             Group::Force,
-            both((NONE, one(46.3)), (NONE, one(46.3))),
+            both((NONE, one(46.3)), (NONE, NONE)),
             pushed,
         ),
         condition(

@@ -54,10 +54,10 @@ pub struct Run {
     pub final_m: f64,
     /// Heading error at the end, as a magnitude.
     pub final_rad: f64,
-    /// Standard deviation of the force over the last second \[N\].
-    pub force_std_n: f64,
-    /// The same of the moment \[N m\].
-    pub moment_std_nm: f64,
+    /// Standard deviations over the last second before the hand-over: force \[N\], moment \[N m\].
+    pub following_std: Wrench<f64>,
+    /// The same over the last second of the run.
+    pub rest_std: Wrench<f64>,
     /// Largest force exerted \[N\].
     pub peak_force_n: f64,
     /// Largest moment exerted \[N m\].
@@ -115,8 +115,6 @@ fn close(
 /// Collects the figures of a run tick by tick.
 struct Watch {
     run: Run,
-    /// When the last second begins \[s\].
-    rest_s: f64,
     /// The first tick since which the error has been inside the band.
     inside_since: Option<f64>,
     parked_since: Option<f64>,
@@ -125,21 +123,26 @@ struct Watch {
     last_norm: f64,
     position_m: f64,
     heading_rad: f64,
-    at_rest: Vec<Wrench<f64>>,
+    /// Wrenches of the ticks so far, and how many of them were exerted while following.
+    exerted: Vec<Wrench<f64>>,
+    followed: usize,
+    /// Ticks in a second.
+    second: usize,
 }
 
 impl Watch {
     fn new(disturbance: &Disturbance) -> Self {
         Self {
             run: Run::default(),
-            rest_s: disturbance.duration_s - 1.0,
             inside_since: None,
             parked_since: None,
             left_with: f64::INFINITY,
             last_norm: f64::INFINITY,
             position_m: f64::INFINITY,
             heading_rad: f64::INFINITY,
-            at_rest: Vec::new(),
+            exerted: Vec::new(),
+            followed: 0,
+            second: (1.0 / disturbance.period_s).round() as usize,
         }
     }
 
@@ -151,13 +154,12 @@ impl Watch {
         } else {
             self.inside_since = (norm < SETTLED).then(|| self.inside_since.unwrap_or(t));
             self.left_with = norm;
+            self.followed = self.exerted.len() + 1;
         }
         self.last_norm = norm;
         run.peak_force_n = run.peak_force_n.max(exerted.force.abs());
         run.peak_moment_nm = run.peak_moment_nm.max(exerted.moment.abs());
-        if t >= self.rest_s {
-            self.at_rest.push(*exerted);
-        }
+        self.exerted.push(*exerted);
     }
 
     fn finish(self) -> Run {
@@ -165,26 +167,36 @@ impl Watch {
         run.parked_s = self.parked_since;
         run.final_m = self.position_m;
         run.final_rad = self.heading_rad;
-        run.force_std_n = deviation(self.at_rest.iter().map(|wrench| wrench.force));
-        run.moment_std_nm = deviation(self.at_rest.iter().map(|wrench| wrench.moment));
+        let (followed, _) = self.exerted.split_at(self.followed);
+        run.following_std = deviation(followed, self.second);
+        run.rest_std = deviation(&self.exerted, self.second);
         if run.verdict != Verdict::Refused {
             // `<` alone: what is not a number has not arrived.
             run.verdict = if self.last_norm < SETTLED {
                 Verdict::Arrived
-            } else if !(self.last_norm < LOST) {
-                Verdict::LostParking
-            } else if !(self.left_with < LOST) {
+            } else if self.last_norm < LOST && self.left_with < LOST {
+                Verdict::Missed
+            } else if self.last_norm < LOST {
                 Verdict::LostFollowing
             } else {
-                Verdict::Missed
+                Verdict::LostParking
             };
         }
         run
     }
 }
 
-fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let count = values.clone().count().max(1) as f64;
-    let mean = values.clone().sum::<f64>() / count;
-    Libm::sqrt(values.map(|value| (value - mean).powi(2)).sum::<f64>() / count)
+/// Standard deviations of the last `count` of `wrenches`.
+fn deviation(wrenches: &[Wrench<f64>], count: usize) -> Wrench<f64> {
+    let skipped = wrenches.len().saturating_sub(count);
+    let last = || wrenches.iter().skip(skipped);
+    let count = last().count().max(1) as f64;
+    let of = |pick: fn(&Wrench<f64>) -> f64| {
+        let mean = last().map(pick).sum::<f64>() / count;
+        Libm::sqrt(last().map(|w| (pick(w) - mean).powi(2)).sum::<f64>() / count)
+    };
+    Wrench {
+        force: of(|wrench| wrench.force),
+        moment: of(|wrench| wrench.moment),
+    }
 }

@@ -92,7 +92,7 @@ pub struct Expected {
     pub settling_s: Option<Range>,
     /// Position error at the end \[mm\].
     pub final_mm: Option<Range>,
-    /// Standard deviation of the moment at rest \[N m\].
+    /// Standard deviation of the moment while following \[N m\].
     pub moment_std_nm: Option<f64>,
     /// The robot is lost, or never settles.
     pub fails: bool,

@@ -9,9 +9,10 @@ use std::io::Write;
 /// The columns, in order. SI units, radians. Empty: not settled, not parked, nothing expected.
 ///
 /// * mean and worst are over the seeds; settled and parked only if all runs did.
-/// * force_std, moment_std: over the last second; peaks: of all runs, as exerted.
+/// * force_std, moment_std: over the last second of following and of the run; peaks: of all runs,
+///   as exerted.
 /// * expected: low and high, of the paper's law, in seconds and metres.
-pub const COLUMNS: [&str; 22] = [
+pub const COLUMNS: [&str; 24] = [
     "condition",
     "case",
     "law",
@@ -26,8 +27,10 @@ pub const COLUMNS: [&str; 22] = [
     "final_position_worst",
     "final_heading_mean",
     "final_heading_worst",
-    "force_std",
-    "moment_std",
+    "following_force_std",
+    "following_moment_std",
+    "rest_force_std",
+    "rest_moment_std",
     "peak_force",
     "peak_moment",
     "expected_settled_low",
@@ -61,9 +64,10 @@ pub fn write(rows: &[Row<'_>], out: impl Write) -> csv::Result<()> {
         for spread in [outcome.final_m, outcome.final_rad] {
             pair(&mut writer, Some((spread.mean, spread.worst)), 1.0)?;
         }
-        let rest = [outcome.force_std_n, outcome.moment_std_nm];
+        let (following, rest) = (outcome.following_std, outcome.rest_std);
+        let torques = [following.force, following.moment, rest.force, rest.moment];
         let peaks = [outcome.peak_force_n, outcome.peak_moment_nm];
-        write_numbers(&mut writer, rest.into_iter().chain(peaks))?;
+        write_numbers(&mut writer, torques.into_iter().chain(peaks))?;
         let expected = match row.law {
             Law::Neural => *row.case.expected(row.condition),
             Law::Plain | Law::Default => Default::default(),

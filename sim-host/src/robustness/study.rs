@@ -5,6 +5,7 @@ use super::condition::Condition;
 use super::law::Law;
 use super::{Case, StudyError};
 use controller_core::maths::{Libm, Maths};
+use controller_core::types::Wrench;
 use rayon::prelude::*;
 use std::num::NonZeroU32;
 
@@ -32,10 +33,10 @@ pub struct Outcome {
     pub final_m: Spread,
     /// Heading error at the end \[rad\].
     pub final_rad: Spread,
-    /// Force in the last second, root mean square of the deviations \[N\].
-    pub force_std_n: f64,
-    /// Moment in the last second \[N m\].
-    pub moment_std_nm: f64,
+    /// Root mean square of [`Run::following_std`].
+    pub following_std: Wrench<f64>,
+    /// Root mean square of [`Run::rest_std`].
+    pub rest_std: Wrench<f64>,
     /// Largest force of all runs \[N\].
     pub peak_force_n: f64,
     /// Largest moment of all runs \[N m\].
@@ -116,8 +117,14 @@ impl Outcome {
             let times: Option<Vec<f64>> = runs.iter().map(pick).collect();
             times.map(|times| Spread::of(times.into_iter()))
         };
-        let pooled = |pick: fn(&Run) -> f64| {
-            Libm::sqrt(runs.iter().map(|run| pick(run).powi(2)).sum::<f64>() / count)
+        let pooled = |pick: fn(&Run) -> Wrench<f64>| {
+            let root = |part: fn(Wrench<f64>) -> f64| {
+                Libm::sqrt(runs.iter().map(|run| part(pick(run)).powi(2)).sum::<f64>() / count)
+            };
+            Wrench {
+                force: root(|wrench| wrench.force),
+                moment: root(|wrench| wrench.moment),
+            }
         };
         let verdicts = runs.iter().map(|run| run.verdict);
         Self {
@@ -127,8 +134,8 @@ impl Outcome {
             parked_s: when(|run| run.parked_s),
             final_m: all(|run| run.final_m),
             final_rad: all(|run| run.final_rad),
-            force_std_n: pooled(|run| run.force_std_n),
-            moment_std_nm: pooled(|run| run.moment_std_nm),
+            following_std: pooled(|run| run.following_std),
+            rest_std: pooled(|run| run.rest_std),
             peak_force_n: all(|run| run.peak_force_n).worst,
             peak_moment_nm: all(|run| run.peak_moment_nm).worst,
             verdict: verdicts.max().unwrap_or_default(),

@@ -7,7 +7,7 @@ use super::study::{Outcome, Row, Spread};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 
-const HEADER: [&str; 14] = [
+const HEADER: [&str; 11] = [
     "condition",
     "case",
     "T [s]\nexpected",
@@ -19,43 +19,87 @@ const HEADER: [&str; 14] = [
     "\nplain",
     "\ndefault",
     "parked [s]\ndefault",
-    "τ_2 at rest [N m]\nneural",
-    "\nplain",
-    "\ndefault",
+];
+
+const TORQUE_HEADER: [&str; 15] = [
+    "condition",
+    "case",
+    "σ of moment,\nfollowing\nexpected",
+    "[N m]\n\nneural",
+    "\n\nplain",
+    "\n\ndefault",
+    "the same\nat rest\nneural",
+    "\n\nplain",
+    "\n\ndefault",
+    "peak force\n[N]\nneural",
+    "\n\nplain",
+    "\n\ndefault",
+    "peak moment\n[N m]\nneural",
+    "\n\nplain",
+    "\n\ndefault",
 ];
 
 /// A table with a row per condition and case. T: settled within 5 cm and 0.05 rad. Over many seeds
 /// the mean and, behind a stroke, the worst.
 pub fn table(rows: &[Row<'_>]) -> Table {
+    tabulate(rows, &HEADER, |laws, expected| {
+        let mut cells = vec![expected_time(expected)];
+        cells.extend(each(laws, settled));
+        cells.push(expected.final_mm.map_or_else(String::new, |r| range(r, 1)));
+        cells.extend(each(laws, end));
+        let [_, _, parks] = each(laws, |outcome| time(outcome.parked_s));
+        cells.push(parks);
+        cells
+    })
+}
+
+/// The same for torques: how much noise reaches them, and their peaks.
+pub fn torque_table(rows: &[Row<'_>]) -> Table {
+    tabulate(rows, &TORQUE_HEADER, |laws, expected| {
+        let moment = expected.moment_std_nm;
+        let mut cells = vec![moment.map_or_else(String::new, three_digits)];
+        cells.extend(each(laws, |o| three_digits(o.following_std.moment)));
+        cells.extend(each(laws, |o| three_digits(o.rest_std.moment)));
+        cells.extend(each(laws, |o| three_digits(o.peak_force_n)));
+        cells.extend(each(laws, |o| three_digits(o.peak_moment_nm)));
+        cells
+    })
+}
+
+fn tabulate(
+    rows: &[Row<'_>],
+    header: &[&str],
+    figures: impl Fn(&[Row<'_>], &Expected) -> Vec<String>,
+) -> Table {
     let mut table = Table::new();
     table
         .load_preset(UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(HEADER.map(|name| Cell::new(name).add_attribute(Attribute::Bold)));
-    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    table.set_header(
+        header
+            .iter()
+            .map(|name| Cell::new(name).add_attribute(Attribute::Bold)),
+    );
     for laws in rows.chunk_by(|a, b| a.condition == b.condition && a.case == b.case) {
         let Some(first) = laws.first() else { continue };
-        let expected = first.case.expected(first.condition);
-        let each = |text: fn(&Outcome) -> String| {
-            let of = move |law| laws.iter().find(|row| row.law == law);
-            Law::ALL.map(|law| right(of(law).map_or_else(String::new, |row| text(&row.outcome))))
-        };
         let mut cells = vec![
             Cell::new(&first.condition.name),
             Cell::new(first.case.name()),
-            right(expected_time(expected)),
         ];
-        cells.extend(each(settled));
-        cells.push(right(
-            expected.final_mm.map_or_else(String::new, |r| range(r, 1)),
-        ));
-        cells.extend(each(end));
-        let [_, _, parks] = each(|outcome| time(outcome.parked_s));
-        cells.push(parks);
-        cells.extend(each(|outcome| three_digits(outcome.moment_std_nm)));
+        let figures = figures(laws, first.case.expected(first.condition));
+        let right = |text| Cell::new(text).set_alignment(CellAlignment::Right);
+        cells.extend(figures.into_iter().map(right));
         table.add_row(cells);
     }
     table
+}
+
+/// A figure of each law; empty for one that did not run.
+fn each(laws: &[Row<'_>], text: fn(&Outcome) -> String) -> [String; 3] {
+    Law::ALL.map(|law| {
+        let row = laws.iter().find(|row| row.law == law);
+        row.map_or_else(String::new, |row| text(&row.outcome))
+    })
 }
 
 fn expected_time(expected: &Expected) -> String {
