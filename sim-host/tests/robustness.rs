@@ -153,8 +153,9 @@ fn the_program_writes_table_figure_and_numbers() {
     let file = |name: &str| std::fs::read(here.path().join("here").join(name)).expect(name);
     assert!(file("robustness.png").starts_with(b"\x89PNG"));
     assert!(file("robustness.svg").starts_with(b"<svg"));
-    let mut csv = csv::Reader::from_reader(&file("robustness.csv")[..]).into_records();
-    let rows: Vec<_> = csv.by_ref().map(|row| row.expect("a row")).collect();
+    let numbers = file("robustness.csv");
+    let mut csv = csv::Reader::from_reader(numbers.as_slice());
+    let rows: Vec<_> = csv.records().map(|row| row.expect("a row")).collect();
     // Two conditions, two cases, three laws.
     assert_eq!(rows.len(), 12);
     assert!(rows.iter().all(|row| row.len() == COLUMNS.len()));
