@@ -61,6 +61,19 @@ pub enum Field {
     RelocaliseAfter,
     OdometryDrift,
     FixStale,
+    GearRatio,
+    GearEfficiency,
+    TorqueConstant,
+    Resistance,
+    Supply,
+    MaxCurrent,
+    CoulombFriction,
+    ViscousFriction,
+    FrictionBlend,
+    DeadBand,
+    MaxWheelSpeed,
+    MinWheelSpeed,
+    DriverLag,
 }
 
 impl Field {
@@ -121,6 +134,19 @@ impl Field {
             Self::RelocaliseAfter => "relocalise_after",
             Self::OdometryDrift => "odometry_drift",
             Self::FixStale => "fix_stale",
+            Self::GearRatio => "gear_ratio",
+            Self::GearEfficiency => "gear_efficiency",
+            Self::TorqueConstant => "torque_constant",
+            Self::Resistance => "resistance",
+            Self::Supply => "supply",
+            Self::MaxCurrent => "max_current",
+            Self::CoulombFriction => "friction.coulomb",
+            Self::ViscousFriction => "friction.viscous",
+            Self::FrictionBlend => "friction.blend",
+            Self::DeadBand => "dead_band",
+            Self::MaxWheelSpeed => "max_wheel_speed",
+            Self::MinWheelSpeed => "min_wheel_speed",
+            Self::DriverLag => "driver_lag",
         }
     }
 }

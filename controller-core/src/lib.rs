@@ -16,6 +16,8 @@
 //! | controllers | [`neural::NeuralController`], [`plain::PlainController`], [`demand`], [`report`] |
 //! | a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival |
 //! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
+//! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`] |
+//! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
 //! | gains | [`tuning`]: from wishes, with margins |
 #![no_std]
@@ -32,6 +34,7 @@ pub mod lyapunov;
 pub mod maths;
 pub mod model;
 pub mod motion;
+pub mod motor;
 pub mod neural;
 pub mod neural_law;
 pub mod neuron;

@@ -1,0 +1,182 @@
+//! One wheel command: torque to current, voltage and duty.
+
+use crate::motor::MotorParams;
+use crate::motor::dead_band::DeadBand;
+use crate::motor::gear::Gear;
+use crate::range::clamp;
+use crate::scalar::Scalar;
+
+/// [`MotorParams`] that passed `validate`, with what follows from them worked out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor<T> {
+    pub(super) params: MotorParams<T>,
+    pub(super) gear: Gear<T>,
+    pub(super) resistance: T,
+    pub(super) per_resistance: T,
+    pub(super) supply: T,
+    pub(super) believable: (T, T),
+    pub(super) max_current: T,
+    pub(super) coulomb: T,
+    pub(super) viscous: T,
+    pub(super) per_blend: T,
+    pub(super) dead_band: DeadBand<T>,
+    pub(super) max_torque: T,
+}
+
+/// What is asked of one wheel, and how it turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelDemand<T> {
+    /// τ \[N m\] that is to accelerate the base; friction comes on top.
+    pub torque_nm: T,
+    /// ω* \[rad/s\]: the speed that the controller commands. For friction and gear only.
+    pub wanted_speed_rad_s: T,
+    /// ω \[rad/s\], measured. For the back-EMF only.
+    pub speed_rad_s: T,
+}
+
+/// What kept a wheel command from being what was asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct MotorLimited {
+    /// The current was limited.
+    pub current: bool,
+    /// The supply did not suffice.
+    pub voltage: bool,
+    /// The wheel is driven faster than the supply can hold: the current is above its limit,
+    /// against the motion, whatever the duty. Only then.
+    pub overspeed: bool,
+    /// The measured supply is not finite or not believable; the nominal one was taken.
+    pub supply_unknown: bool,
+    /// An input, or what came out, is not finite. The command is zero, and the caller releases the
+    /// wheels.
+    pub invalid: bool,
+}
+
+impl MotorLimited {
+    /// The wheel gets another torque than asked.
+    pub const fn torque(&self) -> bool {
+        self.current || self.voltage || self.invalid
+    }
+}
+
+/// The command for one motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorCommand<T> {
+    /// Torque of the gear at the wheel \[N m\], friction included, after limits.
+    pub torque_nm: T,
+    /// Part of it that overcomes friction \[N m\]; the rest accelerates the base.
+    pub friction_nm: T,
+    /// Current of the winding \[A\].
+    pub current_a: T,
+    /// Mean voltage at the motor \[V\].
+    pub voltage_v: T,
+    /// Duty to set, in [−1, 1], beyond the dead band; negative drives backward.
+    pub duty: T,
+    /// What was limited.
+    pub limited: MotorLimited,
+}
+
+impl<T: Scalar> Motor<T> {
+    /// The parameters as they were given.
+    pub const fn params(&self) -> &MotorParams<T> {
+        &self.params
+    }
+
+    /// Largest torque that may be asked \[N m\]: η g k_t i_max − τ_c, what the current limit leaves
+    /// while driving. Viscous friction and back-EMF take more at speed; then that is told.
+    pub const fn max_torque_nm(&self) -> T {
+        self.max_torque
+    }
+
+    /// Speed of the wheel at which the back-EMF is the nominal supply \[rad/s\]: U/(g k_t).
+    pub fn no_load_speed_rad_s(&self) -> T {
+        self.supply / self.gear.constant
+    }
+
+    /// Current of a shorted motor \[A\]: g k_t |ω|/R. Motor and bridge have to bear it when braked.
+    pub fn short_current_a(&self, speed_rad_s: T) -> T {
+        (self.gear.constant * speed_rad_s).abs() * self.per_resistance
+    }
+
+    /// One wheel; equations in the [module](crate::motor).
+    ///
+    /// `supply_v` is the supply as measured. If it is not finite, below
+    /// [`MIN_SUPPLY_SHARE`](crate::motor::MIN_SUPPLY_SHARE) or above
+    /// [`MAX_SUPPLY_SHARE`](crate::motor::MAX_SUPPLY_SHARE) of the nominal one, the nominal one is taken and that
+    /// is told.
+    ///
+    /// The duty is odd in (torque, wanted speed, speed), rises with the torque and is continuous. Its Lipschitz
+    /// constants, with s = 5 − d₀, or 1 without a dead band:
+    ///
+    /// | per | constant |
+    /// | --- | --- |
+    /// | torque | s R/(η g k_t U) |
+    /// | speed | s g k_t/U |
+    /// | wanted speed | s R/U · ((τ_c/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
+    ///
+    /// All inputs zero give exactly zero.
+    #[inline]
+    pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
+        let (supply, supply_unknown) = self.believed(supply_v);
+        let sense = clamp(demand.wanted_speed_rad_s * self.per_blend, T::ONE);
+        let friction = self.coulomb * sense + self.viscous * demand.wanted_speed_rad_s;
+        let torque = demand.torque_nm + friction;
+        let wish = self.gear.current(torque, sense);
+        let allowed = clamp(wish, self.max_current);
+        let back_emf = self.gear.constant * demand.speed_rad_s;
+        let needed = self.resistance * allowed + back_emf;
+        if !(torque.is_finite() && needed.is_finite()) {
+            return MotorCommand {
+                limited: MotorLimited {
+                    supply_unknown,
+                    invalid: true,
+                    ..MotorLimited::default()
+                },
+                ..MotorCommand::default()
+            };
+        }
+        let voltage = clamp(needed, supply);
+        let runaway = supply + self.resistance * self.max_current;
+        let limited = MotorLimited {
+            current: wish.abs() > self.max_current,
+            voltage: needed.abs() > supply,
+            overspeed: back_emf.abs() > runaway,
+            supply_unknown,
+            invalid: false,
+        };
+        let current = if limited.voltage {
+            // Below what was allowed, and, but for an overspeed, not below the limit on the other side: there
+            // rounding alone passes it.
+            let left = (voltage - back_emf) * self.per_resistance;
+            if limited.overspeed {
+                left
+            } else {
+                clamp(left, self.max_current)
+            }
+        } else {
+            allowed
+        };
+        let torque_nm = if limited.current || limited.voltage {
+            self.gear.torque(current, sense)
+        } else {
+            torque
+        };
+        MotorCommand {
+            torque_nm,
+            friction_nm: friction,
+            current_a: current,
+            voltage_v: voltage,
+            duty: self.dead_band.beyond(voltage / supply),
+            limited,
+        }
+    }
+
+    /// The supply to reckon with, and whether it is not the measured one.
+    fn believed(&self, measured: T) -> (T, bool) {
+        let (low, high) = self.believable;
+        if measured >= low && measured <= high {
+            (measured, false)
+        } else {
+            (self.supply, true)
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! From wheel torques to what a motor driver takes: current, voltage, duty; or wheel speeds.
+//!
+//! # Torque to duty
+//!
+//! [`Motor::command`] inverts a brushed DC motor behind a gear and a switching bridge, from the wheel
+//! back to the pin:
+//!
+//! ```text
+//! σ  = sat(ω*/ω_b)                             sense of motion, blended     ω* wanted, not measured
+//! τ′ = τ + τ_c σ + b ω*                        Coulomb and viscous friction
+//! i  = (c_m τ′ + c_h σ |τ′|)/(g k_t)           gear: 1/η driving, η braking; |i| ≤ i_max
+//! u  = R i + g k_t ω                           back-EMF of the measured speed; |u| ≤ U
+//! d  = u/U                                     U as measured: a battery sags
+//! D  = d₀ sgn d + (1 − d₀) d                   beyond the dead band, by a ramp near zero
+//! ```
+//!
+//! | symbol | name | unit |
+//! | --- | --- | --- |
+//! | τ, τ′ | torque asked of the wheel; with its friction | N m |
+//! | ω, ω* | speed of the wheel, measured and wanted | rad/s |
+//! | τ_c, b, ω_b | Coulomb and viscous friction at the wheel, half width of the blend | N m, N m s, rad/s |
+//! | g, η | motor turns per wheel turn; efficiency of the gear | |
+//! | c_m, c_h | (1/η + η)/2 and (1/η − η)/2 | |
+//! | k_t | torque constant; in SI units the same number as the back-EMF constant | N m/A = V s/rad |
+//! | R, i, U | winding and bridge, current, supply | Ω, A, V |
+//! | d₀ | dead band | |
+//!
+//! Left out: the winding's inductance (L/R of a small motor is below a tick) and the inertia of rotor
+//! and gear, which belongs to the mass and inertia of the base: m gains 2 J g²/r².
+//!
+//! d = u/U holds for a bridge that shorts the motor while its PWM is low. One that lets it coast then
+//! (fast decay) gives more than u at light load, and is no linear actuator.
+//!
+//! # Which speed is used where
+//!
+//! Back-EMF is compensated from the measured speed: it is there whatever was wanted. It needs no
+//! exact k_t: what is left of it after compensation is damping or a little negative damping, which
+//! the velocity loop outweighs.
+//!
+//! Friction and gear loss are compensated from the wanted speed. With the measured speed their
+//! compensation would be positive feedback with a slope of τ_c/ω_b: noise of the speed estimate at
+//! rest would come out as torque that moves the wheel the way of the noise, and any overestimate of
+//! τ_c would make a wheel run by itself. The wanted speed is smooth and exactly zero at rest. The price:
+//! while the wheel goes the other way than wanted, the compensation has the wrong sign; that is no more than
+//! 2 τ_c, for as long as the velocity loop needs to turn the wheel round.
+//!
+//! # Speed output
+//!
+//! [`SpeedOutput`] is for drivers that close their own speed loop.
+//!
+//! # Stopping
+//!
+//! [`electrical_brake`] and [`coast`] say how a base slows down with its motors shorted or released.
+
+mod command;
+mod dead_band;
+mod gear;
+mod params;
+mod speed;
+mod stopping;
+
+pub use command::{Motor, MotorCommand, MotorLimited, WheelDemand};
+pub use params::{MAX_SUPPLY_SHARE, MIN_SUPPLY_SHARE, MotorParams, WheelFriction};
+pub use speed::{SpeedLimited, SpeedOutput, SpeedParams, SpeedState, WheelSpeedCommand};
+pub use stopping::{Decay, Slowing, coast, electrical_brake};

@@ -1,0 +1,120 @@
+//! What is known of a motor, its gear, its wheel and its bridge.
+
+use crate::error::{Field, ParamError, Problem};
+use crate::motor::Motor;
+use crate::motor::dead_band::DeadBand;
+use crate::motor::gear::Gear;
+use crate::range::within;
+use crate::scalar::Scalar;
+
+/// A measured supply below this share of the nominal one is not believed.
+///
+/// Every battery chemistry is empty above 60 % of its nominal voltage, and most controllers are off by
+/// then: half of it is an unplugged divider, and would double the duty.
+pub const MIN_SUPPLY_SHARE: f64 = 0.5;
+
+/// A measured supply above this share of the nominal one is not believed.
+///
+/// A full battery on its charger is at 1.2; beyond 2 the nominal voltage or the divider is wrong.
+pub const MAX_SUPPLY_SHARE: f64 = 2.0;
+
+/// Friction at the wheel that is to be compensated: bearings, gear without load, rolling resistance.
+///
+/// What is entered here is added to every torque, so enter what was identified or a little less: an
+/// overestimate pushes the wheel on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelFriction<T> {
+    /// τ_c \[N m\], whatever the speed: 0 to 1e6.
+    pub coulomb_nm: T,
+    /// b \[N m s/rad\], 0 to 1e6.
+    pub viscous_nm_s: T,
+    /// ω_b \[rad/s\]: up to this wanted speed of the wheel the Coulomb part, and the gear's loss, rise in
+    /// proportion. 1e-3 to 1e3; 0 is accepted where there is nothing to blend.
+    ///
+    /// A tenth of the slowest speed at which the wheel is to be exact is good: narrower gains nothing, for the
+    /// wanted speed passes through it in a few ticks, and wider leaves friction uncompensated there.
+    pub blend_rad_s: T,
+}
+
+impl<T: Scalar> WheelFriction<T> {
+    /// Nothing to compensate.
+    pub const NONE: Self = Self {
+        coulomb_nm: T::ZERO,
+        viscous_nm_s: T::ZERO,
+        blend_rad_s: T::ZERO,
+    };
+}
+
+/// One motor with gear, wheel and bridge; both sides of a base have the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorParams<T> {
+    /// g: motor turns per wheel turn, 0.1 to 1e4.
+    pub gear_ratio: T,
+    /// η: share of the motor's power that reaches the wheel, 0.2 to 1. A pair of spur wheels has
+    /// some 0.95, four of them 0.8, a worm 0.5. Below 1 the blend of `friction` is needed.
+    pub gear_efficiency: T,
+    /// k_t \[N m/A\], 1e-6 to 100.
+    pub torque_constant_nm_per_a: T,
+    /// R: winding and bridge \[Ω\], 1e-4 to 1e4.
+    pub resistance_ohm: T,
+    /// Nominal supply \[V\], 1 to 1000: what is reckoned with while no believable one is measured.
+    pub supply_v: T,
+    /// i_max: largest current of either motor \[A\], 1e-3 to 1000.
+    pub max_current_a: T,
+    /// Friction to compensate.
+    pub friction: WheelFriction<T>,
+    /// d₀: share of the duty below which the bridge does nothing, 0 to 0.5: its dead time and rise
+    /// time times the PWM frequency.
+    pub dead_band: T,
+}
+
+impl<T: Scalar> MotorParams<T> {
+    /// Checks every parameter and works out what follows from them.
+    ///
+    /// # Errors
+    /// The first one out of its range; [`Field::MaxCurrent`] also if the largest current does not
+    /// overcome Coulomb friction.
+    pub fn validate(self) -> Result<Motor<T>, ParamError> {
+        let ratio = within(Field::GearRatio, self.gear_ratio, 0.1, 1.0e4)?;
+        let efficiency = within(Field::GearEfficiency, self.gear_efficiency, 0.2, 1.0)?;
+        let constant = self.torque_constant_nm_per_a;
+        let constant = within(Field::TorqueConstant, constant, 1.0e-6, 100.0)?;
+        let resistance = within(Field::Resistance, self.resistance_ohm, 1.0e-4, 1.0e4)?;
+        let supply = within(Field::Supply, self.supply_v, 1.0, 1.0e3)?;
+        let max_current = within(Field::MaxCurrent, self.max_current_a, 1.0e-3, 1.0e3)?;
+        let friction = &self.friction;
+        let coulomb = within(Field::CoulombFriction, friction.coulomb_nm, 0.0, 1.0e6)?;
+        let viscous = within(Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6)?;
+        let blends = coulomb > T::ZERO || efficiency < T::ONE;
+        let least = if blends { 1.0e-3 } else { 0.0 };
+        let blend = within(Field::FrictionBlend, friction.blend_rad_s, least, 1.0e3)?;
+        let dead_band = within(Field::DeadBand, self.dead_band, 0.0, 0.5)?;
+        let gear = Gear::new(ratio * constant, efficiency);
+        let max_torque = gear.driving_torque(max_current) - coulomb;
+        if max_torque > T::ZERO {
+            Ok(Motor {
+                params: self,
+                gear,
+                resistance,
+                per_resistance: T::ONE / resistance,
+                supply,
+                believable: (
+                    supply * T::from_f64(MIN_SUPPLY_SHARE),
+                    supply * T::from_f64(MAX_SUPPLY_SHARE),
+                ),
+                max_current,
+                coulomb,
+                viscous,
+                per_blend: if blends { T::ONE / blend } else { T::ZERO },
+                dead_band: DeadBand::new(dead_band),
+                max_torque,
+            })
+        } else {
+            let least = gear.current(coulomb, T::ONE).to_f64();
+            Err(ParamError {
+                field: Field::MaxCurrent,
+                problem: Problem::Below(least),
+            })
+        }
+    }
+}
