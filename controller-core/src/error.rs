@@ -74,6 +74,7 @@ pub enum Field {
     MaxWheelSpeed,
     MinWheelSpeed,
     DriverLag,
+    BrakeDamping,
 }
 
 impl Field {
@@ -147,6 +148,7 @@ impl Field {
             Self::MaxWheelSpeed => "max_wheel_speed",
             Self::MinWheelSpeed => "min_wheel_speed",
             Self::DriverLag => "driver_lag",
+            Self::BrakeDamping => "brake_damping",
         }
     }
 }

@@ -3,8 +3,11 @@
 //! In the manner of `embedded-hal`: an associated error with a generic kind, implementations for
 //! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
 //! else; they come from [`crate::report::StepReport::torques`].
+//!
+//! Wheels are stopped in two ways, and hardware that can tells them apart: *released* they are free to coast, *braked*
+//! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].
 
-use crate::types::WheelTorques;
+use crate::types::{WheelSpeeds, WheelTorques};
 use core::fmt;
 
 /// An error of a driver, reduced to what a supervisor can act on.
@@ -23,7 +26,8 @@ pub enum ErrorKind {
     OverCurrent,
     /// The supply is too low to drive the motors.
     UnderVoltage,
-    /// A torque that is not finite or above [`WheelDrive::max_torque_nm`] was refused.
+    /// A torque above [`WheelDrive::max_torque_nm`] or a speed above [`WheelSpeedDrive::max_speed_rad_s`] was refused, or
+    /// one that is not finite.
     OutOfRange,
     /// Anything else.
     Other,
@@ -35,7 +39,7 @@ impl fmt::Display for ErrorKind {
             Self::Bus => "the driver does not answer",
             Self::OverCurrent => "the driver saw too much current",
             Self::UnderVoltage => "the supply is too low",
-            Self::OutOfRange => "the torque is out of range",
+            Self::OutOfRange => "the torque or speed is out of range",
             Self::Other => "the driver failed",
         })
     }
@@ -83,6 +87,15 @@ pub trait WheelDrive: ErrorType {
     /// # Errors
     /// What the hardware reports; an implementation tries everything it can before it fails.
     fn release(&mut self) -> Result<(), Self::Error>;
+
+    /// Brakes both wheels electrically: motors shorted, so that they resist in proportion to their speed. They do not hold
+    /// on a slope. Must work at any time, also after errors and twice in a row.
+    ///
+    /// A driver that cannot brake releases, and says so in its documentation.
+    ///
+    /// # Errors
+    /// What the hardware reports; an implementation tries everything it can before it fails.
+    fn brake(&mut self) -> Result<(), Self::Error>;
 }
 
 impl<D: WheelDrive + ?Sized> WheelDrive for &mut D {
@@ -95,11 +108,60 @@ impl<D: WheelDrive + ?Sized> WheelDrive for &mut D {
     fn release(&mut self) -> Result<(), Self::Error> {
         (**self).release()
     }
+    fn brake(&mut self) -> Result<(), Self::Error> {
+        (**self).brake()
+    }
 }
 
 /// Both torques are finite and within the limit: the check that every [`WheelDrive`] makes.
 pub fn accepts(torques: &WheelTorques<f32>, max_torque_nm: f32) -> bool {
     torques.right.abs() <= max_torque_nm && torques.left.abs() <= max_torque_nm
+}
+
+/// A pair of driven wheels that takes speeds and controls them by itself.
+///
+/// [`crate::motor::SpeedOutput`] makes such speeds, and says what is lost against a [`WheelDrive`].
+pub trait WheelSpeedDrive: ErrorType {
+    /// Largest speed of either wheel \[rad/s\], positive and finite.
+    fn max_speed_rad_s(&self) -> f32;
+
+    /// Sets both wheels at once; they hold until the next call.
+    ///
+    /// # Errors
+    /// As [`WheelDrive::set_torques`], for [`max_speed_rad_s`](Self::max_speed_rad_s).
+    fn set_speeds(&mut self, speeds: WheelSpeeds<f32>) -> Result<(), Self::Error>;
+
+    /// As [`WheelDrive::release`]: no speed is held, the wheels are free to coast.
+    ///
+    /// # Errors
+    /// What the hardware reports; an implementation tries everything it can before it fails.
+    fn release(&mut self) -> Result<(), Self::Error>;
+
+    /// As [`WheelDrive::brake`]. A speed of 0 is something else: the driver then holds the wheel with all its torque.
+    ///
+    /// # Errors
+    /// What the hardware reports; an implementation tries everything it can before it fails.
+    fn brake(&mut self) -> Result<(), Self::Error>;
+}
+
+impl<D: WheelSpeedDrive + ?Sized> WheelSpeedDrive for &mut D {
+    fn max_speed_rad_s(&self) -> f32 {
+        (**self).max_speed_rad_s()
+    }
+    fn set_speeds(&mut self, speeds: WheelSpeeds<f32>) -> Result<(), Self::Error> {
+        (**self).set_speeds(speeds)
+    }
+    fn release(&mut self) -> Result<(), Self::Error> {
+        (**self).release()
+    }
+    fn brake(&mut self) -> Result<(), Self::Error> {
+        (**self).brake()
+    }
+}
+
+/// Both speeds are finite and within the limit: the check that every [`WheelSpeedDrive`] makes.
+pub fn accepts_speeds(speeds: &WheelSpeeds<f32>, max_speed_rad_s: f32) -> bool {
+    speeds.right.abs() <= max_speed_rad_s && speeds.left.abs() <= max_speed_rad_s
 }
 
 /// Positions of both wheels in counts; positive counts drive forward, and both wrap around at the

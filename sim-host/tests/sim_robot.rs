@@ -4,6 +4,7 @@ use controller_core::demand::Demand;
 use controller_core::error::{Field, Problem};
 use controller_core::hal::{Clock, Error, ErrorKind, WheelCounts, WheelDrive, WheelEncoders};
 use controller_core::maths::{Libm, Single};
+use controller_core::motor::{MotorParams, WheelFriction, electrical_brake};
 use controller_core::neural::NeuralController;
 use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::params::Params;
@@ -55,6 +56,12 @@ fn keeps_the_contract(mut drive: impl WheelDrive, acting: impl Fn() -> WheelTorq
     }
     drive.set_torques(both(limit)).expect("after a release");
     assert_eq!(acting(), both(limit));
+    for _ in 0..2 {
+        drive.brake().expect("always");
+        assert_eq!(acting(), both(0.0));
+    }
+    drive.set_torques(both(limit)).expect("after a brake");
+    assert_eq!(acting(), both(limit));
 }
 
 #[test]
@@ -79,6 +86,48 @@ fn released_wheels_coast_and_torques_hold() {
     // 2 * 1.5 N m on 0.1 m wheels push 30 kg with 30 N for 1 s.
     assert!((shared.truth().twist.linear - 1.5).abs() < 1.0e-12);
     assert_eq!(shared.truth().twist.angular, 0.0);
+}
+
+/// Against the core's braking distance, which is derived on its own: (g k_t)²/R of this motor is 1 N m s.
+#[test]
+fn braked_wheels_stop_where_the_core_says() {
+    let motor = MotorParams {
+        gear_ratio: 10.0,
+        gear_efficiency: 1.0,
+        torque_constant_nm_per_a: 0.2,
+        resistance_ohm: 4.0,
+        supply_v: 24.0,
+        max_current_a: 5.0,
+        friction: WheelFriction::NONE,
+        dead_band: 0.0,
+    };
+    let motor = motor.validate().expect("in order");
+    let slowing = electrical_brake(&motor, &Params::paper().robot).expect("in order");
+    let shared = robot(&rolling(0.8, 0.0), Equipment::default());
+    let mut drive = shared.clone();
+    drive.brake().expect("always");
+    assert!(shared.braked());
+    let constant = slowing.linear.time_constant_s().expect("damped");
+    // 30 kg, 0.1 m, 2 * 1 N m s: 0.15 s.
+    assert!((constant - 0.15).abs() < 1.0e-12);
+    shared.advance(150_000);
+    let speed = shared.truth().twist.linear;
+    // Exact at the end of every substep, so rounding of 600 of them.
+    assert!((speed - 0.8 * (-1.0_f64).exp()).abs() < 1.0e-12, "{speed}");
+    shared.advance(3_000_000);
+    let way = slowing.linear.distance(0.8).expect("damped");
+    let truth = shared.truth();
+    // The speed is taken as linear in time over 0.25 ms: (h/T)²/12 of the way, 3e-8 m.
+    assert!((truth.pose.x - way).abs() < 1.0e-7, "{truth:?} {way}");
+
+    let shared = robot(&rolling(0.0, 2.0), Equipment::default());
+    shared.clone().brake().expect("always");
+    shared.advance(10_000_000);
+    let turned = shared.truth().pose.theta;
+    let angle = slowing.angular.distance(2.0).expect("damped");
+    assert!((turned - angle).abs() < 1.0e-5 * angle, "{turned} {angle}");
+    shared.clone().release().expect("always");
+    assert!(!shared.braked());
 }
 
 #[test]
@@ -150,6 +199,13 @@ fn equipment_out_of_range_is_refused() {
             ..Equipment::default()
         };
         assert_eq!(refused(equipment).field, Field::MaxWheelTorque);
+    }
+    for brake_nm_s in [0.0, f64::NAN, 1.0e7] {
+        let equipment = Equipment {
+            brake_nm_s,
+            ..Equipment::default()
+        };
+        assert_eq!(refused(equipment).field, Field::BrakeDamping);
     }
     let equipment = Equipment {
         counts_per_turn: 0.5,

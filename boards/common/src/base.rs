@@ -5,12 +5,12 @@ use core::fmt::{self, Display, Formatter};
 use controller_core::hal::{Clock, WheelDrive, WheelEncoders};
 use controller_core::maths::Single;
 use controller_core::odometry::Odometry;
-use controller_core::types::Pose;
+use controller_core::types::{Pose, Twist};
 use controller_core::wheels::WheelMap;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 use firmware_demo::control::{ControlTask, SensorFault};
-use firmware_demo::drive::{MotorPair, MotorSide};
+use firmware_demo::drive::{Bridges, MotorPair, MotorSide, Observed};
 use firmware_demo::station::{Queues, Station};
 
 use crate::config;
@@ -22,7 +22,7 @@ pub struct Parts<P, D, N, E, C> {
     pub right: MotorSide<P, D>,
     /// PWM and direction of the left motor.
     pub left: MotorSide<P, D>,
-    /// High switches the bridges on; a resistor holds it low from reset on.
+    /// High switches the bridges on, low lets the wheels coast; a resistor holds it low from reset on.
     pub enable: N,
     /// Both encoders.
     pub encoders: E,
@@ -55,8 +55,7 @@ impl core::error::Error for StartError {}
 
 /// Everything that happens once a tick.
 pub struct Base<'queue, P, D, N, E, C> {
-    station: Station<'queue, MotorPair<P, D>>,
-    enable: N,
+    station: Station<'queue, MotorPair<P, D, N>>,
     encoders: E,
     clock: C,
     odometry: Odometry<f32>,
@@ -92,7 +91,11 @@ where
     } = parts;
     enable.set_low().map_err(|_| StartError::Motors)?;
     let motor = config::MOTOR.validate().map_err(|_| StartError::Config)?;
-    let mut motors = MotorPair::new(right, left, motor);
+    let bridges = Bridges {
+        off_phase: config::OFF_PHASE,
+        enable: Some(enable),
+    };
+    let mut motors = MotorPair::new(right, left, bridges, motor);
     motors.release().map_err(|_| StartError::Motors)?;
     let params = config::PARAMS.validate().map_err(|_| StartError::Config)?;
     let settings = config::settings()
@@ -107,7 +110,6 @@ where
         ControlTask::new(motors, references, settings, params).map_err(|_| StartError::Config)?;
     let base = Base {
         station: Station::new(task, ends),
-        enable,
         encoders,
         last_us: clock.now_us().wrapping_sub(config::PERIOD_US),
         clock,
@@ -125,7 +127,8 @@ where
     E: WheelEncoders,
     C: Clock,
 {
-    /// One tick: reads, computes, drives. The bridges are on only while the wheels are told a torque, if one of 0 as when armed.
+    /// One tick: reads, computes, drives. The bridges are on only while the wheels are told a torque, if one of 0 as when armed: enable is the
+    /// motors' own.
     pub fn tick(&mut self) {
         let now_us = self.clock.now_us();
         // A tick takes time, so 0 is a clock that stands; the control task is told as much by its own clock check.
@@ -137,14 +140,17 @@ where
             Err(_) => Err(SensorFault),
         };
         if let Ok(measured) = &sensed {
-            let speeds = self.wheels.wheel_speeds(&measured.twist);
-            self.station.drive_mut().observe(&speeds);
+            // What the last tick commanded: a tick late, which friction does not mind.
+            let report = self.station.task().report();
+            let wanted = report.map_or(Twist::default(), |ticked| ticked.report.command);
+            let observed = Observed {
+                speeds: self.wheels.wheel_speeds(&measured.twist),
+                wanted: self.wheels.wheel_speeds(&wanted),
+                // No board measures its supply yet.
+                supply_v: f32::NAN,
+            };
+            self.station.drive_mut().observe(&observed);
         }
         self.station.tick(now_us, sensed);
-        let driven = self.station.task().told().is_some();
-        if self.enable.set_state(driven.into()).is_err() {
-            // The pin cannot be set, so the bridges are kept off by their duty at least. The next tick tries again.
-            let _ = self.station.drive_mut().release();
-        }
     }
 }

@@ -2,11 +2,12 @@
 //! board's README from its first line.
 
 use controller_core::handover::Reset;
+use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
 use controller_core::wheels::WheelGeometry;
 use firmware_demo::control::{LinkWatch, Settings, StallWatch};
-use firmware_demo::drive::MotorParams;
+use firmware_demo::drive::OffPhase;
 
 /// Control period \[us\].
 pub const PERIOD_US: u32 = 1000;
@@ -28,13 +29,22 @@ pub const WHEELS: WheelGeometry<f32> = WheelGeometry {
 };
 
 /// Gear 30:1; 5.5 A and 1.4 N m at stall under 12 V. The current limit is far below, for the first trials.
-pub const MOTOR: MotorParams = MotorParams {
+///
+/// Gear loss, friction and dead band are those of a perfect motor until they have been measured: nothing is compensated
+/// then, and nothing is overdone.
+pub const MOTOR: MotorParams<f32> = MotorParams {
     gear_ratio: 30.0,
-    torque_constant: 0.0085,
+    gear_efficiency: 1.0,
+    torque_constant_nm_per_a: 0.0085,
     resistance_ohm: 2.2,
     supply_v: 12.0,
     max_current_a: 1.0,
+    friction: WheelFriction::NONE,
+    dead_band: 0.0,
 };
+
+/// What the bridges do while their PWM is low; those of the board's README short the motors.
+pub const OFF_PHASE: OffPhase = OffPhase::Shorted;
 
 /// The controller, until the host sets other parameters: gains G of the project, torque loops for this mass.
 pub const PARAMS: Params<f32> = Params {

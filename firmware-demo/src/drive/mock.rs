@@ -1,16 +1,20 @@
 //! Wheels that only remember what they were told, and fail on demand.
 
-use controller_core::hal::{ErrorKind, ErrorType, WheelDrive, accepts};
-use controller_core::types::WheelTorques;
+use controller_core::hal::{
+    ErrorKind, ErrorType, WheelDrive, WheelSpeedDrive, accepts, accepts_speeds,
+};
+use controller_core::types::{WheelSpeeds, WheelTorques};
 
-/// One call.
+/// One call; `V` is what wheels are told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Call {
-    /// Torques were set, or would have been.
-    Set(WheelTorques<f32>),
+pub enum Call<V = WheelTorques<f32>> {
+    /// Torques or speeds were set, or would have been.
+    Set(V),
     /// The wheels were made safe.
     #[default]
     Release,
+    /// The wheels were braked.
+    Brake,
 }
 
 /// When the driver fails, by the number of calls before, from 0.
@@ -26,21 +30,28 @@ pub struct Script {
 
 /// Remembers every call: the last `N` of them one by one, all of them by number.
 #[derive(Clone, Debug)]
-pub struct MockDrive<const N: usize = 8> {
-    max_torque_nm: f32,
+pub struct Mock<V, const N: usize = 8> {
+    max: f32,
     script: Script,
-    calls: [Call; N],
+    calls: [Call<V>; N],
     next: usize,
     sets: u32,
     releases: u32,
-    told: Option<WheelTorques<f32>>,
+    brakes: u32,
+    doing: Call<V>,
 }
 
-impl<const N: usize> MockDrive<N> {
-    /// Released wheels that never fail.
-    pub const fn new(max_torque_nm: f32) -> Self {
+/// Wheels that take torques.
+pub type MockDrive<const N: usize = 8> = Mock<WheelTorques<f32>, N>;
+
+/// Wheels that take speeds.
+pub type MockSpeedDrive<const N: usize = 8> = Mock<WheelSpeeds<f32>, N>;
+
+impl<V: Copy, const N: usize> Mock<V, N> {
+    /// Released wheels that never fail; `max` is their largest torque \[N m\] or speed \[rad/s\].
+    pub const fn new(max: f32) -> Self {
         Self {
-            max_torque_nm,
+            max,
             script: Script {
                 from: 0,
                 count: 0,
@@ -50,7 +61,8 @@ impl<const N: usize> MockDrive<N> {
             next: 0,
             sets: 0,
             releases: 0,
-            told: None,
+            brakes: 0,
+            doing: Call::Release,
         }
     }
 
@@ -64,10 +76,12 @@ impl<const N: usize> MockDrive<N> {
 
     /// Calls so far.
     pub const fn calls(&self) -> u32 {
-        self.sets.saturating_add(self.releases)
+        self.sets
+            .saturating_add(self.releases)
+            .saturating_add(self.brakes)
     }
 
-    /// Calls of `set_torques` so far.
+    /// Calls of `set_torques` or `set_speeds` so far.
     pub const fn sets(&self) -> u32 {
         self.sets
     }
@@ -77,19 +91,32 @@ impl<const N: usize> MockDrive<N> {
         self.releases
     }
 
-    /// What the wheels do now; `None` when they are free.
-    pub const fn told(&self) -> Option<WheelTorques<f32>> {
-        self.told
+    /// Calls of `brake` so far.
+    pub const fn brakes(&self) -> u32 {
+        self.brakes
+    }
+
+    /// What the wheels were told; `None` when they are free or braked.
+    pub const fn told(&self) -> Option<V> {
+        match self.doing {
+            Call::Set(told) => Some(told),
+            Call::Release | Call::Brake => None,
+        }
+    }
+
+    /// What the wheels do now.
+    pub const fn doing(&self) -> Call<V> {
+        self.doing
     }
 
     /// The last calls, newest first.
-    pub fn last_calls(&self) -> impl Iterator<Item = &Call> {
+    pub fn last_calls(&self) -> impl Iterator<Item = &Call<V>> {
         let (newer, older) = self.calls.split_at_checked(self.next).unwrap_or_default();
         let known = usize::try_from(self.calls()).unwrap_or(usize::MAX);
         newer.iter().rev().chain(older.iter().rev()).take(known)
     }
 
-    fn record(&mut self, call: Call) -> Result<(), ErrorKind> {
+    fn record(&mut self, call: Call<V>) -> Result<(), ErrorKind> {
         let at = self.calls();
         if let Some(place) = self.calls.get_mut(self.next) {
             *place = call;
@@ -105,33 +132,65 @@ impl<const N: usize> MockDrive<N> {
             Ok(())
         }
     }
+
+    fn set(&mut self, value: V, accepted: bool) -> Result<(), ErrorKind> {
+        let answer = self.record(Call::Set(value));
+        self.sets = self.sets.saturating_add(1);
+        if !accepted {
+            return Err(ErrorKind::OutOfRange);
+        }
+        answer?;
+        self.doing = Call::Set(value);
+        Ok(())
+    }
+
+    fn free(&mut self) -> Result<(), ErrorKind> {
+        let answer = self.record(Call::Release);
+        self.releases = self.releases.saturating_add(1);
+        answer?;
+        self.doing = Call::Release;
+        Ok(())
+    }
+
+    fn short(&mut self) -> Result<(), ErrorKind> {
+        let answer = self.record(Call::Brake);
+        self.brakes = self.brakes.saturating_add(1);
+        answer?;
+        self.doing = Call::Brake;
+        Ok(())
+    }
 }
 
-impl<const N: usize> ErrorType for MockDrive<N> {
+impl<V, const N: usize> ErrorType for Mock<V, N> {
     type Error = ErrorKind;
 }
 
 impl<const N: usize> WheelDrive for MockDrive<N> {
     fn max_torque_nm(&self) -> f32 {
-        self.max_torque_nm
+        self.max
     }
-
     fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), ErrorKind> {
-        let answer = self.record(Call::Set(torques));
-        self.sets = self.sets.saturating_add(1);
-        if !accepts(&torques, self.max_torque_nm) {
-            return Err(ErrorKind::OutOfRange);
-        }
-        answer?;
-        self.told = Some(torques);
-        Ok(())
+        self.set(torques, accepts(&torques, self.max))
     }
-
     fn release(&mut self) -> Result<(), ErrorKind> {
-        let answer = self.record(Call::Release);
-        self.releases = self.releases.saturating_add(1);
-        answer?;
-        self.told = None;
-        Ok(())
+        self.free()
+    }
+    fn brake(&mut self) -> Result<(), ErrorKind> {
+        self.short()
+    }
+}
+
+impl<const N: usize> WheelSpeedDrive for MockSpeedDrive<N> {
+    fn max_speed_rad_s(&self) -> f32 {
+        self.max
+    }
+    fn set_speeds(&mut self, speeds: WheelSpeeds<f32>) -> Result<(), ErrorKind> {
+        self.set(speeds, accepts_speeds(&speeds, self.max))
+    }
+    fn release(&mut self) -> Result<(), ErrorKind> {
+        self.free()
+    }
+    fn brake(&mut self) -> Result<(), ErrorKind> {
+        self.short()
     }
 }

@@ -1,7 +1,9 @@
-//! Wheels that take torques: `controller_core::hal::WheelDrive` for a test, and for real motors.
+//! Wheels that take torques or speeds: `controller_core::hal` for a test, and for real motors.
 
+mod bridge;
 mod mock;
 mod motor;
 
-pub use mock::{Call, MockDrive, Script};
-pub use motor::{MotorError, MotorPair, MotorParamError, MotorParams, MotorSide, ValidMotor};
+pub use bridge::{Bridges, MotorSide, NoPin, OffPhase};
+pub use mock::{Call, Mock, MockDrive, MockSpeedDrive, Script};
+pub use motor::{MotorError, MotorPair, Observed, WheelCommands};

@@ -1,137 +1,14 @@
-//! DC motors on two half bridges: any board with a PWM output and a direction pin for each wheel.
+//! DC motors on half bridges: any board with a PWM output and a direction pin for each wheel.
 //!
-//! A torque becomes a current, and the current the voltage that drives it through the winding against the
-//! motor's own back-EMF:
-//!
-//! ```text
-//! i = τ/(g k_t)        u = R i + k_e g φ̇        duty = |u|/U        direction = sign u
-//! ```
-//!
-//! | symbol | name | unit |
-//! | --- | --- | --- |
-//! | τ, φ̇ | torque and speed of the wheel | N m, rad/s |
-//! | g | gear ratio, motor turns per wheel turn | |
-//! | k_t, k_e | torque constant; in SI units the same number as the back-EMF constant | N m/A, V s/rad |
-//! | R, U | winding and bridge, supply | Ω, V |
-//!
-//! The winding's inductance and the gear's friction are left out.
-
-use core::error::Error as CoreError;
-use core::fmt::{self, Display, Formatter};
+//! What a torque takes in current, voltage and duty is worked out by [`controller_core::motor`]; here are the pins.
 
 use controller_core::hal::{Error, ErrorKind, ErrorType, WheelDrive, accepts};
+use controller_core::motor::{Motor, MotorCommand, WheelDemand};
 use controller_core::types::{WheelSpeeds, WheelTorques};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 
-/// One motor with its gear; both wheels have the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotorParams {
-    /// Motor turns per wheel turn, 0.1 to 10,000.
-    pub gear_ratio: f32,
-    /// Torque constant \[N m/A\], 1e-6 to 100.
-    pub torque_constant: f32,
-    /// Winding and bridge \[Ω\], 1e-4 to 1e4.
-    pub resistance_ohm: f32,
-    /// Supply \[V\], 1 to 1000.
-    pub supply_v: f32,
-    /// Largest current of either motor \[A\], 1e-3 to 1000.
-    pub max_current_a: f32,
-}
-
-/// A motor parameter that is not finite or out of its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MotorParamError(
-    /// Its name.
-    pub &'static str,
-);
-
-impl Display for MotorParamError {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(f, "{} is out of its range", self.0)
-    }
-}
-
-impl CoreError for MotorParamError {}
-
-impl MotorParams {
-    /// Checks every parameter.
-    ///
-    /// # Errors
-    ///
-    /// The first one out of its range.
-    pub fn validate(self) -> Result<ValidMotor, MotorParamError> {
-        for (name, value, low, high) in [
-            ("gear_ratio", self.gear_ratio, 0.1, 1e4),
-            ("torque_constant", self.torque_constant, 1e-6, 100.0),
-            ("resistance_ohm", self.resistance_ohm, 1e-4, 1e4),
-            ("supply_v", self.supply_v, 1.0, 1000.0),
-            ("max_current_a", self.max_current_a, 1e-3, 1000.0),
-        ] {
-            if !(value >= low && value <= high) {
-                return Err(MotorParamError(name));
-            }
-        }
-        let wheel_torque_per_ampere = self.gear_ratio * self.torque_constant;
-        Ok(ValidMotor {
-            params: self,
-            volt_per_torque: self.resistance_ohm / wheel_torque_per_ampere,
-            volt_per_speed: wheel_torque_per_ampere,
-            max_torque_nm: wheel_torque_per_ampere * self.max_current_a,
-        })
-    }
-}
-
-/// [`MotorParams`] that passed `validate`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ValidMotor {
-    params: MotorParams,
-    volt_per_torque: f32,
-    volt_per_speed: f32,
-    max_torque_nm: f32,
-}
-
-impl ValidMotor {
-    /// The parameters as they were given.
-    pub const fn params(&self) -> &MotorParams {
-        &self.params
-    }
-
-    /// Voltage for a torque at a speed, as a share of the supply in [−1, 1].
-    pub fn share(&self, torque_nm: f32, speed_rad_s: f32) -> f32 {
-        let volt = self.volt_per_torque * torque_nm + self.volt_per_speed * speed_rad_s;
-        // A motor that runs too fast for its supply gets all there is.
-        (volt / self.params.supply_v).clamp(-1.0, 1.0)
-    }
-}
-
-/// The two outputs of one wheel.
-#[derive(Clone, Copy, Debug)]
-pub struct MotorSide<P, D> {
-    /// Duty cycle of the bridge.
-    pub pwm: P,
-    /// Low drives forward.
-    pub direction: D,
-}
-
-impl<P: SetDutyCycle, D: OutputPin> MotorSide<P, D> {
-    fn coast(&mut self) -> Result<(), MotorError> {
-        self.pwm.set_duty_cycle(0).map_err(|_| MotorError::Pwm)
-    }
-
-    fn turn(&mut self, backward: bool) -> Result<(), MotorError> {
-        self.direction
-            .set_state(backward.into())
-            .map_err(|_| MotorError::Direction)
-    }
-
-    fn push(&mut self, share: f32) -> Result<(), MotorError> {
-        let max = f32::from(self.pwm.max_duty_cycle());
-        // At most `max`; rounded to nearest.
-        let duty = (share.abs() * max + 0.5) as u16;
-        self.pwm.set_duty_cycle(duty).map_err(|_| MotorError::Pwm)
-    }
-}
+use super::bridge::{Bridges, MotorSide, NoPin};
 
 /// What a pair of motors fails with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,74 +18,159 @@ pub enum MotorError {
     Pwm,
     /// A direction pin.
     Direction,
-    /// A torque beyond the current limit, or not a number.
+    /// The enable pin.
+    Enable,
+    /// A torque beyond what the current limit allows, or not a number.
     OutOfRange,
+    /// A speed that was observed is not a number.
+    Observation,
 }
 
 impl Error for MotorError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::Pwm | Self::Direction => ErrorKind::Bus,
+            Self::Pwm | Self::Direction | Self::Enable => ErrorKind::Bus,
             Self::OutOfRange => ErrorKind::OutOfRange,
+            Self::Observation => ErrorKind::Other,
         }
     }
+}
+
+/// What a motor command needs to know beside the torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observed {
+    /// Measured, for the back-EMF.
+    pub speeds: WheelSpeeds<f32>,
+    /// Commanded by the controller, for friction.
+    pub wanted: WheelSpeeds<f32>,
+    /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
+    /// supply, and told: [`MotorCommand::limited`].
+    pub supply_v: f32,
+}
+
+impl Default for Observed {
+    /// Standing still, supply unknown.
+    fn default() -> Self {
+        Self {
+            speeds: WheelSpeeds::default(),
+            wanted: WheelSpeeds::default(),
+            supply_v: f32::NAN,
+        }
+    }
+}
+
+/// What both motors were told.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelCommands {
+    /// Right wheel.
+    pub right: MotorCommand<f32>,
+    /// Left wheel.
+    pub left: MotorCommand<f32>,
 }
 
 /// Both wheels of a base. Mirrored motors are mirrored by their wiring.
 #[derive(Clone, Copy, Debug)]
-pub struct MotorPair<P, D> {
+pub struct MotorPair<P, D, E = NoPin> {
     right: MotorSide<P, D>,
     left: MotorSide<P, D>,
-    motor: ValidMotor,
-    speeds: WheelSpeeds<f32>,
+    bridges: Bridges<E>,
+    motor: Motor<f32>,
+    observed: Observed,
+    told: WheelCommands,
     backward: Option<[bool; 2]>,
 }
 
-impl<P: SetDutyCycle, D: OutputPin> MotorPair<P, D> {
+impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
     /// Takes the outputs; the caller calls [`release`](WheelDrive::release) before anything else.
-    pub fn new(right: MotorSide<P, D>, left: MotorSide<P, D>, motor: ValidMotor) -> Self {
+    pub fn new(
+        right: MotorSide<P, D>,
+        left: MotorSide<P, D>,
+        bridges: Bridges<E>,
+        motor: Motor<f32>,
+    ) -> Self {
         Self {
             right,
             left,
+            bridges,
             motor,
-            speeds: WheelSpeeds::default(),
+            observed: Observed::default(),
+            told: WheelCommands::default(),
             backward: None,
         }
     }
 
-    /// Tells how fast the wheels turn now, for the back-EMF. To be called before every set of torques; a
-    /// speed that is not finite counts as 0.
-    pub fn observe(&mut self, speeds: &WheelSpeeds<f32>) {
-        let known = |speed: f32| if speed.is_finite() { speed } else { 0.0 };
-        self.speeds = WheelSpeeds {
-            right: known(speeds.right),
-            left: known(speeds.left),
-        };
+    /// Tells how fast the wheels turn and are to turn, and the supply. To be called before every set of torques.
+    pub fn observe(&mut self, observed: &Observed) {
+        self.observed = *observed;
+    }
+
+    /// What both motors were told last, and what was limited; zero after a release or a brake.
+    pub const fn told(&self) -> &WheelCommands {
+        &self.told
+    }
+
+    /// What the bridges can do.
+    pub const fn bridges(&self) -> &Bridges<E> {
+        &self.bridges
     }
 
     /// The outputs, for a board that needs them back.
-    pub fn into_sides(self) -> (MotorSide<P, D>, MotorSide<P, D>) {
-        (self.right, self.left)
+    pub fn into_parts(self) -> (MotorSide<P, D>, MotorSide<P, D>, Bridges<E>) {
+        (self.right, self.left, self.bridges)
+    }
+
+    fn commands(&self, torques: &WheelTorques<f32>) -> WheelCommands {
+        let Observed {
+            speeds,
+            wanted,
+            supply_v,
+        } = &self.observed;
+        let command = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
+            let demand = WheelDemand {
+                torque_nm,
+                wanted_speed_rad_s,
+                speed_rad_s,
+            };
+            self.motor.command(&demand, *supply_v)
+        };
+        WheelCommands {
+            right: command(torques.right, wanted.right, speeds.right),
+            left: command(torques.left, wanted.left, speeds.left),
+        }
+    }
+
+    /// No duty on either side, tried on both.
+    fn off(&mut self) -> Result<(), MotorError> {
+        self.told = WheelCommands::default();
+        let (right, left) = (self.right.off(), self.left.off());
+        right.and(left)
     }
 }
 
-impl<P, D> ErrorType for MotorPair<P, D> {
+impl<P, D, E> ErrorType for MotorPair<P, D, E> {
     type Error = MotorError;
 }
 
-impl<P: SetDutyCycle, D: OutputPin> WheelDrive for MotorPair<P, D> {
+impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D, E> {
     fn max_torque_nm(&self) -> f32 {
-        self.motor.max_torque_nm
+        self.motor.max_torque_nm()
     }
 
-    /// Directions first, each with its bridge off while it changes, then both duty cycles.
+    /// Directions first, each with its bridge off while it changes, then both duty cycles, then enable.
+    ///
+    /// # Errors
+    /// Besides those of the trait, [`MotorError::Observation`] after a speed that is not a number; the wheels are then
+    /// as they were.
     fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), MotorError> {
-        if !accepts(&torques, self.motor.max_torque_nm) {
+        if !accepts(&torques, self.motor.max_torque_nm()) {
             return Err(MotorError::OutOfRange);
         }
-        let right = self.motor.share(torques.right, self.speeds.right);
-        let left = self.motor.share(torques.left, self.speeds.left);
-        let wanted = [right < 0.0, left < 0.0];
+        let commands = self.commands(&torques);
+        let WheelCommands { right, left } = &commands;
+        if right.limited.invalid || left.limited.invalid {
+            return Err(MotorError::Observation);
+        }
+        let wanted = [right.duty < 0.0, left.duty < 0.0];
         let now = self.backward.take();
         if now != Some(wanted) {
             let [to_right, to_left] = wanted;
@@ -217,30 +179,47 @@ impl<P: SetDutyCycle, D: OutputPin> WheelDrive for MotorPair<P, D> {
                 None => (None, None),
             };
             if from_right != Some(to_right) {
-                self.right.coast()?;
+                self.right.off()?;
                 self.right.turn(to_right)?;
             }
             if from_left != Some(to_left) {
-                self.left.coast()?;
+                self.left.off()?;
                 self.left.turn(to_left)?;
             }
         }
-        self.right.push(right)?;
-        self.left.push(left)?;
+        self.right.push(right.duty)?;
+        self.left.push(left.duty)?;
+        self.bridges.switch(true)?;
         // Known only now: after an error the directions are set anew.
         self.backward = Some(wanted);
+        self.told = commands;
         Ok(())
     }
 
-    /// No duty on either wheel, then both directions forward; each is tried whatever became of the others.
+    /// Enable low, no duty on either wheel, then both directions forward; each is tried whatever became of the others.
+    ///
+    /// Bridges that short at duty 0 and have no enable pin cannot coast: they brake; see [`Bridges`].
     fn release(&mut self) -> Result<(), MotorError> {
         self.backward = None;
-        let duties = (self.right.coast(), self.left.coast());
+        let enable = self.bridges.switch(false);
+        let duties = self.off();
         let directions = (self.right.turn(false), self.left.turn(false));
-        self.backward = match directions {
-            (Ok(()), Ok(())) => Some([false, false]),
-            _ => None,
-        };
-        duties.0.and(duties.1).and(directions.0).and(directions.1)
+        if directions == (Ok(()), Ok(())) {
+            self.backward = Some([false, false]);
+        }
+        enable.and(duties).and(directions.0).and(directions.1)
+    }
+
+    /// No duty on either wheel, then enable high: the bridges' low phase shorts the motors.
+    ///
+    /// If a duty cannot be taken away, enable goes low instead, for high would drive that wheel on. Bridges that coast at
+    /// duty 0 cannot brake: they are released; see [`Bridges`].
+    fn brake(&mut self) -> Result<(), MotorError> {
+        if !self.bridges.can_brake() {
+            return self.release();
+        }
+        let duties = self.off();
+        let enable = self.bridges.switch(duties.is_ok());
+        duties.and(enable)
     }
 }
