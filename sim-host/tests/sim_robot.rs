@@ -91,7 +91,7 @@ fn released_wheels_coast_and_torques_hold() {
 /// Against the core's braking distance, which is derived on its own: (g k_t)²/R of this motor is 1 N m s.
 #[test]
 fn braked_wheels_stop_where_the_core_says() {
-    let motor = MotorParams {
+    let motor: MotorParams<f64> = MotorParams {
         gear_ratio: 10.0,
         gear_efficiency: 1.0,
         torque_constant_nm_per_a: 0.2,

@@ -200,6 +200,7 @@ pub fn parts(cost: &Rows) -> String {
         ("odometry", "odometry/update"),
         ("localiser without a fix", "localiser/without-fix"),
         ("localiser with a fix", "localiser/with-fix"),
+        ("motor, one wheel", "motor/command"),
         ("link: decode a tick's question", "wire/decode-tick"),
         ("link: encode a report", "wire/encode-report"),
         ("telemetry into the queue", "wire/telemetry-offer"),

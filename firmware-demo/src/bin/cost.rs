@@ -74,6 +74,7 @@ fn run() {
     parts::reference(meter);
     parts::odometry(meter);
     parts::localiser(meter);
+    parts::motor(meter);
     ramsete::measure::<Single>(meter, "single");
     ramsete::measure::<Libm>(meter, "libm");
 

@@ -7,6 +7,8 @@ use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FixOutcome, FusionParams, Localiser, LocaliserParams};
 use controller_core::maths::{Maths, Single};
 use controller_core::odometry::{Calibration, Odometry, OdometryParams};
+use controller_core::motor::{MotorParams, WheelDemand, WheelFriction};
+use controller_core::odometry::{Odometry, OdometryParams};
 use controller_core::params::NeuronParams;
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
@@ -257,4 +259,42 @@ pub fn localiser(meter: &mut Meter) {
     without.print(&["localiser", "without-fix"]);
     with.print(&["localiser", "with-fix"]);
     complain(&["localiser"], "faults", faults);
+/// One wheel's torque to its duty, with everything there is to compensate.
+#[inline(never)]
+pub fn motor(meter: &mut Meter) {
+    let params = MotorParams {
+        gear_ratio: 30.0,
+        gear_efficiency: 0.8,
+        torque_constant_nm_per_a: 0.0085,
+        resistance_ohm: 2.2,
+        supply_v: 12.0,
+        max_current_a: 2.0,
+        friction: WheelFriction {
+            coulomb_nm: 0.02,
+            viscous_nm_s: 1.0e-3,
+            blend_rad_s: 0.2,
+        },
+        dead_band: 0.03,
+    };
+    let Ok(motor) = params.validate() else {
+        return complain(&["motor"], "params", 1);
+    };
+    let motor = black_box(motor);
+    let mut inputs = Inputs::new(9);
+    let mut row = Row::new();
+    let mut command = None;
+    for _ in 0..COUNT {
+        let demand = WheelDemand {
+            torque_nm: inputs.real(0.3),
+            wanted_speed_rad_s: inputs.real(20.0),
+            speed_rad_s: inputs.real(20.0),
+        };
+        let supply = black_box(11.0 + inputs.real::<f32>(1.0));
+        let cost = meter
+            .measure(|| command = Some(motor.command(&demand, supply)))
+            .1;
+        row.add(cost);
+        command = black_box(command);
+    }
+    row.print(&["motor", "command"]);
 }

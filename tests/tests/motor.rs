@@ -1,0 +1,311 @@
+//! The motor layer: limits, symmetry, continuity, and a motor written on its own that gives back what was asked.
+
+use controller_core::error::Field;
+use controller_core::motor::{Motor, MotorParams, WheelDemand, WheelFriction};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+
+/// From a toy to a wheelchair: everything that a base could have.
+fn params() -> impl Strategy<Value = MotorParams<f64>> {
+    (
+        (1.0..100.0, 0.3..=1.0, 0.003..0.3, 0.05..10.0, 5.0..48.0),
+        (0.5..20.0, 0.0..0.5, 0.0..0.02, 0.05..2.0, 0.0..=0.5),
+    )
+        .prop_map(
+            |((gear, eta, kt, ohm, volt), (amp, dry, wet, blend, dead))| {
+                MotorParams {
+                    gear_ratio: gear,
+                    gear_efficiency: eta,
+                    torque_constant_nm_per_a: kt,
+                    resistance_ohm: ohm,
+                    supply_v: volt,
+                    max_current_a: amp,
+                    friction: WheelFriction {
+                        // Shares of the largest torque and of the torque at no load.
+                        coulomb_nm: dry * eta * gear * kt * amp,
+                        viscous_nm_s: wet * (gear * kt) * (gear * kt) / ohm,
+                        blend_rad_s: blend,
+                    },
+                    dead_band: dead,
+                }
+            },
+        )
+}
+
+/// Torque in units of the largest, both speeds in units of no load.
+fn demand() -> impl Strategy<Value = [f64; 3]> {
+    [-1.5..1.5, -1.3..1.3, -1.3..1.3]
+}
+
+fn scaled(motor: &Motor<f64>, [torque, wanted, speed]: [f64; 3]) -> WheelDemand<f64> {
+    WheelDemand {
+        torque_nm: torque * motor.max_torque_nm(),
+        wanted_speed_rad_s: wanted * motor.no_load_speed_rad_s(),
+        speed_rad_s: speed * motor.no_load_speed_rad_s(),
+    }
+}
+
+/// Motor, gear, wheel and bridge as they are: torque that accelerates the base, from a duty.
+///
+/// Electrics by Kirchhoff, gear by power, friction by its own sense: nothing of the core's formulas.
+fn base_torque(p: &MotorParams<f64>, duty: f64, supply: f64, speed: f64) -> f64 {
+    let open = (duty.abs() - p.dead_band).max(0.0) / (1.0 - p.dead_band);
+    let rotor_speed = p.gear_ratio * speed;
+    let volt = supply * open * duty.signum() - p.torque_constant_nm_per_a * rotor_speed;
+    let rotor_torque = p.torque_constant_nm_per_a * volt / p.resistance_ohm;
+    let rotor_power = rotor_torque * rotor_speed;
+    let wheel_power = if rotor_power > 0.0 {
+        rotor_power * p.gear_efficiency
+    } else {
+        rotor_power / p.gear_efficiency
+    };
+    let friction = &p.friction;
+    wheel_power / speed - friction.coulomb_nm * speed.signum() - friction.viscous_nm_s * speed
+}
+
+fn cases(seed: u64) -> Config {
+    Config {
+        cases: 4000,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..Config::default()
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(0x6d6f_746f))]
+
+    /// At the nominal supply, at 80 % of it and full: what is not limited is exact but for rounding, beyond both blends.
+    #[test]
+    fn a_motor_gives_back_the_torque_that_was_asked(p in params(), asked in demand(), charge in 0.8..1.15) {
+        let motor = p.validate().expect("in range");
+        let mut demand = scaled(&motor, asked);
+        // Both speeds on the same side, and the wanted one beyond the blend.
+        let past = demand.wanted_speed_rad_s.abs() + p.friction.blend_rad_s;
+        demand.speed_rad_s = past.copysign(demand.speed_rad_s);
+        demand.wanted_speed_rad_s = demand.speed_rad_s;
+        let supply = charge * p.supply_v;
+        let command = motor.command(&demand, supply);
+        prop_assert!(!command.limited.supply_unknown);
+        let given = base_torque(&p, command.duty, supply, demand.speed_rad_s);
+        let scale = motor.max_torque_nm() + p.friction.coulomb_nm
+            + supply * p.gear_ratio * p.torque_constant_nm_per_a / p.resistance_ohm / p.gear_efficiency;
+        let short = if (command.voltage_v / supply).abs() < 0.25 * p.dead_band {
+            // In the ramp the bridge gives up to a quarter of the dead band too little.
+            0.25 * p.dead_band
+        } else {
+            0.0
+        };
+        // Some ten operations on numbers below `scale`; the gear's model divides by the speed.
+        let tolerance = scale * (1e-12 + short);
+        // Told, limited or not: gear torque less friction is what accelerates the base.
+        let told = command.torque_nm - command.friction_nm;
+        prop_assert!((given - told).abs() <= tolerance, "{given} {told} {command:?}");
+        if !command.limited.torque() {
+            prop_assert!((given - demand.torque_nm).abs() <= tolerance, "{given} {demand:?}");
+        }
+    }
+
+    #[test]
+    fn limits_hold_and_are_told(p in params(), asked in demand(), charge in 0.3..2.5) {
+        let motor = p.validate().expect("in range");
+        let demand = scaled(&motor, asked);
+        let measured = charge * p.supply_v;
+        let command = motor.command(&demand, measured);
+        let limited = command.limited;
+        // 1e-9: the ends themselves, which rounding of charge * supply may miss.
+        if (0.5 + 1e-9..2.0 - 1e-9).contains(&charge) {
+            prop_assert!(!limited.supply_unknown);
+        } else if !(0.5 - 1e-9..2.0 + 1e-9).contains(&charge) {
+            prop_assert!(limited.supply_unknown);
+        }
+        let supply = if limited.supply_unknown { p.supply_v } else { measured };
+        prop_assert!(command.duty.abs() <= 1.0);
+        prop_assert!(command.voltage_v.abs() <= supply);
+        prop_assert!(!limited.invalid);
+        let emf = p.gear_ratio * p.torque_constant_nm_per_a * demand.speed_rad_s;
+        let runaway = emf.abs() > supply + p.resistance_ohm * p.max_current_a;
+        prop_assert_eq!(limited.overspeed, runaway);
+        if !runaway {
+            prop_assert!(command.current_a.abs() <= p.max_current_a, "{:?}", command);
+        } else {
+            prop_assert!(limited.voltage);
+        }
+        // What is not told to be limited is what was asked, to the bit.
+        let whole = demand.torque_nm + command.friction_nm;
+        if !limited.torque() {
+            prop_assert_eq!(command.torque_nm, whole);
+        } else if (command.torque_nm - whole).abs() > 1e-9 * whole.abs() {
+            // And what differs is told (the reverse of the line above).
+            prop_assert!(limited.current || limited.voltage);
+        }
+    }
+
+    #[test]
+    fn odd_and_rising_with_the_torque(p in params(), asked in demand(), more in 0.0..0.5) {
+        let motor = p.validate().expect("in range");
+        let demand = scaled(&motor, asked);
+        let opposite = WheelDemand {
+            torque_nm: -demand.torque_nm,
+            wanted_speed_rad_s: -demand.wanted_speed_rad_s,
+            speed_rad_s: -demand.speed_rad_s,
+        };
+        let (there, back) = (motor.command(&demand, p.supply_v), motor.command(&opposite, p.supply_v));
+        prop_assert_eq!(there.duty, -back.duty);
+        prop_assert_eq!(there.torque_nm, -back.torque_nm);
+        prop_assert_eq!(there.current_a, -back.current_a);
+        prop_assert_eq!(there.limited, back.limited);
+        let harder = WheelDemand { torque_nm: demand.torque_nm + more * motor.max_torque_nm(), ..demand };
+        let harder = motor.command(&harder, p.supply_v);
+        prop_assert!(harder.duty >= there.duty);
+        prop_assert!(harder.torque_nm >= there.torque_nm * (1.0 - 1e-12) - 1e-12);
+    }
+
+    /// The constants in the documentation of `Motor::command`, for steps of any size, so through every kink.
+    #[test]
+    fn duty_is_continuous_as_documented(p in params(), a in demand(), b in demand(), near in 1e-6..1.0) {
+        let motor = p.validate().expect("in range");
+        let mix = |from: f64, to: f64| from + near * (to - from);
+        let b = [mix(a[0], b[0]), mix(a[1], b[1]), mix(a[2], b[2])];
+        let (from, to) = (scaled(&motor, a), scaled(&motor, b));
+        let (k, eta) = (p.gear_ratio * p.torque_constant_nm_per_a, p.gear_efficiency);
+        let slope = if p.dead_band > 0.0 { 5.0 - p.dead_band } else { 1.0 };
+        let (r, u, friction) = (p.resistance_ohm, p.supply_v, &p.friction);
+        let per_torque = slope * r / (eta * k * u);
+        let per_speed = slope * k / u;
+        let per_wanted = slope * r / u
+            * ((friction.coulomb_nm / friction.blend_rad_s + friction.viscous_nm_s) / (eta * k)
+                + (1.0 / (eta * eta) - 1.0) * p.max_current_a / (2.0 * friction.blend_rad_s));
+        let most = per_torque * (to.torque_nm - from.torque_nm).abs()
+            + per_speed * (to.speed_rad_s - from.speed_rad_s).abs()
+            + per_wanted * (to.wanted_speed_rad_s - from.wanted_speed_rad_s).abs();
+        let step = motor.command(&to, u).duty - motor.command(&from, u).duty;
+        // Rounding of numbers up to the voltage asked for, some hundred times the supply.
+        prop_assert!(step.abs() <= most * (1.0 + 1e-9) + 1e-11, "{step} {most}");
+    }
+
+    #[test]
+    fn rest_is_exactly_zero_and_nonsense_is_told(p in params(), wrong in prop_oneof![Just(f64::NAN), Just(f64::INFINITY)]) {
+        let motor = p.validate().expect("in range");
+        let rest = motor.command(&WheelDemand::default(), 0.8 * p.supply_v);
+        prop_assert_eq!(rest, Default::default());
+        for demand in [
+            WheelDemand { torque_nm: wrong, ..WheelDemand::default() },
+            WheelDemand { wanted_speed_rad_s: wrong, ..WheelDemand::default() },
+            WheelDemand { speed_rad_s: -wrong, ..WheelDemand::default() },
+        ] {
+            let command = motor.command(&demand, p.supply_v);
+            // A wanted speed without end is a sense of motion like any other, unless it is a torque as well.
+            let harmless = command.duty.abs() <= 1.0 && command.torque_nm.is_finite();
+            prop_assert!(harmless && (command.limited.invalid || command.limited.current), "{:?}", command);
+        }
+        let unknown = motor.command(&WheelDemand::default(), wrong);
+        prop_assert!(unknown.limited.supply_unknown);
+        prop_assert_eq!(unknown.duty, 0.0);
+    }
+}
+
+/// Noise of the measured speed at rest comes out as its back-EMF and no more: friction does not see it.
+#[test]
+fn noise_at_rest_is_not_magnified_by_friction() {
+    let p: MotorParams<f64> = MotorParams {
+        gear_ratio: 30.0,
+        gear_efficiency: 0.7,
+        torque_constant_nm_per_a: 0.0085,
+        resistance_ohm: 2.2,
+        supply_v: 12.0,
+        max_current_a: 2.0,
+        friction: WheelFriction {
+            coulomb_nm: 0.05,
+            viscous_nm_s: 1e-3,
+            blend_rad_s: 0.2,
+        },
+        dead_band: 0.05,
+    };
+    let motor = p.validate().expect("in range");
+    // One count of 1920 a turn, through odometry with 60 rad/s at 1 kHz: 12 mrad/s.
+    let noisy = WheelDemand {
+        speed_rad_s: 0.012,
+        ..WheelDemand::default()
+    };
+    let command = motor.command(&noisy, 12.0);
+    assert_eq!(command.torque_nm, 0.0);
+    // Inside the dead band: the bridge does nothing.
+    assert!(command.duty.abs() < 0.05 * p.dead_band.max(0.05));
+}
+
+#[test]
+fn parameters_are_checked_one_by_one() {
+    let good = MotorParams {
+        gear_ratio: 20.0,
+        gear_efficiency: 0.8,
+        torque_constant_nm_per_a: 0.05,
+        resistance_ohm: 2.0,
+        supply_v: 20.0,
+        max_current_a: 4.0,
+        friction: WheelFriction {
+            coulomb_nm: 0.1,
+            viscous_nm_s: 0.01,
+            blend_rad_s: 0.1,
+        },
+        dead_band: 0.02,
+    };
+    assert!(good.validate().is_ok());
+    type Place = fn(&mut MotorParams<f64>) -> &mut f64;
+    let places: [(Field, Place, f64, f64); 9] = [
+        (Field::GearRatio, |p| &mut p.gear_ratio, 0.1, 1e4),
+        (Field::GearEfficiency, |p| &mut p.gear_efficiency, 0.2, 1.0),
+        (
+            Field::TorqueConstant,
+            |p| &mut p.torque_constant_nm_per_a,
+            1e-6,
+            100.0,
+        ),
+        (Field::Resistance, |p| &mut p.resistance_ohm, 1e-4, 1e4),
+        (Field::Supply, |p| &mut p.supply_v, 1.0, 1e3),
+        (Field::MaxCurrent, |p| &mut p.max_current_a, 1e-3, 1e3),
+        (
+            Field::ViscousFriction,
+            |p| &mut p.friction.viscous_nm_s,
+            0.0,
+            1e6,
+        ),
+        (
+            Field::FrictionBlend,
+            |p| &mut p.friction.blend_rad_s,
+            1e-3,
+            1e3,
+        ),
+        (Field::DeadBand, |p| &mut p.dead_band, 0.0, 0.5),
+    ];
+    for (field, place, low, high) in places {
+        for wrong in [f64::NAN, f64::INFINITY, low - 1e-7, high * 1.001] {
+            let mut params = good;
+            *place(&mut params) = wrong;
+            assert_eq!(
+                params.validate().expect_err("wrong").field,
+                field,
+                "{wrong}"
+            );
+        }
+    }
+    // Friction that the largest current does not overcome: 3.2 N m.
+    let mut stuck = good;
+    stuck.friction.coulomb_nm = 3.3;
+    assert_eq!(
+        stuck.validate().expect_err("stuck").field,
+        Field::MaxCurrent
+    );
+    stuck.friction.coulomb_nm = -0.1;
+    assert_eq!(
+        stuck.validate().expect_err("wrong").field,
+        Field::CoulombFriction
+    );
+    // Nothing to blend needs no blend.
+    let plain = MotorParams {
+        gear_efficiency: 1.0,
+        friction: WheelFriction::NONE,
+        ..good
+    };
+    assert!(plain.validate().is_ok());
+}
