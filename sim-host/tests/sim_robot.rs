@@ -122,7 +122,8 @@ fn braked_wheels_stop_where_the_core_says() {
 
     let shared = robot(&rolling(0.0, 2.0), Equipment::default());
     shared.clone().brake().expect("always");
-    shared.advance(10_000_000);
+    // 1.2 s of time constant: e^-25 of the angle is left.
+    shared.advance(30_000_000);
     let turned = shared.truth().pose.theta;
     let angle = slowing.angular.distance(2.0).expect("damped");
     assert!((turned - angle).abs() < 1.0e-5 * angle, "{turned} {angle}");
