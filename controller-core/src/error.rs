@@ -75,6 +75,8 @@ pub enum Field {
     MinWheelSpeed,
     DriverLag,
     BrakeDamping,
+    DisturbanceBandwidth,
+    DisturbanceShare,
 }
 
 impl Field {
@@ -149,6 +151,8 @@ impl Field {
             Self::MinWheelSpeed => "min_wheel_speed",
             Self::DriverLag => "driver_lag",
             Self::BrakeDamping => "brake_damping",
+            Self::DisturbanceBandwidth => "disturbance",
+            Self::DisturbanceShare => "disturbance_share",
         }
     }
 }
@@ -206,6 +210,8 @@ pub enum Input {
     Tick,
     /// The acceleration that odometry is told of.
     Accel,
+    /// The wheel torques that were really exerted.
+    Applied,
 }
 
 /// A tick, or a start, that was refused. The controller's state is what it was before the call;

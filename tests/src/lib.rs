@@ -13,6 +13,7 @@ pub mod golden;
 pub mod led;
 pub mod localised;
 pub mod motion_base;
+pub mod motion_friction;
 pub mod motion_loop;
 pub mod motion_parking;
 pub mod motion_tracking;

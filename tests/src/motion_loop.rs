@@ -12,6 +12,7 @@ use controller_core::shunting::NeuronUpdate;
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
 
 use crate::motion_base::{Base, Body, pose};
+use crate::motion_friction::Friction;
 
 /// A task in double precision, from which those of other scalars are made.
 pub type Order = Task<f64>;
@@ -63,6 +64,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
             moment: applied.moment + push.moment,
         };
         self.body = self.body.after(&self.plant, &wrench, self.dt);
+        self.ticks += 1;
+        self.t = f64::from(self.ticks) * self.dt;
+    }
+
+    /// The robot alone, over one tick, against dry friction.
+    pub fn coast_against(&mut self, friction: &Friction) {
+        let wrench = self.applied();
+        self.body = friction.after(&self.body, &self.plant, &wrench, self.dt);
         self.ticks += 1;
         self.t = f64::from(self.ticks) * self.dt;
     }

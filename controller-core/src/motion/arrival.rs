@@ -25,6 +25,9 @@ pub struct Arrival<T> {
     pub stall_speed: T,
     /// For how long it has to, to be one \[s\]. 1e-2 to 1e3.
     pub stall_s: T,
+    /// How often a robot that stands outside of the tolerance drives out and tries again before
+    /// [`super::Outcome::OutOfTolerance`].
+    pub retries: u8,
 }
 
 /// What the wheels do once parked.
@@ -41,7 +44,8 @@ impl<T: Scalar> Arrival<T> {
     /// Half a millimetre, 0.7 mrad, 50 ms: for poses without noise.
     ///
     /// 0.7 mrad leaves 0.9 at the end (the stop is predicted); 50 ms is ten samples of a slow pose
-    /// source. Stalled: 5 cm/s commanded and not reached for 2 s.
+    /// source. Stalled: 5 cm/s commanded and not reached for 2 s. Two
+    /// retries: what two new approaches did not mend a third will not.
     pub fn exact() -> Self {
         let f = T::from_f64;
         Self {
@@ -51,6 +55,7 @@ impl<T: Scalar> Arrival<T> {
             at_rest: AtRest::Hold,
             stall_speed: f(0.05),
             stall_s: f(2.0),
+            retries: 2,
         }
     }
 
@@ -83,6 +88,8 @@ pub(crate) struct Standing<T> {
     pub(crate) twist: Twist<T>,
     pub(crate) command: Twist<T>,
     pub(crate) command_rate: Accel<T>,
+    /// The robot backs up to the goal.
+    pub(crate) backing: bool,
 }
 
 impl<T: Scalar> Latch<T> {
@@ -90,12 +97,12 @@ impl<T: Scalar> Latch<T> {
     ///
     /// Enters when the place where the stopping bridge would end is inside the tolerance: a bridge
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
-    /// when the robot is pushed beyond twice the distance or 1.3 times the heading, but not in the
-    /// first second, while it still settles.
+    /// when the robot is pushed beyond [`Motion::leave_distance`] or 1.3 times the heading, but not in
+    /// the first second, while it still settles.
     pub(crate) fn advance(&self, motion: &Motion<T>, at: &Standing<T>, dt: T) -> Self {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
-        let close = at.distance < limits.distance_m + limits.distance_m;
+        let close = at.distance < motion.leave_distance();
         let fit = if self.parked {
             let turned = at.error.theta.abs() < f(1.3) * limits.heading_rad;
             (close && turned) || self.inside_s < T::ONE
@@ -141,6 +148,22 @@ fn travel<T: Scalar>(command: T, rate: T, speed: T, dt: T, bandwidth: T) -> T {
     bridge + (speed - command - dt * rate) / bandwidth
 }
 
+impl<T: Scalar> Motion<T> {
+    /// Distance at which a parked robot has left its goal \[m\]: twice the tolerance, and five standard
+    /// deviations, so that it is never noise that ends a rest.
+    pub(crate) fn leave_distance(&self) -> T {
+        let params = self.params();
+        let tolerance = params.arrival.distance_m;
+        tolerance + tolerance + T::from_f64(5.0) * params.pose_noise_m
+    }
+
+    /// Speed of the faster wheel \[m/s\].
+    pub(crate) fn rim_speed(&self, twist: &Twist<T>) -> T {
+        let lever = T::HALF * self.params().robot.wheels.track_m;
+        twist.linear.abs() + lever * twist.angular.abs()
+    }
+}
+
 /// How long a commanded motion has not happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Stall<T> {
@@ -158,9 +181,7 @@ pub(crate) struct Pushing<T> {
 impl<T: Scalar> Stall<T> {
     pub(crate) fn advance(&self, motion: &Motion<T>, now: &Pushing<T>, dt: T) -> Self {
         let tenth = T::from_f64(0.1);
-        let lever = T::HALF * motion.params().robot.wheels.track_m;
-        let size = |twist: &Twist<T>| twist.linear.abs() + lever * twist.angular.abs();
-        let (asked, done) = (size(&now.command), size(&now.twist));
+        let (asked, done) = (motion.rim_speed(&now.command), motion.rim_speed(&now.twist));
         let least = motion.params().arrival.stall_speed;
         let stuck = if asked > least {
             done < tenth * asked

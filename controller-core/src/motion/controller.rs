@@ -2,11 +2,13 @@
 
 use super::arrival::{AtRest, Latch, Pushing, STOPPING_DECAY, Stall, Standing};
 use super::bridge::Bridge;
+use super::disturbance::{Observer, Watch};
 use super::follow::{Follower, Instant, Wish};
 use super::governor::Command;
 use super::params::Motion;
 use super::polar::Parker;
 use super::report::{Limited, Mode, MotionReport, Outcome};
+use super::retry::{Rest, Retry, distance_of};
 use super::saturation::share;
 use crate::demand::{check_measured, check_tick};
 use crate::error::{Input, StepFault};
@@ -70,6 +72,8 @@ struct State<T> {
     parker: Parker<T>,
     latch: Latch<T>,
     stall: Stall<T>,
+    retry: Retry<T>,
+    observer: Observer<T>,
     /// Of speed and turn rate.
     bridges: (Bridge<T>, Bridge<T>),
     command: Command<T>,
@@ -80,13 +84,39 @@ struct State<T> {
 }
 
 impl<T: Scalar> State<T> {
+    /// Nothing is wanted any more: parked, or given up.
+    fn is_resting(&self) -> bool {
+        self.latch.parked || self.retry.given_up
+    }
+
     /// No memory is infinite or NaN: a wild input is refused, and does not stay.
     fn is_finite(&self) -> bool {
         let (linear, angular) = &self.bridges;
-        self.follower.is_finite()
+        self.observer.is_finite()
+            && self.follower.is_finite()
             && self.parker.is_finite()
             && linear.is_finite()
             && angular.is_finite()
+    }
+}
+
+/// Where the goal or the reference is, as the robot sees it.
+struct Sight<T> {
+    error: PoseError<T>,
+    /// (sin e_θ, cos e_θ) while following.
+    heading: (T, T),
+}
+
+impl<T: Scalar> Sight<T> {
+    fn of<M: Maths<T>>(task: &Task<T>, measured: &Measured<T>) -> Self {
+        let (error, heading) = match task {
+            Task::Follow(reference) => tracking_error::<T, M>(reference, &measured.pose),
+            Task::Park(goal) => {
+                let error = pose_error::<T, M>(goal, &measured.pose);
+                (error, (T::ZERO, T::ONE))
+            }
+        };
+        Self { error, heading }
     }
 }
 
@@ -128,6 +158,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
                 parker: Parker::default(),
                 latch: Latch::default(),
                 stall: Stall::default(),
+                retry: Retry::default(),
+                observer: Observer::start(&measured.twist),
                 bridges: Default::default(),
                 command,
                 declared: false,
@@ -137,7 +169,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             back_ends: PhantomData,
         };
         let mut state = controller.state;
-        let law = controller.law(&mut state, T::ZERO, None, task, measured);
+        let seen = Sight::of::<M>(task, measured);
+        let law = controller.law(&mut state, T::ZERO, None, (task, &seen), measured);
         state.bridges = bridges(&command, &law.wish, T::ONE, T::ZERO);
         controller.finish(state, &law, Default::default(), true, measured, T::ZERO)?;
         Ok(controller)
@@ -159,18 +192,29 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         if state.released {
             state.command = Command::of_robot(&self.motion, &measured.twist);
         }
-        let jumped = self.is_jump(dt, task, measured);
+        let watch = if self.is_letting_go() {
+            Watch::Fade
+        } else {
+            Watch::Observe
+        };
+        let motion = &self.motion;
+        let bounded = state.observer.advance(motion, &measured.twist, watch, dt);
+        let seen = Sight::of::<M>(task, measured);
+        if self.is_new(task) {
+            state.retry = Retry::default();
+        }
+        let jumped = self.is_jump(dt, task, &seen);
         let two_per_dt = (T::ONE + T::ONE) / dt;
         let advance = if jumped { None } else { Some(two_per_dt) };
-        let law = self.law(&mut state, dt, advance, task, measured);
+        let law = self.law(&mut state, dt, advance, (task, &seen), measured);
         if jumped || law.rebase {
             let kept = self.kept(jumped, dt);
             state.bridges = bridges(&state.command, &law.wish, kept, dt);
         } else {
             state.bridges = self.faded(&state, dt);
         }
-        state.released &= state.latch.parked;
-        let limited = if state.released {
+        state.released &= state.is_resting();
+        let mut limited = if state.released {
             Limited::default()
         } else {
             let wish = bridged(&law.wish, &state.bridges);
@@ -178,6 +222,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             state.command = command;
             limited
         };
+        limited.disturbance = bounded;
         state.task = *task;
         state.declared = false;
         let pushing = Pushing {
@@ -193,6 +238,26 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// torque go on as they are, and the difference fades.
     pub fn declare_jump(&mut self) {
         self.state.declared = true;
+    }
+
+    /// What the wheels really exert from now on until the next tick, if it is not what the last report
+    /// asks for: a motor layer or a supervisor limited it. The disturbance estimate needs it.
+    ///
+    /// # Errors
+    /// A torque that is not finite; nothing is noted then.
+    pub fn note_applied(&mut self, applied: &WheelTorques<T>) -> Result<(), StepFault> {
+        if !(applied.right.is_finite() && applied.left.is_finite()) {
+            return Err(StepFault::NotFinite(Input::Applied));
+        }
+        let exerted = self.motion.wheels.wrench(applied);
+        self.state.observer.note(Some(exerted));
+        Ok(())
+    }
+
+    /// Until the next tick the wheels are not driven, or nobody knows with what torque (a brake, a
+    /// fault): the disturbance estimate rests over that tick.
+    pub fn note_not_driven(&mut self) {
+        self.state.observer.note(None);
     }
 
     /// The report of the last tick.
@@ -217,7 +282,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     }
 
     fn faded(&self, state: &State<T>, dt: T) -> (Bridge<T>, Bridge<T>) {
-        let decay = if state.latch.parked {
+        let decay = if state.is_resting() {
             T::from_f64(STOPPING_DECAY)
         } else {
             self.motion.gains().decay

@@ -76,7 +76,7 @@ impl<T: Scalar> Command<T> {
             speed: twist != moved,
             accel: slewed.0 || slewed.1,
             jerk: linear_jerk || angular_jerk,
-            torque: false,
+            ..Limited::default()
         };
         let rate = Accel { linear, angular };
         (Self { twist, rate }, limited)

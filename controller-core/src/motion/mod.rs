@@ -15,12 +15,16 @@
 //!   per tick the wrench changes by at most L dt, [`Motion::force_rate_limit`] and
 //!   [`Motion::moment_rate_limit`].
 //! * Nothing winds up: a saturated torque sets the command back to what was achieved.
+//! * What pushes the robot beside its wheels is estimated, within a bound, and compensated: friction
+//!   and slopes leave no error.
+//! * Who stands beside the goal tries again, a stated number of times, and then says so.
 //!
 //! `docs/motion.md` derives the laws and has the measurements.
 
 mod arrival;
 mod bridge;
 mod controller;
+mod disturbance;
 mod follow;
 mod gains;
 mod governor;
@@ -30,6 +34,7 @@ mod limits;
 mod params;
 mod polar;
 mod report;
+mod retry;
 mod saturation;
 
 pub use arrival::{Arrival, AtRest};

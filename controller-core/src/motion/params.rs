@@ -10,6 +10,7 @@ use crate::maths::Maths;
 use crate::params::Robot;
 use crate::range::within;
 use crate::scalar::Scalar;
+use crate::types::Wrench;
 use crate::wheels::WheelMap;
 
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
@@ -31,7 +32,8 @@ pub struct MotionParams<T> {
     pub limits: Limits<T>,
     /// Gains; [`MotionGains::for_limits`] unless you know better.
     pub gains: MotionGains<T>,
-    /// Standard deviation of the measured position \[m\], 0 to 1, per tick.
+    /// Standard deviation of the measured position \[m\], 0 to 1, per tick. Gains and tolerances that
+    /// suit it: [`MotionParams::with_pose_noise`].
     pub pose_noise_m: T,
     /// When the robot has arrived, and when it is stuck.
     pub arrival: Arrival<T>,
@@ -54,6 +56,32 @@ impl<T: Scalar> MotionParams<T> {
             arrival: Arrival::exact(),
             jump: None,
             max_tick_s: T::HALF,
+        }
+    }
+
+    /// The same base with poses of this noise \[m, standard deviation per tick\], 0 to 1: sets
+    /// `pose_noise_m` and what follows from it.
+    ///
+    /// * `gains.slow` so that following makes at most 0.03 rad of heading out of it: c σ/(2 k₃ v_f).
+    /// * The tolerance of arrival: 8 σ, which is the radius of 5 σ within which e_y is not corrected
+    ///   and 3 σ for the pose that says so; and 0.02 rad, what the bearing's noise leaves of the heading.
+    ///
+    /// Larger values stay. 0 changes nothing.
+    pub fn with_pose_noise(self, sigma_m: T) -> Self {
+        let f = T::from_f64;
+        let larger = |a: T, b: T| if b > a { b } else { a };
+        let (mut gains, mut arrival) = (self.gains, self.arrival);
+        if sigma_m > T::ZERO {
+            let slow = gains.across * sigma_m / (f(0.06) * gains.heading);
+            gains.slow = larger(gains.slow, slow);
+            arrival.distance_m = larger(arrival.distance_m, f(8.0) * sigma_m);
+            arrival.heading_rad = larger(arrival.heading_rad, f(0.02));
+        }
+        Self {
+            gains,
+            arrival,
+            pose_noise_m: sigma_m,
+            ..self
         }
     }
 
@@ -80,9 +108,15 @@ impl<T: Scalar> MotionParams<T> {
         // 0.3 mm keeps the direction out of the last rounding of single precision.
         let noise_radius = f(5.0) * self.pose_noise_m;
         let least = f(3.0e-4);
+        let force = largest_force(&self);
+        let bound = gains.disturbance_share * force;
         Ok(Motion {
             params: self,
             wheels,
+            disturbance: Wrench {
+                force: bound,
+                moment: T::HALF * self.robot.wheels.track_m * bound,
+            },
             near: if noise_radius > least {
                 noise_radius
             } else {
@@ -96,6 +130,13 @@ impl<T: Scalar> MotionParams<T> {
             turn: Lag::new(gains.decay, f(4.0))?,
         })
     }
+}
+
+/// The largest force that the wheels exert \[N\].
+fn largest_force<T: Scalar>(params: &MotionParams<T>) -> T {
+    let limit = params.limits.wheel_torque_nm;
+    let wheels = &params.robot.wheels;
+    limit / wheels.radius_right_m + limit / wheels.radius_left_m
 }
 
 /// The limits with no more acceleration than the wheels have to give to a command.
@@ -122,6 +163,8 @@ pub struct Motion<T> {
     pub(crate) wheels: WheelMap<T>,
     /// Distance to the goal below which its direction is noise \[m\].
     pub(crate) near: T,
+    /// Largest disturbance that is compensated.
+    pub(crate) disturbance: Wrench<T>,
     /// Neuron of e_x while following \[m/s\].
     pub(crate) along: Lag<T>,
     /// Neuron of e_y while following \[rad\].
@@ -151,8 +194,8 @@ impl<T: Scalar> Motion<T> {
     }
 
     /// L of the force \[N/s\], before the wheels' limit: whatever happens, jumps included, it changes
-    /// by at most L dt in a tick. m (jerk + κ₁ (a_max + F/m)), with F/m the largest acceleration
-    /// that the wheels can make.
+    /// by at most L dt in a tick. m (jerk + κ₁ (a_max + F/m)) + ω D, with F/m the largest acceleration
+    /// that the wheels can make and D the largest disturbance that is compensated.
     pub fn force_rate_limit(&self) -> T {
         let limits = &self.params.limits;
         let accel = if limits.accel > limits.brake {
@@ -163,6 +206,7 @@ impl<T: Scalar> Motion<T> {
         let mass = self.params.robot.mass_kg;
         let loop_rate = self.gains().speed_loop;
         mass * (limits.jerk + loop_rate * (accel + self.largest_force() / mass))
+            + self.gains().disturbance * self.disturbance.force
     }
 
     /// L of the moment \[N m/s\]; see [`Motion::force_rate_limit`].
@@ -172,13 +216,17 @@ impl<T: Scalar> Motion<T> {
         let loop_rate = self.gains().turn_loop;
         inertia
             * (limits.turn_jerk + loop_rate * (limits.turn_accel + self.largest_moment() / inertia))
+            + self.gains().disturbance * self.disturbance.moment
     }
 
     /// The largest force that the wheels exert \[N\].
     pub fn largest_force(&self) -> T {
-        let limit = self.params.limits.wheel_torque_nm;
-        let wheels = &self.params.robot.wheels;
-        limit / wheels.radius_right_m + limit / wheels.radius_left_m
+        largest_force(&self.params)
+    }
+
+    /// The largest disturbance that is compensated.
+    pub fn disturbance_bound(&self) -> &Wrench<T> {
+        &self.disturbance
     }
 
     /// The largest moment that the wheels exert \[N m\].

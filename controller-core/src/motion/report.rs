@@ -24,6 +24,8 @@ pub enum Outcome {
     Parked,
     /// A speed was commanded for long, and the robot does not move.
     Stalled,
+    /// At rest near the goal but outside of the tolerance, after all retries. Stays until a new task.
+    OutOfTolerance,
 }
 
 /// Which limits were at work in a tick.
@@ -37,6 +39,8 @@ pub struct Limited {
     pub jerk: bool,
     /// A wheel torque was at its limit; the command was set back to what is achieved.
     pub torque: bool,
+    /// The disturbance estimate was at its bound: what is beyond is not compensated.
+    pub disturbance: bool,
 }
 
 /// The report of one tick.
@@ -60,6 +64,8 @@ pub struct MotionReport<T> {
     pub command_rate: Accel<T>,
     /// Measured minus commanded twist.
     pub velocity_error: Twist<T>,
+    /// Estimated force and moment that act on the robot beside its wheels.
+    pub disturbance: Wrench<T>,
     /// What the law asks for, before the wheels' limit.
     pub wrench: Wrench<T>,
     /// What the wheels are to be told \[N m\], within their limit.
@@ -70,4 +76,6 @@ pub struct MotionReport<T> {
     pub jumped: bool,
     /// While parking: the robot backs up.
     pub backing: bool,
+    /// New approaches to this goal so far, since the robot stood outside of the tolerance.
+    pub retries: u8,
 }

@@ -14,7 +14,7 @@ use std::io::Write;
 /// * d_v, d_w: measured minus commanded twist.
 /// * tau1, tau2: force \[N\] and moment \[N m\] asked for; tau_right, tau_left: what acts until the
 ///   next row.
-/// * mode: `following` or `parking`; outcome: `driving`, `parked` or `stalled`; then flags, 0 or 1.
+/// * mode: `following` or `parking`; outcome: `driving`, `parked`, `stalled` or `out-of-tolerance`; then flags, 0 or 1.
 pub const COLUMNS: [&str; 44] = [
     "t",
     "x",
@@ -81,6 +81,7 @@ pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<(
         writer.write_field(match report.outcome {
             Outcome::Parked => "parked",
             Outcome::Stalled => "stalled",
+            Outcome::OutOfTolerance => "out-of-tolerance",
             _ => "driving",
         })?;
         let limited = &report.limited;

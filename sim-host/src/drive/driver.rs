@@ -230,6 +230,10 @@ fn widen<T: Scalar>(from: &MotionReport<T>) -> MotionReport<f64> {
         command: twist(&from.command),
         command_rate: accel(&from.command_rate),
         velocity_error: twist(&from.velocity_error),
+        disturbance: Wrench {
+            force: from.disturbance.force.to_f64(),
+            moment: from.disturbance.moment.to_f64(),
+        },
         wrench: Wrench {
             force: from.wrench.force.to_f64(),
             moment: from.wrench.moment.to_f64(),
@@ -239,6 +243,7 @@ fn widen<T: Scalar>(from: &MotionReport<T>) -> MotionReport<f64> {
             left: from.torques.left.to_f64(),
         },
         limited: from.limited,
+        retries: from.retries,
         jumped: from.jumped,
         backing: from.backing,
     }

@@ -58,7 +58,7 @@ pub struct LimitedTicks {
 /// All figures of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriveMetrics {
-    /// `parked`, `driving` or `stalled` at the end.
+    /// `parked`, `driving`, `stalled` or `out-of-tolerance` at the end.
     pub outcome: &'static str,
     /// From when on the robot was parked; none if it was not at the end.
     pub parked_s: Option<f64>,
@@ -88,6 +88,7 @@ impl DriveMetrics {
             outcome: match last.report.outcome {
                 Outcome::Parked => "parked",
                 Outcome::Stalled => "stalled",
+                Outcome::OutOfTolerance => "out-of-tolerance",
                 _ => "driving",
             },
             parked_s: parked.map(|row| row.t),

@@ -17,9 +17,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
         let Command { twist, rate } = state.command;
         let velocity_error = measured.twist.minus(&twist);
+        let loops = (
+            robot.mass_kg * gains.speed_loop,
+            robot.inertia_kg_m2 * gains.turn_loop,
+        );
+        let driving = crate::torque::wrench(robot, loops, &velocity_error, &rate);
+        let disturbance = state.observer.estimate;
         let wrench = Wrench {
-            force: robot.mass_kg * (rate.linear - gains.speed_loop * velocity_error.linear),
-            moment: robot.inertia_kg_m2 * (rate.angular - gains.turn_loop * velocity_error.angular),
+            force: driving.force - disturbance.force,
+            moment: driving.moment - disturbance.moment,
         };
         let finite = wrench.force.is_finite() && wrench.moment.is_finite();
         if !(finite && law.is_finite() && state.is_finite()) {
@@ -30,8 +36,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         if saturated {
             // Back-calculation: the command that would have asked for just this.
             let (f, n) = (
-                applied.force / robot.mass_kg,
-                applied.moment / robot.inertia_kg_m2,
+                (applied.force + disturbance.force) / robot.mass_kg,
+                (applied.moment + disturbance.moment) / robot.inertia_kg_m2,
             );
             let v = measured.twist.linear + (f - rate.linear) / gains.speed_loop;
             let w = measured.twist.angular + (n - rate.angular) / gains.turn_loop;
@@ -43,8 +49,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         limited.torque = saturated;
         let released = self.is_released(&state, &velocity_error, &wrench, dt);
         state.released = released;
+        state.observer.note((!released).then_some(applied));
         let outcome = if state.latch.parked {
             Outcome::Parked
+        } else if state.retry.given_up {
+            Outcome::OutOfTolerance
         } else if state.stall.is_stalled(&self.motion) {
             Outcome::Stalled
         } else {
@@ -66,6 +75,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             command: twist,
             command_rate: rate,
             velocity_error,
+            disturbance,
             wrench,
             torques: if released {
                 WheelTorques::default()
@@ -75,9 +85,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             limited,
             jumped,
             backing: state.parker.is_backing(),
+            retries: state.retry.count,
         };
         self.state = state;
         Ok(&self.report)
+    }
+
+    /// Parked, and to stand without torque.
+    pub(super) fn is_letting_go(&self) -> bool {
+        self.state.is_resting() && self.motion.params().arrival.at_rest == AtRest::Release
     }
 
     /// Parked without torque: from when the robot stands and the torque left is a step of less than
@@ -97,7 +113,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             && velocity_error.angular.abs() < still
             && wrench.force.abs() <= self.motion.force_rate_limit() * dt
             && wrench.moment.abs() <= self.motion.moment_rate_limit() * dt;
-        state.latch.parked
+        state.is_resting()
             && self.motion.params().arrival.at_rest == AtRest::Release
             && (state.released || stands)
     }

@@ -3,26 +3,28 @@
 use super::*;
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
-    /// A new task, a new goal, a declared jump, or an error that moved further than the robot can.
-    pub(super) fn is_jump(&self, dt: T, task: &Task<T>, measured: &Measured<T>) -> bool {
-        let changed = match (&self.state.task, task) {
+    /// Another goal, or from following to parking or back.
+    pub(super) fn is_new(&self, task: &Task<T>) -> bool {
+        match (&self.state.task, task) {
             (Task::Follow(_), Task::Follow(_)) => false,
             (Task::Park(old), Task::Park(new)) => old != new,
             _ => true,
-        };
-        if changed || self.state.declared {
+        }
+    }
+
+    /// A new task, a new goal, a declared jump, or an error that moved further than the robot can.
+    pub(super) fn is_jump(&self, dt: T, task: &Task<T>, seen: &Sight<T>) -> bool {
+        if self.is_new(task) || self.state.declared {
             return true;
         }
         let Some(threshold) = self.motion.params().jump else {
             return false;
         };
-        let (error, speed) = match task {
-            Task::Follow(reference) => {
-                let (error, _) = tracking_error::<T, M>(reference, &measured.pose);
-                (error, reference.twist().linear.abs())
-            }
-            Task::Park(goal) => (pose_error::<T, M>(goal, &measured.pose), T::ZERO),
+        let speed = match task {
+            Task::Follow(reference) => reference.twist().linear.abs(),
+            Task::Park(_) => T::ZERO,
         };
+        let error = &seen.error;
         let last = &self.report.error;
         let limits = &self.motion.params().limits;
         // The robot and the reference move, and the frame turns under the error.
@@ -40,18 +42,18 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         state: &mut State<T>,
         dt: T,
         two_per_dt: Option<T>,
-        task: &Task<T>,
+        (task, seen): (&Task<T>, &Sight<T>),
         measured: &Measured<T>,
     ) -> Law<T> {
         let motion = &self.motion;
         let command = state.command.twist;
+        let error = seen.error;
         match task {
             Task::Follow(reference) => {
-                let (error, heading) = tracking_error::<T, M>(reference, &measured.pose);
                 let now = Instant {
                     reference,
                     error,
-                    heading,
+                    heading: seen.heading,
                     turn_rate: measured.twist.angular,
                 };
                 state.latch = Latch::default();
@@ -64,38 +66,59 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
                     rebase: false,
                 }
             }
-            Task::Park(goal) => {
-                let error = pose_error::<T, M>(goal, &measured.pose);
-                let distance = M::sqrt(error.x * error.x + error.y * error.y);
-                let was_parked = state.latch.parked;
-                if two_per_dt.is_none() {
-                    state.latch = Latch::default();
-                }
+            Task::Park(_) => {
+                let distance = distance_of::<T, M>(&error);
+                let (was_parked, was_resting) = (state.latch.parked, state.is_resting());
                 let standing = Standing {
                     error,
                     distance,
                     twist: measured.twist,
                     command,
                     command_rate: state.command.rate,
+                    backing: state.parker.is_backing(),
                 };
-                state.latch = state.latch.advance(motion, &standing, dt);
-                let parked = state.latch.parked;
-                let wish = if parked {
+                state.latch = match (two_per_dt, state.retry.may_park()) {
+                    (Some(_), true) => state.latch.advance(motion, &standing, dt),
+                    (None, true) => Latch::default().advance(motion, &standing, dt),
+                    (_, false) => Latch::default(),
+                };
+                let rest = match (was_parked && two_per_dt.is_some(), state.latch.parked) {
+                    (_, true) => Rest::Parked,
+                    (true, false) => Rest::Lost,
+                    (false, false) => Rest::Moving,
+                };
+                let (retry, new_aim) = state.retry.advance::<M>(motion, &standing, rest, dt);
+                state.retry = retry;
+                let resting = state.is_resting();
+                let wish = if resting {
                     state.parker.rest();
                     Wish::default()
                 } else {
-                    // Pushed off its goal, the law starts afresh.
-                    let advance = if was_parked { None } else { two_per_dt };
+                    // Pushed off its goal, or with a new aim, the law starts afresh.
+                    let afresh = was_resting || new_aim;
+                    let advance = if afresh { None } else { two_per_dt };
+                    let (aim, far) = self.aim(&state.retry, &error, distance);
                     state
                         .parker
-                        .advance::<U, M>(motion, &error, distance, &command, advance)
+                        .advance::<U, M>(motion, &aim, far, &command, advance)
                 };
                 Law {
                     wish,
                     error,
-                    rebase: parked != was_parked,
+                    rebase: new_aim || resting != was_resting,
                 }
             }
+        }
+    }
+
+    /// What to drive at, and how far it is: the goal, or the place that a retry drives out to.
+    fn aim(&self, retry: &Retry<T>, error: &PoseError<T>, distance: T) -> (PoseError<T>, T) {
+        if retry.is_out() {
+            let aim = retry.aim::<M>(&self.motion, error);
+            let far = distance_of::<T, M>(&aim);
+            (aim, far)
+        } else {
+            (*error, distance)
         }
     }
 }

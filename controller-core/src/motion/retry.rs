@@ -1,0 +1,182 @@
+//! A robot that stands beside its goal: a bounded number of new approaches, then the truth.
+
+use super::arrival::Standing;
+use super::params::Motion;
+use crate::maths::Maths;
+use crate::pose_error::PoseError;
+use crate::scalar::Scalar;
+
+/// Where a robot is in its attempts to arrive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Retry<T> {
+    /// New approaches so far.
+    pub(crate) count: u8,
+    /// No more: the robot stands outside of its tolerance until it gets a new task.
+    pub(crate) given_up: bool,
+    /// Driving out: 1 to behind the goal, −1 to in front of it; 0 towards the goal.
+    out: T,
+    /// How long the robot has been fit to be called stuck, or has been driving out.
+    since_s: T,
+    /// The last approach from afar: 1 forward, −1 backward.
+    came: T,
+}
+
+/// What the latch made of the tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rest {
+    /// Not parked.
+    Moving,
+    /// Parked.
+    Parked,
+    /// Parked until now.
+    Lost,
+}
+
+impl<T: Scalar> Retry<T> {
+    /// Neither driving out, where the goal is left on purpose, nor given up.
+    pub(crate) fn may_park(&self) -> bool {
+        !(self.is_out() || self.given_up)
+    }
+
+    /// Driving out.
+    pub(crate) fn is_out(&self) -> bool {
+        self.out != T::ZERO
+    }
+
+    /// The attempts after a tick of `dt`, and whether the robot has a new aim.
+    ///
+    /// Stuck is who for [`Motion::patience`] is near the goal, or hardly moves, and is not parked. A
+    /// stall (a speed is asked for and not reached) is told as one, and is no reason to try again.
+    pub(crate) fn advance<M: Maths<T>>(
+        &self,
+        motion: &Motion<T>,
+        at: &Standing<T>,
+        rest: Rest,
+        dt: T,
+    ) -> (Self, bool) {
+        let mut next = *self;
+        if self.given_up {
+            return (next, false);
+        }
+        let way_out = motion.way_out();
+        if self.is_out() {
+            next.since_s = self.since_s + dt;
+            // A quarter of the way short: nobody needs the exact place.
+            let left = distance_of::<T, M>(&self.aim::<M>(motion, &at.error));
+            if left < T::from_f64(0.25) * way_out || next.since_s > motion.patience() {
+                next.out = T::ZERO;
+                next.since_s = T::ZERO;
+            }
+            return (next, !next.is_out());
+        }
+        let arrival = &motion.params().arrival;
+        match rest {
+            Rest::Parked => {
+                next.since_s = T::ZERO;
+                return (next, false);
+            }
+            Rest::Lost => {
+                // Heading noise may end a rest; a push by hand does more.
+                let slightly = at.distance <= motion.leave_distance()
+                    && at.error.theta.abs() <= arrival.heading_rad + arrival.heading_rad;
+                if slightly {
+                    next.spend(motion);
+                } else {
+                    next.count = 0;
+                }
+                next.since_s = T::ZERO;
+                return (next, false);
+            }
+            Rest::Moving => {}
+        }
+        if at.distance > way_out {
+            next.came = if at.backing { -T::ONE } else { T::ONE };
+        }
+        if is_stuck(motion, at) {
+            next.since_s = self.since_s + dt;
+        } else if self.since_s > dt {
+            // Noise may say otherwise now and then.
+            next.since_s = self.since_s - dt;
+        } else {
+            next.since_s = T::ZERO;
+        }
+        if next.since_s <= motion.patience() {
+            return (next, false);
+        }
+        next.since_s = T::ZERO;
+        if next.spend(motion) {
+            next.out = if self.came < T::ZERO { -T::ONE } else { T::ONE };
+        }
+        (next, true)
+    }
+
+    /// Takes one attempt, if there is one left; gives up if not.
+    fn spend(&mut self, motion: &Motion<T>) -> bool {
+        if self.count < motion.params().arrival.retries {
+            self.count = self.count.saturating_add(1);
+            true
+        } else {
+            self.given_up = true;
+            false
+        }
+    }
+
+    /// The pose error that counts: to the goal, or to the place to drive out to, which is moved by
+    /// ∓[`Motion::way_out`] along the goal's heading.
+    pub(crate) fn aim<M: Maths<T>>(
+        &self,
+        motion: &Motion<T>,
+        error: &PoseError<T>,
+    ) -> PoseError<T> {
+        let moved = self.out * motion.way_out();
+        let (sine, cosine) = M::sin_cos_near(error.theta);
+        PoseError {
+            x: error.x - moved * cosine,
+            y: error.y - moved * sine,
+            theta: error.theta,
+        }
+    }
+}
+
+/// \[m\].
+pub(crate) fn distance_of<T: Scalar, M: Maths<T>>(error: &PoseError<T>) -> T {
+    M::sqrt(error.x * error.x + error.y * error.y)
+}
+
+fn is_stuck<T: Scalar>(motion: &Motion<T>, at: &Standing<T>) -> bool {
+    let arrival = &motion.params().arrival;
+    let ten = T::from_f64(10.0);
+    let near = at.distance < T::HALF * motion.way_out()
+        && at.error.theta.abs() < ten * arrival.heading_rad;
+    let asked = motion.rim_speed(&at.command);
+    // Slower than the approach is over four times the distance that counts as nothing.
+    let four = T::from_f64(4.0);
+    let creeps = motion.rim_speed(&at.twist) < four * motion.gains().approach * motion.least();
+    near || (creeps && asked <= arrival.stall_speed)
+}
+
+impl<T: Scalar> Motion<T> {
+    /// The distance within which position means nothing: the tolerance or the noise radius \[m\].
+    fn least(&self) -> T {
+        let tolerance = self.params().arrival.distance_m;
+        if tolerance > self.near {
+            tolerance
+        } else {
+            self.near
+        }
+    }
+
+    /// How far a retry drives out \[m\]: from there an error of twice the noise radius, the most that
+    /// is left beside the goal, is a bearing of 0.1 rad, which the approach corrects without haste.
+    /// At least 5 cm, for friction to be overcome and learnt on the way.
+    fn way_out(&self) -> T {
+        let (far, least) = (T::from_f64(20.0) * self.least(), T::from_f64(0.05));
+        if far > least { far } else { least }
+    }
+
+    /// How long a robot may stand near its goal before it tries again \[s\]: eight time constants of
+    /// the approach. From ten times the tolerance it needs 2.3, its heading, through h β, 5.8.
+    fn patience(&self) -> T {
+        T::from_f64(8.0) / self.gains().approach + self.params().arrival.dwell_s
+    }
+}

@@ -1,0 +1,217 @@
+//! A constant force and moment that no parameter knows of: parked without error, followed without lag.
+
+use controller_core::maths::{Libm, Maths, Single};
+use controller_core::motion::{Motion, Outcome, Task};
+use controller_core::scalar::Scalar;
+use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
+use controller_core::types::{Pose, WheelTorques, Wrench};
+use tests::motion_base::{Base, Body};
+use tests::motion_loop::{Drive, Order, both_cores, home, ring, steady};
+use tests::motion_tracking::Exact;
+use tests::tolerance::ARRIVED;
+
+const BASE: Base = Base::STANDARD;
+
+/// A tenth of the largest force and moment: each alone and both, either sign.
+fn pushes<T: Scalar>(motion: &Motion<T>) -> Vec<Wrench<f64>> {
+    let (force, moment) = (
+        0.1 * motion.largest_force().to_f64(),
+        0.1 * motion.largest_moment().to_f64(),
+    );
+    let mut pushes = Vec::new();
+    for f in [-1.0, 0.0, 1.0] {
+        for n in [-1.0, 0.0, 1.0] {
+            if (f, n) != (0.0, 0.0) {
+                pushes.push(Wrench {
+                    force: f * force,
+                    moment: n * moment,
+                });
+            }
+        }
+    }
+    pushes
+}
+
+/// Parks from every `nth` start of the ring; the largest distance and heading error left, and retries.
+fn parks<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(base: Base, nth: usize, dt: f64, end_s: f64) {
+    let motion: Motion<T> = base.params::<T, M>().validate().expect("valid");
+    let cases: Vec<(Body, Wrench<f64>)> = ring()
+        .into_iter()
+        .step_by(nth)
+        .flat_map(|body| pushes(&motion).into_iter().map(move |push| (body, push)))
+        .collect();
+    let left = both_cores(&cases, |(body, push)| {
+        let mut drive = Drive::<T, M, U>::start(&motion, base, *body, &home()(0.0), dt);
+        while drive.t < end_s {
+            drive.coast(push);
+            drive.take(&home()(0.0), &drive.body.measured());
+        }
+        let error = drive.error(&home()(0.0));
+        let report = drive.report();
+        let parked = report.outcome == Outcome::Parked;
+        if !parked {
+            println!("{body:?} {push:?}: {error:?} {:?}", report);
+        }
+        (
+            error.x.hypot(error.y),
+            error.theta.abs(),
+            report.retries,
+            parked,
+        )
+    });
+    let (mut far, mut turned, mut retries) = (0.0_f64, 0.0_f64, 0);
+    for (distance, heading, tries, parked) in &left {
+        assert!(parked);
+        far = far.max(*distance);
+        turned = turned.max(*heading);
+        retries = retries.max(*tries);
+    }
+    println!(
+        "{} runs, {dt} s: at most {:.3} mm, {:.3} mrad left, {retries} retries",
+        left.len(),
+        1e3 * far,
+        1e3 * turned
+    );
+    assert!(far < ARRIVED && turned < ARRIVED);
+}
+
+#[test]
+fn constant_push_leaves_nothing_when_parked() {
+    parks::<f64, Libm, ExactMean>(BASE, 13, 0.01, 25.0);
+    parks::<f32, Single, RationalMean>(BASE, 13, 0.01, 25.0);
+}
+
+#[test]
+fn constant_push_leaves_nothing_at_1_ms() {
+    parks::<f64, Libm, ExactMean>(BASE, 97, 0.001, 25.0);
+    parks::<f32, Single, RationalMean>(BASE, 97, 0.001, 25.0);
+}
+
+#[test]
+fn constant_push_leaves_nothing_on_other_bases() {
+    parks::<f64, Libm, ExactMean>(Base::WEAK, 29, 0.01, 90.0);
+    parks::<f64, Libm, ExactMean>(Base::SMALL, 29, 0.01, 25.0);
+}
+
+/// On a line at constant speed the lag goes as well; without the estimate it is F/(κ₁ m k₁) = 0.28 m.
+#[test]
+fn constant_push_leaves_no_lag_on_a_line() {
+    let motion = BASE.exact().validate().expect("valid");
+    for v in [-0.4, 0.2, 0.4, 1.0] {
+        for push in pushes(&motion) {
+            let line = steady(v, 0.0);
+            let mut drive = Exact::start(&motion, BASE, Body::at(0.0, 0.1, 0.0), &line(0.0), 0.01);
+            while drive.t < 25.0 {
+                drive.coast(&push);
+                drive.take(&line(drive.t), &drive.body.measured());
+            }
+            let error = drive.error(&line(drive.t));
+            assert!(
+                error.x.abs() < ARRIVED && error.y.abs() < ARRIVED,
+                "{v} m/s, {push:?}: {error:?}"
+            );
+        }
+    }
+}
+
+/// Beyond the bound the estimate stays at it and says so; the lag that is left is that of the rest.
+#[test]
+fn bound_holds_and_is_told() {
+    let motion = BASE.exact().validate().expect("valid");
+    let bound = motion.disturbance_bound().force;
+    let line = steady(0.4, 0.0);
+    let mut drive = Exact::start(&motion, BASE, Body::default(), &line(0.0), 0.01);
+    let push = Wrench {
+        force: -1.5 * bound,
+        moment: 0.0,
+    };
+    let mut told = 0;
+    while drive.t < 20.0 {
+        drive.coast(&push);
+        let report = drive.take(&line(drive.t), &drive.body.measured());
+        assert!(report.disturbance.force.abs() <= bound);
+        told += u32::from(report.limited.disturbance);
+    }
+    assert!(told > 1500, "{told}");
+    // The push ends: nothing is wound up, the estimate leaves its bound at once and goes.
+    drive.advance(line);
+    drive.advance(line);
+    assert!(drive.report().disturbance.force > -bound);
+    while drive.t < 24.0 {
+        drive.advance(line);
+    }
+    assert!(drive.report().disturbance.force.abs() < 0.01 * bound);
+    assert!(drive.error(&line(drive.t)).x.abs() < 0.1);
+}
+
+/// Off means off: the bits of the estimate never leave 0.
+#[test]
+fn zero_bandwidth_estimates_nothing() {
+    let mut params = BASE.exact();
+    params.gains.disturbance = 0.0;
+    let motion = params.validate().expect("valid");
+    let mut drive = Exact::start(&motion, BASE, Body::at(-0.5, 0.1, 0.2), &home()(0.0), 0.01);
+    while drive.t < 10.0 {
+        drive.coast(&Wrench {
+            force: 5.0,
+            moment: 0.0,
+        });
+        let report = drive.take(&home()(0.0), &drive.body.measured());
+        assert_eq!(report.disturbance, Wrench::default());
+    }
+    // What the velocity loop alone leaves: F/(κ₁ m k₄), 46 mm.
+    let left = drive.error(&home()(0.0)).x.abs();
+    assert!((0.04..0.06).contains(&left), "{left}");
+}
+
+/// A motor layer that gives half of what is asked and says so is no disturbance; one that keeps silent is.
+#[test]
+fn what_is_really_exerted_can_be_told() {
+    let motion = BASE.exact().validate().expect("valid");
+    let order: Order = Task::Park(Pose::new(2.0, 0.0, 0.0));
+    for (told, most) in [(true, 1e-9), (false, f64::INFINITY)] {
+        let mut drive = Exact::start(&motion, BASE, Body::default(), &order, 0.01);
+        let mut seen = 0.0_f64;
+        while drive.t < 1.0 {
+            let asked = drive.report().torques;
+            let half = WheelTorques {
+                right: asked.right / 2.0,
+                left: asked.left / 2.0,
+            };
+            let applied = drive.applied();
+            if told {
+                drive.controller.note_applied(&half).expect("finite");
+            }
+            drive.coast(&Wrench {
+                force: -applied.force / 2.0,
+                moment: -applied.moment / 2.0,
+            });
+            let report = drive.take(&order, &drive.body.measured());
+            seen = seen.max(report.disturbance.force.abs());
+        }
+        println!("told {told}: estimate up to {seen:.2} N");
+        assert!(seen <= most);
+        assert!(told || seen > 1.0);
+    }
+    let mut drive = Exact::start(&motion, BASE, Body::default(), &order, 0.01);
+    let before = drive.controller;
+    let wild = WheelTorques {
+        right: f64::NAN,
+        left: 0.0,
+    };
+    assert!(drive.controller.note_applied(&wild).is_err());
+    assert_eq!(drive.controller, before);
+}
+
+/// A brake holds the wheels for a second: the estimate rests.
+#[test]
+fn estimate_rests_while_the_wheels_are_not_driven() {
+    let motion = BASE.exact().validate().expect("valid");
+    let order: Order = Task::Park(Pose::new(2.0, 0.0, 0.0));
+    let mut drive = Exact::start(&motion, BASE, Body::default(), &order, 0.01);
+    for _ in 0..100 {
+        drive.controller.note_not_driven();
+        let report = drive.take(&order, &Body::default().measured());
+        assert_eq!(report.disturbance, Wrench::default());
+    }
+}
