@@ -23,6 +23,9 @@ use core::marker::PhantomData;
 
 mod output;
 mod pose_law;
+mod state;
+
+use state::{Law, Sight, State};
 
 /// What the robot is to do in a tick. May change at any time; command and torque do not jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,79 +65,6 @@ pub struct MotionController<T = f32, M = Single, U = RationalMean> {
     state: State<T>,
     report: MotionReport<T>,
     back_ends: PhantomData<(M, U)>,
-}
-
-/// What changes from tick to tick; copied first and stored last, so that a fault changes nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct State<T> {
-    task: Task<T>,
-    follower: Follower<T>,
-    parker: Parker<T>,
-    latch: Latch<T>,
-    stall: Stall<T>,
-    retry: Retry<T>,
-    observer: Observer<T>,
-    /// Of speed and turn rate.
-    bridges: (Bridge<T>, Bridge<T>),
-    command: Command<T>,
-    /// The caller said that the pose will jump.
-    declared: bool,
-    /// Parked without torque: the command is what the robot does by itself.
-    released: bool,
-}
-
-impl<T: Scalar> State<T> {
-    /// Nothing is wanted any more: parked, or given up.
-    fn is_resting(&self) -> bool {
-        self.latch.parked || self.retry.given_up
-    }
-
-    /// No memory is infinite or NaN: a wild input is refused, and does not stay.
-    fn is_finite(&self) -> bool {
-        let (linear, angular) = &self.bridges;
-        self.observer.is_finite()
-            && self.follower.is_finite()
-            && self.parker.is_finite()
-            && linear.is_finite()
-            && angular.is_finite()
-    }
-}
-
-/// Where the goal or the reference is, as the robot sees it.
-struct Sight<T> {
-    error: PoseError<T>,
-    /// (sin e_θ, cos e_θ) while following.
-    heading: (T, T),
-}
-
-impl<T: Scalar> Sight<T> {
-    fn of<M: Maths<T>>(task: &Task<T>, measured: &Measured<T>) -> Self {
-        let (error, heading) = match task {
-            Task::Follow(reference) => tracking_error::<T, M>(reference, &measured.pose),
-            Task::Park(goal) => {
-                let error = pose_error::<T, M>(goal, &measured.pose);
-                (error, (T::ZERO, T::ONE))
-            }
-        };
-        Self { error, heading }
-    }
-}
-
-/// What a pose law made of an instant.
-struct Law<T> {
-    wish: Wish<T>,
-    error: PoseError<T>,
-    /// Following and parking, parked and not: a change starts a new bridge.
-    rebase: bool,
-}
-
-impl<T: Scalar> Law<T> {
-    fn is_finite(&self) -> bool {
-        let Wish { twist, rate } = &self.wish;
-        let error = &self.error;
-        let error = error.x.is_finite() && error.y.is_finite() && error.theta.is_finite();
-        error && twist.is_finite() && rate.is_finite()
-    }
 }
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {

@@ -12,10 +12,12 @@ use std::io::Write;
 /// * e_x … e_theta: the error that the controller computed; v_d … wdot_d: what its pose law wants.
 /// * b_v, b_w: what past jumps still add; v_c … wdot_c: the command, within all limits.
 /// * d_v, d_w: measured minus commanded twist.
+/// * dist1, dist2: estimated force \[N\] and moment \[N m\] beside the wheels.
 /// * tau1, tau2: force \[N\] and moment \[N m\] asked for; tau_right, tau_left: what acts until the
 ///   next row.
-/// * mode: `following` or `parking`; outcome: `driving`, `parked`, `stalled` or `out-of-tolerance`; then flags, 0 or 1.
-pub const COLUMNS: [&str; 44] = [
+/// * mode: `following` or `parking`; outcome: `driving`, `parked`, `stalled` or `out-of-tolerance`; then flags, 0 or 1,
+///   and how often the robot tried the goal again.
+pub const COLUMNS: [&str; 48] = [
     "t",
     "x",
     "y",
@@ -47,6 +49,8 @@ pub const COLUMNS: [&str; 44] = [
     "wdot_c",
     "d_v",
     "d_w",
+    "dist1",
+    "dist2",
     "tau1",
     "tau2",
     "tau_right",
@@ -57,8 +61,10 @@ pub const COLUMNS: [&str; 44] = [
     "accel_limited",
     "jerk_limited",
     "torque_limited",
+    "disturbance_limited",
     "jumped",
     "backing",
+    "retries",
     "tick",
 ];
 
@@ -90,11 +96,13 @@ pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<(
             limited.accel,
             limited.jerk,
             limited.torque,
+            limited.disturbance,
             report.jumped,
             report.backing,
         ] {
             writer.write_field(if flag { "1" } else { "0" })?;
         }
+        writer.write_field(report.retries.to_string())?;
         writer.write_field(tick.to_string())?;
         writer.write_record(None::<&[u8]>)?;
     }
@@ -102,7 +110,7 @@ pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<(
     Ok(())
 }
 
-fn numbers(row: &DriveRow) -> [f64; 35] {
+fn numbers(row: &DriveRow) -> [f64; 37] {
     let (pose, twist, told) = (row.truth.pose, row.truth.twist, row.measured);
     let (at, moves, rates) = (
         row.reference.pose(),
@@ -142,6 +150,8 @@ fn numbers(row: &DriveRow) -> [f64; 35] {
         report.command_rate.angular,
         report.velocity_error.linear,
         report.velocity_error.angular,
+        report.disturbance.force,
+        report.disturbance.moment,
         report.wrench.force,
         report.wrench.moment,
         report.torques.right,
