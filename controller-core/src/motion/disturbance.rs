@@ -119,3 +119,47 @@ fn estimate<T: Scalar>(
     let next = last + gain * innovation;
     (clamp(next, bound), next.abs() > bound)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::estimate;
+
+    /// A body of 30 kg under a force that nobody knows, with any ω dt: no overshoot, never faster than
+    /// ω D, never beyond D.
+    #[test]
+    fn estimate_is_stable_for_any_tick() {
+        for (push, bound) in [(30.0, 37.5), (-30.0, 37.5), (60.0, 37.5)] {
+            for bandwidth in [0.0_f64, 0.1, 2.5, 50.0] {
+                for dt in [1e-5, 1e-3, 1e-2, 0.5, 1e3] {
+                    let gain = bandwidth / (1.0 + bandwidth * dt);
+                    let (mut d, mut bounded) = (0.0_f64, false);
+                    for _ in 0..50 {
+                        let exerted = -3.0;
+                        let momentum = dt * (exerted + push);
+                        let last = d;
+                        (d, bounded) = estimate(last, momentum, exerted, bound, (gain, dt));
+                        // A rounding of the numbers summed, over the last one's.
+                        assert!((d - last).abs() <= bandwidth * bound * dt * (1.0 + 1e-9));
+                        assert!(d.abs() <= bound && d.abs() <= push.abs() * (1.0 + 1e-9));
+                    }
+                    if bandwidth * dt > 1.0 {
+                        let all = push.clamp(-bound, bound);
+                        assert!((d - all).abs() < 1e-9 * all.abs(), "{bandwidth} {dt}: {d}");
+                        assert_eq!(bounded, push.abs() > bound);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What was wound up at the bound is gone in the next tick.
+    #[test]
+    fn nothing_winds_up_at_the_bound() {
+        let (mut d, dt, gain) = (0.0_f64, 0.01, 2.5 / 1.025);
+        for _ in 0..10_000 {
+            (d, _) = estimate(d, dt * 100.0, 0.0, 37.5, (gain, dt));
+        }
+        let (next, bounded) = estimate(d, 0.0, 0.0, 37.5, (gain, dt));
+        assert!(next < d && !bounded);
+    }
+}
