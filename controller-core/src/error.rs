@@ -77,6 +77,32 @@ pub enum Field {
     BrakeDamping,
     DisturbanceBandwidth,
     DisturbanceShare,
+    TickPeriod,
+    LateTick,
+    LateRow,
+    LateShare,
+    LongTick,
+    MeasurementTimeout,
+    PoseTimeout,
+    CommandTimeout,
+    WheelLoad,
+    StuckTorque,
+    StuckSpeed,
+    StuckTime,
+    ReversedTime,
+    SlipAccel,
+    SlipSpeed,
+    SlipTime,
+    CurrentLimit,
+    CurrentTime,
+    SupplyLow,
+    SupplyRecovered,
+    SupplyTime,
+    StopLimit,
+    BrakeLimit,
+    RestTime,
+    RestSpeed,
+    RestTurnRate,
 }
 
 impl Field {
@@ -153,6 +179,32 @@ impl Field {
             Self::BrakeDamping => "brake_damping",
             Self::DisturbanceBandwidth => "disturbance",
             Self::DisturbanceShare => "disturbance_share",
+            Self::TickPeriod => "tick_period",
+            Self::LateTick => "late_tick",
+            Self::LateRow => "late_row",
+            Self::LateShare => "late_share",
+            Self::LongTick => "long_tick",
+            Self::MeasurementTimeout => "measurement_timeout",
+            Self::PoseTimeout => "pose_timeout",
+            Self::CommandTimeout => "command_timeout",
+            Self::WheelLoad => "wheel_load",
+            Self::StuckTorque => "stuck_torque",
+            Self::StuckSpeed => "stuck_speed",
+            Self::StuckTime => "stuck_time",
+            Self::ReversedTime => "reversed_time",
+            Self::SlipAccel => "slip_accel",
+            Self::SlipSpeed => "slip_speed",
+            Self::SlipTime => "slip_time",
+            Self::CurrentLimit => "current_limit",
+            Self::CurrentTime => "current_time",
+            Self::SupplyLow => "supply_low",
+            Self::SupplyRecovered => "supply_recovered",
+            Self::SupplyTime => "supply_time",
+            Self::StopLimit => "stop_limit",
+            Self::BrakeLimit => "brake_limit",
+            Self::RestTime => "rest_time",
+            Self::RestSpeed => "rest_speed",
+            Self::RestTurnRate => "rest_turn_rate",
         }
     }
 }
@@ -196,6 +248,7 @@ impl core::error::Error for ParamError {}
 
 /// An input of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Input {
     /// The measured pose.
@@ -216,7 +269,8 @@ pub enum Input {
 
 /// A tick, or a start, that was refused. The controller's state is what it was before the call;
 /// the caller makes the wheels safe.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StepFault {
     /// An input is NaN or infinite.

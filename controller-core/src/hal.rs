@@ -18,6 +18,7 @@ pub trait Error: fmt::Debug {
 
 /// What a supervisor can act on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum ErrorKind {
     /// The driver did not answer, or answered nonsense.

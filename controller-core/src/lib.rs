@@ -18,6 +18,7 @@
 //! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
 //! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`] |
 //! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
+//! | safety | [`safety`]: faults and reactions, detectors, supervisor, stopping distance |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
 //! | gains | [`tuning`]: from wishes, with margins |
 #![no_std]
@@ -48,6 +49,7 @@ pub mod queue;
 mod range;
 pub mod reference;
 pub mod report;
+pub mod safety;
 pub mod scalar;
 pub mod shunting;
 pub mod stability;

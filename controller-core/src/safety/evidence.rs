@@ -1,0 +1,156 @@
+//! What the detectors are fed with, and what they found.
+
+use super::fault::{Fault, FaultKind};
+use super::policy::Policy;
+use super::reaction::{Reaction, Response};
+use crate::hal::{ErrorKind, WheelCounts};
+use crate::types::{Measured, Twist, WheelTorques};
+
+/// Measured motor currents \[A\]; the sign does not matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Currents<T> {
+    /// Right motor.
+    pub right: T,
+    /// Left motor.
+    pub left: T,
+}
+
+/// Everything that a tick has to judge by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evidence<T> {
+    /// Time since the last tick \[µs\].
+    pub dt_us: u32,
+    /// What the encoders gave in this tick; `None` if nothing.
+    pub counts: Option<WheelCounts>,
+    /// Pose and twist that the controller is about to use.
+    pub measured: Measured<T>,
+    /// A twist that does not come from the wheels, such as of an external pose or a gyro, if there is one.
+    pub outside: Option<Twist<T>>,
+    /// The twist that the velocity loop was asked for in the last tick; zero where nothing drives.
+    pub command: Twist<T>,
+    /// Torques exerted since the last tick \[N m\]; zero where the wheels were released or braked.
+    pub torques: WheelTorques<T>,
+    /// Age of the last external pose \[µs\], `u32::MAX` if there was none.
+    pub pose_age_us: u32,
+    /// Time since host or reference were last heard \[µs\].
+    pub command_age_us: u32,
+    /// The localiser says that the pose jumped.
+    pub pose_jumped: bool,
+    /// What the wheel driver failed with in the last tick.
+    pub driver: Option<ErrorKind>,
+    /// Supply \[V\], if it is measured.
+    pub supply_v: Option<T>,
+    /// Motor currents, if they are measured.
+    pub currents: Option<Currents<T>>,
+}
+
+/// The faults of a tick, at most one of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Findings {
+    slots: [Option<Fault>; FaultKind::COUNT],
+}
+
+impl Findings {
+    /// None.
+    pub const NONE: Self = Self {
+        slots: [None; FaultKind::COUNT],
+    };
+
+    /// Adds a fault, such as a refused step or a driver error that this tick met after the check. The
+    /// first one of a kind stays.
+    pub fn add(&mut self, fault: Fault) {
+        let kinds = FaultKind::ALL.into_iter();
+        for (slot, kind) in self.slots.iter_mut().zip(kinds) {
+            if kind == fault.kind() && slot.is_none() {
+                *slot = Some(fault);
+            }
+        }
+    }
+
+    /// Adds a fault if there is one.
+    pub fn add_some(&mut self, fault: Option<Fault>) {
+        if let Some(fault) = fault {
+            self.add(fault);
+        }
+    }
+
+    /// Nothing was found.
+    pub fn is_empty(&self) -> bool {
+        self.slots.iter().all(Option::is_none)
+    }
+
+    /// All faults, by the code of their kind.
+    pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {
+        self.slots.iter().flatten().copied()
+    }
+
+    /// The fault of a kind.
+    pub fn get(&self, kind: FaultKind) -> Option<Fault> {
+        self.iter().find(|fault| fault.kind() == kind)
+    }
+
+    /// The fault with the most severe reaction (the one with the lowest code among equals), and the
+    /// response to all of them together. `None` if nothing is to be done.
+    pub fn worst(&self, policy: &Policy) -> Option<(Fault, Response)> {
+        let acted = self
+            .iter()
+            .map(|fault| (fault, policy.response(fault)))
+            .filter(|(_, response)| response.reaction > Reaction::RideOut);
+        acted.reduce(|(worst, so_far), (fault, response)| {
+            let cause = if response.reaction > so_far.reaction {
+                fault
+            } else {
+                worst
+            };
+            (cause, so_far.and(response))
+        })
+    }
+
+    /// Those that the policy rides out.
+    pub fn ridden_out(&self, policy: &Policy) -> impl Iterator<Item = Fault> + '_ {
+        let policy = *policy;
+        self.iter()
+            .filter(move |fault| policy.response(*fault).reaction == Reaction::RideOut)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::Side;
+
+    #[test]
+    fn the_most_severe_reaction_wins_and_any_latch_latches() {
+        let policy = Policy::default();
+        let mut findings = Findings::NONE;
+        assert_eq!(findings.worst(&policy), None);
+        findings.add(Fault::PoseJump);
+        assert_eq!(findings.worst(&policy), None, "ridden out");
+        assert_eq!(findings.ridden_out(&policy).count(), 1);
+        // A stop that latches, and a stop that does not: one stop, latched, told by the lower code.
+        findings.add(Fault::UnderVoltage);
+        findings.add(Fault::PoseStale);
+        let both = Response::latched(Reaction::ControlledStop);
+        assert_eq!(findings.worst(&policy), Some((Fault::PoseStale, both)));
+        let stuck = Fault::EncoderStuck(Side::Left);
+        findings.add(stuck);
+        let brake = Response::latched(Reaction::Brake);
+        assert_eq!(findings.worst(&policy), Some((stuck, brake)));
+        findings.add(Fault::Driver(ErrorKind::Bus));
+        let release = Response::latched(Reaction::Release);
+        let driver = Fault::Driver(ErrorKind::Bus);
+        assert_eq!(findings.worst(&policy), Some((driver, release)));
+    }
+
+    #[test]
+    fn the_first_of_a_kind_stays() {
+        let mut findings = Findings::NONE;
+        findings.add(Fault::WheelSlip(Side::Left));
+        findings.add(Fault::WheelSlip(Side::Right));
+        assert_eq!(
+            findings.get(FaultKind::WheelSlip),
+            Some(Fault::WheelSlip(Side::Left))
+        );
+        assert_eq!(findings.iter().count(), 1);
+    }
+}

@@ -1,0 +1,55 @@
+//! Currents and supply.
+
+use super::held::Held;
+use crate::safety::evidence::Currents;
+use crate::safety::fault::Side;
+use crate::safety::watch::{CurrentWatch, SupplyWatch};
+use crate::scalar::Scalar;
+
+/// Motors above their current.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct OverCurrent {
+    right: Held,
+    left: Held,
+}
+
+impl OverCurrent {
+    /// The motors that have been above the limit for too long. What is not a number counts as above.
+    pub(super) fn advance<T: Scalar>(
+        &mut self,
+        watch: &CurrentWatch<T>,
+        currents: Option<Currents<T>>,
+        dt_us: u32,
+    ) -> Option<Side> {
+        let Currents { right, left } = currents.unwrap_or_default();
+        let above = |current: T| !current.is_finite() || current.abs() > watch.limit_a;
+        let right = self.right.holds(above(right), dt_us, watch.after);
+        let left = self.left.holds(above(left), dt_us, watch.after);
+        Side::of(right, left)
+    }
+}
+
+/// A supply that is too low, until it has recovered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct UnderVoltage {
+    low: Held,
+    found: bool,
+}
+
+impl UnderVoltage {
+    /// Whether the supply is too low: found after the time below `low_v`, over at `recovered_v`. What is not
+    /// a number counts as below. Without a measurement nothing changes.
+    pub(super) fn advance<T: Scalar>(
+        &mut self,
+        watch: &SupplyWatch<T>,
+        supply_v: Option<T>,
+        dt_us: u32,
+    ) -> bool {
+        if let Some(supply) = supply_v {
+            let good = |least: T| supply.is_finite() && supply >= least;
+            let lasted = self.low.holds(!good(watch.low_v), dt_us, watch.after);
+            self.found = lasted || (self.found && !good(watch.recovered_v));
+        }
+        self.found
+    }
+}

@@ -1,0 +1,160 @@
+//! One wheel: stuck, reversed, slipping.
+
+use super::held::Held;
+use crate::safety::watch::Watch;
+use crate::scalar::Scalar;
+
+/// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
+/// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
+const WINDOW: f64 = 10.0;
+/// Below so many counts of expected travel nothing is said: each of the two high-passes may double the one
+/// count by which a reading is rounded, and that has to stay below half of it.
+const LEAST_COUNTS: f64 = 8.0;
+
+/// What a tick knows of one wheel.
+pub(super) struct WheelEvidence<T> {
+    pub(super) dt_us: u32,
+    /// Counts since the last reading; `None` without one.
+    pub(super) moved: Option<i32>,
+    /// Torque \[N m\], and acceleration by both torques \[rad/s²\].
+    pub(super) torque: T,
+    pub(super) accel: T,
+    /// Speed that is asked for, and by an outside twist \[rad/s\].
+    pub(super) command: T,
+    pub(super) outside: Option<T>,
+    /// Speed by the encoders less that by the outside twist \[m/s\].
+    pub(super) off: T,
+}
+
+/// What was found out about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct WheelFinding {
+    pub(super) stuck: bool,
+    pub(super) blocked: bool,
+    pub(super) reversed: bool,
+    pub(super) slips: bool,
+}
+
+/// Two equal filters in a row, by the implicit Euler step: stable for any tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Twice<T> {
+    first: T,
+    second: T,
+}
+
+impl<T: Scalar> Twice<T> {
+    /// (s/(s + a))² of an input that moved by `step`; `shrink` = 1/(1 + a dt).
+    fn high_pass(&self, step: T, shrink: T) -> Self {
+        let first = (self.first + step) * shrink;
+        let second = (self.second + (first - self.first)) * shrink;
+        Self { first, second }
+    }
+
+    /// 1/(s + a)² of `input`.
+    fn low_pass(&self, input: T, dt: T, shrink: T) -> Self {
+        let first = (self.first + input * dt) * shrink;
+        let second = (self.second + first * dt) * shrink;
+        Self { first, second }
+    }
+
+    /// Wild inputs are forgotten instead of kept.
+    fn or_zero(self) -> Self {
+        if self.first.is_finite() && self.second.is_finite() {
+            self
+        } else {
+            Self::default()
+        }
+    }
+}
+
+/// Detectors of one wheel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Wheel<T> {
+    /// y \[rad\].
+    seen: Twice<T>,
+    /// x \[rad\].
+    expected: Twice<T>,
+    /// Counts since the wheel began to stand still.
+    crept: i32,
+    stands: Held,
+    against: Held,
+    beyond: Held,
+}
+
+impl<T: Scalar> Wheel<T> {
+    pub(super) fn advance(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> WheelFinding {
+        let a = T::from_f64(WINDOW);
+        let dt = T::from_f64(1.0e-6 * f64::from(now.dt_us));
+        let shrink = T::ONE / (T::ONE + a * dt);
+        let step = T::from_i32(now.moved.unwrap_or(0)) * watch.per_count;
+        self.seen = self.seen.high_pass(step, shrink).or_zero();
+        self.expected = self.expected.low_pass(now.accel, dt, shrink).or_zero();
+        let stands = self.stands_still(watch, now);
+        let blocked = now
+            .outside
+            .is_some_and(|speed| speed.abs() < T::HALF * watch.params.wheels.stuck.speed_rad_s);
+        WheelFinding {
+            stuck: stands && !blocked,
+            blocked: stands && blocked,
+            reversed: self.moves_against(watch, now.dt_us),
+            slips: self.moves_beyond(watch, now),
+        }
+    }
+
+    /// Told to turn at some speed, with a torque that way which turns a free wheel, and no more than one
+    /// count to and fro (the edge on which an encoder may tremble) all the while. A wheel that holds a
+    /// place is not told to turn and never counts.
+    fn stands_still(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
+        let stuck = &watch.params.wheels.stuck;
+        let forward = now.command >= stuck.speed_rad_s && now.torque >= stuck.torque_nm;
+        let backward = now.command <= -stuck.speed_rad_s && now.torque <= -stuck.torque_nm;
+        // Without a reading the wheel is not known to stand; that is a fault of its own.
+        let moved = now.moved.unwrap_or(i32::MAX);
+        let crept = self.crept.saturating_add(moved);
+        let still = (forward || backward) && (-1..=1).contains(&crept);
+        self.crept = if still { crept } else { 0 };
+        self.stands.holds(still, now.dt_us, stuck.after)
+    }
+
+    /// y sgn x ≤ −|x|/2 where |x| is at least 2 D and 8 counts; see the [module](super).
+    fn moves_against(&mut self, watch: &Watch<T>, dt_us: u32) -> bool {
+        let (expected, along) = self.compared();
+        let a = T::from_f64(WINDOW);
+        let load = watch.load_accel / (a * a);
+        let counts = T::from_f64(LEAST_COUNTS) * watch.per_count;
+        let enough = expected >= load + load && expected >= counts;
+        let against = enough && along <= -(T::HALF * expected);
+        self.against
+            .holds(against, dt_us, watch.params.wheels.reversed)
+    }
+
+    /// y sgn x > 2 |x| + S/a² with the torque pushing that way by at least half the load (without torque it
+    /// is a push from outside), or the outside twist says so.
+    ///
+    /// A wheel with grip moves the whole robot, as x expects; one without moves only itself, and a wheel is
+    /// lighter than half a robot by far. Twice |x| forgives a robot that is half as heavy as stated.
+    fn moves_beyond(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
+        let (expected, along) = self.compared();
+        let slip = &watch.params.wheels.slip;
+        let a = T::from_f64(WINDOW);
+        let pushed = expected >= T::HALF * watch.load_accel / (a * a);
+        let most = expected + expected + slip.accel_rad_s2 / (a * a);
+        let beyond = (pushed && along > most) || now.off.abs() > slip.speed_m_s;
+        self.beyond.holds(beyond, now.dt_us, slip.after)
+    }
+
+    /// |x| and y sgn x.
+    fn compared(&self) -> (T, T) {
+        let (x, y) = (self.expected.second, self.seen.second);
+        if x < T::ZERO { (-x, -y) } else { (x, y) }
+    }
+}
+
+#[cfg(test)]
+impl<T: Scalar> Wheel<T> {
+    pub(super) fn seen_is_finite(&self) -> bool {
+        [self.seen, self.expected]
+            .iter()
+            .all(|filter| filter.first.is_finite() && filter.second.is_finite())
+    }
+}

@@ -1,0 +1,315 @@
+//! One response for each kind of fault: plain data, checked once.
+
+use core::fmt;
+
+use super::fault::{Fault, FaultKind};
+use super::reaction::{Reaction, Response};
+
+/// What is done about each kind of fault. `default()` has a reason for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[allow(missing_docs)] // Each is the response to the kind of fault with the same name.
+pub struct PolicyParams {
+    pub measurement_stale: Response,
+    pub pose_stale: Response,
+    pub command_stale: Response,
+    pub not_finite: Response,
+    pub tick_jitter: Response,
+    pub tick_too_long: Response,
+    pub pose_jump: Response,
+    pub encoder_stuck: Response,
+    pub encoder_reversed: Response,
+    pub wheel_slip: Response,
+    pub driver: Response,
+    pub over_current: Response,
+    pub under_voltage: Response,
+    pub step_refused: Response,
+    pub stalled: Response,
+    pub gave_up: Response,
+}
+
+impl PolicyParams {
+    /// The default of [`Policy`].
+    pub const DEFAULT: Self = Self {
+        // Blind: what is left needs no speed to work.
+        measurement_stale: Response::latched(Reaction::Brake),
+        // Odometry drifts by a few per cent of the way: good enough for the way of a stop.
+        pose_stale: Response::passing(Reaction::ControlledStop),
+        // Nobody tells where to go; the base itself is sound, and may go on when the host is back.
+        command_stale: Response::passing(Reaction::ControlledStop),
+        // What is not a number says nothing of the next one.
+        not_finite: Response::latched(Reaction::Brake),
+        // Ticks come, only late: enough to stop with, not to drive on. Somebody has to look why.
+        tick_jitter: Response::latched(Reaction::ControlledStop),
+        // The loop was blind once, and is not any more.
+        tick_too_long: Response::latched(Reaction::ControlledStop),
+        // The motion law takes jumps without a step of torque.
+        pose_jump: Response::RIDE_OUT,
+        // Half of the twist is wrong, so a velocity loop would push on.
+        encoder_stuck: Response::latched(Reaction::Brake),
+        // The velocity loop drives the error up; an electrical brake has no sign to get wrong.
+        encoder_reversed: Response::latched(Reaction::Brake),
+        // Grip comes back with less torque; odometry is off by then, so the way is not driven on.
+        wheel_slip: Response::passing(Reaction::ControlledStop),
+        // After an error the wheels' state is unknown, and the driver has to be told to let go.
+        driver: Response::latched(Reaction::Release),
+        // A brake would add the current of the motor's own voltage.
+        over_current: Response::latched(Reaction::Release),
+        // Decelerating gives energy back; an empty battery stays one until somebody changes it.
+        under_voltage: Response::latched(Reaction::ControlledStop),
+        // No torque is known that could stop the base.
+        step_refused: Response::latched(Reaction::Brake),
+        // Nothing moves anyhow; free of the obstacle it may be armed again.
+        stalled: Response::passing(Reaction::ControlledStop),
+        // The goal is not reached, everything else works.
+        gave_up: Response::passing(Reaction::ControlledStop),
+    };
+
+    /// The response to a kind.
+    pub const fn get(&self, kind: FaultKind) -> Response {
+        match kind {
+            FaultKind::MeasurementStale => self.measurement_stale,
+            FaultKind::PoseStale => self.pose_stale,
+            FaultKind::CommandStale => self.command_stale,
+            FaultKind::NotFinite => self.not_finite,
+            FaultKind::TickJitter => self.tick_jitter,
+            FaultKind::TickTooLong => self.tick_too_long,
+            FaultKind::PoseJump => self.pose_jump,
+            FaultKind::EncoderStuck => self.encoder_stuck,
+            FaultKind::EncoderReversed => self.encoder_reversed,
+            FaultKind::WheelSlip => self.wheel_slip,
+            FaultKind::Driver => self.driver,
+            FaultKind::OverCurrent => self.over_current,
+            FaultKind::UnderVoltage => self.under_voltage,
+            FaultKind::StepRefused => self.step_refused,
+            FaultKind::Stalled => self.stalled,
+            FaultKind::GaveUp => self.gave_up,
+        }
+    }
+
+    /// The same with another response to one kind.
+    #[must_use]
+    pub const fn with(mut self, kind: FaultKind, response: Response) -> Self {
+        let place = match kind {
+            FaultKind::MeasurementStale => &mut self.measurement_stale,
+            FaultKind::PoseStale => &mut self.pose_stale,
+            FaultKind::CommandStale => &mut self.command_stale,
+            FaultKind::NotFinite => &mut self.not_finite,
+            FaultKind::TickJitter => &mut self.tick_jitter,
+            FaultKind::TickTooLong => &mut self.tick_too_long,
+            FaultKind::PoseJump => &mut self.pose_jump,
+            FaultKind::EncoderStuck => &mut self.encoder_stuck,
+            FaultKind::EncoderReversed => &mut self.encoder_reversed,
+            FaultKind::WheelSlip => &mut self.wheel_slip,
+            FaultKind::Driver => &mut self.driver,
+            FaultKind::OverCurrent => &mut self.over_current,
+            FaultKind::UnderVoltage => &mut self.under_voltage,
+            FaultKind::StepRefused => &mut self.step_refused,
+            FaultKind::Stalled => &mut self.stalled,
+            FaultKind::GaveUp => &mut self.gave_up,
+        };
+        *place = response;
+        self
+    }
+
+    /// Checks every response against what its fault leaves in working order.
+    ///
+    /// # Errors
+    /// The first kind, by its code, whose response cannot work.
+    pub fn validate(self) -> Result<Policy, PolicyError> {
+        for kind in FaultKind::ALL {
+            let Response { reaction, latch } = self.get(kind);
+            let problem = match (kind.broken(), reaction) {
+                (Some(Broken::Driver), reaction) if reaction < Reaction::Release => {
+                    PolicyProblem::NeedsDriver
+                }
+                (Some(_), Reaction::RideOut) => PolicyProblem::MayNotBeRiddenOut,
+                (Some(Broken::Measurement), Reaction::ControlledStop) => {
+                    PolicyProblem::NeedsMeasurement
+                }
+                (Some(Broken::Controller), Reaction::ControlledStop) => {
+                    PolicyProblem::NeedsController
+                }
+                (_, Reaction::RideOut) if latch => PolicyProblem::RiddenOutLatched,
+                _ => continue,
+            };
+            return Err(PolicyError { kind, problem });
+        }
+        Ok(Policy(self))
+    }
+}
+
+impl Default for PolicyParams {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// What a fault takes away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Broken {
+    Measurement,
+    Controller,
+    Driver,
+}
+
+impl FaultKind {
+    const fn broken(self) -> Option<Broken> {
+        match self {
+            Self::MeasurementStale
+            | Self::NotFinite
+            | Self::EncoderStuck
+            | Self::EncoderReversed => Some(Broken::Measurement),
+            Self::StepRefused => Some(Broken::Controller),
+            Self::Driver => Some(Broken::Driver),
+            Self::PoseStale
+            | Self::CommandStale
+            | Self::TickJitter
+            | Self::TickTooLong
+            | Self::PoseJump
+            | Self::WheelSlip
+            | Self::OverCurrent
+            | Self::UnderVoltage
+            | Self::Stalled
+            | Self::GaveUp => None,
+        }
+    }
+}
+
+/// [`PolicyParams`] that passed `validate`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Policy(PolicyParams);
+
+impl Policy {
+    /// The response to a fault.
+    pub const fn response(&self, fault: Fault) -> Response {
+        self.0.get(fault.kind())
+    }
+
+    /// The responses as they were given.
+    pub const fn params(&self) -> &PolicyParams {
+        &self.0
+    }
+}
+
+impl Default for Policy {
+    /// [`PolicyParams::DEFAULT`], which a test holds to be valid.
+    fn default() -> Self {
+        Self(PolicyParams::DEFAULT)
+    }
+}
+
+/// Why a response cannot work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum PolicyProblem {
+    /// Driving on would be blind.
+    MayNotBeRiddenOut,
+    /// A controlled stop goes by the measurement that is broken.
+    NeedsMeasurement,
+    /// A controlled stop goes by the controller that refuses to work.
+    NeedsController,
+    /// The driver that failed cannot be relied upon: only releasing is left.
+    NeedsDriver,
+    /// What is ridden out has no end to be latched.
+    RiddenOutLatched,
+}
+
+/// A response that `validate` refuses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PolicyError {
+    /// To which kind.
+    pub kind: FaultKind,
+    /// Why.
+    pub problem: PolicyProblem,
+}
+
+impl fmt::Display for PolicyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let why = match self.problem {
+            PolicyProblem::MayNotBeRiddenOut => "may not be ridden out",
+            PolicyProblem::NeedsMeasurement => "leaves no measurement for a controlled stop",
+            PolicyProblem::NeedsController => "leaves no controller for a controlled stop",
+            PolicyProblem::NeedsDriver => "leaves nothing but to release the wheels",
+            PolicyProblem::RiddenOutLatched => "is ridden out and cannot be latched",
+        };
+        write!(f, "{} {why}", self.kind)
+    }
+}
+
+impl core::error::Error for PolicyError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn default_is_valid_and_with_changes_just_one_kind() {
+        assert_eq!(PolicyParams::DEFAULT.validate(), Ok(Policy::default()));
+        let odd = Response::latched(Reaction::Release);
+        for kind in FaultKind::ALL {
+            let changed = PolicyParams::DEFAULT.with(kind, odd);
+            for other in FaultKind::ALL {
+                let expected = if other == kind {
+                    odd
+                } else {
+                    PolicyParams::DEFAULT.get(other)
+                };
+                assert_eq!(changed.get(other), expected, "{kind} at {other}");
+            }
+        }
+    }
+
+    /// Every kind with every reaction: refused for the reason that the fault gives.
+    #[test]
+    fn reactions_that_need_what_is_broken_are_refused_by_name() {
+        use PolicyProblem as P;
+        for kind in FaultKind::ALL {
+            for (reaction, blind, refused, driver) in [
+                (
+                    Reaction::RideOut,
+                    Some(P::MayNotBeRiddenOut),
+                    Some(P::MayNotBeRiddenOut),
+                    Some(P::NeedsDriver),
+                ),
+                (
+                    Reaction::ControlledStop,
+                    Some(P::NeedsMeasurement),
+                    Some(P::NeedsController),
+                    Some(P::NeedsDriver),
+                ),
+                (Reaction::Brake, None, None, Some(P::NeedsDriver)),
+                (Reaction::Release, None, None, None),
+            ] {
+                let expected = match kind {
+                    FaultKind::MeasurementStale
+                    | FaultKind::NotFinite
+                    | FaultKind::EncoderStuck
+                    | FaultKind::EncoderReversed => blind,
+                    FaultKind::StepRefused => refused,
+                    FaultKind::Driver => driver,
+                    _ => None,
+                };
+                let policy = PolicyParams::DEFAULT.with(kind, Response::passing(reaction));
+                let error = policy.validate().err();
+                assert_eq!(
+                    error,
+                    expected.map(|problem| PolicyError { kind, problem }),
+                    "{kind} {reaction:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn ridden_out_is_never_latched() {
+        let odd = Response::latched(Reaction::RideOut);
+        let error = PolicyParams::DEFAULT
+            .with(FaultKind::PoseJump, odd)
+            .validate();
+        let problem = PolicyProblem::RiddenOutLatched;
+        let kind = FaultKind::PoseJump;
+        assert_eq!(error, Err(PolicyError { kind, problem }));
+    }
+}

@@ -1,0 +1,266 @@
+//! The controlled stop: how it is commanded, and how far the base goes.
+//!
+//! Both axes come to rest at the same time along the arc that the base is on, (v, w) = s(t) (v₀, w₀), with s
+//! from 1 to 0 in an S-curve: constant rate of s′, jerk at both ends.
+//!
+//! | symbol | what | unit |
+//! | --- | --- | --- |
+//! | P = max(\|v₀\|/brake, \|w₀\|/turn_accel, τ/(0.7 τ_max)) | 1/P is the largest s′ that the limits allow; τ: torque of the harder worked wheel at s′ = 1/s | s |
+//! | Q = 2 max(\|v₀\|/jerk, \|w₀\|/turn_jerk) | 1/Q is the largest s″: half of the jerk, the rest is for the acceleration that was under way | s² |
+//! | T = P + Q/P, or 2 √Q where Q > P² | duration; by symmetry ∫ s dt = T/2 | s |
+//!
+//! The plan is followed as a reference that is anew at the measured pose in every tick: the stop goes by the
+//! twist alone. A pose that jumps, drifts or is missing does not disturb it, and no base backs up to where it
+//! should have stopped.
+//!
+//! # Distances
+//!
+//! [`controlled_stop`] bounds the way of the controlled stop. An electrical brake of time constant τ (m r²
+//! R/(2 k²) and the like, from the motors' constants) gives v(t) = v₀ e^(−t/τ), hence v₀ τ; friction makes it
+//! shorter. On a release only friction brakes: v₀²/(2 μ g) on a level floor, and on a slope there is no bound.
+//! To each of them comes v₀ times the time in which the fault is found ([`crate::safety::Monitor`]) and one tick.
+
+use crate::maths::Maths;
+use crate::motion::{Motion, Task};
+use crate::reference::Reference;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Pose, Twist, Wrench};
+
+/// Share of the wheels' torque that the plan uses: below the 0.75 that the governor leaves to a command, so
+/// that it has room to end the acceleration that was under way.
+const TORQUE_SHARE: f64 = 0.7;
+
+/// A controlled stop under way: a twist that comes to rest within the limits.
+///
+/// Made once from the last command ([`crate::motion::MotionReport::command`]); from then on each tick steps the
+/// controller with [`StopPlan::task`], after one [`crate::motion::MotionController::declare_jump`], which lets
+/// command and torque go on from where they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StopPlan<T> {
+    /// (v₀, w₀).
+    twist: Twist<T>,
+    /// Largest s′ \[1/s\] and time in which it is reached \[s\].
+    rate: T,
+    ramp_s: T,
+    duration_s: T,
+}
+
+impl<T: Scalar> StopPlan<T> {
+    /// The plan from a commanded twist. A twist that is not finite gives a plan that is at rest at once.
+    pub fn new<M: Maths<T>>(motion: &Motion<T>, command: &Twist<T>) -> Self {
+        let params = motion.params();
+        let limits = &params.limits;
+        let (v, w) = (command.linear.abs(), command.angular.abs());
+        let torques = motion.wheels().torques(&Wrench {
+            force: params.robot.mass_kg * command.linear,
+            moment: params.robot.inertia_kg_m2 * command.angular,
+        });
+        let torque = larger(torques.right.abs(), torques.left.abs());
+        let most = T::from_f64(TORQUE_SHARE) * limits.wheel_torque_nm;
+        let p = larger(
+            larger(v / limits.brake, w / limits.turn_accel),
+            torque / most,
+        );
+        let q = T::from_f64(2.0) * larger(v / limits.jerk, w / limits.turn_jerk);
+        let usable = |value: T| value > T::ZERO && value.is_finite();
+        if !(command.is_finite() && usable(p) && usable(q)) {
+            return Self::default();
+        }
+        // The rate that the jerk allows is reached in the middle and left again.
+        let p = larger(p, M::sqrt(q));
+        let ramp_s = q / p;
+        Self {
+            twist: *command,
+            rate: T::ONE / p,
+            ramp_s,
+            duration_s: p + ramp_s,
+        }
+    }
+
+    /// Time until the command is zero \[s\].
+    pub fn duration_s(&self) -> T {
+        self.duration_s
+    }
+
+    /// Twist and acceleration, `t` \[s\] after the begin. Zero at the end and after it.
+    pub fn at(&self, t: T) -> (Twist<T>, Accel<T>) {
+        let (share, rate) = self.share(t);
+        let Twist { linear, angular } = self.twist;
+        (
+            Twist::new(share * linear, share * angular),
+            Accel::new(rate * linear, rate * angular),
+        )
+    }
+
+    /// What the controller is told in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
+    pub fn task<M: Maths<T>>(&self, t: T, dt: T, pose: &Pose<T>) -> Task<T> {
+        let (twist, _) = self.at(t);
+        // Held for a tick: that of its middle.
+        let (_, accel) = self.at(t + T::HALF * dt);
+        Task::Follow(Reference::new::<M>(*pose, twist, accel))
+    }
+
+    /// s and s′ at `t`.
+    fn share(&self, t: T) -> (T, T) {
+        let left = self.duration_s - t;
+        // Also where there is nothing to stop, and for a time that is not a number.
+        if !(left > T::ZERO && self.ramp_s > T::ZERO) {
+            return (T::ZERO, T::ZERO);
+        }
+        let jerk = self.rate / self.ramp_s;
+        if t <= T::ZERO {
+            (T::ONE, T::ZERO)
+        } else if t < self.ramp_s {
+            (T::ONE - T::HALF * jerk * t * t, -(jerk * t))
+        } else if left < self.ramp_s {
+            (T::HALF * jerk * left * left, -(jerk * left))
+        } else {
+            let share = T::ONE - self.rate * (t - T::HALF * self.ramp_s);
+            (share, -self.rate)
+        }
+    }
+}
+
+/// Bounds on a controlled stop on a level floor, for a base that is what its parameters say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stopping<T> {
+    /// Way along the path, forward or backward \[m\].
+    pub distance_m: T,
+    /// Turn \[rad\].
+    pub angle_rad: T,
+    /// Time until the base counts as resting \[s\]: command at zero, and what was left of acceleration and
+    /// velocity error faded to a hundredth.
+    pub time_s: T,
+}
+
+/// How far a controlled stop goes at most from a commanded twist, with the robot's differing from it by
+/// `error` (measured minus commanded; zero where no wheel slips and no torque is at its limit).
+///
+/// ```text
+/// d = |v₀| T/2 + a/A² + |δ_v|/κ₁          φ = |w₀| T/2 + α/A² + |δ_w|/κ₂
+/// ```
+///
+/// | term | what |
+/// | --- | --- |
+/// | v₀ T/2 | the plan |
+/// | a/A² | the acceleration under way when the stop begins, at most the limit, fades by the bridge of decay A |
+/// | δ/κ | the velocity loop takes the error away as e^(−κt) |
+pub fn controlled_stop<T: Scalar, M: Maths<T>>(
+    motion: &Motion<T>,
+    command: &Twist<T>,
+    error: &Twist<T>,
+) -> Stopping<T> {
+    let plan = StopPlan::new::<M>(motion, command);
+    let (limits, gains) = (&motion.params().limits, motion.gains());
+    let half = T::HALF * plan.duration_s;
+    let area = gains.decay * gains.decay;
+    let accel = larger(limits.accel, limits.brake);
+    // e^(-4.6) is a hundredth; 7 of the bridge, whose pole is double.
+    let slowest = if gains.speed_loop < gains.turn_loop {
+        gains.speed_loop
+    } else {
+        gains.turn_loop
+    };
+    let fading = T::from_f64(7.0) / gains.decay + T::from_f64(4.6) / slowest;
+    Stopping {
+        distance_m: command.linear.abs() * half
+            + accel / area
+            + error.linear.abs() / gains.speed_loop,
+        angle_rad: command.angular.abs() * half
+            + limits.turn_accel / area
+            + error.angular.abs() / gains.turn_loop,
+        time_s: plan.duration_s + fading,
+    }
+}
+
+/// How far a controlled stop goes at most straight on from `speed` \[m\]; [`controlled_stop`] without turning
+/// and without a velocity error.
+pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(motion: &Motion<T>, speed: T) -> T {
+    let command = Twist::new(speed, T::ZERO);
+    controlled_stop::<T, M>(motion, &command, &Twist::default()).distance_m
+}
+
+fn larger<T: Scalar>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::Libm;
+    use crate::motion::{Limits, MotionParams, Policy};
+    use crate::params::Params;
+
+    fn motion(wheel_torque_nm: f64) -> Motion<f64> {
+        let limits = Limits {
+            speed: 2.5,
+            turn_rate: 3.0,
+            accel: 1.5,
+            brake: 1.2,
+            turn_accel: 3.0,
+            jerk: 20.0,
+            turn_jerk: 40.0,
+            wheel_torque_nm,
+            policy: Policy::KeepCurvature,
+        };
+        let params = MotionParams::new::<Libm>(Params::paper().robot, limits);
+        params.validate().expect("valid")
+    }
+
+    /// Summed in steps of 1 ms: way v₀ T/2, limits kept, and value and rate belong together.
+    #[test]
+    fn plan_keeps_the_limits_and_its_way_is_half_of_its_time() {
+        for torque in [15.0, 1.0] {
+            let motion = motion(torque);
+            for (v, w) in [
+                (2.5, 0.0),
+                (-1.0, 0.0),
+                (0.02, 0.0),
+                (0.0, 3.0),
+                (1.0, -2.0),
+            ] {
+                let plan = StopPlan::new::<Libm>(&motion, &Twist::new(v, w));
+                let (mut way, dt) = (0.0, 1e-3);
+                let (mut last, mut last_accel) = plan.at(0.0);
+                assert_eq!(last, Twist::new(v, w));
+                for k in 1..20_000 {
+                    let (twist, accel) = plan.at(f64::from(k) * dt);
+                    way += 0.5 * dt * (twist.linear + last.linear);
+                    // One rounding above the limits.
+                    assert!(accel.linear.abs() <= 1.2 + 1e-9 && accel.angular.abs() <= 3.0 + 1e-9);
+                    let jerk = (accel.linear - last_accel.linear).abs() / dt;
+                    assert!(jerk <= 10.0 + 1e-6, "half of the limit, {jerk}");
+                    let mean = 0.5 * (accel.linear + last_accel.linear);
+                    // Trapezoids of a curve that is linear but for three corners: jerk dt²/8 each.
+                    assert!((twist.linear - last.linear - mean * dt).abs() < 1e-5);
+                    let wheels = motion.wheels().torques(&Wrench {
+                        force: 30.0 * accel.linear,
+                        moment: 15.0 * accel.angular,
+                    });
+                    assert!(wheels.right.abs().max(wheels.left.abs()) <= 0.7 * torque + 1e-9);
+                    (last, last_accel) = (twist, accel);
+                }
+                assert_eq!(last, Twist::default());
+                assert!(
+                    (way - 0.5 * v * plan.duration_s()).abs() < 1e-5,
+                    "{v} {way}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_plan_for_nothing_or_nonsense_is_at_rest() {
+        let motion = motion(15.0);
+        for twist in [
+            Twist::default(),
+            Twist::new(f64::NAN, 1.0),
+            Twist::new(1.0, f64::INFINITY),
+        ] {
+            let plan = StopPlan::new::<Libm>(&motion, &twist);
+            assert_eq!(plan.duration_s(), 0.0);
+            let (twist, accel) = plan.at(0.0);
+            assert_eq!((twist, accel), (Twist::default(), Accel::default()));
+        }
+    }
+}

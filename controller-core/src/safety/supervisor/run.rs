@@ -1,0 +1,383 @@
+//! The supervisor: the table, and what a tick needs beside it.
+
+use super::state::{Action, Event, OutputMode, State, Then};
+use super::table::next;
+use crate::error::{Field, ParamError};
+use crate::motion::AtRest;
+use crate::range::within;
+use crate::safety::evidence::Findings;
+use crate::safety::fault::{Fault, FaultKind};
+use crate::safety::monitor::Held;
+use crate::safety::policy::Policy;
+use crate::safety::reaction::{Reaction, Response};
+use crate::safety::watch::{Timeout, time};
+
+/// What an emergency stop does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Emergency {
+    /// Short the motors until at rest.
+    #[default]
+    Brake,
+    /// Let go.
+    Release,
+}
+
+/// What the wheels do in Idle, Stopped and Fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Standing {
+    /// Free: the base can be pushed by hand, and rolls on a slope.
+    #[default]
+    Release,
+    /// Shorted: on a slope the base creeps instead of rolling. After a reaction that released, released.
+    Brake,
+}
+
+/// When a base counts as standing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RestLimits {
+    /// Slower than this \[m/s\], 1e-4 to 1.
+    pub speed_m_s: f32,
+    /// Turning slower than this \[rad/s\], 1e-4 to 10.
+    pub turn_rad_s: f32,
+    /// For so long \[µs\], up to 10 s.
+    pub dwell_us: u32,
+}
+
+/// How a supervisor stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SupervisorParams {
+    /// Longest controlled stop; then the wheels are braked. At least what
+    /// [`crate::safety::controlled_stop`] gives for the top speed.
+    pub stop_limit: Timeout,
+    /// Longest electrical braking; then it ends as if the base stood.
+    pub brake_limit: Timeout,
+    /// When a stop has come to its end.
+    pub rest: RestLimits,
+    /// What an emergency stop does.
+    pub emergency: Emergency,
+    /// What the wheels do while parked.
+    pub parked: AtRest,
+    /// What they do in Idle, Stopped and Fault.
+    pub standing: Standing,
+}
+
+impl SupervisorParams {
+    /// 5 s for each stop (a base of 2.5 m/s needs 1.7 s to be at rest and 2.7 to settle), 1 cm/s and
+    /// 0.02 rad/s for 0.1 s as rest, hold while parked, released while standing.
+    pub const DEFAULT: Self = Self {
+        stop_limit: Timeout::AfterUs(5_000_000),
+        brake_limit: Timeout::AfterUs(5_000_000),
+        rest: RestLimits {
+            speed_m_s: 0.01,
+            turn_rad_s: 0.02,
+            dwell_us: 100_000,
+        },
+        emergency: Emergency::Brake,
+        parked: AtRest::Hold,
+        standing: Standing::Release,
+    };
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// The first field out of range, with the limit it passed; times are in µs and have to be longer than
+    /// the dwell.
+    pub fn validate(self) -> Result<ValidSupervisor, ParamError> {
+        let rest = &self.rest;
+        within(Field::RestSpeed, rest.speed_m_s, 1.0e-4, 1.0)?;
+        within(Field::RestTurnRate, rest.turn_rad_s, 1.0e-4, 10.0)?;
+        let dwell = f64::from(rest.dwell_us);
+        within(Field::RestTime, dwell, 0.0, 1.0e7)?;
+        time(Field::StopLimit, self.stop_limit, dwell + 1.0)?;
+        time(Field::BrakeLimit, self.brake_limit, dwell + 1.0)?;
+        Ok(ValidSupervisor(self))
+    }
+}
+
+impl Default for SupervisorParams {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// [`SupervisorParams`] that passed `validate`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValidSupervisor(SupervisorParams);
+
+impl Default for ValidSupervisor {
+    /// [`SupervisorParams::DEFAULT`], which a test holds to be valid.
+    fn default() -> Self {
+        Self(SupervisorParams::DEFAULT)
+    }
+}
+
+/// Why the state is what it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Cause {
+    /// Power came on.
+    #[default]
+    PowerOn,
+    /// The host asked for it.
+    Host,
+    /// References were there to be followed.
+    References,
+    /// The trajectory was complete.
+    TrajectoryEnded,
+    /// The next reference did not arrive in time.
+    Underrun,
+    /// The base stands where it should.
+    Reached,
+    /// The goal was given up.
+    GaveUp,
+    /// Nothing was heard of the host for too long.
+    LinkLost,
+    /// Somebody pressed the button.
+    EmergencyStop,
+    /// The caller asked for a reaction without naming a fault.
+    Demanded,
+    /// Something went wrong.
+    Fault(Fault),
+}
+
+/// State, cause and timers. One for a base.
+///
+/// A tick calls [`on`](Self::on) for what came in, [`on_findings`](Self::on_findings) for what the monitor
+/// found, [`tick`](Self::tick) for the time, and tells the wheels what [`output`](Self::output) says: all in
+/// one tick, so that what stops the base stops it in the tick in which it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supervisor {
+    params: SupervisorParams,
+    state: State,
+    cause: Cause,
+    latched: Option<Fault>,
+    /// Most severe reaction since the base was last armed or reset.
+    worst: Reaction,
+    /// Time in the present stop.
+    stop_us: u32,
+    rest: Held,
+    changes: u32,
+    ridden_out: u32,
+    last_ridden_out: Option<Fault>,
+}
+
+impl Supervisor {
+    /// In [`State::Idle`].
+    pub const fn new(params: &ValidSupervisor) -> Self {
+        Self {
+            params: params.0,
+            state: State::Idle,
+            cause: Cause::PowerOn,
+            latched: None,
+            worst: Reaction::RideOut,
+            stop_us: 0,
+            rest: Held::NONE,
+            changes: 0,
+            ridden_out: 0,
+            last_ridden_out: None,
+        }
+    }
+
+    /// Takes an event from host, mission or caller, and says what to do.
+    pub fn on(&mut self, event: Event) -> Action {
+        let cause = match event {
+            Event::Arm | Event::Park | Event::Stop | Event::Reset => Cause::Host,
+            Event::Track => Cause::References,
+            Event::TrajectoryEnded => Cause::TrajectoryEnded,
+            Event::Underrun => Cause::Underrun,
+            Event::Reached => Cause::Reached,
+            Event::GaveUp => Cause::GaveUp,
+            Event::LinkLost => Cause::LinkLost,
+            Event::EmergencyStop { .. } => Cause::EmergencyStop,
+            Event::Fault(_) => Cause::Demanded,
+            // The end of a stop has the cause of its beginning.
+            Event::Halted | Event::StopTimedOut => self.cause,
+        };
+        self.apply(event, cause)
+    }
+
+    /// The button, with what the parameters say about it.
+    pub fn emergency_stop(&mut self) -> Action {
+        let brake = self.params.emergency == Emergency::Brake;
+        self.on(Event::EmergencyStop { brake })
+    }
+
+    /// Takes what was found in a tick.
+    ///
+    /// Where nothing can move (Idle, Stopped, Fault) only a driver's fault changes the state: an idle base
+    /// needs no host and no pose. Arming such a base shows within the same tick what is wrong with it.
+    pub fn on_findings(&mut self, findings: &Findings, policy: &Policy) -> Action {
+        for fault in findings.ridden_out(policy) {
+            self.ridden_out = self.ridden_out.saturating_add(1);
+            self.last_ridden_out = Some(fault);
+        }
+        if self.state.is_live() {
+            return match findings.worst(policy) {
+                Some((fault, response)) => self.fail(fault, response),
+                None => Action::Continue,
+            };
+        }
+        match findings.get(FaultKind::Driver) {
+            Some(fault) => self.fail(fault, policy.response(fault)),
+            None => Action::Continue,
+        }
+    }
+
+    /// Takes the time of a tick, and whether the base is known to move slower than
+    /// [`SupervisorParams::rest`] says ([`Supervisor::rests`]; false where it is not known). Ends stops.
+    pub fn tick(&mut self, dt_us: u32, rests: bool) -> Action {
+        let limit = match self.state {
+            State::Stopping(_) => self.params.stop_limit,
+            State::Braking(_) => self.params.brake_limit,
+            State::Idle
+            | State::Armed
+            | State::Tracking
+            | State::Parking
+            | State::Parked
+            | State::Stopped
+            | State::Fault => return Action::Continue,
+        };
+        self.stop_us = self.stop_us.saturating_add(dt_us);
+        let dwell = Timeout::AfterUs(self.params.rest.dwell_us);
+        if self.rest.holds(rests, dt_us, dwell) {
+            self.on(Event::Halted)
+        } else if limit.passed(self.stop_us) {
+            self.on(Event::StopTimedOut)
+        } else {
+            Action::Continue
+        }
+    }
+
+    /// Whether a speed \[m/s\] and a turn rate \[rad/s\] are rest.
+    pub fn rests(&self, speed_m_s: f32, turn_rad_s: f32) -> bool {
+        let rest = &self.params.rest;
+        speed_m_s.abs() < rest.speed_m_s && turn_rad_s.abs() < rest.turn_rad_s
+    }
+
+    /// What the wheels are told now.
+    pub const fn output(&self) -> OutputMode {
+        match self.state {
+            State::Armed => OutputMode::ZeroTorque,
+            State::Tracking | State::Parking => OutputMode::Drive,
+            State::Parked => match self.params.parked {
+                AtRest::Hold => OutputMode::Hold,
+                AtRest::Release => OutputMode::Release,
+            },
+            State::Stopping(_) => OutputMode::ControlledStop,
+            State::Braking(_) => OutputMode::Brake,
+            State::Idle | State::Stopped | State::Fault => {
+                match (self.params.standing, self.worst) {
+                    (Standing::Release, _) | (Standing::Brake, Reaction::Release) => {
+                        OutputMode::Release
+                    }
+                    (Standing::Brake, _) => OutputMode::Brake,
+                }
+            }
+        }
+    }
+
+    /// The state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Why it is that.
+    pub const fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    /// The first fault that latched since the last reset.
+    pub const fn latched(&self) -> Option<Fault> {
+        self.latched
+    }
+
+    /// Changes of state since power-on; wraps around.
+    pub const fn changes(&self) -> u32 {
+        self.changes
+    }
+
+    /// Faults ridden out, counted once a tick, and the last of them.
+    pub const fn ridden_out(&self) -> (u32, Option<Fault>) {
+        (self.ridden_out, self.last_ridden_out)
+    }
+
+    fn fail(&mut self, fault: Fault, response: Response) -> Action {
+        if response.latch && self.latched.is_none() {
+            self.latched = Some(fault);
+        }
+        self.apply(Event::Fault(response), Cause::Fault(fault))
+    }
+
+    fn apply(&mut self, event: Event, cause: Cause) -> Action {
+        let event = not_milder(event, self.output().severity());
+        let (state, action) = next(self.state, event);
+        let reaction = demanded(event);
+        if reaction > self.worst {
+            self.worst = reaction;
+        }
+        let resumed = matches!(action, Action::Enable)
+            || matches!((self.state, state), (State::Fault, State::Idle))
+            || state.drives();
+        if resumed {
+            self.worst = Reaction::RideOut;
+        }
+        if matches!((self.state, state), (State::Fault, State::Idle)) {
+            self.latched = None;
+        }
+        if state != self.state {
+            if !same_stop(self.state, state) {
+                self.stop_us = 0;
+                self.rest = Held::NONE;
+            }
+            self.state = state;
+            self.cause = cause;
+            self.changes = self.changes.wrapping_add(1);
+        }
+        action
+    }
+}
+
+/// The reaction that an event demands.
+const fn demanded(event: Event) -> Reaction {
+    match event {
+        Event::EmergencyStop { brake: true } => Reaction::Brake,
+        Event::EmergencyStop { brake: false } => Reaction::Release,
+        Event::Fault(response) => response.reaction,
+        _ => Reaction::RideOut,
+    }
+}
+
+/// The event, but with the severity of what is in force where it demands something milder: what was
+/// released, such as a parked base, is not braked by a fault.
+fn not_milder(event: Event, force: Reaction) -> Event {
+    let milder = demanded(event) > Reaction::RideOut && demanded(event) < force;
+    match event {
+        Event::Fault(Response { latch, .. }) if milder => Event::Fault(Response {
+            reaction: force,
+            latch,
+        }),
+        Event::EmergencyStop { .. } if milder => Event::EmergencyStop { brake: false },
+        other => other,
+    }
+}
+
+/// A stop that goes on, only with another end: its time goes on too.
+const fn same_stop(before: State, after: State) -> bool {
+    matches!(
+        (before, after),
+        (
+            State::Stopping(Then::Stopped | Then::Fault),
+            State::Stopping(Then::Stopped | Then::Fault)
+        ) | (
+            State::Braking(Then::Stopped | Then::Fault),
+            State::Braking(Then::Stopped | Then::Fault)
+        )
+    )
+}

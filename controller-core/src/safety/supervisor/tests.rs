@@ -1,0 +1,408 @@
+//! Every pair of the table against a second, independent writing of it, and the rules it must obey.
+
+use super::*;
+use crate::error::{Field, Problem};
+use crate::hal::ErrorKind;
+use crate::motion::AtRest;
+use crate::safety::{
+    Fault, FaultKind, Findings, Policy, PolicyParams, Reaction, Response, Side, Timeout,
+};
+
+/// Rows are states, columns events, in the order of `ALL`: the next state (Idle, Armed, Tracking, Parking,
+/// D parked, c and C controlled stop that ends in Stopped and in Fault, b and B the same braked, Stopped,
+/// X fault), then the action (`.` continue, `!` refuse, `e` enable, `t` track, `p` park, `l` park at last,
+/// `c` controlled stop, `b` brake, `r` release).
+///
+/// Arm Track Park | trajectory ended, underrun, reached, gave up | halted, timed out | stop, link lost |
+/// emergency brake, release | ridden out | controlled | brake | release, each passing and latched | reset
+const TABLE: [&str; 11] = [
+    "Ae I! I! I. I. I. I. I. I. Sr I. Xr Xr I. I. Sr Xr Sr Xr Sr Xr I!",
+    "A. Tt Pp A. A. A. A. A. A. Sr Sr Bb Xr A. A. Sr Xr bb Bb Sr Xr A!",
+    "T! T. Pp Pl cc T. cc T. T. cc cc Bb Xr T. T. cc Cc bb Bb Sr Xr T!",
+    "P! P! Pp P. P. Dr cc P. P. cc cc Bb Xr P. P. cc Cc bb Bb Sr Xr P!",
+    "Ae Tt Pp D. D. D. D. D. D. Sr Sr Bb Xr D. D. Sr Xr bb Bb Sr Xr D!",
+    "c! c! c! c. c. c. c. Sr bb c. c. Bb Xr c. c. c. C. bb Bb Sr Xr c!",
+    "C! C! C! C. C. C. C. Xr Bb C. C. Bb Xr C. C. C. C. Bb Bb Xr Xr C!",
+    "b! b! b! b. b. b. b. Sr Sr b. b. B. Xr b. b. b. B. b. B. Sr Xr b!",
+    "B! B! B! B. B. B. B. Xr Xr B. B. B. Xr B. B. B. B. B. B. Xr Xr B!",
+    "Ae S! S! S. S. S. S. S. S. Sr Sr Xr Xr S. S. Sr Xr Sr Xr Sr Xr S!",
+    "X! X! X! X. X. X. X. X. X. Xr Xr Xr Xr X. X. Xr Xr Xr Xr Xr Xr Ir",
+];
+
+fn letters(state: State, action: Action) -> [u8; 2] {
+    let state = match state {
+        State::Idle => b'I',
+        State::Armed => b'A',
+        State::Tracking => b'T',
+        State::Parking => b'P',
+        State::Parked => b'D',
+        State::Stopping(Then::Stopped) => b'c',
+        State::Stopping(Then::Fault) => b'C',
+        State::Braking(Then::Stopped) => b'b',
+        State::Braking(Then::Fault) => b'B',
+        State::Stopped => b'S',
+        State::Fault => b'X',
+    };
+    let action = match action {
+        Action::Continue => b'.',
+        Action::Refuse => b'!',
+        Action::Enable => b'e',
+        Action::StartTracking => b't',
+        Action::StartParking => b'p',
+        Action::ParkAtLastReference => b'l',
+        Action::BeginStop => b'c',
+        Action::Brake => b'b',
+        Action::Release => b'r',
+    };
+    [state, action]
+}
+
+fn pairs() -> impl Iterator<Item = (State, Event)> {
+    State::ALL
+        .into_iter()
+        .flat_map(|state| Event::ALL.into_iter().map(move |event| (state, event)))
+}
+
+/// A supervisor in a state, by the shortest way there.
+fn supervisor_in(state: State, params: SupervisorParams) -> Supervisor {
+    use {Event as E, Reaction as R};
+    let stop = |reaction, then| {
+        Event::Fault(match then {
+            Then::Stopped => Response::passing(reaction),
+            Then::Fault => Response::latched(reaction),
+        })
+    };
+    let way: &[Event] = match state {
+        State::Idle => &[],
+        State::Armed => &[E::Arm],
+        State::Tracking => &[E::Arm, E::Track],
+        State::Parking => &[E::Arm, E::Park],
+        State::Parked => &[E::Arm, E::Park, E::Reached],
+        State::Stopping(then) => &[E::Arm, E::Track, stop(R::ControlledStop, then)],
+        State::Braking(then) => &[E::Arm, E::Track, stop(R::Brake, then)],
+        State::Stopped => &[E::Arm, E::Stop],
+        State::Fault => &[E::Fault(Response::latched(R::Release))],
+    };
+    let mut supervisor = Supervisor::new(&params.validate().expect("valid"));
+    for event in way {
+        supervisor.on(*event);
+    }
+    assert_eq!(supervisor.state(), state);
+    supervisor
+}
+
+/// Every way that parked and standing outputs can be set up.
+fn setups() -> impl Iterator<Item = SupervisorParams> {
+    [AtRest::Hold, AtRest::Release]
+        .into_iter()
+        .flat_map(|parked| {
+            [Standing::Release, Standing::Brake].map(|standing| SupervisorParams {
+                parked,
+                standing,
+                ..SupervisorParams::DEFAULT
+            })
+        })
+}
+
+#[test]
+fn every_pair_is_as_tabled() {
+    for (state, row) in State::ALL.into_iter().zip(TABLE) {
+        let mut cells = row.split(' ');
+        for (event, cell) in Event::ALL.into_iter().zip(&mut cells) {
+            let (after, action) = next(state, event);
+            let found = letters(after, action);
+            assert_eq!(found, cell.as_bytes(), "{event:?} in {state:?}");
+        }
+        assert_eq!(cells.next(), None, "{state:?} has a cell too many");
+    }
+}
+
+/// An emergency stop, and faults that brake or release, end torque in one step and one call, from anywhere.
+#[test]
+fn emergency_stop_brake_and_release_end_torque_at_once() {
+    for setup in setups() {
+        for (state, event) in pairs() {
+            let least = match event {
+                Event::EmergencyStop { brake: true } => Reaction::Brake,
+                Event::EmergencyStop { brake: false } => Reaction::Release,
+                Event::Fault(Response { reaction, .. }) if reaction >= Reaction::Brake => reaction,
+                _ => continue,
+            };
+            let mut supervisor = supervisor_in(state, setup);
+            supervisor.on(event);
+            let output = supervisor.output();
+            assert!(
+                !output.has_torque() && output != OutputMode::ZeroTorque,
+                "{event:?} in {state:?}: {output:?}"
+            );
+            assert!(output.severity() >= least, "{event:?} in {state:?}");
+        }
+    }
+}
+
+/// No fault and no button ever makes the output milder, whatever is set up.
+#[test]
+fn faults_never_make_the_output_milder() {
+    for setup in setups() {
+        for (state, event) in pairs() {
+            if !matches!(event, Event::Fault(_) | Event::EmergencyStop { .. }) {
+                continue;
+            }
+            let mut supervisor = supervisor_in(state, setup);
+            let before = supervisor.output().severity();
+            supervisor.on(event);
+            let after = supervisor.output().severity();
+            assert!(after >= before, "{event:?} in {state:?} with {setup:?}");
+        }
+    }
+}
+
+#[test]
+fn torque_flows_in_driving_stopping_and_held_parking_only() {
+    for setup in setups() {
+        for state in State::ALL {
+            let held = state == State::Parked && setup.parked == AtRest::Hold;
+            let expected = state.drives() || matches!(state, State::Stopping(_)) || held;
+            let output = supervisor_in(state, setup).output();
+            assert_eq!(output.has_torque(), expected, "{state:?}");
+        }
+    }
+}
+
+#[test]
+fn only_a_reset_leaves_the_fault_and_moves_nothing() {
+    for event in Event::ALL {
+        let (after, _) = next(State::Fault, event);
+        assert_eq!(after != State::Fault, event == Event::Reset, "{event:?}");
+    }
+    for state in State::ALL {
+        for event in [Event::Reset, Event::Arm] {
+            let (after, _) = next(state, event);
+            let moves = after.drives() && after != state;
+            assert!(!moves, "{event:?} in {state:?}");
+        }
+        if state != State::Fault {
+            assert_eq!(next(state, Event::Reset), (state, Action::Refuse));
+        }
+    }
+}
+
+#[test]
+fn what_is_not_armed_does_not_begin_to_drive() {
+    for (state, event) in pairs() {
+        let (after, _) = next(state, event);
+        let armed = matches!(state, State::Armed | State::Parked) || state.drives();
+        assert!(!after.drives() || armed, "{event:?} in {state:?}");
+        if !armed && matches!(event, Event::Track | Event::Park) {
+            assert_eq!(next(state, event), (state, Action::Refuse));
+        }
+    }
+}
+
+#[test]
+fn refusals_and_what_is_ridden_out_change_nothing() {
+    for (state, event) in pairs() {
+        let (after, action) = next(state, event);
+        let ridden =
+            matches!(event, Event::Fault(response) if response.reaction == Reaction::RideOut);
+        if action == Action::Refuse || ridden {
+            assert_eq!(after, state, "{event:?} in {state:?}");
+        }
+    }
+}
+
+/// A stop once under way ends in rest, whatever comes; latched once, it ends in Fault.
+#[test]
+fn stops_end_in_stopped_or_fault_and_keep_their_latch() {
+    for (state, event) in pairs() {
+        let (State::Stopping(then) | State::Braking(then)) = state else {
+            continue;
+        };
+        let (after, _) = next(state, event);
+        match after {
+            State::Stopping(to) | State::Braking(to) => {
+                assert!(then == Then::Stopped || to == Then::Fault, "{event:?}");
+            }
+            State::Stopped => assert_eq!(then, Then::Stopped, "{event:?} in {state:?}"),
+            after => assert_eq!(after, State::Fault, "{event:?} in {state:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_stop_ends_when_the_base_rests_for_the_dwell() {
+    let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
+    assert_eq!(supervisor.on(Event::Underrun), Action::BeginStop);
+    assert_eq!(supervisor.output(), OutputMode::ControlledStop);
+    for k in 0..9 {
+        assert_eq!(supervisor.tick(10_000, true), Action::Continue, "{k}");
+    }
+    // Moving again: the dwell starts anew.
+    assert_eq!(supervisor.tick(10_000, false), Action::Continue);
+    for _ in 0..9 {
+        assert_eq!(supervisor.tick(10_000, true), Action::Continue);
+    }
+    assert_eq!(supervisor.tick(10_000, true), Action::Release);
+    assert_eq!(supervisor.state(), State::Stopped);
+    assert_eq!(supervisor.cause(), Cause::Underrun);
+}
+
+/// What does not come to rest is braked after the limit, and ends after the second: 10 s at most.
+#[test]
+fn stops_are_bounded_in_time() {
+    let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
+    supervisor.on(Event::Stop);
+    let mut braked = 0;
+    for k in 1..=1000 {
+        if supervisor.tick(10_000, false) == Action::Brake {
+            assert_eq!(k, 500);
+            braked += 1;
+        }
+    }
+    assert_eq!((supervisor.state(), braked), (State::Stopped, 1));
+    // A single endless tick is no way around it.
+    let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
+    supervisor.on(Event::Stop);
+    assert_eq!(supervisor.tick(u32::MAX, false), Action::Brake);
+    assert_eq!(supervisor.tick(u32::MAX, false), Action::Release);
+}
+
+/// A milder fault during a stop latches it without giving it more time.
+#[test]
+fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
+    let policy = Policy::default();
+    let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
+    supervisor.on(Event::Stop);
+    for _ in 0..400 {
+        supervisor.tick(10_000, false);
+    }
+    let mut findings = Findings::NONE;
+    findings.add(Fault::UnderVoltage);
+    assert_eq!(supervisor.on_findings(&findings, &policy), Action::Continue);
+    assert_eq!(supervisor.state(), State::Stopping(Then::Fault));
+    assert_eq!(supervisor.latched(), Some(Fault::UnderVoltage));
+    for _ in 0..100 {
+        supervisor.tick(10_000, false);
+    }
+    assert_eq!(supervisor.state(), State::Braking(Then::Fault));
+    // The first one stays the latched one.
+    let stuck = Fault::EncoderStuck(Side::Left);
+    findings.add(stuck);
+    supervisor.on_findings(&findings, &policy);
+    assert_eq!(supervisor.latched(), Some(Fault::UnderVoltage));
+    for _ in 0..20 {
+        supervisor.tick(10_000, true);
+    }
+    assert_eq!(supervisor.state(), State::Fault);
+    assert_eq!(supervisor.on(Event::Arm), Action::Refuse);
+    supervisor.on(Event::Reset);
+    assert_eq!(
+        (supervisor.state(), supervisor.latched()),
+        (State::Idle, None)
+    );
+}
+
+#[test]
+fn ridden_out_faults_are_counted_and_told() {
+    let policy = Policy::default();
+    let mut supervisor = supervisor_in(State::Parking, SupervisorParams::DEFAULT);
+    let changes = supervisor.changes();
+    let mut findings = Findings::NONE;
+    findings.add(Fault::PoseJump);
+    for _ in 0..3 {
+        supervisor.on_findings(&findings, &policy);
+    }
+    assert_eq!(supervisor.ridden_out(), (3, Some(Fault::PoseJump)));
+    assert_eq!(
+        (supervisor.state(), supervisor.changes()),
+        (State::Parking, changes)
+    );
+}
+
+/// An idle base needs no host; its driver has to work all the same.
+#[test]
+fn only_the_driver_fails_what_stands() {
+    let policy = Policy::default();
+    for state in [State::Idle, State::Stopped, State::Fault] {
+        for kind in FaultKind::ALL {
+            let fault = match kind {
+                FaultKind::CommandStale => Fault::CommandStale,
+                FaultKind::MeasurementStale => Fault::MeasurementStale,
+                FaultKind::Driver => Fault::Driver(ErrorKind::Bus),
+                _ => continue,
+            };
+            let mut supervisor = supervisor_in(state, SupervisorParams::DEFAULT);
+            let mut findings = Findings::NONE;
+            findings.add(fault);
+            supervisor.on_findings(&findings, &policy);
+            let expected = if kind == FaultKind::Driver {
+                State::Fault
+            } else {
+                state
+            };
+            assert_eq!(supervisor.state(), expected, "{kind} in {state:?}");
+        }
+    }
+}
+
+/// Each response of a policy gets its output in the very call.
+#[test]
+fn every_reaction_is_the_output_of_the_same_call() {
+    for (reaction, output) in [
+        (Reaction::RideOut, OutputMode::Drive),
+        (Reaction::ControlledStop, OutputMode::ControlledStop),
+        (Reaction::Brake, OutputMode::Brake),
+        (Reaction::Release, OutputMode::Release),
+    ] {
+        let response = Response::passing(reaction);
+        let policy = PolicyParams::DEFAULT.with(FaultKind::WheelSlip, response);
+        let policy = policy.validate().expect("valid");
+        let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
+        let mut findings = Findings::NONE;
+        findings.add(Fault::WheelSlip(Side::Right));
+        supervisor.on_findings(&findings, &policy);
+        assert_eq!(supervisor.output(), output);
+    }
+}
+
+#[test]
+fn the_button_does_what_is_set_up_and_latches() {
+    for (emergency, output) in [
+        (Emergency::Brake, OutputMode::Brake),
+        (Emergency::Release, OutputMode::Release),
+    ] {
+        let params = SupervisorParams {
+            emergency,
+            ..SupervisorParams::DEFAULT
+        };
+        let mut supervisor = supervisor_in(State::Tracking, params);
+        supervisor.emergency_stop();
+        assert_eq!(supervisor.output(), output);
+        for _ in 0..20 {
+            supervisor.tick(10_000, true);
+        }
+        assert_eq!(supervisor.state(), State::Fault);
+        assert_eq!(supervisor.cause(), Cause::EmergencyStop);
+    }
+}
+
+#[test]
+fn parameters_out_of_range_are_named() {
+    let default = SupervisorParams::DEFAULT;
+    assert_eq!(default.validate(), Ok(ValidSupervisor::default()));
+    let short = SupervisorParams {
+        stop_limit: Timeout::AfterUs(100_000),
+        ..default
+    };
+    let error = short.validate().expect_err("not longer than the dwell");
+    assert_eq!(error.field, Field::StopLimit);
+    assert_eq!(error.problem, Problem::Below(100_001.0));
+    let mut wild = default;
+    wild.rest.speed_m_s = f32::NAN;
+    assert_eq!(wild.validate().expect_err("NaN").field, Field::RestSpeed);
+    let endless = SupervisorParams {
+        brake_limit: Timeout::Off,
+        ..default
+    };
+    assert!(endless.validate().is_ok(), "off because it says so");
+}
