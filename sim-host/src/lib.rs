@@ -10,6 +10,7 @@
 //! | read | [`scenario`], [`motion`], [`advice`] |
 //! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
+//! | from a robot's log | [`identify`] |
 //! | report | [`metrics`], [`table`], [`csv_out`], [`figure`] |
 //!
 //! ```
@@ -28,6 +29,7 @@ pub mod advice;
 pub mod csv_out;
 pub mod drive;
 pub mod figure;
+pub mod identify;
 pub mod import;
 pub mod metrics;
 pub mod monitor;

@@ -1,0 +1,270 @@
+//! The log: commands, wheel angles and what else was recorded, from CSV.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::io::Read;
+
+/// What acted on the wheels, right before left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// Wheel torques \[N m\], as a torque-controlled drive delivers them.
+    Torque,
+    /// Motor voltages \[V\]: as logged, or duty times the logged supply.
+    Voltage,
+    /// Duty, -1 to 1, of a supply that the log does not have.
+    Duty,
+}
+
+/// A fix of the external pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// The row that it stands in.
+    pub row: usize,
+    /// x \[m\], y \[m\], theta \[rad\].
+    pub pose: [f64; 3],
+}
+
+/// A log, row by row. Pairs are right, left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// Times \[s\], rising.
+    pub t: Vec<f64>,
+    /// What `command` is.
+    pub drive: Drive,
+    /// Commands: each acts from its row's time to the next row's.
+    pub command: Vec<[f64; 2]>,
+    /// Wheel angles \[rad\] at the row's time.
+    pub angle: Vec<[f64; 2]>,
+    /// Step of the wheel angles \[rad\], if they come from counts.
+    pub step_rad: Option<f64>,
+    /// Motor currents \[A\], measured together with the angles: before the row's command acts.
+    pub current: Option<Vec<[f64; 2]>>,
+    /// External poses, where there are any.
+    pub fixes: Vec<Fix>,
+}
+
+/// Why a log cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// Not CSV.
+    #[error("not CSV: {0}")]
+    Csv(#[from] csv::Error),
+    /// A column is missing.
+    #[error("line 1: {0}")]
+    Columns(String),
+    /// A cell is not what it should be.
+    #[error("line {line}, column `{column}`: {problem}")]
+    Cell {
+        /// Counted from 1, the header included.
+        line: u64,
+        /// Name in the header.
+        column: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// Counts need a scale.
+    #[error("counts need --counts-per-turn (counts of one whole turn of the wheel)")]
+    CountsPerTurn,
+    /// Fewer than [`MIN_ROWS`].
+    #[error("{0} rows are too few: at least {MIN_ROWS} are needed")]
+    Short(usize),
+}
+
+/// Fewer rows cannot hold even one stretch of driving.
+pub const MIN_ROWS: usize = 20;
+
+struct Sheet {
+    columns: HashMap<String, usize>,
+    rows: Vec<csv::StringRecord>,
+}
+
+impl Sheet {
+    fn has(&self, names: &[&str]) -> Result<bool, LogError> {
+        let there = |name: &&&str| self.columns.contains_key(**name);
+        match names.iter().filter(there).count() {
+            0 => Ok(false),
+            n if n == names.len() => Ok(true),
+            _ => Err(LogError::Columns(format!(
+                "of the columns {} some are missing",
+                names.join(", ")
+            ))),
+        }
+    }
+
+    fn cell(&self, row: &csv::StringRecord, column: &str) -> Result<Option<f64>, LogError> {
+        let index = self.columns.get(column).copied().unwrap_or(usize::MAX);
+        let text = row.get(index).unwrap_or_default();
+        let problem = match text.parse::<f64>() {
+            _ if text.is_empty() => return Ok(None),
+            Ok(value) if value.is_finite() => return Ok(Some(value)),
+            Ok(_) => format!("`{text}` is not finite"),
+            Err(_) => format!("`{text}` is not a number"),
+        };
+        Err(wrong(row, column, problem))
+    }
+
+    fn number(&self, row: &csv::StringRecord, column: &str) -> Result<f64, LogError> {
+        self.cell(row, column)?
+            .ok_or_else(|| wrong(row, column, "empty".to_owned()))
+    }
+
+    fn pairs(&self, name: &str, scale: f64) -> Result<Vec<[f64; 2]>, LogError> {
+        let (right, left) = (format!("{name}_right"), format!("{name}_left"));
+        let pair = |row| {
+            Ok([
+                scale * self.number(row, &right)?,
+                scale * self.number(row, &left)?,
+            ])
+        };
+        self.rows.iter().map(pair).collect()
+    }
+
+    /// The one of several alternatives that the header has.
+    fn only(&self, what: &str, names: &[&'static str]) -> Result<&'static str, LogError> {
+        let mut found = Vec::new();
+        for name in names {
+            if self.has(&[&format!("{name}_right"), &format!("{name}_left")])? {
+                found.push(*name);
+            }
+        }
+        match found[..] {
+            [name] => Ok(name),
+            _ => Err(LogError::Columns(format!(
+                "needs one pair of {what} columns: {}_right and {}_left; found {}",
+                names.join("_right/_left, or "),
+                names.last().unwrap_or(&""),
+                if found.is_empty() { "none" } else { "several" },
+            ))),
+        }
+    }
+}
+
+fn wrong(row: &csv::StringRecord, column: &str, problem: String) -> LogError {
+    LogError::Cell {
+        line: row.position().map_or(0, csv::Position::line),
+        column: column.to_owned(),
+        problem,
+    }
+}
+
+impl Log {
+    /// Reads a log with a header line; other columns than those of `docs/identify.md` are skipped.
+    /// `counts_per_turn` is for columns `counts_right`, `counts_left`.
+    ///
+    /// # Errors
+    /// What is wrong, with line and column.
+    pub fn read(input: impl Read, counts_per_turn: Option<f64>) -> Result<Self, LogError> {
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(input);
+        let header = reader.headers()?.clone();
+        let columns = header.iter().map(str::to_owned).zip(0..).collect();
+        let rows = reader.records().collect::<Result<Vec<_>, _>>()?;
+        let sheet = Sheet { columns, rows };
+        if !sheet.has(&["t"])? {
+            return Err(LogError::Columns("column `t` is missing".to_owned()));
+        }
+        if sheet.rows.len() < MIN_ROWS {
+            return Err(LogError::Short(sheet.rows.len()));
+        }
+        let t = times(&sheet)?;
+        let (drive, command) = commands(&sheet)?;
+        let (angle, step_rad) = angles(&sheet, counts_per_turn)?;
+        let current = match sheet.has(&["current_right", "current_left"])? {
+            true => Some(sheet.pairs("current", 1.0)?),
+            false => None,
+        };
+        let fixes = fixes(&sheet)?;
+        Ok(Self {
+            t,
+            drive,
+            command,
+            angle,
+            step_rad,
+            current,
+            fixes,
+        })
+    }
+}
+
+fn times(sheet: &Sheet) -> Result<Vec<f64>, LogError> {
+    let mut times = Vec::with_capacity(sheet.rows.len());
+    for row in &sheet.rows {
+        let time = sheet.number(row, "t")?;
+        if let Some(&before) = times.last()
+            && time <= before
+        {
+            let problem = format!("{time} s is not later than {before} s in the row before");
+            return Err(wrong(row, "t", problem));
+        }
+        times.push(time);
+    }
+    Ok(times)
+}
+
+fn commands(sheet: &Sheet) -> Result<(Drive, Vec<[f64; 2]>), LogError> {
+    let name = sheet.only("command", &["duty", "voltage", "torque"])?;
+    let mut command = sheet.pairs(name, 1.0)?;
+    if name != "duty" {
+        let drive = if name == "torque" {
+            Drive::Torque
+        } else {
+            Drive::Voltage
+        };
+        return Ok((drive, command));
+    }
+    for (row, pair) in sheet.rows.iter().zip(&command) {
+        for (value, column) in pair.iter().zip(["duty_right", "duty_left"]) {
+            if value.abs() > 1.0 {
+                return Err(wrong(row, column, format!("{value} is not within -1 to 1")));
+            }
+        }
+    }
+    if !sheet.has(&["supply"])? {
+        return Ok((Drive::Duty, command));
+    }
+    for (row, pair) in sheet.rows.iter().zip(&mut command) {
+        let supply = sheet.number(row, "supply")?;
+        *pair = pair.map(|duty| duty * supply);
+    }
+    Ok((Drive::Voltage, command))
+}
+
+type Angles = (Vec<[f64; 2]>, Option<f64>);
+
+fn angles(sheet: &Sheet, counts_per_turn: Option<f64>) -> Result<Angles, LogError> {
+    if sheet.only("encoder", &["counts", "angle"])? == "angle" {
+        return Ok((sheet.pairs("angle", 1.0)?, None));
+    }
+    let step = TAU / counts_per_turn.ok_or(LogError::CountsPerTurn)?;
+    Ok((sheet.pairs("counts", step)?, Some(step)))
+}
+
+fn fixes(sheet: &Sheet) -> Result<Vec<Fix>, LogError> {
+    let names = ["x", "y", "theta"];
+    let mut fixes = Vec::new();
+    if !sheet.has(&names)? {
+        return Ok(fixes);
+    }
+    for (index, row) in sheet.rows.iter().enumerate() {
+        let cells = [
+            sheet.cell(row, "x")?,
+            sheet.cell(row, "y")?,
+            sheet.cell(row, "theta")?,
+        ];
+        match cells {
+            [Some(x), Some(y), Some(theta)] => fixes.push(Fix {
+                row: index,
+                pose: [x, y, theta],
+            }),
+            [None, None, None] => {}
+            _ => {
+                let empty = cells.iter().zip(names).find(|(cell, _)| cell.is_none());
+                let column = empty.map_or("x", |(_, name)| name);
+                let problem = "empty, but the row has other parts of a pose".to_owned();
+                return Err(wrong(row, column, problem));
+            }
+        }
+    }
+    Ok(fixes)
+}

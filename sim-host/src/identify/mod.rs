@@ -1,0 +1,180 @@
+//! Identification of a robot from a log: lengths, inertia, friction and motor constants, each with
+//! its 95 % interval, or the reason why this log cannot tell it.
+//!
+//! | step | module |
+//! | --- | --- |
+//! | read the log | [`log`] |
+//! | radii and track from poses: dead reckoning with free start poses | `kinematics` |
+//! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `start`, `dynamics` |
+//! | both are least squares; residuals that are correlated tell less | `fit`, `correlation` |
+//! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
+//! | what cannot be told, and what would tell it | [`structure`], `verdict` |
+//! | table, file | [`report`], [`profile`] |
+//!
+//! `docs/identify.md` has the columns and the drive to record.
+
+mod combine;
+mod correlation;
+mod direct;
+mod dynamics;
+mod fit;
+mod kinematics;
+pub mod log;
+mod physics;
+pub mod profile;
+pub mod quantity;
+pub mod report;
+mod start;
+mod stretches;
+pub mod structure;
+mod verdict;
+mod wheels;
+
+pub use kinematics::WINDOW_S;
+pub use log::{Drive, Fix, Log, LogError};
+pub use quantity::{Known, KnownError, Quantity};
+pub use stretches::{LONGEST_S, SHORTEST_S};
+pub use structure::Given;
+
+use serde::Serialize;
+
+/// How a log is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// What the user states.
+    pub known: Known,
+    /// Age of an external pose in the row that it stands in \[s\].
+    pub latency_s: f64,
+    /// Wheel speed \[rad/s\] below which friction is no longer Coulomb's and the log is not used.
+    pub slow_rad_s: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            known: Known::default(),
+            latency_s: 0.0,
+            // Half a turn in six seconds: above stiction and Stribeck's dip of small gear motors.
+            slow_rad_s: 0.5,
+        }
+    }
+}
+
+/// What is said of a quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "verdict")]
+pub enum Verdict {
+    /// By the user.
+    Stated {
+        /// As stated.
+        value: f64,
+    },
+    /// From the log.
+    Identified {
+        /// Estimate.
+        value: f64,
+        /// Half the width of the 95 % interval about it.
+        half_width: f64,
+    },
+    /// By no means.
+    NotIdentifiable {
+        /// Why not.
+        why: String,
+        /// Each of these would change that.
+        would_help: Vec<String>,
+    },
+}
+
+/// A quantity and what is said of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Entry {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// What is said of it.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+}
+
+/// What a log tells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Identified {
+    /// Every quantity that the commands have a part for.
+    pub quantities: Vec<Entry>,
+    /// Ratios and products that are known although their parts are not.
+    pub combinations: Vec<Entry>,
+    /// What makes the figures doubtful.
+    pub warnings: Vec<String>,
+    /// Stretches of the log that were used for the motion.
+    pub stretches: usize,
+    /// Windows of poses that were used.
+    pub pose_windows: usize,
+}
+
+impl Identified {
+    /// What is said of a quantity.
+    pub fn of(&self, quantity: Quantity) -> Option<&Verdict> {
+        let mut entries = self.quantities.iter();
+        Some(&entries.find(|e| e.name == quantity.name())?.verdict)
+    }
+}
+
+/// Why nothing can be identified from a log that can be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// Wheel angles fall where the poses go forward.
+    #[error("the {0} wheel's angle falls where the external pose moves forward: encoder reversed?")]
+    Backwards(&'static str),
+    /// A positive command slows the wheel's forward turn down.
+    #[error(
+        "the {0} wheel accelerates against its command: command, motor or encoder reversed, or \
+         sides swapped?"
+    )]
+    Against(&'static str),
+}
+
+const SIDES: [&str; 2] = ["right", "left"];
+
+/// Identifies.
+///
+/// # Errors
+/// Signs of the log that contradict each other.
+pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyError> {
+    let speeds = stretches::speeds(log);
+    let used = stretches::stretches(log, &speeds, options.slow_rad_s);
+    let poses = kinematics::kinematics(log, options.latency_s);
+    let motion = dynamics::dynamics(log, &speeds, &used);
+    if let Some(fit) = &poses {
+        for (i, side) in SIDES.into_iter().enumerate() {
+            // Not by chance: three standard deviations.
+            if fit.value[i] < 0.0 && fit.value[i].powi(2) * fit.information[(i, i)] > 9.0 {
+                return Err(IdentifyError::Backwards(side));
+            }
+        }
+    }
+    if let Some(fit) = &motion {
+        for (side, i) in SIDES.into_iter().zip([0, 3]) {
+            if fit.value[i] < 0.0 && fit.value[i].powi(2) * fit.information[(i, i)] > 9.0 {
+                return Err(IdentifyError::Against(side));
+            }
+        }
+    }
+    let given = Given {
+        drive: log.drive,
+        poses: !log.fixes.is_empty(),
+        currents: log.current.is_some(),
+        known: options.known.clone(),
+    };
+    let combined = combine::combine(&given, poses.as_ref(), motion.as_ref());
+    let driven = verdict::Driven::new(log, options, &speeds, &used);
+    Ok(verdict::judge(
+        &given,
+        &combined,
+        &driven,
+        poses.as_ref(),
+        motion.as_ref(),
+    ))
+}

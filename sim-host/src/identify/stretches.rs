@@ -1,0 +1,73 @@
+//! Stretches of a log in which both wheels turn clearly and do not reverse.
+//!
+//! There Coulomb friction is a constant, and stiction, backlash and the shape of friction near zero
+//! speed play no part.
+
+use super::log::Log;
+
+/// Longest stretch \[s\]. Motors settle in tenths of a second, so that longer ones add nothing, but
+/// let disturbances that the model does not have add up.
+pub const LONGEST_S: f64 = 4.0;
+/// Shortest stretch \[s\]: its start state takes what little it holds.
+pub const SHORTEST_S: f64 = 0.3;
+/// Half of the time over which a speed is taken from the angles \[s\].
+const HALF_S: f64 = 0.05;
+/// Fewest samples for the start state of four and something beside it.
+const FEWEST: usize = 12;
+
+/// Rows first to last, both included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    pub(super) first: usize,
+    pub(super) last: usize,
+    /// Directions of the wheels.
+    pub(super) sign: [f64; 2],
+}
+
+/// Wheel speeds \[rad/s\] from the angles some rows before and after.
+pub(super) fn speeds(log: &Log) -> Vec<[f64; 2]> {
+    let last = log.t.len() - 1;
+    (0..=last)
+        .map(|row| {
+            let t = log.t[row];
+            let from = log.t.partition_point(|&other| other < t - HALF_S).min(row);
+            let to = log.t.partition_point(|&other| other <= t + HALF_S) - 1;
+            let (from, to) = if to > from {
+                (from, to)
+            } else {
+                (row.saturating_sub(1), (row + 1).min(last))
+            };
+            let time = log.t[to] - log.t[from];
+            [0, 1].map(|i| (log.angle[to][i] - log.angle[from][i]) / time)
+        })
+        .collect()
+}
+
+/// All stretches with both wheels faster than `slow` \[rad/s\]. None begins at the first row: the
+/// current there belongs to a command that is not in the log.
+pub(super) fn stretches(log: &Log, speeds: &[[f64; 2]], slow: f64) -> Vec<Stretch> {
+    let direction = |row: usize| {
+        let speed = speeds[row];
+        (speed[0].abs() > slow && speed[1].abs() > slow).then(|| speed.map(f64::signum))
+    };
+    let mut found = Vec::new();
+    let mut row = 1;
+    while row < speeds.len() {
+        let Some(sign) = direction(row) else {
+            row += 1;
+            continue;
+        };
+        let first = row;
+        while row < speeds.len()
+            && direction(row) == Some(sign)
+            && log.t[row] - log.t[first] <= LONGEST_S
+        {
+            row += 1;
+        }
+        let last = row - 1;
+        if last - first + 1 >= FEWEST && log.t[last] - log.t[first] >= SHORTEST_S {
+            found.push(Stretch { first, last, sign });
+        }
+    }
+    found
+}

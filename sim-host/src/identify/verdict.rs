@@ -1,0 +1,322 @@
+//! What is said of each quantity.
+
+use super::combine::Combined;
+use super::fit::Fit;
+use super::kinematics::WINDOW_S;
+use super::log::{Drive, Log};
+use super::quantity::{COUNT, Quantity};
+use super::stretches::{SHORTEST_S, Stretch};
+use super::structure::Given;
+use super::{Entry, Identified, Options, Verdict};
+use nalgebra::DVector;
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+
+/// An interval wider than half its value to each side is no identification.
+const VAGUE: f64 = 0.5;
+/// Friction is identified, too, where its interval is below this part of all damping: "nearly none"
+/// is an answer.
+const SMALL: f64 = 0.1;
+/// Sums of squares as large as found by chance in one of so many logs are not the model's fault.
+const CHANCE: f64 = 1.0e-4;
+/// Wheel motion less than this part of the other kind was not driven.
+const HARDLY: f64 = 0.1;
+
+/// What was driven, to say what was not.
+pub(super) struct Driven {
+    /// Root mean squares of the wheels' common speed and of half their difference \[rad/s\].
+    together: f64,
+    apart: f64,
+    slow_rad_s: f64,
+    stretches: usize,
+    step_rad: Option<f64>,
+}
+
+impl Driven {
+    pub(super) fn new(
+        log: &Log,
+        options: &Options,
+        speeds: &[[f64; 2]],
+        used: &[Stretch],
+    ) -> Self {
+        let mean = |of: fn(&[f64; 2]) -> f64| {
+            (speeds.iter().map(|s| of(s).powi(2)).sum::<f64>() / speeds.len() as f64).sqrt()
+        };
+        Self {
+            together: mean(|s| 0.5 * (s[0] + s[1])),
+            apart: mean(|s| 0.5 * (s[0] - s[1])),
+            slow_rad_s: options.slow_rad_s,
+            stretches: used.len(),
+            step_rad: log.step_rad,
+        }
+    }
+
+    fn why(&self, quantity: Quantity, spread: Option<f64>) -> String {
+        use Quantity as Q;
+        let lengths = matches!(quantity, Q::RadiusRight | Q::RadiusLeft | Q::Track);
+        if self.together + self.apart < 0.1 * self.slow_rad_s {
+            return "the wheels hardly ever turned".to_owned();
+        }
+        if self.stretches == 0 && !lengths {
+            return format!(
+                "no stretch of {SHORTEST_S} s in which both wheels turn faster than {} rad/s \
+                 without reversing",
+                self.slow_rad_s
+            );
+        }
+        if matches!(quantity, Q::Track | Q::Inertia) && self.apart < HARDLY * self.together {
+            return "the wheels hardly ever turned at different rates".to_owned();
+        }
+        if matches!(quantity, Q::RadiusRight | Q::RadiusLeft | Q::Mass)
+            && self.together < HARDLY * self.apart
+        {
+            return "the robot hardly ever drove forward or backward".to_owned();
+        }
+        match spread {
+            Some(spread) if spread < 3.0 => format!(
+                "what was driven leaves it uncertain by {:.0} %",
+                100.0 * spread
+            ),
+            _ => "what was driven does not show it".to_owned(),
+        }
+    }
+}
+
+pub(super) fn judge(
+    given: &Given,
+    found: &Combined,
+    driven: &Driven,
+    poses: Option<&Fit>,
+    motion: Option<&Fit>,
+) -> Identified {
+    let fits = [poses, motion];
+    let freedom = fits.iter().flatten().map(|fit| fit.freedom);
+    let quantile = quantile(freedom.fold(1.0e6, |least, f| if f < least { f } else { least }));
+    let determined = given.determined();
+    let mut quantities = Vec::new();
+    for quantity in Quantity::ALL {
+        let verdict = match given.known.get(quantity) {
+            Some(value) => Verdict::Stated { value },
+            None if given.is_given(quantity) => continue,
+            None if determined[quantity.index()] => numeric(found, driven, quantity, quantile),
+            None => Verdict::NotIdentifiable {
+                why: lacking(given),
+                would_help: help(given, quantity),
+            },
+        };
+        quantities.push(entry(quantity.name(), quantity.unit(), quantity.meaning(), verdict));
+    }
+    let combinations = combinations(given, found, quantile, &mut quantities);
+    Identified {
+        quantities,
+        combinations,
+        warnings: warnings(found, driven, motion),
+        stretches: driven.stretches,
+        pose_windows: poses.map_or(0, |fit| fit.windows),
+    }
+}
+
+fn entry(name: &str, unit: &'static str, meaning: &'static str, verdict: Verdict) -> Entry {
+    Entry {
+        name: name.to_owned(),
+        unit,
+        meaning,
+        verdict,
+    }
+}
+
+/// 97.5 % of Student's distribution: 1.96 for the thousands of residuals of an ordinary log.
+fn quantile(freedom: f64) -> f64 {
+    match StudentsT::new(0.0, 1.0, freedom.max(1.0)) {
+        Ok(student) => student.inverse_cdf(0.975),
+        // Not for a freedom of at least 1; the widest there is.
+        Err(_) => 12.706,
+    }
+}
+
+fn numeric(found: &Combined, driven: &Driven, quantity: Quantity, quantile: f64) -> Verdict {
+    let i = quantity.index();
+    let value = found.chart.value(quantity, found.x[i]);
+    let wide = quantile * found.covariance[(i, i)].max(0.0).sqrt();
+    let (half_width, sharp) = if quantity.is_friction() {
+        let half_width = wide * found.chart.unit(quantity);
+        let relative = half_width <= VAGUE * value.abs();
+        (half_width, relative || wide <= SMALL)
+    } else {
+        (wide * value, wide <= VAGUE)
+    };
+    if sharp {
+        return Verdict::Identified { value, half_width };
+    }
+    let spread = (!quantity.is_friction()).then_some(wide);
+    Verdict::NotIdentifiable {
+        why: driven.why(quantity, spread),
+        would_help: vec![
+            "the drive that docs/identify.md recommends".to_owned(),
+            format!("--known {}=...", quantity.name()),
+        ],
+    }
+}
+
+fn lacking(given: &Given) -> String {
+    let mut has = vec![match given.drive {
+        Drive::Torque => "torques",
+        Drive::Voltage => "voltages",
+        Drive::Duty => "duties",
+    }];
+    has.push("wheel angles");
+    if given.currents {
+        has.push("currents");
+    }
+    if given.poses {
+        has.push("poses");
+    }
+    format!("{} and what is stated do not determine it", has.join(", "))
+}
+
+fn help(given: &Given, quantity: Quantity) -> Vec<String> {
+    let mut ways = given.advice(quantity);
+    // Three ways are enough to choose from; the first are the columns.
+    ways.truncate(3);
+    ways.push(format!("--known {}=...", quantity.name()));
+    ways
+}
+
+type Powers = &'static [(Quantity, f64)];
+
+/// Products of powers that wheels and commands can tell without lengths or motor constants.
+const PRODUCTS: [(&str, &str, &str, Powers); 6] = {
+    use Quantity as Q;
+    [
+        (
+            "radius_right / radius_left",
+            "1",
+            "how much the robot veers with equal wheel rates",
+            &[(Q::RadiusRight, 1.0), (Q::RadiusLeft, -1.0)],
+        ),
+        (
+            "radius_right / track",
+            "1",
+            "turn per wheel angle",
+            &[(Q::RadiusRight, 1.0), (Q::Track, -1.0)],
+        ),
+        (
+            "mass radius_right radius_left",
+            "kg m^2",
+            "the mass as the wheels feel it",
+            &[(Q::Mass, 1.0), (Q::RadiusRight, 1.0), (Q::RadiusLeft, 1.0)],
+        ),
+        (
+            "inertia / (mass track^2)",
+            "1",
+            "ease of turning against ease of driving",
+            &[(Q::Inertia, 1.0), (Q::Mass, -1.0), (Q::Track, -2.0)],
+        ),
+        (
+            "mass radius_right radius_left resistance_right / motor_constant_right",
+            "V s^2",
+            "voltage per wheel acceleration",
+            &[
+                (Q::Mass, 1.0),
+                (Q::RadiusRight, 1.0),
+                (Q::RadiusLeft, 1.0),
+                (Q::ResistanceRight, 1.0),
+                (Q::MotorConstantRight, -1.0),
+            ],
+        ),
+        (
+            "motor_constant_right / resistance_right",
+            "N m/V",
+            "stall torque per volt",
+            &[(Q::MotorConstantRight, 1.0), (Q::ResistanceRight, -1.0)],
+        ),
+    ]
+};
+
+/// Those products whose parts are not all known. The motor's own constant is one of them if the gear
+/// is stated.
+fn combinations(
+    given: &Given,
+    found: &Combined,
+    quantile: f64,
+    quantities: &mut Vec<Entry>,
+) -> Vec<Entry> {
+    let unknown = |q: Quantity, list: &[Entry]| {
+        let of = list.iter().find(|e| e.name == q.name());
+        of.is_some_and(|e| matches!(e.verdict, Verdict::NotIdentifiable { .. }))
+    };
+    let mut all = Vec::new();
+    for (name, unit, meaning, powers) in PRODUCTS {
+        if !powers.iter().any(|(q, _)| unknown(*q, quantities)) {
+            continue;
+        }
+        let mut by = DVector::zeros(COUNT);
+        let mut log = 0.0;
+        for (quantity, power) in powers {
+            by[quantity.index()] = *power;
+            log += power * found.x[quantity.index()];
+        }
+        let wide = quantile * by.dot(&(&found.covariance * &by)).max(0.0).sqrt();
+        if wide <= VAGUE {
+            let verdict = Verdict::Identified {
+                value: log.exp(),
+                half_width: wide * log.exp(),
+            };
+            all.push(entry(name, unit, meaning, verdict));
+        }
+    }
+    if let Some(gear) = given.known.gear {
+        own_constants(gear, quantities);
+    }
+    all
+}
+
+/// The motors' own constants behind a stated gear.
+fn own_constants(gear: f64, quantities: &mut Vec<Entry>) {
+    let sides = [
+        ("torque_constant_right", Quantity::MotorConstantRight),
+        ("torque_constant_left", Quantity::MotorConstantLeft),
+    ];
+    for (name, of) in sides {
+        let Some(wheel) = quantities.iter().find(|e| e.name == of.name()) else {
+            continue;
+        };
+        let verdict = match wheel.verdict.clone() {
+            Verdict::Stated { value } => Verdict::Stated {
+                value: value / gear,
+            },
+            Verdict::Identified { value, half_width } => Verdict::Identified {
+                value: value / gear,
+                half_width: half_width / gear,
+            },
+            not => not,
+        };
+        let meaning = "of the motor itself, before the gear";
+        quantities.push(entry(name, of.unit(), meaning, verdict));
+    }
+}
+
+fn warnings(found: &Combined, driven: &Driven, motion: Option<&Fit>) -> Vec<String> {
+    let mut all = Vec::new();
+    if found.freedom > 0
+        && let Ok(chance) = ChiSquared::new(found.freedom as f64)
+        && chance.sf(found.misfit) < CHANCE
+    {
+        all.push(format!(
+            "the fits and what is stated contradict each other (sum of squares {:.0}, {} expected): \
+             a stated value, a sign or a scale is wrong, or the robot is not of this model",
+            found.misfit, found.freedom
+        ));
+    }
+    if let (Some(step), Some(fit)) = (driven.step_rad, motion)
+        && let Some(&sigma) = fit.sigma.first()
+        && sigma > 3.0 * step / 12.0_f64.sqrt()
+    {
+        all.push(format!(
+            "wheel angles are {:.1} counts off the model, where rounding to counts gives 0.3: slip, \
+             backlash or a load that the model does not have (windows of {WINDOW_S} s and the \
+             intervals allow for it)",
+            sigma / step
+        ));
+    }
+    all
+}

@@ -1,0 +1,228 @@
+//! The true value lies in the stated 95 % interval in at least 90 % of 200 logs of 200 robots.
+
+use crate::robot::{RECORDER, Recorder, Robot, random, recommended};
+use sim_host::identify::{Drive, Known, Options, Quantity, Verdict, identify};
+use Quantity as Q;
+
+const LOGS: usize = 200;
+
+/// A kind of log.
+struct Case {
+    name: &'static str,
+    recorder: Recorder,
+    /// What is stated, at its true value.
+    stated: &'static [Quantity],
+    /// What must be identified in nearly every log; all else must never get a number.
+    expected: &'static [Quantity],
+}
+
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    given: usize,
+    within: usize,
+    /// Sum of half widths over values.
+    width: f64,
+    /// Sum of errors over half widths.
+    bias: f64,
+}
+
+fn one(case: &Case, seed: u64) -> [Tally; 15] {
+    let mut random = random(seed);
+    let mut robot = Robot::draw(&mut random);
+    if !case.stated.contains(&Q::WheelInertia) {
+        // Then mass and inertia are said to contain it: without it they do exactly.
+        robot.wheel_inertia = 0.0;
+    }
+    let mut known = Known::default();
+    for &quantity in case.stated {
+        known.set(quantity, robot.truth(quantity));
+    }
+    let log = robot.record(&case.recorder, &mut random, recommended);
+    let options = Options {
+        known,
+        latency_s: case.recorder.latency_s,
+        ..Options::default()
+    };
+    let found = identify(&log, &options).expect("no signs are wrong");
+    Q::ALL.map(|quantity| match found.of(quantity) {
+        Some(Verdict::Identified { value, half_width }) => {
+            let off = value - robot.truth(quantity);
+            Tally {
+                given: 1,
+                within: usize::from(off.abs() <= *half_width),
+                width: half_width / value.abs(),
+                bias: off / half_width,
+            }
+        }
+        _ => Tally::default(),
+    })
+}
+
+fn all(case: &Case) -> [Tally; 15] {
+    let add = |mut sum: [Tally; 15], one: [Tally; 15]| {
+        for (sum, one) in sum.iter_mut().zip(one) {
+            sum.given += one.given;
+            sum.within += one.within;
+            sum.width += one.width;
+            sum.bias += one.bias;
+        }
+        sum
+    };
+    let run = |from: usize| {
+        (from..LOGS)
+            .step_by(2)
+            .map(|log| one(case, log as u64))
+            .fold([Tally::default(); 15], add)
+    };
+    std::thread::scope(|scope| {
+        let odd = scope.spawn(|| run(1));
+        let even = run(0);
+        add(even, odd.join().expect("no panic"))
+    })
+}
+
+fn check(case: &Case) {
+    let tallies = all(case);
+    println!("{}:", case.name);
+    let mut failures = Vec::new();
+    for quantity in Q::ALL {
+        let tally = tallies[quantity as usize];
+        let name = quantity.name();
+        let given = tally.given as f64;
+        if tally.given > 0 {
+            println!(
+                "  {name:22} {:3} logs, {:5.1} % within, mean half width {:.2} %, mean error {:+.2} half widths",
+                tally.given,
+                100.0 * tally.within as f64 / given,
+                100.0 * tally.width / given,
+                tally.bias / given,
+            );
+        }
+        if case.expected.contains(&quantity) {
+            if tally.given * 100 < LOGS * 95 {
+                failures.push(format!("{name}: identified in {} logs", tally.given));
+            }
+            if tally.within * 10 < tally.given * 9 {
+                failures.push(format!("{name}: {} of {} within", tally.within, tally.given));
+            }
+        } else if tally.given > 0 {
+            failures.push(format!("{name}: {} logs give a number", tally.given));
+        }
+    }
+    assert!(failures.is_empty(), "{}: {failures:#?}", case.name);
+}
+
+
+#[test]
+fn a_full_log_tells_everything() {
+    check(&Case {
+        name: "poses, currents, voltages; wheel inertia stated",
+        recorder: RECORDER,
+        stated: &[Q::WheelInertia],
+        expected: &[
+            Q::RadiusRight,
+            Q::RadiusLeft,
+            Q::Track,
+            Q::Mass,
+            Q::Inertia,
+            Q::MotorConstantRight,
+            Q::MotorConstantLeft,
+            Q::ResistanceRight,
+            Q::ResistanceLeft,
+            Q::ViscousRight,
+            Q::ViscousLeft,
+            Q::CoulombRight,
+            Q::CoulombLeft,
+        ],
+    });
+}
+
+#[test]
+fn without_poses_no_lengths_no_mass() {
+    check(&Case {
+        name: "currents, voltages",
+        recorder: Recorder {
+            pose_sd: None,
+            ..RECORDER
+        },
+        stated: &[],
+        expected: &[
+            Q::MotorConstantRight,
+            Q::MotorConstantLeft,
+            Q::ResistanceRight,
+            Q::ResistanceLeft,
+            Q::ViscousRight,
+            Q::ViscousLeft,
+            Q::CoulombRight,
+            Q::CoulombLeft,
+        ],
+    });
+}
+
+#[test]
+fn without_currents_lengths_only() {
+    check(&Case {
+        name: "poses, duties",
+        recorder: Recorder {
+            drive: Drive::Duty,
+            current_sd: None,
+            ..RECORDER
+        },
+        stated: &[],
+        expected: &[Q::RadiusRight, Q::RadiusLeft, Q::Track],
+    });
+}
+
+#[test]
+fn stated_lengths_and_constants_replace_poses_and_currents() {
+    check(&Case {
+        name: "voltages; lengths, motor constants, wheel inertia stated",
+        recorder: Recorder {
+            current_sd: None,
+            pose_sd: None,
+            ..RECORDER
+        },
+        stated: &[
+            Q::RadiusRight,
+            Q::RadiusLeft,
+            Q::Track,
+            Q::WheelInertia,
+            Q::MotorConstantRight,
+            Q::MotorConstantLeft,
+            Q::ResistanceRight,
+            Q::ResistanceLeft,
+        ],
+        expected: &[
+            Q::Mass,
+            Q::Inertia,
+            Q::ViscousRight,
+            Q::ViscousLeft,
+            Q::CoulombRight,
+            Q::CoulombLeft,
+        ],
+    });
+}
+
+#[test]
+fn torques_and_poses_tell_the_body() {
+    check(&Case {
+        name: "poses, torques",
+        recorder: Recorder {
+            drive: Drive::Torque,
+            current_sd: None,
+            ..RECORDER
+        },
+        stated: &[],
+        expected: &[
+            Q::RadiusRight,
+            Q::RadiusLeft,
+            Q::Track,
+            Q::Mass,
+            Q::Inertia,
+            Q::ViscousRight,
+            Q::ViscousLeft,
+            Q::CoulombRight,
+            Q::CoulombLeft,
+        ],
+    });
+}
