@@ -19,6 +19,8 @@ Examples:
   sim-host pil paper-curve                  the same, with the controller on an emulated chip
   sim-host robustness                       what the laws stand: noise, latency, friction, ...
   sim-host monitor /dev/ttyACM0             live numbers of a real board";
+  sim-host monitor /dev/ttyACM0             live numbers of a real board
+  sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
 
 /// Closed-loop simulation of a two-wheeled robot that follows a reference and parks.
 ///
@@ -148,6 +150,31 @@ Examples:
     /// Writes NAME.rs, a table for flash, and NAME.bin, the same as little-endian f32 for streaming:
     /// as few samples as the core's interpolation needs, stretched to the base's limits.
     Compile(TrajectoryArgs),
+    /// Identify a robot from a log: lengths, mass, inertia, friction, motor constants
+    ///
+    /// Each with its 95 % interval, or with the reason why this log cannot tell it and what would.
+    /// Prints a table, writes LOG-identify.json. Exit code 0 also where something is not
+    /// identifiable, 1 if the log cannot be read or contradicts itself.
+    ///
+    /// The log is CSV with a header, SI units; a row holds what is measured at t and the command
+    /// that acts from t on:
+    ///   t
+    ///   duty_right, duty_left [and supply] | voltage_right, voltage_left | torque_right, torque_left
+    ///   counts_right, counts_left | angle_right, angle_left      (at the wheel)
+    ///   current_right, current_left      optional, before the row's command acts
+    ///   x, y, theta      optional external pose, cells empty where none came
+    ///
+    /// Commands and encoders alone fix neither lengths nor masses. docs/identify.md says what does,
+    /// and what to drive.
+    #[command(
+        verbatim_doc_comment,
+        after_help = "\
+Examples:
+  sim-host identify drive.csv --counts-per-turn 2048
+  sim-host identify drive.csv --counts-per-turn 2048 --latency 0.03 --known mass=9.8,gear=20
+  sim-host identify drive.csv --known radius=0.08 --known track=0.35 --profile robot.toml"
+    )]
+    Identify(IdentifyArgs),
     /// List scenarios with their descriptions
     List {
         /// A directory of scenario files instead of the built-in ones
@@ -179,6 +206,44 @@ pub struct MonitorArgs {
     /// Ask for the board's own counters once a second. To the board this is a host that lives!
     #[arg(long)]
     pub poll: bool,
+}
+
+/// What to identify from.
+#[derive(Clone, Debug, Args)]
+pub struct IdentifyArgs {
+    /// The log
+    #[arg(value_name = "LOG.csv")]
+    pub log: PathBuf,
+    /// Encoder counts of one whole turn of the wheel (columns counts_...)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub counts_per_turn: Option<f64>,
+    /// State values as exactly known, by the names of the table; `radius=0.08` is for both sides.
+    /// `gear` gives the motors' own constants; `wheel_inertia` takes the wheels out of mass and inertia
+    #[arg(long, value_name = "NAME=VALUE,...")]
+    pub known: Vec<String>,
+    /// Age of an external pose in the row where it stands [s]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = not_negative)]
+    pub latency: f64,
+    /// Leave out wheels slower than this, where friction is not Coulomb's [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value = "0.5", value_parser = positive)]
+    pub slow: f64,
+    /// Update [robot], [wheels] and [motor] of this TOML file, or begin it, and print it
+    #[arg(long, value_name = "FILE")]
+    pub profile: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    not_negative(text).and_then(|value| match value > 0.0 {
+        true => Ok(value),
+        false => Err("must be positive".to_owned()),
+    })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("must be a number, not negative".to_owned()),
+    }
 }
 
 /// Emulated chips.

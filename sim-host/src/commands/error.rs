@@ -2,6 +2,7 @@
 
 use sim_host::drive::{DriveError, FileError};
 use sim_host::figure::FigureError;
+use sim_host::identify::{IdentifyError, KnownError, LogError};
 use sim_host::import::LimitError;
 use sim_host::monitor::MonitorError;
 use sim_host::pil::PilError;
@@ -60,4 +61,10 @@ pub enum CommandError {
     Print(std::io::Error),
     #[error("the run has no ticks")]
     NoRows,
+    #[error("--known: {0}")]
+    Known(#[from] KnownError),
+    #[error("{}: {cause}", path.display())]
+    Log { path: PathBuf, cause: LogError },
+    #[error("{}: {cause}", path.display())]
+    Contradiction { path: PathBuf, cause: IdentifyError },
 }

@@ -3,6 +3,7 @@
 mod compare;
 mod drive;
 mod error;
+mod identify;
 mod job;
 mod list;
 mod monitor;
@@ -46,6 +47,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
+        Command::Identify(arguments) => identify::log(arguments, output),
         Command::List { directory } => list::list(directory.as_deref()),
         Command::Show { name } => list::show(name),
     }

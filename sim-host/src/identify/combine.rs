@@ -88,16 +88,21 @@ pub(super) fn combine(given: &Given, poses: Option<&Fit>, motion: Option<&Fit>) 
     }
     let mut covariance = DMatrix::zeros(COUNT, COUNT);
     // The least eigenvalue is that of the prior, so the inverse exists.
-    let inverse = h.clone().try_inverse().unwrap_or_else(|| {
-        DMatrix::identity(free.len(), free.len()) * (WIDE * WIDE)
-    });
+    let inverse = h
+        .clone()
+        .try_inverse()
+        .unwrap_or_else(|| DMatrix::identity(free.len(), free.len()) * (WIDE * WIDE));
     for (a, &i) in free.iter().enumerate() {
         for (b, &j) in free.iter().enumerate() {
             covariance[(i, j)] = inverse[(a, b)];
         }
     }
     // Directions that the data show better than the prior does.
-    let told = h.symmetric_eigenvalues().iter().filter(|v| **v > 10.0 / (WIDE * WIDE)).count();
+    let told = h
+        .symmetric_eigenvalues()
+        .iter()
+        .filter(|v| **v > 10.0 / (WIDE * WIDE))
+        .count();
     Combined {
         chart,
         x,

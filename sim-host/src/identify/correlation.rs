@@ -13,16 +13,15 @@ const NOTHING: f64 = 1.0e-13;
 /// know) give less: the variance of the scores is estimated with Bartlett weights over `lags`
 /// samples (Newey and West, Econometrica 55, 1987), and where it exceeds that of white residuals
 /// the information is divided by the excess. It is never multiplied: an estimate below is chance.
-pub(super) fn information(
-    h: &DMatrix<f64>,
-    scores: &[DMatrix<f64>],
-    lags: usize,
-) -> DMatrix<f64> {
+pub(super) fn information(h: &DMatrix<f64>, scores: &[DMatrix<f64>], lags: usize) -> DMatrix<f64> {
     let eigen = h.clone().symmetric_eigen();
     let largest = eigen.eigenvalues.amax();
     let seen: Vec<_> = (0..h.nrows())
         .filter(|&i| eigen.eigenvalues[i] > NOTHING * largest && largest > 0.0)
         .collect();
+    if seen.is_empty() {
+        return DMatrix::zeros(h.nrows(), h.nrows());
+    }
     let mut root = DMatrix::zeros(seen.len(), h.nrows());
     let mut inverse = root.clone();
     for (row, &i) in seen.iter().enumerate() {

@@ -21,7 +21,14 @@ pub(super) fn direct(
     let radius = [(Q::RadiusRight, y[0]), (Q::RadiusLeft, y[1])]
         .map(|(q, fitted)| known(q, if poses { good(fitted) } else { 0.1 }));
     let track = known(Q::Track, if poses { good(1.0 / y[2]) } else { 0.4 });
-    let supply = known(Q::Supply, if given.drive == Drive::Duty { 12.0 } else { 1.0 });
+    let supply = known(
+        Q::Supply,
+        if given.drive == Drive::Duty {
+            12.0
+        } else {
+            1.0
+        },
+    );
     let wheel = known(Q::WheelInertia, 0.0);
     let (e, d, s) = (&y.as_slice()[3..7], [y[7], y[8]], [y[9], y[10]]);
     let with_current = motion.is_some_and(|fit| fit.value.len() > MOTION.len());

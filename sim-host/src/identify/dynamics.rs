@@ -97,12 +97,7 @@ impl Motion<'_> {
         DVector::from_vec(rows)
     }
 
-    fn simulated(
-        &self,
-        global: &[f64],
-        stretch: &Stretch,
-        local: &DVector<f64>,
-    ) -> DVector<f64> {
+    fn simulated(&self, global: &[f64], stretch: &Stretch, local: &DVector<f64>) -> DVector<f64> {
         match self.states(global, stretch, local) {
             Some(states) => self.predicted(global, stretch, &states),
             // No system: no sum of squares, so the step is refused.
@@ -182,12 +177,7 @@ impl Model for Motion<'_> {
         DVector::from_vec(vec![angle[0], angle[1], speed[0], speed[1]])
     }
 
-    fn residual(
-        &self,
-        global: &DVector<f64>,
-        window: usize,
-        local: &DVector<f64>,
-    ) -> DVector<f64> {
+    fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> DVector<f64> {
         let stretch = &self.stretches[window];
         self.simulated(global.as_slice(), stretch, local) - self.measured(stretch)
     }

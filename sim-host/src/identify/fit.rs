@@ -28,8 +28,7 @@ pub(super) trait Model {
     /// First guess of a window's start state.
     fn start(&self, window: usize) -> DVector<f64>;
     /// Residuals.
-    fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>)
-    -> DVector<f64>;
+    fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> DVector<f64>;
     /// Residuals and derivatives.
     fn linear(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> Linear;
 }
@@ -99,7 +98,11 @@ pub(super) fn fit(
     let freedom = residuals.saturating_sub(states + value.len()) as f64;
     let unit = DMatrix::from_diagonal(&scale.map(|s| 1.0 / s));
     let information = &unit * information(&h, &scores, lags) * &unit;
-    let whole = freedom > 0.0 && value.iter().chain(information.iter()).all(|x| x.is_finite());
+    let whole = freedom > 0.0
+        && value
+            .iter()
+            .chain(information.iter())
+            .all(|x| x.is_finite());
     whole.then_some(Fit {
         value,
         information,
@@ -161,12 +164,7 @@ fn descend(
     }
 }
 
-fn total(
-    model: &impl Model,
-    value: &DVector<f64>,
-    local: &[DVector<f64>],
-    sigma: &[f64],
-) -> f64 {
+fn total(model: &impl Model, value: &DVector<f64>, local: &[DVector<f64>], sigma: &[f64]) -> f64 {
     let mut sum = 0.0;
     for (window, local) in local.iter().enumerate() {
         let mut residual = model.residual(value, window, local);
@@ -194,7 +192,11 @@ fn reduce(
 ) -> Option<Reduced> {
     let mut linear = model.linear(value, window, local);
     whiten(model, &mut linear.residual, sigma);
-    for mut column in linear.global.column_iter_mut().chain(linear.local.column_iter_mut()) {
+    for mut column in linear
+        .global
+        .column_iter_mut()
+        .chain(linear.local.column_iter_mut())
+    {
         let kinds = model.kinds();
         for (i, entry) in column.iter_mut().enumerate() {
             *entry /= sigma[kinds[i % kinds.len()]];
@@ -225,11 +227,7 @@ fn scores(window: &Reduced, channels: usize) -> DMatrix<f64> {
 }
 
 /// Standard deviations by kind of noise, each with its own start states taken off.
-fn spread(
-    model: &impl Model,
-    value: &DVector<f64>,
-    local: &[DVector<f64>],
-) -> Option<Vec<f64>> {
+fn spread(model: &impl Model, value: &DVector<f64>, local: &[DVector<f64>]) -> Option<Vec<f64>> {
     let kinds = model.kinds();
     let states = model.states_of_kind();
     let mut sums = vec![(0.0, 0.0); states.len()];

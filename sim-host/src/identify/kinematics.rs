@@ -200,12 +200,7 @@ impl Model for Poses<'_> {
         DVector::from_row_slice(&self.windows[window][0].pose)
     }
 
-    fn residual(
-        &self,
-        global: &DVector<f64>,
-        window: usize,
-        local: &DVector<f64>,
-    ) -> DVector<f64> {
+    fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> DVector<f64> {
         let window = &self.windows[window];
         let (sin, cos) = local[2].sin_cos();
         let poses = self.reckon(global.as_slice(), window);

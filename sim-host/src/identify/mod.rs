@@ -8,7 +8,7 @@
 //! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `start`, `dynamics` |
 //! | both are least squares; residuals that are correlated tell less | `fit`, `correlation` |
 //! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
-//! | what cannot be told, and what would tell it | [`structure`], `verdict` |
+//! | what cannot be told, and what would tell it | [`structure`], `verdict`, `products` |
 //! | table, file | [`report`], [`profile`] |
 //!
 //! `docs/identify.md` has the columns and the drive to record.
@@ -21,6 +21,7 @@ mod fit;
 mod kinematics;
 pub mod log;
 mod physics;
+mod products;
 pub mod profile;
 pub mod quantity;
 pub mod report;

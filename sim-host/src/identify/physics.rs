@@ -24,8 +24,23 @@ pub(super) const CURRENTS: std::ops::Range<usize> = 11..15;
 /// duty). Divided by the torque per command g = k U/R (1 for torques):
 /// E = M/g, D = (c + k^2/R)/g, s = T/g, alpha = U/R, beta = k/R (1/k and 0 for torques).
 pub(super) fn predict(drive: Drive, q: &[f64; COUNT]) -> [f64; MEASURED] {
-    let [r, l, track, mass, inertia, wheel, k_r, k_l, res_r, res_l, c_r, c_l, t_r, t_l, supply] =
-        *q;
+    let [
+        r,
+        l,
+        track,
+        mass,
+        inertia,
+        wheel,
+        k_r,
+        k_l,
+        res_r,
+        res_l,
+        c_r,
+        c_l,
+        t_r,
+        t_l,
+        supply,
+    ] = *q;
     let (sum, difference) = (0.25 * mass, inertia / (track * track));
     let own = sum + difference;
     let shared = r * l * (sum - difference);

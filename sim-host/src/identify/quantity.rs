@@ -89,7 +89,9 @@ impl Quantity {
         match self {
             RadiusRight | RadiusLeft => "rolling radius of the wheel",
             Track => "distance between the wheels' points of contact",
-            Mass => "of the whole robot; with wheel_inertia not stated also 2 J / r^2 of the wheels",
+            Mass => {
+                "of the whole robot; with wheel_inertia not stated also 2 J / r^2 of the wheels"
+            }
             Inertia => {
                 "about the vertical axis through the middle of the axle; with wheel_inertia not \
                  stated also J l^2 / (2 r^2) of the wheels"
@@ -113,7 +115,10 @@ impl Quantity {
 
     /// Friction may be nothing, and an estimate of it below nothing; all else is positive.
     pub(super) fn is_friction(self) -> bool {
-        matches!(self, ViscousRight | ViscousLeft | CoulombRight | CoulombLeft)
+        matches!(
+            self,
+            ViscousRight | ViscousLeft | CoulombRight | CoulombLeft
+        )
     }
 }
 
@@ -150,9 +155,19 @@ pub enum KnownError {
 }
 
 fn names() -> String {
-    let of_wheels = ["radius", "motor_constant", "resistance", "viscous", "coulomb"];
+    let of_wheels = [
+        "radius",
+        "motor_constant",
+        "resistance",
+        "viscous",
+        "coulomb",
+    ];
     let all = Quantity::ALL.map(Quantity::name);
-    format!("{}, or for both sides {}", all.join(", "), of_wheels.join(", "))
+    format!(
+        "{}, or for both sides {}",
+        all.join(", "),
+        of_wheels.join(", ")
+    )
 }
 
 impl Known {
@@ -187,9 +202,10 @@ impl Known {
             // Wheels without inertia are the ordinary assumption, so that may be stated too.
             let zero = meant.iter().all(|q| q.is_friction() || *q == WheelInertia);
             let friction = zero && !meant.is_empty();
-            let number = value.parse::<f64>().ok().filter(|v| {
-                v.is_finite() && (*v > 0.0 || (friction && *v == 0.0))
-            });
+            let number = value
+                .parse::<f64>()
+                .ok()
+                .filter(|v| v.is_finite() && (*v > 0.0 || (friction && *v == 0.0)));
             let number = number.ok_or_else(|| KnownError::Value {
                 name: name.to_owned(),
                 value: value.to_owned(),

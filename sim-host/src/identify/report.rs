@@ -65,5 +65,8 @@ fn both(value: f64, half_width: f64) -> (String, String) {
     let places = 1.0 - half_width.max(1.0e-12).log10().floor();
     // Half widths of 1e-12 to 1e1 and above: 0 to 13 places.
     let places = places.clamp(0.0, 13.0) as usize;
-    (format!("{value:.places$}"), format!("± {half_width:.places$}"))
+    (
+        format!("{value:.places$}"),
+        format!("± {half_width:.places$}"),
+    )
 }

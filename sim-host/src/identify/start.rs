@@ -14,11 +14,7 @@ const OVER_S: f64 = 0.2;
 const ALONE: f64 = 1.0e-3;
 
 /// E by rows, D, s and with currents alpha and beta, right then left.
-pub(super) fn guess(
-    log: &Log,
-    speeds: &[[f64; 2]],
-    stretches: &[Stretch],
-) -> Option<DVector<f64>> {
+pub(super) fn guess(log: &Log, speeds: &[[f64; 2]], stretches: &[Stretch]) -> Option<DVector<f64>> {
     let mut rows: Vec<([f64; 8], [f64; 2])> = Vec::new();
     for stretch in stretches {
         for from in (stretch.first..stretch.last).step_by(2) {
@@ -46,6 +42,9 @@ pub(super) fn guess(
                 [held(0), held(1)],
             ));
         }
+    }
+    if rows.is_empty() {
+        return None;
     }
     let side = |i: usize| {
         let mut a = DMatrix::zeros(rows.len() + 1, 4);
@@ -102,5 +101,7 @@ fn electric(
 fn solve(a: DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     let svd = a.svd(true, true);
     let least = 1.0e-9 * svd.singular_values.amax();
-    svd.solve(b, least).ok().filter(|x| x.iter().all(|v| v.is_finite()))
+    svd.solve(b, least)
+        .ok()
+        .filter(|x| x.iter().all(|v| v.is_finite()))
 }

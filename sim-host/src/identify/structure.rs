@@ -35,7 +35,13 @@ impl Given {
             viscous: 1.0,
             coulomb: 1.0,
         };
-        let x = Quantity::ALL.map(|q| chart.coordinate(q, GENERIC[q.index()]));
+        // A stated wheel inertia is a scale for the others; one that is not stated, or nothing, is not.
+        let wheels = self.known.get(Quantity::WheelInertia);
+        let scales = wheels.is_some_and(|inertia| inertia > 0.0);
+        let x = Quantity::ALL.map(|q| {
+            let none = q == Quantity::WheelInertia && !scales;
+            chart.coordinate(q, if none { 0.0 } else { GENERIC[q.index()] })
+        });
         let mut j = chart.derivatives(&x);
         for row in 0..MEASURED {
             let there = MOTION.contains(&row)
@@ -51,9 +57,7 @@ impl Given {
             }
         }
         let null = null_space(j);
-        Quantity::ALL.map(|q| {
-            self.is_given(q) || null.row(q.index()).norm() < 1.0e3 * RANK
-        })
+        Quantity::ALL.map(|q| self.is_given(q) || null.row(q.index()).norm() < 1.0e3 * RANK)
     }
 
     /// Stated, or not a part of the model.
@@ -110,7 +114,10 @@ impl Given {
         let column = |column, text: &str| (text.to_owned(), column, vec![]);
         let mut all = Vec::new();
         if !self.poses {
-            all.push(column(Column::Poses, "the external pose (columns x, y, theta)"));
+            all.push(column(
+                Column::Poses,
+                "the external pose (columns x, y, theta)",
+            ));
         }
         if !self.currents {
             all.push(column(
@@ -127,7 +134,10 @@ impl Given {
             ("radius", vec![Q::RadiusRight, Q::RadiusLeft]),
             ("track", vec![Q::Track]),
             ("resistance", vec![Q::ResistanceRight, Q::ResistanceLeft]),
-            ("motor_constant", vec![Q::MotorConstantRight, Q::MotorConstantLeft]),
+            (
+                "motor_constant",
+                vec![Q::MotorConstantRight, Q::MotorConstantLeft],
+            ),
             ("viscous", vec![Q::ViscousRight, Q::ViscousLeft]),
         ] {
             if !states.iter().all(|q| self.is_given(*q)) {

@@ -64,7 +64,8 @@ impl Wheels {
     pub(super) fn step(&self, h: f64) -> Step {
         let a = -h * self.inverse * Matrix2::from_diagonal(&self.damping);
         let mut term = Matrix2::identity();
-        let (mut speed, mut once, mut twice) = (Matrix2::zeros(), Matrix2::zeros(), Matrix2::zeros());
+        let (mut speed, mut once, mut twice) =
+            (Matrix2::zeros(), Matrix2::zeros(), Matrix2::zeros());
         // 3^24 / 24! is 5e-13, and with h |A| < 0.3 ten terms would do.
         for n in 0..24 {
             let n = f64::from(n);

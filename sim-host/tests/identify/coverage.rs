@@ -1,8 +1,8 @@
 //! The true value lies in the stated 95 % interval in at least 90 % of 200 logs of 200 robots.
 
 use crate::robot::{RECORDER, Recorder, Robot, random, recommended};
-use sim_host::identify::{Drive, Known, Options, Quantity, Verdict, identify};
 use Quantity as Q;
+use sim_host::identify::{Drive, Known, Options, Quantity, Verdict, identify};
 
 const LOGS: usize = 200;
 
@@ -103,7 +103,10 @@ fn check(case: &Case) {
                 failures.push(format!("{name}: identified in {} logs", tally.given));
             }
             if tally.within * 10 < tally.given * 9 {
-                failures.push(format!("{name}: {} of {} within", tally.within, tally.given));
+                failures.push(format!(
+                    "{name}: {} of {} within",
+                    tally.within, tally.given
+                ));
             }
         } else if tally.given > 0 {
             failures.push(format!("{name}: {} logs give a number", tally.given));
@@ -111,7 +114,6 @@ fn check(case: &Case) {
     }
     assert!(failures.is_empty(), "{}: {failures:#?}", case.name);
 }
-
 
 #[test]
 fn a_full_log_tells_everything() {

@@ -110,7 +110,8 @@ impl Robot {
         let mut force = [0.0; 2];
         for i in 0..2 {
             let (gain, drag) = self.motor(drive, i);
-            let friction = self.viscous[i] * speed[i] + self.coulomb[i] * (speed[i] / SMOOTH).tanh();
+            let friction =
+                self.viscous[i] * speed[i] + self.coulomb[i] * (speed[i] / SMOOTH).tanh();
             force[i] = (gain * command[i] - drag * speed[i] - friction) / self.radius[i];
         }
         // Newton's equations of body and wheels in v and turn rate.
@@ -154,7 +155,15 @@ impl Robot {
             let normal: f64 = StandardNormal.sample(random);
             sd * normal
         };
-        let mut s = [0.3, -0.2, 1.0, 0.0, 0.0, 0.123 + noise(0.1), 4.56 + noise(0.1)];
+        let mut s = [
+            0.3,
+            -0.2,
+            1.0,
+            0.0,
+            0.0,
+            0.123 + noise(0.1),
+            4.56 + noise(0.1),
+        ];
         let mut fine = vec![s];
         let late = (recorder.latency_s / PERIOD * SUBSTEPS as f64).round() as usize;
         let step = TAU / recorder.counts_per_turn;

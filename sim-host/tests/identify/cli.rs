@@ -1,0 +1,80 @@
+//! The program from outside: a log file in, a table, a JSON file and a robot's file out.
+
+use crate::robot::{RECORDER, Robot, random, recommended};
+use std::fmt::Write as _;
+use std::fs;
+use std::process::{Command, Output};
+
+fn csv() -> String {
+    let mut random = random(5);
+    let log = Robot::draw(&mut random).record(&RECORDER, &mut random, recommended);
+    let step = log.step_rad.expect("counts");
+    let mut text = String::from(
+        "t,voltage_right,voltage_left,counts_right,counts_left,current_right,current_left,x,y,theta\n",
+    );
+    let current = log.current.expect("currents");
+    let mut fixes = log.fixes.iter().peekable();
+    for (row, i) in current.iter().enumerate() {
+        let (u, a) = (log.command[row], log.angle[row]);
+        let counts = a.map(|a| (a / step).round());
+        let pose = match fixes.next_if(|fix| fix.row == row) {
+            Some(fix) => format!("{},{},{}", fix.pose[0], fix.pose[1], fix.pose[2]),
+            None => ",,".to_owned(),
+        };
+        let cells = [u[0], u[1], counts[0], counts[1], i[0], i[1]].map(|x| x.to_string());
+        writeln!(text, "{:.3},{},{pose}", log.t[row], cells.join(",")).expect("a string");
+    }
+    text
+}
+
+#[test]
+fn a_log_becomes_a_table_and_files() {
+    let here = tempfile::tempdir().expect("a directory");
+    fs::write(here.path().join("drive.csv"), csv()).expect("written");
+    let mine = "# mine\n[robot]\nm = 1.0 # guessed\n";
+    fs::write(here.path().join("robot.toml"), mine).expect("written");
+    let run = |arguments: &[&str]| -> Output {
+        Command::new(env!("CARGO_BIN_EXE_sim-host"))
+            .arg("identify")
+            .args(arguments)
+            .current_dir(here.path())
+            .output()
+            .expect("the program runs")
+    };
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    let turn = [
+        "drive.csv",
+        "--counts-per-turn",
+        "2048",
+        "--latency",
+        "0.033",
+    ];
+
+    let output = run(&[
+        &turn[..],
+        &["--known", "gear=20", "--profile", "robot.toml"],
+    ]
+    .concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let shown = text(&output.stdout);
+    for part in ["radius_right", "torque_constant_left", "±", "[motor]"] {
+        assert!(shown.contains(part), "{part} in {shown}");
+    }
+    assert!(!shown.contains("not identifiable"), "{shown}");
+    let json = fs::read_to_string(here.path().join("out/drive-identify.json")).expect("written");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json[0]["quantities"][0]["verdict"], "identified");
+    let robot = fs::read_to_string(here.path().join("robot.toml")).expect("written");
+    for part in ["# mine", "# guessed", "[wheels]", "resistance_left"] {
+        assert!(robot.contains(part), "{part} in {robot}");
+    }
+    assert!(!robot.contains("m = 1.0"), "{robot}");
+
+    let output = run(&["drive.csv"]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = text(&output.stderr);
+    assert!(
+        error.contains("drive.csv") && error.contains("--counts-per-turn"),
+        "{error}"
+    );
+}

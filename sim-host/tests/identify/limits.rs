@@ -1,0 +1,159 @@
+//! Logs that do not tell enough, contradict themselves, or cannot be read.
+
+use crate::robot::{RECORDER, Robot, random, recommended};
+use Quantity as Q;
+use sim_host::identify::{
+    Identified, IdentifyError, Known, KnownError, Log, LogError, Options, Quantity, Verdict,
+    identify,
+};
+
+fn robot() -> Robot {
+    Robot::draw(&mut random(1))
+}
+
+fn recorded(drive_of: impl Fn(f64) -> [f64; 2]) -> Log {
+    robot().record(&RECORDER, &mut random(2), drive_of)
+}
+
+fn options() -> Options {
+    Options {
+        latency_s: RECORDER.latency_s,
+        ..Options::default()
+    }
+}
+
+fn why(found: &Identified, quantity: Quantity) -> &str {
+    match found.of(quantity) {
+        Some(Verdict::NotIdentifiable { why, .. }) => why,
+        other => panic!("{}: {other:?}", quantity.name()),
+    }
+}
+
+fn value(found: &Identified, quantity: Quantity) -> f64 {
+    match found.of(quantity) {
+        Some(Verdict::Identified { value, .. }) => *value,
+        other => panic!("{}: {other:?}", quantity.name()),
+    }
+}
+
+#[test]
+fn a_robot_that_never_turns_shows_no_track() {
+    // Duties that make both wheels roll alike although their motors differ, as a heading hold does:
+    // here the same robot with the same motors on both sides.
+    let mut same = robot();
+    for pair in [
+        &mut same.radius,
+        &mut same.constant,
+        &mut same.resistance,
+        &mut same.viscous,
+        &mut same.coulomb,
+    ] {
+        pair[1] = pair[0];
+    }
+    let straight = |t: f64| [if t % 1.4 < 0.7 { 0.3 } else { 0.7 }; 2];
+    let log = same.record(&RECORDER, &mut random(3), straight);
+    let found = identify(&log, &options()).expect("nothing contradicts");
+    for quantity in [Q::Track, Q::Inertia] {
+        let why = why(&found, quantity);
+        assert!(why.contains("different rates"), "{why}");
+    }
+    // The mean radius shows, and with it the mass; the wheels' own inertia is stated with neither.
+    let radius = 0.5 * (value(&found, Q::RadiusRight) + value(&found, Q::RadiusLeft));
+    assert!((radius / same.radius[0] - 1.0).abs() < 0.01, "{radius}");
+}
+
+#[test]
+fn a_robot_that_stands_shows_nothing() {
+    let found = identify(&recorded(|_| [0.0; 2]), &options()).expect("nothing contradicts");
+    for quantity in Q::ALL {
+        if let Some(verdict) = found.of(quantity) {
+            let number = matches!(verdict, Verdict::Identified { .. });
+            assert!(!number, "{}: {verdict:?}", quantity.name());
+        }
+    }
+    assert!(found.combinations.is_empty(), "{:?}", found.combinations);
+}
+
+#[test]
+fn stated_values_that_contradict_the_log_are_reported() {
+    let mut options = options();
+    options.known.state("mass=20").expect("a name");
+    let found = identify(&recorded(recommended), &options).expect("signs agree");
+    assert!(
+        found.warnings.iter().any(|w| w.contains("contradict")),
+        "{:?}",
+        found.warnings
+    );
+}
+
+#[test]
+fn reversed_signs_are_named() {
+    let mut log = recorded(recommended);
+    for command in &mut log.command {
+        command[1] = -command[1];
+    }
+    assert_eq!(
+        identify(&log, &options()),
+        Err(IdentifyError::Against("left"))
+    );
+    let mut log = recorded(recommended);
+    for angle in &mut log.angle {
+        *angle = [-angle[0], -angle[1]];
+    }
+    assert!(matches!(
+        identify(&log, &options()),
+        Err(IdentifyError::Backwards(_))
+    ));
+}
+
+fn refused(header: &str, bad: &str) -> LogError {
+    let rows: String = (0..30)
+        .map(|k| format!("{},0.1,0.1,{k},{k},,,\n", 0.01 * f64::from(k)))
+        .collect();
+    let text = format!("{header}\n{rows}{bad}");
+    Log::read(text.as_bytes(), Some(1000.0)).expect_err("refused")
+}
+
+#[test]
+fn errors_name_line_and_column() {
+    let header = "t,duty_right,duty_left,counts_right,counts_left,x,y,theta";
+    for (bad, line, column) in [
+        ("1.0,0.1,zero,1,1,,,\n", 32, "duty_left"),
+        ("0.1,0.1,0.1,1,1,,,\n", 32, "t"),
+        ("1.0,1.5,0.1,1,1,,,\n", 32, "duty_right"),
+        ("1.0,0.1,0.1,inf,1,,,\n", 32, "counts_right"),
+        ("1.0,0.1,0.1,,1,,,\n", 32, "counts_right"),
+        ("1.0,0.1,0.1,1,1,0.5,,0.1\n", 32, "y"),
+    ] {
+        match refused(header, bad) {
+            LogError::Cell {
+                line: found,
+                column: name,
+                ..
+            } => assert_eq!((found, name.as_str()), (line, column), "{bad}"),
+            other => panic!("{bad}: {other}"),
+        }
+    }
+    for header in [
+        "time,duty_right,duty_left,counts_right,counts_left,x,y,theta",
+        "t,duty_right,duty,counts_right,counts_left,x,y,theta",
+        "t,duty_right,duty_left,counts_right,counts_left,x,y,heading",
+        "t,a,b,counts_right,counts_left,x,y,theta",
+    ] {
+        assert!(
+            matches!(refused(header, ""), LogError::Columns(_)),
+            "{header}"
+        );
+    }
+}
+
+#[test]
+fn statements_are_checked() {
+    let state = |text: &str| Known::default().state(text);
+    assert_eq!(state("radius=0.1,mass=3,viscous=0,gear=20"), Ok(()));
+    assert!(matches!(state("mass"), Err(KnownError::Form(_))));
+    assert!(matches!(state("weight=3"), Err(KnownError::Name { .. })));
+    for bad in ["mass=0", "mass=-1", "mass=nan", "track=x", "gear=0"] {
+        assert!(matches!(state(bad), Err(KnownError::Value { .. })), "{bad}");
+    }
+}
