@@ -18,7 +18,6 @@ Examples:
   sim-host compare weaving mine.toml        two scenarios beside each other
   sim-host pil paper-curve                  the same, with the controller on an emulated chip
   sim-host robustness                       what the laws stand: noise, latency, friction, ...
-  sim-host monitor /dev/ttyACM0             live numbers of a real board";
   sim-host monitor /dev/ttyACM0             live numbers of a real board
   sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
 

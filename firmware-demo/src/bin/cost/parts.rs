@@ -6,9 +6,8 @@ use controller_core::angle::wrap;
 use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FixOutcome, FusionParams, Localiser, LocaliserParams};
 use controller_core::maths::{Maths, Single};
-use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::motor::{MotorParams, WheelDemand, WheelFriction};
-use controller_core::odometry::{Odometry, OdometryParams};
+use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::params::NeuronParams;
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
@@ -259,6 +258,8 @@ pub fn localiser(meter: &mut Meter) {
     without.print(&["localiser", "without-fix"]);
     with.print(&["localiser", "with-fix"]);
     complain(&["localiser"], "faults", faults);
+}
+
 /// One wheel's torque to its duty, with everything there is to compensate.
 #[inline(never)]
 pub fn motor(meter: &mut Meter) {
