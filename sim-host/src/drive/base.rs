@@ -1,9 +1,10 @@
 //! The base that drives.
 
+use super::hardware::Hardware;
 use crate::import;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
-use controller_core::motion::{Limits, MotionParams, Policy};
+use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
 use controller_core::params::{Params, Robot};
 
 /// A base: what it is, and what it can do.
@@ -15,6 +16,10 @@ pub struct Base {
     pub robot: Robot<f64>,
     /// Speeds, accelerations, torque.
     pub limits: Limits<f64>,
+    /// Gains, if they are not those that follow from the limits.
+    pub gains: Option<MotionGains<f64>>,
+    /// Motors, battery, encoders, localisation; none for an ideal source of torques and poses.
+    pub hardware: Option<Hardware>,
 }
 
 impl Default for Base {
@@ -35,6 +40,8 @@ impl Default for Base {
                 wheel_torque_nm: 15.0,
                 policy: Policy::KeepCurvature,
             },
+            gains: None,
+            hardware: None,
         }
     }
 }
@@ -47,7 +54,11 @@ const SHARE: (f64, f64, f64) = (0.9, 0.75, 0.45);
 impl Base {
     /// The controller's parameters.
     pub fn motion(&self) -> MotionParams<f64> {
-        MotionParams::new::<Libm>(self.robot, self.limits)
+        let params = MotionParams::new::<Libm>(self.robot, self.limits);
+        MotionParams {
+            gains: self.gains.unwrap_or(params.gains),
+            ..params
+        }
     }
 
     /// What is out of range, if anything is.

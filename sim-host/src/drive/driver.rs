@@ -154,7 +154,7 @@ fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion
         policy: limits.policy,
     };
     let params = MotionParams {
-        gains: MotionGains::for_limits::<M>(&limits),
+        gains: narrow_gains(&from.gains),
         arrival: Arrival::exact(),
         ..MotionParams::new::<M>(
             Robot {
@@ -170,6 +170,24 @@ fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion
         )
     };
     params.validate()
+}
+
+fn narrow_gains<T: Scalar>(from: &MotionGains<f64>) -> MotionGains<T> {
+    let f = T::from_f64;
+    MotionGains {
+        decay: f(from.decay),
+        along: f(from.along),
+        along_bound: f(from.along_bound),
+        heading: f(from.heading),
+        across: f(from.across),
+        slow: f(from.slow),
+        approach: f(from.approach),
+        approach_brake: f(from.approach_brake),
+        speed_loop: f(from.speed_loop),
+        turn_loop: f(from.turn_loop),
+        disturbance: f(from.disturbance),
+        disturbance_share: f(from.disturbance_share),
+    }
 }
 
 fn narrow_pose<T: Scalar>(pose: &Pose<f64>, origin: (f64, f64)) -> Pose<T> {

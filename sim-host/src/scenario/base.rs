@@ -1,9 +1,11 @@
 //! Files that describe a base, and the tables of them that a mission may have.
 
 use super::file::PoseKeys;
+use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
 use super::source::{self, Source};
 use super::{ScenarioError, check::Checked};
 use crate::drive::Base;
+use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, Policy};
 use controller_core::params::Robot;
@@ -19,6 +21,14 @@ struct File {
     description: String,
     robot: RobotKeys,
     limits: LimitKeys,
+    motor: Option<world::MotorParams>,
+    battery: Option<world::BatteryParams>,
+    friction: Option<world::FrictionParams>,
+    encoder: Option<EncoderKeys>,
+    pose_source: Option<world::PoseSourceParams>,
+    control: Option<ControlKeys>,
+    #[serde(default)]
+    gains: GainKeys,
 }
 
 /// All keys are needed: a robot that is half somebody else's is nobody's.
@@ -84,7 +94,21 @@ impl Base {
         } else {
             keys.description
         };
-        base(name, Some(&keys.robot), Some(&keys.limits), &place)
+        let mut base = base(name, Some(&keys.robot), Some(&keys.limits), &place)?;
+        base.gains = keys.gains.over(base.motion().gains);
+        if let Err(error) = base.validate() {
+            return Err(place.error("gains", error));
+        }
+        let hardware = HardwareKeys {
+            motor: keys.motor,
+            battery: keys.battery,
+            friction: keys.friction,
+            encoder: keys.encoder,
+            pose_source: keys.pose_source,
+            control: keys.control,
+        };
+        base.hardware = hardware.hardware(&base, &place)?;
+        Ok(base)
     }
 }
 

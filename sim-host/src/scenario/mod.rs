@@ -10,6 +10,7 @@ mod belief;
 mod built_in;
 mod check;
 mod file;
+mod hardware;
 mod mission;
 mod ranges;
 mod source;

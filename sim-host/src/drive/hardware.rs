@@ -1,0 +1,93 @@
+//! What a base has beside its body: motors, battery, encoders, a localisation.
+
+use crate::world::{
+    BatteryParams, EncoderParams, FrictionParams, MotorParams as TrueMotor, PoseSourceParams,
+    WorldKeys,
+};
+use controller_core::localiser::{FusionParams, LocaliserParams};
+use controller_core::motor::{MotorParams, WheelFriction};
+use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::scalar::Scalar;
+use controller_core::wheels::WheelGeometry;
+
+/// Hardware of a base, as its data sheets and an identification have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hardware {
+    /// Both motors.
+    pub motor: TrueMotor,
+    /// Battery.
+    pub battery: BatteryParams,
+    /// Friction at the wheels.
+    pub friction: FrictionParams,
+    /// Encoder counts per turn of a wheel.
+    pub counts_per_turn: f64,
+    /// Bandwidth of the speed estimate \[rad/s\].
+    pub speed_bandwidth: f64,
+    /// External localisation, if there is one.
+    pub pose_source: Option<PoseSourceParams>,
+    /// Control period \[s\].
+    pub period_s: f64,
+}
+
+/// Wanted speed of a wheel, as a share of that at the base's largest speed, up to which friction
+/// compensation rises: a hundredth, a tenth of the slowest tenth of the range.
+const BLEND_SHARE: f64 = 0.01;
+
+impl Hardware {
+    /// The core's motor layer for a base of this largest speed \[m/s\] and wheel radius \[m\].
+    ///
+    /// Rolling resistance is not known to a motor; it is left to the disturbance estimate.
+    pub fn motor<T: Scalar>(&self, speed: f64, radius: f64) -> MotorParams<T> {
+        let f = T::from_f64;
+        let motor = &self.motor;
+        MotorParams {
+            gear_ratio: f(motor.gear_ratio),
+            gear_efficiency: f(motor.gear_efficiency),
+            torque_constant_nm_per_a: f(motor.kt_nm_per_a),
+            resistance_ohm: f(motor.resistance_ohm),
+            supply_v: f(self.battery.nominal_v),
+            max_current_a: f(motor.current_limit_a),
+            friction: WheelFriction {
+                coulomb_nm: f(self.friction.coulomb_nm),
+                viscous_nm_s: f(self.friction.viscous_nm_s),
+                blend_rad_s: f(BLEND_SHARE * speed / radius),
+            },
+            dead_band: f(motor.dead_band),
+        }
+    }
+
+    /// The core's localiser on these wheels.
+    pub fn localiser<T: Scalar>(&self, wheels: &WheelGeometry<f64>) -> LocaliserParams<T> {
+        let f = T::from_f64;
+        LocaliserParams {
+            odometry: OdometryParams {
+                wheels: WheelGeometry {
+                    radius_right_m: f(wheels.radius_right_m),
+                    radius_left_m: f(wheels.radius_left_m),
+                    track_m: f(wheels.track_m),
+                },
+                calibration: Calibration::NOMINAL,
+                counts_per_turn: f(self.counts_per_turn),
+                bandwidth: f(self.speed_bandwidth),
+            },
+            fusion: self.pose_source.map(|source| {
+                FusionParams::for_source(f(source.noise_m), f(source.noise_rad), f(source.rate_hz))
+            }),
+        }
+    }
+
+    /// This hardware on a perfect floor.
+    pub fn world(&self) -> WorldKeys {
+        WorldKeys {
+            motor: Some(self.motor),
+            battery: self.battery,
+            friction: self.friction,
+            encoder: EncoderParams {
+                counts_per_turn: self.counts_per_turn,
+                ..EncoderParams::default()
+            },
+            pose_source: self.pose_source,
+            ..WorldKeys::default()
+        }
+    }
+}

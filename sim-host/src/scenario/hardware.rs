@@ -1,0 +1,148 @@
+//! Keys of a base file beside its body and its limits.
+
+use super::check::Checked;
+use super::source::Source;
+use crate::drive::{Base, Hardware};
+use crate::world::{BatteryParams, FrictionParams, MotorParams, PoseSourceParams};
+use controller_core::motion::MotionGains;
+use serde::Deserialize;
+
+/// Tables of the hardware: all of those without a default, or none of them.
+pub(super) struct HardwareKeys {
+    pub motor: Option<MotorParams>,
+    pub battery: Option<BatteryParams>,
+    pub friction: Option<FrictionParams>,
+    pub encoder: Option<EncoderKeys>,
+    pub pose_source: Option<PoseSourceParams>,
+    pub control: Option<ControlKeys>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EncoderKeys {
+    counts_per_turn: f64,
+    /// 50 rad/s: tells accelerations that no torque explains 40 ms late.
+    #[serde(default = "speed_bandwidth")]
+    bandwidth: f64,
+}
+
+fn speed_bandwidth() -> f64 {
+    50.0
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ControlKeys {
+    period_s: f64,
+}
+
+/// Gains that are not to follow from the limits.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GainKeys {
+    decay: Option<f64>,
+    along: Option<f64>,
+    along_bound: Option<f64>,
+    heading: Option<f64>,
+    across: Option<f64>,
+    slow: Option<f64>,
+    approach: Option<f64>,
+    approach_brake: Option<f64>,
+    speed_loop: Option<f64>,
+    turn_loop: Option<f64>,
+    disturbance: Option<f64>,
+    disturbance_share: Option<f64>,
+}
+
+impl HardwareKeys {
+    /// The hardware, if any of it is described.
+    pub fn hardware(&self, base: &Base, place: &Source<'_>) -> Checked<Option<Hardware>> {
+        let Some(motor) = self.motor else {
+            let given = [
+                ("battery", self.battery.is_some()),
+                ("friction", self.friction.is_some()),
+                ("encoder", self.encoder.is_some()),
+                ("pose_source", self.pose_source.is_some()),
+                ("control", self.control.is_some()),
+            ];
+            return match given.iter().find(|(_, is_given)| *is_given) {
+                Some((table, _)) => Err(place.error(table, "needs a [motor] as well")),
+                None => Ok(None),
+            };
+        };
+        let missing = |table: &str| place.error(table, "is missing: [motor] needs it");
+        let hardware = Hardware {
+            motor,
+            battery: self.battery.ok_or_else(|| missing("battery"))?,
+            friction: self.friction.unwrap_or_default(),
+            counts_per_turn: self
+                .encoder
+                .ok_or_else(|| missing("encoder"))?
+                .counts_per_turn,
+            speed_bandwidth: self.encoder.map_or_else(speed_bandwidth, |e| e.bandwidth),
+            pose_source: self.pose_source,
+            period_s: self.control.ok_or_else(|| missing("control"))?.period_s,
+        };
+        check(&hardware, base, place)?;
+        Ok(Some(hardware))
+    }
+}
+
+/// The core's own checks, and that the motors give what the limits promise.
+fn check(hardware: &Hardware, base: &Base, place: &Source<'_>) -> Checked<()> {
+    let wheels = &base.robot.wheels;
+    let radius = wheels.radius_right_m.min(wheels.radius_left_m);
+    let motor = hardware
+        .motor::<f64>(base.limits.speed, radius)
+        .validate()
+        .map_err(|error| place.error("motor", error))?;
+    let most = motor.max_torque_nm();
+    if base.limits.wheel_torque_nm > most {
+        let message =
+            format!("is more than the {most:.3} N m that [motor] gives at its current limit");
+        return Err(place.error("limits.wheel_torque", message));
+    }
+    let fastest = motor.no_load_speed_rad_s() * radius;
+    if base.limits.speed > fastest {
+        let message =
+            format!("is more than the {fastest:.2} m/s at which [motor] runs without load");
+        return Err(place.error("limits.speed", message));
+    }
+    hardware
+        .localiser::<f64>(wheels)
+        .validate::<controller_core::maths::Libm>()
+        .map_err(|error| place.error("encoder", error))?;
+    let period = hardware.period_s;
+    if !(1.0e-4..=0.1).contains(&period) {
+        return Err(place.error("control.period_s", "must be in 1e-4 to 0.1"));
+    }
+    Ok(())
+}
+
+impl GainKeys {
+    /// `gains` but for the keys that are given; none if there is none.
+    pub fn over(&self, gains: MotionGains<f64>) -> Option<MotionGains<f64>> {
+        let mut tuned = gains;
+        let mut any = false;
+        for (field, key) in [
+            (&mut tuned.decay, self.decay),
+            (&mut tuned.along, self.along),
+            (&mut tuned.along_bound, self.along_bound),
+            (&mut tuned.heading, self.heading),
+            (&mut tuned.across, self.across),
+            (&mut tuned.slow, self.slow),
+            (&mut tuned.approach, self.approach),
+            (&mut tuned.approach_brake, self.approach_brake),
+            (&mut tuned.speed_loop, self.speed_loop),
+            (&mut tuned.turn_loop, self.turn_loop),
+            (&mut tuned.disturbance, self.disturbance),
+            (&mut tuned.disturbance_share, self.disturbance_share),
+        ] {
+            if let Some(value) = key {
+                *field = value;
+                any = true;
+            }
+        }
+        any.then_some(tuned)
+    }
+}
