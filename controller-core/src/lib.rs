@@ -15,8 +15,8 @@
 //! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`torque`] (12)(14)(16)(21), [`handover`] (23), [`neural_law`] (17)(22) |
 //! | controllers | [`neural::NeuralController`], [`plain::PlainController`], [`demand`], [`report`] |
 //! | a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival |
+//! | a whole base | [`base`]: from encoders to wheels in one tick |
 //! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
-//! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`] |
 //! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
 //! | safety | [`safety`]: faults and reactions, detectors, supervisor, stopping distance |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27) |
@@ -26,6 +26,7 @@
 
 pub mod angle;
 pub mod backstepping;
+pub mod base;
 pub mod demand;
 pub mod error;
 pub mod hal;

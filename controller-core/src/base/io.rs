@@ -1,0 +1,81 @@
+//! What goes into a tick and what comes out of it.
+
+use crate::hal::{ErrorKind, WheelCounts};
+use crate::localiser::Fix;
+use crate::reference::Reference;
+use crate::safety::Currents;
+use crate::types::{Pose, WheelSpeeds, WheelTorques};
+
+/// What the host, or a trajectory in flash, wants of this tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Order<T> {
+    /// Nothing new: a base that parks goes on parking; one that follows goes on along its last
+    /// reference, as that moved, until the command is stale.
+    #[default]
+    None,
+    /// Follow this sample, of the present instant.
+    Follow(Reference<T>),
+    /// Go to this pose and stay.
+    Park(Pose<T>),
+}
+
+/// What the base measured since the last tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensed<T> {
+    /// Both encoders, or why they could not be read.
+    pub counts: Result<WheelCounts, ErrorKind>,
+    /// An external pose, in the ticks in which one arrived.
+    pub fix: Option<Fix<T>>,
+    /// Supply of the motors \[V\], where it is measured.
+    pub supply_v: Option<T>,
+    /// Currents of the motors \[A\], where they are measured.
+    pub currents: Option<Currents<T>>,
+    /// What the wheel driver answered to the last command.
+    pub driver: Result<(), ErrorKind>,
+}
+
+impl<T> Sensed<T> {
+    /// Encoders, and nothing else.
+    pub const fn of_counts(counts: WheelCounts) -> Self {
+        Self {
+            counts: Ok(counts),
+            fix: None,
+            supply_v: None,
+            currents: None,
+            driver: Ok(()),
+        }
+    }
+}
+
+/// What the wheels are to do until the next tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum WheelAction<T> {
+    /// No torque, free to coast.
+    #[default]
+    Release,
+    /// Windings shorted.
+    Brake,
+    /// These torques.
+    Drive(Drive<T>),
+}
+
+impl<T: Copy> WheelAction<T> {
+    /// The torques; `None` where the wheels are braked or released.
+    pub const fn torques(&self) -> Option<WheelTorques<T>> {
+        match self {
+            Self::Drive(drive) => Some(drive.torques),
+            Self::Release | Self::Brake => None,
+        }
+    }
+}
+
+/// Torques, and what a motor driver needs beside them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drive<T> {
+    /// Within ± `wheel_torque_nm` \[N m\].
+    pub torques: WheelTorques<T>,
+    /// Speeds that are commanded, for the compensation of friction \[rad/s\].
+    pub wanted: WheelSpeeds<T>,
+    /// Speeds that are measured, for the back-EMF \[rad/s\].
+    pub speeds: WheelSpeeds<T>,
+}

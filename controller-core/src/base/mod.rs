@@ -1,0 +1,28 @@
+//! A whole base, from encoders to wheels: one pure tick, the same on a chip, in the simulator, in tests.
+//!
+//! ```text
+//! Sensed -> localiser -> monitor -> supervisor (policy) -> motion law -> WheelAction
+//! Order  ------------------------------^                       |
+//!            accelerations of the torques exerted <------------+
+//! ```
+//!
+//! | part | module |
+//! | --- | --- |
+//! | where the base is | [`crate::localiser`] |
+//! | what is wrong, and what is done about it | [`crate::safety`] |
+//! | where to, with what torque | [`crate::motion`] |
+//! | torque to duty, for motors on bridges | [`crate::motor`], by the driver |
+//!
+//! A tick never fails. Whatever comes in, what goes out is one [`WheelAction`]: torques within their
+//! limit, an electrical brake, or a release; what was wrong stands in [`BaseReport`].
+
+mod controller;
+mod io;
+mod locate;
+mod params;
+mod report;
+
+pub use controller::{BaseController, REMEMBERED};
+pub use io::{Drive, Order, Sensed, WheelAction};
+pub use params::{Base, BaseError, BaseParams};
+pub use report::BaseReport;

@@ -1,0 +1,195 @@
+//! Everything that is to be known of a base: plain data, validated once and together.
+
+use core::fmt;
+
+use crate::error::{Field, ParamError, Problem};
+use crate::localiser::{Localisation, LocaliserParams};
+use crate::maths::Maths;
+use crate::motion::{Limits, Motion, MotionParams};
+use crate::motor::{Motor, MotorParams};
+use crate::params::Robot;
+use crate::safety::supervisor::{SupervisorParams, ValidSupervisor};
+use crate::safety::{Policy, PolicyError, PolicyParams, SupplyWatch, Timeout, Watch, WatchParams};
+use crate::scalar::Scalar;
+
+/// Parameters of all parts of a base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BaseParams<T> {
+    /// The motion law.
+    pub motion: MotionParams<T>,
+    /// Odometry and external poses.
+    pub localiser: LocaliserParams<T>,
+    /// Motors on bridges; `None` where the driver takes torques itself.
+    pub motor: Option<MotorParams<T>>,
+    /// Thresholds and timeouts.
+    pub watch: WatchParams<T>,
+    /// What is done about each kind of fault.
+    pub policy: PolicyParams,
+    /// How stops end.
+    pub supervisor: SupervisorParams,
+}
+
+/// A motor's supply is too low below this share of its nominal voltage, and good again above the other.
+/// Lead and lithium batteries are empty at 0.8 to 0.85 and sag by a tenth under load.
+const LOW_SUPPLY: (f64, f64) = (0.7, 0.75);
+
+impl<T: Scalar> BaseParams<T> {
+    /// What suits a base that ticks every `period_us`: gains and tolerances follow from limits and
+    /// localisation, thresholds from the body, responses are the defaults.
+    ///
+    /// # Errors
+    /// The localiser's parameters, on whose noise the others depend.
+    pub fn new<M: Maths<T>>(
+        robot: Robot<T>,
+        limits: Limits<T>,
+        localiser: LocaliserParams<T>,
+        motor: Option<MotorParams<T>>,
+        period_us: u32,
+    ) -> Result<Self, ParamError> {
+        let localisation = localiser.validate::<M>()?;
+        let motion =
+            MotionParams::new::<M>(robot, limits).with_pose_noise(localisation.pose_noise_m());
+        let motion = MotionParams {
+            arrival: localisation.arrival(),
+            ..motion
+        };
+        let counts_per_turn = localiser.odometry.counts_per_turn;
+        let mut watch = WatchParams::for_base(&motion, counts_per_turn, period_us);
+        if let Some(motor) = &motor {
+            watch.supply = SupplyWatch {
+                low_v: T::from_f64(LOW_SUPPLY.0) * motor.supply_v,
+                recovered_v: T::from_f64(LOW_SUPPLY.1) * motor.supply_v,
+                // Longer than the current of a start from rest.
+                after: Timeout::AfterUs(500_000),
+            };
+            // A controller limits the current by itself; a tenth more is a driver that does not.
+            watch.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
+            watch.current.after = Timeout::AfterUs(200_000);
+        }
+        if let Some(fusion) = &localiser.fusion {
+            // Ten fixes; odometry alone is worth a second.
+            let us = fusion.stale_s * T::from_f64(1.0e6);
+            watch.pose = Timeout::AfterUs(larger_us(us, 1_000_000));
+        }
+        Ok(Self {
+            motion,
+            localiser,
+            motor,
+            watch,
+            policy: PolicyParams::DEFAULT,
+            supervisor: SupervisorParams {
+                parked: motion.arrival.at_rest,
+                ..SupervisorParams::DEFAULT
+            },
+        })
+    }
+
+    /// Checks every part, and that they fit each other.
+    ///
+    /// # Errors
+    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
+    pub fn validate<M: Maths<T>>(self) -> Result<Base<T>, BaseError> {
+        let motor = match self.motor {
+            Some(params) => Some(params.validate()?),
+            None => None,
+        };
+        if let Some(motor) = &motor {
+            let most = motor.max_torque_nm();
+            if self.motion.limits.wheel_torque_nm > most {
+                return Err(BaseError::Param(ParamError {
+                    field: Field::MaxWheelTorque,
+                    problem: Problem::Above(most.to_f64()),
+                }));
+            }
+        }
+        Ok(Base {
+            motion: self.motion.validate()?,
+            localisation: self.localiser.validate::<M>()?,
+            motor,
+            watch: self.watch.validate()?,
+            policy: self.policy.validate()?,
+            supervisor: self.supervisor.validate()?,
+        })
+    }
+}
+
+/// The larger of a time \[µs\] and a least one; a time that is no number is the least one.
+fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
+    let us = us.to_f64();
+    if us > f64::from(least) && us < 4.0e9 {
+        us as u32
+    } else {
+        least
+    }
+}
+
+/// [`BaseParams`] that passed `validate`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Base<T> {
+    pub(super) motion: Motion<T>,
+    pub(super) localisation: Localisation<T>,
+    pub(super) motor: Option<Motor<T>>,
+    pub(super) watch: Watch<T>,
+    pub(super) policy: Policy,
+    pub(super) supervisor: ValidSupervisor,
+}
+
+impl<T: Scalar> Base<T> {
+    /// The motion law's parameters.
+    pub const fn motion(&self) -> &Motion<T> {
+        &self.motion
+    }
+
+    /// The localiser's.
+    pub const fn localisation(&self) -> &Localisation<T> {
+        &self.localisation
+    }
+
+    /// The motors', if they are on bridges.
+    pub const fn motor(&self) -> Option<&Motor<T>> {
+        self.motor.as_ref()
+    }
+
+    /// The responses to faults.
+    pub const fn policy(&self) -> &Policy {
+        &self.policy
+    }
+
+    /// The monitor's thresholds.
+    pub const fn watch(&self) -> &Watch<T> {
+        &self.watch
+    }
+}
+
+/// Why parameters of a base are refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BaseError {
+    /// A field.
+    Param(ParamError),
+    /// A response to a fault.
+    Policy(PolicyError),
+}
+
+impl From<ParamError> for BaseError {
+    fn from(error: ParamError) -> Self {
+        Self::Param(error)
+    }
+}
+
+impl From<PolicyError> for BaseError {
+    fn from(error: PolicyError) -> Self {
+        Self::Policy(error)
+    }
+}
+
+impl fmt::Display for BaseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Param(error) => error.fmt(f),
+            Self::Policy(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for BaseError {}

@@ -1,0 +1,31 @@
+//! Everything that a tick of a base computed.
+
+use super::io::WheelAction;
+use crate::localiser::FixOutcome;
+use crate::motion::MotionReport;
+use crate::safety::Findings;
+use crate::safety::supervisor::{Cause, State};
+use crate::types::Measured;
+
+/// The report of one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BaseReport<T> {
+    /// What the wheels are to do.
+    pub action: WheelAction<T>,
+    /// The supervisor's state after this tick.
+    pub state: State,
+    /// Why it is that.
+    pub cause: Cause,
+    /// Pose and twist; `None` before the encoders gave a first reading.
+    pub measured: Option<Measured<T>>,
+    /// They are extrapolated: the encoders gave nothing in this tick.
+    pub blind: bool,
+    /// What became of an external pose.
+    pub fix: FixOutcome<T>,
+    /// Faults found in this tick, ridden out or not.
+    pub findings: Findings,
+    /// The order does not fit the state; nothing came of it.
+    pub refused: bool,
+    /// The motion law's report, while its torque flows.
+    pub motion: Option<MotionReport<T>>,
+}
