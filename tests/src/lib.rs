@@ -20,5 +20,6 @@ pub mod motion_tracking;
 pub mod oracle;
 pub mod plant;
 pub mod random;
+pub mod safety_rig;
 pub mod tolerance;
 pub mod tuning_loop;

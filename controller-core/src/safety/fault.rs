@@ -55,7 +55,8 @@ pub enum Fault {
     /// Counts move against what torque and mass say: encoder or motor wired the wrong way round. The
     /// velocity loop then has positive feedback.
     EncoderReversed(Side),
-    /// A wheel moves as only one without grip can.
+    /// A wheel moves as only one without grip can. A light wheel that loses its grip is held at its commanded
+    /// speed by the velocity loop with hardly any torque: that shows against an external twist only.
     WheelSlip(Side),
     /// The wheel driver failed.
     Driver(ErrorKind),

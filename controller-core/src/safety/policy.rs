@@ -155,6 +155,11 @@ enum Broken {
 }
 
 impl FaultKind {
+    /// The measured twist cannot be relied upon, not even to tell that the base rests.
+    pub const fn breaks_measurement(self) -> bool {
+        matches!(self.broken(), Some(Broken::Measurement))
+    }
+
     const fn broken(self) -> Option<Broken> {
         match self {
             Self::MeasurementStale

@@ -5,7 +5,7 @@
 //!
 //! | symbol | what | unit |
 //! | --- | --- | --- |
-//! | P = max(\|v₀\|/brake, \|w₀\|/turn_accel, τ/(0.7 τ_max)) | 1/P is the largest s′ that the limits allow; τ: torque of the harder worked wheel at s′ = 1/s | s |
+//! | P = max(\|v₀\|/(0.85 brake), \|w₀\|/(0.85 turn_accel), τ/(0.64 τ_max)) | 1/P is the largest s′ that the limits allow; τ: torque of the harder worked wheel at s′ = 1/s | s |
 //! | Q = 2 max(\|v₀\|/jerk, \|w₀\|/turn_jerk) | 1/Q is the largest s″: half of the jerk, the rest is for the acceleration that was under way | s² |
 //! | T = P + Q/P, or 2 √Q where Q > P² | duration; by symmetry ∫ s dt = T/2 | s |
 //!
@@ -26,9 +26,12 @@ use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
 
-/// Share of the wheels' torque that the plan uses: below the 0.75 that the governor leaves to a command, so
-/// that it has room to end the acceleration that was under way.
-const TORQUE_SHARE: f64 = 0.7;
+/// Share of braking and turning acceleration that the plan uses. An acceleration a under way fades by the
+/// bridge as a (1 − A t) e^(−A t), which falls to −0.135 a: that much has to be left, or the governor would
+/// hold the command back and the stop would go further than planned.
+const RATE_SHARE: f64 = 0.85;
+/// The same share of the 0.75 of the wheels' torque that the governor leaves to a command.
+const TORQUE_SHARE: f64 = 0.64;
 
 /// A controlled stop under way: a twist that comes to rest within the limits.
 ///
@@ -57,10 +60,9 @@ impl<T: Scalar> StopPlan<T> {
         });
         let torque = larger(torques.right.abs(), torques.left.abs());
         let most = T::from_f64(TORQUE_SHARE) * limits.wheel_torque_nm;
-        let p = larger(
-            larger(v / limits.brake, w / limits.turn_accel),
-            torque / most,
-        );
+        let share = T::from_f64(RATE_SHARE);
+        let slowing = larger(v / limits.brake, w / limits.turn_accel) / share;
+        let p = larger(slowing, torque / most);
         let q = T::from_f64(2.0) * larger(v / limits.jerk, w / limits.turn_jerk);
         let usable = |value: T| value > T::ZERO && value.is_finite();
         if !(command.is_finite() && usable(p) && usable(q)) {
@@ -95,8 +97,10 @@ impl<T: Scalar> StopPlan<T> {
     /// What the controller is told in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
     pub fn task<M: Maths<T>>(&self, t: T, dt: T, pose: &Pose<T>) -> Task<T> {
         let (twist, _) = self.at(t);
-        // Held for a tick: that of its middle.
-        let (_, accel) = self.at(t + T::HALF * dt);
+        // Held for a tick: that of its middle. In the first tick none, as it was: a step of it would be bridged
+        // like an acceleration under way, and lengthen the stop.
+        let middle = if t > T::ZERO { t + T::HALF * dt } else { t };
+        let (_, accel) = self.at(middle);
         Task::Follow(Reference::new::<M>(*pose, twist, accel))
     }
 
@@ -133,51 +137,57 @@ pub struct Stopping<T> {
     pub time_s: T,
 }
 
-/// How far a controlled stop goes at most from a commanded twist, with the robot's differing from it by
-/// `error` (measured minus commanded; zero where no wheel slips and no torque is at its limit).
+/// How far a controlled stop goes at most from a commanded twist and its `rate` (both of the last report), with
+/// the robot's twist differing by `error` (measured minus commanded; zero where no wheel slips and no torque is
+/// at its limit).
 ///
 /// ```text
-/// d = |v₀| T/2 + a/A² + |δ_v|/κ₁          φ = |w₀| T/2 + α/A² + |δ_w|/κ₂
+/// d = |v₀| T/2 + |a|/A² + |δ_v|/κ₁          φ = |w₀| T/2 + |α|/A² + |δ_w|/κ₂
 /// ```
 ///
 /// | term | what |
 /// | --- | --- |
 /// | v₀ T/2 | the plan |
-/// | a/A² | the acceleration under way when the stop begins, at most the limit, fades by the bridge of decay A |
+/// | a/A² | the acceleration under way when the stop begins fades by the bridge of decay A |
 /// | δ/κ | the velocity loop takes the error away as e^(−κt) |
+///
+/// For ticks without length; for those of dt there come v₀ 2 dt + 2 a dt/A (and the same of w₀, α): the torque of
+/// the last tick still acts, the plan begins with the next, and the bridge begins with what a adds meanwhile.
 pub fn controlled_stop<T: Scalar, M: Maths<T>>(
     motion: &Motion<T>,
     command: &Twist<T>,
+    rate: &Accel<T>,
     error: &Twist<T>,
 ) -> Stopping<T> {
     let plan = StopPlan::new::<M>(motion, command);
-    let (limits, gains) = (&motion.params().limits, motion.gains());
+    let gains = motion.gains();
     let half = T::HALF * plan.duration_s;
     let area = gains.decay * gains.decay;
-    let accel = larger(limits.accel, limits.brake);
-    // e^(-4.6) is a hundredth; 7 of the bridge, whose pole is double.
     let slowest = if gains.speed_loop < gains.turn_loop {
         gains.speed_loop
     } else {
         gains.turn_loop
     };
+    // e^(-4.6) is a hundredth; 7 of the bridge, whose pole is double.
     let fading = T::from_f64(7.0) / gains.decay + T::from_f64(4.6) / slowest;
     Stopping {
         distance_m: command.linear.abs() * half
-            + accel / area
+            + rate.linear.abs() / area
             + error.linear.abs() / gains.speed_loop,
         angle_rad: command.angular.abs() * half
-            + limits.turn_accel / area
+            + rate.angular.abs() / area
             + error.angular.abs() / gains.turn_loop,
         time_s: plan.duration_s + fading,
     }
 }
 
-/// How far a controlled stop goes at most straight on from `speed` \[m\]; [`controlled_stop`] without turning
-/// and without a velocity error.
+/// How far a controlled stop goes at most straight on from `speed` \[m\], if the base was speeding up as hard as
+/// it may: [`controlled_stop`] without turning and without a velocity error.
 pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(motion: &Motion<T>, speed: T) -> T {
+    let limits = &motion.params().limits;
     let command = Twist::new(speed, T::ZERO);
-    controlled_stop::<T, M>(motion, &command, &Twist::default()).distance_m
+    let rate = Accel::new(larger(limits.accel, limits.brake), T::ZERO);
+    controlled_stop::<T, M>(motion, &command, &rate, &Twist::default()).distance_m
 }
 
 fn larger<T: Scalar>(a: T, b: T) -> T {
@@ -237,7 +247,7 @@ mod tests {
                         force: 30.0 * accel.linear,
                         moment: 15.0 * accel.angular,
                     });
-                    assert!(wheels.right.abs().max(wheels.left.abs()) <= 0.7 * torque + 1e-9);
+                    assert!(wheels.right.abs().max(wheels.left.abs()) <= 0.64 * torque + 1e-9);
                     (last, last_accel) = (twist, accel);
                 }
                 assert_eq!(last, Twist::default());

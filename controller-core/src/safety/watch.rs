@@ -145,6 +145,11 @@ impl<T: Scalar> WatchParams<T> {
         // Feeble wheels have to be able to exceed it fourfold, or nothing would ever be found.
         let most = f(0.25) * motion.limits.wheel_torque_nm;
         let load_nm = if share < most { share } else { most };
+        // Of a coarse encoder 3 counts in the time are more; a tenth keeps it clear of rounding.
+        let (slow, counts) = (
+            f(0.02) / radius,
+            f(3.3 / 0.25) * (T::PI + T::PI) / counts_per_turn,
+        );
         let ticks = |n: u32, least: u32| {
             let us = period_us.saturating_mul(n);
             Timeout::AfterUs(if us < least { least } else { us })
@@ -167,9 +172,10 @@ impl<T: Scalar> WatchParams<T> {
                 counts_per_turn,
                 load_nm,
                 stuck: StuckWatch {
-                    torque_nm: load_nm + load_nm,
+                    // The load that a reversed wheel may not be confused with, too.
+                    torque_nm: f(3.0) * load_nm,
                     // 2 cm/s: slower, and nothing is lost by waiting.
-                    speed_rad_s: f(0.02) / radius,
+                    speed_rad_s: if slow > counts { slow } else { counts },
                     after: ticks(10, 250_000),
                 },
                 reversed: ticks(3, 30_000),

@@ -123,7 +123,8 @@ impl<T: Scalar> Wheel<T> {
         let load = watch.load_accel / (a * a);
         let counts = T::from_f64(LEAST_COUNTS) * watch.per_count;
         let enough = expected >= load + load && expected >= counts;
-        let against = enough && along <= -(T::HALF * expected);
+        // An encoder that dies on the way looks like braking against the torque: it is stuck, not reversed.
+        let against = enough && along <= -(T::HALF * expected) && self.stands == Held::NONE;
         self.against
             .holds(against, dt_us, watch.params.wheels.reversed)
     }

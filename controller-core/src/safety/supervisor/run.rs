@@ -55,7 +55,8 @@ pub struct SupervisorParams {
     /// Longest controlled stop; then the wheels are braked. At least what
     /// [`crate::safety::controlled_stop`] gives for the top speed.
     pub stop_limit: Timeout,
-    /// Longest electrical braking; then it ends as if the base stood.
+    /// Longest electrical braking; then it ends as if the base stood. With `Off` a braking after
+    /// a fault that broke the measurement ends by an emergency stop that releases only.
     pub brake_limit: Timeout,
     /// When a stop has come to its end.
     pub rest: RestLimits,
@@ -163,6 +164,8 @@ pub struct Supervisor {
     /// Time in the present stop.
     stop_us: u32,
     rest: Held,
+    /// A fault since the base was last armed or reset broke the measurement: rest cannot be told by it.
+    blind: bool,
     changes: u32,
     ridden_out: u32,
     last_ridden_out: Option<Fault>,
@@ -179,6 +182,7 @@ impl Supervisor {
             worst: Reaction::RideOut,
             stop_us: 0,
             rest: Held::NONE,
+            blind: false,
             changes: 0,
             ridden_out: 0,
             last_ridden_out: None,
@@ -219,6 +223,9 @@ impl Supervisor {
             self.last_ridden_out = Some(fault);
         }
         if self.state.is_live() {
+            self.blind |= findings
+                .iter()
+                .any(|fault| fault.kind().breaks_measurement());
             return match findings.worst(policy) {
                 Some((fault, response)) => self.fail(fault, response),
                 None => Action::Continue,
@@ -232,6 +239,8 @@ impl Supervisor {
 
     /// Takes the time of a tick, and whether the base is known to move slower than
     /// [`SupervisorParams::rest`] says ([`Supervisor::rests`]; false where it is not known). Ends stops.
+    ///
+    /// After a fault that broke the measurement, rest is not believed: the brake ends by its limit alone.
     pub fn tick(&mut self, dt_us: u32, rests: bool) -> Action {
         let limit = match self.state {
             State::Stopping(_) => self.params.stop_limit,
@@ -246,7 +255,7 @@ impl Supervisor {
         };
         self.stop_us = self.stop_us.saturating_add(dt_us);
         let dwell = Timeout::AfterUs(self.params.rest.dwell_us);
-        if self.rest.holds(rests, dt_us, dwell) {
+        if self.rest.holds(rests && !self.blind, dt_us, dwell) {
             self.on(Event::Halted)
         } else if limit.passed(self.stop_us) {
             self.on(Event::StopTimedOut)
@@ -327,6 +336,7 @@ impl Supervisor {
             || state.drives();
         if resumed {
             self.worst = Reaction::RideOut;
+            self.blind = false;
         }
         if matches!((self.state, state), (State::Fault, State::Idle)) {
             self.latched = None;

@@ -290,7 +290,8 @@ fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
     findings.add(stuck);
     supervisor.on_findings(&findings, &policy);
     assert_eq!(supervisor.latched(), Some(Fault::UnderVoltage));
-    for _ in 0..20 {
+    // The whole time of the brake, since encoders cannot tell any more that the base rests.
+    for _ in 0..500 {
         supervisor.tick(10_000, true);
     }
     assert_eq!(supervisor.state(), State::Fault);
@@ -405,4 +406,19 @@ fn parameters_out_of_range_are_named() {
         ..default
     };
     assert!(endless.validate().is_ok(), "off because it says so");
+}
+
+/// A dead encoder says that the base stands; that does not end the braking, its limit does.
+#[test]
+fn rest_is_not_believed_from_a_broken_measurement() {
+    let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
+    let mut findings = Findings::NONE;
+    findings.add(Fault::EncoderStuck(Side::Both));
+    supervisor.on_findings(&findings, &Policy::default());
+    for _ in 0..499 {
+        assert_eq!(supervisor.tick(10_000, true), Action::Continue);
+        assert_eq!(supervisor.output(), OutputMode::Brake);
+    }
+    assert_eq!(supervisor.tick(10_000, true), Action::Release);
+    assert_eq!(supervisor.state(), State::Fault);
 }

@@ -1,0 +1,239 @@
+//! A base with encoders that break, wheels that slip, a monitor and a supervisor.
+
+use controller_core::hal::WheelCounts;
+use controller_core::maths::Libm;
+use controller_core::motion::{Motion, MotionController, Task};
+use controller_core::odometry::{Odometry, OdometryParams};
+use controller_core::safety::supervisor::{Event, SupervisorParams};
+use controller_core::safety::{
+    Evidence, Fault, FaultKind, Monitor, OutputMode, Policy, StopPlan, Supervisor, Watch,
+    WatchParams,
+};
+use controller_core::shunting::ExactMean;
+use controller_core::types::{Measured, Twist, WheelTorques, Wrench};
+
+use crate::motion_base::{Base, Body};
+use crate::motion_loop::Order;
+
+/// The controller in double precision.
+pub type Exact = MotionController<f64, Libm, ExactMean>;
+
+/// What an encoder makes of its wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoder {
+    /// The turn.
+    Sound,
+    /// Nothing.
+    Stuck,
+    /// The turn, backward.
+    Reversed,
+}
+
+/// Encoder counts per turn.
+pub const COUNTS: f64 = 4096.0;
+/// Inertia of a wheel without grip \[kg m²\]: 3 kg on 0.1 m.
+const WHEEL_INERTIA: f64 = 0.015;
+/// Time constant of the electrical brake \[s\].
+pub const BRAKE_TAU: f64 = 0.15;
+
+/// The base and all that watches over it.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    /// Controller.
+    pub controller: Exact,
+    /// Robot.
+    pub body: Body,
+    /// What it is made of.
+    pub plant: Base,
+    /// Right and left.
+    pub encoders: [Encoder; 2],
+    /// The left wheel has no grip at all, and turns at this \[rad/s\].
+    pub ice: Option<f64>,
+    /// Outside wrench.
+    pub push: Wrench<f64>,
+    /// Edits the evidence before the monitor gets it.
+    pub edit: fn(f64, &mut Evidence<f64>),
+    /// There is a source of the true twist.
+    pub outside: bool,
+    /// Supervisor.
+    pub supervisor: Supervisor,
+    /// First finding of each kind, with its time.
+    pub found: Vec<(f64, Fault)>,
+    /// Way of the middle of the axle \[m\], absolute.
+    pub way: f64,
+    /// Time \[s\].
+    pub t: f64,
+    monitor: Monitor<f64>,
+    odometry: Odometry<f64>,
+    counted: [f64; 2],
+    told: (OutputMode, WheelTorques<f64>, Twist<f64>),
+    plan: Option<(StopPlan<f64>, f64)>,
+    dt: f64,
+    ticks: u32,
+}
+
+impl Rig {
+    /// Driving from `body` along `order`, ticks of `dt`.
+    pub fn start(plant: Base, body: Body, order: &Order, dt: f64) -> Self {
+        let params = plant.exact();
+        let motion = params.validate().expect("valid");
+        let watch = WatchParams::for_base(&params, COUNTS, (1e6 * dt).round() as u32);
+        let wheels = params.robot.wheels;
+        let odometry = OdometryParams {
+            wheels,
+            counts_per_turn: COUNTS,
+            bandwidth: 100.0,
+        };
+        let valid = SupervisorParams::DEFAULT.validate().expect("valid");
+        let mut supervisor = Supervisor::new(&valid);
+        supervisor.on(Event::Arm);
+        supervisor.on(match order {
+            Task::Follow(_) => Event::Track,
+            Task::Park(_) => Event::Park,
+        });
+        Self {
+            controller: Exact::start(&motion, order, &body.measured()).expect("finite"),
+            body,
+            plant,
+            encoders: [Encoder::Sound; 2],
+            ice: None,
+            push: Wrench::default(),
+            edit: |_, _| {},
+            outside: false,
+            supervisor,
+            found: Vec::new(),
+            way: 0.0,
+            t: 0.0,
+            monitor: Monitor::new(&watch.validate().expect("valid")),
+            odometry: Odometry::new(&odometry, body.pose, WheelCounts::default()).expect("valid"),
+            counted: [0.0; 2],
+            told: (OutputMode::Drive, WheelTorques::default(), Twist::default()),
+            plan: None,
+            dt,
+            ticks: 0,
+        }
+    }
+
+    /// The parameters that the controller has.
+    pub fn motion(&self) -> &Motion<f64> {
+        self.controller.motion()
+    }
+
+    /// Watches by other parameters from now on.
+    pub fn watch(&mut self, watch: &Watch<f64>) {
+        self.monitor = Monitor::new(watch);
+    }
+
+    /// When a kind was found first.
+    pub fn found_at(&self, kind: FaultKind) -> Option<f64> {
+        let found = self.found.iter().find(|(_, fault)| fault.kind() == kind);
+        found.map(|(t, _)| *t)
+    }
+
+    /// The base over a tick, then the tick.
+    pub fn advance(&mut self, order: &Order) {
+        self.roll();
+        self.ticks += 1;
+        self.t = f64::from(self.ticks) * self.dt;
+        let counts = WheelCounts {
+            right: self.counted[0].floor() as i32,
+            left: self.counted[1].floor() as i32,
+        };
+        let measured = self.odometry.update::<Libm>(counts, self.dt);
+        let (_, torques, command) = self.told;
+        let mut evidence = Evidence {
+            dt_us: (1e6 * self.dt).round() as u32,
+            counts: Some(counts),
+            measured,
+            command,
+            torques,
+            outside: self.outside.then_some(self.body.twist),
+            ..Evidence::default()
+        };
+        (self.edit)(self.t, &mut evidence);
+        let found = self.monitor.check(&evidence);
+        for fault in found.iter() {
+            if self.found_at(fault.kind()).is_none() {
+                self.found.push((self.t, fault));
+            }
+        }
+        self.supervisor.on_findings(&found, &Policy::default());
+        let Twist { linear, angular } = measured.twist;
+        let rests = self.supervisor.rests(linear as f32, angular as f32);
+        self.supervisor.tick(evidence.dt_us, rests);
+        self.told = self.decide(order, &measured);
+    }
+
+    /// Runs to `until`.
+    pub fn run(&mut self, until: f64, order: impl Fn(f64) -> Order) {
+        while self.t < until {
+            let order = order(self.t + self.dt);
+            self.advance(&order);
+        }
+    }
+
+    fn decide(
+        &mut self,
+        order: &Order,
+        measured: &Measured<f64>,
+    ) -> (OutputMode, WheelTorques<f64>, Twist<f64>) {
+        let output = self.supervisor.output();
+        let task = match output {
+            OutputMode::Drive | OutputMode::Hold => *order,
+            OutputMode::ControlledStop => {
+                if self.plan.is_none() {
+                    let command = self.controller.report().command;
+                    self.plan = Some((StopPlan::new::<Libm>(self.motion(), &command), self.t));
+                    self.controller.declare_jump();
+                }
+                let (plan, begin) = self.plan.expect("just made");
+                plan.task::<Libm>(self.t - begin, self.dt, &measured.pose)
+            }
+            OutputMode::ZeroTorque | OutputMode::Brake | OutputMode::Release => {
+                return (output, WheelTorques::default(), Twist::default());
+            }
+        };
+        let report = self.controller.step(self.dt, &task, measured);
+        let report = report.expect("the tick is accepted");
+        (output, report.torques, report.command)
+    }
+
+    fn roll(&mut self) {
+        let (output, mut torques, _) = self.told;
+        let map = *self.motion().wheels();
+        let before = map.wheel_speeds(&self.body.twist);
+        let mut slip = None;
+        if let Some(speed) = self.ice {
+            let after = speed + self.dt * torques.left / WHEEL_INERTIA;
+            self.ice = Some(after);
+            slip = Some((speed + after) / 2.0);
+            torques.left = 0.0;
+        }
+        let Wrench { force, moment } = map.wrench(&torques);
+        let wrench = Wrench {
+            force: force + self.push.force,
+            moment: moment + self.push.moment,
+        };
+        let old = self.body.twist.linear;
+        self.body = self.body.after(&self.plant, &wrench, self.dt);
+        if output == OutputMode::Brake {
+            let left = (-self.dt / BRAKE_TAU).exp();
+            let twist = &mut self.body.twist;
+            (twist.linear, twist.angular) = (twist.linear * left, twist.angular * left);
+        }
+        self.way += self.dt * (old + self.body.twist.linear).abs() / 2.0;
+        let after = map.wheel_speeds(&self.body.twist);
+        let speeds = [
+            (before.right + after.right) / 2.0,
+            slip.unwrap_or((before.left + after.left) / 2.0),
+        ];
+        for (k, speed) in speeds.into_iter().enumerate() {
+            let step = speed * self.dt * COUNTS / std::f64::consts::TAU;
+            self.counted[k] += match self.encoders[k] {
+                Encoder::Sound => step,
+                Encoder::Stuck => 0.0,
+                Encoder::Reversed => -step,
+            };
+        }
+    }
+}

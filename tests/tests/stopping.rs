@@ -1,0 +1,226 @@
+//! The controlled stop in closed loop: it ends within its bounds, and the bounds are not idle.
+
+use std::path::Path;
+
+use controller_core::maths::Libm;
+use controller_core::motion::{Motion, MotionController, Policy, Task};
+use controller_core::reference::Reference;
+use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
+use controller_core::shunting::ExactMean;
+use controller_core::types::{Accel, Measured, Pose, Twist};
+use sim_host::drive::Base as FileBase;
+use tests::motion_base::{Base, Body};
+use tests::random::Random;
+
+type Exact = MotionController<f64, Libm, ExactMean>;
+
+/// Controller and robot on wheels of any size.
+struct Loop {
+    motion: Motion<f64>,
+    plant: Base,
+    controller: Exact,
+    body: Body,
+    dt: f64,
+}
+
+impl Loop {
+    fn start(motion: &Motion<f64>, twist: Twist<f64>, dt: f64) -> Self {
+        let params = motion.params();
+        let body = Body {
+            pose: Pose::default(),
+            twist,
+        };
+        let task = anew(&body.measured(), twist, Accel::default());
+        Self {
+            motion: *motion,
+            plant: Base {
+                mass: params.robot.mass_kg,
+                inertia: params.robot.inertia_kg_m2,
+                limits: params.limits,
+            },
+            controller: Exact::start(motion, &task, &body.measured()).expect("finite"),
+            body,
+            dt,
+        }
+    }
+
+    fn advance(&mut self, task: impl Fn(&Measured<f64>) -> Task<f64>) {
+        let torques = self.controller.report().torques;
+        let wrench = self.motion.wheels().wrench(&torques);
+        self.body = self.body.after(&self.plant, &wrench, self.dt);
+        let measured = self.body.measured();
+        let step = self.controller.step(self.dt, &task(&measured), &measured);
+        step.expect("accepted");
+    }
+
+    /// A controlled stop: way, turn, time to rest, and the bounds that were given when it began.
+    fn stop(&mut self) -> (f64, f64, f64, Stopping<f64>) {
+        let report = self.controller.report();
+        let (command, error) = (report.command, self.body.twist.minus(&report.command));
+        let bound =
+            controlled_stop::<f64, Libm>(&self.motion, &command, &report.command_rate, &error);
+        let plan = StopPlan::new::<Libm>(&self.motion, &command);
+        self.controller.declare_jump();
+        let (mut way, mut turn, mut rest, mut k) = (0.0, 0.0, 0.0, 0);
+        let (mut furthest, mut most) = (0.0_f64, 0.0_f64);
+        while f64::from(k) * self.dt < bound.time_s + 2.0 {
+            let t = f64::from(k) * self.dt;
+            let last = self.body.twist;
+            let dt = self.dt;
+            self.advance(|measured| plan.task::<Libm>(t, dt, &measured.pose));
+            let twist = self.body.twist;
+            way += self.dt * (last.linear + twist.linear) / 2.0;
+            turn += self.dt * (last.angular + twist.angular) / 2.0;
+            (furthest, most) = (furthest.max(way.abs()), most.max(turn.abs()));
+            k += 1;
+            // A hundredth of the base's speeds, which time_s promises.
+            let limits = &self.motion.params().limits;
+            if twist.linear.abs() > 0.01 * limits.speed
+                || twist.angular.abs() > 0.01 * limits.turn_rate
+            {
+                rest = f64::from(k) * self.dt;
+            }
+        }
+        (furthest, most, rest, bound)
+    }
+}
+
+/// A reference that is anew at the measured pose.
+fn anew(measured: &Measured<f64>, twist: Twist<f64>, accel: Accel<f64>) -> Task<f64> {
+    Task::Follow(Reference::new::<Libm>(measured.pose, twist, accel))
+}
+
+/// The bases that come with the project, and a weak one.
+fn bases() -> Vec<(String, Motion<f64>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
+    let mut found = vec![("weak".to_owned(), Base::WEAK.exact())];
+    for file in std::fs::read_dir(folder).expect("bases") {
+        let base = FileBase::load(&file.expect("a file").path()).expect("a base");
+        found.push((base.name.clone(), base.motion()));
+    }
+    assert!(found.len() >= 4);
+    let valid = |(name, params): (String, controller_core::motion::MotionParams<f64>)| {
+        (name, params.validate().expect("valid"))
+    };
+    found.into_iter().map(valid).collect()
+}
+
+/// From a steady twist: within the bound, which is less than 1.5 times the way at half the top speed and more.
+#[test]
+fn bounds_hold_and_are_near_for_every_base_and_speed() {
+    for (name, motion) in bases() {
+        let limits = motion.params().limits;
+        for share in [0.05, 0.2, 0.5, 0.8, 1.0] {
+            for dt in [0.001, 0.01] {
+                for sign in [1.0, -1.0] {
+                    let v = sign * share * limits.speed;
+                    let mut drive = Loop::start(&motion, Twist::new(v, 0.0), dt);
+                    let (way, _, rest, bound) = drive.stop();
+                    // The two ticks that the bound does not know of.
+                    let late = 2.0 * v.abs() * dt;
+                    assert!(
+                        way <= bound.distance_m + late,
+                        "{name} {v}: {way} of {bound:?}"
+                    );
+                    assert!(rest <= bound.time_s + dt, "{name} {v}: {rest} of {bound:?}");
+                    let straight = controlled_stop_distance::<f64, Libm>(&motion, v);
+                    assert!(straight >= bound.distance_m);
+                    if share >= 0.5 {
+                        println!(
+                            "{name} {v:.2} m/s {dt}: {way:.3} m of {:.3}, {rest:.2} s of {:.2}",
+                            bound.distance_m, bound.time_s
+                        );
+                        assert!(
+                            bound.distance_m < 1.5 * way,
+                            "{name} {v}: {way} of {bound:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// From random twists, speeding up or turning in, under all policies: 400 stops.
+#[test]
+fn bounds_hold_for_random_twists_and_accelerations() {
+    let mut random = Random(0x5EED_5709);
+    let mut ratio = (f64::INFINITY, 0.0_f64);
+    for (name, motion) in bases() {
+        for policy in [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst] {
+            let mut params = *motion.params();
+            params.limits.policy = policy;
+            let motion = params.validate().expect("valid");
+            let limits = &motion.params().limits;
+            for _ in 0..34 {
+                let twist =
+                    Twist::new(random.within(limits.speed), random.within(limits.turn_rate));
+                let accel = Accel::new(
+                    random.within(0.5 * limits.accel),
+                    random.within(0.5 * limits.turn_accel),
+                );
+                let mut drive = Loop::start(&motion, twist, 0.01);
+                // 0.3 s of acceleration, which the stop then meets.
+                for k in 0..30 {
+                    let t = f64::from(k) * 0.01;
+                    let twist = Twist::new(
+                        twist.linear + t * accel.linear,
+                        twist.angular + t * accel.angular,
+                    );
+                    drive.advance(|measured| anew(measured, twist, accel));
+                }
+                let (way, turn, _, bound) = drive.stop();
+                // Two ticks at no more than the speeds reached by then, and the bridge's begin.
+                let ticks = |speed: f64, accel: f64| {
+                    let decay = motion.gains().decay;
+                    0.02 * (speed.abs() + 0.32 * accel.abs()) + 0.02 * accel.abs() / decay
+                };
+                let late = ticks(twist.linear, accel.linear);
+                let turned = ticks(twist.angular, accel.angular);
+                assert!(
+                    way <= bound.distance_m + late,
+                    "{name} {twist:?} {accel:?}: {way} of {bound:?}"
+                );
+                assert!(
+                    turn <= bound.angle_rad + turned,
+                    "{name} {twist:?} {accel:?}: {turn} of {bound:?}"
+                );
+                if way > 0.2 * bound.distance_m {
+                    ratio = (
+                        ratio.0.min(way / bound.distance_m),
+                        ratio.1.max(way / bound.distance_m),
+                    );
+                }
+            }
+        }
+    }
+    println!("way over bound: {ratio:.2?}");
+}
+
+/// A pose that jumps by half a metre in each tick does not disturb a stop: it goes by the twist.
+#[test]
+fn a_jumping_pose_does_not_disturb_the_stop() {
+    let motion = Base::STANDARD.exact().validate().expect("valid");
+    let stop = |wild: f64| {
+        let mut drive = Loop::start(&motion, Twist::new(1.0, 0.5), 0.01);
+        let plan = StopPlan::new::<Libm>(&motion, &Twist::new(1.0, 0.5));
+        drive.controller.declare_jump();
+        let mut random = Random(7);
+        for k in 0..300 {
+            let jump = random.within(wild);
+            let torques = drive.controller.report().torques;
+            let wrench = motion.wheels().wrench(&torques);
+            drive.body = drive.body.after(&drive.plant, &wrench, 0.01);
+            let mut measured = drive.body.measured::<f64>();
+            measured.pose.x += jump;
+            let task = plan.task::<Libm>(0.01 * f64::from(k), 0.01, &measured.pose);
+            drive
+                .controller
+                .step(0.01, &task, &measured)
+                .expect("accepted");
+        }
+        drive.body.pose
+    };
+    let (calm, wild) = (stop(0.0), stop(0.5));
+    assert!((calm.x - wild.x).abs() < 1e-9 && (calm.theta - wild.theta).abs() < 1e-9);
+}
