@@ -12,13 +12,13 @@
 //! A driver without an electrical brake does for [`OutputMode::Brake`] what it can, which is to release. A
 //! host whose stop is to let go at once sends `Event::Fault(Response::passing(Reaction::Release))`.
 
+mod params;
 mod run;
 mod state;
 mod table;
 
-pub use run::{
-    Cause, Emergency, RestLimits, Standing, Supervisor, SupervisorParams, ValidSupervisor,
-};
+pub use params::{Emergency, RestLimits, Standing, SupervisorParams, ValidSupervisor};
+pub use run::{Cause, Supervisor};
 pub use state::{Action, Event, OutputMode, State, Then};
 pub use table::next;
 
