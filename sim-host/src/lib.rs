@@ -8,6 +8,7 @@
 //! | step | modules |
 //! | --- | --- |
 //! | read | [`scenario`], [`motion`], [`advice`] |
+//! | whole base | [`rig`] in a [`world`] |
 //! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | from a robot's log | [`identify`] |
@@ -37,6 +38,7 @@ pub mod motion;
 pub mod pil;
 pub mod pilot;
 pub mod plant;
+pub mod rig;
 pub mod robustness;
 pub mod run;
 pub mod scenario;

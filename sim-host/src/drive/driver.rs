@@ -172,7 +172,7 @@ fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion
     params.validate()
 }
 
-fn narrow_gains<T: Scalar>(from: &MotionGains<f64>) -> MotionGains<T> {
+pub(crate) fn narrow_gains<T: Scalar>(from: &MotionGains<f64>) -> MotionGains<T> {
     let f = T::from_f64;
     MotionGains {
         decay: f(from.decay),
@@ -231,7 +231,7 @@ fn narrow_task<T: Scalar, M: Maths<T>>(task: &Task<f64>, origin: (f64, f64)) -> 
 }
 
 /// A report, widened without rounding.
-fn widen<T: Scalar>(from: &MotionReport<T>) -> MotionReport<f64> {
+pub(crate) fn widen<T: Scalar>(from: &MotionReport<T>) -> MotionReport<f64> {
     let twist = |t: &Twist<T>| Twist::new(t.linear.to_f64(), t.angular.to_f64());
     let accel = |a: &Accel<T>| Accel::new(a.linear.to_f64(), a.angular.to_f64());
     MotionReport {

@@ -3,6 +3,7 @@
 use super::Base;
 use crate::import::Trajectory;
 use crate::motion::Motion;
+use crate::rig::Place;
 use crate::scenario::Precision;
 use controller_core::params::Robot;
 use controller_core::types::{Measured, Pose};
@@ -30,6 +31,8 @@ pub struct Mission {
     pub period_s: f64,
     /// When the run ends.
     pub end: End,
+    /// A world to run in; none for the ideal plant with perfect measurements.
+    pub place: Option<Place>,
 }
 
 /// What the robot does.

@@ -5,6 +5,7 @@ use super::guide::{Guide, Orders};
 use super::mission::{End, Mission};
 use super::trace::{DriveHandOver, DriveRow, DriveTrace};
 use crate::plant::Plant;
+use crate::rig::RigError;
 use controller_core::error::StepFault;
 use controller_core::maths::Libm;
 use controller_core::motion::{Outcome, Task};
@@ -33,6 +34,14 @@ pub enum DriveError {
         /// Why.
         cause: StepFault,
     },
+    /// The base or the world cannot be.
+    #[error("{name}: {cause}")]
+    Rig {
+        /// The mission.
+        name: String,
+        /// Why.
+        cause: RigError,
+    },
 }
 
 /// For how long a robot is watched after it parked \[s\].
@@ -43,6 +52,12 @@ const WATCH_S: f64 = 1.0;
 /// # Errors
 /// The first fault of the controller, with its time.
 pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
+    if let Some(place) = &mission.place {
+        return crate::rig::drive(mission, place).map_err(|cause| DriveError::Rig {
+            name: mission.name.clone(),
+            cause,
+        });
+    }
     let dt = mission.period_s;
     let mut guide = Guide::new(mission);
     let mut plant = Plant::new(mission.robot, &mission.start);

@@ -89,6 +89,7 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
         events: Vec::new(),
         period_s: disturbance.period_s,
         end: End::At(disturbance.duration_s),
+        place: None,
     }
 }
 

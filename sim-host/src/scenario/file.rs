@@ -81,7 +81,7 @@ pub(super) struct Robot {
     pub max_wheel_torque: Option<f64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Plant {
     pub mass_factor: Option<f64>,

@@ -4,9 +4,11 @@ use super::base::{LimitKeys, RobotKeys, base, pose};
 use super::check::{Checked, motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
 use super::source::Source;
-use super::{Precision, ScenarioError, belief, ranges};
-use crate::drive::{Change, Course, End, Event, HandOverRule, Mission, Route, When};
+use super::{BuiltInBase, Precision, ScenarioError, belief, ranges};
+use crate::drive::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
 use crate::motion::Motion;
+use crate::rig::Place;
+use crate::world::WorldKeys;
 use controller_core::types::{Measured, Pose, Twist};
 use serde::Deserialize;
 use std::path::Path;
@@ -29,6 +31,12 @@ struct File {
     goal: Option<PoseKeys>,
     #[serde(default)]
     event: Vec<EventKeys>,
+    /// A base by its file, beside the scenario's, instead of `[robot]` and `[limits]`.
+    base: Option<String>,
+    /// A plant that is not kind, instead of the ideal one.
+    world: Option<WorldKeys>,
+    /// Of the world's noise.
+    seed: Option<u64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -82,12 +90,22 @@ impl Mission {
         } else {
             "base of the scenario"
         };
-        let base = base(
-            name.to_owned(),
-            keys.robot.as_ref(),
-            keys.limits.as_ref(),
-            &place,
-        )?;
+        let base = match &keys.base {
+            None => base(
+                name.to_owned(),
+                keys.robot.as_ref(),
+                keys.limits.as_ref(),
+                &place,
+            )?,
+            Some(_) if keys.robot.is_some() || keys.limits.is_some() => {
+                return Err(place.error("base", "is a whole base: leave out [robot] and [limits]"));
+            }
+            Some(named) => named_base(file, named)?,
+        };
+        if keys.world.is_some() && keys.plant != file::Plant::default() {
+            let message = "is the ideal plant's: a [world] says it in [world.body]";
+            return Err(place.error("plant", message));
+        }
         let robot = belief::true_robot(&base.robot, &keys.plant, &place)?;
         let (duration, period_s) = timing(&keys.run, base.motion().max_tick_s, &place)?;
         let start = &keys.start;
@@ -106,7 +124,35 @@ impl Mission {
             },
             period_s,
             end: End::At(duration),
+            place: place_of(keys.world, keys.seed, &place)?,
         })
+    }
+}
+
+/// A base's file beside the scenario's, or one of the built-in bases.
+fn named_base(file: &str, named: &str) -> Checked<Base> {
+    let beside = Path::new(file)
+        .parent()
+        .unwrap_or(Path::new(""))
+        .join(named);
+    match BuiltInBase::find(named) {
+        Some(base) if !beside.exists() => base.base(),
+        _ => Base::load(&beside),
+    }
+}
+
+fn place_of(
+    world: Option<WorldKeys>,
+    seed: Option<u64>,
+    place: &Source<'_>,
+) -> Checked<Option<Place>> {
+    match (world, seed) {
+        (None, Some(_)) => Err(place.error("seed", "needs a [world] whose noise it settles")),
+        (None, None) => Ok(None),
+        (Some(world), seed) => Ok(Some(Place {
+            world,
+            seed: seed.unwrap_or(1),
+        })),
     }
 }
 

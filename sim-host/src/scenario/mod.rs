@@ -8,6 +8,7 @@
 mod base;
 mod belief;
 mod built_in;
+mod built_in_base;
 mod check;
 mod file;
 mod hardware;
@@ -16,6 +17,7 @@ mod ranges;
 mod source;
 
 pub use built_in::{BUILT_IN, BuiltIn, MISSIONS, PAPER};
+pub use built_in_base::{BASES, BuiltInBase};
 pub use source::ScenarioError;
 
 use crate::motion::Motion;

@@ -1,0 +1,186 @@
+//! Between the plant's doubles and the controller's singles.
+
+use crate::drive::Hardware;
+use controller_core::base::{BaseParams, Drive, Order, Sensed};
+use controller_core::error::ParamError;
+use controller_core::localiser::{Fix, LocaliserParams};
+use controller_core::maths::Single;
+use controller_core::motion::{Limits, Task};
+use controller_core::motor::{Motor, MotorCommand, WheelDemand};
+use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::params::Robot;
+use controller_core::reference::Reference;
+use controller_core::safety::Currents;
+use controller_core::types::{Accel, Pose, Twist, WheelTorques};
+use controller_core::wheels::WheelGeometry;
+
+use crate::drive::{Base, narrow_gains};
+use crate::world::{Actuation, World};
+
+/// Counts per turn and bandwidth of a base that says nothing about its encoders.
+const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
+
+/// The core's parameters of a base that ticks every `period_us`.
+pub(super) fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
+    let f = |value: f64| value as f32;
+    let (robot, limits) = (&base.robot, &base.limits);
+    let wheels = WheelGeometry {
+        radius_right_m: f(robot.wheels.radius_right_m),
+        radius_left_m: f(robot.wheels.radius_left_m),
+        track_m: f(robot.wheels.track_m),
+    };
+    let robot = Robot {
+        mass_kg: f(robot.mass_kg),
+        inertia_kg_m2: f(robot.inertia_kg_m2),
+        wheels,
+    };
+    let limits = Limits {
+        speed: f(limits.speed),
+        turn_rate: f(limits.turn_rate),
+        accel: f(limits.accel),
+        brake: f(limits.brake),
+        turn_accel: f(limits.turn_accel),
+        jerk: f(limits.jerk),
+        turn_jerk: f(limits.turn_jerk),
+        wheel_torque_nm: f(limits.wheel_torque_nm),
+        policy: limits.policy,
+    };
+    let (localiser, motor) = match &base.hardware {
+        Some(hardware) => (
+            hardware.localiser(&base.robot.wheels),
+            Some(hardware.motor(base.limits.speed, smaller_radius(base))),
+        ),
+        None => (plain_localiser(wheels), None),
+    };
+    let mut params = BaseParams::new::<Single>(robot, limits, localiser, motor, period_us)?;
+    if let Some(gains) = &base.gains {
+        // What noise asks of `slow` stays.
+        let slow = params.motion.gains.slow;
+        params.motion.gains = narrow_gains(gains);
+        if params.motion.gains.slow < slow {
+            params.motion.gains.slow = slow;
+        }
+    }
+    Ok(params)
+}
+
+fn smaller_radius(base: &Base) -> f64 {
+    let wheels = &base.robot.wheels;
+    wheels.radius_right_m.min(wheels.radius_left_m)
+}
+
+fn plain_localiser(wheels: WheelGeometry<f32>) -> LocaliserParams<f32> {
+    let (counts, bandwidth) = PLAIN_ENCODER;
+    LocaliserParams {
+        odometry: OdometryParams {
+            wheels,
+            calibration: Calibration::NOMINAL,
+            counts_per_turn: counts as f32,
+            bandwidth: bandwidth as f32,
+        },
+        fusion: None,
+    }
+}
+
+/// The world of a base: its hardware, but for what the keys say otherwise.
+pub(super) fn with_hardware(
+    keys: &crate::world::WorldKeys,
+    hardware: Option<&Hardware>,
+) -> crate::world::WorldKeys {
+    let Some(hardware) = hardware else {
+        let mut keys = keys.clone();
+        keys.encoder.counts_per_turn = PLAIN_ENCODER.0;
+        return keys;
+    };
+    let own = hardware.world();
+    let plain = crate::world::WorldKeys::default();
+    let mut all = keys.clone();
+    all.motor = all.motor.or(own.motor);
+    if all.battery == plain.battery {
+        all.battery = own.battery;
+    }
+    let rolling = all.friction.rolling;
+    if (crate::world::FrictionParams {
+        rolling: 0.0,
+        ..all.friction
+    }) == plain.friction
+    {
+        all.friction = own.friction;
+        all.friction.rolling = rolling.max(own.friction.rolling);
+    }
+    all.encoder.counts_per_turn = own.encoder.counts_per_turn;
+    all.pose_source = all.pose_source.or(own.pose_source);
+    all
+}
+
+/// What the base measures of a world.
+pub(super) fn sensed(world: &World) -> Sensed<f32> {
+    let [right, left] = world.currents();
+    Sensed {
+        counts: world.counts(),
+        fix: world.fix().map(|(pose, age_s)| Fix {
+            pose: narrow_pose(&pose),
+            age_s: age_s as f32,
+        }),
+        supply_v: Some(world.supply_v() as f32),
+        currents: Some(Currents {
+            right: right as f32,
+            left: left as f32,
+        }),
+        driver: world.drive_answer(),
+    }
+}
+
+/// Duties of both motors for torques, and the torques that accelerate the base under them.
+pub(super) fn duties(
+    motor: &Motor<f32>,
+    drive: &Drive<f32>,
+    supply_v: f32,
+) -> (Actuation, WheelTorques<f32>, bool) {
+    let wheel = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
+        let demand = WheelDemand {
+            torque_nm,
+            wanted_speed_rad_s,
+            speed_rad_s,
+        };
+        motor.command(&demand, supply_v)
+    };
+    let Drive {
+        torques,
+        wanted,
+        speeds,
+    } = drive;
+    let right = wheel(torques.right, wanted.right, speeds.right);
+    let left = wheel(torques.left, wanted.left, speeds.left);
+    let exerted = |command: &MotorCommand<f32>| command.torque_nm - command.friction_nm;
+    (
+        Actuation::Duty {
+            right: f64::from(right.duty),
+            left: f64::from(left.duty),
+        },
+        WheelTorques {
+            right: exerted(&right),
+            left: exerted(&left),
+        },
+        right.limited.torque() || left.limited.torque(),
+    )
+}
+
+pub(super) fn narrow_pose(pose: &Pose<f64>) -> Pose<f32> {
+    Pose::new(pose.x as f32, pose.y as f32, pose.theta as f32)
+}
+
+/// A task as an order.
+pub(super) fn order(task: &Task<f64>) -> Order<f32> {
+    match task {
+        Task::Park(goal) => Order::Park(narrow_pose(goal)),
+        Task::Follow(reference) => {
+            let (twist, accel) = (reference.twist(), reference.accel());
+            Order::Follow(Reference::new::<Single>(
+                narrow_pose(reference.pose()),
+                Twist::new(twist.linear as f32, twist.angular as f32),
+                Accel::new(accel.linear as f32, accel.angular as f32),
+            ))
+        }
+    }
+}

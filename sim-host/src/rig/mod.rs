@@ -1,0 +1,23 @@
+//! The whole base of [`controller_core::base`] in a world that is not kind: encoders, late poses, motors,
+//! friction, slip, uneven ticks, faults.
+//!
+//! The controller is the chip's, in single precision with the core's own maths; [`crate::world`] is the
+//! truth it is measured against, and they share no code. A run is settled by its mission and a seed.
+
+mod convert;
+mod run;
+mod trial;
+
+pub use run::drive;
+pub use trial::{Rig, RigError};
+
+use crate::world::WorldKeys;
+
+/// Where a mission takes place, if not on the ideal plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The true plant; `body` are factors on the robot that the controller believes in.
+    pub world: WorldKeys,
+    /// Settles all noise.
+    pub seed: u64,
+}

@@ -1,0 +1,93 @@
+//! A mission in a world.
+
+use super::trial::{Rig, RigError};
+use super::{Place, convert};
+use crate::drive::{DriveRow, DriveTrace, Guide, Mission, widen};
+use controller_core::maths::Libm;
+use controller_core::motion::MotionReport;
+use controller_core::pose_error::pose_error;
+use controller_core::safety::supervisor::{Event, State};
+use controller_core::types::{Measured, Pose, Twist};
+
+/// For how long a base is watched after it parked \[s\].
+const WATCH_S: f64 = 1.0;
+
+/// Runs a mission in a world: arms, follows, hands over, parks.
+///
+/// The trace ends early when the base stopped or failed for good, or has been parked for a second.
+///
+/// # Errors
+/// Parameters out of their range.
+pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
+    let mut rig = Rig::new(mission, place)?;
+    let mut guide = Guide::new(mission);
+    let mut trace = DriveTrace {
+        period_s: mission.period_s,
+        ..DriveTrace::default()
+    };
+    let mut parked_since = None;
+    let last_event = mission.events.last().map_or(0.0, |event| event.at_s);
+    loop {
+        rig.advance()?;
+        let t = 1.0e-6 * rig.world().now_us() as f64 - mission.period_s;
+        if t > mission.longest_s() {
+            break;
+        }
+        let row = tick(mission, &mut rig, &mut guide, t);
+        let state = rig.base().report().state;
+        trace.rows.push(row);
+        parked_since = match state {
+            State::Parked => parked_since.or(Some(t)),
+            _ => None,
+        };
+        let done = matches!(state, State::Stopped | State::Fault)
+            || parked_since.is_some_and(|since| t >= since.max(last_event) + WATCH_S);
+        if done {
+            break;
+        }
+    }
+    Ok(trace)
+}
+
+/// One tick of a mission.
+fn tick(mission: &Mission, rig: &mut Rig, guide: &mut Guide<'_>, t: f64) -> DriveRow {
+    let truth = rig.world().truth();
+    let report = rig.base().report();
+    let believed = report
+        .measured
+        .map_or(mission.start, |measured| widen_measured(&measured));
+    let command = report.motion.map_or(Twist::default(), |motion| {
+        let Twist { linear, angular } = motion.command;
+        Twist::new(f64::from(linear), f64::from(angular))
+    });
+    let motion = *rig.base().base().motion();
+    let distance = |speed: f64| f64::from(motion.hand_over_distance(speed as f32));
+    // Ticks come unevenly; the route goes by the clock.
+    let tick = (t.max(0.0) / mission.period_s).round() as usize;
+    let orders = guide.at(tick, t, &believed, &command, distance);
+    if rig.base().report().state == State::Idle && rig.base().report().measured.is_some() {
+        rig.base_mut().on(Event::Arm);
+    }
+    let report = *rig.tick(&convert::order(&orders.task));
+    let measured = report.measured.map_or(mission.start.pose, |measured| {
+        widen_measured(&measured).pose
+    });
+    DriveRow {
+        t,
+        truth,
+        measured,
+        reference: orders.target,
+        error: pose_error::<f64, Libm>(orders.target.pose(), &truth.pose),
+        report: report
+            .motion
+            .map_or_else(MotionReport::default, |motion| widen(&motion)),
+    }
+}
+
+fn widen_measured(from: &Measured<f32>) -> Measured<f64> {
+    let Measured { pose, twist } = from;
+    Measured {
+        pose: Pose::new(f64::from(pose.x), f64::from(pose.y), f64::from(pose.theta)),
+        twist: Twist::new(f64::from(twist.linear), f64::from(twist.angular)),
+    }
+}

@@ -1,0 +1,137 @@
+//! World and base, tick by tick.
+
+use super::{Place, convert};
+use crate::drive::Mission;
+use crate::world::{Actuation, ActuationError, World, WorldError};
+use controller_core::base::{BaseController, BaseError, BaseReport, Order, WheelAction};
+use controller_core::error::ParamError;
+use controller_core::maths::Single;
+use controller_core::types::WheelTorques;
+
+/// Why a base cannot be put into a world.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RigError {
+    /// A parameter of the base.
+    #[error("{0}")]
+    Param(ParamError),
+    /// A parameter of the base, or a response to a fault.
+    #[error("{0}")]
+    Base(BaseError),
+    /// A parameter of the world.
+    #[error("world.{0}")]
+    World(WorldError),
+    /// A command that the world refuses: an error of the base.
+    #[error("{0}")]
+    Actuation(ActuationError),
+}
+
+/// A base in a world.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    world: World,
+    base: BaseController,
+    period_us: u32,
+    dt_us: u32,
+    actuation: Actuation,
+}
+
+impl Rig {
+    /// A disarmed base that knows where it starts.
+    ///
+    /// # Errors
+    /// Parameters out of their range.
+    pub fn new(mission: &Mission, place: &Place) -> Result<Self, RigError> {
+        let period_us = (1.0e6 * mission.period_s).round() as u32;
+        let params = convert::params(&mission.base, period_us).map_err(RigError::Param)?;
+        let base = params.validate::<Single>().map_err(RigError::Base)?;
+        let keys = convert::with_hardware(&place.world, mission.base.hardware.as_ref());
+        let world = World::new(&keys.params(&mission.robot), &mission.start, place.seed);
+        Ok(Self {
+            world: world.map_err(RigError::World)?,
+            base: BaseController::new(&base, convert::narrow_pose(&mission.start.pose)),
+            period_us,
+            dt_us: period_us,
+            actuation: Actuation::Release,
+        })
+    }
+
+    /// Lets the world go on to the next tick.
+    ///
+    /// # Errors
+    /// A command that the world refuses, which no base gives.
+    pub fn advance(&mut self) -> Result<(), RigError> {
+        self.dt_us = self.world.next_tick_us(self.period_us);
+        let moved = self.world.advance(&self.actuation, self.dt_us);
+        moved.map_err(RigError::Actuation)
+    }
+
+    /// The base's tick, and what the wheels do from now on.
+    pub fn tick(&mut self, order: &Order<f32>) -> &BaseReport<f32> {
+        let sensed = convert::sensed(&self.world);
+        let action = self.base.tick(self.dt_us, order, &sensed).action;
+        self.actuate(&action);
+        self.base.report()
+    }
+
+    /// The button: it reaches the wheels at once.
+    pub fn emergency_stop(&mut self) {
+        let action = self.base.emergency_stop();
+        self.actuate(&action);
+    }
+
+    fn actuate(&mut self, action: &WheelAction<f32>) {
+        self.actuation = match action {
+            WheelAction::Release => Actuation::Release,
+            WheelAction::Brake => Actuation::Brake,
+            WheelAction::Drive(drive) => match self.base.base().motor() {
+                Some(motor) => {
+                    let supply_v = self.world.supply_v() as f32;
+                    let (duty, exerted, limited) = convert::duties(motor, drive, supply_v);
+                    if limited {
+                        // Finite by the motor layer's own check.
+                        let _ = self.base.note_exerted(&exerted);
+                    }
+                    duty
+                }
+                None => {
+                    let WheelTorques { right, left } = drive.torques;
+                    Actuation::Torque {
+                        right: f64::from(right),
+                        left: f64::from(left),
+                    }
+                }
+            },
+        };
+    }
+
+    /// The world, for what truly happens.
+    pub const fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world, to put faults into.
+    pub const fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// The base.
+    pub const fn base(&self) -> &BaseController {
+        &self.base
+    }
+
+    /// The base, to be told something.
+    pub const fn base_mut(&mut self) -> &mut BaseController {
+        &mut self.base
+    }
+
+    /// Length of the last tick \[µs\].
+    pub const fn dt_us(&self) -> u32 {
+        self.dt_us
+    }
+
+    /// What acts on the wheels until the next tick.
+    pub const fn actuation(&self) -> &Actuation {
+        &self.actuation
+    }
+}

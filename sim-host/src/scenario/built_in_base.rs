@@ -1,0 +1,53 @@
+//! The base files that travel inside the program.
+
+use super::ScenarioError;
+use crate::drive::Base;
+
+/// A base file built into the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuiltInBase {
+    /// Its name on the command line and in scenarios.
+    pub name: &'static str,
+    /// The file, comments included.
+    pub text: &'static str,
+}
+
+macro_rules! bases {
+    ($($name:literal),*) => {
+        /// The files of `bases/`.
+        pub const BASES: &[BuiltInBase] = &[$(BuiltInBase {
+            name: $name,
+            text: include_str!(concat!("../../../bases/", $name, ".toml")),
+        }),*];
+    };
+}
+
+bases!["paper-30kg", "lab-10kg", "hobby-1kg"];
+
+impl BuiltInBase {
+    /// The built-in base of this name.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        BASES.iter().find(|base| base.name == name)
+    }
+
+    /// Reads it like any other file.
+    ///
+    /// # Errors
+    /// As [`Base::parse`]; a test reads them all.
+    pub fn base(&self) -> Result<Base, ScenarioError> {
+        Base::parse(&format!("{}.toml", self.name), self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BASES;
+
+    #[test]
+    fn all_are_read_and_have_hardware() {
+        for built_in in BASES {
+            let base = built_in.base().unwrap_or_else(|error| panic!("{error}"));
+            assert!(base.hardware.is_some(), "{}", built_in.name);
+        }
+    }
+}
