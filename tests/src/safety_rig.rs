@@ -81,6 +81,7 @@ impl Rig {
         let wheels = params.robot.wheels;
         let odometry = OdometryParams {
             wheels,
+            calibration: controller_core::odometry::Calibration::NOMINAL,
             counts_per_turn: COUNTS,
             bandwidth: 100.0,
         };

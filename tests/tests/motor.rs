@@ -23,6 +23,7 @@ fn params() -> impl Strategy<Value = MotorParams<f64>> {
                     friction: WheelFriction {
                         // Shares of the largest torque and of the torque at no load.
                         coulomb_nm: dry * eta * gear * kt * amp,
+                        stiction_nm: 0.5 * dry * eta * gear * kt * amp,
                         viscous_nm_s: wet * (gear * kt) * (gear * kt) / ohm,
                         blend_rad_s: blend,
                     },
@@ -174,9 +175,10 @@ proptest! {
         let slope = if p.dead_band > 0.0 { 5.0 - p.dead_band } else { 1.0 };
         let (r, u, friction) = (p.resistance_ohm, p.supply_v, &p.friction);
         let per_torque = slope * r / (eta * k * u);
-        let per_speed = slope * k / u;
+        let release = 10.0 * friction.blend_rad_s;
+        let per_speed = slope * (k + r * friction.stiction_nm / (release * eta * k)) / u;
         let per_wanted = slope * r / u
-            * ((friction.coulomb_nm / friction.blend_rad_s + friction.viscous_nm_s) / (eta * k)
+            * (((friction.coulomb_nm + friction.stiction_nm) / friction.blend_rad_s + friction.viscous_nm_s) / (eta * k)
                 + (1.0 / (eta * eta) - 1.0) * p.max_current_a / (2.0 * friction.blend_rad_s));
         let most = per_torque * (to.torque_nm - from.torque_nm).abs()
             + per_speed * (to.speed_rad_s - from.speed_rad_s).abs()
@@ -219,6 +221,7 @@ fn noise_at_rest_is_not_magnified_by_friction() {
         max_current_a: 2.0,
         friction: WheelFriction {
             coulomb_nm: 0.05,
+            stiction_nm: 0.0,
             viscous_nm_s: 1e-3,
             blend_rad_s: 0.2,
         },
@@ -247,6 +250,7 @@ fn parameters_are_checked_one_by_one() {
         max_current_a: 4.0,
         friction: WheelFriction {
             coulomb_nm: 0.1,
+            stiction_nm: 0.0,
             viscous_nm_s: 0.01,
             blend_rad_s: 0.1,
         },

@@ -156,6 +156,7 @@ fn base() -> (MotorParams<f64>, Robot<f64>) {
         max_current_a: 3.0,
         friction: WheelFriction {
             coulomb_nm: 0.03,
+            stiction_nm: 0.0,
             viscous_nm_s: 2e-3,
             blend_rad_s: 0.1,
         },

@@ -17,8 +17,10 @@ pub struct Motor<T> {
     pub(super) believable: (T, T),
     pub(super) max_current: T,
     pub(super) coulomb: T,
+    pub(super) stiction: T,
     pub(super) viscous: T,
     pub(super) per_blend: T,
+    pub(super) per_release: T,
     pub(super) dead_band: DeadBand<T>,
     pub(super) max_torque: T,
 }
@@ -110,15 +112,16 @@ impl<T: Scalar> Motor<T> {
     /// | per | constant |
     /// | --- | --- |
     /// | torque | s R/(η g k_t U) |
-    /// | speed | s g k_t/U |
-    /// | wanted speed | s R/U · ((τ_c/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
+    /// | speed | s (g k_t + R τ_s/(10 ω_b η g k_t))/U |
+    /// | wanted speed | s R/U · (((τ_c + τ_s)/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
     ///
     /// All inputs zero give exactly zero.
     #[inline]
     pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
         let (supply, supply_unknown) = self.believed(supply_v);
         let sense = clamp(demand.wanted_speed_rad_s * self.per_blend, T::ONE);
-        let friction = self.coulomb * sense + self.viscous * demand.wanted_speed_rad_s;
+        let level = self.coulomb + self.stiction * self.standing(demand.speed_rad_s);
+        let friction = level * sense + self.viscous * demand.wanted_speed_rad_s;
         let torque = demand.torque_nm + friction;
         let wish = self.gear.current(torque, sense);
         let allowed = clamp(wish, self.max_current);
@@ -168,6 +171,12 @@ impl<T: Scalar> Motor<T> {
             duty: self.dead_band.beyond(voltage / supply),
             limited,
         }
+    }
+
+    /// How much of the stiction a wheel of this speed has still to overcome: 1 at rest, 0 when it rolls.
+    fn standing(&self, speed: T) -> T {
+        let left = T::ONE - speed.abs() * self.per_release;
+        if left > T::ZERO { left } else { T::ZERO }
     }
 
     /// The supply to reckon with, and whether it is not the measured one.

@@ -18,6 +18,12 @@ pub const MIN_SUPPLY_SHARE: f64 = 0.5;
 /// A full battery on its charger is at 1.2; beyond 2 the nominal voltage or the divider is wrong.
 pub const MAX_SUPPLY_SHARE: f64 = 2.0;
 
+/// Speed of a wheel at which its stiction is gone, in widths of the blend.
+///
+/// Wide enough for the estimate of a wheel that just broke loose, which rises over some ticks, to bring
+/// the torque down while the wheel is still slow; narrow enough to be gone where the wheel really rolls.
+pub(super) const RELEASE: f64 = 10.0;
+
 /// Friction at the wheel that is to be compensated: bearings, gear without load, rolling resistance.
 ///
 /// What is entered here is added to every torque, so enter what was identified or a little less: an
@@ -26,6 +32,10 @@ pub const MAX_SUPPLY_SHARE: f64 = 2.0;
 pub struct WheelFriction<T> {
     /// τ_c \[N m\], whatever the speed: 0 to 1e6.
     pub coulomb_nm: T,
+    /// τ_s \[N m\]: what it takes beyond τ_c to break a standing wheel loose, 0 to 1e6.
+    ///
+    /// Without it a base stands a millimetre off until the disturbance estimate has gathered τ_s, and then leaps.
+    pub stiction_nm: T,
     /// b \[N m s/rad\], 0 to 1e6.
     pub viscous_nm_s: T,
     /// ω_b \[rad/s\]: up to this wanted speed of the wheel the Coulomb part, and the gear's loss, rise in
@@ -40,6 +50,7 @@ impl<T: Scalar> WheelFriction<T> {
     /// Nothing to compensate.
     pub const NONE: Self = Self {
         coulomb_nm: T::ZERO,
+        stiction_nm: T::ZERO,
         viscous_nm_s: T::ZERO,
         blend_rad_s: T::ZERO,
     };
@@ -84,8 +95,9 @@ impl<T: Scalar> MotorParams<T> {
         let max_current = within(Field::MaxCurrent, self.max_current_a, 1.0e-3, 1.0e3)?;
         let friction = &self.friction;
         let coulomb = within(Field::CoulombFriction, friction.coulomb_nm, 0.0, 1.0e6)?;
+        let stiction = within(Field::Stiction, friction.stiction_nm, 0.0, 1.0e6)?;
         let viscous = within(Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6)?;
-        let blends = coulomb > T::ZERO || efficiency < T::ONE;
+        let blends = coulomb > T::ZERO || stiction > T::ZERO || efficiency < T::ONE;
         let least = if blends { 1.0e-3 } else { 0.0 };
         let blend = within(Field::FrictionBlend, friction.blend_rad_s, least, 1.0e3)?;
         let dead_band = within(Field::DeadBand, self.dead_band, 0.0, 0.5)?;
@@ -104,8 +116,14 @@ impl<T: Scalar> MotorParams<T> {
                 ),
                 max_current,
                 coulomb,
+                stiction,
                 viscous,
                 per_blend: if blends { T::ONE / blend } else { T::ZERO },
+                per_release: if blends {
+                    T::ONE / (T::from_f64(RELEASE) * blend)
+                } else {
+                    T::ZERO
+                },
                 dead_band: DeadBand::new(dead_band),
                 max_torque,
             })

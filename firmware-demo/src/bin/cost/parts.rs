@@ -272,6 +272,7 @@ pub fn motor(meter: &mut Meter) {
         max_current_a: 2.0,
         friction: WheelFriction {
             coulomb_nm: 0.02,
+            stiction_nm: 0.0,
             viscous_nm_s: 1.0e-3,
             blend_rad_s: 0.2,
         },
