@@ -19,9 +19,11 @@ pub struct Base {
 }
 
 /// Wheel radius \[m\].
-const RADIUS: f64 = 0.1;
+pub(crate) const RADIUS: f64 = 0.1;
 /// Track \[m\].
 const TRACK: f64 = 0.5;
+/// From the middle to a wheel \[m\].
+pub(crate) const HALF_TRACK: f64 = 0.25;
 
 impl Base {
     /// The paper's masses on wheels of 15 N m: 60 N and 60 N m at the same time.

@@ -4,9 +4,18 @@ use controller_core::types::Wrench;
 
 use crate::motion_base::{Base, Body};
 
+/// Dry friction of some kind.
+pub trait Friction: Sync {
+    /// Breakaway force and moment \[N, N m\].
+    fn breakaway(&self) -> Wrench<f64>;
+
+    /// The body after `dt` under a held wrench and this friction.
+    fn after(&self, body: &Body, plant: &Base, wrench: &Wrench<f64>, dt: f64) -> Body;
+}
+
 /// Dry friction of both axes, each like a block on a table.
 #[derive(Clone, Copy, Debug)]
-pub struct Friction {
+pub struct AxisFriction {
     /// Breakaway force and moment \[N, N m\].
     pub sticking: Wrench<f64>,
     /// While it slides.
@@ -16,7 +25,7 @@ pub struct Friction {
 /// Steps within a tick: friction changes sign within one of them, not within a tick.
 const STEPS: u32 = 10;
 
-impl Friction {
+impl AxisFriction {
     /// 5 N to break away and 4 N in motion, at wheels that are 0.25 m off the middle.
     pub const WHEELS: Self = Self {
         sticking: Wrench {
@@ -28,9 +37,14 @@ impl Friction {
             moment: 1.0,
         },
     };
+}
 
-    /// The body after `dt` under a held wrench and this friction.
-    pub fn after(&self, body: &Body, plant: &Base, wrench: &Wrench<f64>, dt: f64) -> Body {
+impl Friction for AxisFriction {
+    fn breakaway(&self) -> Wrench<f64> {
+        self.sticking
+    }
+
+    fn after(&self, body: &Body, plant: &Base, wrench: &Wrench<f64>, dt: f64) -> Body {
         let h = dt / f64::from(STEPS);
         let (stick, slide) = (&self.sticking, &self.sliding);
         let mut body = *body;

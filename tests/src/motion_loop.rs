@@ -69,7 +69,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
     }
 
     /// The robot alone, over one tick, against dry friction.
-    pub fn coast_against(&mut self, friction: &Friction) {
+    pub fn coast_against(&mut self, friction: &impl Friction) {
         let wrench = self.applied();
         self.body = friction.after(&self.body, &self.plant, &wrench, self.dt);
         self.ticks += 1;

@@ -144,6 +144,38 @@ fn bound_holds_and_is_told() {
     assert!(drive.error(&line(drive.t)).x.abs() < 0.1);
 }
 
+/// A push at the bound that ends while the robot is parked: it surges, by less than the estimate's momentum over the
+/// speed loop, D/(m κ₁ ω) = 17 cm, and parks again.
+#[test]
+fn push_that_ends_is_a_bounded_surge() {
+    let motion = BASE.exact().validate().expect("valid");
+    let (gains, bound) = (motion.gains(), motion.disturbance_bound().force);
+    let most = bound / (BASE.mass * gains.speed_loop * gains.disturbance);
+    let mut drive = Exact::start(&motion, BASE, Body::at(-0.5, 0.0, 0.0), &home()(0.0), 0.01);
+    let mut surge = 0.0_f64;
+    while drive.t < 60.0 {
+        let push = if drive.t < 30.0 { -0.99 * bound } else { 0.0 };
+        drive.coast(&Wrench {
+            force: push,
+            moment: 0.0,
+        });
+        drive.take(&home()(0.0), &drive.body.measured());
+        if drive.t > 30.0 {
+            let error = drive.error(&home()(0.0));
+            surge = surge.max(error.x.hypot(error.y));
+        } else if drive.t > 29.0 {
+            assert_eq!(drive.report().outcome, Outcome::Parked);
+        }
+    }
+    println!(
+        "surge {:.1} mm of at most {:.1} mm",
+        1e3 * surge,
+        1e3 * most
+    );
+    assert!(surge > 0.01 && surge < most);
+    assert_eq!(drive.report().outcome, Outcome::Parked);
+}
+
 /// Off means off: the bits of the estimate never leave 0.
 #[test]
 fn zero_bandwidth_estimates_nothing() {

@@ -111,15 +111,33 @@ fn exact_poses_need_no_retry() {
         assert_eq!(starts.len(), 1152);
         let runs = both_cores(&starts, |body| {
             let mut drive = Drive::<f64, Libm, ExactMean>::start(&motion, base, *body, &HOME, 0.01);
+            // How far beyond its tolerance the heading was when a rest ended by itself.
+            let (mut beyond, mut was_parked) = (None, false);
             while drive.t < end_s {
-                drive.advance(|_| HOME);
+                let parked = drive.advance(|_| HOME).outcome == Outcome::Parked;
+                if was_parked && !parked {
+                    let off = drive.error(&HOME).theta.abs();
+                    beyond = Some(off - motion.params().arrival.heading_rad);
+                }
+                was_parked = parked;
             }
-            (drive.report().retries, drive.report().outcome)
+            (drive.report().retries, drive.report().outcome, beyond)
         });
+        let ended: Vec<f64> = runs.iter().filter_map(|run| run.2).collect();
+        let beyond = ended.iter().fold(0.0_f64, |most, off| most.max(*off));
+        println!(
+            "{} kg, {} N m: {} rests ended by themselves, {:.2} mrad beyond the tolerance",
+            base.mass,
+            base.limits.wheel_torque_nm,
+            ended.len(),
+            1e3 * beyond
+        );
+        // The stop is predicted: it may err now and then, by less than the tolerance itself.
+        assert!(ended.len() < 40 && beyond < motion.params().arrival.heading_rad);
         let tried: Vec<_> = starts
             .iter()
             .zip(&runs)
-            .filter(|(_, run)| **run != (0, Outcome::Parked))
+            .filter(|(_, run)| (run.0, run.1) != (0, Outcome::Parked))
             .collect();
         assert!(
             tried.is_empty(),

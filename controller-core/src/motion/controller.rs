@@ -128,7 +128,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             Watch::Observe
         };
         let motion = &self.motion;
-        let bounded = state.observer.advance(motion, &measured.twist, watch, dt);
+        let bounded =
+            state
+                .observer
+                .advance(motion, &measured.twist, &state.command.rate, watch, dt);
         let seen = Sight::of::<M>(task, measured);
         if self.is_new(task) {
             state.retry = Retry::default();

@@ -44,3 +44,6 @@ pub use limits::{Limits, Policy};
 pub use params::{JumpThreshold, Motion, MotionParams};
 pub use report::{Limited, Mode, MotionReport, Outcome};
 pub use saturation::share;
+
+pub(crate) use governor::COMMAND_SHARE;
+pub(crate) use polar::{BEARING, COUPLING};

@@ -13,10 +13,10 @@ use crate::types::{Accel, Twist};
 
 /// Gain on the bearing error, per unit of the approach's gain. With [`COUPLING`] the best of a search
 /// over 90 hand-over states and 324 starts from rest at equal peak moment; `docs/motion.md`.
-const BEARING: f64 = 1.6;
+pub(crate) const BEARING: f64 = 1.6;
 
 /// h: how strongly the goal's heading bends the approach.
-const COUPLING: f64 = 0.4;
+pub(crate) const COUPLING: f64 = 0.4;
 
 /// Memory of the parking law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -52,7 +52,8 @@ impl<T: Scalar> Retry<T> {
 
     /// The attempts after a tick of `dt`, and whether the robot has a new aim.
     ///
-    /// Stuck is who for [`Motion::patience`] is near the goal, or hardly moves, and is not parked. A
+    /// Stuck is who for [`Motion::patience`] is near the goal, or hardly moves, and is not parked, or for
+    /// six times as long is closer than a retry drives out. A
     /// stall (a speed is asked for and not reached) is told as one, and is no reason to try again.
     pub(crate) fn advance<M: Maths<T>>(
         &self,
@@ -106,6 +107,9 @@ impl<T: Scalar> Retry<T> {
         }
         if is_stuck(motion, at) {
             next.since_s = self.since_s + dt;
+        } else if at.distance < way_out {
+            // Moving, and still not there after six times the patience: stick and slip about the goal.
+            next.since_s = self.since_s + dt * T::from_f64(1.0 / 6.0);
         } else if self.since_s > dt {
             // Noise may say otherwise now and then.
             next.since_s = self.since_s - dt;
