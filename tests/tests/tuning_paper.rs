@@ -90,6 +90,8 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
     let mut weak = CoreParams::<f64>::paper();
     weak.max_wheel_torque_nm = Some(3.0);
     let strong = CoreParams::<f64>::paper();
+    let mut feeble = CoreParams::<f64>::paper();
+    feeble.max_wheel_torque_nm = Some(1e-6);
     let lazy = Wishes {
         speed_lag_s: 9.0,
         turn_lag_s: 9.0,
@@ -103,6 +105,13 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
             Wishes::settling(3.0, 0.4),
             Wish::Settling,
             Why::Torque,
+        ),
+        (
+            "no time",
+            &feeble,
+            Wishes::settling(3.0, 0.4),
+            Wish::Settling,
+            Why::NoTime,
         ),
         (
             "no speed",
@@ -125,7 +134,7 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
         let error = gains::<f64, Libm>(base, &wishes).expect_err(what);
         println!("{what}: {error}");
         assert_eq!((error.wish, error.why), (wish, why), "{what}");
-        if wish == Wish::Settling {
+        if wish == Wish::Settling && why != Why::NoTime {
             let had = Wishes {
                 settling_s: 1.002 * error.limit,
                 ..wishes

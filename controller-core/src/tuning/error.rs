@@ -64,6 +64,8 @@ pub enum Why {
     Stability,
     /// The delay: less than half of it would be left as margin.
     Delay,
+    /// No time up to the limit helps: lags, damping or the wheels' torque stand against it.
+    NoTime,
 }
 
 impl Why {
@@ -78,6 +80,7 @@ impl Why {
             Self::Neurons => "what the decay of the neurons allows",
             Self::Stability => "what keeps the loop stable",
             Self::Delay => "what leaves a factor of 2 to the delay that ends stability",
+            Self::NoTime => "and not even that is long enough with the other wishes as they are",
         }
     }
 }
@@ -89,7 +92,8 @@ pub struct WishError {
     pub wish: Wish,
     /// What was wished.
     pub value: f64,
-    /// The nearest that can be had, with the other wishes as they are.
+    /// The nearest that can be had, with the other wishes as they are; with [`Why::NoTime`] the longest
+    /// time that was tried.
     pub limit: f64,
     /// What stands against it.
     pub why: Why,

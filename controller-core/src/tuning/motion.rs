@@ -10,7 +10,7 @@ use crate::maths::Maths;
 use crate::motion::MotionGains;
 use crate::scalar::Scalar;
 use crate::tuning::response::response;
-use loops::{across, along, bearing};
+use loops::{across, along, bearing, estimating};
 
 /// Margins of all loops, and the times that the gains amount to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,9 +79,10 @@ pub fn margins<T: Scalar, M: Maths<T>>(gains: &MotionGains<T>) -> MotionMargins<
         speed_loop,
         turn_loop,
         approach,
+        disturbance,
         ..
     } = *gains;
-    let side = across(gains.heading, gains.across, a, turn_loop);
+    let of = |feedback| estimating(feedback, disturbance).margins::<M>();
     let horizon = T::from_f64(200.0);
     let settle = |p, push, decay: T| {
         // Ten decay times are four more than a factor of ten takes.
@@ -92,16 +93,16 @@ pub fn margins<T: Scalar, M: Maths<T>>(gains: &MotionGains<T>) -> MotionMargins<
             horizon
         }
     };
-    let across_margins = side.margins::<M>();
-    let approach_margins = along(approach, a, speed_loop).margins::<M>();
+    let across_margins = of(across(gains.heading, gains.across, a, turn_loop));
+    let approach_margins = of(along(approach, a, speed_loop));
     let (side, push) = loops::across_start(gains.heading, gains.across, a);
     let (ahead, pull) = loops::along_start(approach, a);
     MotionMargins {
-        along: along(gains.along, a, speed_loop).margins::<M>(),
+        along: of(along(gains.along, a, speed_loop)),
         across: across_margins,
         approach: approach_margins,
-        bearing: bearing(approach, a, turn_loop).margins::<M>(),
-        heading: along(approach, a, turn_loop).margins::<M>(),
+        bearing: of(bearing(approach, a, turn_loop)),
+        heading: of(along(approach, a, turn_loop)),
         settling_s: settle(side, push, across_margins.decay),
         arrival_s: settle(ahead, pull, approach_margins.decay),
     }

@@ -2,11 +2,9 @@
 //! the believed mass or inertia. A neuron whose rate is fed forward exactly is a lag of 1/A, and a
 //! velocity loop with the right mass then adds none: v = (λ + κ)/(μλ + κ) v_c.
 
+use crate::motion::{BEARING, COUPLING};
 use crate::scalar::Scalar;
 use crate::stability::{Feedback, Polynomial};
-
-/// Gain on the bearing and coupling of the goal's heading of the polar law, see `docs/motion.md`.
-const POLAR: (f64, f64) = (1.6, 0.4);
 
 /// λ + r.
 fn lag<T: Scalar>(r: T) -> Polynomial<T> {
@@ -15,6 +13,26 @@ fn lag<T: Scalar>(r: T) -> Polynomial<T> {
 
 fn integrator<T: Scalar>() -> Polynomial<T> {
     lag(T::ZERO)
+}
+
+/// A loop with the disturbance estimate of bandwidth ω, which knows the torque asked for and not when
+/// it comes: ḋ = ω (λv − u − d) and u = x − d give u = (λ + ω)/λ x − ω v, and so
+///
+/// ```text
+/// μ λ M + (λ + ω) R + ω M  +  (λ + ω) P          for μ M + R + P without it
+/// ```
+///
+/// For μ = 1 the root −ω is added, and nothing else changes.
+pub(super) fn estimating<T: Scalar>(of: Feedback<T>, omega: T) -> Feedback<T> {
+    if omega <= T::ZERO {
+        return of;
+    }
+    let forget = lag(omega);
+    Feedback {
+        rest: of.rest.times(&forget).plus(&of.mass.scaled(omega)),
+        mass: of.mass.times(&integrator()),
+        pose: of.pose.times(&forget),
+    }
 }
 
 /// e_x through s₁, distance and heading of the goal through theirs: k = k₁ or k₄.
@@ -60,7 +78,7 @@ pub(super) fn across<T: Scalar>(heading: T, stiffness: T, a: T, bandwidth: T) ->
 ///
 /// Stable for K < 0.75 A.
 pub(super) fn bearing<T: Scalar>(approach: T, a: T, bandwidth: T) -> Feedback<T> {
-    let (ka, h) = (T::from_f64(POLAR.0), T::from_f64(POLAR.1));
+    let (ka, h) = (T::from_f64(BEARING), T::from_f64(COUPLING));
     let view = integrator().times(&lag(-approach)).times(&lag(a));
     let law = Polynomial::new([ka * h * approach, ka + T::ONE + h]);
     Feedback {

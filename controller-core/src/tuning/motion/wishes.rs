@@ -3,7 +3,7 @@
 use super::loops::{across_start, along_start};
 use super::margins;
 use crate::maths::Maths;
-use crate::motion::{MotionGains, MotionParams};
+use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams};
 use crate::scalar::Scalar;
 use crate::stability::edge;
 use crate::tuning::error::{refused, wished};
@@ -68,9 +68,6 @@ impl<T: Scalar> MotionWishes<T> {
 
 /// Decay of the neurons \[1/s\]: that of [`MotionGains::for_limits`].
 const DECAY: f64 = 5.0;
-
-/// Share of the wheels' torque that a command may use, as in [`crate::motion`].
-const COMMAND_SHARE: f64 = 0.75;
 
 /// Gains that do what is wished, on this base. Gains that no wish is about stay as they are in `base`.
 ///

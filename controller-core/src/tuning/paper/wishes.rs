@@ -139,15 +139,21 @@ pub fn gains<T: Scalar, M: Maths<T>>(
         Ok(found) => return Ok(found),
         Err(refusal) => refusal,
     };
-    // How long it has to be for both channels, to 2 ms.
-    let (mut low, mut high) = (wanted, T::from_f64(100.0));
-    for _ in 0..16 {
-        let settling_s = T::HALF * (low + high);
+    let can = |settling_s: T| {
         let slower = Wishes {
             settling_s,
             ..*wishes
         };
-        if solve::<T, M>(base, &slower).is_ok() {
+        solve::<T, M>(base, &slower).is_ok()
+    };
+    // How long it has to be for both channels, to 2 ms.
+    let (mut low, mut high) = (wanted, T::from_f64(100.0));
+    if !can(high) {
+        return Err(refused(Wish::Settling, wanted, high, Why::NoTime));
+    }
+    for _ in 0..16 {
+        let settling_s = T::HALF * (low + high);
+        if can(settling_s) {
             high = settling_s;
         } else {
             low = settling_s;

@@ -1,0 +1,148 @@
+//! What margins say of gains, good and hopeless, and of turning each.
+
+use controller_core::maths::Libm;
+use controller_core::motion::MotionGains;
+use controller_core::tuning::motion::margins;
+use controller_core::tuning::{Channel, Concern};
+use tests::tuning_loop::{BASES, base};
+
+/// The gains that come with every base are healthy, with room; the figures of `docs/tuning.md`.
+#[test]
+fn gains_of_every_base_are_healthy() {
+    for name in BASES {
+        let found = margins::<f64, Libm>(&base(name).gains);
+        let worst = found.worst();
+        println!("{found:.3?}");
+        println!(
+            "{name}: {worst:.3?}, settling {:.2} s, arrival {:.2} s",
+            found.settling_s, found.arrival_s
+        );
+        assert_eq!(found.warnings().count(), 0);
+        assert!(worst.pose_delay_s > 0.15 && worst.torque_delay_s > 0.1);
+    }
+}
+
+/// Hopeless gains are told, the worst concern first, and one loop's trouble is not another's.
+#[test]
+fn hopeless_gains_are_told() {
+    let good = base("lab-10kg").gains;
+    for (gains, channel, concern) in [
+        (
+            MotionGains {
+                across: 100.0,
+                ..good
+            },
+            Channel::Across,
+            Concern::Unstable,
+        ),
+        (
+            MotionGains {
+                approach: 4.0,
+                ..good
+            },
+            Channel::Bearing,
+            Concern::Unstable,
+        ),
+        (
+            MotionGains {
+                turn_loop: 60.0,
+                ..good
+            },
+            Channel::Across,
+            Concern::ShortOfTorqueDelay,
+        ),
+        (
+            MotionGains { along: 8.0, ..good },
+            Channel::Along,
+            Concern::Rings,
+        ),
+    ] {
+        let warnings: Vec<_> = margins::<f64, Libm>(&gains).warnings().collect();
+        println!("{}", warnings[0]);
+        assert!(
+            warnings
+                .iter()
+                .any(|w| w.channel == channel && w.concern == concern),
+            "{warnings:?}"
+        );
+    }
+}
+
+/// What each raw gain does, as `docs/tuning.md` says: the table of that page.
+#[test]
+fn turning_a_gain_does_what_the_page_says() {
+    let good = base("paper-30kg").gains;
+    let of = |name: &str, gains: MotionGains<f64>| {
+        let found = margins::<f64, Libm>(&gains);
+        println!(
+            "{name:22} across {:.2} s damping {:.2} pose {:.2} s torque {:.2} s | arrival {:.2} s, bearing damping {:.2} pose {:.2} s",
+            found.settling_s,
+            found.across.damping,
+            found.across.pose_delay_s,
+            found.across.torque_delay_s,
+            found.arrival_s,
+            found.bearing.damping,
+            found.bearing.pose_delay_s,
+        );
+        found
+    };
+    let plain = of("for_limits", good);
+    let stiff = of(
+        "across x 1.5",
+        MotionGains {
+            across: 1.5 * good.across,
+            ..good
+        },
+    );
+    let soft = of(
+        "across / 1.5",
+        MotionGains {
+            across: good.across / 1.5,
+            ..good
+        },
+    );
+    let firm = of(
+        "heading x 1.5",
+        MotionGains {
+            heading: 1.5 * good.heading,
+            ..good
+        },
+    );
+    let quick = of(
+        "decay x 2",
+        MotionGains {
+            decay: 2.0 * good.decay,
+            ..good
+        },
+    );
+    let calm = of(
+        "approach / 1.5",
+        MotionGains {
+            approach: good.approach / 1.5,
+            ..good
+        },
+    );
+    let tight = of(
+        "turn_loop x 2",
+        MotionGains {
+            turn_loop: 2.0 * good.turn_loop,
+            ..good
+        },
+    );
+    // Too stiff is slow too: it overshoots by more than a tenth.
+    assert!(
+        stiff.across.damping < plain.across.damping
+            && stiff.across.pose_delay_s < plain.across.pose_delay_s
+    );
+    assert!(soft.across.damping > plain.across.damping && soft.settling_s > plain.settling_s);
+    assert!(firm.across.damping > plain.across.damping);
+    assert!(
+        quick.across.damping > plain.across.damping
+            && quick.bearing.damping > plain.bearing.damping
+    );
+    assert!(
+        calm.bearing.pose_delay_s > plain.bearing.pose_delay_s && calm.arrival_s > plain.arrival_s
+    );
+    assert!(calm.bearing.damping > plain.bearing.damping);
+    assert!(tight.across.torque_delay_s < plain.across.torque_delay_s);
+}
