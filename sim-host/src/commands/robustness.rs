@@ -6,7 +6,7 @@ use super::write::Writer;
 use crate::cli::Output;
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_host::figure::{png, robustness as figure};
-use sim_host::robustness::{Condition, catalogue, runs, study, table, torque_table, write_csv};
+use sim_host::robustness::{Condition, catalogue, runs, study, tables, write_csv};
 use std::num::NonZeroU32;
 
 /// The files' name.
@@ -20,13 +20,14 @@ pub fn all(seeds: NonZeroU32, only: &[String], output: &Output) -> Result<(), Co
     let rows = study(&conditions, seeds, || bar.inc(1));
     bar.finish_and_clear();
     let rows = rows?;
-    say(&format!("{}\n", table(&rows)))?;
+    let [settling, ends, noise, peaks] = tables(&rows);
+    say(&format!("{settling}\n{ends}\n"))?;
     say(
         "T: settled within 5 cm and 0.05 rad until the hand-over. end: distance to the goal; \
          mean / worst of the seeds.\n\
          expected: of the neural law, by an independent calculation. !: beside the goal.\n\n",
     )?;
-    say(&format!("{}\n", torque_table(&rows)))?;
+    say(&format!("{noise}\n{peaks}\n"))?;
     let svg = figure(&rows)?;
     writer.bytes(&format!("{NAME}.svg"), svg.as_bytes())?;
     writer.bytes(&format!("{NAME}.png"), &png(&svg)?)?;

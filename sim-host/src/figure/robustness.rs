@@ -6,10 +6,10 @@ use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE};
 use super::typeset;
 use crate::robustness::{Case, Law, Outcome, Row, Verdict};
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::ScatterPlot;
 use kuva::plot::annotations::ReferenceLine;
 use kuva::plot::legend::{LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -65,14 +65,16 @@ fn ends(rows: &[Row<'_>], names: &[&str]) -> Panel {
         }
     };
     let categories = names.iter().rev().map(|name| (*name).to_owned()).collect();
-    let layout = layout(DISTANCES, &[0.1, 1.0, 10.0, 100.0], names.len())
+    let layout = layout(DISTANCES, names.len())
         .with_log_x()
         .with_x_tick_format(TickFormat::Custom(Arc::new(decade)))
         .with_y_categories(categories)
         .with_x_label("distance to the goal at the end [mm]; bars: worst seed; × lost")
         // The band that counts as settled.
         .with_reference_line(mark(50.0));
-    (marks(rows, names, place), layout)
+    let mut plots = grid(DISTANCES, &[0.1, 1.0, 10.0, 100.0], names.len());
+    plots.extend(marks(rows, names, place));
+    (plots, layout)
 }
 
 fn times(rows: &[Row<'_>], names: &[&str]) -> Panel {
@@ -80,23 +82,37 @@ fn times(rows: &[Row<'_>], names: &[&str]) -> Panel {
         Some(time) => (time.mean, time.worst.min(NEVER_AT), false),
         None => (NEVER_AT, NEVER_AT, true),
     };
-    let layout = layout(TIMES, &[5.0, 6.0, 7.0, 8.0, 9.0], names.len())
+    let layout = layout(TIMES, names.len())
         .with_y_categories(vec![String::new(); names.len()])
         .with_x_tick_step(1.0)
         .with_x_label("settled within 5 cm, 0.05 rad [s]; × not before the hand-over")
         .with_legend_entries(legend())
         .with_legend_position(LegendPosition::OutsideRightTop);
-    (marks(rows, names, place), layout)
+    let mut plots = grid(TIMES, &[5.0, 6.0, 7.0, 8.0, 9.0], names.len());
+    plots.extend(marks(rows, names, place));
+    (plots, layout)
 }
 
-fn layout(x: (f64, f64), numbers: &[f64], rows: usize) -> Layout {
-    let y = (0.3, rows as f64 + 0.7);
-    // A hair line between conditions, and at each number: categories leave no grid.
-    let across = (1..rows).map(|row| ReferenceLine::horizontal(row as f64 + 0.5));
-    let up = numbers.iter().map(|at| ReferenceLine::vertical(*at));
-    across.chain(up).fold(style::layout(x, y), |layout, line| {
-        layout.with_reference_line(line.with_color("#e6e6e6").with_dasharray("none"))
-    })
+fn layout(x: (f64, f64), rows: usize) -> Layout {
+    style::layout(x, height(rows))
+}
+
+fn height(rows: usize) -> (f64, f64) {
+    (0.3, rows as f64 + 0.7)
+}
+
+/// A hair line between conditions, and at each number: categories leave no grid. Lines of data, for
+/// reference lines are drawn over the marks.
+fn grid(x: (f64, f64), numbers: &[f64], rows: usize) -> Vec<Plot> {
+    let y = height(rows);
+    let across = (1..rows).map(|row| row as f64 + 0.5);
+    let across = across.map(|at| vec![(x.0, at), (x.1, at)]);
+    let up = numbers.iter().map(|at| vec![(*at, y.0), (*at, y.1)]);
+    let line = |points: Vec<(f64, f64)>| {
+        let line = LinePlot::new().with_data(points).with_color("#e6e6e6");
+        line.with_stroke_width(1.0).into()
+    };
+    across.chain(up).map(line).collect()
 }
 
 fn mark(x: f64) -> ReferenceLine {

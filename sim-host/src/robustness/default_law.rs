@@ -28,15 +28,9 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
         };
         let robot = narrow::params::<T>(&believed).robot;
         let limits = narrow_limits(&mission.base.limits);
-        let mut params = MotionParams::new::<M>(robot, limits);
+        // Told what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
         let sigma = T::from_f64(disturbance.position_noise_m);
-        params.pose_noise_m = sigma;
-        // What `docs/motion.md`, section 10, asks for with noise above 2 mm.
-        let gains = &mut params.gains;
-        let calm = gains.across * sigma / (T::from_f64(0.06) * gains.heading);
-        if calm > gains.slow {
-            gains.slow = calm;
-        }
+        let params = MotionParams::new::<M>(robot, limits).with_pose_noise(sigma);
         Ok(Self {
             period_s: mission.period_s,
             guide: Guide::new(mission),

@@ -7,23 +7,16 @@ use super::study::{Outcome, Row, Spread};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 
-const HEADER: [&str; 11] = [
-    "condition",
-    "case",
-    "T [s]\nexpected",
-    "\nneural",
-    "\nplain",
-    "\ndefault",
+/// Titles of the columns after condition and case.
+const SETTLING: [&str; 4] = ["T [s]\nexpected", "\nneural", "\nplain", "\ndefault"];
+const END: [&str; 5] = [
     "end [mm]\nexpected",
     "\nneural",
     "\nplain",
     "\ndefault",
     "parked [s]\ndefault",
 ];
-
-const TORQUE_HEADER: [&str; 15] = [
-    "condition",
-    "case",
+const NOISE: [&str; 7] = [
     "σ of moment,\nfollowing\nexpected",
     "[N m]\n\nneural",
     "\n\nplain",
@@ -31,6 +24,8 @@ const TORQUE_HEADER: [&str; 15] = [
     "the same\nat rest\nneural",
     "\n\nplain",
     "\n\ndefault",
+];
+const PEAKS: [&str; 6] = [
     "peak force\n[N]\nneural",
     "\n\nplain",
     "\n\ndefault",
@@ -39,31 +34,35 @@ const TORQUE_HEADER: [&str; 15] = [
     "\n\ndefault",
 ];
 
-/// A table with a row per condition and case. T: settled within 5 cm and 0.05 rad. Over many seeds
-/// the mean and, behind a stroke, the worst.
-pub fn table(rows: &[Row<'_>]) -> Table {
-    tabulate(rows, &HEADER, |laws, expected| {
+/// Tables with a row per condition and case, none wider than a terminal: when the robot settled
+/// within 5 cm and 0.05 rad, where it ended, how much noise reaches the torque, and its peaks. Over
+/// many seeds the mean and, behind a stroke, the worst.
+pub fn tables(rows: &[Row<'_>]) -> [Table; 4] {
+    let settling = tabulate(rows, &SETTLING, |laws, expected| {
         let mut cells = vec![expected_time(expected)];
         cells.extend(each(laws, settled));
-        cells.push(expected.final_mm.map_or_else(String::new, |r| range(r, 1)));
+        cells
+    });
+    let ends = tabulate(rows, &END, |laws, expected| {
+        let mut cells = vec![expected.final_mm.map_or_else(String::new, |r| range(r, 1))];
         cells.extend(each(laws, end));
         let [_, _, parks] = each(laws, |outcome| time(outcome.parked_s));
         cells.push(parks);
         cells
-    })
-}
-
-/// The same for torques: how much noise reaches them, and their peaks.
-pub fn torque_table(rows: &[Row<'_>]) -> Table {
-    tabulate(rows, &TORQUE_HEADER, |laws, expected| {
+    });
+    let noise = tabulate(rows, &NOISE, |laws, expected| {
         let moment = expected.moment_std_nm;
         let mut cells = vec![moment.map_or_else(String::new, three_digits)];
         cells.extend(each(laws, |o| three_digits(o.following_std.moment)));
         cells.extend(each(laws, |o| three_digits(o.rest_std.moment)));
-        cells.extend(each(laws, |o| three_digits(o.peak_force_n)));
+        cells
+    });
+    let peaks = tabulate(rows, &PEAKS, |laws, _| {
+        let mut cells = each(laws, |o| three_digits(o.peak_force_n)).to_vec();
         cells.extend(each(laws, |o| three_digits(o.peak_moment_nm)));
         cells
-    })
+    });
+    [settling, ends, noise, peaks]
 }
 
 fn tabulate(
@@ -76,8 +75,9 @@ fn tabulate(
         .load_preset(UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(
-        header
+        ["condition", "case"]
             .iter()
+            .chain(header)
             .map(|name| Cell::new(name).add_attribute(Attribute::Bold)),
     );
     for laws in rows.chunk_by(|a, b| a.condition == b.condition && a.case == b.case) {
