@@ -42,4 +42,4 @@ pub use mission::{Change, Course, End, Event, HandOverRule, Mission, Route, When
 pub use run::{DriveError, drive};
 pub use summary::summary;
 pub use table::{ChipTable, SAMPLE_BYTES, TABLE_TOLERANCE};
-pub use trace::{DriveHandOver, DriveRow, DriveTrace};
+pub use trace::{DriveHandOver, DriveRow, DriveTrace, Ends};

@@ -2,7 +2,7 @@
 
 use super::trial::{Rig, RigError};
 use super::{Place, convert};
-use crate::drive::{DriveRow, DriveTrace, Guide, Mission, widen};
+use crate::drive::{DriveRow, DriveTrace, Ends, Guide, Mission, widen};
 use controller_core::maths::Libm;
 use controller_core::motion::MotionReport;
 use controller_core::pose_error::pose_error;
@@ -34,8 +34,18 @@ pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
             break;
         }
         let row = tick(mission, &mut rig, &mut guide, t);
-        let state = rig.base().report().state;
+        let report = rig.base().report();
+        let state = report.state;
         trace.rows.push(row);
+        let since_s = match trace.ends {
+            Some(ends) if ends.state == state => ends.since_s,
+            _ => t,
+        };
+        trace.ends = Some(Ends {
+            state,
+            cause: report.cause,
+            since_s,
+        });
         parked_since = match state {
             State::Parked => parked_since.or(Some(t)),
             _ => None,
