@@ -68,10 +68,43 @@ impl<D: ErrorType + ?Sized> ErrorType for &mut D {
     type Error = D::Error;
 }
 
+/// What a motor command needs to know beside the torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observed {
+    /// Measured, for the back-EMF.
+    pub speeds: WheelSpeeds<f32>,
+    /// Commanded by the controller, for friction.
+    pub wanted: WheelSpeeds<f32>,
+    /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
+    /// supply, and told: [`crate::motor::MotorCommand::limited`].
+    pub supply_v: f32,
+}
+
+impl Default for Observed {
+    /// Standing still, supply unknown.
+    fn default() -> Self {
+        Self {
+            speeds: WheelSpeeds::default(),
+            wanted: WheelSpeeds::default(),
+            supply_v: f32::NAN,
+        }
+    }
+}
+
 /// A pair of driven wheels that takes torques.
 pub trait WheelDrive: ErrorType {
     /// Largest torque of either wheel \[N m\], positive and finite.
     fn max_torque_nm(&self) -> f32;
+
+    /// Tells how fast the wheels turn and are to turn, and the supply; called before every [`set_torques`](Self::set_torques).
+    /// A driver that controls its current by itself need not know.
+    fn observe(&mut self, _observed: &Observed) {}
+
+    /// What the wheels exert since the last [`set_torques`](Self::set_torques) if that is less than was asked, because current or supply did
+    /// not suffice; `None` where it is what was asked, or not known.
+    fn exerted(&self) -> Option<WheelTorques<f32>> {
+        None
+    }
 
     /// Sets both wheels at once; they hold until the next call.
     ///
@@ -102,6 +135,12 @@ pub trait WheelDrive: ErrorType {
 impl<D: WheelDrive + ?Sized> WheelDrive for &mut D {
     fn max_torque_nm(&self) -> f32 {
         (**self).max_torque_nm()
+    }
+    fn observe(&mut self, observed: &Observed) {
+        (**self).observe(observed);
+    }
+    fn exerted(&self) -> Option<WheelTorques<f32>> {
+        (**self).exerted()
     }
     fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), Self::Error> {
         (**self).set_torques(torques)

@@ -196,6 +196,17 @@ impl<T: Scalar> ReferenceConsumer<'_, T> {
         }
     }
 
+    /// The end of the trajectory as far as it is known, once it is near: the sample behind the last instant asked for, and the
+    /// last one, which is the same or its successor. `None` while more than one sample waits.
+    pub fn end(&self) -> Option<(TimedReference<T>, TimedReference<T>)> {
+        let (_, to) = self.span?;
+        match self.waiting() {
+            0 => Some((to, to)),
+            1 if has_slots(self.queue.capacity()) => self.queue.peek().map(|last| (to, *last)),
+            _ => None,
+        }
+    }
+
     /// Samples waiting, without the two that are in use.
     pub fn waiting(&self) -> usize {
         if has_slots(self.queue.capacity()) {

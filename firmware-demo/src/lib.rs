@@ -1,4 +1,4 @@
-//! Firmware library: protocol, supervisor and control task around `controller-core`.
+//! Firmware library: protocol, control task and storage around `controller-core`.
 //!
 //! Every module but `board` builds on the host and on the chip alike; nothing here allocates, and in a
 //! release image nothing can panic (the feature `panic-proof` turns a reachable panic into a link error).
@@ -9,15 +9,15 @@ extern crate std;
 
 pub mod control;
 pub mod drive;
-pub mod fault;
 pub mod line;
+pub mod mission;
 pub mod model;
 pub mod pil;
 pub mod protocol;
 pub mod queue;
 pub mod route;
 pub mod station;
-pub mod supervisor;
+pub mod storage;
 pub mod telemetry;
 pub mod wire;
 

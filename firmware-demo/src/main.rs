@@ -17,14 +17,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 mod demo {
     use std::error::Error;
 
+    use controller_core::base::{BaseController, Sensed, WheelAction};
     use controller_core::maths::Single;
-    use controller_core::neural::NeuralController;
     use controller_core::params::Params;
     use controller_core::queue::{ReferenceProducer, ReferenceQueue, TimedReference};
     use controller_core::reference::{ConstantTwist, Reference};
     use controller_core::types::{Accel, Measured, Pose, Twist};
-    use firmware_demo::control::{ControlTask, Settings};
+    use firmware_demo::control::ControlTask;
     use firmware_demo::drive::{MockDrive, Script};
+    use firmware_demo::mission::{Encoders, PERIOD_US, params};
     use firmware_demo::model::Model;
     use firmware_demo::protocol::{Command, RejectReason, WirePose};
     use firmware_demo::station::Queues;
@@ -34,7 +35,7 @@ mod demo {
         task: ControlTask<'queue, MockDrive>,
         references: ReferenceProducer<'queue, f32>,
         model: Model,
-        period_us: u32,
+        encoders: Encoders,
         now_us: u32,
         changes: u32,
     }
@@ -43,24 +44,21 @@ mod demo {
     pub fn run() -> Result<(), Box<dyn Error>> {
         let mut queue = ReferenceQueue::<f32, 64>::new();
         let (references, consumer) = queue.split();
-        let mut params = Params::paper();
-        params.max_wheel_torque_nm = Some(3.0);
-        let params = params.validate()?;
-        let settings = Settings::default();
-        let wheels = MockDrive::new(3.0);
+        let wheels = MockDrive::new(15.0);
+        let start = Pose::new(0.0, 0.3, 0.0);
         let state = Measured {
-            pose: Pose::new(0.0, 0.3, 0.0),
+            pose: start,
             ..Measured::default()
         };
         let mut bench = Bench {
-            task: ControlTask::new(wheels, consumer, settings.validate()?, params)?,
+            task: ControlTask::new(wheels, consumer, params(15.0, false)?, start)?,
             references,
-            model: Model::new(params, state),
-            period_us: settings.period_us,
+            model: Model::new(Params::paper().validate()?, state),
+            encoders: Encoders::default(),
             now_us: 0,
             changes: u32::MAX,
         };
-        println!("      t  state     right N m  left N m       x      y  theta    v m/s");
+        println!("      t  state             right N m  left N m       x      y  theta    v m/s");
 
         bench.title("armed, a curve with its end at rest, then parking");
         bench.run(5)?;
@@ -77,18 +75,27 @@ mod demo {
             theta,
         };
         bench.tell(Command::Park { goal })?;
-        bench.run(5500)?;
+        bench.run(9000)?;
 
         bench.title("a trajectory that is cut off: controlled stop");
         bench.tell(Command::Arm)?;
         bench.curve(12, false)?;
         bench.run(4500)?;
 
-        bench.title("a host that falls silent: wheels released within 100 ms");
+        bench.title("a host that falls silent: a controlled stop within 100 ms");
         bench.tell(Command::Arm)?;
         bench.curve(60, false)?;
         bench.run(600)?;
-        bench.silence(300);
+        bench.silence(3000);
+
+        bench.title("the button: braked at once, until it is reset");
+        bench.tell(Command::Arm)?;
+        bench.curve(60, false)?;
+        bench.run(600)?;
+        bench.tell(Command::EmergencyStop { brake: true })?;
+        bench.run(6000)?;
+        bench.tell(Command::ResetFault)?;
+        bench.run(5)?;
 
         bench.title("a driver that fails: released at once, until the fault is reset");
         bench.tell(Command::Arm)?;
@@ -164,25 +171,29 @@ mod demo {
         }
 
         fn tick(&mut self) {
-            self.now_us = self.now_us.wrapping_add(self.period_us);
-            let measured = *self.model.measured();
-            self.task.tick(self.now_us, Ok(measured));
+            self.now_us = self.now_us.wrapping_add(PERIOD_US);
+            let dt = PERIOD_US as f32 * 1e-6;
+            self.model.act(dt, self.task.doing());
+            let counts = self.encoders.advance(dt, &self.model);
+            self.task.tick(self.now_us, &Sensed::of_counts(counts));
             let changed = self.task.changes() != self.changes;
             let shown = self.task.state().drives() && self.now_us.is_multiple_of(500_000);
             if changed || shown {
                 self.changes = self.task.changes();
                 self.print(changed);
             }
-            let dt = self.period_us as f32 * 1e-6;
-            self.model.advance(dt, self.task.told());
         }
 
         fn print(&mut self, changed: bool) {
             let Measured { pose, twist } = *self.model.measured();
             let state = format!("{:?}", self.task.state());
-            let wheels = match self.task.drive_mut().told() {
-                Some(told) => format!("{:9.3} {:9.3}", told.right, told.left),
-                None => format!("{:>19}", "released"),
+            let wheels = match self.task.doing() {
+                WheelAction::Drive(drive) => {
+                    let told = &drive.torques;
+                    format!("{:9.3} {:9.3}", told.right, told.left)
+                }
+                WheelAction::Brake => format!("{:>19}", "braked"),
+                WheelAction::Release => format!("{:>19}", "released"),
             };
             let cause = if changed {
                 format!("  <- {:?}", self.task.cause())
@@ -190,7 +201,7 @@ mod demo {
                 String::new()
             };
             println!(
-                "{:7.3}  {state:9} {wheels}  {:6.3} {:6.3} {:6.3}  {:7.3}{cause}",
+                "{:7.3}  {state:17} {wheels}  {:6.3} {:6.3} {:6.3}  {:7.3}{cause}",
                 f64::from(self.now_us) * 1e-6,
                 pose.x,
                 pose.y,
@@ -203,12 +214,9 @@ mod demo {
     fn sizes() {
         println!("\nBytes of state on this machine (no heap)");
         for (name, bytes) in [
+            ("base, with its parameters", size_of::<BaseController>()),
             (
-                "controller, with its parameters",
-                size_of::<NeuralController>(),
-            ),
-            (
-                "control task, with controller",
+                "control task, with base",
                 size_of::<ControlTask<'_, MockDrive<0>>>(),
             ),
             (

@@ -3,9 +3,10 @@
 //! Rigid body on two wheels, no slip, a little rolling resistance; Eqs. (1) to (3) by semi-implicit Euler
 //! steps. The simulator of the project has the accurate one.
 
+use controller_core::base::WheelAction;
 use controller_core::maths::{Maths, Single};
 use controller_core::params::Validated;
-use controller_core::types::{Measured, WheelTorques};
+use controller_core::types::{Measured, WheelSpeeds, WheelTorques};
 
 /// The robot.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +30,22 @@ impl Model {
     /// What perfect sensors measure.
     pub const fn measured(&self) -> &Measured<f32> {
         &self.state
+    }
+
+    /// How fast the wheels turn.
+    pub fn wheel_speeds(&self) -> WheelSpeeds<f32> {
+        self.params.wheels().wheel_speeds(&self.state.twist)
+    }
+
+    /// Lets `dt` \[s\] pass with the wheels doing `action`; shorted motors take the speed away with a time constant of 0.2 s.
+    pub fn act(&mut self, dt: f32, action: &WheelAction<f32>) {
+        self.advance(dt, action.torques());
+        if *action == WheelAction::Brake {
+            let keep = 1.0 - 5.0 * dt;
+            let twist = &mut self.state.twist;
+            twist.linear *= keep;
+            twist.angular *= keep;
+        }
     }
 
     /// Lets `dt` \[s\] pass with the wheels told `torques`; `None` lets them coast.

@@ -100,7 +100,7 @@ impl Pil {
                     Err(fault) => Telemetry::Refused(fault.into()),
                 }
             }
-            Command::SetParameters(set) => match Params::from(set).validate() {
+            Command::Configure(set) => match Params::from(set).validate() {
                 Ok(params) => {
                     self.params = params;
                     Telemetry::Ack
@@ -115,9 +115,17 @@ impl Pil {
             }),
             Command::Heartbeat => Telemetry::Hello(Hello::OURS),
             Command::Stop => Telemetry::Ack,
-            Command::Arm | Command::Sample(_) | Command::Park { .. } | Command::ResetFault => {
-                Telemetry::Nack(RejectReason::Unsupported)
-            }
+            Command::Arm
+            | Command::Sample(_)
+            | Command::Park { .. }
+            | Command::EmergencyStop { .. }
+            | Command::ResetFault
+            | Command::SetPose { .. }
+            | Command::Fix { .. }
+            | Command::SetParameters(_)
+            | Command::SaveParameters
+            | Command::LoadDefaults
+            | Command::GetParameters => Telemetry::Nack(RejectReason::Unsupported),
         }
     }
 

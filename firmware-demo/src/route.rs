@@ -67,7 +67,14 @@ fn timed(sample: &[f32; 8]) -> TimedReference<f32> {
 
 /// The 30 kg base that [`BEND`] was made for.
 pub fn base() -> Result<(Motion<f32>, Validated<f32>), ParamError> {
-    let limits = Limits {
+    let params = Params::<f32>::paper();
+    let motion = MotionParams::new::<Single>(params.robot, limits()).validate()?;
+    Ok((motion, params.validate()?))
+}
+
+/// What that base can do.
+pub(crate) const fn limits() -> Limits<f32> {
+    Limits {
         speed: 2.5,
         turn_rate: 3.0,
         accel: 1.5,
@@ -77,14 +84,11 @@ pub fn base() -> Result<(Motion<f32>, Validated<f32>), ParamError> {
         turn_jerk: 40.0,
         wheel_torque_nm: 15.0,
         policy: Policy::KeepCurvature,
-    };
-    let params = Params::<f32>::paper();
-    let motion = MotionParams::new::<Single>(params.robot, limits).validate()?;
-    Ok((motion, params.validate()?))
+    }
 }
 
 /// What came of a drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven {
     /// Control ticks.
     pub ticks: u32,
@@ -94,6 +98,34 @@ pub struct Driven {
     pub parked: u32,
     /// A checksum over the bits of every torque, command and wish of every tick (FNV-1a).
     pub checksum: u32,
+    /// How far from the goal the robot is in the end \[m\].
+    pub off_m: f32,
+}
+
+impl Driven {
+    /// Nothing yet.
+    pub(crate) const NONE: Self = Self {
+        ticks: 0,
+        handed_over: 0,
+        parked: 0,
+        checksum: 0x811c_9dc5,
+        off_m: 0.0,
+    };
+
+    /// Takes the bits of a value into the checksum.
+    pub(crate) const fn sum(&mut self, value: f32) {
+        self.checksum = (self.checksum ^ value.to_bits()).wrapping_mul(0x0100_0193);
+    }
+
+    /// Notes the end of a tick, and whether the robot is parked.
+    pub(crate) const fn stay(&mut self, tick: u32, parked: bool) {
+        if !parked {
+            self.parked = 0;
+        } else if self.parked == 0 {
+            self.parked = tick;
+        }
+        self.ticks = tick;
+    }
 }
 
 /// Drives a route at 1 kHz with the model robot, 0.15 m to the left of its start and at rest, for
@@ -113,10 +145,7 @@ pub fn drive(
     ) -> Result<(), StepFault>,
 ) -> Result<Driven, StepFault> {
     const DT: f32 = 1.0e-3;
-    let mut driven = Driven {
-        checksum: 0x811c_9dc5,
-        ..Driven::default()
-    };
+    let mut driven = Driven::NONE;
     let (Some(first), Some(goal)) = (route.at(0.0), route.goal()) else {
         return Ok(driven);
     };
@@ -154,15 +183,11 @@ pub fn drive(
             report.wanted.linear,
             report.wanted.angular,
         ] {
-            driven.checksum = (driven.checksum ^ value.to_bits()).wrapping_mul(0x0100_0193);
+            driven.sum(value);
         }
-        match report.outcome {
-            Outcome::Parked if driven.parked == 0 => driven.parked = tick,
-            Outcome::Parked => {}
-            _ => driven.parked = 0,
-        }
-        driven.ticks = tick;
+        driven.stay(tick, report.outcome == Outcome::Parked);
     }
+    driven.off_m = distance(&robot.measured().pose, &goal);
     Ok(driven)
 }
 

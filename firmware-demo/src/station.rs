@@ -12,17 +12,19 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use controller_core::base::Sensed;
 use controller_core::hal::WheelDrive;
 use controller_core::queue::{PushError, ReferenceProducer, ReferenceQueue};
-use controller_core::types::Measured;
+use controller_core::safety::supervisor::State;
 use heapless::spsc::Queue;
 
-use crate::control::{ControlTask, SensorFault};
+use crate::control::ControlTask;
 use crate::protocol::{
-    Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
+    BaseTick, Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, Origin, RejectReason,
+    Telemetry, TimedSample,
 };
 use crate::queue::{self, Receiver, Sender};
-use crate::supervisor::State;
+use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::Outbox;
 
 /// Slots for samples; a host is ahead of the robot by one less.
@@ -160,9 +162,13 @@ impl Reception<'_> {
 }
 
 /// The tick's side: commands first, then the control task, then telemetry.
-pub struct Station<'queue, D> {
+pub struct Station<'queue, D, M = NoMemory> {
     task: ControlTask<'queue, D>,
     ends: TickEnds<'queue>,
+    memory: M,
+    origin: Origin,
+    /// The origin that the host was told.
+    told: Option<Origin>,
     frames: u32,
     changes: u32,
     /// The state word of the trajectory under way.
@@ -170,19 +176,48 @@ pub struct Station<'queue, D> {
 }
 
 impl<'queue, D: WheelDrive> Station<'queue, D> {
-    /// Puts a task on the line.
-    pub const fn new(task: ControlTask<'queue, D>, ends: TickEnds<'queue>) -> Self {
+    /// Puts a task on the line; it begins with what it was compiled with.
+    pub fn new(task: ControlTask<'queue, D>, ends: TickEnds<'queue>) -> Self {
+        Self::with_memory(task, ends, NoMemory)
+    }
+}
+
+impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
+    /// Puts a task on the line; it begins with what is stored, if that is whole and in range.
+    pub fn with_memory(
+        mut task: ControlTask<'queue, D>,
+        ends: TickEnds<'queue>,
+        mut memory: M,
+    ) -> Self {
+        let origin = match memory.load().record {
+            Ok(record) => match task.set_field(&record.params) {
+                Ok(()) => Origin::Stored {
+                    sequence: record.sequence,
+                },
+                Err(_) => Origin::Defaults(NotLoaded::Refused),
+            },
+            Err(why) => Origin::Defaults(why),
+        };
         Self {
             task,
             ends,
+            memory,
+            origin,
+            told: None,
             frames: 0,
             changes: 0,
             word: 0,
         }
     }
 
-    /// One tick; see [`ControlTask::tick`].
-    pub fn tick(&mut self, now_us: u32, sensed: Result<Measured<f32>, SensorFault>) {
+    /// Where the parameters in use come from.
+    pub const fn origin(&self) -> Origin {
+        self.origin
+    }
+
+    /// One tick; see [`ControlTask::tick`]. Storing parameters, at the host's request and while disarmed only, takes as long as the
+    /// flash does.
+    pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) {
         let frames = self.ends.shared.frames.load(Ordering::Relaxed);
         if frames != self.frames {
             self.frames = frames;
@@ -193,11 +228,46 @@ impl<'queue, D: WheelDrive> Station<'queue, D> {
             let Some(Frame { sequence, message }) = self.ends.requests.receive() else {
                 break;
             };
-            let message = outcome(self.task.command(&message));
+            let message = self.answer(&message);
             self.ends.outbox.push(Frame { sequence, message });
         }
         self.task.tick(now_us, sensed);
         self.publish();
+    }
+
+    fn answer(&mut self, command: &Command) -> Telemetry {
+        let origin = match command {
+            Command::GetParameters => {
+                self.task.heard();
+                return Telemetry::Parameters(self.task.params().into());
+            }
+            Command::SaveParameters => {
+                self.task.heard();
+                if !self.task.is_disarmed() {
+                    return Telemetry::Nack(RejectReason::State);
+                }
+                match self.memory.save(&self.task.params().into()) {
+                    Ok(sequence) => Origin::Stored { sequence },
+                    Err(SaveError::NoMemory) => {
+                        return Telemetry::Nack(RejectReason::Unsupported);
+                    }
+                    Err(_) => return Telemetry::Nack(RejectReason::Storage),
+                }
+            }
+            _ => {
+                let result = self.task.command(command);
+                if result.is_err() {
+                    return outcome(result);
+                }
+                match command {
+                    Command::SetParameters(_) => Origin::Host,
+                    Command::LoadDefaults => Origin::Defaults(NotLoaded::Asked),
+                    _ => self.origin,
+                }
+            }
+        };
+        self.origin = origin;
+        Telemetry::Ack
     }
 
     /// The control task, to look at.
@@ -224,9 +294,16 @@ impl<'queue, D: WheelDrive> Station<'queue, D> {
                 cause: task.cause(),
             }));
         }
-        if let Some(ticked) = task.report() {
-            ends.outbox
-                .offer(|| unasked(Telemetry::Report((&ticked).into())));
+        if self.told != Some(self.origin) {
+            self.told = Some(self.origin);
+            ends.outbox.push(unasked(Telemetry::Origin(self.origin)));
+        }
+        if task.state().is_live() {
+            ends.outbox.offer(|| {
+                let (ridden_out, _) = task.controller().supervisor().ridden_out();
+                let tick = BaseTick::of(task.ticks(), task.report(), ridden_out);
+                unasked(Telemetry::Tick(tick))
+            });
         }
         let takes = matches!(task.state(), State::Armed | State::Tracking | State::Parked);
         // Tracking goes on with the trajectory that it was started with.

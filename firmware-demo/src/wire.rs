@@ -11,8 +11,10 @@ use crate::protocol::{
     Refusal, TimedSample, WireDemand, WireMeasured, WirePose, WireReference, WireTwist,
 };
 
+mod field;
 mod parameters;
 mod report;
+mod tick;
 
 pub use report::Ticked;
 

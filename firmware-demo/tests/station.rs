@@ -1,15 +1,20 @@
 //! Control task and line together, against hostile bytes and sensors: no panic, no torque beyond its limit, none
 //! at all outside of the states that may have one, and back in step with the host at once.
 
-use controller_core::params::Params;
-use controller_core::types::{Measured, Pose, Twist};
-use firmware_demo::control::{ControlTask, SensorFault, Settings};
+use controller_core::base::Sensed;
+use controller_core::hal::{ErrorKind, WheelCounts};
+use controller_core::localiser::Fix;
+use controller_core::safety::Currents;
+use controller_core::safety::supervisor::State;
+use controller_core::types::Pose;
+use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MockDrive;
+use firmware_demo::mission;
 use firmware_demo::protocol::{
     Command, Frame, MAX_FRAME, Telemetry, TimedSample, WirePose, WireReference, encode,
 };
 use firmware_demo::station::{Queues, Reception, Station};
-use firmware_demo::supervisor::State;
+use firmware_demo::storage::{RamFlash, Slots};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -19,7 +24,7 @@ const LIMIT: f32 = 3.0;
 enum Act {
     Bytes(Vec<u8>),
     Say(Command),
-    Tick(u32, Result<Measured<f32>, SensorFault>),
+    Tick(u32, Sensed<f32>),
 }
 
 /// Mostly numbers a robot could meet, sometimes any bit pattern.
@@ -27,10 +32,25 @@ fn real() -> impl Strategy<Value = f32> {
     prop_oneof![9 => -2.0_f32..2.0, 1 => any::<u32>().prop_map(f32::from_bits)]
 }
 
-fn measured() -> impl Strategy<Value = Measured<f32>> {
-    vec(real(), 5).prop_map(|v| Measured {
-        pose: Pose::new(v[0], v[1], v[2]),
-        twist: Twist::new(v[3], v[4]),
+/// Counts of a robot near its start, sometimes of no robot at all, and everything else that can be sensed.
+fn sensed() -> impl Strategy<Value = Sensed<f32>> {
+    let count = || prop_oneof![9 => -200..200_i32, 1 => any::<i32>()];
+    let counts = (count(), count(), 0_u8..20).prop_map(|(right, left, fails)| match fails {
+        0 => Err(ErrorKind::Bus),
+        _ => Ok(WheelCounts { right, left }),
+    });
+    (counts, vec(real(), 7), any::<[bool; 3]>()).prop_map(|(counts, v, has)| Sensed {
+        counts,
+        fix: has[0].then(|| Fix {
+            pose: Pose::new(v[0], v[1], v[2]),
+            age_s: v[3],
+        }),
+        supply_v: has[1].then_some(v[4]),
+        currents: has[2].then_some(Currents {
+            right: v[5],
+            left: v[6],
+        }),
+        driver: Ok(()),
     })
 }
 
@@ -41,6 +61,17 @@ fn command() -> impl Strategy<Value = Command> {
         Just(Command::Stop),
         Just(Command::ResetFault),
         Just(Command::GetCounters),
+        Just(Command::GetParameters),
+        Just(Command::SaveParameters),
+        Just(Command::LoadDefaults),
+        any::<bool>().prop_map(|brake| Command::EmergencyStop { brake }),
+        (real(), real(), real()).prop_map(|(x, y, theta)| Command::SetPose {
+            pose: WirePose { x, y, theta },
+        }),
+        (real(), real(), real()).prop_map(|(x, theta, age_s)| Command::Fix {
+            pose: WirePose { x, y: 0.0, theta },
+            age_s,
+        }),
         (real(), real(), real()).prop_map(|(x, y, theta)| Command::Park {
             goal: WirePose { x, y, theta },
         }),
@@ -57,10 +88,13 @@ fn act() -> impl Strategy<Value = Act> {
     prop_oneof![
         1 => vec(any::<u8>(), 0..40).prop_map(Act::Bytes),
         4 => command().prop_map(Act::Say),
-        8 => (900_u32..1200, measured()).prop_map(|(us, measured)| Act::Tick(us, Ok(measured))),
-        1 => (0_u32..200_000, measured()).prop_map(|(us, measured)| Act::Tick(us, Ok(measured))),
-        1 => Just(Act::Tick(1000, Err(SensorFault))),
+        8 => (900_u32..1200, sensed()).prop_map(|(us, sensed)| Act::Tick(us, sensed)),
+        1 => (0_u32..200_000, sensed()).prop_map(|(us, sensed)| Act::Tick(us, sensed)),
     ]
+}
+
+fn may_have_torque(state: State) -> bool {
+    state.drives() || matches!(state, State::Armed | State::Parked | State::Stopping(_))
 }
 
 fn say(reception: &mut Reception<'_>, command: &Command) -> Option<Frame<Telemetry>> {
@@ -72,18 +106,16 @@ fn say(reception: &mut Reception<'_>, command: &Command) -> Option<Frame<Telemet
 proptest! {
     #[test]
     fn nothing_makes_a_torque_that_should_not_be(acts in vec(act(), 1..300)) {
-        let mut params = Params::paper();
-        params.max_wheel_torque_nm = Some(LIMIT);
         let mut queues = Queues::default();
         let (references, ends, mut reception) = queues.split(3);
         let task = ControlTask::new(
             MockDrive::<0>::new(LIMIT),
             references,
-            Settings::default().validate().unwrap(),
-            params.validate().unwrap(),
+            mission::params(LIMIT, true).unwrap(),
+            Pose::default(),
         )
         .unwrap();
-        let mut station = Station::new(task, ends);
+        let mut station = Station::with_memory(task, ends, Slots::new(RamFlash::default()));
         let mut now_us = 0_u32;
         for act in acts {
             match act {
@@ -97,11 +129,11 @@ proptest! {
                 }
                 Act::Tick(elapsed_us, sensed) => {
                     now_us = now_us.wrapping_add(elapsed_us);
-                    station.tick(now_us, sensed);
+                    station.tick(now_us, &sensed);
                     let state = station.task().state();
                     if let Some(told) = station.task().told() {
                         prop_assert!(told.right.abs() <= LIMIT && told.left.abs() <= LIMIT);
-                        prop_assert!(state == State::Armed || state.drives(), "{:?}", state);
+                        prop_assert!(may_have_torque(state), "{:?}", state);
                     }
                     while reception.pending().is_some() {}
                 }
@@ -112,10 +144,19 @@ proptest! {
         let hello = say(&mut reception, &Command::Heartbeat);
         let hello = hello.map(|answer| answer.message);
         prop_assert!(matches!(hello, Some(Telemetry::Hello(_))), "{:?}", hello);
-        // And a stop is obeyed in the next tick, from every state.
+        // A stop is obeyed in the next tick, from every state.
         say(&mut reception, &Command::Stop);
-        station.tick(now_us.wrapping_add(1000), Ok(Measured::default()));
+        station.tick(now_us.wrapping_add(1000), &Sensed::of_counts(WheelCounts::default()));
+        let state = station.task().state();
+        prop_assert!(
+            matches!(state, State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault),
+            "{:?}",
+            state
+        );
+        // And the button takes every torque away.
+        say(&mut reception, &Command::EmergencyStop { brake: false });
+        station.tick(now_us.wrapping_add(2000), &Sensed::of_counts(WheelCounts::default()));
         prop_assert_eq!(station.task().told(), None);
-        prop_assert!(matches!(station.task().state(), State::Stopped | State::Fault));
+        prop_assert_eq!(station.task().state(), State::Fault);
     }
 }

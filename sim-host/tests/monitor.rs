@@ -1,11 +1,12 @@
 //! The monitor against a pseudo-terminal and a socket that play a board by a script.
 
-use firmware_demo::fault::Cause;
+use controller_core::safety::FaultKind;
+use controller_core::safety::supervisor::{Cause, State};
 use firmware_demo::protocol::{
-    Command as Ask, Counters, Decoder, MAX_CONTENT, MAX_FRAME, Report, Telemetry, encode,
-    report_flags,
+    BaseTick, Command as Ask, Counters, Decoder, MAX_CONTENT, MAX_FRAME, Origin, Telemetry, encode,
+    tick_flags,
 };
-use firmware_demo::supervisor::State;
+use firmware_demo::storage::NotLoaded;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use sim_host::monitor::{COLUMNS, Log, Monitor, Port, Received};
 use std::fs::File;
@@ -20,23 +21,26 @@ fn frame(sequence: u16, message: &Telemetry) -> Vec<u8> {
     encode(sequence, message, &mut out).expect("fits").to_vec()
 }
 
-fn report(tick: u32) -> Report {
-    Report {
+fn report(tick: u32) -> BaseTick {
+    let parking = if tick > 1 { tick_flags::PARKING } else { 0 };
+    BaseTick {
         tick,
+        state: State::Tracking,
         e_x: 0.1 * tick as f32,
         tau_left: f32::NAN,
         tau_right: -0.0,
         v_c: 1.0e-30,
-        flags: report_flags::SATURATED,
-        phase: u8::from(tick > 1),
-        ..Report::default()
+        flags: tick_flags::LAW | tick_flags::TORQUE_LIMITED | parking,
+        findings: 1 << (FaultKind::PoseJump.code() - 1) | 1 << (FaultKind::WheelSlip.code() - 1),
+        ridden_out: 4,
+        ..BaseTick::default()
     }
 }
 
 /// Three reports, a state, the board's counters, and between them everything that can be damaged.
 fn script() -> Vec<u8> {
     let mut bytes = b"half a frame\0".to_vec();
-    bytes.extend(frame(0, &Telemetry::Report(report(0))));
+    bytes.extend(frame(0, &Telemetry::Tick(report(0))));
     let state = State::Tracking;
     let cause = Cause::Host;
     bytes.extend(frame(
@@ -47,13 +51,13 @@ fn script() -> Vec<u8> {
             cause,
         },
     ));
-    let mut damaged = frame(2, &Telemetry::Report(report(1)));
+    let mut damaged = frame(2, &Telemetry::Tick(report(1)));
     let middle = damaged.len() / 2;
     damaged[middle] ^= 0x40;
     // A flip may make a zero, which would be a delimiter.
     damaged[middle] |= 0x01;
     bytes.extend(damaged);
-    bytes.extend(frame(3, &Telemetry::Report(report(2))));
+    bytes.extend(frame(3, &Telemetry::Tick(report(2))));
     bytes.extend(frame(
         4,
         &Telemetry::Counters(Counters {
@@ -64,7 +68,9 @@ fn script() -> Vec<u8> {
             ..Counters::default()
         }),
     ));
-    bytes.extend(frame(5, &Telemetry::Report(report(3))));
+    bytes.extend(frame(5, &Telemetry::Tick(report(3))));
+    let why = Origin::Defaults(NotLoaded::Damaged);
+    bytes.extend(frame(6, &Telemetry::Origin(why)));
     bytes
 }
 
@@ -79,12 +85,15 @@ fn reports_are_told_from_damage_whatever_the_chunks() {
         assert_eq!(ticks, [0, 2, 3]);
         assert_eq!(monitor.reports(), 3);
         let frames = monitor.frames();
-        assert_eq!((frames.good, frames.rejected()), (5, 2));
+        assert_eq!((frames.good, frames.rejected()), (6, 2));
         assert_eq!(monitor.heard().state, Some((State::Tracking, Cause::Host)));
         let line = monitor.line();
         for part in [
             "Tracking (Host)",
-            "tick 3",
+            "parking tick 3",
+            "pose_jump wheel_slip",
+            "4 faults ridden out",
+            "defaults (Damaged)",
             "bad",
             "7 bad",
             "3 dropped",
@@ -119,13 +128,17 @@ fn log_reads_back_bit_for_bit() {
     assert_eq!(number(0, "tau_right").to_bits(), (-0.0_f32).to_bits());
     assert_eq!(number(0, "v_c").to_bits(), 1.0e-30_f32.to_bits());
     assert!(number(0, "tau_left").is_nan());
-    assert_eq!(cell(0, "state"), "");
-    assert_eq!(cell(1, "state"), "Tracking");
+    assert_eq!(cell(0, "state"), "Tracking");
     assert_eq!(
-        (cell(0, "phase").as_str(), cell(1, "phase").as_str()),
-        ("tracking", "parking")
+        (cell(0, "cause").as_str(), cell(1, "cause").as_str()),
+        ("", "Host")
     );
-    assert_eq!(cell(1, "saturated"), "1");
+    assert_eq!(
+        (cell(0, "law").as_str(), cell(1, "law").as_str()),
+        ("following", "parking")
+    );
+    assert_eq!(cell(1, "torque_limited"), "1");
+    assert_eq!(cell(1, "findings"), "pose_jump+wheel_slip");
 }
 
 /// Both ends of a pseudo-terminal: the board's, and the path that a user would name.
@@ -218,7 +231,7 @@ fn the_program_logs_a_terminal_until_it_is_unplugged() {
     let output = child.wait_with_output().expect("ends");
     let shown = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{output:?}");
-    assert!(shown.contains("3 reports, 5 good frames, 2 bad"), "{shown}");
+    assert!(shown.contains("3 reports, 6 good frames, 2 bad"), "{shown}");
 }
 
 #[test]

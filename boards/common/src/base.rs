@@ -2,15 +2,13 @@
 
 use core::fmt::{self, Display, Formatter};
 
-use controller_core::hal::{Clock, WheelDrive, WheelEncoders};
-use controller_core::maths::Single;
-use controller_core::odometry::Odometry;
-use controller_core::types::{Pose, Twist};
-use controller_core::wheels::WheelMap;
+use controller_core::base::Sensed;
+use controller_core::hal::{Clock, Error as _, WheelDrive, WheelEncoders};
+use controller_core::types::Pose;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
-use firmware_demo::control::{ControlTask, SensorFault};
-use firmware_demo::drive::{Bridges, MotorPair, MotorSide, Observed};
+use firmware_demo::control::ControlTask;
+use firmware_demo::drive::{Bridges, MotorPair, MotorSide};
 use firmware_demo::station::{Queues, Station};
 
 use crate::config;
@@ -58,9 +56,6 @@ pub struct Base<'queue, P, D, N, E, C> {
     station: Station<'queue, MotorPair<P, D, N>>,
     encoders: E,
     clock: C,
-    odometry: Odometry<f32>,
-    wheels: WheelMap<f32>,
-    last_us: u32,
 }
 
 /// The two halves of a board: for the timer's interrupt, and for the background.
@@ -97,24 +92,15 @@ where
     };
     let mut motors = MotorPair::new(right, left, bridges, motor);
     motors.release().map_err(|_| StartError::Motors)?;
-    let params = config::PARAMS.validate().map_err(|_| StartError::Config)?;
-    let settings = config::settings()
-        .validate()
-        .map_err(|_| StartError::Config)?;
-    let counts = encoders.counts().map_err(|_| StartError::Encoders)?;
-    let odometry = Odometry::new(&config::ODOMETRY, Pose::default(), counts)
-        .map_err(|_| StartError::Config)?;
-    let wheels = WheelMap::from_geometry(&config::WHEELS).map_err(|_| StartError::Config)?;
+    let params = config::params().map_err(|_| StartError::Config)?;
+    encoders.counts().map_err(|_| StartError::Encoders)?;
     let (references, ends, reception) = queues.split(config::DECIMATE);
-    let task =
-        ControlTask::new(motors, references, settings, params).map_err(|_| StartError::Config)?;
+    let task = ControlTask::new(motors, references, params, Pose::default())
+        .map_err(|_| StartError::Config)?;
     let base = Base {
         station: Station::new(task, ends),
         encoders,
-        last_us: clock.now_us().wrapping_sub(config::PERIOD_US),
         clock,
-        odometry,
-        wheels,
     };
     Ok((base, Line::new(reception)))
 }
@@ -131,26 +117,14 @@ where
     /// motors' own.
     pub fn tick(&mut self) {
         let now_us = self.clock.now_us();
-        // A tick takes time, so 0 is a clock that stands; the control task is told as much by its own clock check.
-        let elapsed_us = now_us.wrapping_sub(self.last_us).max(1);
-        self.last_us = now_us;
-        let dt = elapsed_us as f32 * 1.0e-6;
-        let sensed = match self.encoders.counts() {
-            Ok(counts) => Ok(self.odometry.update::<Single>(counts, dt)),
-            Err(_) => Err(SensorFault),
+        let sensed = Sensed {
+            counts: self.encoders.counts().map_err(|error| error.kind()),
+            fix: None,
+            // No board measures supply or currents yet.
+            supply_v: None,
+            currents: None,
+            driver: Ok(()),
         };
-        if let Ok(measured) = &sensed {
-            // What the last tick commanded: a tick late, which friction does not mind.
-            let report = self.station.task().report();
-            let wanted = report.map_or(Twist::default(), |ticked| ticked.report.command);
-            let observed = Observed {
-                speeds: self.wheels.wheel_speeds(&measured.twist),
-                wanted: self.wheels.wheel_speeds(&wanted),
-                // No board measures its supply yet.
-                supply_v: f32::NAN,
-            };
-            self.station.drive_mut().observe(&observed);
-        }
-        self.station.tick(now_us, sensed);
+        self.station.tick(now_us, &sensed);
     }
 }

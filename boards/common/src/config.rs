@@ -1,12 +1,15 @@
 //! The robot that is driven: a small base with two geared 12 V motors. Change it to yours, then do the bring-up of the
 //! board's README from its first line.
 
-use controller_core::handover::Reset;
+use controller_core::base::BaseParams;
+use controller_core::error::ParamError;
+use controller_core::localiser::LocaliserParams;
+use controller_core::maths::Single;
+use controller_core::motion::{Limits, Policy};
 use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
+use controller_core::params::Robot;
 use controller_core::wheels::WheelGeometry;
-use firmware_demo::control::{LinkWatch, Settings, StallWatch};
 use firmware_demo::drive::OffPhase;
 
 /// Control period \[us\].
@@ -46,35 +49,25 @@ pub const MOTOR: MotorParams<f32> = MotorParams {
 /// What the bridges do while their PWM is low; those of the board's README short the motors.
 pub const OFF_PHASE: OffPhase = OffPhase::Shorted;
 
-/// The controller, until the host sets other parameters: gains G of the project, torque loops for this mass.
-pub const PARAMS: Params<f32> = Params {
-    robot: Robot {
-        mass_kg: MASS_KG,
-        inertia_kg_m2: INERTIA_KG_M2,
-        wheels: WHEELS,
-    },
-    tracking: TrackingGains {
-        k1: 0.9,
-        k2: 6.0,
-        k3: 2.0,
-        k_d1: 3.0 * MASS_KG,
-        k_d2: 5.0 * INERTIA_KG_M2,
-    },
-    parking: ParkingGains {
-        k4: 1.2,
-        k5: 1.2,
-        k_c1: 3.0 * MASS_KG,
-        k_c2: 5.0 * INERTIA_KG_M2,
-    },
-    neurons: NeuronParams {
-        a: 4.0,
-        b: 4.0,
-        d: 4.0,
-    },
-    reset: Reset::TorqueContinuous,
+/// Mass, inertia and wheels.
+pub const ROBOT: Robot<f32> = Robot {
+    mass_kg: MASS_KG,
+    inertia_kg_m2: INERTIA_KG_M2,
+    wheels: WHEELS,
+};
+
+/// What the base may do: walking pace, and torques that the current limit allows.
+pub const LIMITS: Limits<f32> = Limits {
+    speed: 0.8,
+    turn_rate: 4.0,
+    accel: 0.8,
+    brake: 1.0,
+    turn_accel: 8.0,
+    jerk: 20.0,
+    turn_jerk: 100.0,
     // Gear times torque constant times current limit is 0.255 N m.
-    max_wheel_torque_nm: Some(0.25),
-    max_tick_s: 0.01,
+    wheel_torque_nm: 0.25,
+    policy: Policy::KeepCurvature,
 };
 
 /// Encoder of 64 counts a motor turn.
@@ -85,17 +78,15 @@ pub const ODOMETRY: OdometryParams<f32> = OdometryParams {
     bandwidth: 60.0,
 };
 
-/// When the control task gives up.
-pub fn settings() -> Settings {
-    Settings {
-        period_us: PERIOD_US,
-        late_us: PERIOD_US + PERIOD_US / 2,
-        link: LinkWatch::StopAfterUs(100_000),
-        stall: StallWatch {
-            torque_nm: 0.15,
-            speed_rad_s: 0.1,
-            after_us: 500_000,
-        },
-        ..Settings::default()
-    }
+/// Everything about the base, until the host sets other parameters: gains, tolerances and thresholds follow from the above.
+///
+/// # Errors
+///
+/// A value out of its range.
+pub fn params() -> Result<BaseParams<f32>, ParamError> {
+    let localiser = LocaliserParams {
+        odometry: ODOMETRY,
+        fusion: None,
+    };
+    BaseParams::new::<Single>(ROBOT, LIMITS, localiser, Some(MOTOR), PERIOD_US)
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! receive interrupt -> Bytes -> Line (background) -> Reception ─┐
-//! timer interrupt   -> Base::tick: encoders, odometry, Station ─┴─> motors, enable pin
+//! timer interrupt   -> Base::tick: encoders, Station, base    ─┴─> motors, enable pin
 //! ```
 //!
 //! A board brings a clock, two encoders, two PWM outputs, two direction pins, one enable pin and a line; [`start`]

@@ -48,11 +48,13 @@ impl SetDutyCycle for Wire {
     }
 }
 
-/// Microseconds that pass by themselves with each look, and counts that follow the duty.
+/// A clock, and counts that follow the duty.
 #[derive(Clone, Default)]
 struct World {
     now_us: Rc<Cell<u32>>,
-    turned: Rc<Cell<i32>>,
+    /// Of both wheels.
+    counts: Rc<Cell<f32>>,
+    per_tick: Rc<Cell<f32>>,
 }
 
 impl Clock for World {
@@ -67,7 +69,7 @@ impl ErrorType for World {
 
 impl WheelEncoders for World {
     fn counts(&mut self) -> Result<WheelCounts, Infallible> {
-        let turned = self.turned.get();
+        let turned = self.counts.get() as i32;
         Ok(WheelCounts {
             right: turned,
             left: turned,
@@ -78,6 +80,7 @@ impl WheelEncoders for World {
 struct Board {
     halves: Halves<'static, Wire, Wire, Wire, World, World>,
     wires: [Wire; 3],
+    backward: Wire,
     world: World,
     received: Bytes,
     sequence: u16,
@@ -89,13 +92,11 @@ impl Board {
         let wires = [(); 3].map(|()| Wire(Rc::new(Cell::new(1))));
         let [enable, right, left] = wires.clone();
         let world = World::default();
-        let side = |pwm| MotorSide {
-            pwm,
-            direction: Wire::default(),
-        };
+        let backward = Wire::default();
+        let side = |pwm, direction| MotorSide { pwm, direction };
         let parts = Parts {
-            right: side(right),
-            left: side(left),
+            right: side(right, backward.clone()),
+            left: side(left, Wire::default()),
             enable,
             encoders: world.clone(),
             clock: world.clone(),
@@ -104,6 +105,7 @@ impl Board {
         Self {
             halves: start(parts, queues).expect("the configuration is valid"),
             wires,
+            backward,
             world,
             received: Bytes::new(),
             sequence: 0,
@@ -121,15 +123,20 @@ impl Board {
         }
     }
 
-    /// A millisecond; the wheels turn while they are pushed.
+    /// A millisecond; both wheels get to the speed of the right motor's voltage within 50 of them.
     fn tick(&mut self) {
         self.world
             .now_us
             .set(self.world.now_us.get().wrapping_add(1000));
         let [_, right, _] = &self.wires;
-        self.world
-            .turned
-            .set(self.world.turned.get() + i32::from(right.0.get() > 0));
+        // 47 rad/s without load are 14.4 counts a tick.
+        let duty = f32::from(right.0.get()) * 1.0e-3;
+        let sign = if self.backward.0.get() > 0 { -1.0 } else { 1.0 };
+        let World {
+            counts, per_tick, ..
+        } = &self.world;
+        per_tick.set(per_tick.get() + 0.02 * (14.4 * sign * duty - per_tick.get()));
+        counts.set(counts.get() + per_tick.get());
         self.halves.0.tick();
         self.halves.1.poll(&self.received, |_| true);
     }
@@ -165,7 +172,7 @@ fn outputs_are_off_from_the_start_until_armed() {
 }
 
 #[test]
-fn an_armed_board_drives_and_a_silent_host_stops_it_within_100_ms() {
+fn an_armed_board_drives_and_a_silent_host_stops_it() {
     let mut board = Board::new();
     board.tick();
     board.send(&Command::Arm);
@@ -182,9 +189,12 @@ fn an_armed_board_drives_and_a_silent_host_stops_it_within_100_ms() {
         "{:?}",
         board.outputs()
     );
-    for _ in 0..102 {
+    let speed = board.world.per_tick.get();
+    // 100 ms of silence, and half a second that a controlled stop from 0.2 m/s takes at most, with its 0.1 s of rest.
+    for _ in 0..600 {
         board.tick();
     }
+    assert!(speed > 1.0 && board.world.per_tick.get().abs() < 0.1 * speed);
     assert_eq!(board.outputs(), [0; 3], "the host is gone");
     for _ in 0..100 {
         board.send(&Command::Heartbeat);
@@ -195,4 +205,20 @@ fn an_armed_board_drives_and_a_silent_host_stops_it_within_100_ms() {
             "a host that comes back does not drive on"
         );
     }
+}
+
+#[test]
+fn the_button_shorts_the_motors_in_the_next_tick() {
+    let mut board = Board::new();
+    board.tick();
+    board.send(&Command::Arm);
+    board.tick();
+    board.send_trajectory();
+    for _ in 0..200 {
+        board.send(&Command::Heartbeat);
+        board.tick();
+    }
+    board.send(&Command::EmergencyStop { brake: true });
+    board.tick();
+    assert_eq!(board.outputs(), [1, 0, 0], "shorted by the bridges' low phase");
 }

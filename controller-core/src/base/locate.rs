@@ -44,6 +44,11 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
+    /// With other parameters, where the last one was.
+    pub(super) fn renewed(&self, localisation: &Localisation<T>) -> Self {
+        Self::new(localisation, self.last.map_or(self.start, |last| last.pose))
+    }
+
     /// The pose is set; the next tick says that it jumped.
     pub(super) fn set_pose(&mut self, pose: Pose<T>) {
         self.start = pose;

@@ -32,6 +32,8 @@ pub struct Arrival<T> {
 
 /// What the wheels do once parked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum AtRest {
     /// Hold zero speed: a push is resisted by the velocity loop.
     #[default]

@@ -14,45 +14,49 @@ fn run() {
 
 #[cfg(target_os = "none")]
 mod chip {
+    use controller_core::base::Sensed;
     use controller_core::params::Params;
-    use controller_core::types::Measured;
+    use controller_core::types::{Measured, Pose};
     use firmware_demo::board::{EXIT_LINK, Uart, high_water_mark, semihosting, with_ticks};
-    use firmware_demo::control::{ControlTask, Settings};
+    use firmware_demo::control::ControlTask;
     use firmware_demo::drive::MockDrive;
     use firmware_demo::line::send;
+    use firmware_demo::mission::{Encoders, PERIOD_US, params};
     use firmware_demo::model::Model;
     use firmware_demo::station::{Queues, Reception, Station};
+    use firmware_demo::storage::{RamFlash, Slots};
 
-    const MAX_TORQUE_NM: f32 = 3.0;
+    const MAX_TORQUE_NM: f32 = 15.0;
     /// Of so many reports one is sent: 50 a second.
     const DECIMATE: u16 = 20;
 
     /// Returns only when the line fails.
     pub fn run() {
-        let settings = Settings::default();
-        let mut params = Params::paper();
-        params.max_wheel_torque_nm = Some(MAX_TORQUE_NM);
-        let (Ok(params), Ok(valid)) = (params.validate(), settings.validate()) else {
+        let (Ok(body), Ok(params)) = (Params::paper().validate(), params(MAX_TORQUE_NM, true))
+        else {
             semihosting::exit(EXIT_LINK)
         };
         let mut queues = Queues::default();
         let (references, ends, mut reception) = queues.split(DECIMATE);
         let wheels = MockDrive::<0>::new(MAX_TORQUE_NM);
-        let Ok(task) = ControlTask::new(wheels, references, valid, params) else {
+        let Ok(task) = ControlTask::new(wheels, references, params, Pose::default()) else {
             semihosting::exit(EXIT_LINK)
         };
-        let mut station = Station::new(task, ends);
-        let mut model = Model::new(params, Measured::default());
+        let memory = Slots::new(RamFlash::default());
+        let mut station = Station::with_memory(task, ends, memory);
+        let mut model = Model::new(body, Measured::default());
+        let mut encoders = Encoders::default();
         let mut last_us = 0;
         let mut tick = move |now_us: u32| {
             // First the time that has passed, with what the wheels were told before.
             let dt = now_us.wrapping_sub(last_us) as f32 * 1e-6;
             last_us = now_us;
-            model.advance(dt, station.task().told());
-            station.tick(now_us, Ok(*model.measured()));
+            model.act(dt, station.task().doing());
+            let counts = encoders.advance(dt, &model);
+            station.tick(now_us, &Sensed::of_counts(counts));
         };
         let mut uart = Uart::polled();
-        with_ticks(settings.period_us, &mut tick, || {
+        with_ticks(PERIOD_US, &mut tick, || {
             while serve(&mut uart, &mut reception) {}
         });
         semihosting::exit(EXIT_LINK);

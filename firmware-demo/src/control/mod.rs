@@ -1,173 +1,158 @@
-//! The control task: once a tick, from a measurement to wheels that are either told a torque or released.
+//! The control task: once a tick, from counts to wheels that are told a torque, braked, or released.
 //!
-//! It owns the supervisor's state, the controller and the wheels, and it is the only one that talks to them.
-//! Torques come from the controller's report, which has them from B̄, and from nowhere else. Time and
-//! measurement are arguments, so the task runs on a board, in the simulator and in tests alike.
+//! It owns the base of the core (localiser, monitor, supervisor, motion law), the wheels and the queue of references, and it is the
+//! only one that talks to the wheels. What is wrong and what is done about it is decided in
+//! [`controller_core::safety`]; here the host is watched over, and references become orders. Time and measurement are arguments,
+//! so the task runs on a board, in the simulator and in tests alike.
 
-mod drive;
+mod commands;
+mod course;
 mod settings;
-mod watch;
+mod wheels;
 
-pub use settings::{Arrival, LinkWatch, SettingError, Settings, StallWatch, ValidSettings};
+pub use settings::{SetError, SettingError};
 
-use controller_core::hal::{Error as _, WheelDrive};
-use controller_core::neural::NeuralController;
-use controller_core::params::{Params, Validated};
+use controller_core::base::{BaseController, BaseParams, BaseReport, Sensed, WheelAction};
+use controller_core::hal::{ErrorKind, WheelDrive};
+use controller_core::localiser::Fix;
 use controller_core::queue::ReferenceConsumer;
-use controller_core::types::{Measured, Pose, WheelTorques};
+use controller_core::safety::Timeout;
+use controller_core::safety::supervisor::{Cause, Event, State};
+use controller_core::types::{Pose, WheelTorques};
 
-use crate::fault::{Cause, Fault};
-use crate::protocol::{Command, RejectReason};
-use crate::supervisor::{Event, Reaction, State, next};
-use crate::wire::Ticked;
-use watch::{Held, Overruns, Silence, Stall};
+use course::Course;
 
-/// The encoders gave no reading in this tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SensorFault;
-
-/// Where the robot is on its mission. What one state needs is meaningless in another, but costs no more.
-#[derive(Clone, Copy, Debug, Default)]
-struct Mission {
-    controller: Option<NeuralController>,
-    /// Commanded and not yet handed over to.
-    goal: Option<Pose<f32>>,
-    /// Time of the first reference \[s\], and since then.
-    first_s: f32,
-    run_us: u64,
-    /// Parking is a controlled stop, so long already.
-    braking: Option<u32>,
-    arrived: Held,
-    stall: Stall,
-    handed_over: bool,
-    ticks: u32,
-}
-
-/// Supervisor, controller and wheels. See the [module](self).
+/// Base, wheels and references. See the [module](self).
 pub struct ControlTask<'queue, D> {
     drive: D,
     references: ReferenceConsumer<'queue, f32>,
-    settings: ValidSettings,
-    params: Validated<f32>,
-    state: State,
-    cause: Cause,
-    changes: u32,
+    controller: BaseController,
+    params: BaseParams<f32>,
+    defaults: BaseParams<f32>,
+    course: Course,
+    /// An external pose for the next tick.
+    fix: Option<Fix<f32>>,
+    /// What the driver answered last.
+    answer: Result<(), ErrorKind>,
+    /// What the wheels do.
+    doing: WheelAction<f32>,
+    /// Since the host was last heard.
+    silent_us: u32,
     last_us: Option<u32>,
     ticks: u32,
-    silence: Silence,
-    overruns: Overruns,
-    mission: Mission,
-    told: Option<WheelTorques<f32>>,
+    changes: u32,
 }
 
 impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
-    /// A task in [`State::Idle`], which releases the wheels with its first tick.
+    /// A task in [`State::Idle`] at `start`, which releases the wheels with its first tick. `defaults` are what it is compiled with.
     ///
     /// # Errors
     ///
-    /// [`SettingError::TorqueLimit`] when the parameters allow more torque than the driver does.
+    /// [`SettingError`]: parameters out of range, or that allow more torque than the driver does.
     pub fn new(
         drive: D,
         references: ReferenceConsumer<'queue, f32>,
-        settings: ValidSettings,
-        params: Validated<f32>,
+        defaults: BaseParams<f32>,
+        start: Pose<f32>,
     ) -> Result<Self, SettingError> {
-        if !within_driver(params.params(), &drive) {
-            return Err(SettingError::TorqueLimit);
-        }
+        let base = settings::check(&defaults, &drive)?;
         Ok(Self {
             drive,
             references,
-            settings,
-            params,
-            state: State::Idle,
-            cause: Cause::PowerOn,
-            changes: 0,
+            controller: BaseController::new(&base, start),
+            params: defaults,
+            defaults,
+            course: Course::default(),
+            fix: None,
+            answer: Ok(()),
+            doing: WheelAction::Release,
+            silent_us: 0,
             last_us: None,
             ticks: 0,
-            silence: Silence::default(),
-            overruns: Overruns::default(),
-            mission: Mission::default(),
-            told: None,
+            changes: 0,
         })
     }
 
-    /// Takes a command; what it asks of the wheels happens in the next tick.
-    ///
-    /// References do not come this way but by the queue.
-    ///
-    /// # Errors
-    ///
-    /// Why it is refused; nothing has changed then but that the host was heard.
-    pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
-        self.heard();
-        match command {
-            Command::Heartbeat => Ok(()),
-            Command::Arm => self.ask(Event::Arm),
-            Command::Stop => self.ask(Event::Stop),
-            Command::ResetFault => self.ask(Event::ResetFault),
-            Command::Park { goal } => {
-                let goal: Pose<f32> = goal.into();
-                if !goal.is_finite() {
-                    return Err(RejectReason::Value);
-                }
-                self.ask(Event::Park)?;
-                self.mission.goal = Some(goal);
-                Ok(())
-            }
-            Command::SetParameters(set) => self.set_params(Params::from(set)),
-            Command::Sample(_)
-            | Command::Begin { .. }
-            | Command::Tick { .. }
-            | Command::GetCounters => Err(RejectReason::Unsupported),
-        }
-    }
-
-    /// A sound frame came from the host.
+    /// A sound frame came from the host, or a mission without a host is alive.
     pub const fn heard(&mut self) {
-        self.silence.heard();
+        self.silent_us = 0;
     }
 
-    /// One tick at `now_us`, a clock that wraps around. Tells the wheels a torque or releases them, once; only
-    /// after a driver's error are they released on top.
-    pub fn tick(&mut self, now_us: u32, sensed: Result<Measured<f32>, SensorFault>) {
-        let period_us = self.settings.get().period_us;
+    /// One tick at `now_us`, a clock that wraps around. `sensed.driver` is not looked at: the task has the driver's answer.
+    ///
+    /// The wheels are told once; only after a driver's error are they released on top, in the same tick.
+    pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) -> &BaseReport<f32> {
+        let period_us = self.params.watch.period_us;
         let elapsed_us = self
             .last_us
             .map_or(period_us, |last_us| now_us.wrapping_sub(last_us));
         self.last_us = Some(now_us);
         self.ticks = self.ticks.wrapping_add(1);
-        self.mission.handed_over = false;
-        self.told = self.decide(elapsed_us, sensed).unwrap_or_else(|fault| {
-            self.fail(fault);
-            None
-        });
-        let done = match self.told {
-            Some(torques) => self.drive.set_torques(torques),
-            None => self.drive.release(),
+        self.watch_host(elapsed_us, period_us);
+        let order = self.order(elapsed_us);
+        let sensed = Sensed {
+            fix: self.fix.take().or(sensed.fix),
+            driver: self.answer,
+            ..*sensed
         };
-        if let Err(error) = done {
-            self.fail(Fault::Driver(error.kind().into()));
-            if self.told.take().is_some() {
-                // If this fails too there is nothing left to do now; every tick from here on tries again.
-                let _ = self.drive.release();
+        let action = self.controller.tick(elapsed_us, &order, &sensed).action;
+        self.tell(&action, sensed.supply_v);
+        self.tidy();
+        self.controller.report()
+    }
+
+    /// The button: what it asks reaches the wheels in this call, and stays until a reset.
+    pub fn emergency_stop(&mut self, brake: bool) {
+        let action = self.controller.emergency_stop_by(brake);
+        self.tell(&action, None);
+        self.tidy();
+    }
+
+    /// Tells the base that its host is gone; an underrun of references it finds by itself.
+    fn watch_host(&mut self, elapsed_us: u32, period_us: u32) {
+        self.silent_us = self.silent_us.saturating_add(elapsed_us);
+        // Whether the silence would be too long by the next tick.
+        let by_next = self.silent_us.saturating_add(period_us);
+        match self.params.watch.command {
+            Timeout::AfterUs(limit) if by_next > limit => {
+                self.controller.on(Event::LinkLost);
             }
+            _ => {}
+        }
+        if self.state() != State::Tracking {
+            self.controller.heard();
+        }
+    }
+
+    /// After a change of state: nothing is left of a course that ended.
+    fn tidy(&mut self) {
+        let changes = self.changes();
+        if changes == self.changes {
+            return;
+        }
+        self.changes = changes;
+        let state = self.state();
+        if state != State::Tracking {
+            self.references.clear();
+        }
+        if !state.drives() && state != State::Parked {
+            self.course = Course::default();
         }
     }
 
     /// The supervisor's state.
     pub const fn state(&self) -> State {
-        self.state
+        self.controller.supervisor().state()
     }
 
     /// Why it is that.
     pub const fn cause(&self) -> Cause {
-        self.cause
+        self.controller.supervisor().cause()
     }
 
     /// Changes of state since power-on; wraps around.
     pub const fn changes(&self) -> u32 {
-        self.changes
+        self.controller.supervisor().changes()
     }
 
     /// Ticks since power-on; wraps around.
@@ -175,70 +160,38 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         self.ticks
     }
 
-    /// What the wheels were told in the last tick; `None` when they were released.
+    /// What the wheels do since the last tick or emergency stop.
+    pub const fn doing(&self) -> &WheelAction<f32> {
+        &self.doing
+    }
+
+    /// The torques that they were told; `None` when they are braked or released.
     pub const fn told(&self) -> Option<WheelTorques<f32>> {
-        self.told
+        self.doing.torques()
     }
 
-    /// Ticks that came late since power-on.
-    pub const fn overruns(&self) -> u32 {
-        self.overruns.total()
+    /// Ticks that came late.
+    pub fn overruns(&self) -> u32 {
+        self.controller.late_ticks()
     }
 
-    /// Everything about the last tick, while the robot is driven.
-    pub fn report(&self) -> Option<Ticked> {
-        let controller = self.mission.controller.as_ref()?;
-        self.state.drives().then(|| Ticked {
-            tick: self.mission.ticks,
-            ..Ticked::of(controller, self.mission.handed_over)
-        })
+    /// Everything about the last tick.
+    pub const fn report(&self) -> &BaseReport<f32> {
+        self.controller.report()
     }
 
-    /// The wheels, to look at or to be told a speed. Torques are the task's business.
+    /// The base, to look at.
+    pub const fn controller(&self) -> &BaseController {
+        &self.controller
+    }
+
+    /// The parameters in use.
+    pub const fn params(&self) -> &BaseParams<f32> {
+        &self.params
+    }
+
+    /// The wheels, to look at. Torques are the task's business.
     pub const fn drive_mut(&mut self) -> &mut D {
         &mut self.drive
     }
-
-    fn ask(&mut self, event: Event) -> Result<(), RejectReason> {
-        match self.apply(event, Cause::Host) {
-            Reaction::Refuse => Err(RejectReason::State),
-            _ => Ok(()),
-        }
-    }
-
-    fn set_params(&mut self, params: Params<f32>) -> Result<(), RejectReason> {
-        if !matches!(self.state, State::Idle | State::Stopped) {
-            return Err(RejectReason::State);
-        }
-        if !within_driver(&params, &self.drive) {
-            return Err(RejectReason::Value);
-        }
-        self.params = params.validate().map_err(|_| RejectReason::Value)?;
-        Ok(())
-    }
-
-    fn fail(&mut self, fault: Fault) {
-        self.apply(Event::Fault, Cause::Fault(fault));
-    }
-
-    fn apply(&mut self, event: Event, cause: Cause) -> Reaction {
-        let (state, reaction) = next(self.state, event);
-        if state != self.state {
-            self.state = state;
-            self.cause = cause;
-            self.changes = self.changes.wrapping_add(1);
-            if !state.drives() {
-                self.mission = Mission::default();
-                self.references.clear();
-            }
-        }
-        reaction
-    }
-}
-
-/// The controller limits torques by itself, where it is told; so its limit has to be one that the driver takes.
-fn within_driver<D: WheelDrive>(params: &Params<f32>, drive: &D) -> bool {
-    params
-        .max_wheel_torque_nm
-        .is_some_and(|limit| limit <= drive.max_torque_nm())
 }

@@ -5,5 +5,6 @@ mod mock;
 mod motor;
 
 pub use bridge::{Bridges, MotorSide, NoPin, OffPhase};
+pub use controller_core::hal::Observed;
 pub use mock::{Call, Mock, MockDrive, MockSpeedDrive, Script};
-pub use motor::{MotorError, MotorPair, Observed, WheelCommands};
+pub use motor::{MotorError, MotorPair, WheelCommands};

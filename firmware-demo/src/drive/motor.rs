@@ -2,9 +2,9 @@
 //!
 //! What a torque takes in current, voltage and duty is worked out by [`controller_core::motor`]; here are the pins.
 
-use controller_core::hal::{Error, ErrorKind, ErrorType, WheelDrive, accepts};
+use controller_core::hal::{Error, ErrorKind, ErrorType, Observed, WheelDrive, accepts};
 use controller_core::motor::{Motor, MotorCommand, WheelDemand};
-use controller_core::types::{WheelSpeeds, WheelTorques};
+use controller_core::types::WheelTorques;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 
@@ -32,29 +32,6 @@ impl Error for MotorError {
             Self::Pwm | Self::Direction | Self::Enable => ErrorKind::Bus,
             Self::OutOfRange => ErrorKind::OutOfRange,
             Self::Observation => ErrorKind::Other,
-        }
-    }
-}
-
-/// What a motor command needs to know beside the torque.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observed {
-    /// Measured, for the back-EMF.
-    pub speeds: WheelSpeeds<f32>,
-    /// Commanded by the controller, for friction.
-    pub wanted: WheelSpeeds<f32>,
-    /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
-    /// supply, and told: [`MotorCommand::limited`].
-    pub supply_v: f32,
-}
-
-impl Default for Observed {
-    /// Standing still, supply unknown.
-    fn default() -> Self {
-        Self {
-            speeds: WheelSpeeds::default(),
-            wanted: WheelSpeeds::default(),
-            supply_v: f32::NAN,
         }
     }
 }
@@ -97,11 +74,6 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
             told: WheelCommands::default(),
             backward: None,
         }
-    }
-
-    /// Tells how fast the wheels turn and are to turn, and the supply. To be called before every set of torques.
-    pub fn observe(&mut self, observed: &Observed) {
-        self.observed = *observed;
     }
 
     /// What both motors were told last, and what was limited; zero after a release or a brake.
@@ -154,6 +126,20 @@ impl<P, D, E> ErrorType for MotorPair<P, D, E> {
 impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D, E> {
     fn max_torque_nm(&self) -> f32 {
         self.motor.max_torque_nm()
+    }
+
+    fn observe(&mut self, observed: &Observed) {
+        self.observed = *observed;
+    }
+
+    /// By the motors' equations: torque at the wheel less its friction, where current or supply limited it.
+    fn exerted(&self) -> Option<WheelTorques<f32>> {
+        let WheelCommands { right, left } = &self.told;
+        let limited = right.limited.torque() || left.limited.torque();
+        limited.then_some(WheelTorques {
+            right: right.torque_nm - right.friction_nm,
+            left: left.torque_nm - left.friction_nm,
+        })
     }
 
     /// Directions first, each with its bridge off while it changes, then both duty cycles, then enable.

@@ -152,7 +152,7 @@ impl Chip {
     ///
     /// [`ChipError::Rejected`] when the chip finds a parameter out of its range, or a failed link.
     pub fn configure(&mut self, params: &Params<f32>) -> Result<(), ChipError> {
-        match self.ask(&Command::SetParameters(params.into()))? {
+        match self.ask(&Command::Configure(params.into()))? {
             Telemetry::Ack => Ok(()),
             other => Err(unexpected(other)),
         }

@@ -89,9 +89,9 @@ fn every_question_gets_one_answer_with_its_number() {
     link.ask(3, &begin);
     link.ask(4, &tick(0.001));
     link.ask(5, &tick(0.0));
-    link.ask(6, &Command::SetParameters(wrong));
+    link.ask(6, &Command::Configure(wrong));
     wrong.max_wheel_torque = Some(-1.0);
-    link.ask(7, &Command::SetParameters(wrong));
+    link.ask(7, &Command::Configure(wrong));
     link.ask(8, &Command::Arm);
     link.ask(9, &Command::GetCounters);
     link.ask(10, &Command::Stop);

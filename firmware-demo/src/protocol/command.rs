@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::values::real;
-use super::{ParameterSet, TimedSample, WireDemand, WireMeasured, WirePose, WireReference};
+use super::{
+    FieldParams, ParameterSet, TimedSample, WireDemand, WireMeasured, WirePose, WireReference,
+};
 
 /// A message to the robot.
 // The receiver keeps one of these by value and moves it once; a box would need an allocator.
@@ -22,12 +24,39 @@ pub enum Command {
         /// Where to.
         goal: WirePose,
     },
-    /// Make the wheels safe.
+    /// Come to rest within the limits and stay there, released.
     Stop,
+    /// The button: latched until a reset.
+    EmergencyStop {
+        /// Brake the wheels; if not, release them.
+        brake: bool,
+    },
     /// Leave the fault state.
     ResetFault,
-    /// Replace the parameters, within validation. A running controller keeps those that it was started with.
-    SetParameters(ParameterSet),
+    /// Put the base elsewhere on the map.
+    SetPose {
+        /// Where it is.
+        pose: WirePose,
+    },
+    /// An external pose, for a base that takes them.
+    Fix {
+        /// Where it was.
+        pose: WirePose,
+        /// How long ago, s.
+        #[serde(deserialize_with = "real")]
+        age_s: f32,
+    },
+    /// Replace what may be changed in the field, within validation and while disarmed.
+    SetParameters(FieldParams),
+    /// Store the parameters in use, for the next power-on; while disarmed.
+    SaveParameters,
+    /// Back to the parameters that the firmware was compiled with; while disarmed. What is stored stays.
+    LoadDefaults,
+    /// Send the parameters in use.
+    GetParameters,
+    /// Replace the paper's parameters, within validation (processor in the loop only). A running controller keeps those that it
+    /// was started with.
+    Configure(ParameterSet),
     /// Start a controller (processor in the loop only); answered with its report.
     Begin {
         /// Where the reference is.

@@ -17,23 +17,27 @@ mod cobs;
 mod command;
 mod decoder;
 mod encoder;
+mod field;
 mod parameters;
 mod report;
 mod telemetry;
+mod tick;
 mod values;
 
 pub use command::Command;
 pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
 pub use encoder::{EncodeError, encode};
+pub use field::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
 pub use parameters::{ParameterSet, WireReset};
 pub use report::{Report, report_flags};
-pub use telemetry::{Counters, Hello, Refusal, RejectReason, Telemetry};
+pub use telemetry::{Counters, Hello, Origin, Refusal, RejectReason, Telemetry};
+pub use tick::{BaseTick, WireAction, WireOutcome, tick_flags};
 pub use values::{TimedSample, WireDemand, WireMeasured, WirePose, WireReference, WireTwist};
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
 /// Version of frame layout and message set; a receiver rejects any other.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 /// Most bytes of content in a frame.
 pub const MAX_CONTENT: usize = 254;
 /// Most bytes of a frame on the wire: content, one byte of stuffing, the delimiter.
@@ -43,4 +47,4 @@ const HEADER_LEN: usize = 3;
 const CHECK_LEN: usize = 4;
 
 // A `static`, so that the table exists once in flash and is never copied to the stack.
-static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+pub(crate) static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);

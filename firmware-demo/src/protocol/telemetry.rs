@@ -5,9 +5,9 @@ use core::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-use super::Report;
-use crate::fault::Cause;
-use crate::supervisor::State;
+use controller_core::safety::supervisor::{Cause, State};
+
+use super::{BaseTick, FieldParams, Report};
 
 /// Who answers; the first thing to read after connecting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,6 +54,8 @@ pub enum RejectReason {
     Value,
     /// The reference queue is full.
     Full,
+    /// The flash did not take it.
+    Storage,
     /// This firmware does not do that.
     Unsupported,
 }
@@ -64,6 +66,7 @@ impl Display for RejectReason {
             Self::State => "not in this state",
             Self::Value => "a value is out of its range",
             Self::Full => "the reference queue is full",
+            Self::Storage => "the flash did not take it",
             Self::Unsupported => "this firmware does not do that",
         })
     }
@@ -116,6 +119,20 @@ impl Display for Refusal {
 
 impl Error for Refusal {}
 
+/// Where the parameters in use come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Origin {
+    /// Compiled in, for this reason.
+    Defaults(crate::storage::NotLoaded),
+    /// From the flash.
+    Stored {
+        /// The number of the record; each one saved has the next.
+        sequence: u32,
+    },
+    /// From the host, not stored.
+    Host,
+}
+
 /// A message from the robot.
 // See `Command`: moved once, never boxed.
 #[allow(clippy::large_enum_variant)]
@@ -123,8 +140,14 @@ impl Error for Refusal {}
 pub enum Telemetry {
     /// Answer to a heartbeat.
     Hello(Hello),
-    /// One tick.
+    /// One tick of the paper's law (processor in the loop only).
     Report(Report),
+    /// One tick of a base.
+    Tick(BaseTick),
+    /// Where the parameters come from: after power-on and whenever that changes.
+    Origin(Origin),
+    /// Answer to the request for parameters.
+    Parameters(FieldParams),
     /// A start or a tick that the controller refused (processor in the loop only).
     Refused(Refusal),
     /// The supervisor changed its state.

@@ -1,8 +1,10 @@
 //! Every command there is, with every value it can carry.
 
+use controller_core::safety::{PolicyParams, Reaction, Response, Timeout};
 use firmware_demo::protocol::{
-    Command, ParameterSet, TimedSample, WireDemand, WireMeasured, WirePose, WireReference,
-    WireReset, WireTwist,
+    Command, FieldParams, ParameterSet, TimedSample, WireCalibration, WireDemand, WireGains,
+    WireLimits, WireMeasured, WirePose, WireReference, WireReset, WireTimeouts, WireTwist,
+    WireYield,
 };
 use proptest::prelude::*;
 
@@ -89,6 +91,99 @@ fn parameters() -> impl Strategy<Value = ParameterSet> {
         })
 }
 
+fn timeout() -> impl Strategy<Value = Timeout> {
+    prop_oneof![any::<u32>().prop_map(Timeout::AfterUs), Just(Timeout::Off)]
+}
+
+pub fn field() -> impl Strategy<Value = FieldParams> {
+    let reaction = prop_oneof![
+        Just(Reaction::RideOut),
+        Just(Reaction::ControlledStop),
+        Just(Reaction::Brake),
+        Just(Reaction::Release),
+    ];
+    let response =
+        (reaction, any::<bool>()).prop_map(|(reaction, latch)| Response { reaction, latch });
+    let yields = prop_oneof![
+        Just(WireYield::KeepCurvature),
+        Just(WireYield::TurnFirst),
+        Just(WireYield::DriveFirst),
+    ];
+    (
+        prop::array::uniform12(real()),
+        prop::array::uniform8(real()),
+        prop::array::uniform3(real()),
+        (timeout(), timeout(), timeout()),
+        (response.clone(), response),
+        yields,
+    )
+        .prop_map(
+            |(gains, limits, [right, left, track], times, responses, policy)| {
+                let [
+                    decay,
+                    along,
+                    along_bound,
+                    heading,
+                    across,
+                    slow,
+                    approach,
+                    approach_brake,
+                    rest @ ..,
+                ] = gains;
+                let [speed_loop, turn_loop, disturbance, disturbance_share] = rest;
+                let [
+                    speed,
+                    turn_rate,
+                    accel,
+                    brake,
+                    turn_accel,
+                    jerk,
+                    turn_jerk,
+                    wheel_torque_nm,
+                ] = limits;
+                let (measurement, pose, command) = times;
+                FieldParams {
+                    gains: WireGains {
+                        decay,
+                        along,
+                        along_bound,
+                        heading,
+                        across,
+                        slow,
+                        approach,
+                        approach_brake,
+                        speed_loop,
+                        turn_loop,
+                        disturbance,
+                        disturbance_share,
+                    },
+                    limits: WireLimits {
+                        speed,
+                        turn_rate,
+                        accel,
+                        brake,
+                        turn_accel,
+                        jerk,
+                        turn_jerk,
+                        wheel_torque_nm,
+                        policy,
+                    },
+                    calibration: WireCalibration { right, left, track },
+                    timeouts: WireTimeouts {
+                        measurement,
+                        pose,
+                        command,
+                    },
+                    policy: PolicyParams {
+                        measurement_stale: responses.0,
+                        gave_up: responses.1,
+                        ..PolicyParams::DEFAULT
+                    },
+                }
+            },
+        )
+}
+
 pub fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         Just(Command::Heartbeat),
@@ -108,6 +203,13 @@ pub fn command() -> impl Strategy<Value = Command> {
             demand,
             measured,
         }),
-        parameters().prop_map(Command::SetParameters),
+        parameters().prop_map(Command::Configure),
+        field().prop_map(Command::SetParameters),
+        any::<bool>().prop_map(|brake| Command::EmergencyStop { brake }),
+        pose().prop_map(|pose| Command::SetPose { pose }),
+        (pose(), real()).prop_map(|(pose, age_s)| Command::Fix { pose, age_s }),
+        Just(Command::SaveParameters),
+        Just(Command::LoadDefaults),
+        Just(Command::GetParameters),
     ]
 }

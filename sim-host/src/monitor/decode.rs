@@ -1,10 +1,10 @@
 //! From bytes to what the board says.
 
-use firmware_demo::fault::Cause;
+use controller_core::safety::FaultKind;
+use controller_core::safety::supervisor::{Cause, State};
 use firmware_demo::protocol::{
-    Counters, Decoder, FrameCounters, Hello, MAX_CONTENT, Report, Telemetry, report_flags,
+    BaseTick, Counters, Decoder, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry, tick_flags,
 };
-use firmware_demo::supervisor::State;
 use std::fmt::Write as _;
 
 /// What the board said last, and how many of its frames were damaged.
@@ -21,22 +21,24 @@ pub struct Heard {
     /// Who it is.
     pub hello: Option<Hello>,
     /// The last tick.
-    pub report: Option<Report>,
+    pub report: Option<BaseTick>,
     /// The supervisor's state, and why.
     pub state: Option<(State, Cause)>,
     /// What the board has counted.
     pub counters: Option<Counters>,
+    /// Where its parameters come from.
+    pub origin: Option<Origin>,
 }
 
 impl Monitor {
     /// Takes bytes from the line; every report in them goes to `each`, with what was heard before.
-    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&Report, &Heard)) {
+    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&BaseTick, &Heard)) {
         for &byte in bytes {
             let Some(Ok(frame)) = self.decoder.push(byte) else {
                 continue;
             };
             match frame.message {
-                Telemetry::Report(report) => {
+                Telemetry::Tick(report) => {
                     self.reports += 1;
                     self.heard.report = Some(report);
                     each(&report, &self.heard);
@@ -44,8 +46,13 @@ impl Monitor {
                 Telemetry::Hello(hello) => self.heard.hello = Some(hello),
                 Telemetry::State { state, cause, .. } => self.heard.state = Some((state, cause)),
                 Telemetry::Counters(counters) => self.heard.counters = Some(counters),
-                // Answers to somebody else's questions.
-                Telemetry::Refused(_) | Telemetry::Ack | Telemetry::Nack(_) => {}
+                Telemetry::Origin(origin) => self.heard.origin = Some(origin),
+                // Answers to somebody else's questions, and what only a processor in the loop says.
+                Telemetry::Refused(_)
+                | Telemetry::Report(_)
+                | Telemetry::Parameters(_)
+                | Telemetry::Ack
+                | Telemetry::Nack(_) => {}
             }
         }
     }
@@ -76,6 +83,13 @@ impl Monitor {
             Some(report) => tick(&mut line, report),
             None => line.push_str("no report yet"),
         }
+        if let Some(origin) = &self.heard.origin {
+            let _ = match origin {
+                Origin::Stored { sequence } => write!(line, " | parameters: stored, {sequence}"),
+                Origin::Host => write!(line, " | parameters: from the host"),
+                Origin::Defaults(why) => write!(line, " | parameters: defaults ({why:?})"),
+            };
+        }
         let frames = self.frames();
         let _ = write!(line, " | frames {} good", frames.good);
         for (count, name) in [
@@ -103,17 +117,20 @@ impl Monitor {
     }
 }
 
-fn tick(line: &mut String, report: &Report) {
-    let phase = if report.phase == 0 {
-        "tracking"
-    } else {
-        "parking"
+fn tick(line: &mut String, report: &BaseTick) {
+    let law = match report.flags & (tick_flags::LAW | tick_flags::PARKING) {
+        0 | tick_flags::PARKING => "no law",
+        tick_flags::LAW => "following",
+        _ => "parking",
     };
     let _ = write!(
         line,
-        "{phase} tick {} | e {:+.3} {:+.3} m {:+.3} rad | v_c {:+.3} m/s w_c {:+.3} rad/s | \
-         tau {:+.3} {:+.3} N m",
+        "{law} tick {} | at {:+.3} {:+.3} m {:+.3} rad | e {:+.3} {:+.3} m {:+.3} rad | \
+         v_c {:+.3} m/s w_c {:+.3} rad/s | tau {:+.3} {:+.3} N m",
         report.tick,
+        report.x,
+        report.y,
+        report.theta,
         report.e_x,
         report.e_y,
         report.e_theta,
@@ -122,7 +139,13 @@ fn tick(line: &mut String, report: &Report) {
         report.tau_right,
         report.tau_left,
     );
-    if report.flags & report_flags::SATURATED != 0 {
+    if report.flags & tick_flags::TORQUE_LIMITED != 0 {
         line.push_str(" saturated");
+    }
+    for kind in report.codes().filter_map(FaultKind::from_code) {
+        let _ = write!(line, " {kind}");
+    }
+    if report.ridden_out > 0 {
+        let _ = write!(line, " | {} faults ridden out", report.ridden_out);
     }
 }

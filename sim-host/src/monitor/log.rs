@@ -1,42 +1,49 @@
 //! Reports as CSV.
 
 use super::Heard;
-use firmware_demo::protocol::{Report, report_flags};
+use controller_core::safety::FaultKind;
+use firmware_demo::protocol::{BaseTick, tick_flags};
 use std::io::Write;
 
-/// The columns, in order; names as in the files of `run`. `time_s` is the host's, since the start.
-pub const COLUMNS: [&str; 31] = [
+/// The columns, in order; names as in the files of `run` where the quantity is the same. `time_s` is the host's, since the start;
+/// `findings` are the faults of the tick, joined by `+`.
+pub const COLUMNS: [&str; 36] = [
     "time_s",
     "tick",
     "state",
     "cause",
-    "phase",
-    "saturated",
-    "handed_over",
-    "relaxing",
-    "instructions",
+    "law",
+    "action",
+    "outcome",
+    "findings",
+    "ridden_out",
+    "retries",
+    "speed_limited",
+    "accel_limited",
+    "jerk_limited",
+    "torque_limited",
+    "disturbance_limited",
+    "jumped",
+    "backing",
+    "blind",
+    "fix_used",
+    "fix_refused",
+    "x",
+    "y",
+    "theta",
+    "v",
+    "w",
     "e_x",
     "e_y",
     "e_theta",
-    "s1",
-    "s2",
-    "s3",
-    "vdot_s",
-    "wdot_s",
     "v_c",
     "w_c",
-    "vdot_c",
-    "wdot_c",
     "e_v",
     "e_w",
-    "b_v",
-    "b_w",
-    "tau1",
-    "tau2",
+    "load_force",
+    "load_moment",
     "tau_right",
     "tau_left",
-    "step_force",
-    "step_moment",
 ];
 
 /// A CSV file that grows by a row with each report.
@@ -59,30 +66,47 @@ impl<W: Write> Log<W> {
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn add(&mut self, time_s: f64, report: &Report, heard: &Heard) -> csv::Result<()> {
-        let flag = |bit| if report.flags & bit == 0 { "0" } else { "1" };
-        let (state, cause) = match &heard.state {
-            Some((state, cause)) => (format!("{state:?}"), format!("{cause:?}")),
-            None => Default::default(),
+    pub fn add(&mut self, time_s: f64, report: &BaseTick, heard: &Heard) -> csv::Result<()> {
+        let cause = match &heard.state {
+            Some((_, cause)) => format!("{cause:?}"),
+            None => String::new(),
         };
-        let phase = match report.phase {
-            0 => "tracking",
-            _ => "parking",
+        let has = |bit| report.flags & bit != 0;
+        let law = match (has(tick_flags::LAW), has(tick_flags::PARKING)) {
+            (false, _) => "none",
+            (true, false) => "following",
+            (true, true) => "parking",
         };
-        let tick = report.tick.to_string();
-        let time = format!("{time_s:.6}");
-        for text in [&time, &tick, &state, &cause] {
+        let kinds = report.codes().filter_map(FaultKind::from_code);
+        let findings: Vec<&str> = kinds.map(FaultKind::name).collect();
+        for text in [
+            format!("{time_s:.6}"),
+            report.tick.to_string(),
+            format!("{:?}", report.state),
+            cause,
+            law.to_owned(),
+            format!("{:?}", report.action),
+            format!("{:?}", report.outcome),
+            findings.join("+"),
+            report.ridden_out.to_string(),
+            report.retries.to_string(),
+        ] {
             self.writer.write_field(text)?;
         }
-        self.writer.write_field(phase)?;
         for bit in [
-            report_flags::SATURATED,
-            report_flags::HANDED_OVER,
-            report_flags::RELAXING,
+            tick_flags::SPEED_LIMITED,
+            tick_flags::ACCEL_LIMITED,
+            tick_flags::JERK_LIMITED,
+            tick_flags::TORQUE_LIMITED,
+            tick_flags::DISTURBANCE_LIMITED,
+            tick_flags::JUMPED,
+            tick_flags::BACKING,
+            tick_flags::BLIND,
+            tick_flags::FIX_USED,
+            tick_flags::FIX_REFUSED,
         ] {
-            self.writer.write_field(flag(bit))?;
+            self.writer.write_field(if has(bit) { "1" } else { "0" })?;
         }
-        self.writer.write_field(report.instructions.to_string())?;
         for number in numbers(report) {
             // `Display` of a float is the shortest text that reads back as the same float.
             self.writer.write_field(number.to_string())?;
@@ -99,29 +123,23 @@ impl<W: Write> Log<W> {
     }
 }
 
-fn numbers(report: &Report) -> [f32; 22] {
+fn numbers(report: &BaseTick) -> [f32; 16] {
     [
+        report.x,
+        report.y,
+        report.theta,
+        report.v,
+        report.w,
         report.e_x,
         report.e_y,
         report.e_theta,
-        report.s1,
-        report.s2,
-        report.s3,
-        report.vdot_s,
-        report.wdot_s,
         report.v_c,
         report.w_c,
-        report.vdot_c,
-        report.wdot_c,
         report.e_v,
         report.e_w,
-        report.bridge_v,
-        report.bridge_w,
-        report.force,
-        report.moment,
+        report.load_force,
+        report.load_moment,
         report.tau_right,
         report.tau_left,
-        report.step_force,
-        report.step_moment,
     ]
 }

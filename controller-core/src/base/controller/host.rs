@@ -14,6 +14,16 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// The button. What it returns is to reach the wheels at once; the ticks that follow say the same.
     pub fn emergency_stop(&mut self) -> WheelAction<T> {
         self.supervisor.emergency_stop();
+        self.cut()
+    }
+
+    /// As [`emergency_stop`](Self::emergency_stop), but whether to brake or to release is said here.
+    pub fn emergency_stop_by(&mut self, brake: bool) -> WheelAction<T> {
+        self.supervisor.on(Event::EmergencyStop { brake });
+        self.cut()
+    }
+
+    fn cut(&mut self) -> WheelAction<T> {
         let action = match self.supervisor.output() {
             OutputMode::Brake => WheelAction::Brake,
             _ => WheelAction::Release,
@@ -41,6 +51,30 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
         self.locator.set_pose(pose);
         Ok(())
+    }
+
+    /// Takes other parameters: where the base is and what latched stays, what the localiser and the monitor have learnt begins
+    /// anew.
+    ///
+    /// # Errors
+    /// [`StepFault::WrongPhase`] while the base is live: only Idle, Stopped and Fault are left alone by new gains.
+    pub fn reconfigure(&mut self, base: &Base<T>) -> Result<(), StepFault> {
+        if self.supervisor.state().is_live() {
+            return Err(StepFault::WrongPhase);
+        }
+        self.base = *base;
+        self.locator = self.locator.renewed(&base.localisation);
+        self.monitor = Monitor::new(&base.watch);
+        self.supervisor.reconfigure(&base.supervisor);
+        self.motion = None;
+        self.stop = None;
+        self.task = None;
+        Ok(())
+    }
+
+    /// Ticks that came late, by the watch over them, since the start or the last new parameters.
+    pub fn late_ticks(&self) -> u32 {
+        self.monitor.late_ticks()
     }
 
     /// What the wheels really exert until the next tick, where the driver could not do what it was

@@ -82,6 +82,11 @@ impl Supervisor {
         }
     }
 
+    /// Other parameters for what is to come; state and cause stay.
+    pub(crate) const fn reconfigure(&mut self, params: &ValidSupervisor) {
+        self.params = params.0;
+    }
+
     /// Takes an event from host, mission or caller, and says what to do.
     pub fn on(&mut self, event: Event) -> Action {
         let cause = match event {

@@ -1,0 +1,94 @@
+//! What a host asks for.
+
+use controller_core::hal::WheelDrive;
+use controller_core::localiser::Fix;
+use controller_core::safety::supervisor::{Action, Event, next};
+use controller_core::types::Pose;
+
+use super::course::Course;
+use super::{ControlTask, SetError};
+use crate::protocol::{Command, RejectReason};
+
+impl<D: WheelDrive> ControlTask<'_, D> {
+    /// Takes a command; what it asks of the wheels happens in the next tick, an emergency stop in this call.
+    ///
+    /// References do not come this way but by the queue, and storage is the [`Station`](crate::station::Station)'s business.
+    ///
+    /// # Errors
+    ///
+    /// Why it is refused; nothing has changed then but that the host was heard.
+    pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
+        self.heard();
+        match command {
+            Command::Heartbeat => Ok(()),
+            Command::Arm => self.ask(Event::Arm),
+            Command::Stop => self.ask(Event::Stop),
+            Command::ResetFault => self.ask(Event::Reset),
+            Command::EmergencyStop { brake } => {
+                self.emergency_stop(*brake);
+                Ok(())
+            }
+            Command::Park { goal } => {
+                let goal = finite(goal.into())?;
+                if matches!(next(self.state(), Event::Park).1, Action::Refuse) {
+                    return Err(RejectReason::State);
+                }
+                self.course = Course::Depart(goal);
+                Ok(())
+            }
+            Command::SetPose { pose } => {
+                let pose = finite(pose.into())?;
+                self.controller
+                    .set_pose(pose)
+                    .map_err(|_| RejectReason::Value)
+            }
+            Command::Fix { pose, age_s } => {
+                let pose = finite(pose.into())?;
+                if !(age_s.is_finite() && *age_s >= 0.0) {
+                    return Err(RejectReason::Value);
+                }
+                if self.params.localiser.fusion.is_none() {
+                    return Err(RejectReason::Unsupported);
+                }
+                let age_s = *age_s;
+                self.fix = Some(Fix { pose, age_s });
+                Ok(())
+            }
+            Command::SetParameters(field) => self.set_field(field).map_err(RejectReason::from),
+            Command::LoadDefaults => self.load_defaults().map_err(RejectReason::from),
+            Command::SaveParameters
+            | Command::Sample(_)
+            | Command::Configure(_)
+            | Command::Begin { .. }
+            | Command::Tick { .. }
+            | Command::GetParameters
+            | Command::GetCounters => Err(RejectReason::Unsupported),
+        }
+    }
+
+    fn ask(&mut self, event: Event) -> Result<(), RejectReason> {
+        let action = self.controller.on(event);
+        self.tidy();
+        match action {
+            Action::Refuse => Err(RejectReason::State),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl From<SetError> for RejectReason {
+    fn from(error: SetError) -> Self {
+        match error {
+            SetError::Armed => Self::State,
+            SetError::Setting(_) => Self::Value,
+        }
+    }
+}
+
+fn finite(pose: Pose<f32>) -> Result<Pose<f32>, RejectReason> {
+    if pose.is_finite() {
+        Ok(pose)
+    } else {
+        Err(RejectReason::Value)
+    }
+}

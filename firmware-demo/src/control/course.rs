@@ -1,0 +1,132 @@
+//! From references and goals to the order of a tick.
+
+use controller_core::angle::wrap;
+use controller_core::base::Order;
+use controller_core::hal::WheelDrive;
+use controller_core::maths::{Maths, Single};
+use controller_core::queue::Gap;
+use controller_core::reference::Reference;
+use controller_core::safety::supervisor::{Event, State};
+use controller_core::types::{Pose, Twist};
+
+use super::ControlTask;
+
+/// Where the base is told to go.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) enum Course {
+    /// Nowhere.
+    #[default]
+    None,
+    /// Along the references.
+    Follow {
+        /// Time of the first reference \[s\], and since then \[us\].
+        first_s: f32,
+        run_us: u64,
+    },
+    /// To a goal that the next tick takes up.
+    Depart(Pose<f32>),
+    /// To a goal.
+    Park(Pose<f32>),
+}
+
+impl<D: WheelDrive> ControlTask<'_, D> {
+    /// What this tick is to do. The base looks whether it fits its state.
+    pub(super) fn order(&mut self, elapsed_us: u32) -> Order<f32> {
+        let state = self.state();
+        match self.course {
+            Course::Depart(goal) => self.park(goal),
+            Course::Follow { first_s, run_us } if state == State::Tracking => {
+                let run_us = run_us.saturating_add(elapsed_us.into());
+                self.course = Course::Follow { first_s, run_us };
+                self.follow(first_s + run_us as f32 * 1.0e-6)
+            }
+            course => {
+                let waits = matches!(state, State::Armed | State::Parked);
+                match (self.first().filter(|_| waits), course) {
+                    (Some((first_s, reference)), _) => {
+                        self.course = Course::Follow { first_s, run_us: 0 };
+                        Order::Follow(reference)
+                    }
+                    // The same goal again and again: the base stays there.
+                    (None, Course::Park(goal)) => Order::Park(goal),
+                    _ => Order::None,
+                }
+            }
+        }
+    }
+
+    fn park(&mut self, goal: Pose<f32>) -> Order<f32> {
+        self.course = Course::Park(goal);
+        Order::Park(goal)
+    }
+
+    /// The trajectory is complete.
+    fn end(&mut self, goal: Pose<f32>) -> Order<f32> {
+        self.controller.on(Event::TrajectoryEnded);
+        self.park(goal)
+    }
+
+    /// The first of the references that wait, as soon as two of them make a trajectory.
+    fn first(&mut self) -> Option<(f32, Reference<f32>)> {
+        // Before all times, so what is waiting comes later, and tells when.
+        let Err(Gap::TooEarly { first_s }) = self.references.at::<Single>(f32::MIN) else {
+            return None;
+        };
+        let reference = self.references.at::<Single>(first_s).ok()?;
+        Some((first_s, reference))
+    }
+
+    fn follow(&mut self, now_s: f32) -> Order<f32> {
+        match self.references.at::<Single>(now_s) {
+            Ok(reference) => match self.near_end(&reference) {
+                Some(goal) => self.end(goal),
+                None => Order::Follow(reference),
+            },
+            // A trajectory that ends at rest is complete.
+            Err(Gap::Underrun { last }) if rests(&last.reference) => {
+                self.end(*last.reference.pose())
+            }
+            // One that ends in motion was cut off: the base goes on as it went until that is too old, then stops.
+            Err(_) => Order::None,
+        }
+    }
+
+    /// The end of the trajectory, if it is at rest and near enough for parking: way and turn that are left, and what
+    /// the base is behind, are within the distance that it needs from its speed.
+    fn near_end(&self, reference: &Reference<f32>) -> Option<Pose<f32>> {
+        let (next, last) = self.references.end()?;
+        let motion = self.controller.report().motion?;
+        if !rests(&last.reference) {
+            return None;
+        }
+        let (here, next, goal) = (
+            reference.pose(),
+            next.reference.pose(),
+            last.reference.pose(),
+        );
+        let behind = if reference.twist().linear < 0.0 {
+            -motion.error.x
+        } else {
+            motion.error.x
+        };
+        let way = distance(here, next) + distance(next, goal) + behind;
+        let lever = 0.5 * self.params.motion.robot.wheels.track_m;
+        let turn =
+            lever * (wrap(next.theta - here.theta).abs() + wrap(goal.theta - next.theta).abs());
+        let Twist { linear, angular } = motion.command;
+        let rim = lever * angular;
+        let law = self.controller.base().motion();
+        let near = way <= law.hand_over_distance(linear);
+        let turned = turn <= law.hand_over_distance(Single::sqrt(linear * linear + rim * rim));
+        (near && turned).then_some(*goal)
+    }
+}
+
+fn rests(reference: &Reference<f32>) -> bool {
+    *reference.twist() == Twist::default()
+}
+
+fn distance(a: &Pose<f32>, b: &Pose<f32>) -> f32 {
+    let (dx, dy) = (a.x - b.x, a.y - b.y);
+    Single::sqrt(dx * dx + dy * dy)
+}

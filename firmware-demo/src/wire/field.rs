@@ -1,0 +1,127 @@
+//! What may be changed in the field, out of all parameters and back into them.
+
+use controller_core::base::BaseParams;
+use controller_core::localiser::LocaliserParams;
+use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
+use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::safety::WatchParams;
+
+use crate::protocol::{
+    FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield,
+};
+
+impl From<&BaseParams<f32>> for FieldParams {
+    fn from(params: &BaseParams<f32>) -> Self {
+        let MotionParams { gains, limits, .. } = &params.motion;
+        let calibration = &params.localiser.odometry.calibration;
+        let watch = &params.watch;
+        Self {
+            gains: WireGains {
+                decay: gains.decay,
+                along: gains.along,
+                along_bound: gains.along_bound,
+                heading: gains.heading,
+                across: gains.across,
+                slow: gains.slow,
+                approach: gains.approach,
+                approach_brake: gains.approach_brake,
+                speed_loop: gains.speed_loop,
+                turn_loop: gains.turn_loop,
+                disturbance: gains.disturbance,
+                disturbance_share: gains.disturbance_share,
+            },
+            limits: WireLimits {
+                speed: limits.speed,
+                turn_rate: limits.turn_rate,
+                accel: limits.accel,
+                brake: limits.brake,
+                turn_accel: limits.turn_accel,
+                jerk: limits.jerk,
+                turn_jerk: limits.turn_jerk,
+                wheel_torque_nm: limits.wheel_torque_nm,
+                policy: match limits.policy {
+                    Policy::KeepCurvature => WireYield::KeepCurvature,
+                    Policy::TurnFirst => WireYield::TurnFirst,
+                    Policy::DriveFirst => WireYield::DriveFirst,
+                },
+            },
+            calibration: WireCalibration {
+                right: calibration.right,
+                left: calibration.left,
+                track: calibration.track,
+            },
+            timeouts: WireTimeouts {
+                measurement: watch.measurement,
+                pose: watch.pose,
+                command: watch.command,
+            },
+            policy: params.policy,
+        }
+    }
+}
+
+impl FieldParams {
+    /// All parameters: these, and the rest from `base`. Nothing is checked.
+    pub fn apply(&self, base: &BaseParams<f32>) -> BaseParams<f32> {
+        let Self {
+            gains,
+            limits,
+            calibration,
+            timeouts,
+            policy,
+        } = self;
+        BaseParams {
+            motion: MotionParams {
+                gains: MotionGains {
+                    decay: gains.decay,
+                    along: gains.along,
+                    along_bound: gains.along_bound,
+                    heading: gains.heading,
+                    across: gains.across,
+                    slow: gains.slow,
+                    approach: gains.approach,
+                    approach_brake: gains.approach_brake,
+                    speed_loop: gains.speed_loop,
+                    turn_loop: gains.turn_loop,
+                    disturbance: gains.disturbance,
+                    disturbance_share: gains.disturbance_share,
+                },
+                limits: Limits {
+                    speed: limits.speed,
+                    turn_rate: limits.turn_rate,
+                    accel: limits.accel,
+                    brake: limits.brake,
+                    turn_accel: limits.turn_accel,
+                    jerk: limits.jerk,
+                    turn_jerk: limits.turn_jerk,
+                    wheel_torque_nm: limits.wheel_torque_nm,
+                    policy: match limits.policy {
+                        WireYield::KeepCurvature => Policy::KeepCurvature,
+                        WireYield::TurnFirst => Policy::TurnFirst,
+                        WireYield::DriveFirst => Policy::DriveFirst,
+                    },
+                },
+                ..base.motion
+            },
+            localiser: LocaliserParams {
+                odometry: OdometryParams {
+                    calibration: Calibration {
+                        right: calibration.right,
+                        left: calibration.left,
+                        track: calibration.track,
+                    },
+                    ..base.localiser.odometry
+                },
+                ..base.localiser
+            },
+            watch: WatchParams {
+                measurement: timeouts.measurement,
+                pose: timeouts.pose,
+                command: timeouts.command,
+                ..base.watch
+            },
+            policy: *policy,
+            ..*base
+        }
+    }
+}

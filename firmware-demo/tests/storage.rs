@@ -1,0 +1,299 @@
+//! Parameters in flash: whole, or told why not.
+
+#[path = "support/commands.rs"]
+#[allow(dead_code)]
+mod commands;
+
+use controller_core::base::Sensed;
+use controller_core::hal::WheelCounts;
+use controller_core::types::Pose;
+use firmware_demo::control::ControlTask;
+use firmware_demo::drive::MockDrive;
+use firmware_demo::mission;
+use firmware_demo::protocol::{
+    Command, FieldParams, Frame, MAX_FRAME, Origin, RejectReason, Telemetry, encode,
+};
+use firmware_demo::station::{Queues, Reception, Station, UNASKED};
+use firmware_demo::storage::{
+    Memory, NotLoaded, RECORD, RECORD_VERSION, RamFlash, Record, RecordError, SaveError, Slots,
+};
+use proptest::prelude::*;
+
+const TORQUE: f32 = 15.0;
+
+fn field(speed: f32) -> FieldParams {
+    let mut field = FieldParams::from(&mission::params(TORQUE, false).unwrap());
+    field.limits.speed = speed;
+    field
+}
+
+/// Makes the check of changed bytes right again.
+fn sealed(mut bytes: [u8; RECORD]) -> [u8; RECORD] {
+    let check = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&bytes[..RECORD - 4]);
+    bytes[RECORD - 4..].copy_from_slice(&check.to_le_bytes());
+    bytes
+}
+
+proptest! {
+    /// All bit patterns of floats, all times and responses: what comes out is what went in.
+    #[test]
+    fn records_read_back(params in commands::field(), sequence: u32) {
+        let bytes = Record { sequence, params }.to_bytes().expect("it fits");
+        let again = Record::from_bytes(&bytes).expect("whole");
+        // By their bytes, for a NaN is not equal to itself.
+        prop_assert_eq!(again.to_bytes(), Some(bytes));
+        prop_assert_eq!(again.sequence, sequence);
+    }
+
+    #[test]
+    fn field_parameters_are_put_back_where_they_came_from(params in commands::field()) {
+        let base = mission::params(TORQUE, true).unwrap();
+        let there = params.apply(&base);
+        let again = FieldParams::from(&there);
+        prop_assert_eq!(format!("{again:?}"), format!("{params:?}"));
+        // And nothing else is touched.
+        prop_assert_eq!(FieldParams::from(&base).apply(&there), base);
+    }
+}
+
+#[test]
+fn every_flipped_bit_is_detected() {
+    let record = Record {
+        sequence: 77,
+        params: field(1.25),
+    };
+    let bytes = record.to_bytes().unwrap();
+    assert_eq!(Record::from_bytes(&bytes), Ok(record));
+    for bit in 0..8 * RECORD {
+        let mut flipped = bytes;
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(
+            Record::from_bytes(&flipped),
+            Err(RecordError::Check),
+            "bit {bit}"
+        );
+    }
+}
+
+#[test]
+fn version_from_the_future_is_refused_and_not_written_over_first() {
+    let mut future = Record {
+        sequence: 3,
+        params: field(1.0),
+    }
+    .to_bytes()
+    .unwrap();
+    future[0] = RECORD_VERSION + 1;
+    let future = sealed(future);
+    let strange = RECORD_VERSION + 1;
+    assert_eq!(
+        Record::from_bytes(&future),
+        Err(RecordError::Version(strange))
+    );
+    for second in [false, true] {
+        let mut flash = RamFlash::default();
+        let begin = if second { RECORD } else { 0 };
+        flash.bytes_mut()[begin..begin + RECORD].copy_from_slice(&future);
+        let mut slots = Slots::new(flash);
+        assert_eq!(slots.load().record, Err(NotLoaded::Version(strange)));
+        assert_eq!(slots.save(&field(1.5)), Ok(0));
+        assert_eq!(slots.load().record.unwrap().params, field(1.5));
+        let mut flash = slots.into_flash();
+        assert_eq!(flash.bytes_mut()[begin..begin + RECORD], future);
+    }
+}
+
+#[test]
+fn content_that_is_none_is_refused() {
+    let mut bytes = Record {
+        sequence: 3,
+        params: field(1.0),
+    }
+    .to_bytes()
+    .unwrap();
+    // The padding is not all zeros: something longer was written.
+    bytes[RECORD - 5] = 1;
+    assert_eq!(
+        Record::from_bytes(&sealed(bytes)),
+        Err(RecordError::Content)
+    );
+    assert_eq!(
+        Record::from_bytes(&[0xFF; RECORD]),
+        Err(RecordError::Empty)
+    );
+}
+
+/// An erase of 256 bytes, a write of 256: power fails before each of them, with an old record in either slot or in none.
+#[test]
+fn power_lost_at_any_byte_leaves_a_whole_record() {
+    for saved in 0..4_u32 {
+        let mut before = Slots::new(RamFlash::default());
+        for number in 0..saved {
+            before.save(&field(1.0 + number as f32)).unwrap();
+        }
+        let old = before.load().record;
+        let new = field(9.0);
+        let flash = before.into_flash();
+        for bytes in 0..=2 * RECORD as u32 {
+            let mut cut = flash.clone();
+            cut.fail_after(bytes);
+            let mut slots = Slots::new(cut);
+            let outcome = slots.save(&new);
+            let mut flash = slots.into_flash();
+            flash.power_on();
+            let mut slots = Slots::new(flash);
+            let now = slots.load();
+            match now.record {
+                Ok(record) if record.params == new => assert_eq!(bytes, 2 * RECORD as u32),
+                Ok(record) => assert_eq!(Ok(record), old, "{saved} saved, {bytes} bytes"),
+                Err(why) => {
+                    assert_eq!(saved, 0, "an old record was lost after {bytes} bytes");
+                    assert!(matches!(why, NotLoaded::Empty | NotLoaded::Damaged));
+                }
+            }
+            if bytes < 2 * RECORD as u32 {
+                assert_eq!(outcome, Err(SaveError::Flash));
+            }
+            // And it can be saved again at once.
+            slots.save(&new).unwrap();
+            assert_eq!(slots.load().record.unwrap().params, new);
+        }
+    }
+}
+
+#[test]
+fn wear_alternates_and_numbers_wrap_around() {
+    let mut slots = Slots::new(RamFlash::default());
+    for number in 0..100_u32 {
+        assert_eq!(slots.save(&field(1.0)), Ok(number));
+    }
+    assert_eq!(slots.into_flash().erased(), [50, 50]);
+
+    let mut flash = RamFlash::default();
+    let last = Record {
+        sequence: u32::MAX,
+        params: field(1.0),
+    };
+    flash.bytes_mut()[..RECORD].copy_from_slice(&last.to_bytes().unwrap());
+    let mut slots = Slots::new(flash);
+    assert_eq!(slots.save(&field(2.0)), Ok(0));
+    assert_eq!(slots.load().record.unwrap().params, field(2.0));
+    assert_eq!(slots.save(&field(3.0)), Ok(1));
+    assert_eq!(slots.load().record.unwrap().params, field(3.0));
+}
+
+#[test]
+fn worn_out_flash_is_told() {
+    let mut slots = Slots::new(RamFlash::default());
+    slots.save(&field(1.0)).unwrap();
+    let mut flash = slots.into_flash();
+    flash.bytes_mut()[20] ^= 4;
+    let mut slots = Slots::new(flash);
+    assert_eq!(slots.load().record, Err(NotLoaded::Damaged));
+    slots.save(&field(2.0)).unwrap();
+    let loaded = slots.load();
+    assert_eq!(loaded.record.unwrap().params, field(2.0));
+}
+
+struct Robot {
+    station: Station<'static, MockDrive<0>, Slots<RamFlash>>,
+    reception: Reception<'static>,
+    now_us: u32,
+}
+
+impl Robot {
+    fn start(flash: RamFlash) -> Self {
+        let queues = Box::leak(Box::new(Queues::default()));
+        let (references, ends, reception) = queues.split(1);
+        let defaults = mission::params(TORQUE, false).unwrap();
+        let wheels = MockDrive::new(TORQUE);
+        let task = ControlTask::new(wheels, references, defaults, Pose::default()).unwrap();
+        Self {
+            station: Station::with_memory(task, ends, Slots::new(flash)),
+            reception,
+            now_us: 0,
+        }
+    }
+
+    /// The answer, and what came unasked.
+    fn ask(&mut self, command: &Command) -> (Telemetry, Vec<Telemetry>) {
+        let mut frame = [0; MAX_FRAME];
+        for &byte in encode(5, command, &mut frame).unwrap() {
+            assert_eq!(self.reception.push(byte, || 0), None);
+        }
+        self.now_us += 1000;
+        let sensed = Sensed::of_counts(WheelCounts::default());
+        self.station.tick(self.now_us, &sensed);
+        let (mut answer, mut unasked) = (None, Vec::new());
+        while let Some(Frame { sequence, message }) = self.reception.pending() {
+            if sequence == UNASKED {
+                unasked.push(message);
+            } else {
+                answer = Some(message);
+            }
+        }
+        (answer.unwrap(), unasked)
+    }
+
+    fn speed(&self) -> f32 {
+        self.station.task().params().motion.limits.speed
+    }
+}
+
+#[test]
+fn what_is_saved_is_in_force_after_the_next_power_on() {
+    let mut robot = Robot::start(RamFlash::default());
+    let (_, unasked) = robot.ask(&Command::GetParameters);
+    let empty = Telemetry::Origin(Origin::Defaults(NotLoaded::Empty));
+    assert!(unasked.contains(&empty), "{unasked:?}");
+    let set = Command::SetParameters(field(1.25));
+    let (answer, unasked) = robot.ask(&set);
+    assert_eq!(answer, Telemetry::Ack);
+    assert!(unasked.contains(&Telemetry::Origin(Origin::Host)));
+    assert_eq!(robot.ask(&Command::SaveParameters).0, Telemetry::Ack);
+    assert_eq!(robot.station.origin(), Origin::Stored { sequence: 0 });
+
+    // Armed, nothing of all that.
+    assert_eq!(robot.ask(&Command::Arm).0, Telemetry::Ack);
+    for command in [set, Command::SaveParameters, Command::LoadDefaults] {
+        let refused = Telemetry::Nack(RejectReason::State);
+        assert_eq!(robot.ask(&command).0, refused);
+    }
+
+    // The same flash under a robot that has just been switched on.
+    let mut slots = Slots::new(RamFlash::default());
+    slots.save(&field(1.25)).unwrap();
+    let mut robot = Robot::start(slots.into_flash());
+    assert_eq!(robot.speed(), 1.25);
+    assert_eq!(robot.ask(&Command::LoadDefaults).0, Telemetry::Ack);
+    assert_eq!(robot.speed(), 2.5);
+    let asked = Origin::Defaults(NotLoaded::Asked);
+    assert_eq!(robot.station.origin(), asked);
+}
+
+#[test]
+fn what_is_stored_and_out_of_range_leaves_the_defaults() {
+    for (flash, why) in [
+        (stored(&field(-1.0)), NotLoaded::Refused),
+        (
+            {
+                let mut flash = stored(&field(1.0));
+                flash.bytes_mut()[9] ^= 1;
+                flash
+            },
+            NotLoaded::Damaged,
+        ),
+    ] {
+        let mut robot = Robot::start(flash);
+        assert_eq!(robot.speed(), 2.5);
+        let (_, unasked) = robot.ask(&Command::GetParameters);
+        let told = Telemetry::Origin(Origin::Defaults(why));
+        assert!(unasked.contains(&told), "{unasked:?}");
+    }
+}
+
+fn stored(params: &FieldParams) -> RamFlash {
+    let mut slots = Slots::new(RamFlash::default());
+    slots.save(params).unwrap();
+    slots.into_flash()
+}
