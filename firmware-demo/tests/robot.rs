@@ -189,6 +189,7 @@ fn short_mission_over_the_serial_port() {
         };
         println!("{machine:?}: {counters:?}");
         assert_eq!((counters.frames_rejected, counters.overruns), (0, 0));
-        assert!(counters.stack_bytes < 16 * 1024);
+        // Queues of 6 kB and the task of 4.5 kB live on it, and are moved there while the robot is put together.
+        assert!(counters.stack_bytes < 24 * 1024);
     }
 }

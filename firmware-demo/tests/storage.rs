@@ -117,10 +117,7 @@ fn content_that_is_none_is_refused() {
         Record::from_bytes(&sealed(bytes)),
         Err(RecordError::Content)
     );
-    assert_eq!(
-        Record::from_bytes(&[0xFF; RECORD]),
-        Err(RecordError::Empty)
-    );
+    assert_eq!(Record::from_bytes(&[0xFF; RECORD]), Err(RecordError::Empty));
 }
 
 /// An erase of 256 bytes, a write of 256: power fails before each of them, with an old record in either slot or in none.

@@ -61,7 +61,7 @@ fn measured() -> &'static [Measured] {
 }
 
 /// What has a budget, of one board at one opt level.
-fn entries(measured: &Measured) -> [(&'static str, u64); 13] {
+fn entries(measured: &Measured) -> [(&'static str, u64); 20] {
     let Measured {
         cost, pil, size, ..
     } = measured;
@@ -82,6 +82,13 @@ fn entries(measured: &Measured) -> [(&'static str, u64); 13] {
         ("start", worst("start")),
         ("hand-over", worst("hand-over")),
         ("monitor", worst("monitor")),
+        ("motion-follow", cost.most("motion/follow")),
+        ("motion-park", cost.most("motion/park")),
+        ("base-follow", cost.most("base/follow")),
+        ("base-park", cost.most("base/park")),
+        ("base-fix", cost.most("base/with-fix")),
+        ("localiser", cost.most("localiser/without-fix")),
+        ("motor", cost.most("motor/command")),
         ("tick-stack", stack("track").max(stack("park"))),
         ("hand-over-stack", stack("hand-over")),
         ("pil-stack", pil.most("stack/pil")),

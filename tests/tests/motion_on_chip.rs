@@ -1,13 +1,34 @@
-//! The law for a real base on emulated chips: a trajectory file, compiled to a table in flash, driven to parked,
+//! The law for a real base, alone and in a whole base with its encoders, on emulated chips: a trajectory file, compiled to a table in flash, driven to parked,
 //! with the same bits as on the host.
 
 use firmware_demo::host::{Image, Machine, build_image};
+use firmware_demo::mission;
 use firmware_demo::route::{BEND, Driven, base, drive};
 use std::collections::BTreeMap;
 use std::process::Command;
 
 /// As the image does: the route, and time to park.
 const TICKS: u32 = 14_000;
+
+const CORTEX: [&str; 5] = ["qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=10"];
+const RISCV: [&str; 7] = [
+    "qemu-system-riscv32",
+    "-M",
+    "virt",
+    "-bios",
+    "none",
+    "-icount",
+    "shift=0",
+];
+
+/// The whole base in this process: counts in, torques out.
+fn base_on_host(fixes: bool) -> Driven {
+    let base = mission::base(fixes).expect("the base is in order");
+    mission::drive(&BEND, &base, TICKS, |controller, tick| {
+        controller.tick(tick.dt_us, &tick.order, &tick.sensed);
+    })
+    .expect("no fault")
+}
 
 /// The same mission in this process.
 fn on_host() -> Driven {
@@ -19,10 +40,10 @@ fn on_host() -> Driven {
 }
 
 /// The image's lines, `name number` or `name min mean max`, by their last number.
-fn on_chip(machine: Machine, emulator: &[&str]) -> BTreeMap<String, f64> {
+fn on_chip(machine: Machine, bin: &str, emulator: &[&str]) -> BTreeMap<String, f64> {
     let image = build_image(&Image {
         machine,
-        bin: "route",
+        bin,
         features: "panic-proof",
     })
     .expect("the image links without a reachable panic");
@@ -53,8 +74,7 @@ fn on_chip(machine: Machine, emulator: &[&str]) -> BTreeMap<String, f64> {
         .collect()
 }
 
-fn assert_same(chip: &BTreeMap<String, f64>) {
-    let host = on_host();
+fn assert_same(chip: &BTreeMap<String, f64>, host: &Driven) {
     for (name, expected) in [
         ("ticks", host.ticks),
         ("handed-over", host.handed_over),
@@ -83,11 +103,8 @@ fn route_from_flash_ends_parked() {
 /// estimate and the watch over retries take some tenths.
 #[test]
 fn cortex_m4f_drives_the_route_bit_for_bit() {
-    let chip = on_chip(
-        Machine::CortexM4F,
-        &["qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=10"],
-    );
-    assert_same(&chip);
+    let chip = on_chip(Machine::CortexM4F, "route", &CORTEX);
+    assert_same(&chip, &on_host());
     for phase in ["motion/follow", "motion/park"] {
         let most = chip.get(phase).expect("the image counts");
         assert!(*most <= 2500.0, "{phase}: {most} instructions");
@@ -97,10 +114,37 @@ fn cortex_m4f_drives_the_route_bit_for_bit() {
 /// The same on another instruction set.
 #[test]
 fn riscv_drives_the_route_bit_for_bit() {
-    let machine = ["qemu-system-riscv32", "-M", "virt", "-bios", "none"];
-    let chip = on_chip(
-        Machine::Riscv32,
-        &[&machine[..], &["-icount", "shift=0"]].concat(),
-    );
-    assert_same(&chip);
+    let chip = on_chip(Machine::Riscv32, "route", &RISCV);
+    assert_same(&chip, &on_host());
+}
+
+/// By encoders of 0.3 mm a count the base ends where the route does, and stays; with external poses of it as well.
+#[test]
+fn base_with_encoders_ends_parked() {
+    for (fixes, within_m) in [(false, 0.005), (true, 0.03)] {
+        let host = base_on_host(fixes);
+        println!("fixes {fixes}: {host:?}");
+        assert_eq!(host.ticks, TICKS);
+        assert!(host.handed_over > 0 && host.parked > host.handed_over);
+        // Without fixes what rounding to counts leaves after 4 m; with them the tolerance of a source of 5 mm.
+        assert!(host.off_m < within_m, "{} m", host.off_m);
+    }
+}
+
+/// Counts, poses, twists and torques of a whole base: one checksum over 112,000 numbers, on both instruction sets.
+#[test]
+fn chips_run_the_whole_base_bit_for_bit() {
+    let host = base_on_host(false);
+    for (machine, emulator) in [
+        (Machine::CortexM4F, &CORTEX[..]),
+        (Machine::Riscv32, &RISCV[..]),
+    ] {
+        let chip = on_chip(machine, "base", emulator);
+        assert_same(&chip, &host);
+        for phase in ["base/follow", "base/park"] {
+            let most = chip.get(phase).expect("the image counts");
+            // Of a 1 kHz tick on a 100 MHz chip: a tenth.
+            assert!(*most <= 10_000.0, "{phase}: {most} instructions");
+        }
+    }
 }

@@ -8,6 +8,10 @@
 firmware_demo::firmware!(run);
 
 #[cfg(target_os = "none")]
+#[path = "cost/base.rs"]
+mod base;
+
+#[cfg(target_os = "none")]
 #[path = "cost/call.rs"]
 mod call;
 
@@ -77,6 +81,9 @@ fn run() {
     parts::motor(meter);
     ramsete::measure::<Single>(meter, "single");
     ramsete::measure::<Libm>(meter, "libm");
+
+    base::motion(meter);
+    base::ticks(meter);
 
     wire::measure(meter);
 }

@@ -32,7 +32,7 @@ mod chip {
 
     /// Returns only when the line fails.
     pub fn run() {
-        let (Ok(body), Ok(params)) = (Params::paper().validate(), params(MAX_TORQUE_NM, true))
+        let (Ok(body), Ok(params)) = (Params::paper().validate(), params(MAX_TORQUE_NM, false))
         else {
             semihosting::exit(EXIT_LINK)
         };
