@@ -14,18 +14,19 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use controller_core::base::Sensed;
 use controller_core::hal::WheelDrive;
-use controller_core::queue::{PushError, ReferenceProducer, ReferenceQueue};
+use controller_core::queue::ReferenceQueue;
 use controller_core::safety::supervisor::State;
 use heapless::spsc::Queue;
 
 use crate::control::ControlTask;
-use crate::protocol::{
-    BaseTick, Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, Origin, RejectReason,
-    Telemetry, TimedSample,
-};
-use crate::queue::{self, Receiver, Sender};
+use crate::protocol::{BaseTick, Command, Frame, Origin, RejectReason, Telemetry};
+use crate::queue::{self, Receiver};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::Outbox;
+
+mod reception;
+
+pub use reception::Reception;
 
 /// Slots for samples; a host is ahead of the robot by one less.
 pub const SAMPLES: usize = 64;
@@ -82,82 +83,13 @@ impl Queues {
         let (sender, requests) = queue::split(&mut self.requests);
         let (outbox, answers) = Outbox::split(&mut self.answers, decimate);
         let shared = &self.shared;
-        let reception = Reception {
-            decoder: Decoder::new(),
-            samples: producer,
-            requests: sender,
-            answers,
-            shared,
-            trajectory: 0,
-        };
+        let reception = Reception::new(producer, sender, answers, shared);
         let ends = TickEnds {
             requests,
             outbox,
             shared,
         };
         (consumer, ends, reception)
-    }
-}
-
-/// The background's side: bytes from the line, answers to it.
-pub struct Reception<'queue> {
-    decoder: Decoder<Command, MAX_CONTENT>,
-    samples: ReferenceProducer<'queue, f32>,
-    requests: Sender<'queue, Request, REQUESTS>,
-    answers: Receiver<'queue, Answer, REPORTS>,
-    shared: &'queue Shared,
-    /// Changes of state when the present trajectory began.
-    trajectory: u32,
-}
-
-impl Reception<'_> {
-    /// Takes one byte from the line. Some commands are answered here, the others by the tick.
-    pub fn push(&mut self, byte: u8, stack_bytes: impl FnOnce() -> u32) -> Option<Answer> {
-        let Ok(Frame { sequence, message }) = self.decoder.push(byte)? else {
-            return None;
-        };
-        let frames = self.decoder.counters();
-        self.shared.frames.store(frames.good, Ordering::Relaxed);
-        let answer = match message {
-            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
-            Command::GetCounters => Telemetry::Counters(Counters {
-                frames_good: frames.good,
-                frames_rejected: frames.rejected(),
-                reports_dropped: self.shared.dropped.load(Ordering::Relaxed),
-                overruns: self.shared.overruns.load(Ordering::Relaxed),
-                stack_bytes: stack_bytes(),
-            }),
-            Command::Sample(sample) => outcome(self.sample(&sample)),
-            _ if self.requests.send(Frame { sequence, message }) => return None,
-            _ => Telemetry::Nack(RejectReason::Full),
-        };
-        Some(Frame {
-            sequence,
-            message: answer,
-        })
-    }
-
-    /// What the tick has to say, oldest first.
-    pub fn pending(&mut self) -> Option<Answer> {
-        self.answers.receive()
-    }
-
-    fn sample(&mut self, sample: &TimedSample) -> Result<(), RejectReason> {
-        let state = self.shared.state.load(Ordering::Acquire);
-        if state & 1 == 0 {
-            return Err(RejectReason::State);
-        }
-        // The first one after the robot came to accept samples begins a trajectory, at whatever time.
-        if self.trajectory != state {
-            self.samples.restart();
-            self.trajectory = state;
-        }
-        self.samples
-            .push(sample.into())
-            .map_err(|error| match error {
-                PushError::Full => RejectReason::Full,
-                _ => RejectReason::Value,
-            })
     }
 }
 

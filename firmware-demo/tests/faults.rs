@@ -1,93 +1,24 @@
 //! Every kind of fault on the task: in the tick in which it is found the wheels are told what the policy says, and what latches stays
 //! until it is reset.
 
+#[path = "support/reaches.rs"]
+mod reaches;
 #[path = "support/rig.rs"]
 mod rig;
 
-use controller_core::base::{BaseParams, WheelAction};
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
-use controller_core::safety::supervisor::{Cause, State, Then};
-use controller_core::safety::{
-    CurrentWatch, Currents, Fault, FaultKind, Reaction, SupplyWatch, Timeout,
-};
+use controller_core::safety::supervisor::{State, Then};
+use controller_core::safety::{FaultKind, Timeout};
 use controller_core::types::{Accel, Pose, Twist};
-use firmware_demo::drive::{Call, Script};
+use firmware_demo::drive::Call;
 use firmware_demo::mission;
-use firmware_demo::protocol::{Command, RejectReason, WirePose};
-use rig::{MAX_TORQUE, PERIOD_US, Rig, params};
-
-/// Runs `tick` until `kind` is found, within so many ticks, then looks at that very tick, and at the end of it all.
-fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(&mut Rig, u32)) {
-    let mut ticks = 0;
-    let fault = loop {
-        assert!(ticks < within, "{kind}: {:?} after {ticks} ticks", rig.is());
-        tick(&mut rig, ticks);
-        ticks += 1;
-        if let Some(fault) = rig.task.report().findings.get(kind) {
-            break fault;
-        }
-    };
-    let response = rig.task.params().policy.get(kind);
-    let state = rig.task.state();
-    println!(
-        "{kind}: {ticks} ticks, {:?} in {state:?}",
-        response.reaction
-    );
-    let doing = rig.task.drive_mut().doing();
-    let then = Then::Stopped.or(response.latch);
-    match response.reaction {
-        Reaction::RideOut => {
-            assert!(state.drives() && matches!(doing, Call::Set(_)));
-            assert!(rig.task.controller().supervisor().ridden_out().0 > 0);
-            return;
-        }
-        Reaction::ControlledStop => {
-            assert_eq!(state, State::Stopping(then), "{kind}");
-            assert!(matches!(doing, Call::Set(_)), "{kind}");
-        }
-        Reaction::Brake => {
-            assert_eq!(state, State::Braking(then), "{kind}");
-            assert_eq!(doing, Call::Brake, "{kind}");
-        }
-        Reaction::Release => {
-            assert_eq!(state, then.state(), "{kind}");
-            assert_eq!(doing, Call::Release, "{kind}");
-        }
-    }
-    assert_eq!(rig.task.cause(), Cause::Fault(fault), "{kind}");
-    rig.task.drive_mut().fail(Script::default());
-    // 5 s to come to rest, 5 s of braking, and nothing afterwards.
-    rig.run_until(10_500, |rig| rig.task.state() == then.state());
-    rig.run(200);
-    assert_eq!(rig.task.state(), then.state(), "{kind}");
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release, "{kind}");
-    assert_eq!(rig.park(1.0, 0.0, 0.0), Err(RejectReason::State));
-    if response.latch {
-        assert_eq!(rig.command(Command::Arm), Err(RejectReason::State));
-        assert_eq!(rig.command(Command::ResetFault), Ok(()));
-        assert_eq!(rig.task.state(), State::Idle, "{kind}");
-    }
-    assert_eq!(rig.command(Command::Arm), Ok(()), "{kind}");
-}
-
-fn with(change: impl FnOnce(&mut BaseParams<f32>)) -> Rig {
-    let mut params = params();
-    change(&mut params);
-    moving(Rig::with(params, Pose::default()))
-}
-
-/// Armed, on the way to a goal far ahead.
-fn moving(mut rig: Rig) -> Rig {
-    rig.command(Command::Arm).unwrap();
-    rig.park(4.0, 0.0, 0.0).unwrap();
-    rig.run(500);
-    assert_eq!(rig.task.state(), State::Parking);
-    rig
-}
+use firmware_demo::protocol::{Command, WirePose};
+use reaches::{moving, reaches, with};
+use rig::{MAX_TORQUE, PERIOD_US, Rig};
 
 #[test]
 fn lost_encoders_brake_after_five_ticks() {
@@ -260,81 +191,6 @@ fn slipping_wheel_stops() {
                 left: left + extra as i32,
             });
         });
-    });
-}
-
-#[test]
-fn driver_error_releases_in_the_same_tick() {
-    for kind in [
-        ErrorKind::Bus,
-        ErrorKind::OverCurrent,
-        ErrorKind::UnderVoltage,
-    ] {
-        let mut rig = Rig::tracking();
-        let script = Script {
-            from: 0,
-            count: 1,
-            kind: Some(kind),
-        };
-        rig.task.drive_mut().fail(script);
-        rig.tick();
-        assert_eq!(rig.task.drive_mut().doing(), Call::Release, "at once");
-        assert_eq!(*rig.task.doing(), WheelAction::Release);
-        reaches(FaultKind::Driver, 1, rig, |rig, _| rig.tick());
-    }
-}
-
-#[test]
-fn release_is_tried_again_until_the_driver_obeys() {
-    let mut rig = Rig::tracking();
-    let script = Script {
-        from: 0,
-        count: 4,
-        kind: None,
-    };
-    rig.task.drive_mut().fail(script);
-    rig.tick();
-    assert!(
-        rig.task.drive_mut().told().is_some(),
-        "the driver did not obey"
-    );
-    rig.tick();
-    assert_eq!(
-        rig.is(),
-        (State::Fault, Cause::Fault(Fault::Driver(ErrorKind::Bus)))
-    );
-    rig.run(3);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
-}
-
-#[test]
-fn current_above_its_limit_releases() {
-    let rig = with(|params| {
-        params.watch.current = CurrentWatch {
-            limit_a: 10.0,
-            after: Timeout::AfterUs(10_000),
-        };
-    });
-    reaches(FaultKind::OverCurrent, 10, rig, |rig, _| {
-        let currents = Currents {
-            right: -11.0,
-            left: 0.0,
-        };
-        rig.tick_with(PERIOD_US, |sensed| sensed.currents = Some(currents));
-    });
-}
-
-#[test]
-fn empty_battery_stops() {
-    let rig = with(|params| {
-        params.watch.supply = SupplyWatch {
-            low_v: 10.0,
-            recovered_v: 11.0,
-            after: Timeout::AfterUs(10_000),
-        };
-    });
-    reaches(FaultKind::UnderVoltage, 10, rig, |rig, _| {
-        rig.tick_with(PERIOD_US, |sensed| sensed.supply_v = Some(9.0));
     });
 }
 

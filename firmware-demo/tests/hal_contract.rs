@@ -312,6 +312,40 @@ fn motor_pair_makes_these_calls_and_no_others() {
     done(pair);
 }
 
+/// Asked for more than the supply gives at this speed, the pair says what is left; else nothing.
+#[test]
+fn motor_pair_tells_what_it_could_not_exert() {
+    let levels: [Level16; 4] = Default::default();
+    let [right, right_back, left, left_back] = levels;
+    let bridges = Bridges::without_enable(OffPhase::Shorted);
+    let mut pair = MotorPair::new(
+        side(right, right_back),
+        side(left, left_back),
+        bridges,
+        motor(),
+    );
+    let torques = WheelTorques {
+        right: 2.0,
+        left: 2.0,
+    };
+    pair.set_torques(torques).unwrap();
+    assert_eq!(pair.exerted(), None);
+    let no_load = motor().no_load_speed_rad_s();
+    pair.observe(&Observed {
+        speeds: WheelSpeeds {
+            right: 0.9 * no_load,
+            left: 0.0,
+        },
+        ..Observed::default()
+    });
+    pair.set_torques(torques).unwrap();
+    let exerted = pair.exerted().expect("the supply does not suffice");
+    assert!(exerted.right > 0.0 && exerted.right < 1.9, "{exerted:?}");
+    assert!((exerted.left - 2.0).abs() < 1.0e-5, "{exerted:?}");
+    pair.release().unwrap();
+    assert_eq!(pair.exerted(), None);
+}
+
 fn broken() -> embedded_hal_mock::eh1::MockError {
     embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::Other)
 }

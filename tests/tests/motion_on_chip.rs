@@ -1,5 +1,5 @@
-//! The law for a real base, alone and in a whole base with its encoders, on emulated chips: a trajectory file, compiled to a table in flash, driven to parked,
-//! with the same bits as on the host.
+//! The law for a real base on emulated chips, alone and in a whole base with its encoders: a trajectory file, compiled to a
+//! table in flash, driven to parked, with the same bits as on the host.
 
 use firmware_demo::host::{Image, Machine, build_image};
 use firmware_demo::mission;

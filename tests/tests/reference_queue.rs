@@ -269,3 +269,30 @@ fn cleared_queue_takes_another_trajectory() {
     }
     assert_eq!(consumer.at::<Libm>(0.0), Ok(at(&reference, 0.0).reference));
 }
+
+/// The end of a trajectory is known while it is in the span that is in use, or one sample behind it.
+#[test]
+fn end_is_seen_one_sample_ahead() {
+    let path = ConstantTwist {
+        start: Pose::default(),
+        twist: Twist::new(1.0, 0.0),
+    };
+    let mut queue = ReferenceQueue::<f64, 8>::new();
+    let (mut producer, mut consumer) = queue.split();
+    assert!(consumer.end().is_none(), "nothing was asked for yet");
+    for k in 0..5 {
+        let t = f64::from(k);
+        let reference = path.at::<Libm>(t);
+        producer
+            .push(TimedReference { t, reference })
+            .expect("there is room");
+    }
+    let mut at = |t: f64| {
+        consumer.at::<Libm>(t).expect("within");
+        consumer.end().map(|(next, last)| (next.t, last.t))
+    };
+    assert_eq!(at(0.5), None);
+    assert_eq!(at(1.5), None);
+    assert_eq!(at(2.5), Some((3.0, 4.0)));
+    assert_eq!(at(3.5), Some((4.0, 4.0)));
+}

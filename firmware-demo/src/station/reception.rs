@@ -1,0 +1,89 @@
+//! The background's half: bytes in, answers out.
+
+use core::sync::atomic::Ordering;
+
+use controller_core::queue::{PushError, ReferenceProducer};
+
+use super::{Answer, REPORTS, REQUESTS, Request, Shared, outcome};
+use crate::protocol::{
+    Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
+};
+use crate::queue::{Receiver, Sender};
+
+/// The background's side: bytes from the line, answers to it.
+pub struct Reception<'queue> {
+    decoder: Decoder<Command, MAX_CONTENT>,
+    samples: ReferenceProducer<'queue, f32>,
+    requests: Sender<'queue, Request, REQUESTS>,
+    answers: Receiver<'queue, Answer, REPORTS>,
+    shared: &'queue Shared,
+    /// Changes of state when the present trajectory began.
+    trajectory: u32,
+}
+
+impl<'queue> Reception<'queue> {
+    pub(super) const fn new(
+        samples: ReferenceProducer<'queue, f32>,
+        requests: Sender<'queue, Request, REQUESTS>,
+        answers: Receiver<'queue, Answer, REPORTS>,
+        shared: &'queue Shared,
+    ) -> Self {
+        Self {
+            decoder: Decoder::new(),
+            samples,
+            requests,
+            answers,
+            shared,
+            trajectory: 0,
+        }
+    }
+
+    /// Takes one byte from the line. Some commands are answered here, the others by the tick.
+    pub fn push(&mut self, byte: u8, stack_bytes: impl FnOnce() -> u32) -> Option<Answer> {
+        let Ok(Frame { sequence, message }) = self.decoder.push(byte)? else {
+            return None;
+        };
+        let frames = self.decoder.counters();
+        self.shared.frames.store(frames.good, Ordering::Relaxed);
+        let answer = match message {
+            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
+            Command::GetCounters => Telemetry::Counters(Counters {
+                frames_good: frames.good,
+                frames_rejected: frames.rejected(),
+                reports_dropped: self.shared.dropped.load(Ordering::Relaxed),
+                overruns: self.shared.overruns.load(Ordering::Relaxed),
+                stack_bytes: stack_bytes(),
+            }),
+            Command::Sample(sample) => outcome(self.sample(&sample)),
+            _ if self.requests.send(Frame { sequence, message }) => return None,
+            _ => Telemetry::Nack(RejectReason::Full),
+        };
+        Some(Frame {
+            sequence,
+            message: answer,
+        })
+    }
+
+    /// What the tick has to say, oldest first.
+    pub fn pending(&mut self) -> Option<Answer> {
+        self.answers.receive()
+    }
+
+    fn sample(&mut self, sample: &TimedSample) -> Result<(), RejectReason> {
+        let state = self.shared.state.load(Ordering::Acquire);
+        if state & 1 == 0 {
+            return Err(RejectReason::State);
+        }
+        // The first one after the robot came to accept samples begins a trajectory, at whatever time.
+        if self.trajectory != state {
+            self.samples.restart();
+            self.trajectory = state;
+        }
+        self.samples
+            .push(sample.into())
+            .map_err(|error| match error {
+                PushError::Full => RejectReason::Full,
+                _ => RejectReason::Value,
+            })
+    }
+}
