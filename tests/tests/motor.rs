@@ -81,8 +81,8 @@ proptest! {
     fn a_motor_gives_back_the_torque_that_was_asked(p in params(), asked in demand(), charge in 0.8..1.15) {
         let motor = p.validate().expect("in range");
         let mut demand = scaled(&motor, asked);
-        // Both speeds on the same side, and the wanted one beyond the blend.
-        let past = demand.wanted_speed_rad_s.abs() + p.friction.blend_rad_s;
+        // Both speeds on the same side, the wanted one beyond the blend and the wheel broken loose.
+        let past = demand.wanted_speed_rad_s.abs() + 10.0 * p.friction.blend_rad_s;
         demand.speed_rad_s = past.copysign(demand.speed_rad_s);
         demand.wanted_speed_rad_s = demand.speed_rad_s;
         let supply = charge * p.supply_v;
@@ -105,6 +105,22 @@ proptest! {
         if !command.limited.torque() {
             prop_assert!((given - demand.torque_nm).abs() <= tolerance, "{given} {demand:?}");
         }
+    }
+
+    /// A standing wheel gets its stiction on top, with the sense of the wanted speed, and none without one.
+    #[test]
+    fn a_standing_wheel_gets_what_breaks_it_loose(p in params(), asked in demand()) {
+        let motor = p.validate().expect("in range");
+        let mut demand = scaled(&motor, asked);
+        demand.speed_rad_s = 0.0;
+        demand.wanted_speed_rad_s = p.friction.blend_rad_s.copysign(asked[1]);
+        let friction = &p.friction;
+        let all = friction.coulomb_nm + friction.stiction_nm + friction.viscous_nm_s * friction.blend_rad_s;
+        let given = motor.command(&demand, p.supply_v).friction_nm;
+        // Three sums and a division by the blend.
+        prop_assert!((given - all.copysign(asked[1])).abs() <= 1e-14 * all, "{given} {all}");
+        demand.wanted_speed_rad_s = 0.0;
+        prop_assert_eq!(motor.command(&demand, p.supply_v).friction_nm, 0.0);
     }
 
     #[test]

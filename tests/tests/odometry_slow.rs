@@ -96,15 +96,16 @@ fn creeping_does_not_make_the_torque_rattle() {
                     100.0 * straight,
                     100.0 * turning
                 );
-                // 30 kg turn with 15 kg m² on wheels 0.5 m apart: a loop of 5 rad/s that learns of its
-                // own torque at the next count, 0.2 s later, rings a little.
+                // 30 kg turn with 15 kg m² on wheels 0.5 m apart: a loop of 5 rad/s with integral action
+                // that learns of its own torque at the next count, 0.2 s later, rings. A whole base tells
+                // its odometry (`base::BaseController`), and has none of this.
                 let most = if told || name != "paper-30kg" {
                     0.01
                 } else {
-                    0.025
+                    0.06
                 };
                 assert!(
-                    straight < most && turning < most,
+                    straight < 0.01 && turning < most,
                     "{name}: {straight} {turning}"
                 );
             }

@@ -1,0 +1,204 @@
+//! The tick of a whole base: what it does with what it is given, and with what it is not.
+
+use controller_core::base::{BaseReport, Order, WheelAction};
+use controller_core::localiser::FixOutcome;
+use controller_core::reference::Reference;
+use controller_core::safety::supervisor::{Cause, Event, State};
+use controller_core::safety::{Fault, FaultKind};
+use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques};
+use sim_host::drive::Mission;
+use sim_host::rig::{Place, Rig};
+use sim_host::world::Defect;
+
+const DT: f32 = 0.01;
+
+/// The 10 kg base on an ideal floor, with its motors, encoders and pose source, but without their noise.
+fn rig() -> Rig {
+    let text = "base = \"lab-10kg\"\n[run]\nduration = 10.0\nperiod = 0.01\n[controller]\nkind = \"motion\"\n\
+                [goal]\nx = 1.0\n[world.pose_source]\nrate_hz = 20.0\n";
+    let mission = Mission::parse("base.toml", text).expect("valid");
+    let place: Place = mission.place.clone().expect("a world");
+    Rig::new(&mission, &place).expect("valid")
+}
+
+fn step(rig: &mut Rig, order: &Order<f32>) -> BaseReport<f32> {
+    rig.advance().expect("a world takes what a base commands");
+    *rig.tick(order)
+}
+
+/// A straight reference at 0.4 m/s, at time `t`.
+fn line(t: f32) -> Order<f32> {
+    let pose = Pose::new(0.4 * t, 0.0, 0.0);
+    Order::Follow(Reference::new::<controller_core::maths::Single>(
+        pose,
+        Twist::new(0.4, 0.0),
+        Accel::default(),
+    ))
+}
+
+/// Armed and following for `ticks`; the tick's number to go on with.
+fn following(rig: &mut Rig, ticks: u16) -> u16 {
+    step(rig, &Order::None);
+    rig.base_mut().on(Event::Arm);
+    for tick in 0..ticks {
+        let report = step(rig, &line(DT * f32::from(tick)));
+        assert_eq!(report.state, State::Tracking);
+    }
+    ticks
+}
+
+fn largest(torques: &WheelTorques<f32>) -> f32 {
+    torques.right.abs().max(torques.left.abs())
+}
+
+#[test]
+fn nothing_moves_before_it_is_armed() {
+    let mut rig = rig();
+    for tick in 0..50 {
+        let report = step(&mut rig, &line(DT * tick as f32));
+        assert_eq!(report.action, WheelAction::Release);
+        assert!(report.refused && report.motion.is_none());
+        assert_eq!(report.state, State::Idle);
+    }
+}
+
+#[test]
+fn arming_holds_zero_torque_and_the_first_torque_is_zero() {
+    let mut rig = rig();
+    step(&mut rig, &Order::None);
+    rig.base_mut().on(Event::Arm);
+    let armed = step(&mut rig, &Order::None);
+    assert_eq!(armed.action.torques(), Some(WheelTorques::default()));
+    let first = step(&mut rig, &line(0.0));
+    assert_eq!(first.state, State::Tracking);
+    assert_eq!(first.action.torques(), Some(WheelTorques::default()));
+}
+
+/// Two readings lost: the pose goes on along its arc, and the counts of the gap are all there afterwards.
+#[test]
+fn lost_readings_are_ridden_out_and_made_up_for() {
+    let mut rig = rig();
+    let mut tick = following(&mut rig, 300);
+    rig.world_mut().inject(Defect::EncoderFails);
+    for _ in 0..2 {
+        let report = step(&mut rig, &line(DT * f32::from(tick)));
+        assert!(report.blind && report.findings.is_empty());
+        tick += 1;
+    }
+    rig.world_mut().heal(Defect::EncoderFails);
+    let report = step(&mut rig, &line(DT * f32::from(tick)));
+    let seen = report.measured.expect("measured").pose;
+    let truth = rig.world().truth().pose;
+    // A count is 0.23 mm; the pose source has no noise, and its corrections are slower than this.
+    assert!(
+        (f64::from(seen.x) - truth.x).abs() < 1e-3,
+        "{seen:?} {truth:?}"
+    );
+    assert_eq!(report.state, State::Tracking);
+}
+
+#[test]
+fn encoders_that_stay_silent_brake_the_base_for_good() {
+    let mut rig = rig();
+    let mut tick = following(&mut rig, 300);
+    rig.world_mut().inject(Defect::EncoderFails);
+    let found = (0..20).find_map(|lost| {
+        let report = step(&mut rig, &line(DT * f32::from(tick)));
+        tick += 1;
+        let stale = report.findings.get(FaultKind::MeasurementStale);
+        stale.map(|_| (lost, report))
+    });
+    let (lost, report) = found.expect("found");
+    // Five readings, and it is in the tick of the fifth that the wheels are braked.
+    assert_eq!(lost, 4);
+    assert_eq!(report.action, WheelAction::Brake);
+    assert_eq!(report.cause, Cause::Fault(Fault::MeasurementStale));
+    for _ in 0..600 {
+        step(&mut rig, &Order::None);
+    }
+    assert_eq!(rig.base().report().state, State::Fault);
+    assert!(rig.world().truth().twist.linear.abs() < 1e-3);
+}
+
+#[test]
+fn a_silent_host_stops_the_base_within_its_limits() {
+    let mut rig = rig();
+    following(&mut rig, 300);
+    let mut stopping = 0;
+    for _ in 0..400 {
+        let report = step(&mut rig, &Order::None);
+        if let State::Stopping(_) = report.state {
+            stopping += 1;
+            let motion = report.motion.expect("the law brakes");
+            // 1.5 m/s² of the base; its loop adds what it needs for errors.
+            assert!(motion.command_rate.linear > -1.5 - 1e-4);
+        }
+    }
+    let report = rig.base().report();
+    assert_eq!(report.state, State::Stopped);
+    assert_eq!(report.cause, Cause::Fault(Fault::CommandStale));
+    assert!(stopping > 20 && rig.world().truth().twist.linear.abs() < 0.01);
+}
+
+#[test]
+fn the_button_reaches_the_wheels_at_once_and_is_latched() {
+    let mut rig = rig();
+    following(&mut rig, 300);
+    assert_eq!(rig.base_mut().emergency_stop(), WheelAction::Brake);
+    let report = step(&mut rig, &line(3.0));
+    assert_eq!(report.action, WheelAction::Brake);
+    assert!(report.refused);
+    rig.base_mut().on(Event::Arm);
+    for _ in 0..600 {
+        step(&mut rig, &Order::None);
+    }
+    assert_eq!(rig.base().report().state, State::Fault);
+    rig.base_mut().on(Event::Reset);
+    assert_eq!(step(&mut rig, &Order::None).state, State::Idle);
+}
+
+/// Poses that are no numbers are refused by name, and the base goes on by odometry.
+#[test]
+fn a_pose_that_is_no_number_changes_nothing() {
+    let mut rig = rig();
+    let from = following(&mut rig, 100);
+    rig.world_mut().inject(Defect::PoseNan);
+    let mut refused = 0;
+    for tick in from..from + 50 {
+        let report = step(&mut rig, &line(DT * f32::from(tick)));
+        refused += usize::from(matches!(report.fix, FixOutcome::Refused(_)));
+        assert_eq!(report.state, State::Tracking);
+        let torques = report.action.torques().expect("driven");
+        assert!(largest(&torques).is_finite());
+    }
+    // 20 a second for half a second, the first of them taken before the defect.
+    assert!((9..=10).contains(&refused), "{refused}");
+}
+
+/// The map is moved by half a metre: the torque goes on from where it was.
+#[test]
+fn a_pose_that_is_set_makes_no_step_of_the_torque() {
+    let mut rig = rig();
+    let mut tick = following(&mut rig, 300);
+    let before = rig.base().report().action.torques().expect("driven");
+    let Measured { pose, .. } = rig.base().report().measured.expect("measured");
+    let moved = Pose::new(pose.x - 0.3, pose.y + 0.4, pose.theta);
+    rig.base_mut().set_pose(moved).expect("finite");
+    let report = step(&mut rig, &line(DT * f32::from(tick)));
+    tick += 1;
+    let after = report.action.torques().expect("driven");
+    let motion = rig.base().base().motion();
+    // Both wheels' share of the limits on the rates of force and moment, and a count's worth of speed.
+    let wheels = motion.wheels();
+    let most = wheels.torques(&controller_core::types::Wrench {
+        force: motion.force_rate_limit() * DT,
+        moment: motion.moment_rate_limit() * DT,
+    });
+    let change = (after.right - before.right)
+        .abs()
+        .max((after.left - before.left).abs());
+    assert!(change <= largest(&most), "{change} {most:?}");
+    let motion = step(&mut rig, &line(DT * f32::from(tick))).motion;
+    // The law sees the new place: 0.4 m to the left.
+    assert!(motion.expect("driven").error.y < -0.3);
+}
