@@ -3,7 +3,7 @@
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firmware_demo::host::{LinkKind, Machine};
-use std::num::{NonZeroU32, NonZeroUsize};
+use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -18,6 +18,7 @@ Examples:
   sim-host compare weaving mine.toml        two scenarios beside each other
   sim-host pil paper-curve                  the same, with the controller on an emulated chip
   sim-host robustness                       what the laws stand: noise, latency, friction, ...
+  sim-host faults                           everything that can fail, in every state
   sim-host monitor /dev/ttyACM0             live numbers of a real board
   sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
 
@@ -130,6 +131,29 @@ Examples:
         /// Only conditions whose name contains this; may be given several times
         #[arg(long, value_name = "TEXT")]
         only: Vec<String>,
+    },
+    /// The fault campaign: random trouble in every state, on the realistic plant
+    ///
+    /// Drives the three built-in bases in turn into each state of the supervisor, puts something out
+    /// of order (encoders, wheels, motor drivers, battery, poses, ticks, host, the button), and checks
+    /// every tick and the end: torques, type and time of what is found, the way of the stop, and that
+    /// nothing moves that must not. Prints a table, writes faults.csv (a row for each run) and
+    /// faults.json. Exit code 1 if a run breaks a rule. Runs on all processors; the results do not
+    /// depend on how many.
+    #[command(after_help = "\
+Examples:
+  sim-host faults --runs 10000 --seed 1
+  sim-host faults --runs 1 --seed 1 --run 4711     one of them again, every tick in faults-4711.csv")]
+    Faults {
+        /// Number of runs
+        #[arg(long, value_name = "N", default_value = "1000")]
+        runs: NonZeroU64,
+        /// Settles all that is random
+        #[arg(long, value_name = "S", default_value = "1")]
+        seed: u64,
+        /// Begin with this run, and write its trace
+        #[arg(long, value_name = "K")]
+        run: Option<u64>,
     },
     /// Show and log what a board sends over its serial port
     ///

@@ -9,6 +9,7 @@
 //! | --- | --- |
 //! | read | [`scenario`], [`motion`], [`advice`] |
 //! | whole base | [`rig`] in a [`world`] |
+//! | faults, by the thousand | [`campaign`] |
 //! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | from a robot's log | [`identify`] |
@@ -27,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod advice;
+pub mod campaign;
 pub mod csv_out;
 pub mod drive;
 pub mod figure;

@@ -65,6 +65,12 @@ impl<T: Scalar> BaseParams<T> {
             // A controller limits the current by itself; a tenth more is a driver that does not.
             watch.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
             watch.current.after = Timeout::AfterUs(200_000);
+            // What breaks a wheel loose is up to twice its friction while it turns, and only that is fed
+            // forward: the rest is no sign of a wheel that is stuck. Nor may feeble motors be asked for more
+            // than they have.
+            let most = T::from_f64(0.9) * limits.wheel_torque_nm;
+            let loose = watch.wheels.stuck.torque_nm + motor.friction.coulomb_nm;
+            watch.wheels.stuck.torque_nm = if loose < most { loose } else { most };
         }
         if let Some(fusion) = &localiser.fusion {
             // Ten fixes; odometry alone is worth a second.

@@ -57,6 +57,10 @@ pub enum CommandError {
     NoCondition { word: String, names: Vec<String> },
     #[error(transparent)]
     Study(#[from] StudyError),
+    #[error(transparent)]
+    Rig(#[from] sim_host::rig::RigError),
+    #[error("{0} runs against the rules: see above")]
+    Violations(usize),
     #[error("cannot print: {0}")]
     Print(std::io::Error),
     #[error("the run has no ticks")]

@@ -3,6 +3,7 @@
 mod compare;
 mod drive;
 mod error;
+mod faults;
 mod identify;
 mod job;
 mod list;
@@ -46,6 +47,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             pil::all(&scenarios, (*machine).into(), (*link).into(), output)
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
+        Command::Faults { runs, seed, run } => faults::all(*runs, *seed, *run, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
         Command::Identify(arguments) => identify::log(arguments, output),
         Command::List { directory } => list::list(directory.as_deref()),

@@ -3,7 +3,9 @@
 use super::{Place, convert};
 use crate::drive::Mission;
 use crate::world::{Actuation, ActuationError, World, WorldError};
-use controller_core::base::{BaseController, BaseError, BaseReport, Order, WheelAction};
+use controller_core::base::{
+    BaseController, BaseError, BaseParams, BaseReport, Order, Sensed, WheelAction,
+};
 use controller_core::error::ParamError;
 use controller_core::maths::Single;
 use controller_core::types::WheelTorques;
@@ -42,8 +44,21 @@ impl Rig {
     /// # Errors
     /// Parameters out of their range.
     pub fn new(mission: &Mission, place: &Place) -> Result<Self, RigError> {
+        Self::with(mission, place, |_| {})
+    }
+
+    /// The same with parameters of the base edited.
+    ///
+    /// # Errors
+    /// Parameters out of their range.
+    pub fn with(
+        mission: &Mission,
+        place: &Place,
+        edit: impl FnOnce(&mut BaseParams<f32>),
+    ) -> Result<Self, RigError> {
         let period_us = (1.0e6 * mission.period_s).round() as u32;
-        let params = convert::params(&mission.base, period_us).map_err(RigError::Param)?;
+        let mut params = convert::params(&mission.base, period_us).map_err(RigError::Param)?;
+        edit(&mut params);
         let base = params.validate::<Single>().map_err(RigError::Base)?;
         let keys = convert::with_hardware(&place.world, mission.base.hardware.as_ref());
         let world = World::new(&keys.params(&mission.robot), &mission.start, place.seed);
@@ -68,7 +83,17 @@ impl Rig {
 
     /// The base's tick, and what the wheels do from now on.
     pub fn tick(&mut self, order: &Order<f32>) -> &BaseReport<f32> {
-        let sensed = convert::sensed(&self.world);
+        self.tick_with(order, |_| {})
+    }
+
+    /// The same with what is measured edited: faults of links between senses and base.
+    pub fn tick_with(
+        &mut self,
+        order: &Order<f32>,
+        edit: impl FnOnce(&mut Sensed<f32>),
+    ) -> &BaseReport<f32> {
+        let mut sensed = convert::sensed(&self.world);
+        edit(&mut sensed);
         let action = self.base.tick(self.dt_us, order, &sensed).action;
         self.actuate(&action);
         self.base.report()
@@ -133,5 +158,10 @@ impl Rig {
     /// What acts on the wheels until the next tick.
     pub const fn actuation(&self) -> &Actuation {
         &self.actuation
+    }
+
+    /// Lets something else act: a driver that does not do what it is told.
+    pub const fn override_actuation(&mut self, actuation: Actuation) {
+        self.actuation = actuation;
     }
 }

@@ -96,7 +96,8 @@ impl<T: Scalar> Wheel<T> {
         WheelFinding {
             stuck: stands && !blocked,
             blocked: stands && blocked,
-            reversed: self.moves_against(watch, now.dt_us),
+            // Counts that are missing are not counts that stand still.
+            reversed: self.moves_against(watch, now.dt_us) && now.moved.is_some(),
             slips: self.moves_beyond(watch, now),
         }
     }

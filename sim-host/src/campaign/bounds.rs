@@ -1,0 +1,177 @@
+//! How far a base may go once it stops, on level floor.
+//!
+//! | symbol | what | unit |
+//! | --- | --- | --- |
+//! | m, I | true mass and inertia, with payload and turning rotors | kg, kg m² |
+//! | f = m/m̂ | over the mass that the controller believes in | – |
+//! | c | largest braking force of a wheel: that of the driver's current limit, or grip μ m g/2 | N |
+//! | τ | least dry friction of a wheel, as a force at its tread | N |
+//!
+//! **Controlled stop.** [`controlled_stop`] and its term for ticks, for a base that is as it is believed to be.
+//! Under v̂ = v_c + e the velocity loop gives f e′ = −κ e + (1 − f) v_c′, whose integral over a stop is
+//! ∫e dt = (f e₀ + (f − 1) v₀)/κ: so the term of the error grows by f, and (f − 1) v₀/κ comes to it.
+//!
+//! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current v₀ asks for is
+//! below the driver's limit; beyond it the base slows down by 2 c/m at least when both wheels roll forward,
+//! hence v₀²/(2 · 2c/m), and by half of that while it also turns, for at most |w₀| I/(c l/2).
+//!
+//! **Release.** Friction of both wheels takes from the kinetic energy E at least τ (|v_R| + |v_L|) ≥ 2 τ |v|, also
+//! while one of them stands: the way is at most E/(2 τ). It holds for brakes too, with c beside τ.
+
+use crate::drive::Base;
+use crate::rig::Place;
+use crate::world::GRAVITY;
+use controller_core::base::{Base as Core, BaseReport};
+use controller_core::maths::Single;
+use controller_core::motor::electrical_brake;
+use controller_core::safety::controlled_stop;
+use controller_core::types::Twist;
+
+/// For the 0.3 % of the radii, friction that is not exactly Coulomb's and rounding.
+const SLACK: f64 = 1.02;
+/// Creep below the speed that counts as rest (1 cm/s for 0.1 s, then released), and a wheel that breaks loose
+/// while the disturbance estimate still pushes \[m\].
+const CREEP_M: f64 = 0.01;
+
+/// Numbers of a true base that bounds follow from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    mass: f64,
+    inertia: f64,
+    /// f.
+    heavier: f64,
+    half_track: f64,
+    radius: f64,
+    /// T_v as it is believed \[s\].
+    brake_s: f64,
+    /// c without grip, and grip \[N\].
+    current_n: f64,
+    grip: f64,
+    load: f64,
+    /// τ at the tread \[N\].
+    dry_n: f64,
+}
+
+/// What the trouble leaves of the wheels.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wheels {
+    /// Grip of the worse one.
+    pub ice: Option<f64>,
+    /// One does not turn.
+    pub blocked: bool,
+}
+
+impl Bounds {
+    pub fn new(base: &Base, place: &Place, core: &Core<f32>) -> Self {
+        let robot = &base.robot;
+        let body = &place.world.body;
+        let wheels = &robot.wheels;
+        let radius = wheels.radius_right_m.min(wheels.radius_left_m);
+        let half_track = 0.5 * wheels.track_m;
+        let motor = base.hardware.map(|hardware| hardware.motor);
+        let rotors = motor.map_or(0.0, |m| {
+            2.0 * m.gear_ratio * m.gear_ratio * m.rotor_inertia_kg_m2 / (radius * radius)
+        });
+        let mass = robot.mass_kg * body.mass_factor + rotors;
+        let inertia = robot.inertia_kg_m2 * body.inertia_factor + rotors * half_track * half_track;
+        let brake_s = core.motor().and_then(|motor| {
+            let slowing = electrical_brake(motor, &core.motion().params().robot).ok()?;
+            slowing.linear.time_constant_s()
+        });
+        Self {
+            mass,
+            inertia,
+            heavier: (mass / robot.mass_kg).max(1.0),
+            half_track,
+            radius,
+            brake_s: brake_s.map_or(0.0, f64::from),
+            current_n: motor.map_or(f64::INFINITY, |m| {
+                m.gear_ratio * m.kt_nm_per_a * m.current_limit_a / radius
+            }),
+            grip: place.world.floor.mu,
+            load: 0.5 * robot.mass_kg * body.mass_factor * GRAVITY,
+            dry_n: place.world.friction.coulomb_nm / radius,
+        }
+    }
+
+    /// E/(2 × force).
+    fn by_energy(&self, twist: &Twist<f64>, force_n: f64) -> f64 {
+        let Twist { linear, angular } = twist;
+        let energy = 0.5 * (self.mass * linear * linear + self.inertia * angular * angular);
+        energy / (2.0 * force_n)
+    }
+
+    /// Windings open \[m\].
+    pub fn release(&self, twist: &Twist<f64>, wheels: &Wheels) -> f64 {
+        let dry = match wheels.ice {
+            Some(mu) => self.dry_n.min(mu * self.load),
+            None => self.dry_n,
+        };
+        SLACK * self.by_energy(twist, dry) + CREEP_M
+    }
+
+    /// Windings shorted \[m\].
+    pub fn brake(&self, twist: &Twist<f64>, wheels: &Wheels) -> f64 {
+        let (v, w) = (twist.linear.abs(), twist.angular.abs());
+        let friction = self.release(twist, wheels);
+        let grip = wheels.ice.map_or(self.grip, |mu| mu.min(self.grip));
+        let most = self.current_n.min(grip * self.load);
+        let way = if wheels.ice.is_some() || wheels.blocked {
+            // One wheel brakes less than the other: it also turns the base, which the linear part of the
+            // brake ends with the larger of both time constants, about the wheel that stands.
+            let lever = self.half_track;
+            let pivot = self.inertia + self.mass * lever * lever;
+            let damping = 2.0 * self.mass / (self.heavier * self.brake_s.max(1.0e-3));
+            let tau = 2.0 * pivot / (damping * lever * lever);
+            let fastest = v + lever * w;
+            self.by_energy(twist, 0.5 * most) + fastest * tau
+        } else {
+            let slowest = 0.5 * self.mass / most;
+            let turning = w * self.inertia / (most * self.half_track);
+            v * self.brake_s * self.heavier + 0.5 * v * v * slowest + v * turning
+        };
+        // Sliding tyres reach the brake's speed late; both are bounds.
+        (SLACK * way + CREEP_M).min(friction)
+    }
+
+    /// A controlled stop from the last report, at the true `twist` \[m\].
+    pub fn controlled(
+        &self,
+        core: &Core<f32>,
+        last: &BaseReport<f32>,
+        twist: &Twist<f64>,
+        dt_s: f64,
+        wheels: &Wheels,
+    ) -> f64 {
+        let Some(motion) = &last.motion else {
+            return self.brake(twist, wheels);
+        };
+        let error = Twist::new(
+            (twist.linear - f64::from(motion.command.linear)) as f32,
+            (twist.angular - f64::from(motion.command.angular)) as f32,
+        );
+        let rate = motion.command_rate;
+        let none = Twist::default();
+        let law = core.motion();
+        let plan = controlled_stop::<f32, Single>(law, &motion.command, &rate, &none);
+        let whole = controlled_stop::<f32, Single>(law, &motion.command, &rate, &error);
+        let (plan, whole) = (f64::from(plan.distance_m), f64::from(whole.distance_m));
+        let gains = law.gains();
+        let v = f64::from(motion.command.linear.abs());
+        let a = f64::from(rate.linear.abs());
+        let ticks = 2.0 * dt_s * (v + a / f64::from(gains.decay));
+        let heavy = (self.heavier - 1.0) * v / f64::from(gains.speed_loop);
+        let way = plan + self.heavier * (whole - plan) + heavy + ticks;
+        let held = if wheels.ice.is_some() || wheels.blocked {
+            self.release(twist, wheels)
+        } else {
+            0.0
+        };
+        SLACK * way.max(held) + CREEP_M
+    }
+
+    /// Speed of the middle below which it counts as resting with these wheels turning so \[m/s\].
+    pub fn rolls(&self, right: f64, left: f64) -> f64 {
+        self.radius * right.abs().max(left.abs())
+    }
+}

@@ -1,0 +1,145 @@
+//! What has to hold in every tick.
+
+use super::expected;
+use super::plan::Target;
+use crate::world::Actuation;
+use controller_core::base::{BaseReport, WheelAction};
+use controller_core::safety::supervisor::{Cause, State, Then};
+use controller_core::safety::{Fault, FaultKind, Reaction};
+
+/// What the wheels are told, by severity.
+pub(super) fn severity(report: &BaseReport<f32>) -> Reaction {
+    match (report.state, &report.action) {
+        (_, WheelAction::Release) => Reaction::Release,
+        (_, WheelAction::Brake) => Reaction::Brake,
+        (State::Stopping(_), WheelAction::Drive(_)) => Reaction::ControlledStop,
+        (_, WheelAction::Drive(_)) => Reaction::RideOut,
+    }
+}
+
+/// Torques within limits, none where nothing drives, all numbers finite.
+pub(super) fn outputs(
+    report: &BaseReport<f32>,
+    actuation: &Actuation,
+    limit_nm: f32,
+) -> Result<(), String> {
+    if let Some(torques) = report.action.torques() {
+        let (right, left) = (torques.right, torques.left);
+        // Rounding of the scaling to the limit.
+        let most = 1.000_001 * limit_nm;
+        if !(right.abs() <= most && left.abs() <= most) {
+            return Err(format!("torques {right}, {left} N m beyond {limit_nm}"));
+        }
+        let drives = match report.state {
+            State::Tracking | State::Parking | State::Parked | State::Stopping(_) => true,
+            State::Idle | State::Armed | State::Braking(_) | State::Stopped | State::Fault => false,
+        };
+        if !drives && (right != 0.0 || left != 0.0) {
+            return Err(format!(
+                "torques {right}, {left} N m in state {:?}",
+                report.state
+            ));
+        }
+    }
+    let told = match (&report.action, actuation) {
+        (WheelAction::Release, Actuation::Release) | (WheelAction::Brake, Actuation::Brake) => true,
+        (WheelAction::Drive(_), Actuation::Duty { right, left }) => {
+            right.abs() <= 1.0 && left.abs() <= 1.0
+        }
+        (WheelAction::Drive(_), Actuation::Torque { right, left }) => {
+            right.is_finite() && left.is_finite()
+        }
+        _ => false,
+    };
+    if !told {
+        return Err(format!("{:?} became {actuation:?}", report.action));
+    }
+    let measured = report
+        .measured
+        .is_none_or(|m| m.pose.is_finite() && m.twist.is_finite());
+    if !measured {
+        return Err("the report holds a pose that is not finite".to_owned());
+    }
+    let motion = report.motion.is_none_or(|m| {
+        m.command.is_finite() && m.wrench.force.is_finite() && m.wrench.moment.is_finite()
+    });
+    if !motion {
+        return Err("the motion report holds what is not finite".to_owned());
+    }
+    Ok(())
+}
+
+/// A base that stops does not go back to a milder output until it is told to.
+pub(super) fn milder(
+    before: (State, Reaction),
+    report: &BaseReport<f32>,
+    told: bool,
+) -> Result<(), String> {
+    let (state, was) = before;
+    let stopping = matches!(
+        state,
+        State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault
+    );
+    let now = severity(report);
+    if stopping && !told && now < was {
+        return Err(format!(
+            "{was:?} in {state:?} became {now:?} in {:?}",
+            report.state
+        ));
+    }
+    let latched = |state| {
+        matches!(
+            state,
+            State::Fault | State::Stopping(Then::Fault) | State::Braking(Then::Fault)
+        )
+    };
+    if latched(state) && !told && !latched(report.state) {
+        return Err(format!("latched {state:?} became {:?}", report.state));
+    }
+    Ok(())
+}
+
+/// What was found in a live base had its reaction in the same tick.
+pub(super) fn reacted(before: State, report: &BaseReport<f32>) -> Result<(), String> {
+    if !before.is_live() {
+        return Ok(());
+    }
+    for fault in report.findings.iter() {
+        let least = expected::least(fault.kind());
+        if least.reaction == Reaction::RideOut {
+            continue;
+        }
+        if severity(report) < least.reaction {
+            return Err(format!(
+                "{fault} was found, {:?} is told in {:?}",
+                severity(report),
+                report.state
+            ));
+        }
+        let latched = matches!(
+            report.state,
+            State::Fault | State::Stopping(Then::Fault) | State::Braking(Then::Fault)
+        );
+        if least.latch && !latched {
+            return Err(format!(
+                "{fault} was found, {:?} is not latched",
+                report.state
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The kind of the first finding that does not fit the trouble there is.
+pub(super) fn wrong(report: &BaseReport<f32>, right: impl Fn(FaultKind) -> bool) -> Option<Fault> {
+    // Jumps are ridden out; a noisy pose may be one at any time.
+    let found = report
+        .findings
+        .iter()
+        .filter(|fault| fault.kind() != FaultKind::PoseJump);
+    // Where nothing moves findings have no effect, but for that of a driver.
+    let acts = |fault: &Fault| {
+        report.cause == Cause::Fault(*fault) || Target::of(report.state) == Target::Parked
+    };
+    found.filter(acts).find(|fault| !right(fault.kind()))
+}

@@ -1,0 +1,146 @@
+//! What came of a run.
+
+use super::plan::{Plan, Target};
+use super::upset::UpsetKind;
+use controller_core::safety::FaultKind;
+use controller_core::safety::supervisor::Cause;
+
+/// How a run ended well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum End {
+    /// Stayed as it was: nothing was asked of the base.
+    Held,
+    /// Went on, and parked.
+    Parked,
+    /// Went on, and stopped beside its goal: given up, which is no work of the trouble.
+    Beside,
+    /// Stopped in time.
+    Stopped(Why),
+}
+
+/// What a base was stopped by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Why {
+    /// The host, before the trouble had any effect.
+    Host,
+    /// The button.
+    Button,
+    /// A fault.
+    Fault(FaultKind),
+    /// Anything else.
+    Other,
+}
+
+impl Why {
+    pub(super) fn of(cause: Cause) -> Self {
+        match cause {
+            Cause::Host => Self::Host,
+            Cause::EmergencyStop => Self::Button,
+            Cause::Fault(fault) => Self::Fault(fault.kind()),
+            _ => Self::Other,
+        }
+    }
+
+    /// For tables and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Host => "host",
+            Self::Button => "button",
+            Self::Fault(kind) => kind.name(),
+            Self::Other => "other",
+        }
+    }
+}
+
+/// What a run must not do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// Since the start of the run \[s\].
+    pub at_s: f64,
+    /// What.
+    pub what: String,
+}
+
+/// Way of a stop beside its bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stop {
+    /// Way from the tick in which the stop began \[m\].
+    pub way_m: f64,
+    /// At most \[m\].
+    pub bound_m: f64,
+}
+
+impl Stop {
+    /// Share of the bound that was used.
+    pub fn share(&self) -> f64 {
+        if self.bound_m > 0.0 {
+            self.way_m / self.bound_m
+        } else {
+            0.0
+        }
+    }
+
+    pub(super) fn worse(self, other: Self) -> Self {
+        if other.share() > self.share() {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// The first finding of a trouble.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    /// As what.
+    pub why: Why,
+    /// After it began \[s\].
+    pub after_s: f64,
+    /// Way of the base meanwhile \[m\].
+    pub way_m: f64,
+}
+
+/// A run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Number.
+    pub run: u64,
+    /// Which base.
+    pub base: usize,
+    /// In what state.
+    pub target: Target,
+    /// What.
+    pub upset: UpsetKind,
+    /// And what came on top, if anything did.
+    pub second: Option<UpsetKind>,
+    /// When \[s\].
+    pub at_s: f64,
+    /// First finding.
+    pub found: Option<Detection>,
+    /// The stop that came nearest to its bound.
+    pub stop: Stop,
+    /// Largest true speed after the trouble began \[m/s\].
+    pub fastest: f64,
+    /// After the end the base was mended, reset and given a goal; whether it parked there.
+    pub again: Option<bool>,
+    /// How it ended.
+    pub end: Result<End, Violation>,
+}
+
+impl Outcome {
+    pub(super) fn begin(plan: &Plan) -> Self {
+        Self {
+            run: plan.run,
+            base: plan.base,
+            target: plan.target,
+            upset: plan.upset.kind,
+            second: None,
+            at_s: 0.0,
+            found: None,
+            stop: Stop::default(),
+            fastest: 0.0,
+            again: None,
+            end: Ok(End::Held),
+        }
+    }
+}

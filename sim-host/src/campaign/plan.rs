@@ -1,0 +1,247 @@
+//! A run, drawn from its seed.
+
+use super::random::Random;
+use super::upset::{Upset, UpsetKind};
+use crate::drive::Base;
+use crate::rig::Place;
+use crate::scenario::{BASES, ScenarioError};
+use crate::world::{BodyKeys, FloorParams, FrictionParams, NoiseParams, TickParams, WorldKeys};
+use controller_core::safety::supervisor::State;
+use controller_core::types::Pose;
+
+/// The state in which trouble strikes; the base is driven there by commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs)] // As `State`.
+pub enum Target {
+    Idle,
+    Armed,
+    Tracking,
+    Parking,
+    Parked,
+    Stopping,
+    Braking,
+    Stopped,
+    Fault,
+}
+
+impl Target {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::Idle,
+        Self::Armed,
+        Self::Tracking,
+        Self::Parking,
+        Self::Parked,
+        Self::Stopping,
+        Self::Braking,
+        Self::Stopped,
+        Self::Fault,
+    ];
+
+    /// Of a state, whatever its end.
+    pub const fn of(state: State) -> Self {
+        match state {
+            State::Idle => Self::Idle,
+            State::Armed => Self::Armed,
+            State::Tracking => Self::Tracking,
+            State::Parking => Self::Parking,
+            State::Parked => Self::Parked,
+            State::Stopping(_) => Self::Stopping,
+            State::Braking(_) => Self::Braking,
+            State::Stopped => Self::Stopped,
+            State::Fault => Self::Fault,
+        }
+    }
+
+    /// For tables and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Armed => "armed",
+            Self::Tracking => "tracking",
+            Self::Parking => "parking",
+            Self::Parked => "parked",
+            Self::Stopping => "stopping",
+            Self::Braking => "braking",
+            Self::Stopped => "stopped",
+            Self::Fault => "fault",
+        }
+    }
+
+    /// Longest time from reaching the state to the trouble \[s\]. Stops are over soon: the slowest
+    /// speeds need 0.4 s for a controlled stop, and any braking lasts for the dwell of rest, 0.1 s.
+    const fn longest_wait_s(self) -> f64 {
+        match self {
+            Self::Tracking => 4.0,
+            Self::Parking => 1.0,
+            Self::Stopping => 0.25,
+            Self::Braking => 0.08,
+            Self::Idle | Self::Armed | Self::Parked | Self::Stopped | Self::Fault => 1.0,
+        }
+    }
+
+    /// Nothing moves and nothing is asked to.
+    pub(super) const fn waits(self) -> bool {
+        matches!(self, Self::Idle | Self::Armed | Self::Stopped | Self::Fault)
+    }
+}
+
+/// What is followed: a line or an arc from the start, from rest to a speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Path {
+    /// \[m/s\].
+    pub speed: f64,
+    /// \[m/s²\].
+    pub accel: f64,
+    /// \[1/m\].
+    pub curvature: f64,
+}
+
+/// Everything about a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Seed of the campaign.
+    pub seed: u64,
+    /// Number in it.
+    pub run: u64,
+    /// Which of [`BASES`].
+    pub base: usize,
+    /// In what state.
+    pub target: Target,
+    /// What.
+    pub upset: Upset,
+    /// Something else, so long after a stop began \[s\].
+    pub second: Option<(f64, Upset)>,
+    /// When the trouble is over, after it began \[s\]; at the end if at all.
+    pub heal_s: Option<f64>,
+    /// After the end everything is mended, the base reset, armed and given a new goal.
+    pub again: bool,
+    pub(super) wait_s: f64,
+    /// Of following before a stop is commanded, and after the trouble before parking \[s\].
+    pub(super) follow_s: (f64, f64),
+    /// A base that waits is armed and given a goal while the trouble lasts.
+    pub(super) wake: bool,
+    pub(super) path: Path,
+    pub(super) goal: Pose<f64>,
+    /// The true plant.
+    pub place: Place,
+}
+
+/// Bases, read once for all runs.
+#[derive(Clone, Debug)]
+pub struct Bases(Vec<Base>);
+
+impl Bases {
+    /// Those built in.
+    ///
+    /// # Errors
+    /// As [`Base::parse`]; a test reads them all.
+    pub fn built_in() -> Result<Self, ScenarioError> {
+        let bases = BASES.iter().map(crate::scenario::BuiltInBase::base);
+        Ok(Self(bases.collect::<Result<_, _>>()?))
+    }
+
+    /// Of a plan.
+    pub fn of(&self, plan: &Plan) -> &Base {
+        &self.0[plan.base]
+    }
+}
+
+impl Plan {
+    /// Run `run` of the campaign of `seed`. Runs go through every state with every kind of trouble
+    /// on every base in turn; all else is random.
+    pub fn draw(bases: &Bases, seed: u64, run: u64) -> Self {
+        let random = &mut Random::new(seed, run);
+        let (states, kinds) = (Target::ALL.len() as u64, UpsetKind::ALL.len() as u64);
+        let target = Target::ALL[(run % states) as usize];
+        let kind = UpsetKind::ALL[(run / states % kinds) as usize];
+        let index = (run / (states * kinds) % bases.0.len() as u64) as usize;
+        let base = &bases.0[index];
+        let upset = kind.draw(base, random);
+        let second = random.chance(0.2).then(|| {
+            let other = UpsetKind::ALL[random.below(UpsetKind::ALL.len())];
+            (random.between(0.0, 0.3), other.draw(base, random))
+        });
+        let limits = &base.limits;
+        let speed = limits.speed * random.between(0.35, 0.8);
+        let curvature = if random.chance(0.4) {
+            0.0
+        } else {
+            0.5 * limits.turn_rate / speed * random.between(-1.0, 1.0)
+        };
+        let reach = limits.speed * random.between(0.9, 1.6);
+        let bearing = random.between(-0.6, 0.6);
+        let again = random.chance(0.4);
+        Self {
+            seed,
+            run,
+            base: index,
+            target,
+            upset,
+            second,
+            // What holds torque has no end but the watchdog of its driver.
+            heal_s: if kind == UpsetKind::DriveHolds {
+                Some(random.between(0.05, 0.5))
+            } else {
+                random.chance(0.25).then(|| random.between(0.02, 2.0))
+            },
+            again,
+            wait_s: random.between(0.0, target.longest_wait_s()),
+            follow_s: (random.between(1.5, 3.0), random.between(1.0, 4.0)),
+            wake: random.chance(0.5),
+            path: Path {
+                speed,
+                accel: 0.6 * limits.accel,
+                curvature,
+            },
+            goal: Pose::new(
+                reach * bearing.cos(),
+                reach * bearing.sin(),
+                random.between(-0.8, 0.8),
+            ),
+            place: Place {
+                world: world(base, random),
+                seed: random.word(),
+            },
+        }
+    }
+}
+
+/// Mild imperfections: what is left after a robot was identified.
+fn world(base: &Base, random: &mut Random) -> WorldKeys {
+    let mut keys = base.hardware.map_or_else(WorldKeys::default, |h| h.world());
+    keys.body = BodyKeys {
+        // A payload of a tenth.
+        mass_factor: random.between(0.9, 1.1),
+        inertia_factor: random.between(0.9, 1.1),
+        // Wear within calibration.
+        radius_right_factor: random.between(0.997, 1.003),
+        radius_left_factor: random.between(0.997, 1.003),
+        ..BodyKeys::default()
+    };
+    // Grease, cold and warm.
+    let worn = random.between(0.8, 1.2);
+    keys.friction = FrictionParams {
+        static_nm: keys.friction.static_nm * worn,
+        coulomb_nm: keys.friction.coulomb_nm * worn,
+        viscous_nm_s: keys.friction.viscous_nm_s * worn,
+        rolling: random.between(0.0, 0.01),
+    };
+    keys.floor = FloorParams {
+        // Rubber on a clean floor.
+        mu: random.between(0.7, 1.0),
+        ..FloorParams::default()
+    };
+    keys.battery.open_circuit_v = Some(keys.battery.nominal_v * random.between(0.95, 1.05));
+    keys.noise = NoiseParams {
+        supply_v: 0.01,
+        current_a: 0.05,
+    };
+    keys.tick = TickParams {
+        jitter_us: random.between(0.0, 200.0) as u32,
+        late_probability: 0.01,
+        late_median_us: 500.0,
+        late_spread: 0.5,
+    };
+    keys
+}

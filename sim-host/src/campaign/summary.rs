@@ -1,0 +1,152 @@
+//! Outcomes put together: a cell for each trouble and state.
+
+use super::outcome::{End, Outcome, Stop, Why};
+use super::plan::Target;
+use super::upset::UpsetKind;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What came of a trouble in a state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// Trouble.
+    pub upset: UpsetKind,
+    /// State.
+    pub target: Target,
+    /// Runs.
+    pub runs: usize,
+    /// That parked in spite of it.
+    pub parked: usize,
+    /// That stopped beside their goal.
+    pub beside: usize,
+    /// That stayed as they were.
+    pub held: usize,
+    /// That were stopped, by what.
+    pub stopped: BTreeMap<Why, usize>,
+    /// With something against the rules.
+    pub violations: usize,
+    /// That were mended, reset and parked, and those that stopped beside the new goal.
+    pub again: [usize; 2],
+    /// In which the trouble was found.
+    pub found: usize,
+    /// After what time at the latest \[s\].
+    pub found_s: f64,
+    /// Longest way until then \[m\].
+    pub blind_m: f64,
+    /// The stop nearest to its bound.
+    pub stop: Stop,
+    /// Longest stop \[m\].
+    pub way_m: f64,
+}
+
+impl Cell {
+    fn new(upset: UpsetKind, target: Target) -> Self {
+        Self {
+            upset,
+            target,
+            runs: 0,
+            parked: 0,
+            beside: 0,
+            held: 0,
+            stopped: BTreeMap::new(),
+            violations: 0,
+            again: [0; 2],
+            found: 0,
+            found_s: 0.0,
+            blind_m: 0.0,
+            stop: Stop::default(),
+            way_m: 0.0,
+        }
+    }
+
+    fn take(&mut self, outcome: &Outcome) {
+        self.runs += 1;
+        if let Some(parked) = outcome.again {
+            self.again[usize::from(!parked)] += 1;
+        }
+        match &outcome.end {
+            Ok(End::Parked) => self.parked += 1,
+            Ok(End::Beside) => self.beside += 1,
+            Ok(End::Held) => self.held += 1,
+            Ok(End::Stopped(why)) => *self.stopped.entry(*why).or_default() += 1,
+            Err(_) => self.violations += 1,
+        }
+        if let Some(found) = &outcome.found {
+            self.found += 1;
+            self.found_s = self.found_s.max(found.after_s);
+            self.blind_m = self.blind_m.max(found.way_m);
+        }
+        self.stop = self.stop.worse(outcome.stop);
+        self.way_m = self.way_m.max(outcome.stop.way_m);
+    }
+
+    /// How often it was stopped by what, the most frequent first.
+    pub fn reasons(&self) -> String {
+        let mut reasons: Vec<_> = self.stopped.iter().collect();
+        reasons.sort_by_key(|(why, count)| (usize::MAX - **count, **why));
+        let texts: Vec<_> = reasons
+            .into_iter()
+            .map(|(why, count)| format!("{} {count}", why.name()))
+            .collect();
+        texts.join(", ")
+    }
+}
+
+/// A cell for each trouble and state that occurred, in their order; `base` leaves out all others.
+pub fn cells(outcomes: &[Outcome], base: Option<usize>) -> Vec<Cell> {
+    let mut cells = BTreeMap::new();
+    for outcome in outcomes {
+        if base.is_some_and(|base| base != outcome.base) {
+            continue;
+        }
+        let (upset, target) = (outcome.upset, outcome.target);
+        cells
+            .entry((upset, target))
+            .or_insert_with(|| Cell::new(upset, target))
+            .take(outcome);
+    }
+    cells.into_values().collect()
+}
+
+/// A cell as it stands in a file.
+#[derive(Debug, Serialize)]
+pub struct CellRecord {
+    trouble: &'static str,
+    state: &'static str,
+    runs: usize,
+    parked: usize,
+    beside_the_goal: usize,
+    held: usize,
+    stopped: BTreeMap<&'static str, usize>,
+    violations: usize,
+    again_parked: usize,
+    again_beside_the_goal: usize,
+    found: usize,
+    found_worst_s: f64,
+    way_until_found_worst_m: f64,
+    stop_worst_share: f64,
+    stop_worst_m: f64,
+}
+
+impl From<&Cell> for CellRecord {
+    fn from(cell: &Cell) -> Self {
+        let stopped = cell.stopped.iter();
+        Self {
+            trouble: cell.upset.name(),
+            state: cell.target.name(),
+            runs: cell.runs,
+            parked: cell.parked,
+            beside_the_goal: cell.beside,
+            held: cell.held,
+            stopped: stopped.map(|(why, count)| (why.name(), *count)).collect(),
+            violations: cell.violations,
+            again_parked: cell.again[0],
+            again_beside_the_goal: cell.again[1],
+            found: cell.found,
+            found_worst_s: cell.found_s,
+            way_until_found_worst_m: cell.blind_m,
+            stop_worst_share: cell.stop.share(),
+            stop_worst_m: cell.way_m,
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! What goes wrong in a run.
+
+use super::random::Random;
+use crate::drive::Base;
+use crate::world::{Defect, Side, World};
+
+/// Kinds of trouble: every [`Defect`] of a world, and what host and links can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum UpsetKind {
+    /// Nothing at all: what the others are compared with.
+    Nothing,
+    /// [`Defect::EncoderStuck`].
+    EncoderStuck,
+    /// [`Defect::EncoderReversed`].
+    EncoderReversed,
+    /// [`Defect::EncoderFails`].
+    EncoderFails,
+    /// [`Defect::PoseSilent`].
+    PoseSilent,
+    /// [`Defect::PoseJump`].
+    PoseJump,
+    /// [`Defect::PoseNan`].
+    PoseNan,
+    /// External poses whose age is not a number.
+    FixAgeNan,
+    /// [`Defect::DriveFails`], wheels coast.
+    DriveCoasts,
+    /// [`Defect::DriveFails`], wheels keep the last command.
+    DriveHolds,
+    /// [`Defect::OverCurrent`].
+    OverCurrent,
+    /// [`Defect::BatterySag`].
+    BatterySag,
+    /// [`Defect::WheelBlocked`].
+    WheelBlocked,
+    /// [`Defect::WheelOnIce`].
+    WheelOnIce,
+    /// [`Defect::LateTick`], once.
+    LateTick,
+    /// [`Defect::LateTick`] in every tick.
+    LateTicks,
+    /// The host says nothing any more.
+    HostSilent,
+    /// One goal or reference that is not a number.
+    OrderNan,
+    /// The button.
+    EmergencyStop,
+}
+
+impl UpsetKind {
+    /// All of them.
+    pub const ALL: [Self; 19] = [
+        Self::Nothing,
+        Self::EncoderStuck,
+        Self::EncoderReversed,
+        Self::EncoderFails,
+        Self::PoseSilent,
+        Self::PoseJump,
+        Self::PoseNan,
+        Self::FixAgeNan,
+        Self::DriveCoasts,
+        Self::DriveHolds,
+        Self::OverCurrent,
+        Self::BatterySag,
+        Self::WheelBlocked,
+        Self::WheelOnIce,
+        Self::LateTick,
+        Self::LateTicks,
+        Self::HostSilent,
+        Self::OrderNan,
+        Self::EmergencyStop,
+    ];
+
+    /// For tables and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::EncoderStuck => "encoder stuck",
+            Self::EncoderReversed => "encoder reversed",
+            Self::EncoderFails => "encoders fail",
+            Self::PoseSilent => "poses missing",
+            Self::PoseJump => "poses jump",
+            Self::PoseNan => "poses NaN",
+            Self::FixAgeNan => "pose age NaN",
+            Self::DriveCoasts => "driver fails, coasts",
+            Self::DriveHolds => "driver fails, holds",
+            Self::OverCurrent => "driver over-current",
+            Self::BatterySag => "battery sags",
+            Self::WheelBlocked => "wheel blocked",
+            Self::WheelOnIce => "wheel on ice",
+            Self::LateTick => "one late tick",
+            Self::LateTicks => "late ticks",
+            Self::HostSilent => "host silent",
+            Self::OrderNan => "order NaN",
+            Self::EmergencyStop => "emergency stop",
+        }
+    }
+
+    /// One of this kind on a base.
+    pub(super) fn draw(self, base: &Base, random: &mut Random) -> Upset {
+        let side = if random.chance(0.5) {
+            Side::Right
+        } else {
+            Side::Left
+        };
+        let period_us = base
+            .hardware
+            .map_or(10_000.0, |hardware| 1.0e6 * hardware.period_s);
+        let what = match self {
+            Self::Nothing => What::Nothing,
+            Self::EncoderStuck => What::Defect(Defect::EncoderStuck(side)),
+            Self::EncoderReversed => What::Defect(Defect::EncoderReversed(side)),
+            Self::EncoderFails => What::Defect(Defect::EncoderFails),
+            Self::PoseSilent => What::Defect(Defect::PoseSilent),
+            // From what fusion averages away to what it has to believe after a while.
+            Self::PoseJump => What::Defect(Defect::PoseJump {
+                dx: random.between(-0.5, 0.5),
+                dy: random.between(-0.5, 0.5),
+                dtheta: random.between(-0.5, 0.5),
+            }),
+            Self::PoseNan => What::Defect(Defect::PoseNan),
+            Self::FixAgeNan => What::FixAgeNan,
+            Self::DriveCoasts => What::Defect(Defect::DriveFails { coast: true }),
+            Self::DriveHolds => What::Defect(Defect::DriveFails { coast: false }),
+            Self::OverCurrent => What::Defect(Defect::OverCurrent {
+                side,
+                amps: random.between(1.0, 20.0),
+            }),
+            // Always below the 70 % from which on it counts as low.
+            Self::BatterySag => What::Defect(Defect::BatterySag {
+                volts: base.hardware.map_or(12.0, |h| h.battery.nominal_v)
+                    * random.between(0.3, 0.65),
+            }),
+            Self::WheelBlocked => What::Defect(Defect::WheelBlocked(side)),
+            Self::WheelOnIce => What::Defect(Defect::WheelOnIce {
+                side,
+                mu: random.between(0.05, 0.2),
+            }),
+            Self::LateTick => What::LateOnce((period_us * random.between(1.0, 19.0)) as u32),
+            Self::LateTicks => What::Late((period_us * random.between(0.7, 3.0)) as u32),
+            Self::HostSilent => What::HostSilent,
+            Self::OrderNan => What::OrderNan {
+                park: random.chance(0.5),
+            },
+            Self::EmergencyStop => What::EmergencyStop,
+        };
+        Upset { kind: self, what }
+    }
+}
+
+/// Trouble with its amount.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Upset {
+    /// Kind.
+    pub kind: UpsetKind,
+    pub(super) what: What,
+}
+
+/// How it is done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum What {
+    Nothing,
+    Defect(Defect),
+    FixAgeNan,
+    /// \[µs\].
+    LateOnce(u32),
+    Late(u32),
+    HostSilent,
+    OrderNan {
+        park: bool,
+    },
+    EmergencyStop,
+}
+
+impl Upset {
+    /// In place at the beginning of every tick.
+    pub(super) fn apply(&self, world: &mut World, first: bool) {
+        match self.what {
+            What::Defect(defect) if first => world.inject(defect),
+            What::LateOnce(us) if first => world.inject(Defect::LateTick { us }),
+            What::Late(us) => world.inject(Defect::LateTick { us }),
+            _ => {}
+        }
+    }
+
+    /// Over.
+    pub(super) fn heal(&self, world: &mut World) {
+        if let What::Defect(defect) = self.what {
+            world.heal(defect);
+        }
+    }
+
+    /// What it adds to a tick \[s\].
+    pub(super) fn late_s(&self) -> f64 {
+        match self.what {
+            What::LateOnce(us) | What::Late(us) => 1.0e-6 * f64::from(us),
+            _ => 0.0,
+        }
+    }
+
+    /// Grip that it leaves a wheel.
+    pub(super) fn ice(&self) -> Option<f64> {
+        match self.what {
+            What::Defect(Defect::WheelOnIce { mu, .. }) => Some(mu),
+            _ => None,
+        }
+    }
+}

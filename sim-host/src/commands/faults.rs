@@ -1,0 +1,94 @@
+//! `faults`.
+
+use super::error::CommandError;
+use super::say;
+use super::write::Writer;
+use crate::cli::Output;
+use indicatif::{ProgressBar, ProgressStyle};
+use sim_host::campaign::{
+    Bases, Mutation, Plan, Record, TraceWriter, cells, run, study, table, violation, write_runs,
+};
+use std::num::NonZeroU64;
+
+/// The files' name.
+const NAME: &str = "faults";
+/// So many violations are printed; all are in the file.
+const PRINTED: usize = 20;
+
+pub fn all(
+    runs: NonZeroU64,
+    seed: u64,
+    only: Option<u64>,
+    output: &Output,
+) -> Result<(), CommandError> {
+    let bases = Bases::built_in()?;
+    let writer = Writer::new(output)?;
+    if let Some(number) = only {
+        trace(&bases, seed, number, &writer)?;
+    }
+    let first = only.unwrap_or(0);
+    let last = first.saturating_add(runs.get());
+    // Hidden by itself where standard error is no terminal.
+    let bar = ProgressBar::new(runs.get()).with_style(style());
+    let outcomes = study(&bases, seed, first..last, &Mutation::None, || bar.inc(1));
+    bar.finish_and_clear();
+    let outcomes = outcomes?;
+    let cells = cells(&outcomes, None);
+    say(&format!("{}\n", table(&cells)))?;
+    say("beside: went on, and gave up beside the goal. \
+         found within, meanwhile: the latest finding, and the longest way until then.\n\
+         stop / bound: largest share of the stated stopping distance that was used.\n\n")?;
+    let violations: Vec<_> = outcomes.iter().filter_map(violation).collect();
+    for text in violations.iter().take(PRINTED) {
+        say(&format!("{text}\n"))?;
+    }
+    if let Some(first) = outcomes.iter().find(|outcome| outcome.end.is_err()) {
+        let run = first.run;
+        say(&format!(
+            "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}\n\n"
+        ))?;
+    }
+    let failed = |error: csv::Error| CommandError::Write {
+        path: output.out.join(format!("{NAME}.csv")),
+        cause: error.to_string(),
+    };
+    let mut csv = Vec::new();
+    write_runs(&outcomes, &mut csv).map_err(failed)?;
+    writer.bytes(&format!("{NAME}.csv"), &csv)?;
+    writer.json(NAME, &[Record::of(seed, &outcomes, &cells)])?;
+    say(&format!(
+        "{} of {} runs against the rules; results are in {}\n",
+        violations.len(),
+        outcomes.len(),
+        output.out.display()
+    ))?;
+    match violations.len() {
+        0 => Ok(()),
+        count => Err(CommandError::Violations(count)),
+    }
+}
+
+/// Writes every tick of a run.
+fn trace(bases: &Bases, seed: u64, number: u64, writer: &Writer<'_>) -> Result<(), CommandError> {
+    let name = format!("{NAME}-{number}.csv");
+    let failed = |error: csv::Error| CommandError::Write {
+        path: (&name).into(),
+        cause: error.to_string(),
+    };
+    let mut bytes = Vec::new();
+    let mut rows = TraceWriter::new(&mut bytes).map_err(failed)?;
+    let mut written = Ok(());
+    let plan = Plan::draw(bases, seed, number);
+    run(bases, &plan, &Mutation::None, |tick| {
+        if written.is_ok() {
+            written = rows.row(tick);
+        }
+    })?;
+    written.and_then(|()| rows.finish()).map_err(failed)?;
+    writer.bytes(&name, &bytes)
+}
+
+fn style() -> ProgressStyle {
+    let template = "{wide_bar} {pos} of {len} runs, {eta} to go";
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}

@@ -1,0 +1,89 @@
+//! The fault campaign: quiet with the base as it is, loud with one that is broken on purpose.
+
+use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
+use sim_host::campaign::{Bases, Mutation, Outcome, Target, UpsetKind, cells, study, violation};
+use std::collections::BTreeSet;
+
+/// Every trouble in every state on every base, once.
+const ALL: u64 = (UpsetKind::ALL.len() * Target::ALL.len() * 3) as u64;
+
+fn bases() -> Bases {
+    Bases::built_in().expect("built in")
+}
+
+fn broken(outcomes: &[Outcome]) -> Vec<String> {
+    outcomes.iter().filter_map(violation).collect()
+}
+
+#[test]
+fn every_trouble_in_every_state_is_ridden_out_or_stopped_in_time() {
+    let outcomes = study(&bases(), 2, 0..ALL, &Mutation::None, || {}).expect("valid");
+    assert!(outcomes.len() >= 500);
+    let violations = broken(&outcomes);
+    assert!(violations.is_empty(), "{}", violations.join("\n"));
+    let hit: BTreeSet<_> = outcomes.iter().map(|o| (o.upset, o.target)).collect();
+    assert_eq!(hit.len(), UpsetKind::ALL.len() * Target::ALL.len());
+    // The bounds are about what happens, not beyond it: some stop uses more than half of its own.
+    let cells = cells(&outcomes, None);
+    let most = cells
+        .iter()
+        .map(|cell| cell.stop.share())
+        .fold(0.0, f64::max);
+    assert!(most > 0.5, "{most}");
+    // Nothing at all is never stopped by what only trouble explains.
+    for outcome in &outcomes {
+        if outcome.upset == UpsetKind::Nothing && outcome.second.is_none() {
+            assert!(outcome.found.is_none(), "{outcome:?}");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().expect("threads");
+        pool.install(|| study(&bases(), 3, 0..24, &Mutation::None, || {}).expect("valid"))
+    };
+    assert_eq!(run(1), run(4));
+}
+
+/// A driver that goes on with the last torque, and a brake that is not connected: only what truly happens
+/// tells, for the base itself says what it should.
+#[test]
+fn drivers_that_do_not_do_what_they_are_told_are_found_out() {
+    for mutation in [Mutation::KeepsTorque, Mutation::BrakeCoasts] {
+        let outcomes = study(&bases(), 2, 0..ALL / 3, &mutation, || {}).expect("valid");
+        let far = broken(&outcomes)
+            .iter()
+            .filter(|text| text.contains("beyond"))
+            .count();
+        // Braking from speed is in a ninth of the runs, and more stop by it.
+        assert!(far > 10, "{mutation:?}: {far}");
+    }
+}
+
+/// What a policy may leave out but should not: the campaign has its own list.
+#[test]
+fn a_policy_that_rides_out_a_silent_host_is_found_out() {
+    let policy = PolicyParams::DEFAULT.with(FaultKind::CommandStale, Response::RIDE_OUT);
+    let mutation = Mutation::Policy(policy);
+    let outcomes = study(&bases(), 2, 0..ALL / 3, &mutation, || {}).expect("valid");
+    let ridden = broken(&outcomes)
+        .iter()
+        .filter(|text| text.contains("command_stale was found"))
+        .count();
+    // Armed, tracking, parking and parked.
+    assert!(ridden >= 4, "{ridden}");
+}
+
+#[test]
+fn a_policy_that_rides_out_a_stuck_encoder_is_refused() {
+    let stuck = FaultKind::EncoderStuck;
+    let policy = PolicyParams::DEFAULT;
+    for reaction in [Reaction::RideOut, Reaction::ControlledStop] {
+        let policy = policy.with(stuck, Response::passing(reaction));
+        let mutation = Mutation::Policy(policy);
+        assert!(study(&bases(), 1, 0..1, &mutation, || {}).is_err());
+    }
+}
