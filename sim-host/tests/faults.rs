@@ -87,3 +87,41 @@ fn a_policy_that_rides_out_a_stuck_encoder_is_refused() {
         assert!(study(&bases(), 1, 0..1, &mutation, || {}).is_err());
     }
 }
+
+/// The table of stopping distances in the document is what the core's functions give.
+#[test]
+fn the_document_has_the_stopping_distances_of_the_core() {
+    use controller_core::maths::Single;
+    use controller_core::motor::{coast, electrical_brake};
+    use controller_core::safety::controlled_stop_distance;
+    use sim_host::campaign::Plan;
+    use sim_host::rig::Rig;
+    use sim_host::scenario::BuiltInBase;
+
+    let document = include_str!("../../docs/faults.md");
+    for name in ["paper-30kg", "lab-10kg", "hobby-1kg"] {
+        let base = BuiltInBase::find(name).expect("built in");
+        let base = base.base().expect("valid");
+        let plan = Plan::draw(&bases(), 1, 0);
+        let rig = Rig::of_base(&base, &plan.place, |_| {}).expect("valid");
+        let core = rig.base().base();
+        let robot = core.motion().params().robot;
+        let motor = core.motor().expect("has motors");
+        let speed = base.limits.speed as f32;
+        let controlled = controlled_stop_distance::<f32, Single>(core.motion(), speed);
+        let brake = electrical_brake(motor, &robot).expect("valid").linear;
+        let brake = brake.distance(speed).expect("brakes");
+        let release = coast(motor, &robot).expect("valid").linear;
+        let release = release.distance(speed).expect("has friction");
+        // c: what a wheel brakes with at the driver's limit.
+        let own = base.hardware.expect("has hardware").motor;
+        let torque = own.gear_ratio * own.kt_nm_per_a * own.current_limit_a;
+        let most = torque / base.robot.wheels.radius_right_m;
+        let limited =
+            f64::from(brake) + 0.25 * base.limits.speed.powi(2) * base.robot.mass_kg / most;
+        let row = format!(
+            "| {name} | {speed:.1} m/s | {controlled:.2} m | {brake:.3} m | {limited:.3} m | {release:.2} m |"
+        );
+        assert!(document.contains(&row), "{row}");
+    }
+}

@@ -1,14 +1,15 @@
 //! World and base, tick by tick.
 
 use super::{Place, convert};
-use crate::drive::Mission;
+use crate::drive::{Base, Mission};
 use crate::world::{Actuation, ActuationError, World, WorldError};
 use controller_core::base::{
     BaseController, BaseError, BaseParams, BaseReport, Order, Sensed, WheelAction,
 };
 use controller_core::error::ParamError;
 use controller_core::maths::Single;
-use controller_core::types::WheelTorques;
+use controller_core::params::Robot;
+use controller_core::types::{Measured, WheelTorques};
 
 /// Why a base cannot be put into a world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -44,27 +45,45 @@ impl Rig {
     /// # Errors
     /// Parameters out of their range.
     pub fn new(mission: &Mission, place: &Place) -> Result<Self, RigError> {
-        Self::with(mission, place, |_| {})
+        let base = (&mission.base, mission.period_s);
+        Self::with(base, &mission.robot, &mission.start, place, |_| {})
     }
 
-    /// The same with parameters of the base edited.
+    /// A base by itself at the origin, with its parameters edited.
     ///
     /// # Errors
     /// Parameters out of their range.
-    pub fn with(
-        mission: &Mission,
+    pub fn of_base(
+        base: &Base,
         place: &Place,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, RigError> {
-        let period_us = (1.0e6 * mission.period_s).round() as u32;
-        let mut params = convert::params(&mission.base, period_us).map_err(RigError::Param)?;
+        let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
+        Self::with(
+            (base, period_s),
+            &base.robot,
+            &Measured::default(),
+            place,
+            edit,
+        )
+    }
+
+    fn with(
+        (base, period_s): (&Base, f64),
+        robot: &Robot<f64>,
+        start: &Measured<f64>,
+        place: &Place,
+        edit: impl FnOnce(&mut BaseParams<f32>),
+    ) -> Result<Self, RigError> {
+        let period_us = (1.0e6 * period_s).round() as u32;
+        let mut params = convert::params(base, period_us).map_err(RigError::Param)?;
         edit(&mut params);
-        let base = params.validate::<Single>().map_err(RigError::Base)?;
-        let keys = convert::with_hardware(&place.world, mission.base.hardware.as_ref());
-        let world = World::new(&keys.params(&mission.robot), &mission.start, place.seed);
+        let valid = params.validate::<Single>().map_err(RigError::Base)?;
+        let keys = convert::with_hardware(&place.world, base.hardware.as_ref());
+        let world = World::new(&keys.params(robot), start, place.seed);
         Ok(Self {
             world: world.map_err(RigError::World)?,
-            base: BaseController::new(&base, convert::narrow_pose(&mission.start.pose)),
+            base: BaseController::new(&valid, convert::narrow_pose(&start.pose)),
             period_us,
             dt_us: period_us,
             actuation: Actuation::Release,
