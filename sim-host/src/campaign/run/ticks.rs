@@ -107,9 +107,9 @@ impl Runner<'_> {
     }
 
     /// A controlled stop goes by encoders; one that lies has to be found first, and the brake then takes over.
-    /// Until then the base is no faster than its limit.
+    /// What healed a moment ago still is in the estimate of speed. Until then the base is no faster than its limit.
     pub(super) fn unfound_m(&self) -> f64 {
-        let lies = self.active_upsets().any(|upset| {
+        let lies = self.upsets().any(|upset| {
             matches!(
                 upset.kind,
                 UpsetKind::EncoderReversed | UpsetKind::EncoderStuck
