@@ -11,6 +11,11 @@
 //! Under v̂ = v_c + e the velocity loop gives f e′ = −κ e + (1 − f) v_c′, whose integral over a stop is
 //! ∫e dt = (f e₀ + (f − 1) v₀)/κ: so the term of the error grows by f, and (f − 1) v₀/κ comes to it.
 //!
+//! A force d̂ that the disturbance estimate makes up for may be gone in the moment in which the stop begins, such
+//! as the stiction of a wheel that breaks loose. It is unlearnt as e^(−ωt), and the loop lets d̂/(m̂ κ) of speed
+//! pass: d̂/(m̂ κ ω) comes to the way. What breaks standing wheels loose, a_s, is seen after two ticks at the latest, and
+//! the loop takes away the speed that they gave: a_s 2 dt (dt + 1/κ).
+//!
 //! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current v₀ asks for is
 //! below the driver's limit; beyond it the base slows down by 2 c/m at least when both wheels roll forward,
 //! hence v₀²/(2 · 2c/m), and by half of that while it also turns, for at most |w₀| I/(c l/2).
@@ -50,6 +55,8 @@ pub(super) struct Bounds {
     load: f64,
     /// τ at the tread \[N\].
     dry_n: f64,
+    /// What both motors add to break standing wheels loose, over the mass \[m/s²\].
+    loose: f64,
 }
 
 /// What the trouble leaves of the wheels.
@@ -91,6 +98,10 @@ impl Bounds {
             grip: place.world.floor.mu,
             load: 0.5 * robot.mass_kg * body.mass_factor * GRAVITY,
             dry_n: place.world.friction.coulomb_nm / radius,
+            loose: core.motor().map_or(0.0, |motor| {
+                let stiction = f64::from(motor.params().friction.stiction_nm);
+                2.0 * stiction / (radius * robot.mass_kg)
+            }),
         }
     }
 
@@ -161,7 +172,16 @@ impl Bounds {
         let a = f64::from(rate.linear.abs());
         let ticks = 2.0 * dt_s * (v + a / f64::from(gains.decay));
         let heavy = (self.heavier - 1.0) * v / f64::from(gains.speed_loop);
-        let way = plan + self.heavier * (whole - plan) + heavy + ticks;
+        let mass = f64::from(law.params().robot.mass_kg);
+        let loops = f64::from(gains.speed_loop) * f64::from(gains.disturbance);
+        let learnt = if loops > 0.0 {
+            f64::from(motion.disturbance.force.abs()) / (mass * loops)
+        } else {
+            0.0
+        };
+        let unseen = 2.0 * dt_s;
+        let loose = self.loose * unseen * (0.5 * unseen + 1.0 / f64::from(gains.speed_loop));
+        let way = plan + self.heavier * (whole - plan) + heavy + learnt + loose + ticks;
         let held = if wheels.ice.is_some() || wheels.blocked {
             self.release(twist, wheels)
         } else {
