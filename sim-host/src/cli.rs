@@ -1,6 +1,7 @@
 //! Arguments.
 
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
+use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firmware_demo::host::{LinkKind, Machine};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
@@ -19,6 +20,9 @@ Examples:
   sim-host pil paper-curve                  the same, with the controller on an emulated chip
   sim-host robustness                       what the laws stand: noise, latency, friction, ...
   sim-host faults                           everything that can fail, in every state
+  sim-host tune robot.toml                  gains for your own robot, searched on bad floors
+  sim-host prove robot.toml                 whether it does its courses there
+  sim-host constants robot.toml             the same robot as constants for a firmware
   sim-host monitor /dev/ttyACM0             live numbers of a real board
   sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
 
@@ -155,6 +159,34 @@ Examples:
         #[arg(long, value_name = "K")]
         run: Option<u64>,
     },
+    /// Find gains for a robot of your own
+    ///
+    /// Searches in worlds that are drawn around the robot of the file: bad floor, mass and inertia 30 % off,
+    /// battery at 80 to 100 %, late and noisy poses. Prints scores before and after, also in worlds that the
+    /// search did not see; writes NAME-tune.svg, .png and .json, and with --write [gains] into the file.
+    /// The same arguments give the same gains, on any number of processors.
+    #[command(after_help = "\
+Examples:
+  sim-host tune mine.toml
+  sim-host tune mine.toml --trajectory slalom.json --evaluations 600 --write")]
+    Tune(TuneArgs),
+    /// Prove in simulation that a robot does its courses on bad floors
+    ///
+    /// The paper's line and curve and a park, in worlds drawn around the robot of the file and at their
+    /// corners. Every run has to park within 5 mm and 10 mrad of the true goal and be quiet there: if not,
+    /// the exit code is 1. Writes NAME-prove.csv, .json, and the worst run as .svg, .png and -worst.csv.
+    #[command(after_help = "\
+Examples:
+  sim-host prove mine.toml
+  sim-host prove lab-10kg --seeds 50 --out results")]
+    Prove(ProveArgs),
+    /// Write a robot's constants for a firmware
+    ///
+    /// NAME.rs has every parameter of the base, gains included, as the simulator uses them, bit for bit.
+    #[command(after_help = "\
+Examples:
+  sim-host constants mine.toml --out firmware/src")]
+    Constants(ConstantsArgs),
     /// Show and log what a board sends over its serial port
     ///
     /// Only listens, unless told to poll. Ends with the line, after --seconds, or with Ctrl-C.

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 /// How trajectory files are run. Scenario files say it themselves.
 #[derive(Clone, Debug, Args)]
 pub struct DriveArgs {
-    /// Trajectory files: the base that drives, a file with [robot] and [limits]; else a 30 kg base
+    /// Trajectory files: the base that drives, a file with [robot] and [limits] or one of
+    /// paper-30kg, lab-10kg, hobby-1kg; else a 30 kg base
     #[arg(long, value_name = "FILE")]
     pub base: Option<PathBuf>,
     /// Trajectory files: start this far to the left of the path [m]; else 0.15, or 0 on a
@@ -51,7 +52,8 @@ pub struct TrajectoryArgs {
     /// Trajectory files; `check` takes scenario files as well
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// The base that is to drive, a file with [robot] and [limits]; else a 30 kg base
+    /// The base that is to drive, a file with [robot] and [limits] or one of paper-30kg, lab-10kg,
+    /// hobby-1kg; else a 30 kg base
     #[arg(long, value_name = "FILE")]
     pub base: Option<PathBuf>,
 }

@@ -13,6 +13,7 @@
 //! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | from a robot's log | [`identify`] |
+//! | for a robot of one's own | [`tune`], [`prove`], [`constants`]; [`trials`] on bad floors |
 //! | report | [`metrics`], [`table`], [`csv_out`], [`figure`] |
 //!
 //! ```
@@ -29,6 +30,7 @@
 
 pub mod advice;
 pub mod campaign;
+pub mod constants;
 pub mod csv_out;
 pub mod drive;
 pub mod figure;
@@ -40,6 +42,7 @@ pub mod motion;
 pub mod pil;
 pub mod pilot;
 pub mod plant;
+pub mod prove;
 pub mod rig;
 pub mod robustness;
 pub mod run;
@@ -47,4 +50,6 @@ pub mod scenario;
 pub mod sim_robot;
 pub mod table;
 pub mod trace;
+pub mod trials;
+pub mod tune;
 pub mod world;

@@ -3,6 +3,7 @@
 mod cli;
 mod commands;
 mod drive_args;
+mod robot_args;
 
 use clap::Parser;
 use std::error::Error as _;

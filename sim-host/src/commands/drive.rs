@@ -10,7 +10,7 @@ use serde::Serialize;
 use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, Mission, drive, summary, verdict};
 use sim_host::figure::Labelled;
 use sim_host::import::{Stretch, Verdict};
-use sim_host::scenario::Scenario;
+use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
 
 /// Metrics of one run, as they stand in a JSON file.
@@ -31,10 +31,13 @@ struct DriveRecord<'a> {
     metrics: &'a DriveMetrics,
 }
 
-/// A base's file, or the default base.
+/// A base's file, a built-in base, or the default one.
 pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
     match file {
-        Some(file) => Ok(Base::load(file)?),
+        Some(file) => match file.to_str().and_then(BuiltInBase::find) {
+            Some(built_in) if !file.exists() => Ok(built_in.base()?),
+            _ => Ok(Base::load(file)?),
+        },
         None => Ok(Base::default()),
     }
 }

@@ -6,6 +6,7 @@ use sim_host::identify::{IdentifyError, KnownError, LogError};
 use sim_host::import::LimitError;
 use sim_host::monitor::MonitorError;
 use sim_host::pil::PilError;
+use sim_host::prove::ProveError;
 use sim_host::robustness::StudyError;
 use sim_host::run::RunError;
 use sim_host::scenario::ScenarioError;
@@ -55,6 +56,10 @@ pub enum CommandError {
     Apart,
     #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
     NoCondition { word: String, names: Vec<String> },
+    #[error(transparent)]
+    Prove(#[from] ProveError),
+    #[error("{0}: not every run did what is asked: see above")]
+    NotProven(String),
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]

@@ -9,6 +9,8 @@ mod job;
 mod list;
 mod monitor;
 mod pil;
+mod prove;
+mod robot;
 mod robustness;
 mod run;
 mod write;
@@ -48,6 +50,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Faults { runs, seed, run } => faults::all(*runs, *seed, *run, output),
+        Command::Prove(arguments) => prove::robot(arguments, output),
+        Command::Tune(_) | Command::Constants(_) => todo!(),
         Command::Monitor(arguments) => monitor::listen(arguments),
         Command::Identify(arguments) => identify::log(arguments, output),
         Command::List { directory } => list::list(directory.as_deref()),

@@ -58,7 +58,7 @@ fn chosen(only: &[String]) -> Result<Vec<Condition>, CommandError> {
     Ok(conditions)
 }
 
-fn style() -> ProgressStyle {
+pub fn style() -> ProgressStyle {
     let template = "{wide_bar} {pos} of {len} runs, {eta} to go";
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }

@@ -61,6 +61,11 @@ impl Base {
         }
     }
 
+    /// Control period \[s\]: the hardware's, or 10 ms.
+    pub fn period_s(&self) -> f64 {
+        self.hardware.map_or(0.01, |hardware| hardware.period_s)
+    }
+
     /// What is out of range, if anything is.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! Traces as CSV: full precision, one row per control tick.
 
+use super::note::{cause, fix_name, state_name};
 use super::trace::{DriveRow, DriveTrace};
 use crate::csv_out::{write_numbers, written};
 use controller_core::motion::{Mode, Outcome};
@@ -17,7 +18,9 @@ use std::io::Write;
 ///   next row.
 /// * mode: `following` or `parking`; outcome: `driving`, `parked`, `stalled` or `out-of-tolerance`; then flags, 0 or 1,
 ///   and how often the robot tried the goal again.
-pub const COLUMNS: [&str; 48] = [
+/// * state, cause: of the whole base, and what became of an external pose in this tick: `fused`, `rejected`,
+///   `relocalised`, `refused`. Empty on the ideal plant.
+pub const COLUMNS: [&str; 51] = [
     "t",
     "x",
     "y",
@@ -66,6 +69,9 @@ pub const COLUMNS: [&str; 48] = [
     "backing",
     "retries",
     "tick",
+    "state",
+    "cause",
+    "fix",
 ];
 
 /// Writes a trace: the first row, every `every`-th after it, and always the hand-over and the last.
@@ -104,6 +110,13 @@ pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<(
         }
         writer.write_field(report.retries.to_string())?;
         writer.write_field(tick.to_string())?;
+        let [state, cause, fix] = row.base.map_or_else(Default::default, |base| {
+            let fix = fix_name(&base.fix).to_owned();
+            [state_name(base.state).to_owned(), cause(&base.cause), fix]
+        });
+        for field in [state, cause, fix] {
+            writer.write_field(field)?;
+        }
         writer.write_record(None::<&[u8]>)?;
     }
     writer.flush()?;

@@ -1,6 +1,7 @@
 //! Figures of merit of a run. Times in s, lengths in m, angles in rad; errors are the true ones.
 
 use super::mission::Mission;
+use super::note::{self, BaseNote};
 use super::trace::{DriveRow, DriveTrace};
 use crate::metrics::Metrics;
 use controller_core::angle::wrap;
@@ -55,11 +56,25 @@ pub struct LimitedTicks {
     pub torque: usize,
 }
 
+/// Why a base did not go on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StopFigures {
+    /// When it began to stop \[s\].
+    pub time_s: f64,
+    /// Its state at the end: `stopped`, `fault`, or still on the way to either.
+    pub state: &'static str,
+    /// The fault, or what else it was.
+    pub cause: String,
+}
+
 /// All figures of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriveMetrics {
     /// `parked`, `driving`, `stalled` or `out-of-tolerance` at the end.
     pub outcome: &'static str,
+    /// What ended the run before its time; only of a whole base.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<StopFigures>,
     /// From when on the robot was parked; none if it was not at the end.
     pub parked_s: Option<f64>,
     /// While following; none if the robot never came onto the path.
@@ -91,6 +106,7 @@ impl DriveMetrics {
                 Outcome::OutOfTolerance => "out-of-tolerance",
                 _ => "driving",
             },
+            stopped: stopped(rows),
             parked_s: parked.map(|row| row.t),
             tracking: tracking(trace),
             hand_over_distance_m: trace.hand_over.map(|h| h.distance_m),
@@ -105,6 +121,18 @@ impl DriveMetrics {
             run: Metrics::of(&trace.common())?,
         })
     }
+}
+
+/// The stop that a run ended with.
+fn stopped(rows: &[DriveRow]) -> Option<StopFigures> {
+    let stops = |row: &&DriveRow| row.base.as_ref().is_some_and(BaseNote::has_stopped);
+    let first = rows.iter().rev().take_while(stops).last()?;
+    let base = rows.last()?.base?;
+    Some(StopFigures {
+        time_s: first.t,
+        state: note::state_name(base.state),
+        cause: note::cause(&base.cause),
+    })
 }
 
 fn tracking(trace: &DriveTrace) -> Option<TrackingFigures> {

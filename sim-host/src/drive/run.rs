@@ -119,6 +119,7 @@ pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
             reference: orders.target,
             error,
             report,
+            base: None,
         });
         parked_since = match report.outcome {
             Outcome::Parked => parked_since.or(Some(t)),

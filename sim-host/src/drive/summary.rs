@@ -55,6 +55,9 @@ pub fn summary(metrics: &DriveMetrics) -> String {
             None => final_error,
         },
     );
+    if let Some(stop) = &metrics.stopped {
+        line(stop.state, format!("{} at {:.2} s", stop.cause, stop.time_s));
+    }
     let uses = metrics.limits.iter().map(|use_| {
         format!(
             "{} {} of {}",

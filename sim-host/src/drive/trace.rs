@@ -1,5 +1,6 @@
 //! What a run leaves behind: one row per control tick.
 
+use super::note::BaseNote;
 use crate::trace::{HandOver, Row, Trace};
 use controller_core::motion::{Mode, MotionReport};
 use controller_core::pose_error::PoseError;
@@ -23,6 +24,8 @@ pub struct DriveRow {
     pub error: PoseError<f64>,
     /// Everything that the controller reported.
     pub report: MotionReport<f64>,
+    /// What the whole base said; none of a run on the ideal plant.
+    pub base: Option<BaseNote>,
 }
 
 /// The tick that changed from following to parking.

@@ -20,8 +20,12 @@ use crate::world::{Actuation, World};
 /// Counts per turn and bandwidth of a base that says nothing about its encoders.
 const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
 
-/// The core's parameters of a base that ticks every `period_us`.
-pub(super) fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
+/// The core's parameters of a base that ticks every `period_us`: what the simulator runs, and what
+/// `sim-host constants` writes for a firmware.
+///
+/// # Errors
+/// The localiser's parameters, on whose noise the others depend.
+pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
     let f = |value: f64| value as f32;
     let (robot, limits) = (&base.robot, &base.limits);
     let wheels = WheelGeometry {

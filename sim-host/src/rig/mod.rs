@@ -8,7 +8,8 @@ mod convert;
 mod run;
 mod trial;
 
-pub use run::drive;
+pub use convert::params;
+pub use run::{drive, watch};
 pub use trial::{Rig, RigError};
 
 use crate::world::WorldKeys;

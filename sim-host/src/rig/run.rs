@@ -2,12 +2,13 @@
 
 use super::trial::{Rig, RigError};
 use super::{Place, convert};
-use crate::drive::{DriveRow, DriveTrace, Ends, Guide, Mission, widen};
+use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Ends, Guide, Mission, widen};
+use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
-use controller_core::motion::MotionReport;
+use controller_core::motion::{MotionReport, Outcome, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::safety::supervisor::{Event, State};
-use controller_core::types::{Measured, Pose, Twist};
+use controller_core::types::{Measured, Pose, Twist, WheelTorques, Wrench};
 
 /// For how long a base is watched after it parked \[s\].
 const WATCH_S: f64 = 1.0;
@@ -19,6 +20,14 @@ const WATCH_S: f64 = 1.0;
 /// # Errors
 /// Parameters out of their range.
 pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
+    watch(mission, place, WATCH_S)
+}
+
+/// The same, but a base that parked is watched for `watch_s` \[s\].
+///
+/// # Errors
+/// Parameters out of their range.
+pub fn watch(mission: &Mission, place: &Place, watch_s: f64) -> Result<DriveTrace, RigError> {
     let mut rig = Rig::new(mission, place)?;
     let mut guide = Guide::new(mission);
     let mut trace = DriveTrace {
@@ -33,9 +42,23 @@ pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
         if t > mission.longest_s() {
             break;
         }
-        let row = tick(mission, &mut rig, &mut guide, t);
+        let (mut row, hand_over) = tick(mission, &mut rig, &mut guide, t);
         let report = rig.base().report();
         let state = report.state;
+        if report.motion.is_none() {
+            // The motion law is off: what it said last stands.
+            let before = trace.rows.last().map(|row: &DriveRow| row.report);
+            row.report.mode = before.map_or_else(Default::default, |report| report.mode);
+            row.report.outcome = match (state, before) {
+                (State::Parked, _) => Outcome::Parked,
+                (_, Some(report)) => report.outcome,
+                (_, None) => Outcome::default(),
+            };
+        }
+        if let Some(hand_over) = hand_over {
+            let row = trace.rows.len();
+            trace.hand_over = Some(DriveHandOver { row, ..hand_over });
+        }
         trace.rows.push(row);
         let since_s = match trace.ends {
             Some(ends) if ends.state == state => ends.since_s,
@@ -51,7 +74,7 @@ pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
             _ => None,
         };
         let done = matches!(state, State::Stopped | State::Fault)
-            || parked_since.is_some_and(|since| t >= since.max(last_event) + WATCH_S);
+            || parked_since.is_some_and(|since| t >= since.max(last_event) + watch_s);
         if done {
             break;
         }
@@ -60,7 +83,12 @@ pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
 }
 
 /// One tick of a mission.
-fn tick(mission: &Mission, rig: &mut Rig, guide: &mut Guide<'_>, t: f64) -> DriveRow {
+fn tick(
+    mission: &Mission,
+    rig: &mut Rig,
+    guide: &mut Guide<'_>,
+    t: f64,
+) -> (DriveRow, Option<DriveHandOver>) {
     let truth = rig.world().truth();
     let report = rig.base().report();
     let believed = report
@@ -78,11 +106,29 @@ fn tick(mission: &Mission, rig: &mut Rig, guide: &mut Guide<'_>, t: f64) -> Driv
     if rig.base().report().state == State::Idle && rig.base().report().measured.is_some() {
         rig.base_mut().on(Event::Arm);
     }
+    let followed = orders.left.map(|(left, way)| {
+        let order = convert::order(&Task::Follow(left));
+        (left, way, wrench(&rig.would_say(&order)))
+    });
     let report = *rig.tick(&convert::order(&orders.task));
+    let hand_over = followed.map(|(left, distance_m, followed)| {
+        let parks = wrench(&report);
+        DriveHandOver {
+            row: 0,
+            left,
+            distance_m,
+            error_before: pose_error::<f64, Libm>(left.pose(), &truth.pose),
+            torque_step: Wrench {
+                force: parks.force - followed.force,
+                moment: parks.moment - followed.moment,
+            },
+        }
+    });
     let measured = report.measured.map_or(mission.start.pose, |measured| {
         widen_measured(&measured).pose
     });
-    DriveRow {
+    let asked = report.action.torques().unwrap_or_default();
+    let row = DriveRow {
         t,
         truth,
         measured,
@@ -91,7 +137,23 @@ fn tick(mission: &Mission, rig: &mut Rig, guide: &mut Guide<'_>, t: f64) -> Driv
         report: report
             .motion
             .map_or_else(MotionReport::default, |motion| widen(&motion)),
-    }
+        base: Some(BaseNote {
+            state: report.state,
+            cause: report.cause,
+            findings: report.findings,
+            fix: report.fix,
+            asked: WheelTorques {
+                right: f64::from(asked.right),
+                left: f64::from(asked.left),
+            },
+        }),
+    };
+    (row, hand_over)
+}
+
+fn wrench(report: &BaseReport<f32>) -> Wrench<f64> {
+    let motion = report.motion.map(|motion| widen(&motion));
+    motion.map_or(Wrench::default(), |motion| motion.wrench)
 }
 
 fn widen_measured(from: &Measured<f32>) -> Measured<f64> {

@@ -118,6 +118,12 @@ impl Rig {
         self.base.report()
     }
 
+    /// What the base would say to another order in this tick. Nothing changes.
+    pub fn would_say(&self, order: &Order<f32>) -> BaseReport<f32> {
+        let mut base = self.base;
+        *base.tick(self.dt_us, order, &convert::sensed(&self.world))
+    }
+
     /// The button: it reaches the wheels at once.
     pub fn emergency_stop(&mut self) {
         let action = self.base.emergency_stop();

@@ -1,0 +1,44 @@
+//! Arguments for a robot of one's own.
+
+use clap::Args;
+use std::num::{NonZeroU32, NonZeroU64};
+use std::path::PathBuf;
+
+/// What is tuned, and for what.
+#[derive(Clone, Debug, Args)]
+pub struct TuneArgs {
+    /// The robot's file, as in bases/, or one of paper-30kg, lab-10kg, hobby-1kg
+    #[arg(value_name = "ROBOT.toml")]
+    pub robot: PathBuf,
+    /// Tune for this trajectory instead of the paper's line and curve and a park
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// Sets of gains that are tried, over all starts; each in a dozen worlds
+    #[arg(long, value_name = "N", default_value = "240")]
+    pub evaluations: NonZeroU64,
+    /// Settles everything that is drawn
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seed: u64,
+    /// Write the gains into the robot's file
+    #[arg(long)]
+    pub write: bool,
+}
+
+/// What is proven.
+#[derive(Clone, Debug, Args)]
+pub struct ProveArgs {
+    /// The robot's file, as in bases/, or one of paper-30kg, lab-10kg, hobby-1kg
+    #[arg(value_name = "ROBOT.toml")]
+    pub robot: PathBuf,
+    /// Worlds that are drawn for each course and condition
+    #[arg(long, value_name = "N", default_value = "10")]
+    pub seeds: NonZeroU32,
+}
+
+/// What is written for a firmware.
+#[derive(Clone, Debug, Args)]
+pub struct ConstantsArgs {
+    /// The robot's file, as in bases/, or one of paper-30kg, lab-10kg, hobby-1kg
+    #[arg(value_name = "ROBOT.toml")]
+    pub robot: PathBuf,
+}

@@ -1,0 +1,25 @@
+//! Trials of a base on bad floors: what [`crate::tune`] searches with and [`crate::prove`] judges by.
+//!
+//! A trial is a [`Course`] in a world of a [`Condition`], drawn by a seed, with the chip's whole base
+//! in it ([`crate::rig`]); [`Figures`] say what came of it.
+
+mod course;
+mod figures;
+mod floor;
+
+pub use course::Course;
+pub use figures::{Figures, Peak, REST_S};
+pub use floor::{Condition, place};
+
+use crate::drive::{DriveTrace, Mission};
+use crate::rig::{Place, RigError, watch};
+
+/// Runs a mission in a place and watches the base at rest for [`REST_S`].
+///
+/// # Errors
+/// Parameters out of their range.
+pub fn run(mission: &Mission, place: &Place) -> Result<(DriveTrace, Figures), RigError> {
+    let trace = watch(mission, place, REST_S)?;
+    let figures = Figures::of(mission, &trace);
+    Ok((trace, figures))
+}
