@@ -1,5 +1,6 @@
 //! Why a command failed.
 
+use controller_core::error::ParamError;
 use sim_host::drive::{DriveError, FileError};
 use sim_host::figure::FigureError;
 use sim_host::identify::{IdentifyError, KnownError, LogError};
@@ -10,6 +11,7 @@ use sim_host::prove::ProveError;
 use sim_host::robustness::StudyError;
 use sim_host::run::RunError;
 use sim_host::scenario::ScenarioError;
+use sim_host::tune::TuneError;
 use std::path::PathBuf;
 
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +60,12 @@ pub enum CommandError {
     NoCondition { word: String, names: Vec<String> },
     #[error(transparent)]
     Prove(#[from] ProveError),
+    #[error(transparent)]
+    Tune(#[from] TuneError),
+    #[error("{0} is built in: `--write` needs a file of your own")]
+    BuiltInRobot(String),
+    #[error("{file}: {cause}")]
+    Constants { file: String, cause: ParamError },
     #[error("{0}: not every run did what is asked: see above")]
     NotProven(String),
     #[error(transparent)]

@@ -1,6 +1,7 @@
 //! What each command does.
 
 mod compare;
+mod constants;
 mod drive;
 mod error;
 mod faults;
@@ -13,6 +14,7 @@ mod prove;
 mod robot;
 mod robustness;
 mod run;
+mod tune;
 mod write;
 
 use crate::cli::{Cli, Command};
@@ -51,7 +53,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Faults { runs, seed, run } => faults::all(*runs, *seed, *run, output),
         Command::Prove(arguments) => prove::robot(arguments, output),
-        Command::Tune(_) | Command::Constants(_) => todo!(),
+        Command::Constants(arguments) => constants::write(arguments, output),
+        Command::Tune(arguments) => tune::robot(arguments, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
         Command::Identify(arguments) => identify::log(arguments, output),
         Command::List { directory } => list::list(directory.as_deref()),

@@ -30,7 +30,12 @@ pub fn robot(arguments: &ProveArgs, output: &Output) -> Result<(), CommandError>
     let proof = prove(base, arguments.seeds, || bar.inc(1));
     bar.finish_and_clear();
     let proof = proof?;
-    say(&format!("{}: {}\n{}\n", robot.name, base.name, case_table(&proof)))?;
+    say(&format!(
+        "{}: {}\n{}\n",
+        robot.name,
+        base.name,
+        case_table(&proof)
+    ))?;
     say(
         "errors and times of the runs that parked, of all if none did; worst over the seeds. !: beyond what \
          is asked.\nstopped for; found: faults with the number of runs, found ones may have been ridden out.\n\n",

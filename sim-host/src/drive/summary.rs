@@ -56,7 +56,10 @@ pub fn summary(metrics: &DriveMetrics) -> String {
         },
     );
     if let Some(stop) = &metrics.stopped {
-        line(stop.state, format!("{} at {:.2} s", stop.cause, stop.time_s));
+        line(
+            stop.state,
+            format!("{} at {:.2} s", stop.cause, stop.time_s),
+        );
     }
     let uses = metrics.limits.iter().map(|use_| {
         format!(

@@ -49,7 +49,10 @@ const fn grid() -> [(Course, Condition); 18] {
     let mut at = 0;
     while at < all.len() {
         let conditions = Condition::ALL.len();
-        all[at] = (Course::ALL[at / conditions], Condition::ALL[at % conditions]);
+        all[at] = (
+            Course::ALL[at / conditions],
+            Condition::ALL[at % conditions],
+        );
         at += 1;
     }
     all

@@ -82,11 +82,7 @@ pub const fn runs(seeds: NonZeroU32) -> u64 {
 ///
 /// # Errors
 /// A base or a world out of range.
-pub fn prove(
-    base: &Base,
-    seeds: NonZeroU32,
-    done: impl Fn() + Sync,
-) -> Result<Proof, ProveError> {
+pub fn prove(base: &Base, seeds: NonZeroU32, done: impl Fn() + Sync) -> Result<Proof, ProveError> {
     let cases = grid().into_par_iter().map(|(course, condition)| {
         let mission = course.mission(base);
         let seeds = (0..u64::from(seeds.get())).into_par_iter();

@@ -65,14 +65,20 @@ fn faults(case: &Case) -> String {
 /// PASS or FAIL, the criteria, and what failed how often.
 pub fn verdict(proof: &Proof) -> String {
     let (mut reasons, total) = (BTreeMap::new(), proof.runs.len());
-    for reason in proof.runs.iter().filter_map(|run| shortcoming(&run.figures)) {
+    for reason in proof
+        .runs
+        .iter()
+        .filter_map(|run| shortcoming(&run.figures))
+    {
         *reasons.entry(reason).or_insert(0_usize) += 1;
     }
     let failed: usize = reasons.values().sum();
     let mut text = if failed == 0 {
         format!("PASS: all of {total} runs")
     } else {
-        let list = reasons.iter().map(|(reason, count)| format!("{reason} {count}"));
+        let list = reasons
+            .iter()
+            .map(|(reason, count)| format!("{reason} {count}"));
         let list: Vec<_> = list.collect();
         format!("FAIL: {failed} of {total} runs ({})", list.join(", "))
     };

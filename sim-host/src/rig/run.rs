@@ -2,7 +2,7 @@
 
 use super::trial::{Rig, RigError};
 use super::{Place, convert};
-use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Ends, Guide, Mission, widen};
+use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Guide, Mission, widen};
 use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
 use controller_core::motion::{MotionReport, Outcome, Task};
@@ -42,33 +42,25 @@ pub fn watch(mission: &Mission, place: &Place, watch_s: f64) -> Result<DriveTrac
         if t > mission.longest_s() {
             break;
         }
-        let (mut row, hand_over) = tick(mission, &mut rig, &mut guide, t);
-        let report = rig.base().report();
-        let state = report.state;
-        if report.motion.is_none() {
+        let mut row = tick(mission, &mut rig, &mut guide, t);
+        let state = rig.base().report().state;
+        if rig.base().report().motion.is_none() {
             // The motion law is off: what it said last stands.
             let before = trace.rows.last().map(|row: &DriveRow| row.report);
-            row.report.mode = before.map_or_else(Default::default, |report| report.mode);
-            row.report.outcome = match (state, before) {
+            row.0.report.mode = before.map_or_else(Default::default, |report| report.mode);
+            row.0.report.outcome = match (state, before) {
                 (State::Parked, _) => Outcome::Parked,
                 (_, Some(report)) => report.outcome,
                 (_, None) => Outcome::default(),
             };
         }
-        if let Some(hand_over) = hand_over {
-            let row = trace.rows.len();
-            trace.hand_over = Some(DriveHandOver { row, ..hand_over });
+        if let Some(hand_over) = row.1 {
+            trace.hand_over = Some(DriveHandOver {
+                row: trace.rows.len(),
+                ..hand_over
+            });
         }
-        trace.rows.push(row);
-        let since_s = match trace.ends {
-            Some(ends) if ends.state == state => ends.since_s,
-            _ => t,
-        };
-        trace.ends = Some(Ends {
-            state,
-            cause: report.cause,
-            since_s,
-        });
+        trace.rows.push(row.0);
         parked_since = match state {
             State::Parked => parked_since.or(Some(t)),
             _ => None,

@@ -1,0 +1,267 @@
+//! Constants of the 1 kg hobby base.
+//!
+//! Made by `sim-host constants` from `hobby-1kg.toml`: change that file, not this one. SI units, radians.
+
+use controller_core::base::BaseParams;
+use controller_core::safety::{Reaction, Response, Timeout};
+use controller_core::{localiser, motion, motor, odometry, params, safety, wheels};
+
+/// Time between ticks \[µs\].
+pub const PERIOD_US: u32 = 5_000;
+
+/// All parameters of the 1 kg hobby base.
+pub const BASE: BaseParams<f32> = BaseParams {
+    motion: motion::MotionParams {
+        robot: params::Robot {
+            // [kg]
+            mass_kg: 1.0,
+            // About the axle's middle [kg m^2].
+            inertia_kg_m2: 0.005,
+            wheels: wheels::WheelGeometry {
+                // [m]
+                radius_right_m: 0.035,
+                // [m]
+                radius_left_m: 0.035,
+                // Between the wheels [m].
+                track_m: 0.14,
+            },
+        },
+        limits: motion::Limits {
+            // [m/s]
+            speed: 0.8,
+            // [rad/s]
+            turn_rate: 6.0,
+            // Away from rest [m/s^2].
+            accel: 1.5,
+            // Towards rest [m/s^2].
+            brake: 1.5,
+            // [rad/s^2]
+            turn_accel: 15.0,
+            // [m/s^3]
+            jerk: 30.0,
+            // [rad/s^3]
+            turn_jerk: 300.0,
+            // Of each wheel [N m].
+            wheel_torque_nm: 0.15,
+            // Who yields at the torque limit.
+            policy: motion::Policy::KeepCurvature,
+        },
+        gains: motion::MotionGains {
+            // Of pose neurons and bridges [1/s].
+            decay: 5.0,
+            // Along the path [1/s].
+            along: 1.2,
+            // Largest speed that it adds [m/s].
+            along_bound: 1.5,
+            // [1/s]
+            heading: 3.0,
+            // Across the path [1/s^2].
+            across: 2.5,
+            // Below this correction across fades out [m/s].
+            slow: 0.03,
+            // Towards the goal [1/s].
+            approach: 1.2,
+            // Planned deceleration [m/s^2].
+            approach_brake: 0.90000004,
+            // [1/s]
+            speed_loop: 3.0,
+            // [1/s]
+            turn_loop: 5.0,
+            // Bandwidth of the disturbance estimate [1/s].
+            disturbance: 2.5,
+            // Largest one, over the wheels' largest.
+            disturbance_share: 0.125,
+        },
+        // Of the fused position per tick [m].
+        pose_noise_m: 0.00041717783,
+        arrival: motion::Arrival {
+            // [m]
+            distance_m: 0.004166012,
+            // [rad]
+            heading_rad: 0.0063139847,
+            // [s]
+            dwell_s: 1.0,
+            at_rest: motion::AtRest::Hold,
+            // [m/s]
+            stall_speed: 0.05,
+            // [s]
+            stall_s: 2.0,
+            retries: 2,
+        },
+        // Jumps are declared, not detected.
+        jump: None,
+        // Longest accepted tick [s].
+        max_tick_s: 0.5,
+    },
+    localiser: localiser::LocaliserParams {
+        odometry: odometry::OdometryParams {
+            wheels: wheels::WheelGeometry {
+                // [m]
+                radius_right_m: 0.035,
+                // [m]
+                radius_left_m: 0.035,
+                // Between the wheels [m].
+                track_m: 0.14,
+            },
+            // Factors on the lengths above.
+            calibration: odometry::Calibration {
+                right: 1.0,
+                left: 1.0,
+                track: 1.0,
+            },
+            // Of a wheel.
+            counts_per_turn: 2048.0,
+            // Of the speed estimate [rad/s].
+            bandwidth: 50.0,
+        },
+        fusion: Some(localiser::FusionParams {
+            // Of a pose [m, standard deviation].
+            noise_m: 0.005,
+            // [rad, standard deviation]
+            noise_rad: 0.005,
+            // [Hz]
+            rate_hz: 20.0,
+            // Of the position's correction [rad/s].
+            bandwidth: 0.79999995,
+            // [rad/s]
+            heading_bandwidth: 0.79999995,
+            // Standard deviations.
+            gate: 5.0,
+            // Outliers that agree.
+            relocalise_after: 3,
+            // Of the travel of a wheel.
+            drift: 0.02,
+            // [s]
+            stale_s: 0.5,
+        }),
+    },
+    motor: Some(motor::MotorParams {
+        // Turns of the motor per turn of the wheel.
+        gear_ratio: 34.0,
+        gear_efficiency: 0.75,
+        // [N m/A, V s/rad]
+        torque_constant_nm_per_a: 0.0105,
+        // [ohm]
+        resistance_ohm: 2.15,
+        // Nominal [V].
+        supply_v: 12.0,
+        // [A]
+        max_current_a: 3.0,
+        friction: motor::WheelFriction {
+            // At the wheel [N m].
+            coulomb_nm: 0.04,
+            // [N m s/rad]
+            viscous_nm_s: 0.0005,
+            // [rad/s]
+            blend_rad_s: 0.22857143,
+        },
+        // Share of the duty.
+        dead_band: 0.03,
+    }),
+    watch: safety::WatchParams {
+        // [us]
+        period_us: 5_000,
+        robot: params::Robot {
+            // [kg]
+            mass_kg: 1.0,
+            // About the axle's middle [kg m^2].
+            inertia_kg_m2: 0.005,
+            wheels: wheels::WheelGeometry {
+                // [m]
+                radius_right_m: 0.035,
+                // [m]
+                radius_left_m: 0.035,
+                // Between the wheels [m].
+                track_m: 0.14,
+            },
+        },
+        // Encoders without a reading [us].
+        measurement: Timeout::AfterUs(25_000),
+        // External poses missing [us].
+        pose: Timeout::AfterUs(1_000_000),
+        // Host or reference silent [us].
+        command: Timeout::AfterUs(100_000),
+        ticks: safety::TickWatch {
+            // [us]
+            late: Timeout::AfterUs(7_500),
+            row: 5,
+            of_64: 16,
+            // [us]
+            long: Timeout::AfterUs(50_000),
+        },
+        wheels: safety::WheelWatch {
+            // Of a wheel.
+            counts_per_turn: 2048.0,
+            // From outside, at each wheel [N m].
+            load_nm: 0.00858375,
+            stuck: safety::StuckWatch {
+                // [N m]
+                torque_nm: 0.025751248,
+                // [rad/s]
+                speed_rad_s: 0.57142854,
+                // [us]
+                after: Timeout::AfterUs(250_000),
+            },
+            // [us]
+            reversed: Timeout::AfterUs(30_000),
+            slip: safety::SlipWatch {
+                // [rad/s^2]
+                accel_rad_s2: 85.71429,
+                // [m/s]
+                speed_m_s: 0.2,
+                // [us]
+                after: Timeout::AfterUs(50_000),
+            },
+        },
+        current: safety::CurrentWatch {
+            // [A]
+            limit_a: 3.3000002,
+            // [us]
+            after: Timeout::AfterUs(200_000),
+        },
+        supply: safety::SupplyWatch {
+            // [V]
+            low_v: 8.4,
+            // [V]
+            recovered_v: 9.0,
+            // [us]
+            after: Timeout::AfterUs(500_000),
+        },
+    },
+    // What is done about each kind of fault; latched ones need a reset.
+    policy: safety::PolicyParams {
+        measurement_stale: Response::latched(Reaction::Brake),
+        pose_stale: Response::passing(Reaction::ControlledStop),
+        command_stale: Response::passing(Reaction::ControlledStop),
+        not_finite: Response::latched(Reaction::Brake),
+        tick_jitter: Response::latched(Reaction::ControlledStop),
+        tick_too_long: Response::latched(Reaction::ControlledStop),
+        pose_jump: Response::passing(Reaction::RideOut),
+        encoder_stuck: Response::latched(Reaction::Brake),
+        encoder_reversed: Response::latched(Reaction::Brake),
+        wheel_slip: Response::passing(Reaction::ControlledStop),
+        driver: Response::latched(Reaction::Release),
+        over_current: Response::latched(Reaction::Release),
+        under_voltage: Response::latched(Reaction::ControlledStop),
+        step_refused: Response::latched(Reaction::Brake),
+        stalled: Response::passing(Reaction::ControlledStop),
+        gave_up: Response::passing(Reaction::ControlledStop),
+    },
+    supervisor: safety::supervisor::SupervisorParams {
+        // [us]
+        stop_limit: Timeout::AfterUs(5_000_000),
+        // [us]
+        brake_limit: Timeout::AfterUs(5_000_000),
+        rest: safety::supervisor::RestLimits {
+            // [m/s]
+            speed_m_s: 0.01,
+            // [rad/s]
+            turn_rad_s: 0.02,
+            // [us]
+            dwell_us: 100_000,
+        },
+        emergency: safety::supervisor::Emergency::Brake,
+        parked: motion::AtRest::Hold,
+        standing: safety::supervisor::Standing::Release,
+    },
+};

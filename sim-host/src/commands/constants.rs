@@ -1,0 +1,20 @@
+//! `constants`.
+
+use super::error::CommandError;
+use super::robot::Robot;
+use super::say;
+use super::write::Writer;
+use crate::cli::Output;
+use crate::robot_args::ConstantsArgs;
+use sim_host::constants::{module_name, rust};
+
+pub fn write(arguments: &ConstantsArgs, output: &Output) -> Result<(), CommandError> {
+    let robot = Robot::load(&arguments.robot)?;
+    let text = rust(&robot.file, &robot.base).map_err(|cause| CommandError::Constants {
+        file: robot.file.clone(),
+        cause,
+    })?;
+    let name = format!("{}.rs", module_name(&robot.name));
+    Writer::new(output)?.bytes(&name, text.as_bytes())?;
+    say(&format!("{}\n", output.out.join(name).display()))
+}
