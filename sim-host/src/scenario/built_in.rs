@@ -45,6 +45,8 @@ built_in![
     "retarget",
     "back-to-tracking",
     "fast",
+    "bad-floor-line",
+    "bad-floor-curve",
 ];
 
 /// The paper's two cases, Figs. 3 and 4.
