@@ -15,6 +15,7 @@ pub mod model;
 pub mod pil;
 pub mod protocol;
 pub mod queue;
+#[cfg(feature = "robots")]
 pub mod robots;
 pub mod route;
 pub mod station;

@@ -62,13 +62,13 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Towards the goal [1/s].
             approach: 1.2,
             // Planned deceleration [m/s^2].
-            approach_brake: 0.90000004,
+            approach_brake: 0.9,
             // [1/s]
-            speed_loop: 3.0,
+            speed_loop: 20.0,
             // [1/s]
-            turn_loop: 5.0,
+            turn_loop: 30.0,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 2.5,
+            disturbance: 6.0,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },
@@ -150,10 +150,12 @@ pub const BASE: BaseParams<f32> = BaseParams {
         friction: motor::WheelFriction {
             // At the wheel [N m].
             coulomb_nm: 0.04,
+            // To break loose, beyond that [N m].
+            stiction_nm: 0.02,
             // [N m s/rad]
             viscous_nm_s: 0.0005,
             // [rad/s]
-            blend_rad_s: 0.22857143,
+            blend_rad_s: 0.022857143,
         },
         // Share of the duty.
         dead_band: 0.03,

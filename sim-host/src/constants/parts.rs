@@ -296,6 +296,7 @@ fn motor(out: &mut Writer, params: &MotorParams<f32>) {
     } = params;
     let WheelFriction {
         coulomb_nm,
+        stiction_nm,
         viscous_nm_s,
         blend_rad_s,
     } = friction;
@@ -313,6 +314,11 @@ fn motor(out: &mut Writer, params: &MotorParams<f32>) {
     out.number("max_current_a", *max_current_a, "[A]");
     out.open("friction: motor::WheelFriction {");
     out.number("coulomb_nm", *coulomb_nm, "At the wheel [N m].");
+    out.number(
+        "stiction_nm",
+        *stiction_nm,
+        "To break loose, beyond that [N m].",
+    );
     out.number("viscous_nm_s", *viscous_nm_s, "[N m s/rad]");
     out.number("blend_rad_s", *blend_rad_s, "[rad/s]");
     out.close("},");

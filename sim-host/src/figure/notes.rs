@@ -38,7 +38,7 @@ impl Canvas {
         let left = fits_left && (self.legend.right || !fits_right);
         let place = if left { place - aside } else { place + aside };
         // A time of the user's, without the noise of its last digits.
-        let text = format!("P = {} s", (time * 1.0e6).round() / 1.0e6);
+        let text = format!("P = {} s", (time * 1.0e3).round() / 1.0e3);
         layout
             .with_reference_line(line)
             .with_annotation(self.text(text, place, 0.93))

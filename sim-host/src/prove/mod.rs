@@ -18,7 +18,7 @@ use crate::trials::{Condition, Course, Figures};
 pub const DISTANCE_M: f64 = 5.0e-3;
 /// Largest true heading error \[rad\].
 pub const HEADING_RAD: f64 = 10.0e-3;
-/// Largest standard deviation of a wheel's torque at rest, over its limit.
+/// What largest and least torque of a wheel at rest may differ by, over its limit.
 pub const RIPPLE: f64 = 0.01;
 
 /// What a run did not fulfil, if anything; the first of them.

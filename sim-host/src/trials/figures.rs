@@ -33,7 +33,7 @@ pub struct Figures {
     pub error_rad: f64,
     /// Root of the mean square distance to the reference, once on it \[m\]; none if never or while parking.
     pub tracking_m: Option<f64>,
-    /// Standard deviation of the torque asked of the worse wheel at rest, over its limit; none unless parked.
+    /// Largest minus least torque asked of the worse wheel at rest, over its limit; none unless parked.
     pub ripple: Option<f64>,
     /// Root of the mean square torque of the worse wheel over its limit.
     pub effort: f64,
@@ -75,7 +75,7 @@ impl Figures {
             error_m: last.map_or(f64::INFINITY, |e| e.position_m),
             error_rad: last.map_or(f64::INFINITY, |e| e.e_theta_rad.abs()),
             tracking_m: metrics.as_ref().and_then(|m| m.tracking).map(|t| t.rms_m),
-            ripple: parked.then(|| worse(quiet, deviation) / limit),
+            ripple: parked.then(|| worse(quiet, spread) / limit),
             effort: worse(rows.iter(), root_mean_square) / limit,
             peak: shares.reduce(|a, b| if b.share > a.share { b } else { a }),
             found: faults.map(|kind| kind.name()).collect(),
@@ -96,8 +96,9 @@ fn root_mean_square(values: &[f64]) -> f64 {
     Libm::sqrt(values.iter().map(|v| v * v).sum::<f64>() / count)
 }
 
-fn deviation(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let off: Vec<f64> = values.iter().map(|v| v - mean).collect();
-    root_mean_square(&off)
+/// Largest minus least.
+fn spread(values: &[f64]) -> f64 {
+    let most = values.iter().copied().reduce(f64::max);
+    let least = values.iter().copied().reduce(f64::min);
+    most.zip(least).map_or(0.0, |(most, least)| most - least)
 }

@@ -17,7 +17,7 @@ use std::sync::Mutex;
 pub struct Search {
     /// Sets of gains that are tried, over all starts; at least one each.
     pub evaluations: u64,
-    /// Starts: the base's own gains, those that follow from its limits, then drawn ones. At least 1.
+    /// Simplexes, each from one of the best sets of the first look. At least 1.
     pub starts: usize,
     /// Worlds in which each set is tried, for each mission.
     pub training: usize,
@@ -28,12 +28,13 @@ pub struct Search {
 }
 
 impl Default for Search {
-    /// 60 sets from each of four starts: six times round a simplex of nine corners. Four worlds keep noise
-    /// below what gains change; eight that were not seen tell whether it was noise after all.
+    /// A first look at 80 sets, then 53 from each of the best three: five times round a simplex of nine
+    /// corners. Four worlds keep noise below what gains change; eight that were not seen tell whether it
+    /// was noise after all.
     fn default() -> Self {
         Self {
             evaluations: 240,
-            starts: 4,
+            starts: 3,
             training: 4,
             unseen: 8,
             seed: 1,
@@ -54,10 +55,14 @@ pub struct Tuned {
 
 /// First step of the simplex: a factor of 1.5 on a gain, more than noise hides and less than upsets a loop.
 const STEP: f64 = 0.405;
-/// Standard deviation of the logarithms of drawn starts: mostly within a factor of 2.
-const SPREAD: f64 = 0.4;
-/// Gains stay within this factor of those that follow from the limits (ln 10) or of their start; beyond it
-/// each natural logarithm costs a point.
+/// Standard deviation of the logarithms of drawn sets: mostly within a factor of 2.7.
+const SPREAD: f64 = 0.5;
+/// Share of the evaluations that the first look takes.
+const LOOK: u64 = 3;
+/// Factors on the velocity loops and the disturbance estimate in the first look. Those that follow from the
+/// limits suit a base without friction; stiction asks for several times more, noise for less.
+const LOOPS: [f64; 4] = [0.5, 2.0, 4.0, 6.0];
+/// Gains stay within a factor of 10 of their start (ln 10); each natural logarithm beyond it costs a point.
 const REACH: f64 = 2.303;
 
 /// Looks for gains; `done` is called after each set that was tried.
@@ -68,9 +73,23 @@ const REACH: f64 = 2.303;
 /// A base or a world out of range.
 pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tuned, TuneError> {
     let seeds = Seeds::Training.draw(search.seed, search.training);
-    let starts = starts(wish, search);
-    let budget = (search.evaluations / starts.len().max(1) as u64).max(1);
     let before = wish.base().motion().gains;
+    let look = usize::try_from(search.evaluations / LOOK).unwrap_or(usize::MAX);
+    let looked = candidates(wish, search.seed, look.max(1));
+    let looked = looked.into_par_iter().map(|logs| {
+        let gains = gains(&before, &logs);
+        let cost = wish.score(&gains, &seeds)?.total();
+        done();
+        Ok((cost, gains, logs))
+    });
+    let mut looked: Vec<_> = looked.collect::<Result<_, TuneError>>()?;
+    // Stable: equals stay in their order.
+    looked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let seen = looked.first().map(|(cost, gains, _)| (*cost, *gains));
+    let rest = search.evaluations.saturating_sub(looked.len() as u64);
+    let starts: Vec<_> = looked.into_iter().take(search.starts.max(1)).collect();
+    let budget = rest / starts.len().max(1) as u64;
+    let starts: Vec<Vec<f64>> = starts.into_iter().map(|(_, _, logs)| logs).collect();
     let found = starts.into_par_iter().map(|start| {
         let state = Mutex::default();
         let problem = Problem {
@@ -82,7 +101,7 @@ pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tu
             done: &done,
         };
         let solver = NelderMead::new(simplex(&start));
-        // Ends by the budget, which is an error to it: what was found is in the state.
+        // What it found is in the state; its own end does not matter.
         let _ = Executor::new(problem, solver)
             .configure(|state| state.max_iters(budget))
             .timer(false)
@@ -91,7 +110,7 @@ pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tu
         state.failed.map_or(Ok(state.best), Err)
     });
     let found: Vec<_> = found.collect::<Result<_, _>>()?;
-    let best = found.into_iter().flatten();
+    let best = seen.into_iter().chain(found.into_iter().flatten());
     // The first of equals, whatever the threads did.
     let best = best.reduce(|a, b| if b.0 < a.0 { b } else { a });
     let mut training = [wish.score(&before, &seeds)?; 2];
@@ -111,33 +130,47 @@ pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tu
     })
 }
 
-fn starts(wish: &Wish, search: &Search) -> Vec<Vec<f64>> {
+/// What the first look tries: the base's own gains and those that follow from its limits, both with slower
+/// and faster velocity loops, then drawn ones around them.
+fn candidates(wish: &Wish, seed: u64, count: usize) -> Vec<Vec<f64>> {
     let own = logs(&wish.base().motion().gains);
     let mut plain = wish.base().clone();
     plain.gains = None;
     let suited = logs(&plain.motion().gains);
-    let mut starts = vec![own];
-    if starts[0] != suited {
-        starts.push(suited.clone());
+    let mut all = vec![own, suited];
+    for factor in LOOPS {
+        for centre in 0..2 {
+            let mut logs = all[centre].clone();
+            for (log, knob) in logs.iter_mut().zip(KNOBS) {
+                if matches!(knob.key, "speed_loop" | "turn_loop" | "disturbance") {
+                    *log += libm::log(factor);
+                }
+            }
+            all.push(logs);
+        }
     }
-    let mut random = Pcg64Mcg::seed_from_u64(search.seed);
-    while starts.len() < search.starts {
+    let centres = all.len();
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    while all.len() < count {
         let near = |log: &f64| -> f64 {
             let normal: f64 = StandardNormal.sample(&mut random);
             log + SPREAD * normal
         };
-        starts.push(suited.iter().map(near).collect());
+        let drawn = all[all.len() % centres].iter().map(near).collect();
+        all.push(drawn);
     }
-    starts.truncate(search.starts.max(1));
-    starts
+    all.truncate(count);
+    all
 }
 
-/// A corner at the start and one beyond it for each knob, slower: gains that are too high are the usual trouble.
+/// A corner at the start and one beyond it for each knob, up and down in turn, so that the corners do not
+/// all lie to one side.
 fn simplex(start: &[f64]) -> Vec<Vec<f64>> {
     let mut corners = vec![start.to_vec()];
     for knob in 0..KNOBS.len() {
-        let step = |(at, log): (usize, &f64)| if at == knob { log + STEP } else { *log };
-        corners.push(start.iter().enumerate().map(step).collect());
+        let step = if knob % 2 == 0 { STEP } else { -STEP };
+        let moved = |(at, log): (usize, &f64)| if at == knob { log + step } else { *log };
+        corners.push(start.iter().enumerate().map(moved).collect());
     }
     corners
 }
@@ -159,10 +192,6 @@ struct Problem<'a, F> {
     done: &'a F,
 }
 
-#[derive(Debug, thiserror::Error)]
-#[error("all evaluations are spent")]
-struct Spent;
-
 impl<F: Fn() + Sync> CostFunction for Problem<'_, F> {
     type Param = Vec<f64>;
     type Output = f64;
@@ -170,7 +199,8 @@ impl<F: Fn() + Sync> CostFunction for Problem<'_, F> {
     fn cost(&self, at: &Self::Param) -> Result<f64, Error> {
         let state = || self.state.lock().unwrap_or_else(|held| held.into_inner());
         if state().spent >= self.budget {
-            return Err(Spent.into());
+            // The simplex takes no error; nothing is better than this from here on.
+            return Ok(f64::INFINITY);
         }
         let inside = at.iter().zip(&self.start);
         let inside: Vec<f64> = inside
@@ -192,7 +222,7 @@ impl<F: Fn() + Sync> CostFunction for Problem<'_, F> {
             }
             Err(error) => {
                 state.failed = Some(error);
-                Err(Spent.into())
+                Ok(f64::INFINITY)
             }
         }
     }

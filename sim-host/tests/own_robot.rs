@@ -1,0 +1,144 @@
+//! A robot's file to gains, a proof and constants.
+
+use firmware_demo::robots;
+use sim_host::constants::{module_name, period_us, rust};
+use sim_host::drive::Base;
+use sim_host::prove::{prove, shortcoming};
+use sim_host::scenario::BuiltInBase;
+use sim_host::trials::Course;
+use std::error::Error;
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const NAMES: [&str; 3] = ["paper-30kg", "lab-10kg", "hobby-1kg"];
+
+fn base(name: &str) -> Result<Base, Box<dyn Error>> {
+    Ok(BuiltInBase::find(name).ok_or("not built in")?.base()?)
+}
+
+#[test]
+fn constants_in_the_firmware_are_those_of_the_files() -> Result<(), Box<dyn Error>> {
+    for name in NAMES {
+        let made = rust(&format!("{name}.toml"), &base(name)?).map_err(|e| e.to_string())?;
+        let path: PathBuf = [
+            env!("CARGO_MANIFEST_DIR"),
+            "../firmware-demo/src/robots",
+            &format!("{}.rs", module_name(name)),
+        ]
+        .iter()
+        .collect();
+        let kept = std::fs::read_to_string(&path)?;
+        assert_eq!(
+            made, kept,
+            "run `sim-host constants {name} --out firmware-demo/src/robots`"
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
+    let robots = [robots::PAPER_30KG, robots::LAB_10KG, robots::HOBBY_1KG];
+    for (name, robot) in NAMES.into_iter().zip(robots) {
+        let base = base(name)?;
+        assert_eq!(robot.period_us, period_us(&base));
+        let simulated = sim_host::rig::params(&base, robot.period_us).map_err(|e| e.to_string())?;
+        // The text has the shortest digits that give the same bits back, and the sign of a zero.
+        assert_eq!(
+            format!("{simulated:?}"),
+            format!("{:?}", robot.base),
+            "{name}"
+        );
+        assert!(
+            robot
+                .base
+                .validate::<controller_core::maths::Single>()
+                .is_ok(),
+            "{name}"
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn Error>> {
+    let base = base("hobby-1kg")?;
+    let seeds = NonZeroU32::MIN;
+    let (proof, again) = (prove(&base, seeds, || {})?, prove(&base, seeds, || {})?);
+    assert_eq!(proof, again);
+    assert_eq!((proof.runs.len(), proof.cases.len()), (18, 18));
+    let good = proof
+        .runs
+        .iter()
+        .filter(|run| shortcoming(&run.figures).is_none());
+    assert_eq!(
+        good.count(),
+        proof.cases.iter().map(|case| case.good).sum::<usize>()
+    );
+    let worst = proof.worst().ok_or("no runs")?;
+    assert_eq!(proof.holds(), shortcoming(&worst.figures).is_none());
+    Ok(())
+}
+
+/// Wheels that differ by a hundredth turn the base by 0.1 rad on 4 m: without poses from outside nothing
+/// corrects it.
+#[test]
+fn a_robot_that_does_not_know_where_it_is_fails() -> Result<(), Box<dyn Error>> {
+    let mut base = base("hobby-1kg")?;
+    base.hardware.as_mut().ok_or("no hardware")?.pose_source = None;
+    let proof = prove(&base, NonZeroU32::MIN, || {})?;
+    let far = proof.runs.iter().filter(|run| run.course != Course::Park);
+    assert!(!proof.holds());
+    for run in far {
+        assert!(shortcoming(&run.figures).is_some(), "{run:?}");
+    }
+    Ok(())
+}
+
+fn sim_host(directory: &Path, arguments: &[&str]) -> Result<Output, Box<dyn Error>> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
+    Ok(command.args(arguments).current_dir(directory).output()?)
+}
+
+#[test]
+fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let text = BuiltInBase::find("hobby-1kg").ok_or("not built in")?.text;
+    std::fs::write(here.path().join("My Robot.toml"), text)?;
+    let tuned = sim_host(
+        here.path(),
+        &["tune", "My Robot.toml", "--evaluations", "4", "--write"],
+    )?;
+    assert!(tuned.status.success(), "{tuned:?}");
+    let said = String::from_utf8(tuned.stdout)?;
+    assert!(
+        said.contains("unseen") && said.contains("[gains] of My Robot.toml"),
+        "{said}"
+    );
+    let written = std::fs::read_to_string(here.path().join("My Robot.toml"))?;
+    assert!(written.contains("# a small dual driver") && written.contains("approach = "));
+    let proof = sim_host(here.path(), &["prove", "My Robot.toml", "--seeds", "1"])?;
+    let said = String::from_utf8(proof.stdout)?;
+    let passed = said.contains("PASS:");
+    assert!(passed != said.contains("FAIL:"), "{said}");
+    assert_eq!(proof.status.code(), Some(i32::from(!passed)), "{said}");
+    let constants = sim_host(here.path(), &["constants", "My Robot.toml"])?;
+    assert!(constants.status.success(), "{constants:?}");
+    for name in [
+        "My Robot-tune.svg",
+        "My Robot-tune.png",
+        "My Robot-tune.json",
+        "My Robot-prove.svg",
+        "My Robot-prove.csv",
+        "My Robot-prove.json",
+        "My Robot-prove-worst.csv",
+        "my_robot.rs",
+    ] {
+        assert!(here.path().join("out").join(name).exists(), "{name}");
+    }
+    // Built-in robots are known by name, but are nobody's to write to.
+    let refused = sim_host(here.path(), &["tune", "lab-10kg", "--write"])?;
+    assert_eq!(refused.status.code(), Some(1));
+    Ok(())
+}
