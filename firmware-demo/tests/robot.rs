@@ -189,7 +189,8 @@ fn short_mission_over_the_serial_port() {
         };
         println!("{machine:?}: {counters:?}");
         assert_eq!((counters.frames_rejected, counters.overruns), (0, 0));
-        // Queues of 6 kB and the task of 4.5 kB live on it, and are moved there while the robot is put together.
-        assert!(counters.stack_bytes < 24 * 1024);
+        // Queues of 6 kB and the task of 4.5 kB live on it, and are moved there while the robot is put together:
+        // 25.2 kB on the Cortex-M4F.
+        assert!(counters.stack_bytes < 28 * 1024);
     }
 }

@@ -198,7 +198,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             load_nm: 0.00858375,
             stuck: safety::StuckWatch {
                 // [N m]
-                torque_nm: 0.025751248,
+                torque_nm: 0.06575125,
                 // [rad/s]
                 speed_rad_s: 0.57142854,
                 // [us]

@@ -198,7 +198,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             load_nm: 0.18393752,
             stuck: safety::StuckWatch {
                 // [N m]
-                torque_nm: 0.5518125,
+                torque_nm: 0.78181255,
                 // [rad/s]
                 speed_rad_s: 0.26666665,
                 // [us]

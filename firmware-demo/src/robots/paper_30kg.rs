@@ -198,7 +198,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             load_nm: 0.73575,
             stuck: safety::StuckWatch {
                 // [N m]
-                torque_nm: 2.20725,
+                torque_nm: 2.70725,
                 // [rad/s]
                 speed_rad_s: 0.19999999,
                 // [us]

@@ -44,4 +44,4 @@ pub use note::{BaseNote, cause, fix_name, state_name};
 pub use run::{DriveError, drive};
 pub use summary::summary;
 pub use table::{ChipTable, SAMPLE_BYTES, TABLE_TOLERANCE};
-pub use trace::{DriveHandOver, DriveRow, DriveTrace, Ends};
+pub use trace::{DriveHandOver, DriveRow, DriveTrace};

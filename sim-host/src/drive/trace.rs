@@ -6,7 +6,6 @@ use controller_core::motion::{Mode, MotionReport};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
 use controller_core::report::{Phase, StepReport};
-use controller_core::safety::supervisor::{Cause, State};
 use controller_core::types::{Measured, Pose, Wrench};
 
 /// One control tick. Torques hold from this tick to the next.
@@ -52,19 +51,6 @@ pub struct DriveTrace {
     pub rows: Vec<DriveRow>,
     /// The last hand-over, if there was one.
     pub hand_over: Option<DriveHandOver>,
-    /// In which state the whole base ended; none on the ideal plant, which has only the law.
-    pub ends: Option<Ends>,
-}
-
-/// The supervisor's state at the end of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ends {
-    /// State.
-    pub state: State,
-    /// Why.
-    pub cause: Cause,
-    /// From when on \[s\].
-    pub since_s: f64,
 }
 
 impl DriveTrace {

@@ -40,7 +40,8 @@ mod tests {
     #[test]
     fn comments_stay_and_the_file_reads_back() {
         let text = BuiltInBase::find("lab-10kg").expect("built in").text;
-        let with = format!("{text}\n[gains]\nalong = 9.0   # by ear\nslow = 0.05\n");
+        // `[gains]` is the last table of the file.
+        let with = format!("{text}along = 9.0   # by ear\nslow = 0.05\n");
         let mut gains = Base::default().motion().gains;
         gains.along = 1.25;
         let updated = update(&with, &gains).expect("TOML");
