@@ -21,7 +21,11 @@ pub const BASES: [&str; 3] = ["hobby-1kg", "lab-10kg", "paper-30kg"];
 pub fn base(name: &str) -> MotionParams<f64> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../bases/{name}.toml"));
     let base = DriveBase::load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
-    base.motion()
+    DriveBase {
+        gains: None,
+        ..base
+    }
+    .motion()
 }
 
 /// What differs from what the controller believes.

@@ -6,7 +6,7 @@ use controller_core::tuning::motion::margins;
 use controller_core::tuning::{Channel, Concern};
 use tests::tuning_loop::{BASES, base};
 
-/// The gains that come with every base are healthy, with room; the figures of `docs/tuning.md`.
+/// The gains that follow from the limits of every base are healthy, with room; the figures of `docs/tuning.md`.
 #[test]
 fn gains_of_every_base_are_healthy() {
     for name in BASES {
