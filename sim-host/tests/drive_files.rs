@@ -1,5 +1,6 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
+use controller_core::motion::Limits;
 use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, drive};
 use sim_host::scenario::Precision;
 use std::error::Error;
@@ -94,9 +95,14 @@ fn any_side_and_any_base() -> Result<(), Box<dyn Error>> {
             assert_parked(file, &metrics("choreo_v1.traj", &run, &base)?);
         }
     }
-    // The default base is the same without hardware, for ideal torques.
+    // The default base is the same without hardware, for ideal torques on wheels that never slip.
     let file = Base::load(&bases.join("paper-30kg.toml"))?;
+    let limits = Limits {
+        turn_accel: 3.0,
+        ..file.limits
+    };
     let ideal = Base {
+        limits,
         gains: None,
         hardware: None,
         ..file

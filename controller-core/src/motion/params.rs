@@ -108,6 +108,7 @@ impl<T: Scalar> MotionParams<T> {
         // 0.3 mm keeps the direction out of the last rounding of single precision.
         let noise_radius = f(5.0) * self.pose_noise_m;
         let least = f(3.0e-4);
+        let noisy = noise_radius > least;
         let force = largest_force(&self);
         let bound = gains.disturbance_share * force;
         Ok(Motion {
@@ -117,11 +118,8 @@ impl<T: Scalar> MotionParams<T> {
                 force: bound,
                 moment: T::HALF * self.robot.wheels.track_m * bound,
             },
-            near: if noise_radius > least {
-                noise_radius
-            } else {
-                least
-            },
+            near: if noisy { noise_radius } else { least },
+            noisy,
             along: Lag::new(gains.decay, gains.along_bound)?,
             // 1.3 leaves room for the largest demand, A/(A + A) of it, and a start on the move.
             across: Lag::new(gains.decay, f(1.3))?,
@@ -163,6 +161,8 @@ pub struct Motion<T> {
     pub(crate) wheels: WheelMap<T>,
     /// Distance to the goal below which its direction is noise \[m\].
     pub(crate) near: T,
+    /// It is the poses' noise that says so.
+    pub(crate) noisy: bool,
     /// Largest disturbance that is compensated.
     pub(crate) disturbance: Wrench<T>,
     /// Neuron of e_x while following \[m/s\].

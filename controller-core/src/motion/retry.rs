@@ -11,6 +11,10 @@ use crate::scalar::Scalar;
 /// noisier than its tolerance ends every rest.
 const LOSSES: u8 = 3;
 
+/// How much faster patience ends for a robot that is beside its goal and level with it: all that patience
+/// can bring is the heading, and a better pose. A quarter of it is two time constants of the approach and a dwell.
+const BESIDE: f64 = 4.0;
+
 /// Where a robot is in its attempts to arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Retry<T> {
@@ -53,7 +57,7 @@ impl<T: Scalar> Retry<T> {
     /// The attempts after a tick of `dt`, and whether the robot has a new aim.
     ///
     /// Stuck is who for [`Motion::patience`] is near the goal, or hardly moves, and is not parked, or for
-    /// six times as long is closer than a retry drives out. A
+    /// six times as long is closer than a retry drives out; beside the goal a quarter of the time is enough. A
     /// stall (a speed is asked for and not reached) is told as one, and is no reason to try again.
     pub(crate) fn advance<M: Maths<T>>(
         &self,
@@ -106,7 +110,12 @@ impl<T: Scalar> Retry<T> {
             next.came = if at.backing { -T::ONE } else { T::ONE };
         }
         if is_stuck(motion, at) {
-            next.since_s = self.since_s + dt;
+            let weight = if is_beside(motion, at) {
+                T::from_f64(BESIDE)
+            } else {
+                T::ONE
+            };
+            next.since_s = self.since_s + weight * dt;
         } else if at.distance < way_out {
             // Moving, and still not there after six times the patience: stick and slip about the goal.
             next.since_s = self.since_s + dt * T::from_f64(1.0 / 6.0);
@@ -159,6 +168,12 @@ pub(crate) fn distance_of<T: Scalar, M: Maths<T>>(error: &PoseError<T>) -> T {
     M::sqrt(error.x * error.x + error.y * error.y)
 }
 
+/// Level with the goal, but too far to the side: wheels cannot go there.
+fn is_beside<T: Scalar>(motion: &Motion<T>, at: &Standing<T>) -> bool {
+    let tolerance = motion.params().arrival.distance_m;
+    at.distance > tolerance && at.error.x.abs() < T::HALF * tolerance
+}
+
 fn is_stuck<T: Scalar>(motion: &Motion<T>, at: &Standing<T>) -> bool {
     let arrival = &motion.params().arrival;
     let ten = T::from_f64(10.0);
@@ -191,8 +206,11 @@ impl<T: Scalar> Motion<T> {
     }
 
     /// How long a robot may stand near its goal before it tries again \[s\]: eight time constants of
-    /// the approach. From ten times the tolerance it needs 2.3, its heading, through h β, 5.8.
+    /// the approach, and four dwells. From ten times the tolerance it needs 2.3, its heading, through h β, 5.8. A
+    /// filtered pose, whose dwell is about the filter's time constant, has to settle as well: without that time a 1 kg
+    /// base left its goal when it was nearly there.
     fn patience(&self) -> T {
-        T::from_f64(8.0) / self.gains().approach + self.params().arrival.dwell_s
+        let f = T::from_f64;
+        f(8.0) / self.gains().approach + f(4.0) * self.params().arrival.dwell_s
     }
 }

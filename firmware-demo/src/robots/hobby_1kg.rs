@@ -48,15 +48,15 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         gains: motion::MotionGains {
             // Of pose neurons and bridges [1/s].
-            decay: 5.0,
+            decay: 8.31,
             // Along the path [1/s].
-            along: 1.2,
+            along: 2.25,
             // Largest speed that it adds [m/s].
             along_bound: 1.5,
             // [1/s]
-            heading: 3.0,
+            heading: 2.28,
             // Across the path [1/s^2].
-            across: 2.5,
+            across: 3.02,
             // Below this correction across fades out [m/s].
             slow: 0.03,
             // Towards the goal [1/s].
@@ -64,11 +64,11 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Planned deceleration [m/s^2].
             approach_brake: 0.9,
             // [1/s]
-            speed_loop: 20.0,
+            speed_loop: 9.36,
             // [1/s]
-            turn_loop: 30.0,
+            turn_loop: 10.9,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 6.0,
+            disturbance: 4.95,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },
@@ -76,7 +76,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         pose_noise_m: 0.00041717783,
         arrival: motion::Arrival {
             // [m]
-            distance_m: 0.004166012,
+            distance_m: 0.0034726379,
             // [rad]
             heading_rad: 0.0063139847,
             // [s]
@@ -131,6 +131,8 @@ pub const BASE: BaseParams<f32> = BaseParams {
             relocalise_after: 3,
             // Of the travel of a wheel.
             drift: 0.02,
+            // Of a wheel over the floor [m/s].
+            slide_m_s: 0.5,
             // [s]
             stale_s: 0.5,
         }),
@@ -151,7 +153,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // At the wheel [N m].
             coulomb_nm: 0.04,
             // To break loose, beyond that [N m].
-            stiction_nm: 0.02,
+            stiction_nm: 0.038,
             // [N m s/rad]
             viscous_nm_s: 0.0005,
             // [rad/s]

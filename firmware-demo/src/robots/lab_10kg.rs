@@ -48,27 +48,27 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         gains: motion::MotionGains {
             // Of pose neurons and bridges [1/s].
-            decay: 5.0,
+            decay: 13.7,
             // Along the path [1/s].
-            along: 1.2,
+            along: 2.65,
             // Largest speed that it adds [m/s].
             along_bound: 1.5,
             // [1/s]
-            heading: 3.0,
+            heading: 1.85,
             // Across the path [1/s^2].
-            across: 2.5,
+            across: 2.19,
             // Below this correction across fades out [m/s].
             slow: 0.03,
             // Towards the goal [1/s].
-            approach: 1.2,
+            approach: 2.51,
             // Planned deceleration [m/s^2].
             approach_brake: 0.9,
             // [1/s]
-            speed_loop: 10.0,
+            speed_loop: 13.7,
             // [1/s]
-            turn_loop: 15.0,
+            turn_loop: 11.7,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 4.0,
+            disturbance: 7.53,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },
@@ -76,7 +76,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         pose_noise_m: 0.0004212939,
         arrival: motion::Arrival {
             // [m]
-            distance_m: 0.0041865925,
+            distance_m: 0.0034932182,
             // [rad]
             heading_rad: 0.006204415,
             // [s]
@@ -131,6 +131,8 @@ pub const BASE: BaseParams<f32> = BaseParams {
             relocalise_after: 3,
             // Of the travel of a wheel.
             drift: 0.02,
+            // Of a wheel over the floor [m/s].
+            slide_m_s: 0.5,
             // [s]
             stale_s: 0.5,
         }),
@@ -151,7 +153,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // At the wheel [N m].
             coulomb_nm: 0.23,
             // To break loose, beyond that [N m].
-            stiction_nm: 0.12,
+            stiction_nm: 0.225,
             // [N m s/rad]
             viscous_nm_s: 0.004,
             // [rad/s]

@@ -36,7 +36,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Towards rest [m/s^2].
             brake: 1.5,
             // [rad/s^2]
-            turn_accel: 3.0,
+            turn_accel: 0.9,
             // [m/s^3]
             jerk: 20.0,
             // [rad/s^3]
@@ -48,27 +48,27 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         gains: motion::MotionGains {
             // Of pose neurons and bridges [1/s].
-            decay: 5.0,
+            decay: 7.88,
             // Along the path [1/s].
-            along: 1.2,
+            along: 2.92,
             // Largest speed that it adds [m/s].
             along_bound: 1.5,
             // [1/s]
-            heading: 3.0,
+            heading: 1.87,
             // Across the path [1/s^2].
-            across: 2.5,
+            across: 1.38,
             // Below this correction across fades out [m/s].
-            slow: 0.03,
+            slow: 0.04472136,
             // Towards the goal [1/s].
-            approach: 1.2,
+            approach: 1.93,
             // Planned deceleration [m/s^2].
             approach_brake: 0.9,
             // [1/s]
-            speed_loop: 10.0,
+            speed_loop: 13.0,
             // [1/s]
-            turn_loop: 15.0,
+            turn_loop: 9.46,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 4.0,
+            disturbance: 5.16,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },
@@ -76,7 +76,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         pose_noise_m: 0.00042534707,
         arrival: motion::Arrival {
             // [m]
-            distance_m: 0.0042068586,
+            distance_m: 0.003513484,
             // [rad]
             heading_rad: 0.006160587,
             // [s]
@@ -131,6 +131,8 @@ pub const BASE: BaseParams<f32> = BaseParams {
             relocalise_after: 3,
             // Of the travel of a wheel.
             drift: 0.02,
+            // Of a wheel over the floor [m/s].
+            slide_m_s: 0.5,
             // [s]
             stale_s: 0.5,
         }),
@@ -151,7 +153,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // At the wheel [N m].
             coulomb_nm: 0.5,
             // To break loose, beyond that [N m].
-            stiction_nm: 0.25,
+            stiction_nm: 0.475,
             // [N m s/rad]
             viscous_nm_s: 0.01,
             // [rad/s]

@@ -159,8 +159,15 @@ impl<'a> Runner<'a> {
 
     fn whole(&mut self, watch: &mut impl FnMut(&Tick<'_>)) -> Checked<End> {
         self.reach(watch)?;
-        let since = self.t;
-        while self.t < since + self.plan.wait_s && Target::of(self.state()) == self.plan.target {
+        let mut since = self.t;
+        while self.t < since + self.plan.wait_s && self.t < LONGEST_S.0 {
+            if Target::of(self.state()) != self.plan.target {
+                // A parked base may go back to a goal that better poses show to be elsewhere.
+                if !(self.plan.target == Target::Parked && self.state() == State::Parking) {
+                    break;
+                }
+                since = self.t;
+            }
             self.tick(watch)?;
         }
         if Target::of(self.state()) != self.plan.target {

@@ -260,6 +260,7 @@ fn fusion(out: &mut Writer, params: &FusionParams<f32>) {
         gate,
         relocalise_after,
         drift,
+        slide_m_s,
         stale_s,
     } = params;
     out.open("fusion: Some(localiser::FusionParams {");
@@ -279,6 +280,7 @@ fn fusion(out: &mut Writer, params: &FusionParams<f32>) {
         "Outliers that agree.",
     );
     out.number("drift", *drift, "Of the travel of a wheel.");
+    out.number("slide_m_s", *slide_m_s, "Of a wheel over the floor [m/s].");
     out.number("stale_s", *stale_s, "[s]");
     out.close("}),");
 }

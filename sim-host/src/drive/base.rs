@@ -23,8 +23,8 @@ pub struct Base {
 }
 
 impl Default for Base {
-    /// `30 kg base`: the paper's robot with motors of 15 N m at each wheel. `bases/paper-30kg.toml`
-    /// gives the reasons for each limit.
+    /// `30 kg base`: the paper's robot with motors of 15 N m at each wheel, on wheels that never slip.
+    /// `bases/paper-30kg.toml` gives the reasons for each limit; it turns more gently, since its floor holds less.
     fn default() -> Self {
         Self {
             name: "30 kg base".to_owned(),

@@ -40,8 +40,9 @@ mod tests {
     #[test]
     fn comments_stay_and_the_file_reads_back() {
         let text = BuiltInBase::find("lab-10kg").expect("built in").text;
-        // `[gains]` is the last table of the file.
-        let with = format!("{text}along = 9.0   # by ear\nslow = 0.05\n");
+        // `[gains]` is the last table of the file; here it is somebody's own.
+        let (before, _) = text.split_once("[gains]").expect("has gains");
+        let with = format!("{before}[gains]\nalong = 9.0   # by ear\nslow = 0.05\n");
         let mut gains = Base::default().motion().gains;
         gains.along = 1.25;
         let updated = update(&with, &gains).expect("TOML");

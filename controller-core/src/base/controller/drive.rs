@@ -80,8 +80,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 *motion.step(dt, task, measured)?
             }
         };
-        if matches!(task, Task::Park(_)) && report.outcome == Outcome::Parked {
-            self.supervisor.on(Event::Reached);
+        if matches!(task, Task::Park(_)) {
+            if report.outcome == Outcome::Parked {
+                self.supervisor.on(Event::Reached);
+            } else if self.supervisor.state() == State::Parked {
+                // Pushed off its goal, it drives back, and is watched like any base that drives.
+                self.supervisor.on(Event::Park);
+            }
         }
         let wheels = self.base.motion.wheels();
         Ok(WheelAction::Drive(Drive {

@@ -92,10 +92,16 @@ impl Runner<'_> {
             .fold(0.0, f64::max);
         let dt = 1.2 * self.period_s + late;
         let core = *self.rig.base().base();
+        // A stop under way goes on as it began: what heals meanwhile does not give it a new plan.
+        let left_m = match before.state {
+            State::Stopping(_) => self.stop.bound_m - self.stop.way_m,
+            _ => 0.0,
+        };
         let bound_m = match severity {
             Reaction::RideOut => 0.0,
             Reaction::ControlledStop => {
-                self.bounds.controlled(&core, before, &twist, dt, &wheels) + self.unfound_m()
+                let anew = self.bounds.controlled(&core, before, &twist, dt, &wheels);
+                (anew + self.unfound_m()).max(left_m)
             }
             Reaction::Brake => self.bounds.brake(&twist, &wheels),
             Reaction::Release => self.bounds.release(&twist, &wheels),

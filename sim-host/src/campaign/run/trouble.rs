@@ -91,7 +91,12 @@ impl Runner<'_> {
             return Ok(());
         };
         let healed = self.plan.heal_s.is_some_and(|heal| heal < deadline);
-        let woken = self.plan.upset.kind == UpsetKind::HostSilent && self.told;
+        // A host that gives an order, whatever it says, is not silent.
+        let ordered = self
+            .outcome
+            .second
+            .is_some_and(|kind| kind == UpsetKind::OrderNan);
+        let woken = self.plan.upset.kind == UpsetKind::HostSilent && (self.told || ordered);
         if after_s > deadline && self.outcome.found.is_none() && !healed && !woken {
             return Err(format!("not found within {deadline:.3} s"));
         }
