@@ -1,11 +1,16 @@
 //! Arguments.
 
+mod board;
+mod identify;
+
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use firmware_demo::host::{LinkKind, Machine};
+use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
+
+pub use board::{Chip, Link, MonitorArgs};
+pub use identify::IdentifyArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -241,100 +246,6 @@ Examples:
         /// A name from `sim-host list`
         name: String,
     },
-}
-
-/// What to listen to.
-#[derive(Clone, Debug, Args)]
-pub struct MonitorArgs {
-    /// A serial port, or the Unix socket of an emulator
-    #[arg(value_name = "PORT")]
-    pub port: PathBuf,
-    /// Write every report to this file
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
-    /// Bits per second of a serial port
-    #[arg(long, value_name = "N", default_value = "115200")]
-    pub baud: u32,
-    /// Stop after so many seconds
-    #[arg(long, value_name = "S")]
-    pub seconds: Option<f64>,
-    /// Ask for the board's own counters once a second. To the board this is a host that lives!
-    #[arg(long)]
-    pub poll: bool,
-}
-
-/// What to identify from.
-#[derive(Clone, Debug, Args)]
-pub struct IdentifyArgs {
-    /// The log
-    #[arg(value_name = "LOG.csv")]
-    pub log: PathBuf,
-    /// Encoder counts of one whole turn of the wheel (columns counts_...)
-    #[arg(long, value_name = "N", value_parser = positive)]
-    pub counts_per_turn: Option<f64>,
-    /// State values as exactly known, by the names of the table; `radius=0.08` is for both sides.
-    /// `gear` gives the motors' own constants; `wheel_inertia` takes the wheels out of mass and inertia
-    #[arg(long, value_name = "NAME=VALUE,...")]
-    pub known: Vec<String>,
-    /// Age of an external pose in the row where it stands [s]
-    #[arg(long, value_name = "S", default_value = "0", value_parser = not_negative)]
-    pub latency: f64,
-    /// Leave out wheels slower than this, where friction is not Coulomb's [rad/s]
-    #[arg(long, value_name = "RAD/S", default_value = "0.5", value_parser = positive)]
-    pub slow: f64,
-    /// Update [robot], [wheels] and [motor] of this TOML file, or begin it, and print it
-    #[arg(long, value_name = "FILE")]
-    pub profile: Option<PathBuf>,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    not_negative(text).and_then(|value| match value > 0.0 {
-        true => Ok(value),
-        false => Err("must be positive".to_owned()),
-    })
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("must be a number, not negative".to_owned()),
-    }
-}
-
-/// Emulated chips.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Chip {
-    /// Cortex-M4F, mps2-an386
-    CortexM4f,
-    /// riscv32imafc, virt
-    Riscv32,
-}
-
-impl From<Chip> for Machine {
-    fn from(chip: Chip) -> Self {
-        match chip {
-            Chip::CortexM4f => Self::CortexM4F,
-            Chip::Riscv32 => Self::Riscv32,
-        }
-    }
-}
-
-/// Ways to a chip.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Link {
-    /// The emulated serial port
-    Uart,
-    /// Semihosting: fast
-    Fifo,
-}
-
-impl From<Link> for LinkKind {
-    fn from(link: Link) -> Self {
-        match link {
-            Link::Uart => Self::Uart,
-            Link::Fifo => Self::Fifo,
-        }
-    }
 }
 
 impl Cli {

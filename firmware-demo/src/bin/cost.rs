@@ -44,6 +44,10 @@ mod stack;
 mod tick;
 
 #[cfg(target_os = "none")]
+#[path = "cost/wheels.rs"]
+mod wheels;
+
+#[cfg(target_os = "none")]
 #[path = "cost/wire.rs"]
 mod wire;
 
@@ -76,9 +80,9 @@ fn run() {
     parts::neuron::<RationalMean>(meter, "rational");
     parts::neuron::<ExactMean>(meter, "exact");
     parts::reference(meter);
-    parts::odometry(meter);
-    parts::localiser(meter);
-    parts::motor(meter);
+    wheels::odometry(meter);
+    wheels::localiser(meter);
+    wheels::motor(meter);
     ramsete::measure::<Single>(meter, "single");
     ramsete::measure::<Libm>(meter, "libm");
 

@@ -1,0 +1,42 @@
+//! Arguments for a log.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// What to identify from.
+#[derive(Clone, Debug, Args)]
+pub struct IdentifyArgs {
+    /// The log
+    #[arg(value_name = "LOG.csv")]
+    pub log: PathBuf,
+    /// Encoder counts of one whole turn of the wheel (columns counts_...)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub counts_per_turn: Option<f64>,
+    /// State values as exactly known, by the names of the table; `radius=0.08` is for both sides.
+    /// `gear` gives the motors' own constants; `wheel_inertia` takes the wheels out of mass and inertia
+    #[arg(long, value_name = "NAME=VALUE,...")]
+    pub known: Vec<String>,
+    /// Age of an external pose in the row where it stands [s]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = not_negative)]
+    pub latency: f64,
+    /// Leave out wheels slower than this, where friction is not Coulomb's [rad/s]
+    #[arg(long, value_name = "RAD/S", default_value = "0.5", value_parser = positive)]
+    pub slow: f64,
+    /// Update [robot], [wheels] and [motor] of this TOML file, or begin it, and print it
+    #[arg(long, value_name = "FILE")]
+    pub profile: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    not_negative(text).and_then(|value| match value > 0.0 {
+        true => Ok(value),
+        false => Err("must be positive".to_owned()),
+    })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("must be a number, not negative".to_owned()),
+    }
+}
