@@ -9,8 +9,8 @@ use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
 use crate::motion::{MotionController, Outcome, Task};
 use crate::reference::Reference;
-use crate::safety::supervisor::{Action, Cause, Event, State, Supervisor};
-use crate::safety::{Evidence, Fault, FaultKind, Findings, Monitor, OutputMode, StopPlan};
+use crate::safety::supervisor::{Action, Event, State, Supervisor};
+use crate::safety::{Evidence, Fault, Findings, Monitor, OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Accel, Measured, Pose, Twist, WheelTorques};
@@ -131,8 +131,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let rests = located.measured.is_some_and(|measured| {
             let Twist { linear, angular } = measured.twist;
             let single = |value: T| value.to_f64() as f32;
-            self.can_see(&findings) && self.supervisor.rests(single(linear), single(angular))
+            self.supervisor.rests(single(linear), single(angular))
         });
+        // Whether that can be believed, the supervisor knows from the findings.
         self.supervisor.tick(dt_us, rests);
         let action = self.act(dt, &located, &mut findings);
         self.exerted = action.torques().unwrap_or_default();
@@ -204,24 +205,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             Outcome::OutOfTolerance => Some(Fault::GaveUp),
             _ => None,
         }
-    }
-
-    /// Whether the measured twist can tell that the base stands.
-    fn can_see(&self, findings: &Findings) -> bool {
-        use FaultKind as K;
-        let blind = [
-            K::MeasurementStale,
-            K::NotFinite,
-            K::EncoderStuck,
-            K::EncoderReversed,
-        ];
-        let cause = match self.supervisor.cause() {
-            Cause::Fault(fault) => Some(fault.kind()),
-            _ => None,
-        };
-        blind
-            .iter()
-            .all(|kind| findings.get(*kind).is_none() && cause != Some(*kind))
     }
 
     /// Takes an order into the task, as far as the state allows; whether it was refused.
