@@ -1,20 +1,18 @@
 //! The controller, in the precision that a mission asks for.
 
-use super::Base;
+use super::{Base, narrow};
 use crate::scenario::Precision;
 use controller_core::angle::wrap;
 use controller_core::error::{ParamError, StepFault};
 use controller_core::maths::{Libm, Maths, Single};
 use controller_core::motion::{
-    Arrival, Limits, Motion, MotionController, MotionGains, MotionParams, MotionReport, Task,
+    Arrival, Motion, MotionController, MotionParams, MotionReport, Task,
 };
-use controller_core::params::Robot;
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
-use controller_core::wheels::WheelGeometry;
 
 /// A [`MotionController`] with `f64` on its outside.
 ///
@@ -140,54 +138,12 @@ fn step<T: Scalar, M: Maths<T>>(
 }
 
 fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion<T>, ParamError> {
-    let f = T::from_f64;
-    let (robot, limits) = (&from.robot, &from.limits);
-    let limits = Limits {
-        speed: f(limits.speed),
-        turn_rate: f(limits.turn_rate),
-        accel: f(limits.accel),
-        brake: f(limits.brake),
-        turn_accel: f(limits.turn_accel),
-        jerk: f(limits.jerk),
-        turn_jerk: f(limits.turn_jerk),
-        wheel_torque_nm: f(limits.wheel_torque_nm),
-        policy: limits.policy,
-    };
     let params = MotionParams {
-        gains: narrow_gains(&from.gains),
+        gains: narrow::gains(&from.gains),
         arrival: Arrival::exact(),
-        ..MotionParams::new::<M>(
-            Robot {
-                mass_kg: f(robot.mass_kg),
-                inertia_kg_m2: f(robot.inertia_kg_m2),
-                wheels: WheelGeometry {
-                    radius_right_m: f(robot.wheels.radius_right_m),
-                    radius_left_m: f(robot.wheels.radius_left_m),
-                    track_m: f(robot.wheels.track_m),
-                },
-            },
-            limits,
-        )
+        ..MotionParams::new::<M>(narrow::robot(&from.robot), narrow::limits(&from.limits))
     };
     params.validate()
-}
-
-pub(crate) fn narrow_gains<T: Scalar>(from: &MotionGains<f64>) -> MotionGains<T> {
-    let f = T::from_f64;
-    MotionGains {
-        decay: f(from.decay),
-        along: f(from.along),
-        along_bound: f(from.along_bound),
-        heading: f(from.heading),
-        across: f(from.across),
-        slow: f(from.slow),
-        approach: f(from.approach),
-        approach_brake: f(from.approach_brake),
-        speed_loop: f(from.speed_loop),
-        turn_loop: f(from.turn_loop),
-        disturbance: f(from.disturbance),
-        disturbance_share: f(from.disturbance_share),
-    }
 }
 
 fn narrow_pose<T: Scalar>(pose: &Pose<f64>, origin: (f64, f64)) -> Pose<T> {

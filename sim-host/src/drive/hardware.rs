@@ -1,5 +1,6 @@
 //! What a base has beside its body: motors, battery, encoders, a localisation.
 
+use super::narrow;
 use crate::world::{
     BatteryParams, EncoderParams, FrictionParams, MotorParams as TrueMotor, PoseSourceParams,
     WorldKeys,
@@ -75,11 +76,7 @@ impl Hardware {
         let f = T::from_f64;
         LocaliserParams {
             odometry: OdometryParams {
-                wheels: WheelGeometry {
-                    radius_right_m: f(wheels.radius_right_m),
-                    radius_left_m: f(wheels.radius_left_m),
-                    track_m: f(wheels.track_m),
-                },
+                wheels: narrow::wheels(wheels),
                 calibration: Calibration::NOMINAL,
                 counts_per_turn: f(self.counts_per_turn),
                 bandwidth: f(self.speed_bandwidth),

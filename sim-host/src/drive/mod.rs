@@ -24,6 +24,7 @@ pub(crate) mod guide;
 mod hardware;
 mod metrics;
 mod mission;
+pub(crate) mod narrow;
 mod note;
 mod run;
 mod summary;
@@ -33,8 +34,8 @@ mod trace;
 
 pub use base::Base;
 pub use csv::{COLUMNS, write as write_csv};
+pub(crate) use driver::widen;
 pub use driver::{Driver, StartError};
-pub(crate) use driver::{narrow_gains, widen};
 pub use file::{FileError, FileRun, TOLERANCE, fitted, trajectory, verdict};
 pub(crate) use guide::Guide;
 pub use hardware::Hardware;

@@ -2,15 +2,15 @@
 //!
 //! Narrowing rounds to nearest, once per quantity. Widening is exact.
 
+use crate::drive::narrow;
 use controller_core::demand::Demand;
 use controller_core::maths::Maths;
-use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
+use controller_core::params::{NeuronParams, Params, ParkingGains, TrackingGains};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
 use controller_core::report::{NeuronStates, StepReport};
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
-use controller_core::wheels::WheelGeometry;
 
 /// A pose as the controller gets it.
 pub fn pose<T: Scalar>(from: &Pose<f64>) -> Pose<T> {
@@ -74,15 +74,7 @@ pub fn params<T: Scalar>(from: &Params<f64>) -> Params<T> {
         max_tick_s,
     } = *from;
     Params {
-        robot: Robot {
-            mass_kg: f(robot.mass_kg),
-            inertia_kg_m2: f(robot.inertia_kg_m2),
-            wheels: WheelGeometry {
-                radius_right_m: f(robot.wheels.radius_right_m),
-                radius_left_m: f(robot.wheels.radius_left_m),
-                track_m: f(robot.wheels.track_m),
-            },
-        },
+        robot: narrow::robot(&robot),
         tracking: TrackingGains {
             k1: f(tracking.k1),
             k2: f(tracking.k2),

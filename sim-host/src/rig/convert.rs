@@ -5,7 +5,7 @@ use controller_core::base::{BaseParams, Drive, Order, Sensed};
 use controller_core::error::ParamError;
 use controller_core::localiser::{Fix, LocaliserParams};
 use controller_core::maths::Single;
-use controller_core::motion::{Limits, Task};
+use controller_core::motion::Task;
 use controller_core::motor::{Motor, MotorCommand, WheelDemand};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::params::Robot;
@@ -14,7 +14,7 @@ use controller_core::safety::Currents;
 use controller_core::types::{Accel, Pose, Twist, WheelTorques};
 use controller_core::wheels::WheelGeometry;
 
-use crate::drive::{Base, narrow_gains};
+use crate::drive::{Base, narrow};
 use crate::world::{Actuation, World};
 
 /// Counts per turn and bandwidth of a base that says nothing about its encoders.
@@ -26,41 +26,20 @@ const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
 /// # Errors
 /// The localiser's parameters, on whose noise the others depend.
 pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
-    let f = |value: f64| value as f32;
-    let (robot, limits) = (&base.robot, &base.limits);
-    let wheels = WheelGeometry {
-        radius_right_m: f(robot.wheels.radius_right_m),
-        radius_left_m: f(robot.wheels.radius_left_m),
-        track_m: f(robot.wheels.track_m),
-    };
-    let robot = Robot {
-        mass_kg: f(robot.mass_kg),
-        inertia_kg_m2: f(robot.inertia_kg_m2),
-        wheels,
-    };
-    let limits = Limits {
-        speed: f(limits.speed),
-        turn_rate: f(limits.turn_rate),
-        accel: f(limits.accel),
-        brake: f(limits.brake),
-        turn_accel: f(limits.turn_accel),
-        jerk: f(limits.jerk),
-        turn_jerk: f(limits.turn_jerk),
-        wheel_torque_nm: f(limits.wheel_torque_nm),
-        policy: limits.policy,
-    };
+    let robot: Robot<f32> = narrow::robot(&base.robot);
+    let limits = narrow::limits(&base.limits);
     let (localiser, motor) = match &base.hardware {
         Some(hardware) => (
             hardware.localiser(&base.robot.wheels),
             Some(hardware.motor(base.limits.speed, smaller_radius(base))),
         ),
-        None => (plain_localiser(wheels), None),
+        None => (plain_localiser(robot.wheels), None),
     };
     let mut params = BaseParams::new::<Single>(robot, limits, localiser, motor, period_us)?;
     if let Some(gains) = &base.gains {
         // What noise asks of `slow` stays.
         let slow = params.motion.gains.slow;
-        params.motion.gains = narrow_gains(gains);
+        params.motion.gains = narrow::gains(gains);
         if params.motion.gains.slow < slow {
             params.motion.gains.slow = slow;
         }
