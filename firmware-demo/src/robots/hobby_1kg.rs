@@ -1,4 +1,4 @@
-//! Constants of the 1 kg hobby base.
+//! Robot constants: 1 kg hobby base
 //!
 //! Made by `sim-host constants` from `hobby-1kg.toml`: change that file, not this one. SI units, radians.
 
@@ -9,7 +9,7 @@ use controller_core::{localiser, motion, motor, odometry, params, safety, wheels
 /// Time between ticks \[µs\].
 pub const PERIOD_US: u32 = 5_000;
 
-/// All parameters of the 1 kg hobby base.
+/// All parameters: 1 kg hobby base
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: motion::MotionParams {
         robot: params::Robot {

@@ -1,4 +1,4 @@
-//! Constants of the 10 kg lab base.
+//! Robot constants: 10 kg lab base
 //!
 //! Made by `sim-host constants` from `lab-10kg.toml`: change that file, not this one. SI units, radians.
 
@@ -9,7 +9,7 @@ use controller_core::{localiser, motion, motor, odometry, params, safety, wheels
 /// Time between ticks \[µs\].
 pub const PERIOD_US: u32 = 10_000;
 
-/// All parameters of the 10 kg lab base.
+/// All parameters: 10 kg lab base
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: motion::MotionParams {
         robot: params::Robot {

@@ -1,4 +1,4 @@
-//! Constants of the 30 kg base.
+//! Robot constants: 30 kg base
 //!
 //! Made by `sim-host constants` from `paper-30kg.toml`: change that file, not this one. SI units, radians.
 
@@ -9,7 +9,7 @@ use controller_core::{localiser, motion, motor, odometry, params, safety, wheels
 /// Time between ticks \[µs\].
 pub const PERIOD_US: u32 = 10_000;
 
-/// All parameters of the 30 kg base.
+/// All parameters: 30 kg base
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: motion::MotionParams {
         robot: params::Robot {

@@ -46,9 +46,9 @@ pub fn rust(source: &str, base: &Base) -> Result<String, ParamError> {
     let period_us = period_us(base);
     let params = rig::params(base, period_us)?;
     let mut out = Writer::new();
-    // A name goes into comments: on one line.
+    // A name goes into comments: on one line, and in no sentence, whatever its grammar.
     let name = base.name.replace(['\n', '\r'], " ");
-    out.line(&format!("//! Constants of the {name}."));
+    out.line(&format!("//! Robot constants: {name}"));
     out.line("//!");
     out.line(&format!(
         "//! Made by `sim-host constants` from `{source}`: change that file, not this one. SI units, radians."
@@ -62,7 +62,7 @@ pub fn rust(source: &str, base: &Base) -> Result<String, ParamError> {
         writer::whole(period_us)
     ));
     out.line("");
-    out.line(&format!("/// All parameters of the {name}."));
+    out.line(&format!("/// All parameters: {name}"));
     out.open("pub const BASE: BaseParams<f32> = BaseParams {");
     parts::base(&mut out, &params);
     out.close("};");
