@@ -5,20 +5,19 @@
 #[cfg(target_os = "none")]
 firmware_demo::firmware!(run);
 
-/// 14 s: the route, and time to park.
 #[cfg(target_os = "none")]
-const TICKS: u32 = 14_000;
+#[path = "on_route/frame.rs"]
+mod frame;
 
 #[cfg(target_os = "none")]
 fn run() {
     use controller_core::motion::Task;
-    use firmware_demo::board::print::Line;
-    use firmware_demo::board::{Meter, Spread, high_water_mark};
+    use firmware_demo::board::{Meter, Spread};
     use firmware_demo::route::{BEND, base, drive};
+    use frame::{TICKS, complain, report};
 
     let Ok(base) = base() else {
-        Line::new().text("!parameters").print();
-        return;
+        return complain("!parameters");
     };
     let mut meter = Meter::start();
     let (mut follow, mut park) = (Spread::new(), Spread::new());
@@ -31,20 +30,10 @@ fn run() {
         result
     });
     let Ok(driven) = driven else {
-        Line::new().text("!fault").print();
-        return;
+        return complain("!fault");
     };
-    follow.print("motion/follow");
-    park.print("motion/park");
-    for (name, number) in [
-        ("ticks", driven.ticks),
-        ("handed-over", driven.handed_over),
-        ("parked", driven.parked),
-        ("checksum", driven.checksum),
-        ("stack", high_water_mark()),
-    ] {
-        Line::new().text(name).number(number).print();
-    }
+    let costs = [("motion/follow", &follow), ("motion/park", &park)];
+    report(costs, &driven);
 }
 
 #[cfg(not(target_os = "none"))]

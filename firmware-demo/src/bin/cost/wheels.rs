@@ -16,21 +16,22 @@ use crate::print::{Row, complain};
 
 const COUNT: u32 = 1000;
 
+const ODOMETRY: OdometryParams<f32> = OdometryParams {
+    wheels: WheelGeometry {
+        radius_right_m: 0.1,
+        radius_left_m: 0.1,
+        track_m: 0.5,
+    },
+    calibration: Calibration::NOMINAL,
+    counts_per_turn: 4096.0,
+    bandwidth: 50.0,
+};
+
 /// Pose and twist from encoder counts.
 #[inline(never)]
 pub fn odometry(meter: &mut Meter) {
-    let params = OdometryParams {
-        wheels: WheelGeometry {
-            radius_right_m: 0.1,
-            radius_left_m: 0.1,
-            track_m: 0.5,
-        },
-        calibration: Calibration::NOMINAL,
-        counts_per_turn: 4096.0,
-        bandwidth: 50.0,
-    };
     let mut counts = WheelCounts::default();
-    let Ok(mut odometry) = Odometry::<f32>::new(&params, Pose::default(), counts) else {
+    let Ok(mut odometry) = Odometry::<f32>::new(&ODOMETRY, Pose::default(), counts) else {
         return complain(&["odometry"], "params", 1);
     };
     let mut inputs = Inputs::new(6);
@@ -54,16 +55,7 @@ pub fn odometry(meter: &mut Meter) {
 #[inline(never)]
 pub fn localiser(meter: &mut Meter) {
     let params = LocaliserParams {
-        odometry: OdometryParams {
-            wheels: WheelGeometry {
-                radius_right_m: 0.1,
-                radius_left_m: 0.1,
-                track_m: 0.5,
-            },
-            calibration: Calibration::NOMINAL,
-            counts_per_turn: 4096.0,
-            bandwidth: 50.0,
-        },
+        odometry: ODOMETRY,
         fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
     };
     let Ok(localisation) = params.validate::<Single>() else {
