@@ -22,7 +22,7 @@ pub struct IdentifyArgs {
     /// Leave out wheels slower than this, where friction is not Coulomb's [rad/s]
     #[arg(long, value_name = "RAD/S", default_value = "0.5", value_parser = positive)]
     pub slow: f64,
-    /// Update [robot], [wheels] and [motor] of this TOML file, or begin it, and print it
+    /// Update [robot], [motor], [battery] and [friction] of this base's file, or begin it, and print it
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
 }

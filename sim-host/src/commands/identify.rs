@@ -4,7 +4,9 @@ use super::error::CommandError;
 use super::say;
 use super::write::Writer;
 use crate::cli::{IdentifyArgs, Output};
-use sim_host::identify::{Identified, Known, Log, Options, identify, profile, report};
+use sim_host::drive::Base;
+use sim_host::identify::profile::{self, Updated};
+use sim_host::identify::{Identified, Known, Log, Options, identify, report};
 use std::fs::{self, File};
 use std::io::{BufReader, ErrorKind};
 use std::path::Path;
@@ -35,13 +37,13 @@ pub fn log(arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     Writer::new(output)?.json(&format!("{name}-identify"), &[&found])?;
     match &arguments.profile {
-        Some(path) => update(path, &found),
+        Some(path) => update(path, &found, options.known.gear),
         None => Ok(()),
     }
 }
 
-/// Updates a robot's file, or begins one; prints what stands there now.
-fn update(path: &Path, found: &Identified) -> Result<(), CommandError> {
+/// Updates a base's file, or begins one; prints what stands there now and what is odd about it.
+fn update(path: &Path, found: &Identified, gear: Option<f64>) -> Result<(), CommandError> {
     let before = match fs::read_to_string(path) {
         Err(cause) if cause.kind() == ErrorKind::NotFound => String::new(),
         text => text.map_err(|cause| read(path, cause))?,
@@ -50,9 +52,18 @@ fn update(path: &Path, found: &Identified) -> Result<(), CommandError> {
         path: path.to_owned(),
         cause,
     };
-    let text = profile::update(&before, found).map_err(|error| written(error.to_string()))?;
+    let Updated { text, notes } =
+        profile::update(&before, found, gear).map_err(|error| written(error.to_string()))?;
     fs::write(path, &text).map_err(|error| written(error.to_string()))?;
-    say(&text)
+    say(&text)?;
+    for note in notes {
+        say(&format!("note: {note}\n"))?;
+    }
+    // The numbers are the robot's all the same; what contradicts them is for its owner to change.
+    match Base::load(path) {
+        Ok(_) => Ok(()),
+        Err(error) => say(&format!("note: this is not a whole base yet: {error}\n")),
+    }
 }
 
 fn read(path: &Path, cause: std::io::Error) -> CommandError {

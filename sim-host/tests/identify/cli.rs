@@ -65,10 +65,18 @@ fn a_log_becomes_a_table_and_files() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json[0]["quantities"][0]["verdict"], "identified");
     let robot = fs::read_to_string(here.path().join("robot.toml")).expect("written");
-    for part in ["# mine", "# guessed", "[wheels]", "resistance_left"] {
+    for part in [
+        "# mine",
+        "# guessed",
+        "r_right = ",
+        "kt_nm_per_a",
+        "coulomb_nm",
+    ] {
         assert!(robot.contains(part), "{part} in {robot}");
     }
-    assert!(!robot.contains("m = 1.0"), "{robot}");
+    assert!(!robot.contains("\nm = 1.0"), "{robot}");
+    // Without [limits] it is no base yet, which is said.
+    assert!(shown.contains("not a whole base yet"), "{shown}");
 
     let output = run(&["drive.csv"]);
     assert_eq!(output.status.code(), Some(1));

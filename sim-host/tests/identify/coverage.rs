@@ -1,8 +1,9 @@
 //! The true value lies in the stated 95 % interval in at least 90 % of 200 logs of 200 robots.
 
 use crate::robot::{RECORDER, Recorder, Robot, random, recommended};
+use crate::tally::{self, Tallies};
 use Quantity as Q;
-use sim_host::identify::{Drive, Known, Options, Quantity, Verdict, identify};
+use sim_host::identify::{Drive, Known, Options, Quantity, identify};
 
 const LOGS: usize = 200;
 
@@ -16,17 +17,7 @@ struct Case {
     expected: &'static [Quantity],
 }
 
-#[derive(Clone, Copy, Default)]
-struct Tally {
-    given: usize,
-    within: usize,
-    /// Sum of half widths over values.
-    width: f64,
-    /// Sum of errors over half widths.
-    bias: f64,
-}
-
-fn one(case: &Case, seed: u64) -> [Tally; 15] {
+fn one(case: &Case, seed: u64) -> Tallies {
     let mut random = random(seed);
     let mut robot = Robot::draw(&mut random);
     if !case.stated.contains(&Q::WheelInertia) {
@@ -44,60 +35,16 @@ fn one(case: &Case, seed: u64) -> [Tally; 15] {
         ..Options::default()
     };
     let found = identify(&log, &options).expect("no signs are wrong");
-    Q::ALL.map(|quantity| match found.of(quantity) {
-        Some(Verdict::Identified { value, half_width }) => {
-            let off = value - robot.truth(quantity);
-            Tally {
-                given: 1,
-                within: usize::from(off.abs() <= *half_width),
-                width: half_width / value.abs(),
-                bias: off / half_width,
-            }
-        }
-        _ => Tally::default(),
-    })
-}
-
-fn all(case: &Case) -> [Tally; 15] {
-    let add = |mut sum: [Tally; 15], one: [Tally; 15]| {
-        for (sum, one) in sum.iter_mut().zip(one) {
-            sum.given += one.given;
-            sum.within += one.within;
-            sum.width += one.width;
-            sum.bias += one.bias;
-        }
-        sum
-    };
-    let run = |from: usize| {
-        (from..LOGS)
-            .step_by(2)
-            .map(|log| one(case, log as u64))
-            .fold([Tally::default(); 15], add)
-    };
-    std::thread::scope(|scope| {
-        let odd = scope.spawn(|| run(1));
-        let even = run(0);
-        add(even, odd.join().expect("no panic"))
-    })
+    tally::of(&found, &robot)
 }
 
 fn check(case: &Case) {
-    let tallies = all(case);
-    println!("{}:", case.name);
+    let tallies = tally::all(LOGS, |seed| one(case, seed));
+    tally::print(case.name, &tallies);
     let mut failures = Vec::new();
     for quantity in Q::ALL {
         let tally = tallies[quantity as usize];
         let name = quantity.name();
-        let given = tally.given as f64;
-        if tally.given > 0 {
-            println!(
-                "  {name:22} {:3} logs, {:5.1} % within, mean half width {:.2} %, mean error {:+.2} half widths",
-                tally.given,
-                100.0 * tally.within as f64 / given,
-                100.0 * tally.width / given,
-                tally.bias / given,
-            );
-        }
         if case.expected.contains(&quantity) {
             if tally.given * 100 < LOGS * 95 {
                 failures.push(format!("{name}: identified in {} logs", tally.given));

@@ -3,5 +3,9 @@
 mod cli;
 mod coverage;
 mod limits;
+mod plant;
+mod profile;
 mod robot;
 mod structure;
+mod tally;
+mod world;

@@ -1,0 +1,204 @@
+//! What was identified, as keys of a base's file.
+//!
+//! A base's file says with its own numbers what a log shows at the wheels. With gear ratio n
+//! (`gear_ratio`), `kt_nm_per_a` K, `strength` s, rotor inertia J_m (`rotor_inertia_kg_m2`), and the
+//! wheel inertia J that was stated (0 if none was):
+//!
+//! | identified | keys | because |
+//! | --- | --- | --- |
+//! | `motor_constant` k per side | K = (k_R + k_L)/2n, s = k/nK | the torque at a wheel is n s K per ampere, its back-EMF n s K per speed |
+//! | `resistance` | `resistance_ohm`, mean | both motors have one key |
+//! | `mass` | m + 2 (J - n^2 J_m)/r^2 | `[robot] m` holds the wheels' turning but not the rotors', which `[motor]` has |
+//! | `inertia` | I + (J - n^2 J_m) l^2/(2 r^2) | the same |
+//! | `viscous`, `coulomb` | means | at the wheel, both |
+//! | `supply` | `nominal_v`, if identified | it is the voltage of full duty, which a controller that does not measure it must assume; a stated one is no finding |
+//!
+//! The sums in m and I leave the inertia that the wheels see as it is: with r^2 = r_R r_L,
+//! r^2 (m/4 + I/l^2) + J and m/4 - I/l^2 are the same on both sides.
+//!
+//! `gear_efficiency` has no part in this: the fitted model has no gear losses. Currents show k as
+//! the back-EMF, which no loss changes, but of the torque k i a share e arrives when the motor drives
+//! (2 - e when it is driven), so mass, inertia and friction come out too large by 1/e to 1/(2 - e).
+//! A file with a smaller efficiency than 1 gets a note.
+
+mod document;
+mod hardware;
+
+use super::{Identified, Quantity, Verdict};
+use Quantity as Q;
+use document::{Document, rounded};
+
+/// A file, updated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Updated {
+    /// All of it.
+    pub text: String,
+    /// What one should know about it: means of unlike sides, values that were not written, keys that
+    /// had to follow.
+    pub notes: Vec<String>,
+}
+
+/// Why a file cannot be updated.
+#[derive(Debug, thiserror::Error)]
+pub enum ProfileError {
+    /// Not TOML.
+    #[error("not TOML: {0}")]
+    Toml(#[from] toml_edit::TomlError),
+    /// A name of a table stands for something else.
+    #[error("`{0}` is not a table")]
+    NotATable(&'static str),
+}
+
+/// Writes what was identified or stated into a base's file, under the keys that [`Base::load`]
+/// knows, and leaves everything else in it as it is, comments too. What was neither identified nor
+/// stated gets no key; what stands there stays. `gear` is the stated gear ratio.
+///
+/// A file of a base without motors gets no motors: half of their keys would be refused.
+///
+/// # Errors
+/// Text that is not TOML, or of other tables.
+///
+/// [`Base::load`]: crate::drive::Base::load
+pub fn update(text: &str, found: &Identified, gear: Option<f64>) -> Result<Updated, ProfileError> {
+    let mut update = Update {
+        file: Document::parse(text)?,
+        found,
+        notes: Vec::new(),
+    };
+    // First the gear, which the body's inertia needs.
+    update.hardware(gear);
+    update.radii();
+    if let Some(track) = update.told(Q::Track) {
+        update.file.set("robot", "l", track.value);
+    }
+    update.body();
+    Ok(Updated {
+        text: update.file.text(),
+        notes: update.notes,
+    })
+}
+
+/// A number and half its interval, nothing if it is stated.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    value: f64,
+    half_width: f64,
+}
+
+struct Update<'a> {
+    file: Document,
+    found: &'a Identified,
+    notes: Vec<String>,
+}
+
+impl Update<'_> {
+    fn told(&self, quantity: Quantity) -> Option<Told> {
+        let (value, half_width) = match self.found.of(quantity)? {
+            Verdict::Stated { value } => (*value, 0.0),
+            Verdict::Identified { value, half_width } => (*value, *half_width),
+            Verdict::NotIdentifiable { .. } => return None,
+        };
+        Some(Told { value, half_width })
+    }
+
+    /// Both sides of what has one key.
+    fn both(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<[Told; 2]> {
+        let told = [right, left].map(|side| self.told(side));
+        if let [Some(_), None] | [None, Some(_)] = told {
+            self.notes
+                .push(format!("{key} is left as it was: one side alone is known"));
+        }
+        let [right, left] = told;
+        Some([right?, left?])
+    }
+
+    /// Their mean, with a note if they differ.
+    fn mean(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<Told> {
+        let [r, l] = self.both(key, right, left)?;
+        // Of the difference of two independent estimates; each side has its own noise.
+        let both = r.half_width.hypot(l.half_width);
+        if (r.value - l.value).abs() > both {
+            self.notes.push(format!(
+                "{key} is the mean of both sides, which differ by more than their intervals: right \
+                 {:.4} ± {:.4}, left {:.4} ± {:.4}",
+                r.value, r.half_width, l.value, l.half_width
+            ));
+        }
+        Some(Told {
+            value: 0.5 * (r.value + l.value),
+            half_width: 0.5 * both,
+        })
+    }
+
+    /// Both radii by `r` if they are equal and nothing speaks for a pair, never by both ways.
+    fn radii(&mut self) {
+        let Some([right, left]) = self.both("[robot] r", Q::RadiusRight, Q::RadiusLeft) else {
+            return;
+        };
+        let pair = ["r_right", "r_left"];
+        let has_pair = pair.iter().any(|key| self.file.has("robot", key));
+        let equal = rounded(right.value) == rounded(left.value);
+        if equal && (self.file.has("robot", "r") || !has_pair) {
+            self.file.set("robot", "r", right.value);
+            for key in pair {
+                self.file.remove("robot", key);
+            }
+            return;
+        }
+        if has_pair {
+            self.file.remove("robot", "r");
+        } else {
+            self.file.rename("robot", "r", "r_right");
+        }
+        self.file.set("robot", "r_right", right.value);
+        self.file.set("robot", "r_left", left.value);
+    }
+
+    /// Mass and inertia, with the wheels' turning but not the rotors'.
+    fn body(&mut self) {
+        let of_wheels = self.told(Q::WheelInertia).map_or(0.0, |j| j.value);
+        let motor = |key| self.file.number("motor", key);
+        let of_rotors = match (motor("gear_ratio"), motor("rotor_inertia_kg_m2")) {
+            (Some(gear), Some(rotor)) => gear * gear * rotor,
+            _ => 0.0,
+        };
+        let turning = of_wheels - of_rotors;
+        let robot = |key| self.file.number("robot", key);
+        let radii = ["r_right", "r_left"].map(|key| robot(key).or(robot("r")));
+        let lengths = match (radii, robot("l")) {
+            ([Some(right), Some(left)], Some(track)) => Some((right * left, track)),
+            _ => None,
+        };
+        let per_mass = lengths.map(|(r2, _)| 2.0 * turning / r2);
+        let per_inertia = lengths.map(|(r2, track)| 0.5 * turning * track * track / r2);
+        for (key, quantity, more) in [("m", Q::Mass, per_mass), ("I", Q::Inertia, per_inertia)] {
+            let Some(told) = self.told(quantity) else {
+                continue;
+            };
+            let more = if turning == 0.0 { Some(0.0) } else { more };
+            let Some(more) = more else {
+                self.notes.push(format!(
+                    "[robot] {key} is left as it was: without radii and track the part of wheels \
+                     and rotors is not known"
+                ));
+                continue;
+            };
+            let value = told.value + more;
+            if value <= 0.0 {
+                self.notes.push(format!(
+                    "[robot] {key} is left as it was: rotors of {of_rotors:.3e} kg m^2 each at the \
+                     wheel are more than all that was found; check rotor_inertia_kg_m2 and gear_ratio"
+                ));
+                continue;
+            }
+            if more != 0.0 {
+                self.notes.push(format!(
+                    "[robot] {key} is {:.4} with {more:+.4}: it holds the wheels' turning but not \
+                     the rotors', which [motor] has",
+                    told.value
+                ));
+            }
+            self.file.set("robot", key, value);
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Intervals on logs of the realistic plant, which is not the model that is fitted.
+
+use crate::plant::{plant, record, same_on_both_sides, without_lag};
+use crate::robot::{Robot, random, recommended};
+use crate::tally::{self, Tallies};
+use Quantity as Q;
+use sim_host::identify::{Identified, Known, Options, Quantity, identify};
+use sim_host::world::WorldParams;
+
+/// A fault of the plant that the model does not have.
+type Unkind = fn(&mut WorldParams);
+
+fn identified(seed: u64, unkind: Unkind) -> (Identified, Robot) {
+    let mut random = random(seed);
+    let mut robot = Robot::draw(&mut random);
+    same_on_both_sides(&mut robot);
+    let mut params = plant(&robot);
+    unkind(&mut params);
+    let mut known = Known::default();
+    known.set(Q::WheelInertia, robot.wheel_inertia);
+    let log = record(&params, seed, 25.0, recommended);
+    let latency_s = params.pose_source.map_or(0.0, |source| source.latency_s);
+    let options = Options {
+        known,
+        latency_s,
+        ..Options::default()
+    };
+    let found = identify(&log, &options).expect("no signs are wrong");
+    (found, robot)
+}
+
+fn one(seed: u64, unkind: Unkind) -> Tallies {
+    let (found, robot) = identified(seed, unkind);
+    tally::of(&found, &robot)
+}
+
+/// What a log with poses, currents and voltages tells.
+fn told() -> impl Iterator<Item = Quantity> {
+    let stated = [Q::WheelInertia, Q::Supply];
+    Q::ALL.into_iter().filter(move |q| !stated.contains(q))
+}
+
+fn misses(
+    tallies: &Tallies,
+    quantities: impl Iterator<Item = Quantity>,
+    logs: usize,
+) -> Vec<String> {
+    let missed = |quantity: &Quantity| {
+        let tally = tallies[*quantity as usize];
+        // With a true share of 95 % one of thirteen quantities is below 86 % of 60 by chance in one of
+        // fifty draws of the seeds: what is below has another reason.
+        tally.given < logs || tally.within * 100 < logs * 86
+    };
+    let name = |q: Quantity| format!("{}: {} within", q.name(), tallies[q as usize].within);
+    quantities.filter(missed).map(name).collect()
+}
+
+/// Motors at once at their current; stiction, Coulomb's law with a corner, counts and late poses.
+#[test]
+fn intervals_hold_on_the_realistic_plant() {
+    const LOGS: usize = 60;
+    let tallies = tally::all(LOGS, |seed| one(seed, without_lag));
+    tally::print("world, without windings", &tallies);
+    let failures = misses(&tallies, told(), LOGS);
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// Windings of 0.5 ms, and currents that the plant tells 0.12 ms late, shift what comes from the
+/// motion by more than its narrow intervals: lengths hold, the rest stays near.
+#[test]
+fn windings_shift_the_motors_little() {
+    const LOGS: usize = 60;
+    let tallies = tally::all(LOGS, |seed| one(seed, |_| {}));
+    tally::print("world, windings of 0.5 ms", &tallies);
+    let lengths = [Q::RadiusRight, Q::RadiusLeft, Q::Track];
+    let mut failures = misses(&tallies, lengths.into_iter(), LOGS);
+    for quantity in told().filter(|q| !lengths.contains(q)) {
+        // The lag of 0.6 ms is 0.6 % of the 0.1 s in which these robots settle, and enters mass and
+        // resistance once or twice; friction is a quarter of the torque, so of it four times as much.
+        let friction = quantity.name().contains("viscous") || quantity.name().contains("coulomb");
+        let allowed = if friction { 2.4 } else { 1.2 };
+        let error = tallies[quantity as usize].error_percent();
+        if error.abs() > allowed {
+            failures.push(format!("{}: {error} % off", quantity.name()));
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// What the model does not have, one by one: figures for `docs/identify.md`, nothing to pass.
+#[test]
+#[ignore = "a measurement of some minutes"]
+fn measure_what_the_model_does_not_have() {
+    const LOGS: usize = 60;
+    let all: [(&str, Unkind); 8] = [
+        ("no lag", without_lag),
+        (
+            "windings of 0.5 ms, which all of the following have",
+            |_| {},
+        ),
+        ("battery of 0.1 ohm, voltage measured", |p| {
+            p.battery.internal_ohm = 0.1;
+        }),
+        ("dead band of 2 %", |p| motor(p, |m| m.dead_band = 0.02)),
+        ("gear efficiency 0.9", |p| {
+            motor(p, |m| m.gear_efficiency = 0.9);
+        }),
+        ("tyres that slip a little", |p| {
+            p.floor.mu = 0.8;
+            p.floor.slip_stiffness = 20.0;
+        }),
+        ("slope of 1:200", |p| p.floor.slope_rad = 0.005),
+        ("ticks 0.2 ms uneven", |p| p.tick.jitter_us = 200),
+    ];
+    for (name, unkind) in all {
+        tally::print(name, &tally::all(LOGS, |seed| one(seed, unkind)));
+    }
+}
+
+fn motor(params: &mut WorldParams, edit: impl Fn(&mut sim_host::world::MotorParams)) {
+    params.motor.iter_mut().for_each(edit);
+}
