@@ -6,6 +6,7 @@ mod limits;
 mod plant;
 mod profile;
 mod robot;
+mod round_trip;
 mod structure;
 mod tally;
 mod world;
