@@ -166,6 +166,8 @@ impl Bounds {
         let law = core.motion();
         let plan = controlled_stop::<f32, Single>(law, &motion.command, &rate, &none);
         let whole = controlled_stop::<f32, Single>(law, &motion.command, &rate, &error);
+        // A wheel without grip leaves the base to the other one, which goes with its own part of the plan.
+        let swing = self.half_track * f64::from(whole.angle_rad);
         let (plan, whole) = (f64::from(plan.distance_m), f64::from(whole.distance_m));
         let gains = law.gains();
         let v = f64::from(motion.command.linear.abs());
@@ -182,12 +184,12 @@ impl Bounds {
         let unseen = 2.0 * dt_s;
         let loose = self.loose * unseen * (0.5 * unseen + 1.0 / f64::from(gains.speed_loop));
         let way = plan + self.heavier * (whole - plan) + heavy + learnt + loose + ticks;
-        let held = if wheels.ice.is_some() || wheels.blocked {
-            self.release(twist, wheels)
+        let way = if wheels.ice.is_some() || wheels.blocked {
+            (way + swing).max(self.release(twist, wheels))
         } else {
-            0.0
+            way
         };
-        SLACK * way.max(held) + CREEP_M
+        SLACK * way + CREEP_M
     }
 
     /// Speed of the middle below which it counts as resting with these wheels turning so \[m/s\].

@@ -21,8 +21,9 @@ mod ticks;
 mod trouble;
 
 /// Longest time to drive a base into a state, and from the trouble to the end \[s\]. Parking takes up to 10 s
-/// and an approach anew 12 s of patience and as much again; several of them before a goal is given up.
-const LONGEST_S: (f64, f64) = (60.0, 60.0);
+/// and an approach anew 12 s of patience and as much again; three of them before a goal is given up, and a base that
+/// moves about its goal, on ice for example, has several times the patience.
+const LONGEST_S: (f64, f64) = (60.0, 120.0);
 /// Speeds below which a base rests, and for how long \[m/s, rad/s, s\]: twice the supervisor's.
 const REST: (f64, f64, f64) = (0.02, 0.04, 0.2);
 /// Faster than this share of the limit a base on level floor is out of control. A wheel that is reversed or
