@@ -202,3 +202,27 @@ fn a_pose_that_is_set_makes_no_step_of_the_torque() {
     // The law sees the new place: 0.4 m to the left.
     assert!(motion.expect("driven").error.y < -0.3);
 }
+
+/// A parked base whose goal turns out to be elsewhere drives there, and says that it does; one that is there again
+/// says that too.
+#[test]
+fn a_parked_base_that_leaves_its_goal_says_so() {
+    let mut rig = rig();
+    step(&mut rig, &Order::None);
+    rig.base_mut().on(Event::Arm);
+    let goal = Order::Park(Pose::default());
+    let until = |rig: &mut Rig, state: State| {
+        let mut reports = (0..2_000).map(|_| step(rig, &goal));
+        reports.any(|report| report.state == state)
+    };
+    assert!(until(&mut rig, State::Parked));
+    // The first second after arrival is for settling.
+    for _ in 0..150 {
+        assert_eq!(step(&mut rig, &goal).state, State::Parked);
+    }
+    // 0.2 m: the pose source puts it back, but only after a while.
+    let moved = rig.base_mut().set_pose(Pose::new(0.2, 0.0, 0.0));
+    assert_eq!(moved, Ok(()));
+    assert_eq!(step(&mut rig, &goal).state, State::Parking);
+    assert!(until(&mut rig, State::Parked));
+}

@@ -30,6 +30,7 @@ fn bad_parameters_are_named() {
     assert_eq!(refused(&|p| p.gate = 1.0), Field::FixGate);
     assert_eq!(refused(&|p| p.relocalise_after = 1), Field::RelocaliseAfter);
     assert_eq!(refused(&|p| p.drift = 0.6), Field::OdometryDrift);
+    assert_eq!(refused(&|p| p.slide_m_s = -0.1), Field::SlideSpeed);
     assert_eq!(refused(&|p| p.stale_s = 0.0), Field::FixStale);
     let mut params = LocaliserParams {
         odometry: odometry::<f64>(&file, SPEED),
