@@ -141,13 +141,13 @@ impl Rig {
             left: self.counted[1].floor() as i32,
         };
         let measured = self.odometry.update::<Libm>(counts, self.dt);
-        let (_, torques, command) = self.told;
+        let (output, torques, command) = self.told;
         let mut evidence = Evidence {
             dt_us: (1e6 * self.dt).round() as u32,
             counts: Some(counts),
             measured,
             command,
-            torques,
+            torques: (output != OutputMode::Brake).then_some(torques),
             outside: self.outside.then_some(self.body.twist),
             ..Evidence::default()
         };

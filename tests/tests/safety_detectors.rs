@@ -113,10 +113,10 @@ fn a_wheel_that_spins_up_is_found_by_its_torque() {
                 right: turn(15.0),
                 left: turn(4.0 / 0.015),
             }),
-            torques: WheelTorques {
+            torques: Some(WheelTorques {
                 right: 4.0,
                 left: 4.0,
-            },
+            }),
             ..Evidence::default()
         });
         found.get(FaultKind::WheelSlip) == Some(Fault::WheelSlip(Side::Left))

@@ -41,7 +41,7 @@ fn quiet(
                 }),
                 measured: drive.body.measured(),
                 command: before.command,
-                torques: before.torques,
+                torques: Some(before.torques),
                 ..Evidence::default()
             });
             let list: Vec<_> = found.iter().collect();

@@ -185,7 +185,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             measured: located.measured.unwrap_or_default(),
             outside: None,
             command: driven.map_or(Twist::default(), |motion| motion.report().command),
-            torques: self.exerted,
+            torques: match self.report.action {
+                WheelAction::Brake => None,
+                WheelAction::Drive(_) | WheelAction::Release => Some(self.exerted),
+            },
             pose_age_us: located.fix_age_s.map_or(0, microseconds),
             command_age_us: self.silent_us,
             pose_jumped: located.jumped,

@@ -28,8 +28,9 @@ pub struct Evidence<T> {
     pub outside: Option<Twist<T>>,
     /// The twist that the velocity loop was asked for in the last tick; zero where nothing drives.
     pub command: Twist<T>,
-    /// Torques exerted since the last tick \[N m\]; zero where the wheels were released or braked.
-    pub torques: WheelTorques<T>,
+    /// Torques exerted since the last tick \[N m\], zero where the wheels were released; `None` where they are
+    /// not known, as with windings shorted.
+    pub torques: Option<WheelTorques<T>>,
     /// Age of the last external pose \[µs\], `u32::MAX` if there was none.
     pub pose_age_us: u32,
     /// Time since host or reference were last heard \[µs\].

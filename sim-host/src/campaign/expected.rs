@@ -39,7 +39,7 @@ pub(super) const fn kinds(kind: UpsetKind) -> &'static [FaultKind] {
         U::DriveHolds => &[F::Driver, F::WheelSlip, F::EncoderReversed, F::EncoderStuck],
         U::OverCurrent => &[F::Driver, F::OverCurrent],
         // Too little voltage for the speed: the base falls behind, as if it were held.
-        U::BatterySag => &[F::UnderVoltage, F::Stalled, F::EncoderReversed],
+        U::BatterySag => &[F::UnderVoltage, F::Stalled],
         // From wheels alone the same as a stuck encoder; the other wheel carries the base around.
         U::WheelBlocked => &[
             F::EncoderStuck,

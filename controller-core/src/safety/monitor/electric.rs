@@ -3,7 +3,7 @@
 use super::held::Held;
 use crate::safety::evidence::Currents;
 use crate::safety::fault::Side;
-use crate::safety::watch::{CurrentWatch, SupplyWatch};
+use crate::safety::watch::{CurrentWatch, SupplyWatch, Timeout};
 use crate::scalar::Scalar;
 
 /// Motors above their current.
@@ -51,5 +51,11 @@ impl UnderVoltage {
             self.found = lasted || (self.found && !good(watch.recovered_v));
         }
         self.found
+    }
+
+    /// Whether it is too low, or on the way to be found so: motors then need not exert what was asked of them.
+    /// Not for longer than the fault takes to be found, and never where it is not watched.
+    pub(super) fn suspected(&self, watch: &SupplyWatch<impl Scalar>) -> bool {
+        self.found || (self.low != Held::NONE && watch.after != Timeout::Off)
     }
 }

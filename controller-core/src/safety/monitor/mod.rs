@@ -35,6 +35,10 @@
 //! Under a constant torque c times the load |x| reaches 2 D when 1 − (1 + at) e^(−at) = 2/c: after 0.30 s for
 //! c = 2.5, 0.17 s for c = 4, 0.10 s for c = 8. Below 8 counts of x nothing is said, for the sake of rounding.
 //!
+//! While torques are not known (windings shorted; a supply that is too low, until under-voltage is found) x
+//! follows y, as if a constant acceleration explained it: nothing is said of the wheels, and when torques are
+//! known again both filters begin from what the wheels really did.
+//!
 //! A velocity loop of bandwidth κ on reversed encoders drives the speed up as v_c (e^(κt) − 1) and the force
 //! as m κ v_c e^(κt): when the latter has reached F the base has gone less than F/(m κ²), whatever the
 //! command was. With the default load that is 10 % of the weight to be reached, 0.11 m for κ = 3, plus what it
@@ -56,7 +60,7 @@ pub(super) use held::Held;
 
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
-use wheel::{Wheel, WheelEvidence, WheelFinding};
+use wheel::{Effort, Wheel, WheelEvidence, WheelFinding};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +127,6 @@ impl<T: Scalar> Monitor<T> {
             }
         }
         found.add_some(evidence.driver.map(Fault::Driver));
-        self.check_wheels(evidence, &mut found);
         let over = self
             .current
             .advance(&params.current, evidence.currents, dt_us);
@@ -134,6 +137,7 @@ impl<T: Scalar> Monitor<T> {
         {
             found.add(Fault::UnderVoltage);
         }
+        self.check_wheels(evidence, &mut found);
         found
     }
 
@@ -154,8 +158,16 @@ impl<T: Scalar> Monitor<T> {
         if evidence.counts.is_some() {
             self.last = evidence.counts;
         }
-        let wrench = watch.map.wrench(&evidence.torques);
-        let accels = wheel_accels(&watch.params.robot, &watch.map, &wrench);
+        let torques = match self.supply.suspected(&watch.params.supply) {
+            true => None,
+            false => evidence.torques,
+        };
+        let efforts = torques.map(|torques| {
+            let wrench = watch.map.wrench(&torques);
+            let (right, left) = wheel_accels(&watch.params.robot, &watch.map, &wrench);
+            let effort = |torque, accel| Effort { torque, accel };
+            (effort(torques.right, right), effort(torques.left, left))
+        });
         let command = watch.map.wheel_speeds(&evidence.command);
         let outside = evidence
             .outside
@@ -164,27 +176,24 @@ impl<T: Scalar> Monitor<T> {
                 (Some(right), Some(left))
             });
         let (right_off, left_off) = self.disagreement(evidence);
-        let side = |moved, torque, accel, command, outside, off| WheelEvidence {
+        let side = |moved, effort, command, outside, off| WheelEvidence {
             dt_us: evidence.dt_us,
             moved,
-            torque,
-            accel,
+            effort,
             command,
             outside,
             off,
         };
         let right = side(
             moved.map(|(right, _)| right),
-            evidence.torques.right,
-            accels.0,
+            efforts.map(|(right, _)| right),
             command.right,
             outside.0,
             right_off,
         );
         let left = side(
             moved.map(|(_, left)| left),
-            evidence.torques.left,
-            accels.1,
+            efforts.map(|(_, left)| left),
             command.left,
             outside.1,
             left_off,

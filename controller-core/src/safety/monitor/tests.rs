@@ -9,6 +9,8 @@ use crate::params::Params;
 use crate::safety::{Currents, FaultKind, Timeout, WatchParams};
 use crate::types::WheelTorques;
 
+mod unknown;
+
 /// Ticks of 10 ms on the paper's robot with wheels of 15 N m and 4096 counts.
 fn params() -> WatchParams<f64> {
     let limits = Limits {
@@ -35,6 +37,7 @@ fn quiet() -> Evidence<f64> {
     Evidence {
         dt_us: 10_000,
         counts: Some(WheelCounts::default()),
+        torques: Some(WheelTorques::default()),
         ..Evidence::default()
     }
 }
@@ -170,10 +173,10 @@ fn pushing(tick: i32, right: i32, left: i32) -> Evidence<f64> {
             left: left * tick,
         }),
         command: Twist::new(0.5, 0.0),
-        torques: WheelTorques {
+        torques: Some(WheelTorques {
             right: 4.0,
             left: 4.0,
-        },
+        }),
         ..quiet()
     }
 }
@@ -229,10 +232,10 @@ fn wild_inputs_do_not_stay() {
     let mut monitor = monitor(params());
     for torque in [f64::MAX, f64::NAN, f64::NEG_INFINITY] {
         let mut wild = quiet();
-        wild.torques = WheelTorques {
+        wild.torques = Some(WheelTorques {
             right: torque,
             left: -torque,
-        };
+        });
         wild.counts = Some(WheelCounts {
             right: i32::MIN,
             left: i32::MAX,

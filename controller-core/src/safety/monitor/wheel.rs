@@ -11,14 +11,22 @@ const WINDOW: f64 = 10.0;
 /// count by which a reading is rounded, and that has to stay below half of it.
 const LEAST_COUNTS: f64 = 8.0;
 
+/// What a wheel exerts.
+#[derive(Clone, Copy)]
+pub(super) struct Effort<T> {
+    /// Torque \[N m\].
+    pub(super) torque: T,
+    /// Acceleration by the torques of both wheels \[rad/s²\].
+    pub(super) accel: T,
+}
+
 /// What a tick knows of one wheel.
 pub(super) struct WheelEvidence<T> {
     pub(super) dt_us: u32,
     /// Counts since the last reading; `None` without one.
     pub(super) moved: Option<i32>,
-    /// Torque \[N m\], and acceleration by both torques \[rad/s²\].
-    pub(super) torque: T,
-    pub(super) accel: T,
+    /// `None` where torques are not known.
+    pub(super) effort: Option<Effort<T>>,
     /// Speed that is asked for, and by an outside twist \[rad/s\].
     pub(super) command: T,
     pub(super) outside: Option<T>,
@@ -57,6 +65,14 @@ impl<T: Scalar> Twice<T> {
         Self { first, second }
     }
 
+    /// The low-pass under a constant input that settled at `output`.
+    fn settled(output: T, a: T) -> Self {
+        Self {
+            first: a * output,
+            second: output,
+        }
+    }
+
     /// Wild inputs are forgotten instead of kept.
     fn or_zero(self) -> Self {
         if self.first.is_finite() && self.second.is_finite() {
@@ -88,7 +104,10 @@ impl<T: Scalar> Wheel<T> {
         let shrink = T::ONE / (T::ONE + a * dt);
         let step = T::from_i32(now.moved.unwrap_or(0)) * watch.per_count;
         self.seen = self.seen.high_pass(step, shrink).or_zero();
-        self.expected = self.expected.low_pass(now.accel, dt, shrink).or_zero();
+        self.expected = match now.effort {
+            Some(effort) => self.expected.low_pass(effort.accel, dt, shrink).or_zero(),
+            None => Twice::settled(self.seen.second, a),
+        };
         let stands = self.stands_still(watch, now);
         let blocked = now
             .outside
@@ -107,8 +126,9 @@ impl<T: Scalar> Wheel<T> {
     /// place is not told to turn and never counts.
     fn stands_still(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
         let stuck = &watch.params.wheels.stuck;
-        let forward = now.command >= stuck.speed_rad_s && now.torque >= stuck.torque_nm;
-        let backward = now.command <= -stuck.speed_rad_s && now.torque <= -stuck.torque_nm;
+        let torque = now.effort.map_or(T::ZERO, |effort| effort.torque);
+        let forward = now.command >= stuck.speed_rad_s && torque >= stuck.torque_nm;
+        let backward = now.command <= -stuck.speed_rad_s && torque <= -stuck.torque_nm;
         // Without a reading the wheel is not known to stand; that is a fault of its own.
         let moved = now.moved.unwrap_or(i32::MAX);
         let crept = self.crept.saturating_add(moved);
