@@ -9,6 +9,7 @@
 //! | pose jump, driver | told by others | the tick |
 //! | stuck, stalled | [`wheel`](self#wheels): told to turn, stands | `stuck.after` and a tick |
 //! | reversed | moves against its torque | 0.2 s and `reversed` once the torque is 2.5 times the load |
+//! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
 //! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |
 //!
@@ -201,9 +202,10 @@ impl<T: Scalar> Monitor<T> {
         let right = self.right.advance(watch, &right);
         let left = self.left.advance(watch, &left);
         let of = |what: fn(&WheelFinding) -> bool| Side::of(what(&right), what(&left));
-        found.add_some(of(|wheel| wheel.stuck).map(Fault::EncoderStuck));
+        let (dead, reversed) = (dead(&right, &left), reversed(&right, &left));
+        found.add_some(of(|wheel| wheel.stuck).or(dead).map(Fault::EncoderStuck));
         found.add_some(of(|wheel| wheel.blocked).map(|_| Fault::Stalled));
-        found.add_some(of(|wheel| wheel.reversed).map(Fault::EncoderReversed));
+        found.add_some(reversed.map(Fault::EncoderReversed));
         found.add_some(of(|wheel| wheel.slips).map(Fault::WheelSlip));
     }
 
@@ -216,6 +218,21 @@ impl<T: Scalar> Monitor<T> {
         let turning = T::HALF * self.watch.params.robot.wheels.track_m * angular;
         (linear + turning, linear - turning)
     }
+}
+
+/// Wheels that move against their torque while neither is silent that should not be.
+fn reversed(right: &WheelFinding, left: &WheelFinding) -> Option<Side> {
+    let is = |own: &WheelFinding, other: &WheelFinding| own.against && !own.silent && !other.dead;
+    Side::of(is(right, left), is(left, right))
+}
+
+/// Encoders without counts that explain a wheel against its torque: its own, which died while it turned, or the
+/// other one, whose motor is then driven at a speed that it does not have.
+fn dead(right: &WheelFinding, left: &WheelFinding) -> Option<Side> {
+    let is = |own: &WheelFinding, other: &WheelFinding| {
+        (own.against && own.silent) || (other.against && !other.silent && own.dead)
+    };
+    Side::of(is(right, left), is(left, right))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::params::Params;
 use crate::safety::{Currents, FaultKind, Timeout, WatchParams};
 use crate::types::WheelTorques;
 
-mod unknown;
+mod named;
 
 /// Ticks of 10 ms on the paper's robot with wheels of 15 N m and 4096 counts.
 fn params() -> WatchParams<f64> {

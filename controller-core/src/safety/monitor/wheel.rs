@@ -1,7 +1,7 @@
 //! One wheel: stuck, reversed, slipping.
 
 use super::held::Held;
-use crate::safety::watch::Watch;
+use crate::safety::watch::{Timeout, Watch};
 use crate::scalar::Scalar;
 
 /// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
@@ -10,6 +10,9 @@ const WINDOW: f64 = 10.0;
 /// Below so many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.
 const LEAST_COUNTS: f64 = 8.0;
+/// Without a count for so long a wheel stands: half of the window, for one that moves by half of
+/// [`LEAST_COUNTS`] in it has counted.
+const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
 
 /// What a wheel exerts.
 #[derive(Clone, Copy)]
@@ -39,7 +42,12 @@ pub(super) struct WheelEvidence<T> {
 pub(super) struct WheelFinding {
     pub(super) stuck: bool,
     pub(super) blocked: bool,
-    pub(super) reversed: bool,
+    /// It was accelerated against its torque.
+    pub(super) against: bool,
+    /// It has not counted for half a window,
+    pub(super) silent: bool,
+    /// though it is told to turn.
+    pub(super) dead: bool,
     pub(super) slips: bool,
 }
 
@@ -92,6 +100,8 @@ pub(super) struct Wheel<T> {
     expected: Twice<T>,
     /// Counts since the wheel began to stand still.
     crept: i32,
+    /// Time without a count.
+    silent: Held,
     stands: Held,
     against: Held,
     beyond: Held,
@@ -109,6 +119,9 @@ impl<T: Scalar> Wheel<T> {
             None => Twice::settled(self.seen.second, a),
         };
         let stands = self.stands_still(watch, now);
+        let still = now.moved.is_none_or(|counts| counts == 0);
+        let silent = self.silent.holds(still, now.dt_us, MOVED_WITHIN);
+        let told = now.command.abs() >= watch.params.wheels.stuck.speed_rad_s;
         let blocked = now
             .outside
             .is_some_and(|speed| speed.abs() < T::HALF * watch.params.wheels.stuck.speed_rad_s);
@@ -116,7 +129,9 @@ impl<T: Scalar> Wheel<T> {
             stuck: stands && !blocked,
             blocked: stands && blocked,
             // Counts that are missing are not counts that stand still.
-            reversed: self.moves_against(watch, now.dt_us) && now.moved.is_some(),
+            against: self.moves_against(watch, now.dt_us) && now.moved.is_some(),
+            silent,
+            dead: silent && told,
             slips: self.moves_beyond(watch, now),
         }
     }
@@ -144,7 +159,8 @@ impl<T: Scalar> Wheel<T> {
         let load = watch.load_accel / (a * a);
         let counts = T::from_f64(LEAST_COUNTS) * watch.per_count;
         let enough = expected >= load + load && expected >= counts;
-        // An encoder that dies on the way looks like braking against the torque: it is stuck, not reversed.
+        // An encoder that dies on the way looks like braking against the torque: while it may be found stuck,
+        // this waits.
         let against = enough && along <= -(T::HALF * expected) && self.stands == Held::NONE;
         self.against
             .holds(against, dt_us, watch.params.wheels.reversed)

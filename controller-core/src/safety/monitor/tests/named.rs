@@ -1,0 +1,122 @@
+//! Which fault it is that a wheel moves against its torque.
+
+use super::*;
+use core::f64::consts::TAU;
+
+/// Driven up with 4 N m for half a second, then held back by twice what those give, though they are still
+/// asked for, and `change` says of that what it will, given the counts at which this began and ticks
+/// since: all that is found.
+fn held_back_from(change: impl Fn(&mut Evidence<f64>, i32, i32)) -> Findings {
+    let mut watched = params();
+    watched.supply.after = Timeout::AfterUs(500_000);
+    let mut monitor = monitor(watched);
+    let (mut speed, mut turned) = (0.0, 0.0);
+    // 8 N m on 30 kg with wheels of 0.1 m: 26.7 rad/s².
+    let accel = 8.0 / (30.0 * 0.1 * 0.1);
+    let (mut all, mut from) = (Findings::NONE, 0);
+    for tick in 1..=150 {
+        let held = tick > 50;
+        speed += 0.01 * if held { -2.0 * accel } else { accel };
+        speed = f64::max(speed, 0.0);
+        turned += 0.01 * speed;
+        let count = (turned * 4096.0 / TAU) as i32;
+        let mut evidence = Evidence {
+            counts: Some(WheelCounts {
+                right: count,
+                left: count,
+            }),
+            ..pushing(0, 0, 0)
+        };
+        if held {
+            change(&mut evidence, from, tick - 50);
+        } else {
+            from = count;
+        }
+        for fault in monitor.check(&evidence).iter() {
+            all.add(fault);
+        }
+    }
+    all
+}
+
+fn held_back(change: impl Fn(&mut Evidence<f64>)) -> Findings {
+    held_back_from(|evidence, _, _| change(evidence))
+}
+
+#[test]
+fn a_wheel_held_back_is_not_reversed_where_its_torque_is_not_known() {
+    let reversed = |found: Findings| found.get(FaultKind::EncoderReversed).is_some();
+    // It is, as far as anyone can tell, where 4 N m are said to be exerted.
+    assert!(reversed(held_back(|_| {})));
+    assert!(held_back(|now| now.torques = None).is_empty());
+    let sags = |volts| held_back(move |now| now.supply_v = Some(volts));
+    let low = params().supply.low_v;
+    for volts in [0.99 * low, f64::NAN] {
+        let found = sags(volts);
+        assert_eq!(found.iter().count(), 1, "{volts} V: {found:?}");
+        assert!(found.get(FaultKind::UnderVoltage).is_some());
+    }
+    assert!(reversed(sags(low)));
+}
+
+/// A supply that nobody watches blinds nobody.
+#[test]
+fn a_low_supply_is_no_excuse_where_it_is_not_watched() {
+    let mut unwatched = params();
+    unwatched.supply.after = Timeout::Off;
+    let mut monitor = monitor(unwatched);
+    let stuck = |k| Evidence {
+        supply_v: Some(0.0),
+        ..pushing(k, 0, 0)
+    };
+    assert_eq!(
+        found_in(&mut monitor, 100, FaultKind::EncoderStuck, stuck),
+        Some(26)
+    );
+}
+
+/// Too little torque for a wheel that only stands to be called stuck, but it turned just before.
+#[test]
+fn an_encoder_that_dies_on_the_way_is_stuck() {
+    for (right, left, side) in [
+        (true, false, Side::Right),
+        (false, true, Side::Left),
+        (true, true, Side::Both),
+    ] {
+        let found = held_back_from(|now, from, ticks| {
+            now.torques = Some(WheelTorques {
+                right: 2.0,
+                left: 2.0,
+            });
+            if let Some(counts) = &mut now.counts {
+                // 13.3 rad/s go on.
+                let on = from + 87 * ticks;
+                counts.right = if right { from } else { on };
+                counts.left = if left { from } else { on };
+            }
+        });
+        let stuck = Some(Fault::EncoderStuck(side));
+        assert_eq!(found.get(FaultKind::EncoderStuck), stuck);
+        assert_eq!(found.get(FaultKind::EncoderReversed), None);
+    }
+}
+
+/// The motor of a dead encoder pulls the other wheel back: its back-EMF is not made up for.
+#[test]
+fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
+    let pulled = |told: f64| {
+        held_back_from(|now, from, _| {
+            now.command = Twist::new(told, 0.0);
+            if let Some(counts) = &mut now.counts {
+                counts.right = from;
+            }
+        })
+    };
+    let found = pulled(0.5);
+    let stuck = Some(Fault::EncoderStuck(Side::Right));
+    assert_eq!(found.get(FaultKind::EncoderStuck), stuck);
+    assert_eq!(found.get(FaultKind::EncoderReversed), None);
+    // Where it is not told to turn it may well stand, and the other one is what it seems.
+    let reversed = Some(Fault::EncoderReversed(Side::Left));
+    assert_eq!(pulled(0.0).get(FaultKind::EncoderReversed), reversed);
+}
