@@ -1,11 +1,9 @@
 //! The body of `world`: the ideal plant as its limit, conservation, Coriolis terms, slope.
 
-mod world_common;
-
+use crate::world_common::*;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques};
 use sim_host::plant::Plant;
 use sim_host::world::{Actuation, GRAVITY, World, WorldKeys, WorldParams};
-use world_common::*;
 
 /// Energy of body and wheels.
 fn energy(params: &WorldParams, world: &World) -> f64 {

@@ -1,9 +1,7 @@
 //! Battery, drivers and motors of `world` against closed forms.
 
-mod world_common;
-
+use crate::world_common::*;
 use sim_host::world::{Actuation, ActuationError, Defect};
-use world_common::*;
 
 /// Torque per current at the wheel.
 const K: f64 = 1.5;

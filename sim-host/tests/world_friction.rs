@@ -1,9 +1,7 @@
 //! Dry and viscous friction of `world` against closed forms.
 
-mod world_common;
-
+use crate::world_common::*;
 use sim_host::world::{Actuation, Defect, GRAVITY, Side, World, WorldParams, presets};
-use world_common::*;
 
 /// Coulomb 0.4 N m and viscous 0.05 N m s a wheel: 40 kg feel 8 N and 10 N s/m.
 fn rough() -> WorldParams {

@@ -1,9 +1,7 @@
 //! The friction circle of `world`: where wheels let go, and what they do then.
 
-mod world_common;
-
+use crate::world_common::*;
 use sim_host::world::{Actuation, Defect, GRAVITY, PatchParams, Side, WorldParams};
-use world_common::*;
 
 fn grip(mu: f64) -> WorldParams {
     let mut params = perfect();

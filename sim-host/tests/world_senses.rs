@@ -1,11 +1,9 @@
 //! Senses of `world`: quantisation, latency, statistics, streams, seeds, keys.
 
-mod world_common;
-
+use crate::world_common::*;
 use controller_core::types::Measured;
 use sim_host::world::{Actuation, Defect, PoseSourceParams, Side, World, WorldKeys, presets};
 use std::f64::consts::TAU;
-use world_common::*;
 
 #[test]
 fn counts_are_the_floor_of_the_angle_and_show_faults() {

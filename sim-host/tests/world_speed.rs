@@ -1,11 +1,9 @@
 //! How fast the plant runs, for information: `cargo test --release -- --nocapture`.
 
-mod world_common;
-
+use crate::world_common::*;
 use controller_core::types::Measured;
 use sim_host::world::{Actuation, World, presets};
 use std::time::Instant;
-use world_common::*;
 
 #[test]
 fn a_bad_world_runs_many_times_faster_than_time() {

@@ -8,7 +8,7 @@ use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use tests::core_loop::{Exact, Tick, hand_over, run};
 use tests::oracle::Scenario;
 
-use crate::budget_image::Rows;
+use super::budget_image::Rows;
 use sim_host::pil::Footprint;
 
 /// Control period \[s\].

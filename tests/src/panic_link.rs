@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-use crate::budget_image::{BOARDS, cargo, root, target_dir};
+use super::budget_image::{BOARDS, cargo, root, target_dir};
 
 /// A program around the firmware's entry and panic handler; its index is not known before it runs.
 const PROGRAM: &str = r#"#![no_std]

@@ -1,7 +1,7 @@
 //! What the controller costs on a chip: executed instructions, flash, RAM and stack against checked-in budgets, and
 //! the proofs that images neither panic nor allocate.
 //!
-//! Instructions are counted in the emulator, never timed. `cargo test -p tests --test budgets -- --nocapture` prints
+//! Instructions are counted in the emulator, never timed. `cargo test -p tests --test chip budgets -- --nocapture` prints
 //! the tables; with `UPDATE_BUDGETS=1` it writes what it measured to `firmware-demo/budgets.toml`. Static stack sizes
 //! are not here: `-Z emit-stack-sizes` needs a nightly compiler. The painted stack of a run stands for them.
 

@@ -113,5 +113,5 @@ fn main() {
     println!(
         "For RISC-V: riscv32imafc-unknown-none-elf and `riscv`; `pil` instead of `cost` closes"
     );
-    println!("the loop with that image. `cargo test -p tests --test budgets` does all that.");
+    println!("the loop with that image. `cargo test -p tests --test chip budgets` does all that.");
 }

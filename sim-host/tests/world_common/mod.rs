@@ -1,5 +1,4 @@
 //! A base and short ways to drive it, shared by the tests of `world`.
-#![allow(dead_code, reason = "each test file uses its own part")]
 
 use controller_core::params::{Params, Robot};
 use controller_core::types::{Measured, Pose, Twist};

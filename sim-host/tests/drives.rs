@@ -1,0 +1,12 @@
+//! Runs in the loop.
+
+mod bases;
+mod bases_missions;
+mod closed_loop;
+mod drive_files;
+mod drive_scenarios;
+mod metrics;
+mod motion;
+mod pilot;
+mod plant;
+mod sim_robot;

@@ -1,0 +1,6 @@
+//! Trajectory files, good and bad.
+
+mod import_formats;
+mod import_fuzz;
+mod import_limits;
+mod import_refusals;

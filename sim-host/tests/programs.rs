@@ -1,0 +1,11 @@
+//! The program as it is used.
+
+mod cli;
+mod drive_cli;
+mod faults;
+mod monitor;
+mod own_robot;
+mod own_robot_tune;
+mod pil;
+mod robustness;
+mod scenario_errors;

@@ -1,0 +1,19 @@
+//! What a real base adds: encoders, poses, motors, faults.
+
+mod base;
+mod faults;
+mod localiser_fusion;
+mod localiser_gate;
+mod localiser_params;
+mod localiser_parking;
+mod localiser_slide;
+mod motor;
+mod motor_params;
+mod motor_speed;
+mod odometry;
+mod odometry_reset;
+mod odometry_slow;
+mod safety_detectors;
+mod safety_quiet;
+mod safety_supervisor;
+mod stopping;
