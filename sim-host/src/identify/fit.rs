@@ -25,6 +25,11 @@ pub(super) trait Model {
     fn kinds(&self) -> &[usize];
     /// How many start states belong to each kind of noise.
     fn states_of_kind(&self) -> &[usize];
+    /// What is known of the global parameters before: the inverse of the variance of each about
+    /// zero, 0 for those of which nothing is known.
+    fn prior(&self, count: usize) -> DVector<f64> {
+        DVector::zeros(count)
+    }
     /// First guess of a window's start state.
     fn start(&self, window: usize) -> DVector<f64>;
     /// Residuals.
@@ -97,7 +102,8 @@ pub(super) fn fit(
     let states: usize = local.iter().map(|l| l.len()).sum();
     let freedom = residuals.saturating_sub(states + value.len()) as f64;
     let unit = DMatrix::from_diagonal(&scale.map(|s| 1.0 / s));
-    let information = &unit * information(&h, &scores, lags) * &unit;
+    let shown = &unit * information(&h, &scores, lags) * &unit;
+    let information = shown + DMatrix::from_diagonal(&model.prior(value.len()));
     let whole = freedom > 0.0
         && value
             .iter()
@@ -132,6 +138,10 @@ fn descend(
             h += window.global.tr_mul(&window.global);
             b += window.global.tr_mul(&window.residual);
         }
+        for (i, weight) in model.prior(count).iter().enumerate() {
+            h[(i, i)] += weight * scale[i] * scale[i];
+            b[i] += weight * scale[i] * value[i];
+        }
         let floor = 1.0e-9 * h.diagonal().amax();
         let mut gain = None;
         while damping < 1.0e9 {
@@ -165,7 +175,8 @@ fn descend(
 }
 
 fn total(model: &impl Model, value: &DVector<f64>, local: &[DVector<f64>], sigma: &[f64]) -> f64 {
-    let mut sum = 0.0;
+    let prior = model.prior(value.len());
+    let mut sum = prior.dot(&value.component_mul(value));
     for (window, local) in local.iter().enumerate() {
         let mut residual = model.residual(value, window, local);
         whiten(model, &mut residual, sigma);
