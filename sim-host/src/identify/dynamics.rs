@@ -2,10 +2,13 @@
 //! stretch and laid on the measured angles, which are never differentiated.
 
 use super::fit::{Fit, Linear, Model, fit};
+use super::lag::{self, LAGS, Lags};
 use super::log::Log;
+use super::motor;
+use super::quantity::Known;
 use super::start::guess;
 use super::stretches::Stretch;
-use super::wheels::{DYNAMIC, State, WITH_CURRENT, Wheels};
+use super::wheels::{DYNAMIC, State, Wheels};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 /// Time over which residuals may be correlated \[s\].
@@ -15,21 +18,35 @@ struct Motion<'a> {
     log: &'a Log,
     speeds: &'a [[f64; 2]],
     stretches: &'a [Stretch],
+    /// D_e of the wheels' system, where that is stated.
+    stated: [Option<f64>; 2],
     scale: DVector<f64>,
+    /// Standard deviation of the lags about 0 before the fit \[s\].
+    lag_s: f64,
 }
 
-/// Fits E, D, s and, with currents, alpha and beta of the right, then of the left motor.
-pub(super) fn dynamics(log: &Log, speeds: &[[f64; 2]], stretches: &[Stretch]) -> Option<Fit> {
-    let start = guess(log, speeds, stretches)?;
-    let scale = scale(&start);
-    let model = Motion {
+/// Fits E, D, s and, with currents, alpha and beta of the right, then of the left motor; beside them
+/// the lags, which the fit that is given back allows for.
+pub(super) fn dynamics(
+    log: &Log,
+    known: &Known,
+    speeds: &[[f64; 2]],
+    stretches: &[Stretch],
+) -> Option<(Fit, Lags)> {
+    let wheels = guess(log, speeds, stretches)?;
+    let count = wheels.len();
+    let scale = scale(&wheels).insert_rows(count, LAGS, lag::TYPICAL_S);
+    let start = wheels.insert_rows(count, LAGS, 0.0);
+    let mut model = Motion {
         log,
         speeds,
         stretches,
+        stated: motor::stated(log.drive, known),
         scale: scale.clone(),
+        lag_s: lag::BEFORE_S,
     };
     let rows = log.t.len() - 1;
-    let lags = (CORRELATED_S * rows as f64 / (log.t[rows] - log.t[0])).ceil() as usize;
+    let correlated = (CORRELATED_S * rows as f64 / (log.t[rows] - log.t[0])).ceil() as usize;
     let angle = log.step_rad.map_or(1.0e-3, |step| step / 12.0_f64.sqrt());
     let largest = log.current.iter().flatten().flatten();
     let current = 0.02 * largest.fold(0.0_f64, |most, i| most.max(i.abs())) + 1.0e-6;
@@ -37,7 +54,15 @@ pub(super) fn dynamics(log: &Log, speeds: &[[f64; 2]], stretches: &[Stretch]) ->
         Some(_) => vec![angle, current],
         None => vec![angle],
     };
-    fit(&model, start, &scale, sigma, lags)
+    let whole = fit(&model, start.clone(), &scale, sigma.clone(), correlated)?;
+    let (found, told) = lag::set_apart(whole);
+    if told.early() {
+        // No lag but something else that would pull mass and resistance along.
+        model.lag_s = lag::NONE_S;
+        let without = fit(&model, start, &scale, sigma, correlated)?;
+        return Some((lag::set_apart(without).0, told));
+    }
+    Some((found, told))
 }
 
 /// Typical sizes: the inertias', dampings' and frictions' own of both sides.
@@ -56,56 +81,70 @@ impl Motion<'_> {
         if self.log.current.is_some() { 4 } else { 2 }
     }
 
-    fn states(
-        &self,
-        global: &[f64],
-        stretch: &Stretch,
-        local: &DVector<f64>,
-    ) -> Option<Vec<State>> {
-        let wheels = Wheels::new(global)?;
+    /// The system of these parameters.
+    fn wheels(&self, global: &[f64]) -> Option<Wheels> {
+        let emf = [0, 1].map(|i| match (self.stated[i], &self.log.current) {
+            (Some(stated), _) => stated,
+            (None, Some(_)) => motor::measured(global, i),
+            // Nine tenths and more in gear motors; the rest enters times the lag only.
+            (None, None) => global[4 + i],
+        });
+        Wheels::new(global, emf, lag::of(global))
+    }
+
+    fn states(&self, wheels: &Wheels, stretch: &Stretch, local: &DVector<f64>) -> Vec<State> {
         let mut state = State {
             angle: Vector2::new(local[0], local[1]),
             speed: Vector2::new(local[2], local[3]),
+            // Jumps before a stretch are forgotten within a row or two.
+            left: Vector2::zeros(),
         };
         let mut states = Vec::with_capacity(stretch.last - stretch.first + 1);
         let mut step = None;
         states.push(state);
         for row in stretch.first..stretch.last {
             let solution = wheels.step_like(step, self.log.t[row + 1] - self.log.t[row]);
-            state = wheels.advance(&solution, state, self.log.command[row], stretch.sign);
+            let u = self.log.command[row];
+            // No stretch begins at the first row.
+            state = wheels.switched(state, self.log.command[row - 1], u);
+            state = wheels.advance(&solution, state, u, stretch.sign);
             step = Some(solution);
             states.push(state);
         }
-        Some(states)
+        states
     }
 
     /// Predicted angles and currents, sample by sample.
-    fn predicted(&self, global: &[f64], stretch: &Stretch, states: &[State]) -> DVector<f64> {
-        let with_current = self.log.current.is_some();
+    fn predicted(
+        &self,
+        global: &[f64],
+        stretch: &Stretch,
+        local: &DVector<f64>,
+    ) -> Option<DVector<f64>> {
+        let wheels = self.wheels(global)?;
+        let states = self.states(&wheels, stretch, local);
         let mut rows = Vec::with_capacity(self.per_sample() * states.len());
         for (row, state) in (stretch.first..).zip(states) {
             rows.extend(state.angle.iter());
-            if with_current {
+            if self.log.current.is_some() {
                 // Measured with the angles, before the row's own command: that of the row before.
                 let u = self.log.command[row - 1];
+                let acceleration = wheels.acceleration(state.speed, u, stretch.sign);
                 rows.extend([0, 1].map(|i| {
-                    let (alpha, beta) = (global[DYNAMIC + 2 * i], global[DYNAMIC + 2 * i + 1]);
-                    alpha * u[i] - beta * state.speed[i]
+                    let acts = u[i] + state.left[i];
+                    motor::current(global, i, acts, state.speed[i], acceleration[i])
                 }));
             }
         }
-        DVector::from_vec(rows)
+        Some(DVector::from_vec(rows))
     }
 
     fn simulated(&self, global: &[f64], stretch: &Stretch, local: &DVector<f64>) -> DVector<f64> {
-        match self.states(global, stretch, local) {
-            Some(states) => self.predicted(global, stretch, &states),
+        self.predicted(global, stretch, local).unwrap_or_else(|| {
             // No system: no sum of squares, so the step is refused.
-            None => {
-                let samples = stretch.last - stretch.first + 1;
-                DVector::from_element(self.per_sample() * samples, f64::NAN)
-            }
-        }
+            let samples = stretch.last - stretch.first + 1;
+            DVector::from_element(self.per_sample() * samples, f64::NAN)
+        })
     }
 
     fn measured(&self, stretch: &Stretch) -> DVector<f64> {
@@ -122,20 +161,22 @@ impl Motion<'_> {
         let per = self.per_sample();
         let samples = stretch.last - stretch.first + 1;
         let mut rows = DMatrix::zeros(per * samples, 4);
-        let Some(wheels) = Wheels::new(global) else {
+        let Some(wheels) = self.wheels(global) else {
             return rows;
         };
         let (mut angle, mut speed) = (Matrix2::zeros(), Matrix2::identity());
         let mut step = None;
         for sample in 0..samples {
+            let rate = wheels.rate() * speed;
             for i in 0..2 {
                 let at = per * sample + i;
                 rows[(at, i)] = 1.0;
                 rows.view_mut((at, 2), (1, 2)).copy_from(&angle.row(i));
                 if per > 2 {
-                    let beta = global[DYNAMIC + 2 * i + 1];
-                    rows.view_mut((at + 2, 2), (1, 2))
-                        .copy_from(&(-beta * speed.row(i)));
+                    let part = |by: f64, rate: f64| motor::current(global, i, 0.0, by, rate);
+                    for side in 0..2 {
+                        rows[(at + 2, 2 + side)] = part(speed[(i, side)], rate[(i, side)]);
+                    }
                 }
             }
             let row = stretch.first + sample;
@@ -171,6 +212,10 @@ impl Model for Motion<'_> {
         }
     }
 
+    fn prior(&self, count: usize) -> DVector<f64> {
+        lag::prior(count, self.lag_s)
+    }
+
     fn start(&self, window: usize) -> DVector<f64> {
         let first = self.stretches[window].first;
         let (angle, speed) = (self.log.angle[first], self.speeds[first]);
@@ -187,7 +232,7 @@ impl Model for Motion<'_> {
         let here = self.simulated(global.as_slice(), stretch, local);
         let mut by_global = DMatrix::zeros(here.len(), global.len());
         let mut moved = global.clone();
-        for i in 0..DYNAMIC {
+        for i in 0..global.len() {
             // One-sided: error 1e-6 of the derivative, rounding 1e-8; only the way to the minimum
             // and the intervals see it, and those to 1e-6 of their width.
             let step = 1.0e-6 * self.scale[i];
@@ -196,33 +241,10 @@ impl Model for Motion<'_> {
             by_global.set_column(i, &((there - &here) / step));
             moved[i] = global[i];
         }
-        if global.len() == WITH_CURRENT {
-            self.by_current(global.as_slice(), stretch, local, &mut by_global);
-        }
         Linear {
             residual: here - self.measured(stretch),
             global: by_global,
             local: self.by_start(global.as_slice(), stretch),
-        }
-    }
-}
-
-impl Motion<'_> {
-    /// Derivatives of the currents by alpha and beta.
-    fn by_current(
-        &self,
-        global: &[f64],
-        stretch: &Stretch,
-        local: &DVector<f64>,
-        out: &mut DMatrix<f64>,
-    ) {
-        let states = self.states(global, stretch, local).unwrap_or_default();
-        for (sample, state) in states.iter().enumerate() {
-            let u = self.log.command[stretch.first + sample - 1];
-            for i in 0..2 {
-                out[(4 * sample + 2 + i, DYNAMIC + 2 * i)] = u[i];
-                out[(4 * sample + 2 + i, DYNAMIC + 2 * i + 1)] = -state.speed[i];
-            }
         }
     }
 }

@@ -15,9 +15,13 @@ pub(super) const LAGS: usize = 2;
 pub(super) const TYPICAL_S: f64 = 1.0e-3;
 /// Standard deviation of a lag about 0 before anything is known \[s\]: L/R of small motors is 0.1 to
 /// 1 ms, PWM holds a command back by its period of 0.05 to 0.1 ms, a driver's loop by 1 ms or two.
-/// A good drive shows the lag to 0.02 ms, which this moves by less than 1e-4 of its deviation; where
-/// a drive shows none, it keeps what a lag can do to mass and friction within reason.
-const BEFORE_S: f64 = 2.0e-3;
+/// A good drive shows a lag to 0.02 ms: that of 1 ms is moved by less than a hundredth of that. Where
+/// a drive shows none, what a lag can do to mass and friction stays within reason.
+pub(super) const BEFORE_S: f64 = 2.0e-3;
+/// The same where there shall be none: a tenth of what good drives show.
+pub(super) const NONE_S: f64 = 1.0e-6;
+/// Angles may be sampled this much after their row's time \[s\], so that motors seem early.
+const SAMPLED_S: f64 = 1.0e-4;
 
 /// Lags \[s\], their standard deviations.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +36,10 @@ pub(super) fn of(global: &[f64]) -> [f64; LAGS] {
     [global[first], global[first + 1]]
 }
 
-/// What is known before of `count` parameters of the motion: inverse variances.
-pub(super) fn prior(count: usize) -> DVector<f64> {
-    let known = 1.0 / (BEFORE_S * BEFORE_S);
+/// What is known before of `count` parameters of the motion, the lags to `deviation` \[s\] about 0:
+/// inverse variances.
+pub(super) fn prior(count: usize, deviation: f64) -> DVector<f64> {
+    let known = 1.0 / (deviation * deviation);
     DVector::from_fn(count, |i, _| if i + LAGS < count { 0.0 } else { known })
 }
 
@@ -88,6 +93,24 @@ fn covariance(h: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Lags {
+    /// Whether a motor moves its wheel before its command, which is no lag: by more than angles are
+    /// sampled late, and not by chance.
+    pub(super) fn early(&self) -> bool {
+        (0..LAGS).any(|i| self.value[i] + SAMPLED_S + 3.0 * self.deviation[i] < 0.0)
+    }
+
+    /// What makes that doubtful.
+    pub(super) fn warning(&self) -> Option<String> {
+        let least = self.value[0].min(self.value[1]);
+        self.early().then(|| {
+            format!(
+                "wheels move {:.1} ms before their commands: tyres that give, a slope, or commands or angles \
+                 of another time than their row's; motors are taken as without lag",
+                -1.0e3 * least
+            )
+        })
+    }
+
     /// Those that the log shows, to half of what was known before at least.
     pub(super) fn entries(&self, quantile: f64) -> Vec<Entry> {
         let shown = |i: usize| {
@@ -98,7 +121,8 @@ impl Lags {
             };
             let meaning = "from command to torque: winding and driver";
             let name = format!("lag_{}", SIDES[i]);
-            (half_width <= VAGUE * BEFORE_S).then(|| entry(&name, "s", meaning, verdict))
+            (!self.early() && half_width <= VAGUE * BEFORE_S)
+                .then(|| entry(&name, "s", meaning, verdict))
         };
         (0..LAGS).filter_map(shown).collect()
     }

@@ -5,7 +5,8 @@
 //! | --- | --- |
 //! | read the log | [`log`] |
 //! | radii and track from poses: dead reckoning with free start poses | `kinematics` |
-//! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `start`, `dynamics` |
+//! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `motor`, `start`, `dynamics` |
+//! | the motors' lags, told beside the rest | `lag` |
 //! | both are least squares; residuals that are correlated tell less | `fit`, `correlation` |
 //! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
 //! | what cannot be told, and what would tell it | [`structure`], `verdict`, `products` |
@@ -19,7 +20,9 @@ mod direct;
 mod dynamics;
 mod fit;
 mod kinematics;
+mod lag;
 pub mod log;
+mod motor;
 mod physics;
 mod products;
 pub mod profile;
@@ -147,7 +150,7 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
     let speeds = stretches::speeds(log);
     let used = stretches::stretches(log, &speeds, options.slow_rad_s);
     let poses = kinematics::kinematics(log, options.latency_s);
-    let motion = dynamics::dynamics(log, &speeds, &used);
+    let (motion, lags) = dynamics::dynamics(log, &options.known, &speeds, &used).unzip();
     if let Some(fit) = &poses {
         for (i, side) in SIDES.into_iter().enumerate() {
             // Not by chance: three standard deviations.
@@ -176,6 +179,6 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         &combined,
         &driven,
         poses.as_ref(),
-        motion.as_ref(),
+        motion.as_ref().zip(lags.as_ref()),
     ))
 }

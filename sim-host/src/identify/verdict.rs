@@ -3,6 +3,7 @@
 use super::combine::Combined;
 use super::fit::Fit;
 use super::kinematics::WINDOW_S;
+use super::lag::Lags;
 use super::log::{Drive, Log};
 use super::products::combinations;
 use super::quantity::Quantity;
@@ -81,8 +82,9 @@ pub(super) fn judge(
     found: &Combined,
     driven: &Driven,
     poses: Option<&Fit>,
-    motion: Option<&Fit>,
+    motion: Option<(&Fit, &Lags)>,
 ) -> Identified {
+    let (motion, lags) = motion.unzip();
     let fits = [poses, motion];
     let freedom = fits.iter().flatten().map(|fit| fit.freedom);
     let quantile = quantile(freedom.fold(1.0e6, |least, f| if f < least { f } else { least }));
@@ -105,11 +107,14 @@ pub(super) fn judge(
             verdict,
         ));
     }
-    let combinations = combinations(given, found, quantile, &mut quantities);
+    let mut combinations = combinations(given, found, quantile, &mut quantities);
+    combinations.extend(lags.into_iter().flat_map(|lags| lags.entries(quantile)));
+    let mut warnings = warnings(found, driven, motion);
+    warnings.extend(lags.and_then(Lags::warning));
     Identified {
         quantities,
         combinations,
-        warnings: warnings(found, driven, motion),
+        warnings,
         stretches: driven.stretches,
         pose_windows: poses.map_or(0, |fit| fit.windows),
     }

@@ -106,6 +106,24 @@ fn reversed_signs_are_named() {
     ));
 }
 
+#[test]
+fn commands_of_another_row_are_reported() {
+    let mut log = recorded(recommended);
+    // Each a row later than it acted: wheels move 10 ms before.
+    log.command.rotate_right(1);
+    let found = identify(&log, &options()).expect("signs agree");
+    assert!(
+        found
+            .warnings
+            .iter()
+            .any(|w| w.contains("before their commands")),
+        "{:?}",
+        found.warnings
+    );
+    let told = found.combinations.iter().any(|e| e.name.contains("lag"));
+    assert!(!told, "{:?}", found.combinations);
+}
+
 fn refused(header: &str, bad: &str) -> LogError {
     let rows: String = (0..30)
         .map(|k| format!("{},0.1,0.1,{k},{k},,,\n", 0.01 * f64::from(k)))

@@ -1,6 +1,6 @@
 //! From a wrong file and a log to the file of the true robot.
 
-use crate::plant::{record, without_lag};
+use crate::plant::record;
 use crate::robot::recommended;
 use Quantity as Q;
 use sim_host::drive::Base;
@@ -54,8 +54,6 @@ fn a_wrong_file_becomes_that_of_the_true_robot() {
     let hardware = truth.hardware.expect("motors");
     let mut params = hardware.world().params(&truth.robot);
     params.noise.current_a = 0.05;
-    // The model has no windings, and these motors settle in 20 ms: 0.5 ms of lag is 3 % of mass.
-    without_lag(&mut params);
     let log = record(&params, 11, 25.0, recommended);
     let options = Options {
         latency_s: 0.02,
