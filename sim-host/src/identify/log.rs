@@ -9,7 +9,7 @@ use std::io::Read;
 pub enum Drive {
     /// Wheel torques \[N m\], as a torque-controlled drive delivers them.
     Torque,
-    /// Motor voltages \[V\]: as logged, or duty times the logged supply.
+    /// Motor voltages \[V\]: as logged, or duty times the supply of the next row, which is that under this duty.
     Voltage,
     /// Duty, -1 to 1, of a supply that the log does not have.
     Duty,
@@ -223,8 +223,14 @@ fn commands(sheet: &Sheet) -> Result<(Drive, Vec<[f64; 2]>), LogError> {
     if !sheet.has(&["supply"])? {
         return Ok((Drive::Duty, command));
     }
-    for (row, pair) in sheet.rows.iter().zip(&mut command) {
-        let supply = sheet.number(row, "supply")?;
+    let supplies: Vec<f64> = sheet
+        .rows
+        .iter()
+        .map(|row| sheet.number(row, "supply"))
+        .collect::<Result<_, _>>()?;
+    // Measured in a row under the command of the row before, by which a battery sags.
+    let under = supplies.iter().skip(1).chain(supplies.last());
+    for (pair, supply) in command.iter_mut().zip(under) {
         *pair = pair.map(|duty| duty * supply);
     }
     Ok((Drive::Voltage, command))

@@ -175,3 +175,17 @@ fn statements_are_checked() {
         assert!(matches!(state(bad), Err(KnownError::Value { .. })), "{bad}");
     }
 }
+
+/// A battery sags under a duty by what the row after it measures; of the last row nobody knows.
+#[test]
+fn a_duty_counts_with_the_supply_under_it() {
+    let mut text = "t,duty_right,duty_left,supply,angle_right,angle_left\n".to_owned();
+    for row in 0..20 {
+        let (t, duty, supply) = (0.02 * f64::from(row), 0.5, 20 - row);
+        text += &format!("{t},{duty},{},{supply},0,0\n", -duty);
+    }
+    let log = Log::read(text.as_bytes(), None).expect("a sound log");
+    let under: Vec<_> = log.command.iter().map(|[right, _]| 2.0 * right).collect();
+    let next: Vec<_> = (1..20).rev().chain([1]).map(f64::from).collect();
+    assert_eq!(under, next);
+}

@@ -98,8 +98,8 @@ pub fn without_lag(params: &mut WorldParams) {
     }
 }
 
-/// Records `drive_of(t)`, duties, for `duration_s` as a driver would: what it measures, and as voltage
-/// the duty times the supply that it measured before.
+/// Records `drive_of(t)`, duties, for `duration_s` as a driver would: what it measures, and as voltage, as
+/// [`sim_host::identify`] does, the duty times the supply that it measures under it.
 pub fn record(
     params: &WorldParams,
     seed: u64,
@@ -140,11 +140,11 @@ pub fn record(
         log.current
             .iter_mut()
             .for_each(|currents| currents.push(world.currents()));
-        log.command
-            .push([right, left].map(|duty| duty * world.supply_v()));
         let dt_us = world.next_tick_us((1.0e6 * PERIOD) as u32);
         world
             .advance(&Actuation::Duty { right, left }, dt_us)
             .expect("a duty within -1 to 1");
+        log.command
+            .push([right, left].map(|duty| duty * world.supply_v()));
     }
 }
