@@ -104,6 +104,10 @@ pub struct Odometry<T> {
     right: Wheel<T>,
     left: Wheel<T>,
     pose: Pose<T>,
+    /// Turn to add per way \[rad/m\], as a localiser has learnt it.
+    bend: T,
+    /// Way of the last call \[m\].
+    travel: T,
 }
 
 impl<T: Scalar> Odometry<T> {
@@ -137,6 +141,8 @@ impl<T: Scalar> Odometry<T> {
             right: Wheel::default(),
             left: Wheel::default(),
             pose,
+            bend: T::ZERO,
+            travel: T::ZERO,
         }
     }
 
@@ -167,7 +173,9 @@ impl<T: Scalar> Odometry<T> {
         self.counts = counts;
         let right = T::from_i32(moved.0) * self.right_per_count;
         let left = T::from_i32(moved.1) * self.left_per_count;
-        let (travel, turn) = (T::HALF * (right + left), (right - left) / self.track);
+        let travel = T::HALF * (right + left);
+        let turn = (right - left) / self.track + self.bend * travel;
+        self.travel = travel;
         let half_turn = T::HALF * turn;
         let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
         let chord = travel * sinc::<T, M>(half_turn);
@@ -191,13 +199,24 @@ impl<T: Scalar> Odometry<T> {
         };
         let right = self.right.track(&right, self.bandwidth);
         let left = self.left.track(&left, self.bandwidth);
+        let linear = T::HALF * (right + left);
         Measured {
             pose: self.pose,
             twist: Twist {
-                linear: T::HALF * (right + left),
-                angular: (right - left) / self.track,
+                linear,
+                angular: (right - left) / self.track + self.bend * linear,
             },
         }
+    }
+
+    /// From now on adds so much turn per way \[rad/m\].
+    pub(crate) const fn bend(&mut self, bend: T) {
+        self.bend = bend;
+    }
+
+    /// Way of the last call, backward negative \[m\].
+    pub(crate) const fn travel(&self) -> T {
+        self.travel
     }
 
     /// Puts the robot elsewhere on the map. Speeds, and with them the torques' damping, carry on.

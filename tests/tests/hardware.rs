@@ -2,6 +2,7 @@
 
 mod base;
 mod faults;
+mod localiser_bend;
 mod localiser_fusion;
 mod localiser_gate;
 mod localiser_params;

@@ -90,6 +90,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 cause: supervisor.cause(),
                 measured: None,
                 blind: false,
+                bend: T::ZERO,
                 fix: FixOutcome::Absent,
                 findings: Findings::NONE,
                 refused: false,
@@ -114,6 +115,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                     fix_age_s: None,
                     jumped: false,
                     blind: true,
+                    bend: self.report.bend,
                 }
             }
         };
@@ -144,6 +146,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             cause: self.supervisor.cause(),
             measured: located.measured,
             blind: located.blind,
+            bend: located.bend,
             fix: located.fix,
             findings,
             refused,

@@ -20,6 +20,9 @@ pub struct BaseReport<T> {
     pub measured: Option<Measured<T>>,
     /// They are extrapolated: the encoders gave nothing in this tick.
     pub blind: bool,
+    /// Turn that odometry adds per way, as external poses taught it \[rad/m\]: wheels of other radii than stated. See
+    /// [`Estimate::bend`](crate::localiser::Estimate::bend).
+    pub bend: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
     /// Faults found in this tick, ridden out or not.

@@ -9,6 +9,8 @@
 //!   map of today: neither its age nor corrections since then are mistaken for errors.
 //! * A share of the innovation is taken, by the stated bandwidth, and spread over the time between
 //!   fixes. A heading correction turns the robot where it stands, and not the world about its origin.
+//! * Headings that are off on the way, always to the same side, tell that the wheels are not as large as stated:
+//!   odometry learns to bend its way by so much, and keeps it where no fix comes.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -38,6 +40,7 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 
+mod bend;
 mod fusion;
 mod history;
 mod noise;
@@ -105,6 +108,9 @@ pub struct Estimate<T> {
     pub measured: Measured<T>,
     /// What became of the fix.
     pub fix: FixOutcome<T>,
+    /// Turn that odometry adds per way, learnt from the headings of fixes \[rad/m\]: wheels of other radii than
+    /// stated. At most 2 `drift`/track, where it stays if odometry is worse than that; 0 without fusion.
+    pub bend: T,
     /// The pose was set: the caller tells the controller by `declare_jump`.
     pub jumped: bool,
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
@@ -184,6 +190,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
+        self.odometry.bend(self.correction.bend.value);
         let measured = self.odometry.update_with_accel::<M>(counts, dt, accel);
         let Some(fusion) = &self.localisation.fusion else {
             return Ok(Estimate {
@@ -195,6 +202,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             });
         };
         self.history.push(measured.pose, dt);
+        self.correction.bend.drive(self.odometry.travel());
         self.correction
             .advance::<M>(fusion, &before, &measured.pose, dt);
         let outcome = match fix {
@@ -214,6 +222,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             },
             fix: outcome,
             jumped: outcome == FixOutcome::Relocalised,
+            bend: self.correction.bend.value,
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
         })
@@ -252,6 +261,11 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
     pub fn fix_age_s(&self) -> T {
         self.correction.fix_age_s
+    }
+
+    /// Turn that odometry adds per way \[rad/m\]; see [`Estimate::bend`].
+    pub const fn bend(&self) -> T {
+        self.correction.bend.value
     }
 
     /// The parameters in use.

@@ -1,5 +1,6 @@
 //! Parameters of the localiser: plain data, validated once.
 
+use super::bend::Learning;
 use super::parking::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
@@ -24,7 +25,8 @@ pub struct FusionParams<T> {
     pub gate: T,
     /// Outliers in a row that agree with each other and so are right, 2 to 100.
     pub relocalise_after: u8,
-    /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate.
+    /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate, and bounds
+    /// the bend that is learnt: [`Estimate::bend`](super::Estimate::bend).
     pub drift: T,
     /// How fast a wheel may slide over the floor \[m/s\], 0 (never) to 100: outliers may move by that
     /// beside odometry and still agree.
@@ -172,6 +174,7 @@ pub(super) struct Fusion<T> {
     pub(super) drift: T,
     pub(super) slide: T,
     pub(super) two_per_track: T,
+    pub(super) learning: Learning<T>,
     pub(super) stale_s: T,
 }
 
@@ -193,14 +196,17 @@ pub(super) struct Channel<T> {
 impl<T: Scalar> Fusion<T> {
     fn new<M: Maths<T>>(params: &FusionParams<T>, track: T) -> Self {
         let channel = |noise, bandwidth| Channel::new::<M>(params, noise, bandwidth);
+        let heading = channel(params.noise_rad, params.heading_bandwidth);
+        let two_per_track = (T::ONE + T::ONE) / track;
         Self {
             position: channel(params.noise_m, params.bandwidth),
-            heading: channel(params.noise_rad, params.heading_bandwidth),
+            learning: Learning::new(heading.gain, params.noise_rad, params.drift * two_per_track),
+            heading,
             spread: params.rate_hz,
             relocalise_after: params.relocalise_after,
             drift: params.drift,
             slide: params.slide_m_s,
-            two_per_track: (T::ONE + T::ONE) / track,
+            two_per_track,
             stale_s: params.stale_s,
         }
     }
