@@ -58,11 +58,11 @@ fn too_slow_everywhere() -> Result<(), Box<dyn Error>> {
 #[test]
 fn stiff_across_on_slow_loops() -> Result<(), Box<dyn Error>> {
     let tuned = tuned(|key| match key {
-        "heading" | "across" => 4.0,
-        "speed_loop" | "turn_loop" => 0.4,
+        "heading" | "across" => 6.0,
+        "speed_loop" | "turn_loop" => 0.3,
         _ => 1.0,
     })?;
-    is_better("heading, across x4, loops x0.4", &tuned, 0.2);
+    is_better("heading, across x6, loops x0.3", &tuned, 0.2);
     Ok(())
 }
 
