@@ -6,7 +6,7 @@ use crate::maths::Maths;
 use crate::range::within;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
-use crate::types::{Accel, Measured, Pose, Twist};
+use crate::types::{Accel, Measured, Pose, Twist, WheelSpeeds};
 use crate::wheels::WheelGeometry;
 
 mod speed;
@@ -93,7 +93,8 @@ impl<T: Scalar> OdometryParams<T> {
 /// estimate has no steady error at constant speed and no ripple either, at a count in many ticks as
 /// well as at many in one. Changes of speed that no acceleration told of arrive 2/bandwidth late, or
 /// 1.3 times the time between counts, where that is longer; a wheel that has stopped reads at
-/// most one count per time since the next was due, and soon exactly 0.
+/// most one count per time since the next was due, and soon exactly 0. A torque that friction holds moves nothing:
+/// an acceleration that a missing count refutes is not believed until the wheel rolls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odometry<T> {
     right_per_count: T,
@@ -108,6 +109,8 @@ pub struct Odometry<T> {
     bend: T,
     /// Way of the last call \[m\].
     travel: T,
+    /// Angle that a wheel turns per travel of its rim \[rad/m\]: right, left.
+    per_metre: (T, T),
 }
 
 impl<T: Scalar> Odometry<T> {
@@ -132,9 +135,12 @@ impl<T: Scalar> Odometry<T> {
     ) -> Self {
         let (wheels, calibration) = (&params.wheels, &params.calibration);
         let radians_per_count = (T::PI + T::PI) / params.counts_per_turn;
+        let right_m = wheels.radius_right_m * calibration.right;
+        let left_m = wheels.radius_left_m * calibration.left;
         Self {
-            right_per_count: wheels.radius_right_m * calibration.right * radians_per_count,
-            left_per_count: wheels.radius_left_m * calibration.left * radians_per_count,
+            right_per_count: right_m * radians_per_count,
+            left_per_count: left_m * radians_per_count,
+            per_metre: (T::ONE / right_m, T::ONE / left_m),
             track: params.track_m(),
             bandwidth: params.bandwidth,
             counts,
@@ -217,6 +223,15 @@ impl<T: Scalar> Odometry<T> {
     /// Way of the last call, backward negative \[m\].
     pub(crate) const fn travel(&self) -> T {
         self.travel
+    }
+
+    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt bend adds to the turn rate is
+    /// no turning of a motor.
+    pub fn wheel_speeds(&self) -> WheelSpeeds<T> {
+        WheelSpeeds {
+            right: self.right.speed() * self.per_metre.0,
+            left: self.left.speed() * self.per_metre.1,
+        }
     }
 
     /// Puts the robot elsewhere on the map. Speeds, and with them the torques' damping, carry on.

@@ -6,7 +6,7 @@ use crate::localiser::{Estimate, FixOutcome, Localisation, Localiser};
 use crate::maths::Maths;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
-use crate::types::{Accel, Measured, Pose};
+use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 
 /// The localiser, and what it needs across ticks without a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,12 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             last: None,
             set: false,
         }
+    }
+
+    /// Speeds at which the wheels turn \[rad/s\]; of the last reading where there is no new one.
+    pub(super) fn wheel_speeds(&self) -> WheelSpeeds<T> {
+        let localiser = self.localiser.as_ref();
+        localiser.map_or_else(WheelSpeeds::default, Localiser::wheel_speeds)
     }
 
     /// With other parameters, where the last one was.

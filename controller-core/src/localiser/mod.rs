@@ -55,7 +55,7 @@ use crate::hal::WheelCounts;
 use crate::maths::Maths;
 use crate::odometry::Odometry;
 use crate::scalar::Scalar;
-use crate::types::{Accel, Measured, Pose};
+use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 use fusion::Correction;
 use history::History;
 
@@ -247,6 +247,11 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             self.odometry.set_pose(pose);
         }
         self.correction.set(pose);
+    }
+
+    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\].
+    pub fn wheel_speeds(&self) -> WheelSpeeds<T> {
+        self.odometry.wheel_speeds()
     }
 
     /// The pose of the last update.

@@ -9,11 +9,19 @@ use crate::scalar::Scalar;
 /// accelerations has a torque ripple of 3.2, 2.0, 2.1, 2.6 % of its limit.
 const PER_COUNT: f64 = 1.5;
 
-/// Longest time between counts that slows the loop \[s\]: from rest, the second count is believed.
+/// Longest time between counts that slows the loop \[s\].
 const LONGEST_S: f64 = 0.2;
+
+/// A wheel without a count for this long rests \[s\]: it is slower than two counts a second, 0.6 mm/s on the
+/// coarsest of the example bases, a twentieth of what counts as rest for the supervisor.
+const REST_S: f64 = 0.5;
 
 /// Below this many counts a second, and with a count overdue, a wheel stands.
 const STANDS: f64 = 0.01;
+
+/// Counts in one direction that show that a wheel rolls. One comes of a tyre that swings about an edge; false edges,
+/// one in some 10 s with brushes beside the wires, add one or rarely two.
+const ROLLS: i32 = 4;
 
 /// Wheel travel \[m\] and its rate \[m/s\], estimated by a second-order loop inside a count.
 ///
@@ -28,6 +36,12 @@ const STANDS: f64 = 0.01;
 /// ```
 ///
 /// A prediction that has left its count while none came is overdue by t: the speed is at most q/t.
+///
+/// A wheel at rest may be held by static friction, which takes the torque and turns nothing. Where a
+/// count should have come and did not, the acceleration that predicted it is refuted: up to that size,
+/// in both directions (friction holds alike), no acceleration is believed until the wheel rolls, which
+/// [`ROLLS`] counts in one direction show, none of them [`REST_S`] after the last. Otherwise torque and speed estimate support each other at rest:
+/// a held torque F reads as a speed of 2 F/(m ω), against which the velocity loop holds another torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Wheel<T> {
     /// Measured minus estimated travel: kept instead of both, so that it never grows. Within half a
@@ -39,6 +53,10 @@ pub(super) struct Wheel<T> {
     since: T,
     /// For how long a count has been expected \[s\].
     overdue: T,
+    /// Single counts in a row without a rest between them; negative backward.
+    streak: i32,
+    /// Largest acceleration that friction has held since the wheel rolled \[m/s²\], ≥ 0.
+    held: T,
 }
 
 /// What a wheel did in a tick.
@@ -52,6 +70,11 @@ pub(super) struct Turned<T> {
 }
 
 impl<T: Scalar> Wheel<T> {
+    /// The speed at the end of the last tick \[m/s\].
+    pub(super) const fn speed(&self) -> T {
+        self.speed
+    }
+
     /// The speed at the end of the tick \[m/s\]. The loop is solved implicitly: stable for every ω dt.
     pub(super) fn track(&mut self, turned: &Turned<T>, bandwidth: T) -> T {
         let f = T::from_f64;
@@ -61,7 +84,8 @@ impl<T: Scalar> Wheel<T> {
             accel,
             dt,
         } = turned;
-        self.count(counts, dt);
+        let first = self.count(counts, dt);
+        let accel = beyond_held(accel, self.held);
         let omega = bandwidth_between(self.period, bandwidth);
         let a = omega * dt;
         let one_plus = T::ONE + a;
@@ -69,9 +93,15 @@ impl<T: Scalar> Wheel<T> {
         let ahead = dt * (self.speed + T::HALF * dt * accel);
         let error = self.lag + T::from_i32(counts) * per_count - ahead;
         let inside = clamp(error, T::HALF * per_count);
-        let beyond = error - inside;
+        // The first count after a rest says where the travel is, at the near edge of the new count, and nothing
+        // about a speed: it may be a false edge, or a tyre that gives.
+        let beyond = if first { T::ZERO } else { error - inside };
         let mut speed = self.speed + dt * accel + omega * (a * shrink) * beyond;
-        self.lag = error - beyond * (T::ONE - shrink);
+        self.lag = if first {
+            inside
+        } else {
+            error - beyond * (T::ONE - shrink)
+        };
         // Written so that a beyond of zero is not overdue.
         let waits = counts == 0 && beyond * ahead < T::ZERO;
         self.overdue = if waits { self.overdue + dt } else { T::ZERO };
@@ -81,31 +111,49 @@ impl<T: Scalar> Wheel<T> {
                 // A blow: the travel has stopped at the edge too, or it would be undone backwards.
                 speed = clamp(speed, most);
                 self.lag = inside;
+                if accel * ahead > T::ZERO {
+                    self.held += accel.abs();
+                }
             }
-            if speed.abs() < f(STANDS) * per_count {
+            // A wheel that is late is slow; it is not reversed.
+            if speed.abs() < f(STANDS) * per_count || speed * ahead < T::ZERO {
                 speed = T::ZERO;
+                self.lag = inside;
             }
         }
         self.speed = speed;
         speed
     }
 
-    /// Takes the time between counts. Several counts in a tick have come within it.
-    fn count(&mut self, counts: i32, dt: T) {
-        let longest = T::from_f64(LONGEST_S);
+    /// Takes the time between counts; several counts in a tick have come within it. Whether this is a single count
+    /// after a rest.
+    fn count(&mut self, counts: i32, dt: T) -> bool {
+        let (longest, rest) = (T::from_f64(LONGEST_S), T::from_f64(REST_S));
         let since = self.since + dt;
-        let since = if since < longest { since } else { longest };
+        let since = if since < rest { since } else { rest };
         if counts == 0 {
             self.since = since;
-        } else {
-            self.period = if counts == 1 || counts == -1 {
-                since
-            } else {
-                dt
-            };
-            self.since = T::ZERO;
+            return false;
         }
+        let single = counts == 1 || counts == -1;
+        let first = single && since >= rest;
+        let goes_on = !first && counts.signum() == self.streak.signum();
+        let streak = if goes_on { self.streak } else { 0 };
+        self.streak = streak.saturating_add(counts.signum());
+        let rolls = !single || self.streak.saturating_abs() >= ROLLS;
+        let period = if single { since } else { dt };
+        self.period = if period < longest { period } else { longest };
+        self.since = T::ZERO;
+        if rolls {
+            self.held = T::ZERO;
+        }
+        first
     }
+}
+
+/// The part of an acceleration that is beyond what friction has been seen to hold.
+fn beyond_held<T: Scalar>(accel: T, held: T) -> T {
+    accel - clamp(accel, held)
 }
 
 /// The smaller of the loop's bandwidth and what the counts allow \[rad/s\].

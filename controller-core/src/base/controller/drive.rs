@@ -92,7 +92,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         Ok(WheelAction::Drive(Drive {
             torques: report.torques,
             wanted: wheels.wheel_speeds(&report.command),
-            speeds: wheels.wheel_speeds(&measured.twist),
+            speeds: self.locator.wheel_speeds(),
         }))
     }
 
