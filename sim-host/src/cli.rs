@@ -2,6 +2,7 @@
 
 mod board;
 mod identify;
+mod seed;
 
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 
 pub use board::{Chip, Link, MonitorArgs};
 pub use identify::IdentifyArgs;
+pub use seed::SeedArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -157,9 +159,8 @@ Examples:
         /// Number of runs
         #[arg(long, value_name = "N", default_value = "1000")]
         runs: NonZeroU64,
-        /// Settles all that is random
-        #[arg(long, value_name = "S", default_value = "1")]
-        seed: u64,
+        #[command(flatten)]
+        seed: SeedArgs,
         /// Begin with this run, and write its trace
         #[arg(long, value_name = "K")]
         run: Option<u64>,
@@ -183,7 +184,8 @@ Examples:
     #[command(after_help = "\
 Examples:
   sim-host prove mine.toml
-  sim-host prove lab-10kg --seeds 50 --out results")]
+  sim-host prove lab-10kg --seeds 50 --out results
+  sim-host prove lab-10kg --seeds 556 --fresh      10,008 runs that nobody has seen")]
     Prove(ProveArgs),
     /// Write a robot's constants for a firmware
     ///

@@ -1,5 +1,6 @@
 //! Arguments for a robot of one's own.
 
+use crate::cli::SeedArgs;
 use clap::Args;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::PathBuf;
@@ -33,6 +34,8 @@ pub struct ProveArgs {
     /// Worlds that are drawn for each course and condition
     #[arg(long, value_name = "N", default_value = "10")]
     pub seeds: NonZeroU32,
+    #[command(flatten)]
+    pub seed: SeedArgs,
 }
 
 /// What is written for a firmware.

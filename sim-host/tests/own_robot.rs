@@ -65,7 +65,10 @@ fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
 fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn Error>> {
     let base = base("hobby-1kg")?;
     let seeds = NonZeroU32::MIN;
-    let (proof, again) = (prove(&base, seeds, || {})?, prove(&base, seeds, || {})?);
+    let (proof, again) = (
+        prove(&base, 0, seeds, || {})?,
+        prove(&base, 0, seeds, || {})?,
+    );
     assert_eq!(proof, again);
     assert_eq!((proof.runs.len(), proof.cases.len()), (18, 18));
     let good = proof
@@ -87,7 +90,7 @@ fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn E
 fn a_robot_that_does_not_know_where_it_is_fails() -> Result<(), Box<dyn Error>> {
     let mut base = base("hobby-1kg")?;
     base.hardware.as_mut().ok_or("no hardware")?.pose_source = None;
-    let proof = prove(&base, NonZeroU32::MIN, || {})?;
+    let proof = prove(&base, 0, NonZeroU32::MIN, || {})?;
     let far = proof.runs.iter().filter(|run| run.course != Course::Park);
     assert!(!proof.holds());
     for run in far {

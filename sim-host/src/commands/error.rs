@@ -37,6 +37,8 @@ pub enum CommandError {
     NoTrajectory(PathBuf),
     #[error("{0}: the robot did not park")]
     NotParked(String),
+    #[error("no fresh seed: {0}")]
+    Seed(#[from] getrandom::Error),
     #[error(transparent)]
     Figure(#[from] FigureError),
     #[error("{}: cannot be written: {cause}", path.display())]

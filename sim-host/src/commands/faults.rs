@@ -34,6 +34,7 @@ pub fn all(
     bar.finish_and_clear();
     let outcomes = outcomes?;
     let cells = cells(&outcomes, None);
+    say(&format!("seed {seed}\n"))?;
     say(&format!("{}\n", table(&cells)))?;
     say("beside: went on, and gave up beside the goal. \
          found within, meanwhile: the latest finding, and the longest way until then.\n\

@@ -16,6 +16,7 @@ use sim_host::prove::{Case, Proof, case_table, prove, runs, shortcoming, verdict
 struct Record<'a> {
     robot: &'a str,
     description: &'a str,
+    first_seed: u64,
     seeds: u32,
     passed: bool,
     cases: &'a [Case],
@@ -27,13 +28,15 @@ pub fn robot(arguments: &ProveArgs, output: &Output) -> Result<(), CommandError>
     let writer = Writer::new(output)?;
     // Hidden by itself where standard error is no terminal.
     let bar = ProgressBar::new(runs(arguments.seeds)).with_style(robustness::style());
-    let proof = prove(base, arguments.seeds, || bar.inc(1));
+    let seed = arguments.seed.draw()?;
+    let proof = prove(base, seed, arguments.seeds, || bar.inc(1));
     bar.finish_and_clear();
     let proof = proof?;
     say(&format!(
-        "{}: {}\n{}\n",
+        "{}: {}, worlds of seeds {seed} to {}\n{}\n",
         robot.name,
         base.name,
+        seed.wrapping_add(u64::from(arguments.seeds.get() - 1)),
         case_table(&proof)
     ))?;
     say(
@@ -46,6 +49,7 @@ pub fn robot(arguments: &ProveArgs, output: &Output) -> Result<(), CommandError>
     let record = Record {
         robot: &robot.file,
         description: &base.name,
+        first_seed: seed,
         seeds: arguments.seeds.get(),
         passed: proof.holds(),
         cases: &proof.cases,

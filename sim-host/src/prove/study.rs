@@ -2,6 +2,7 @@
 
 use super::{badness, grid, shortcoming};
 use crate::drive::{Base, DriveTrace, Mission};
+use crate::rate::Rate;
 use crate::rig::RigError;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
@@ -77,16 +78,22 @@ pub const fn runs(seeds: NonZeroU32) -> u64 {
     grid().len() as u64 * seeds.get() as u64
 }
 
-/// Runs every course under every condition, `seeds` times each with seeds 0, 1, ...; the same runs for
-/// any number of threads. `done` is called after each.
+/// Runs every course under every condition, `seeds` times each with seeds `first`, `first` + 1, ...; the same runs
+/// for any number of threads. `done` is called after each.
 ///
 /// # Errors
 /// A base or a world out of range.
-pub fn prove(base: &Base, seeds: NonZeroU32, done: impl Fn() + Sync) -> Result<Proof, ProveError> {
+pub fn prove(
+    base: &Base,
+    first: u64,
+    seeds: NonZeroU32,
+    done: impl Fn() + Sync,
+) -> Result<Proof, ProveError> {
     let cases = grid().into_par_iter().map(|(course, condition)| {
         let mission = course.mission(base);
         let seeds = (0..u64::from(seeds.get())).into_par_iter();
-        let runs = seeds.map(|seed| {
+        let runs = seeds.map(|k| {
+            let seed = first.wrapping_add(k);
             let (_, figures) = run(&mission, course, condition, seed)?;
             done();
             Ok(Run {
@@ -120,9 +127,31 @@ fn run(
 }
 
 impl Proof {
+    /// How many runs did not do all that is asked.
+    pub fn failures(&self) -> Rate {
+        let good: usize = self.cases.iter().map(|case| case.good).sum();
+        Rate {
+            failed: self.runs.len() - good,
+            runs: self.runs.len(),
+        }
+    }
+
+    /// The time within which a share of the runs of a course was parked \[s\]; infinite if fewer parked.
+    pub fn parked_within_s(&self, course: Course, share: f64) -> f64 {
+        let of_course = self.runs.iter().filter(|run| run.course == course);
+        let time = |run: &Run| match run.figures.parked {
+            true => run.figures.time_s,
+            false => f64::INFINITY,
+        };
+        let mut times: Vec<f64> = of_course.map(time).collect();
+        times.sort_by(f64::total_cmp);
+        let rank = (share * times.len() as f64).ceil().max(1.0) as usize;
+        times.get(rank - 1).copied().unwrap_or(f64::INFINITY)
+    }
+
     /// Whether every run did all that is asked.
     pub fn holds(&self) -> bool {
-        self.cases.iter().all(|case| case.good == case.runs)
+        self.failures().failed == 0
     }
 
     /// The worst run: one that did not park, if there is one, else the one farthest off.

@@ -2,6 +2,7 @@
 
 use super::study::{Case, Proof};
 use super::{DISTANCE_M, HEADING_RAD, RIPPLE, shortcoming};
+use crate::trials::Course;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 use std::collections::BTreeMap;
@@ -64,7 +65,7 @@ fn faults(case: &Case) -> String {
 
 /// PASS or FAIL, the criteria, and what failed how often.
 pub fn verdict(proof: &Proof) -> String {
-    let (mut reasons, total) = (BTreeMap::new(), proof.runs.len());
+    let mut reasons = BTreeMap::new();
     for reason in proof
         .runs
         .iter()
@@ -72,17 +73,29 @@ pub fn verdict(proof: &Proof) -> String {
     {
         *reasons.entry(reason).or_insert(0_usize) += 1;
     }
-    let failed: usize = reasons.values().sum();
-    let mut text = if failed == 0 {
-        format!("PASS: all of {total} runs")
+    let failures = proof.failures();
+    let mut text = if failures.failed == 0 {
+        format!(
+            "PASS: all of {} runs (failing: {failures}; 95 % confidence)",
+            failures.runs
+        )
     } else {
         let list = reasons
             .iter()
             .map(|(reason, count)| format!("{reason} {count}"));
         let list: Vec<_> = list.collect();
-        format!("FAIL: {failed} of {total} runs ({})", list.join(", "))
+        format!("FAIL: {failures} ({}; 95 % confidence)", list.join(", "))
     };
-    // Writing to a string does not fail.
+    for course in Course::ALL {
+        let within = |share| proof.parked_within_s(course, share);
+        let (half, most, all) = (within(0.5), within(0.99), within(1.0));
+        // Writing to a string does not fail.
+        let _ = write!(
+            text,
+            "\n{:10} half parked within {half:.1} s, 99 % within {most:.1} s, the last after {all:.1} s",
+            course.name()
+        );
+    }
     let _ = write!(
         text,
         "\nasked: parked, true error at most {:.0} mm and {:.0} mrad, torque ripple at rest below {:.0} %",

@@ -86,15 +86,22 @@ impl Score {
     }
 }
 
-/// What the linear loops lack of being healthy: for damping, pose delay, torque delay and mass 10 points
-/// times the share that is missing of [`controller_core::tuning::Concern`]'s thresholds; 20 more if a
-/// loop is unstable. 0 for healthy gains.
+/// Age of the poses that every loop of tuned gains survives \[s\]: twice the 60 ms of a camera that needs two frames
+/// (`world::presets`), and half a period of 20 Hz.
+pub const POSE_DELAY_S: f64 = 0.15;
+/// Delay of the torque that every loop of tuned gains survives \[s\]: ten ticks of 10 ms, twice the threshold of
+/// [`controller_core::tuning::Concern::ShortOfTorqueDelay`], so that half of it stays in hand.
+pub const TORQUE_DELAY_S: f64 = 0.1;
+
+/// What the linear loops lack of being healthy: for damping, [`POSE_DELAY_S`], [`TORQUE_DELAY_S`] and the mass of
+/// [`controller_core::tuning::Concern`] 10 points times the share that is missing; 20 more if a loop is unstable.
+/// 0 for healthy gains.
 pub fn health(gains: &MotionGains<f64>) -> f64 {
     let worst = margins::<f64, Libm>(gains).worst();
     let missing = [
         worst.damping / 0.4,
-        worst.pose_delay_s / 0.1,
-        worst.torque_delay_s / 0.05,
+        worst.pose_delay_s / POSE_DELAY_S,
+        worst.torque_delay_s / TORQUE_DELAY_S,
         worst.heavier / 2.0,
     ];
     let missing = missing.iter().map(|share| (1.0 - share).clamp(0.0, 1.0));
