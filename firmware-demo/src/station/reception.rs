@@ -17,6 +17,8 @@ pub struct Reception<'queue> {
     requests: Sender<'queue, Request, REQUESTS>,
     answers: Receiver<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
+    /// Of the last command on its way to the tick.
+    number: u32,
     /// Changes of state when the present trajectory began.
     trajectory: u32,
 }
@@ -34,15 +36,17 @@ impl<'queue> Reception<'queue> {
             requests,
             answers,
             shared,
+            number: 0,
             trajectory: 0,
         }
     }
 
-    /// Takes one byte from the line. Some commands are answered here, the others by the tick.
+    /// Takes one byte from the line. Stops and some other commands are answered here, the others by the tick.
     pub fn push(&mut self, byte: u8, stack_bytes: impl FnOnce() -> u32) -> Option<Answer> {
-        let Ok(Frame { sequence, message }) = self.decoder.push(byte)? else {
+        let Ok(frame) = self.decoder.push(byte)? else {
             return None;
         };
+        let Frame { sequence, message } = frame;
         let frames = self.decoder.counters();
         self.shared.frames.store(frames.good, Ordering::Relaxed);
         let answer = match message {
@@ -55,8 +59,17 @@ impl<'queue> Reception<'queue> {
                 stack_bytes: stack_bytes(),
             }),
             Command::Sample(sample) => outcome(self.sample(&sample)),
-            _ if self.requests.send(Frame { sequence, message }) => return None,
-            _ => Telemetry::Nack(RejectReason::Full),
+            command => {
+                self.number = self.number.wrapping_add(1);
+                let number = self.number;
+                if self.shared.stops.take(&command, number) {
+                    Telemetry::Ack
+                } else if self.requests.send(Request { number, frame }) {
+                    return None;
+                } else {
+                    Telemetry::Nack(RejectReason::Full)
+                }
+            }
         };
         Some(Frame {
             sequence,
