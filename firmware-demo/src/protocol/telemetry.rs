@@ -36,7 +36,7 @@ pub struct Counters {
     pub frames_good: u32,
     /// Rejected frames.
     pub frames_rejected: u32,
-    /// Reports that found the telemetry queue full.
+    /// Reports and answers that found their queue full.
     pub reports_dropped: u32,
     /// Ticks that started late.
     pub overruns: u32,

@@ -19,6 +19,8 @@ pub struct Reception<'queue> {
     shared: &'queue Shared,
     /// Of the last command on its way to the tick.
     number: u32,
+    /// Answers that found no room on their way to the line.
+    dropped: u32,
     /// Changes of state when the present trajectory began.
     trajectory: u32,
 }
@@ -37,6 +39,7 @@ impl<'queue> Reception<'queue> {
             answers,
             shared,
             number: 0,
+            dropped: 0,
             trajectory: 0,
         }
     }
@@ -54,7 +57,11 @@ impl<'queue> Reception<'queue> {
             Command::GetCounters => Telemetry::Counters(Counters {
                 frames_good: frames.good,
                 frames_rejected: frames.rejected(),
-                reports_dropped: self.shared.dropped.load(Ordering::Relaxed),
+                reports_dropped: self
+                    .shared
+                    .dropped
+                    .load(Ordering::Relaxed)
+                    .saturating_add(self.dropped),
                 overruns: self.shared.overruns.load(Ordering::Relaxed),
                 stack_bytes: stack_bytes(),
             }),
@@ -75,6 +82,11 @@ impl<'queue> Reception<'queue> {
             sequence,
             message: answer,
         })
+    }
+
+    /// An answer of [`push`](Self::push) found no room on its way to the line.
+    pub const fn count_dropped(&mut self) {
+        self.dropped = self.dropped.saturating_add(1);
     }
 
     /// What the tick has to say, oldest first.
