@@ -23,6 +23,9 @@
 //!   stood, and refuses to arm while it comes to rest; after an emergency stop Arm is refused until a reset.
 //! * Of several stops of one kind in a tick the last one counts; the severer of two kinds prevails: release, brake, stop.
 //!
+//! Storing parameters makes a tick as long as the flash takes, and a stop wait for it; it is refused unless the base is idle
+//! or stopped, where there is no torque that a stop could end.
+//!
 //! What the line loses has no Ack. A host sends a stop again until it has one, best with a delimiter (a zero byte) before
 //! it, which ends whatever damage stands on the line; a host that says nothing at all is gone after `command_stale`.
 
