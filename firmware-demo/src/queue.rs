@@ -1,7 +1,9 @@
 //! The bounded queue between interrupt and main loop: heapless, with handles that know their length.
 //!
 //! The handles of heapless forget the length `N`, and with it the proof that their division by it cannot
-//! fail. These compare the length first, which gives the proof back and turns the division into a mask.
+//! fail. These compare the length first, which gives the proof back and turns the division into a mask. That each of their
+//! functions links without a panic by itself is tested (`tests/tests/budgets.rs`); where inlining is switched off altogether
+//! check and division come apart, and then an image does not link.
 
 use heapless::spsc::{self, Queue};
 

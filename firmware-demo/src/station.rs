@@ -3,12 +3,31 @@
 //!
 //! ```text
 //! bytes -> Reception --requests--> Station::tick -> wheels
+//!             |      ----stops---> |
 //!             |      --samples---> (control task)
 //!             v                        |
 //! bytes <- answers <----telemetry------+
 //! ```
 //!
-//! All three queues are bounded and lock-free, so neither side ever waits for the other.
+//! All three queues are bounded and lock-free, so neither side ever waits for the other. A full queue of requests refuses
+//! them with [`RejectReason::Full`].
+//!
+//! # Stops
+//!
+//! A stop and an emergency stop are never refused. They have places of their own beside the queue, and the tick after their
+//! frame has arrived obeys them, however many frames came with it:
+//!
+//! * The reception answers with an Ack as soon as the stop has its place; it does not go through the queue of telemetry.
+//! * A stop stands where the host sent it. Commands before it come before it, so that Arm, Park, Stop in one tick ends
+//!   stopped. Commands after it come after it, as if they had come in a later tick: Stop, Arm ends armed if the base
+//!   stood, and refuses to arm while it comes to rest; after an emergency stop Arm is refused until a reset.
+//! * Of several stops of one kind in a tick the last one counts; the severer of two kinds prevails: release, brake, stop.
+//!
+//! Storing parameters makes a tick as long as the flash takes, and a stop wait for it; it is refused unless the base is idle
+//! or stopped, where there is no torque that a stop could end.
+//!
+//! What the line loses has no Ack. A host sends a stop again until it has one, best with a delimiter (a zero byte) before
+//! it, which ends whatever damage stands on the line; a host that says nothing at all is gone after `command_stale`.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -25,6 +44,9 @@ use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::Outbox;
 
 mod reception;
+mod stops;
+
+use stops::{Seen, Stops};
 
 pub use reception::Reception;
 
@@ -35,7 +57,12 @@ pub const REQUESTS: usize = 8;
 /// Slots for telemetry under way to the line.
 pub const REPORTS: usize = 16;
 
-type Request = Frame<Command>;
+/// A command, and its place among all that is on its way to the tick.
+struct Request {
+    number: u32,
+    frame: Frame<Command>,
+}
+
 type Answer = Frame<Telemetry>;
 
 /// Sequence number of telemetry that nobody asked for.
@@ -48,6 +75,8 @@ struct Shared {
     frames: AtomicU32,
     /// Whether samples are taken, in the lowest bit, and changes of state above; written by the tick.
     state: AtomicU32,
+    /// Written by the reception.
+    stops: Stops,
     overruns: AtomicU32,
     dropped: AtomicU32,
 }
@@ -93,7 +122,7 @@ impl Queues {
     }
 }
 
-/// The tick's side: commands first, then the control task, then telemetry.
+/// The tick's side: stops and commands first, then the control task, then telemetry.
 pub struct Station<'queue, D, M = NoMemory> {
     task: ControlTask<'queue, D>,
     ends: TickEnds<'queue>,
@@ -102,6 +131,7 @@ pub struct Station<'queue, D, M = NoMemory> {
     /// The origin that the host was told.
     told: Option<Origin>,
     frames: u32,
+    stops: Seen,
     changes: u32,
     /// The state word of the trajectory under way.
     word: u32,
@@ -137,6 +167,7 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
             origin,
             told: None,
             frames: 0,
+            stops: Seen::default(),
             changes: 0,
             word: 0,
         }
@@ -155,11 +186,20 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
             self.frames = frames;
             self.task.heard();
         }
-        // As many as there can be, and no more, however fast they come.
+        let mut stops = self.stops.news(&self.ends.shared.stops);
+        // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
+        // queue by then, which holds one less than there are rounds: the stop is obeyed within them.
         for _ in 0..REQUESTS {
-            let Some(Frame { sequence, message }) = self.ends.requests.receive() else {
+            let request = self.ends.requests.receive();
+            let number = request.as_ref().map(|request| request.number);
+            while let Some(stop) = stops.next_before(number) {
+                // Nothing refuses a stop.
+                let _ = self.task.command(stop);
+            }
+            let Some(Request { frame, .. }) = request else {
                 break;
             };
+            let Frame { sequence, message } = frame;
             let message = self.answer(&message);
             self.ends.outbox.push(Frame { sequence, message });
         }
@@ -218,17 +258,20 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
             sequence: UNASKED,
             message,
         };
-        if task.changes() != self.changes {
-            self.changes = task.changes();
-            ends.outbox.push(unasked(Telemetry::State {
+        // Where there is no room the next tick tries again: what the base does now is the last thing to keep from a host.
+        if task.changes() != self.changes
+            && ends.outbox.push(unasked(Telemetry::State {
                 tick: task.ticks(),
                 state: task.state(),
                 cause: task.cause(),
-            }));
+            }))
+        {
+            self.changes = task.changes();
         }
-        if self.told != Some(self.origin) {
+        if self.told != Some(self.origin)
+            && ends.outbox.push(unasked(Telemetry::Origin(self.origin)))
+        {
             self.told = Some(self.origin);
-            ends.outbox.push(unasked(Telemetry::Origin(self.origin)));
         }
         if task.state().is_live() {
             ends.outbox.offer(|| {

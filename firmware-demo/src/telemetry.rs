@@ -37,11 +37,14 @@ impl<'queue, T, const N: usize> Outbox<'queue, T, N> {
         self.push(make());
     }
 
-    /// Queues a value past decimation, for what must not be thinned out such as a change of state.
-    pub fn push(&mut self, value: T) {
-        if !self.sender.send(value) {
+    /// Queues a value past decimation, for what must not be thinned out such as a change of state, and says whether there
+    /// was room.
+    pub fn push(&mut self, value: T) -> bool {
+        let sent = self.sender.send(value);
+        if !sent {
             self.dropped = self.dropped.saturating_add(1);
         }
+        sent
     }
 
     /// Values that found no room since the start.
@@ -78,7 +81,7 @@ mod tests {
         }
         assert_eq!(outbox.dropped(), 7);
         assert_eq!(inbox.receive(), Some(0));
-        outbox.push(10);
+        assert!(outbox.push(10));
         assert_eq!(outbox.dropped(), 7);
         for expected in [1, 2, 10] {
             assert_eq!(inbox.receive(), Some(expected));

@@ -220,16 +220,46 @@ fn images_neither_allocate_nor_panic() {
 /// The proof is one: a panic that can be reached does not link, and the same program without it does.
 #[test]
 fn a_reachable_panic_does_not_link() {
-    for level in LEVELS {
-        let (links, words) = panic_link::link(level, "values.get(black_box(7_usize))");
-        assert!(links, "{words}");
-        let (links, words) = panic_link::link(level, "values[black_box(7_usize)]");
-        assert!(!links, "a reachable panic was linked at opt level {level}");
-        assert!(
-            words.contains("undefined symbol: a_panic_is_reachable"),
-            "{words}"
-        );
+    let program = |expression: &str| {
+        format!("fn run() {{ let values = black_box([1_u32, 2, 3]); black_box({expression}); }}")
+    };
+    for board in BOARDS {
+        for level in LEVELS {
+            let fine = program("values.get(black_box(7_usize))");
+            let (links, words) = panic_link::link(board, level, &fine, &[]);
+            assert!(links, "{words}");
+            assert_does_not_link(board, level, &program("values[black_box(7_usize)]"));
+        }
     }
+}
+
+/// The handles of queues divide by a length that heapless forgets. Each of their functions for itself links, whatever it is
+/// called with, and also where LLVM inlines only what makes code no larger; those of heapless itself do not.
+#[test]
+fn handles_of_queues_cannot_panic_by_themselves() {
+    let handles = include_str!("../src/queue_handles.rs");
+    let bare = "use heapless::spsc::Producer; \
+                fn enqueue(p: &mut Producer<'static, u32>, v: u32) -> bool { p.enqueue(v).is_ok() } \
+                fn run() { black_box(enqueue as fn(_, _) -> _); }";
+    for board in BOARDS {
+        for level in LEVELS {
+            assert_does_not_link(board, level, bare);
+            for arguments in [&[][..], &["-Cllvm-args=-inline-threshold=0"]] {
+                let (links, words) = panic_link::link(board, level, handles, arguments);
+                assert!(links, "{} at {level}, {arguments:?}: {words}", board.name);
+            }
+        }
+    }
+}
+
+fn assert_does_not_link(board: Board, level: &str, program: &str) {
+    let (links, words) = panic_link::link(board, level, program, &[]);
+    let name = board.name;
+    assert!(!links, "a reachable panic was linked for {name} at {level}");
+    assert!(
+        words.contains("undefined symbol: a_panic_is_reachable"),
+        "{words}"
+    );
 }
 
 /// Back ends, parts and peers as tables for the README.

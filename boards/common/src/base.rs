@@ -105,7 +105,7 @@ where
     Ok((base, Line::new(reception)))
 }
 
-impl<P, D, N, E, C> Base<'_, P, D, N, E, C>
+impl<'queue, P, D, N, E, C> Base<'queue, P, D, N, E, C>
 where
     P: SetDutyCycle,
     D: OutputPin,
@@ -113,6 +113,11 @@ where
     E: WheelEncoders,
     C: Clock,
 {
+    /// Control task and line, to look at.
+    pub const fn station(&self) -> &Station<'queue, MotorPair<P, D, N>> {
+        &self.station
+    }
+
     /// One tick: reads, computes, drives. The bridges are on only while the wheels are told a torque, if one of 0 as when armed: enable is the
     /// motors' own.
     pub fn tick(&mut self) {

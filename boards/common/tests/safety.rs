@@ -2,17 +2,23 @@
 
 use std::cell::Cell;
 use std::convert::Infallible;
+use std::f32::consts::TAU;
 use std::rc::Rc;
 
 use board_common::{
-    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, WheelCounts, WheelEncoders, start,
+    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, WheelCounts, WheelEncoders, config,
+    start,
 };
 use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
+use controller_core::safety::supervisor::{Cause, State, Then};
+use controller_core::safety::{StopPlan, controlled_stop};
 use controller_core::types::{Accel, Pose, Twist};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
+use firmware_demo::control::ControlTask;
+use firmware_demo::drive::MotorPair;
 use firmware_demo::protocol::{Command, MAX_FRAME, encode};
 
 /// Gear times torque constant of the configuration \[V s\].
@@ -148,9 +154,19 @@ impl Board {
         let torque = GEARED * (volts - GEARED * speed) / 2.2;
         let speed = speed + 1.0e-3 * torque / (0.75 * 0.0325 * 0.0325);
         speed_rad_s.set(speed);
-        counts.set(counts.get() + 1.0e-3 * speed * 1920.0 / core::f32::consts::TAU);
+        counts.set(counts.get() + 1.0e-3 * speed * 1920.0 / TAU);
         self.halves.0.tick();
         self.halves.1.poll(&self.received, |_| true);
+    }
+
+    fn task(&self) -> &ControlTask<'static, MotorPair<Wire, Wire, Wire>> {
+        self.halves.0.station().task()
+    }
+
+    /// Commanded speed \[m/s\].
+    fn command(&self) -> f32 {
+        let motion = self.task().report().motion;
+        motion.map_or(0.0, |motion| motion.command.linear)
     }
 
     fn outputs(&self) -> [u16; 3] {
@@ -202,11 +218,64 @@ fn an_armed_board_drives_and_a_silent_host_stops_it() {
         board.outputs()
     );
     let speed = board.world.speed_rad_s.get();
-    // 100 ms of silence, 0.2 s of braking by the plan, and a tail of the speed loop's 3/s until 1 cm/s are rest.
-    for _ in 0..1000 {
+    assert!(speed > 1.5, "{speed} rad/s");
+    // 100 ms after the host was last heard, and one tick, the stop has begun.
+    let mut last = *board.task().report();
+    let mut begin = None;
+    for tick in 1..=102 {
+        let before = *board.task().report();
         board.tick();
+        match board.task().state() {
+            State::Tracking => assert_eq!(begin, None),
+            State::Stopping(Then::Stopped) if begin.is_none() => {
+                (begin, last) = (Some(tick), before)
+            }
+            State::Stopping(Then::Stopped) => {}
+            other => panic!("{other:?} after {tick} ticks"),
+        }
     }
-    assert!(speed > 1.5 && board.world.speed_rad_s.get().abs() < 0.1 * speed);
+    let begin = begin.expect("stopping after 102 silent ticks");
+    assert_eq!(board.task().cause(), Cause::LinkLost);
+    let task = board.task();
+    let law = task.controller().base().motion();
+    let gains = law.gains();
+    let motion = last.motion.expect("it was driving");
+    let (rate, error) = (motion.command_rate.linear, motion.velocity_error.linear);
+    // It follows the trajectory no more: the acceleration a under way fades as a (1 - A t) e^(-A t), which makes it faster
+    // by a t e^(-A t), at most by a/(e A). A tick of 1 ms at a is what ticks may differ by from that.
+    let fading = |t: f32| rate.abs() * t * (-gains.decay * t).exp();
+    let fastest = motion.command.linear + fading(1.0 / gains.decay) + 1.0e-3 * rate.abs();
+    // With the plan at its end, what is left is that and the velocity error, which fades as e^(-kappa t). Rest is believed
+    // below a speed, less the half count that encoders are off times the bandwidth of the estimate.
+    let plan = StopPlan::new::<Single>(law, &motion.command);
+    let bound = controlled_stop::<f32, Single>(
+        law,
+        &motion.command,
+        &motion.command_rate,
+        &motion.velocity_error,
+    );
+    let rest = task.params().supervisor.rest;
+    let odometry = config::ODOMETRY;
+    let count_m = TAU * config::WHEELS.radius_right_m / odometry.counts_per_turn;
+    let slow = rest.speed_m_s - 0.5 * count_m * odometry.bandwidth;
+    let from_ms = (plan.duration_s() * 1.0e3) as u32;
+    let rests_ms = (from_ms..(bound.time_s * 1.0e3) as u32)
+        .find(|&ms| {
+            let t = ms as f32 * 1.0e-3;
+            fading(t) + error.abs() * (-gains.speed_loop * t).exp() < slow
+        })
+        .expect("it rests within the bound of the core");
+    // The dwell, the tick after which the plan begins, and the one in which rest is seen.
+    let within = rests_ms + rest.dwell_us / 1000 + 2;
+    let mut took = 102 - begin;
+    while board.task().state() != State::Stopped {
+        board.tick();
+        took += 1;
+        assert!(took <= within, "{took} ticks, {within} allowed");
+        assert!(board.command() <= fastest);
+    }
+    println!("begins in tick {begin} of 102, rests {took} ticks later of {within}");
+    assert!(board.world.speed_rad_s.get().abs() < 0.1 * speed);
     assert_eq!(board.outputs(), [0; 3], "the host is gone");
     for _ in 0..100 {
         board.send(&Command::Heartbeat);
@@ -237,4 +306,54 @@ fn the_button_shorts_the_motors_in_the_next_tick() {
         [1, 0, 0],
         "shorted by the bridges' low phase"
     );
+}
+
+/// 921,600 baud: bytes that the line carries each way in a tick, rounded down.
+const BYTES_A_TICK: usize = 92;
+
+/// The line is full with questions whose answers are longer, and the host reads them, or does not.
+#[test]
+fn a_flood_of_questions_delays_no_stop() {
+    for reads in [true, false] {
+        let mut board = Board::new();
+        board.tick();
+        board.send(&Command::Arm);
+        board.tick();
+        board.send_trajectory();
+        for _ in 0..200 {
+            board.send(&Command::Heartbeat);
+            board.tick();
+        }
+        assert_eq!(board.task().state(), State::Tracking);
+        let questions: Vec<u8> = [Command::GetCounters, Command::GetParameters]
+            .iter()
+            .flat_map(frame)
+            .collect();
+        let stop = frame(&Command::Stop);
+        for tick in 0..100 {
+            let flood = questions.iter().cycle();
+            let last = tick == 99;
+            // The stop comes with the last bytes of its tick, behind a delimiter.
+            let ending: &[u8] = if last { &stop } else { &[] };
+            let bytes = flood.take(BYTES_A_TICK - ending.len() - 1);
+            for &byte in bytes.chain(&[0]).chain(ending) {
+                board.received.push(byte);
+                let mut room = reads;
+                board
+                    .halves
+                    .1
+                    .poll(&board.received, |_| std::mem::take(&mut room));
+            }
+            board.world.now_us.set(board.world.now_us.get() + 1000);
+            board.halves.0.tick();
+        }
+        assert_eq!(board.received.lost(), 0);
+        assert_eq!(board.task().state(), State::Stopping(Then::Stopped));
+        assert_eq!(board.task().cause(), Cause::Host);
+    }
+}
+
+fn frame(command: &Command) -> Vec<u8> {
+    let mut frame = [0; MAX_FRAME];
+    encode(1, command, &mut frame).expect("a frame").to_vec()
 }

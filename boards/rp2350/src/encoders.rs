@@ -4,45 +4,32 @@
 //! the new one make a number of four bits, which is the address it jumps to.
 
 use board_common::{ErrorKind, ErrorType, WheelCounts, WheelEncoders};
-use embassy_rp::gpio::Pull;
-use embassy_rp::peripherals::PIO0;
-use embassy_rp::pio::program::pio_asm;
-use embassy_rp::pio::{
-    Common, Config, Direction, InterruptHandler, LoadedProgram, Pio, PioPin, ShiftDirection,
-    StateMachine,
-};
-use embassy_rp::{Peri, bind_interrupts};
+use pio::pio_asm;
+use rp_pac::PIO0;
+
+use crate::pins::{Function, connect};
 
 /// Counts that the queue of a state machine may hold from before it is asked.
 const STALE: u8 = 4;
 /// Looks at the queue before a counter is given up; a count takes a tenth of a microsecond.
 const PATIENCE: u32 = 2000;
 
-bind_interrupts!(struct Interrupts {
-    PIO0_IRQ_0 => InterruptHandler<PIO0>;
-});
+/// State machines.
+const RIGHT: usize = 0;
+const LEFT: usize = 1;
 
 /// Both wheels.
-pub struct Encoders {
-    right: StateMachine<'static, PIO0, 0>,
-    left: StateMachine<'static, PIO0, 1>,
-    /// Dropping it would stop the machines.
-    _common: Common<'static, PIO0>,
-}
+pub struct Encoders(());
 
 impl Encoders {
-    /// Counts from 0; of each pair channel A comes first, and B is the next pin.
-    pub fn start(
-        pio: Peri<'static, PIO0>,
-        right: (Peri<'static, impl PioPin>, Peri<'static, impl PioPin>),
-        left: (Peri<'static, impl PioPin>, Peri<'static, impl PioPin>),
-    ) -> Self {
-        let Pio {
-            mut common,
-            sm0,
-            sm1,
-            ..
-        } = Pio::new(pio, Interrupts);
+    /// Counts from 0; each wheel has its channel A on the pin named here, and B on the next one.
+    pub fn start<
+        const RIGHT_A: usize,
+        const RIGHT_B: usize,
+        const LEFT_A: usize,
+        const LEFT_B: usize,
+    >() -> Self {
+        const { assert!(RIGHT_B == RIGHT_A + 1 && LEFT_B == LEFT_A + 1 && LEFT_B < 32) };
         // At address 0, for it computes where it jumps to: by the last sample (B, A) and the new one. A before B is
         // forward: 00, 01, 11, 10. Where both changed at once an edge was missed, and its direction is unknown.
         let assembled = pio_asm!(
@@ -83,44 +70,52 @@ impl Encoders {
             "    out x, 2",
             "    mov pc, isr",
         );
-        let program = common.load_program(&assembled.program);
-        Self {
-            right: machine(&mut common, sm0, &program, right),
-            left: machine(&mut common, sm1, &program, left),
-            _common: common,
+        for (place, instruction) in (0..32).zip(&assembled.program.code) {
+            PIO0.instr_mem(place)
+                .write(|w| w.set_instr_mem(*instruction));
         }
+        // Many encoders only pull down.
+        connect::<RIGHT_A>(Function::Pio0, true);
+        connect::<RIGHT_B>(Function::Pio0, true);
+        connect::<LEFT_A>(Function::Pio0, true);
+        connect::<LEFT_B>(Function::Pio0, true);
+        set_up::<RIGHT, RIGHT_A>();
+        set_up::<LEFT, LEFT_A>();
+        PIO0.ctrl()
+            .modify(|w| w.set_sm_enable(1 << RIGHT | 1 << LEFT));
+        Self(())
     }
 }
 
-fn machine<const N: usize>(
-    common: &mut Common<'static, PIO0>,
-    mut machine: StateMachine<'static, PIO0, N>,
-    program: &LoadedProgram<'static, PIO0>,
-    (a, b): (Peri<'static, impl PioPin>, Peri<'static, impl PioPin>),
-) -> StateMachine<'static, PIO0, N> {
-    let (mut a, mut b) = (common.make_pio_pin(a), common.make_pio_pin(b));
-    // Many encoders only pull down.
-    a.set_pull(Pull::Up);
-    b.set_pull(Pull::Up);
-    machine.set_pin_dirs(Direction::In, &[&a, &b]);
-    let mut config = Config::default();
-    config.use_program(program, &[]);
-    config.set_in_pins(&[&a, &b]);
-    config.shift_in.direction = ShiftDirection::Left;
-    config.shift_out.direction = ShiftDirection::Right;
-    machine.set_config(&config);
-    machine.set_enable(true);
-    machine
+/// A state machine that samples `A` and the pin after it, at the system clock, from address 0.
+fn set_up<const MACHINE: usize, const A: usize>() {
+    let machine = PIO0.sm(MACHINE);
+    machine.clkdiv().write(|w| w.set_int(1));
+    machine.execctrl().write(|w| {
+        w.set_wrap_bottom(0);
+        w.set_wrap_top(31);
+    });
+    machine.shiftctrl().write(|w| {
+        // Into the input register from the right, out of the output register to the right, 32 bits each.
+        w.set_in_shiftdir(false);
+        w.set_out_shiftdir(true);
+        w.set_in_count(2);
+    });
+    machine.pinctrl().write(|w| w.set_in_base(A as u8));
+    // `jmp 0`, and it does not wait for being enabled.
+    machine.instr().write(|w| w.set_instr(0));
 }
 
 /// The present count: what the queue held before is passed over. Where counting began is of no matter, the odometry
 /// takes differences.
-fn count<const N: usize>(machine: &mut StateMachine<'static, PIO0, N>) -> Result<i32, ErrorKind> {
+fn count<const MACHINE: usize>() -> Result<i32, ErrorKind> {
+    let queue = PIO0.rxf(MACHINE);
     let mut seen = 0;
     for _ in 0..PATIENCE {
-        let Some(count) = machine.rx().try_pull() else {
+        if PIO0.fstat().read().rxempty() & 1 << MACHINE != 0 {
             continue;
-        };
+        }
+        let count = queue.read();
         if seen == STALE {
             return Ok(count as i32);
         }
@@ -136,8 +131,8 @@ impl ErrorType for Encoders {
 impl WheelEncoders for Encoders {
     fn counts(&mut self) -> Result<WheelCounts, ErrorKind> {
         Ok(WheelCounts {
-            right: count(&mut self.right)?,
-            left: count(&mut self.left)?,
+            right: count::<RIGHT>()?,
+            left: count::<LEFT>()?,
         })
     }
 }

@@ -11,29 +11,43 @@
 #![no_std]
 #![no_main]
 
+mod clocks;
 mod encoders;
+mod pins;
+mod port;
 mod safe;
 mod timer;
+mod watchdog;
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BAUD, Base, Bytes, MotorSide, Parts, Queues, config, start};
+use board_common::{Base, Bytes, MotorSide, Parts, Queues, config, start};
 use critical_section::Mutex;
-use embassy_rp::clocks::clk_sys_freq;
-use embassy_rp::gpio::{Level, Output};
-use embassy_rp::interrupt;
-use embassy_rp::pwm::{Pwm, PwmOutput};
-use embassy_rp::uart::{self, Uart};
-use embassy_rp::watchdog::Watchdog;
-use embassy_time::Duration;
-use embedded_hal_nb::serial::{Read as _, Write as _};
+use rp_pac::interrupt;
 
+use clocks::SYSTEM_HZ;
 use encoders::Encoders;
+use pins::{Duty, Output, start_pwm};
+use port::Port;
 use timer::{Alarm, Micros};
+use watchdog::Watchdog;
 
-type Pin = Output<'static>;
-type Robot = Base<'static, PwmOutput<'static>, Pin, Pin, Encoders, Micros>;
+type Robot = Base<'static, Duty, Output, Output, Encoders, Micros>;
+
+/// Steps of the PWM but one.
+const TOP: u16 = {
+    let steps = SYSTEM_HZ / config::PWM_HZ;
+    assert!(steps > 1 && steps <= u16::MAX as u32);
+    steps as u16 - 1
+};
+
+/// Where the boot ROM finds that this is a secure program for the chip's Arm cores (datasheet, 5.9.5.1).
+#[used]
+#[allow(unsafe_code)]
+// SAFETY: the memory map keeps the section for this block alone.
+#[unsafe(link_section = ".start_block")]
+static IMAGE: [u32; 5] = [0xffff_ded3, 0x1021_0142, 0x0000_01ff, 0, 0xab12_3579];
 
 /// What the timer's interrupt takes over from `main`.
 struct Tick {
@@ -55,66 +69,45 @@ fn main() -> ! {
 
 /// Sets up and stays in the background; returns only if the board cannot be set up.
 fn run() -> Option<()> {
-    let device = embassy_rp::init(embassy_rp::config::Config::default());
+    clocks::start()?;
     // Pins are pulled down inputs from reset on, and the resistors of the wiring table hold the bridges off.
-    let enable = Output::new(device.PIN_6, Level::Low);
-
-    let mut pwm = embassy_rp::pwm::Config::default();
-    let steps = clk_sys_freq().checked_div(config::PWM_HZ)?;
-    pwm.top = u16::try_from(steps.saturating_sub(1)).ok()?;
-    let pwm = Pwm::new_output_ab(device.PWM_SLICE1, device.PIN_2, device.PIN_3, pwm);
-    let (right, left) = pwm.split();
-    let encoders = Encoders::start(
-        device.PIO0,
-        (device.PIN_10, device.PIN_11),
-        (device.PIN_12, device.PIN_13),
-    );
+    let enable = Output::low::<6>();
+    let (right, left) = start_pwm::<2, 3>(TOP);
     let parts = Parts {
         right: MotorSide {
-            pwm: right?,
-            direction: Output::new(device.PIN_4, Level::Low),
+            pwm: right,
+            direction: Output::low::<4>(),
         },
         left: MotorSide {
-            pwm: left?,
-            direction: Output::new(device.PIN_5, Level::Low),
+            pwm: left,
+            direction: Output::low::<5>(),
         },
         enable,
-        encoders,
+        encoders: Encoders::start::<10, 11, 12, 13>(),
         clock: Micros,
     };
     let queues = cortex_m::singleton!(: Queues = Queues::default())?;
     let (robot, mut line) = start(parts, queues).ok()?;
 
-    let mut port = uart::Config::default();
-    port.baudrate = BAUD;
-    let port = Uart::new_blocking(device.UART0, device.PIN_0, device.PIN_1, port);
-    let (mut transmitter, mut receiver) = port.split();
+    let mut port = Port::start::<0, 1>();
 
     let tick = Tick {
         robot,
         alarm: Alarm::start(config::PERIOD_US),
     };
     critical_section::with(|token| TICK.borrow(token).set(Some(tick)));
-    let patience = Duration::from_millis(u64::from(config::WATCHDOG_MS));
-    let mut watchdog = Watchdog::new(device.WATCHDOG);
-    watchdog.start(patience);
+    let mut watchdog = Watchdog::start::<{ config::WATCHDOG_MS }>();
     Alarm::unmask();
 
     let mut fed_at = 0;
     loop {
-        // No more than the port's own queue holds. A byte with an error is left out; its frame fails the check sum.
-        for _ in 0..32 {
-            match receiver.read() {
-                Ok(byte) => RECEIVED.push(byte),
-                Err(_) => break,
-            }
-        }
-        line.poll(&RECEIVED, |byte| transmitter.write(byte).is_ok());
+        port.receive(|byte| RECEIVED.push(byte));
+        line.poll(&RECEIVED, |byte| port.send(byte));
         // Fed by the background for what the interrupt did: both have to be alive.
         let ticks = TICKS.load(Ordering::Relaxed);
         if ticks != fed_at {
             fed_at = ticks;
-            watchdog.feed(patience);
+            watchdog.feed();
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The safe state, whatever happened: bridges off, and the watchdog brings a fresh start.
-//!
-//! The HAL's set-up can panic, so this image has no proof that a panic is out of reach. It does what a hard fault does.
 
 use core::panic::PanicInfo;
 
 use cortex_m_rt::{ExceptionFrame, exception};
-use embassy_rp::pac;
+use rp_pac as pac;
+
+use crate::pins::SLICE;
 
 /// Enable, GPIO 6, and the directions beside it: GPIO 4 to 6.
 const OUTPUTS: u32 = 0b111_0000;
@@ -15,7 +15,7 @@ pub fn halt() -> ! {
     cortex_m::interrupt::disable();
     pac::SIO.gpio_out(0).value_clr().write_value(OUTPUTS);
     // The output stays where it is when its slice stops, so the duty goes first.
-    pac::PWM.ch(1).cc().write(|w| {
+    pac::PWM.ch(SLICE).cc().write(|w| {
         w.set_a(0);
         w.set_b(0);
     });
@@ -36,7 +36,17 @@ unsafe fn DefaultHandler(_: i16) {
     halt()
 }
 
+#[cfg(feature = "panic-proof")]
+#[allow(unsafe_code)]
+unsafe extern "C" {
+    /// Defined nowhere: an image in which a panic is reachable does not link.
+    safe fn a_panic_is_reachable() -> !;
+}
+
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
+    #[cfg(feature = "panic-proof")]
+    a_panic_is_reachable();
+    #[cfg(not(feature = "panic-proof"))]
     halt()
 }

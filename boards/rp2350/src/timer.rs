@@ -1,8 +1,8 @@
 //! TIMER0: a clock of microseconds, and an alarm for the tick.
 
 use board_common::Clock;
-use embassy_rp::interrupt::{self, InterruptExt};
-use embassy_rp::pac::TIMER0;
+use cortex_m::peripheral::NVIC;
+use rp_pac::{Interrupt, TIMER0};
 
 /// TIMER0 counts microseconds; the low word wraps around at the end of 32 bits.
 pub struct Micros;
@@ -13,7 +13,7 @@ impl Clock for Micros {
     }
 }
 
-/// The HAL has alarm 0 for its delays.
+/// The alarm of `TIMER0_IRQ_1`.
 const ALARM: usize = 1;
 
 /// An alarm of TIMER0, again and again.
@@ -35,7 +35,7 @@ impl Alarm {
     #[allow(unsafe_code)]
     pub fn unmask() {
         // SAFETY: the handler copes with coming at once, and no critical section relies on its being masked.
-        unsafe { interrupt::TIMER0_IRQ_1.enable() };
+        unsafe { NVIC::unmask(Interrupt::TIMER0_IRQ_1) };
     }
 
     /// Acknowledges the alarm and sets the next one, from due time to due time so that ticks do not drift. Time that

@@ -24,9 +24,9 @@ pub enum Command {
         /// Where to.
         goal: WirePose,
     },
-    /// Come to rest within the limits and stay there, released.
+    /// Come to rest within the limits and stay there, released. Never refused; see [`crate::station`] for its order among others.
     Stop,
-    /// The button: latched until a reset.
+    /// The button: latched until a reset. Never refused, as a stop.
     EmergencyStop {
         /// Brake the wheels; if not, release them.
         brake: bool,

@@ -36,7 +36,7 @@ pub struct Counters {
     pub frames_good: u32,
     /// Rejected frames.
     pub frames_rejected: u32,
-    /// Reports that found the telemetry queue full.
+    /// Reports and answers that found their queue full.
     pub reports_dropped: u32,
     /// Ticks that started late.
     pub overruns: u32,
@@ -52,7 +52,7 @@ pub enum RejectReason {
     State,
     /// A value is out of its range or not finite.
     Value,
-    /// The reference queue is full.
+    /// The queue of references, or that of commands, is full.
     Full,
     /// The flash did not take it.
     Storage,
@@ -65,7 +65,7 @@ impl Display for RejectReason {
         f.write_str(match self {
             Self::State => "not in this state",
             Self::Value => "a value is out of its range",
-            Self::Full => "the reference queue is full",
+            Self::Full => "the queue is full",
             Self::Storage => "the flash did not take it",
             Self::Unsupported => "this firmware does not do that",
         })

@@ -17,6 +17,10 @@ pub struct Reception<'queue> {
     requests: Sender<'queue, Request, REQUESTS>,
     answers: Receiver<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
+    /// Of the last command on its way to the tick.
+    number: u32,
+    /// Answers that found no room on their way to the line.
+    dropped: u32,
     /// Changes of state when the present trajectory began.
     trajectory: u32,
 }
@@ -34,15 +38,18 @@ impl<'queue> Reception<'queue> {
             requests,
             answers,
             shared,
+            number: 0,
+            dropped: 0,
             trajectory: 0,
         }
     }
 
-    /// Takes one byte from the line. Some commands are answered here, the others by the tick.
+    /// Takes one byte from the line. Stops and some other commands are answered here, the others by the tick.
     pub fn push(&mut self, byte: u8, stack_bytes: impl FnOnce() -> u32) -> Option<Answer> {
-        let Ok(Frame { sequence, message }) = self.decoder.push(byte)? else {
+        let Ok(frame) = self.decoder.push(byte)? else {
             return None;
         };
+        let Frame { sequence, message } = frame;
         let frames = self.decoder.counters();
         self.shared.frames.store(frames.good, Ordering::Relaxed);
         let answer = match message {
@@ -50,18 +57,36 @@ impl<'queue> Reception<'queue> {
             Command::GetCounters => Telemetry::Counters(Counters {
                 frames_good: frames.good,
                 frames_rejected: frames.rejected(),
-                reports_dropped: self.shared.dropped.load(Ordering::Relaxed),
+                reports_dropped: self
+                    .shared
+                    .dropped
+                    .load(Ordering::Relaxed)
+                    .saturating_add(self.dropped),
                 overruns: self.shared.overruns.load(Ordering::Relaxed),
                 stack_bytes: stack_bytes(),
             }),
             Command::Sample(sample) => outcome(self.sample(&sample)),
-            _ if self.requests.send(Frame { sequence, message }) => return None,
-            _ => Telemetry::Nack(RejectReason::Full),
+            command => {
+                self.number = self.number.wrapping_add(1);
+                let number = self.number;
+                if self.shared.stops.take(&command, number) {
+                    Telemetry::Ack
+                } else if self.requests.send(Request { number, frame }) {
+                    return None;
+                } else {
+                    Telemetry::Nack(RejectReason::Full)
+                }
+            }
         };
         Some(Frame {
             sequence,
             message: answer,
         })
+    }
+
+    /// An answer of [`push`](Self::push) found no room on its way to the line.
+    pub const fn count_dropped(&mut self) {
+        self.dropped = self.dropped.saturating_add(1);
     }
 
     /// What the tick has to say, oldest first.
