@@ -242,7 +242,8 @@ fn fastest(board: Board) -> &'static Measured {
     found.expect("every board was measured at opt level 3")
 }
 
-/// The table of `README.md`, and what stands below it.
+/// The table of `README.md`, and what stands below it. Also prints the tables that it has no room for: back ends, parts,
+/// peers.
 #[test]
 fn the_readme_states_what_is_measured() {
     let mut readme = Stated::of("README.md");
@@ -285,6 +286,15 @@ fn the_readme_states_what_is_measured() {
         &[figures["park-worst"].max(figures["track-worst"]) as f64],
     );
     let peers = peers();
+    println!("{}", budget_report::back_ends(&arm.cost));
+    println!("{}", budget_report::inputs(&arm.cost));
+    println!("{}", budget_report::parts(&arm.cost));
+    println!("{}", budget_report::peers(&arm.cost, &peers));
+    let all: Vec<_> = measured()
+        .iter()
+        .map(|m| (m.board.name, m.level, &m.cost, &m.pil, m.size))
+        .collect();
+    println!("{}", budget_report::images(&all));
     let tick = |path: &str, part: &str| arm.cost.row(&format!("tick/{path}/{part}/ordinary")).1;
     readme.exactly(
         At::Phrase("two `pid` PIDs #, the Ramsete law # on our maths"),
@@ -309,21 +319,6 @@ fn the_readme_states_what_is_measured() {
             tick("f64-libm+exact", "park"),
         ],
     );
-}
-
-/// Back ends, parts and peers as tables.
-#[test]
-fn tables_of_back_ends_parts_and_peers() {
-    let arm = fastest(BOARDS[0]);
-    println!("{}", budget_report::back_ends(&arm.cost));
-    println!("{}", budget_report::inputs(&arm.cost));
-    println!("{}", budget_report::parts(&arm.cost));
-    println!("{}", budget_report::peers(&arm.cost, &peers()));
-    let all: Vec<_> = measured()
-        .iter()
-        .map(|m| (m.board.name, m.level, &m.cost, &m.pil, m.size))
-        .collect();
-    println!("{}", budget_report::images(&all));
 }
 
 /// The peers are a workspace of their own, for their dependencies burden nobody.
