@@ -147,6 +147,10 @@ fn a_switch_at_the_target_overshoots() {
     let hand_over = metrics(&late).hand_over.expect("hands over");
     // An independent reference: 11.0 cm.
     assert!(near(hand_over.overshoot_m, 0.110, 1e-3), "{hand_over:?}");
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("overshoot and back up (# cm at P = N)"),
+        &[1e2 * hand_over.overshoot_m],
+    );
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn documents_state_the_study_as_it_is() {
             or_dash(laws[2].outcome.parked_s, 1),
         );
     }
-    page.lines(head, "", &table);
+    page.table(head, &table);
 
     let head = "| condition, line | expected (following) | neural | plain | default | at rest: neural | plain | default |";
     let mut table = format!("{head}\n| --- | --- | --- | --- | --- | --- | --- | --- |\n");
@@ -135,7 +135,7 @@ fn documents_state_the_study_as_it_is() {
             cells.join(" | ")
         );
     }
-    page.lines(head, "", &table);
+    page.table(head, &table);
 
     let of = |name: &str, case: Case, law: Law| -> &Outcome {
         let row = whole()

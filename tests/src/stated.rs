@@ -335,14 +335,8 @@ impl Stated {
             return;
         }
         let (line, all) = replaced(&text, &numbers, measured);
-        // A bound is somebody's decision.
-        if std::env::var_os("UPDATE_DOCS").is_some() && how != How::AtMost {
-            fs::write(&self.path, all)
-                .unwrap_or_else(|error| panic!("{} cannot be written: {error}", self.name));
-        } else {
-            self.wrong
-                .push(format!("{how:?} {at:?}, measured {measured:?}\n{line}"));
-        }
+        let wrong = format!("{how:?} {at:?}, measured {measured:?}\n{line}");
+        self.update(how, &all, &wrong);
     }
 
     /// Measured figures that, rounded as stated, have the digits stated.
@@ -366,42 +360,59 @@ impl Stated {
         self.compare(How::AtMost, at, measured);
     }
 
-    /// A block of code or a table that a program prints: the lines from the one that is `first` to that before `until`.
-    ///
-    /// `until` is the start of a line; an empty one stands for an empty line.
-    pub fn lines(&mut self, first: &str, until: &str, printed: &str) {
+    /// A table whose first line is `first`, as a test makes it.
+    pub fn table(&mut self, first: &str, printed: &str) {
+        self.part(first, printed, |text| {
+            let from = text.find(&format!("\n{first}\n"))? + 1;
+            let end = text[from..]
+                .find("\n\n")
+                .map_or(text.len(), |end| from + end + 1);
+            Some(from..end)
+        });
+    }
+
+    /// The first block of text under a heading, as a program prints it.
+    pub fn block(&mut self, heading: &str, printed: &str) {
+        self.part(heading, printed, |text| {
+            const FENCE: &str = "```text\n";
+            let part = section(text, heading)?;
+            let from = part.start + text[part].find(FENCE)? + FENCE.len();
+            let end = from + text[from..].find("```")?;
+            Some(from..end)
+        });
+    }
+
+    fn part(&mut self, name: &str, printed: &str, find: impl Fn(&str) -> Option<Range<usize>>) {
         let _alone = alone();
         let text = self.text();
         let trimmed = |text: &str| -> String {
-            let lines = text.trim_end().lines().map(|line| line.trim_end());
+            let lines = text.trim_end().lines().map(str::trim_end);
             lines.map(|line| format!("{line}\n")).collect()
         };
-        let Some(from) = text.find(&format!("\n{first}\n")).map(|from| from + 1) else {
-            self.wrong.push(format!("no line \"{first}\""));
+        let printed = trimmed(printed);
+        let Some(part) = find(&text) else {
+            self.wrong.push(format!("there is no \"{name}\""));
             return;
         };
-        let length: usize = text[from..]
-            .split_inclusive('\n')
-            .take_while(|line| {
-                if until.is_empty() {
-                    !line.trim().is_empty()
-                } else {
-                    !line.starts_with(until)
-                }
-            })
-            .map(str::len)
-            .sum();
-        let (stated, printed) = (&text[from..from + length], trimmed(printed));
-        if trimmed(stated) == printed {
+        if trimmed(&text[part.clone()]) == printed {
             return;
         }
-        if std::env::var_os("UPDATE_DOCS").is_some() {
-            let all = format!("{}{printed}{}", &text[..from], &text[from + length..]);
+        let all = format!("{}{printed}{}", &text[..part.start], &text[part.end..]);
+        self.update(
+            How::Exactly,
+            &all,
+            &format!("\"{name}\" should read\n{printed}"),
+        );
+    }
+
+    /// Writes the document, or keeps what is wrong with it.
+    fn update(&mut self, how: How, all: &str, wrong: &str) {
+        // A bound is somebody's decision.
+        if std::env::var_os("UPDATE_DOCS").is_some() && how != How::AtMost {
             fs::write(&self.path, all)
                 .unwrap_or_else(|error| panic!("{} cannot be written: {error}", self.name));
         } else {
-            self.wrong
-                .push(format!("from \"{first}\" on it should read\n{printed}"));
+            self.wrong.push(wrong.to_owned());
         }
     }
 }

@@ -260,6 +260,10 @@ fn zero_bandwidth_estimates_nothing() {
     let alone = 5.0 / (gains.speed_loop * BASE.mass * gains.approach);
     // The neuron that e_x passes has gain 1 for small errors only, 1 % less here.
     assert!((left / alone - 1.0).abs() < 0.02, "{left} for {alone}");
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("position error (1 N: # mm)"),
+        &[1e3 * alone / 5.0],
+    );
 }
 
 /// A motor layer that gives half of what is asked and says so is no disturbance; one that keeps silent is.

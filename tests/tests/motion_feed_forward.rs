@@ -115,6 +115,10 @@ fn accelerating_reference_is_followed_to_millimetres() {
         &[1e3 * mid.rms],
     );
     page.exactly(At::Phrase("The paper's law: # mm."), &[1e3 * paper]);
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("which lag: # mm RMS on a weaving one, where exact feed-forward leaves # mm"),
+        &[1e3 * paper, 1e3 * now.rms],
+    );
     let mut readme = Stated::of("README.md");
     readme.exactly(
         At::Phrase("through neurons: # mm RMS on a weaving reference | fed forward: # mm RMS"),

@@ -85,6 +85,7 @@ fn no_speed_is_too_fast() {
 /// Below 0.1 m/s it takes longer, with a moment that no longer grows.
 #[test]
 fn crawling_is_slower_but_never_harder() {
+    let mut peak = 0.0_f64;
     for (v, end_s) in [(0.02, 40.0), (0.05, 20.0)] {
         let run = offset(Base::STANDARD, v, 0.01, end_s);
         println!(
@@ -96,7 +97,12 @@ fn crawling_is_slower_but_never_harder() {
         assert!(run.moment < 2.2 * 15.0);
         state("time [s]", &[(v, run.settled_s)]);
         state("moment [N m]", &[(v, run.moment)]);
+        peak = peak.max(run.moment / Base::STANDARD.inertia);
     }
+    Stated::of("docs/motion.md").to_a_digit(
+        At::Phrase("saturates, with the gains below at # rad/s²"),
+        &[peak],
+    );
 }
 
 /// With 10 N and 5 N m gains follow from the limits: slower, not lost.
