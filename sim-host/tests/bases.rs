@@ -7,9 +7,13 @@ use sim_host::drive::{DriveRow, DriveTrace, Mission, drive};
 use sim_host::rig::watch;
 use sim_host::scenario::{BASES, BuiltInBase};
 use std::error::Error;
+use tests::stated::{At, Stated};
 
 /// Factors on mass and inertia: as stated, and the corners of ±30 %.
 const BODIES: [(f64, f64); 5] = [(1.0, 1.0), (1.3, 0.7), (0.7, 1.3), (1.3, 1.3), (0.7, 0.7)];
+
+/// Runs of each body.
+const SEEDS: u64 = 3;
 
 /// Friction, dead band, encoders and poses are the base file's: 2,048 counts, 5 mm and 5 mrad at 20 Hz,
 /// 20 ms late.
@@ -58,13 +62,19 @@ fn ripple(trace: &DriveTrace, parked_s: f64, limit_nm: f64) -> f64 {
 
 #[test]
 fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
+    let mut readme = Stated::of("README.md");
+    let rows = ["1 kg", "10 kg", "30 kg, line / curve"];
+    let names = ["hobby-1kg", "lab-10kg", "paper-30kg"];
     for base in BASES {
+        let row = names.iter().zip(rows).find(|(name, _)| **name == base.name);
+        let (_, row) = row.ok_or("a base that README does not have")?;
+        let (mut ends, mut times, mut ripples) = (Vec::new(), Vec::new(), Vec::new());
         let limit_nm = base.base()?.limits.wheel_torque_nm;
         for turn_rate in [0.0, 0.15] {
             let (mut off, mut turned, mut rattle, mut latest) =
                 (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
             for (number, body) in BODIES.into_iter().enumerate() {
-                for seed in 0..3 {
+                for seed in 0..SEEDS {
                     let seed = 100 * number as u64 + seed;
                     let mission = mission(base, turn_rate, body, seed)?;
                     let place = mission.place.as_ref().ok_or("no world")?;
@@ -96,8 +106,20 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
                 1e3 * turned,
                 100.0 * rattle
             );
+            ends.extend([1e3 * off, 1e3 * turned]);
+            times.push(latest);
+            ripples.push(100.0 * rattle);
         }
+        readme.exactly(
+            At::Row("Your own robot", row),
+            &[ends, times, ripples].concat(),
+        );
     }
+    let runs = BODIES.len() as f64 * SEEDS as f64;
+    readme.exactly(
+        At::Phrase("Worst of # runs each (`sim-host/tests/bases.rs`)"),
+        &[runs],
+    );
     Ok(())
 }
 

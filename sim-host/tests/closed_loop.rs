@@ -4,6 +4,7 @@ use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
 use sim_host::run::run;
 use sim_host::scenario::{BuiltIn, Law, Scenario};
+use tests::stated::{At, Stated};
 
 fn scenario(name: &str) -> Scenario {
     let built_in = BuiltIn::find(name).expect("built in");
@@ -45,6 +46,68 @@ fn the_papers_errors_are_corrected_in_time() {
     }
 }
 
+/// The table of `README.md`, as `cargo run --release` makes it.
+#[test]
+fn the_readme_states_both_cases() {
+    let all = ["paper-line", "paper-curve"].map(|name| {
+        let scenario = scenario(name);
+        [metrics(&scenario), metrics(&scenario.with_law(Law::Plain))]
+    });
+    let all: Vec<&Metrics> = all.iter().flatten().collect();
+    let each = |of: fn(&Metrics) -> Vec<f64>| -> Vec<f64> {
+        all.iter().flat_map(|metrics| of(metrics)).collect()
+    };
+    let mut readme = Stated::of("README.md");
+    let mut row = |label, measured: Vec<f64>| {
+        let row = At::Row("What the paper's cases give", label);
+        readme.exactly(row, &measured);
+    };
+    row(
+        "settled within 5 cm, 0.05 rad [s] (paper: about 5.0 and 5.2)",
+        each(|m| vec![m.settling_s.expect("settles")]),
+    );
+    row(
+        "final position error [mm]",
+        each(|m| vec![1e3 * m.final_error.position_m]),
+    );
+    row(
+        "peak force, moment [N, N m]",
+        each(|m| vec![m.force_n.peak, m.moment_nm.peak]),
+    );
+    row(
+        "largest change per tick [N, N m]",
+        each(|m| {
+            vec![
+                m.force_n.largest_change_per_tick,
+                m.moment_nm.largest_change_per_tick,
+            ]
+        }),
+    );
+    row(
+        "step at the start [N, N m]",
+        each(|m| vec![m.start_torque_step.force_n, m.start_torque_step.moment_nm]),
+    );
+    row(
+        "step at the hand-over [N, N m]",
+        each(|m| {
+            let step = m.hand_over.expect("hands over").torque_step;
+            vec![step.force_n, step.moment_nm]
+        }),
+    );
+    let start = &all[3].start_torque_step;
+    readme.exactly(
+        At::Phrase("plain law starts with # N and # N m from"),
+        &[start.force_n, start.moment_nm],
+    );
+    readme.exactly(
+        At::Phrase("changes by at most # N and # N m a tick"),
+        &[
+            all[2].force_n.largest_change_per_tick,
+            all[2].moment_nm.largest_change_per_tick,
+        ],
+    );
+}
+
 #[test]
 fn the_papers_hand_over_is_a_pulse_without_a_jump() {
     let line = metrics(&scenario("paper-line"))
@@ -84,6 +147,10 @@ fn a_switch_at_the_target_overshoots() {
     let hand_over = metrics(&late).hand_over.expect("hands over");
     // An independent reference: 11.0 cm.
     assert!(near(hand_over.overshoot_m, 0.110, 1e-3), "{hand_over:?}");
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("overshoot and back up (# cm at P = N)"),
+        &[1e2 * hand_over.overshoot_m],
+    );
 }
 
 #[test]
@@ -158,6 +225,11 @@ fn unequal_gains_do_not_jump_unless_printed() {
     assert!(
         near(printed.force_n, -5.9, 0.05) && near(printed.moment_nm, 2.4, 0.05),
         "{printed:?}"
+    );
+    let left = metrics(&scenario("unequal-gains")).final_error.e_y_m;
+    Stated::of("README.md").exactly(
+        At::Phrase("its parking leaves lateral error (# cm in"),
+        &[1e2 * left.abs()],
     );
 }
 

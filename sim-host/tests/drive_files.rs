@@ -2,10 +2,12 @@
 
 use controller_core::motion::Limits;
 use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, drive};
+use sim_host::import::{Options, import};
 use sim_host::scenario::Precision;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use tests::stated::{At, Stated};
 
 fn fixture(name: &str) -> Result<Vec<u8>, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
@@ -52,6 +54,45 @@ fn every_format_is_driven_to_parked() -> Result<(), Box<dyn Error>> {
         let metrics = metrics(name, &FileRun::default(), &Base::default())?;
         assert_parked(name, &metrics);
     }
+    Ok(())
+}
+
+/// How near a reference passes the poses of its file, and what of a base it may use.
+#[test]
+fn references_are_as_the_readme_says() -> Result<(), Box<dyn Error>> {
+    let mut readme = Stated::of("README.md");
+    let (mut planned, mut recorded) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for name in DRIVABLE {
+        let trajectory = import(&fixture(name)?, &Options::default())?;
+        let off = trajectory.closeness();
+        let most = if name.contains("tum") {
+            &mut recorded
+        } else {
+            &mut planned
+        };
+        most[0] = most[0].max(1e3 * off.position_m);
+        most[1] = most[1].max(1e3 * off.heading_rad);
+    }
+    readme.at_most(
+        At::Phrase("passes planned poses within # mm and # mrad"),
+        &planned,
+    );
+    readme.at_most(
+        At::Phrase("(recorded ones within # mm and # mrad)"),
+        &recorded,
+    );
+    let base = Base::default();
+    let (limits, may) = (&base.limits, base.reference_limits());
+    readme.exactly(
+        At::Phrase(
+            "more than # % of the base's speed, # % of its acceleration and torque, or # % of its",
+        ),
+        &[
+            1e2 * may.max_speed / limits.speed,
+            1e2 * may.max_accel / limits.accel,
+            1e2 * may.max_angular_accel / limits.turn_accel,
+        ],
+    );
     Ok(())
 }
 

@@ -1,8 +1,9 @@
 //! Scenario files with the law for a real base.
 
-use sim_host::drive::{DriveMetrics, DriveTrace, Mission, drive};
+use sim_host::drive::{Course, DriveMetrics, DriveTrace, Mission, drive};
 use sim_host::scenario::{MISSIONS, Scenario};
 use std::error::Error;
+use tests::stated::{At, Stated};
 
 fn run(text: &str, name: &str) -> Result<(Mission, DriveTrace, DriveMetrics), Box<dyn Error>> {
     let mission = Mission::parse(&format!("{name}.toml"), text)?;
@@ -13,6 +14,8 @@ fn run(text: &str, name: &str) -> Result<(Mission, DriveTrace, DriveMetrics), Bo
 
 #[test]
 fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Error>> {
+    let mut readme = Stated::of("README.md");
+    let (mut off, mut turned) = (0.0_f64, 0.0_f64);
     for built_in in MISSIONS {
         let name = built_in.name;
         let (mission, trace, metrics) = run(built_in.text, name)?;
@@ -25,6 +28,22 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
         assert!(
             last.position_m < 1e-3 && last.e_theta_rad.abs() < 1e-3,
             "{name}: {last:?}"
+        );
+        off = off.max(last.position_m);
+        turned = turned.max(last.e_theta_rad.abs());
+        let mut times = vec![metrics.parked_s.ok_or("not parked")?];
+        // When the reference rests, or the last goal comes.
+        match &mission.course {
+            Course::Follow {
+                hand_over: Some(rule),
+                ..
+            } => times.push(rule.end_s),
+            _ => times.extend(mission.events.last().map(|event| event.at_s)),
+        }
+        let row = format!("`{name}`");
+        readme.exactly(
+            At::Cell("Scenarios for the default law", &row, "arrives"),
+            &times,
         );
         for used in &metrics.limits {
             assert!(used.peak <= used.limit * (1.0 + 1e-6), "{name}: {used:?}");
@@ -44,6 +63,10 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
             );
         }
     }
+    readme.exactly(
+        At::Phrase("All end within # mm and # mrad, in single precision"),
+        &[1e3 * off, 1e3 * turned],
+    );
     Ok(())
 }
 

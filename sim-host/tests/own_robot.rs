@@ -6,10 +6,12 @@ use sim_host::drive::Base;
 use sim_host::prove::{prove, shortcoming};
 use sim_host::scenario::BuiltInBase;
 use sim_host::trials::Course;
+use sim_host::tune::{KNOBS, update};
 use std::error::Error;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use tests::stated::{At, Stated};
 
 const NAMES: [&str; 3] = ["paper-30kg", "lab-10kg", "hobby-1kg"];
 
@@ -82,6 +84,73 @@ fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn E
     let worst = proof.worst().ok_or("no runs")?;
     assert_eq!(proof.holds(), shortcoming(&worst.figures).is_none());
     Ok(())
+}
+
+/// What README says of the three bases as shipped, and of gains that follow from their limits.
+#[test]
+fn the_readme_states_the_proof() -> Result<(), Box<dyn Error>> {
+    let seeds = NonZeroU32::new(10).ok_or("0")?;
+    let (mut times, mut amiss) = (Vec::new(), [0; 2]);
+    for name in NAMES {
+        let base = base(name)?;
+        let plain = Base {
+            gains: None,
+            ..base.clone()
+        };
+        for (base, amiss) in [base, plain].iter().zip(&mut amiss) {
+            let proof = prove(base, seeds, || {})?;
+            let runs = proof.runs.iter().map(|run| &run.figures);
+            *amiss += runs
+                .clone()
+                .filter(|run| shortcoming(run).is_some())
+                .count();
+            if base.gains.is_some() {
+                times.extend(runs.map(|run| run.time_s));
+            }
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    let (runs, [tuned, plain]) = (times.len() as f64, amiss.map(|runs| runs as f64));
+    let mut readme = Stated::of("README.md");
+    readme.exactly(
+        At::Phrase("(# of #, ten worlds for each course and condition; half of them within # s, all within #)"),
+        &[
+            runs - tuned,
+            runs,
+            times[times.len() / 2].ceil(),
+            times[times.len() - 1].ceil(),
+        ],
+    );
+    readme.exactly(
+        At::Phrase("or otherwise amiss, in # of `prove`'s # runs"),
+        &[plain, runs],
+    );
+    Ok(())
+}
+
+/// `docs/your-robot.md` has what the programs print.
+#[test]
+fn the_page_shows_what_the_programs_print() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let text = BuiltInBase::find("hobby-1kg").ok_or("not built in")?.text;
+    let text = text.replacen("1 kg hobby base", "my robot", 1);
+    std::fs::write(here.path().join("robot.toml"), &text)?;
+    let mut page = Stated::of("docs/your-robot.md");
+    let mut shown = |heading: &str, arguments: &[&str]| -> Result<(), Box<dyn Error>> {
+        let printed = String::from_utf8(sim_host(here.path(), arguments)?.stdout)?;
+        let (printed, _) = printed.rsplit_once("results are in").ok_or("no end")?;
+        page.block(heading, printed);
+        Ok(())
+    };
+    shown("3. Prove", &["prove", "robot.toml", "--seeds", "5"])?;
+    // All gains at 0.4 of theirs.
+    let mut gains = Base::parse("robot.toml", &text)?.motion().gains;
+    for knob in KNOBS {
+        let slower = 0.4 * knob.of(&gains);
+        knob.put(&mut gains, slower);
+    }
+    std::fs::write(here.path().join("robot.toml"), update(&text, &gains)?)?;
+    shown("2. Tune", &["tune", "robot.toml", "--evaluations", "36"])
 }
 
 /// Wheels that differ by a hundredth turn the base by 0.1 rad on 4 m: without poses from outside nothing

@@ -1,76 +1,79 @@
-//! Gains that were set wrong are found again.
+//! Gains that do badly are improved, whichever they are: starts are drawn, and chosen by their score alone.
 
 use controller_core::motion::MotionGains;
 use rand::SeedableRng;
-use rand_distr::{Distribution, LogNormal};
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use sim_host::drive::Base;
-use sim_host::scenario::BuiltInBase;
-use sim_host::tune::{KNOBS, Search, Tuned, Wish, search};
+use sim_host::scenario::BASES;
+use sim_host::tune::{KNOBS, Search, Seeds, Wish, search};
 use std::error::Error;
 
-/// Small enough for a test: a first look at 24 sets and one simplex.
-const SEARCH: Search = Search {
-    evaluations: 72,
-    starts: 1,
-    training: 4,
-    unseen: 8,
-    seed: 1,
-};
+/// Searches for each of the example bases, each from a start and with a seed of its own.
+const SEARCHES: u64 = 2;
+/// Points of a start, in worlds of their own. The shipped gains have less than 2: at least twice as many are badly set.
+/// A run that is lost costs 10: with more than a third of them lost the robot is broken rather than badly set.
+const BAD: std::ops::Range<f64> = 4.0..8.0;
+/// Share of the points that the worst and the median search have to save in worlds that no search saw: a fifth is what
+/// the tuner is asked for, and who starts from twice the points of good gains can save half.
+const SAVED: (f64, f64) = (0.2, 0.4);
 
-/// The hobby base with gains that `detune` spoils by a factor for each knob.
-fn tuned(detune: impl FnMut(&str) -> f64) -> Result<Tuned, Box<dyn Error>> {
-    let mut base: Base = BuiltInBase::find("hobby-1kg")
-        .ok_or("not built in")?
-        .base()?;
-    let mut gains: MotionGains<f64> = base.motion().gains;
-    let mut detune = detune;
-    for knob in KNOBS {
-        let value = knob.of(&gains);
-        knob.put(&mut gains, detune(knob.key) * value);
+/// Small enough for a test: a first look at 10 sets and one simplex of 20 steps, in 2 worlds for each course.
+const fn small(seed: u64) -> Search {
+    Search {
+        evaluations: 30,
+        starts: 1,
+        training: 2,
+        unseen: 6,
+        seed,
     }
-    base.gains = Some(gains);
-    Ok(search(&Wish::courses(&base), &SEARCH, || {})?)
 }
 
-/// So much fewer points, as a share of those before, where the search did not look.
-fn is_better(what: &str, tuned: &Tuned, unseen: f64) {
-    let [before, after] = tuned.unseen;
+/// The base with gains that do badly: those of the file, each times e^(n/2) with a standard normal n, drawn until the
+/// score is in [`BAD`].
+fn badly_set(base: &Base, random: &mut Pcg64Mcg) -> Result<Base, Box<dyn Error>> {
+    // The searches below have other seeds.
+    let seeds = Seeds::Unseen.draw(0, 4);
+    let own = base.motion().gains;
+    let wish = Wish::courses(base);
+    for _ in 0..100 {
+        let mut gains: MotionGains<f64> = own;
+        for knob in KNOBS {
+            let normal: f64 = StandardNormal.sample(random);
+            knob.put(&mut gains, knob.of(&own) * libm::exp(0.5 * normal));
+        }
+        if BAD.contains(&wish.score(&gains, &seeds)?.total()) {
+            return Ok(Base {
+                gains: Some(gains),
+                ..base.clone()
+            });
+        }
+    }
+    Err("no bad gains".into())
+}
+
+#[test]
+fn gains_that_do_badly_are_improved_by_a_fifth_and_most_by_much_more() -> Result<(), Box<dyn Error>>
+{
+    let mut saved = Vec::new();
+    for built_in in BASES {
+        let base = built_in.base()?;
+        let mut random = Pcg64Mcg::seed_from_u64(0);
+        for seed in 1..=SEARCHES {
+            let start = badly_set(&base, &mut random)?;
+            let tuned = search(&Wish::courses(&start), &small(seed), || {})?;
+            let [before, after] = tuned.unseen.map(|score| score.total());
+            println!("{} {seed}: {before:.2} to {after:.2} points", built_in.name);
+            saved.push(1.0 - after / before);
+        }
+    }
+    saved.sort_by(f64::total_cmp);
+    let half = saved.len() / 2;
+    let (worst, median) = (saved[0], 0.5 * (saved[half - 1] + saved[half]));
     println!(
-        "{what}: {:.2} to {:.2} points, training {:.2} to {:.2}",
-        before.total(),
-        after.total(),
-        tuned.training[0].total(),
-        tuned.training[1].total()
+        "of {} searches: worst {worst:.2}, median {median:.2}",
+        saved.len()
     );
-    assert!(
-        after.total() <= (1.0 - unseen) * before.total(),
-        "{what}: {before:?} {after:?}"
-    );
-}
-
-#[test]
-fn too_slow_everywhere() -> Result<(), Box<dyn Error>> {
-    is_better("all x0.4", &tuned(|_| 0.4)?, 0.2);
-    Ok(())
-}
-
-#[test]
-fn stiff_across_on_slow_loops() -> Result<(), Box<dyn Error>> {
-    let tuned = tuned(|key| match key {
-        "heading" | "across" => 6.0,
-        "speed_loop" | "turn_loop" => 0.3,
-        _ => 1.0,
-    })?;
-    is_better("heading, across x6, loops x0.3", &tuned, 0.2);
-    Ok(())
-}
-
-#[test]
-fn drawn_at_random() -> Result<(), Box<dyn Error>> {
-    let mut random = Pcg64Mcg::seed_from_u64(7);
-    // Mostly within a factor of 2.7.
-    let spread = LogNormal::new(0.0, 0.5).map_err(|_| "spread")?;
-    is_better("log-normal", &tuned(|_| spread.sample(&mut random))?, 0.2);
+    assert!(worst >= SAVED.0 && median >= SAVED.1, "{saved:.2?}");
     Ok(())
 }

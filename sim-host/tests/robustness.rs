@@ -1,10 +1,13 @@
 //! The study of robustness: against an independent calculation, and as a program.
 
 use sim_host::robustness::{
-    COLUMNS, Case, Condition, Group, Law, Row, Verdict, catalogue, study, write_csv,
+    COLUMNS, Case, Condition, Expected, Group, Law, Outcome, Row, Spread, Verdict, catalogue,
+    study, write_csv,
 };
 use std::num::NonZeroU32;
 use std::process::Command;
+use std::sync::OnceLock;
+use tests::stated::{At, Stated};
 
 const SEEDS: NonZeroU32 = NonZeroU32::new(20).expect("not 0");
 
@@ -19,11 +22,186 @@ fn all<'a>(conditions: &'a [Condition]) -> Vec<Row<'a>> {
     study(conditions, SEEDS, || {}).expect("the built-in cases are in order")
 }
 
+/// The whole study, run once.
+fn whole() -> &'static [Row<'static>] {
+    static CONDITIONS: OnceLock<Vec<Condition>> = OnceLock::new();
+    static ROWS: OnceLock<Vec<Row<'static>>> = OnceLock::new();
+    ROWS.get_or_init(|| all(CONDITIONS.get_or_init(catalogue)))
+}
+
+/// The rows of one condition and case after the other.
+fn cases() -> impl Iterator<Item = &'static [Row<'static>]> {
+    whole().chunk_by(|a, b| a.condition == b.condition && a.case == b.case)
+}
+
+fn digits(value: f64) -> String {
+    if value >= 100.0 {
+        format!("{value:.0}")
+    } else if value >= 10.0 {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.2}")
+    }
+}
+
+fn or_dash(time: Option<Spread>, decimals: usize) -> String {
+    time.map_or("–".to_owned(), |time| format!("{:.decimals$}", time.mean))
+}
+
+/// Settling time and end, as the table of `docs/robustness.md` has them.
+fn time_and_end(outcome: &Outcome) -> String {
+    let end = match outcome.verdict {
+        Verdict::Arrived | Verdict::Missed if outcome.runs == outcome.arrived.max(1) => {
+            let Spread { mean, worst } = outcome.final_m;
+            let (mean, worst) = (digits(1e3 * mean), digits(1e3 * worst));
+            if mean == worst {
+                mean
+            } else {
+                format!("{mean} / {worst}")
+            }
+        }
+        Verdict::Missed => format!(
+            "beside: {} of {}",
+            outcome.runs - outcome.arrived,
+            outcome.runs
+        ),
+        _ => "lost".to_owned(),
+    };
+    format!("{}, {end}", or_dash(outcome.settling_s, 2))
+}
+
+fn expected(expected: &Expected) -> String {
+    let range = |(low, high): (f64, f64), decimals: usize| {
+        if low < high {
+            format!("{low:.decimals$}–{high:.decimals$}")
+        } else {
+            format!("{low:.decimals$}")
+        }
+    };
+    let end = expected.final_mm.map(|mm| range(mm, 1));
+    match (expected.settling_s, end) {
+        _ if expected.fails => "never".to_owned(),
+        (Some(time), Some(end)) => format!("{}, {end}", range(time, 2)),
+        (Some(time), None) => range(time, 2),
+        (None, Some(end)) => format!("–, {end}"),
+        (None, None) => String::new(),
+    }
+}
+
+/// `docs/robustness.md` has the tables of this study, `README.md` its size.
+#[test]
+fn documents_state_the_study_as_it_is() {
+    let mut page = Stated::of("docs/robustness.md");
+    let head = "| condition | case | expected T, end | neural | plain | default | parked |";
+    let mut table = format!("{head}\n| --- | --- | --- | --- | --- | --- | --- |\n");
+    let mut last = "";
+    for laws in cases() {
+        let first = &laws[0];
+        let (condition, case) = (first.condition, first.case);
+        let name = if condition.name == last {
+            ""
+        } else {
+            &condition.name
+        };
+        last = &condition.name;
+        let said = laws.iter().map(|row| time_and_end(&row.outcome));
+        let said: Vec<String> = said.collect();
+        table += &format!(
+            "| {name} | {} | {} | {} | {} |\n",
+            case.name(),
+            expected(case.expected(condition)),
+            said.join(" | "),
+            or_dash(laws[2].outcome.parked_s, 1),
+        );
+    }
+    page.table(head, &table);
+
+    let head = "| condition, line | expected (following) | neural | plain | default | at rest: neural | plain | default |";
+    let mut table = format!("{head}\n| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    let random = |laws: &&[Row]| laws[0].condition.disturbance.is_random();
+    for laws in cases().filter(random) {
+        let first = &laws[0];
+        if first.case != Case::Line {
+            continue;
+        }
+        let moment = first.case.expected(first.condition).moment_std_nm;
+        let following = laws.iter().map(|row| row.outcome.following_std.moment);
+        let at_rest = laws.iter().map(|row| row.outcome.rest_std.moment);
+        let cells: Vec<String> = following.chain(at_rest).map(digits).collect();
+        table += &format!(
+            "| {} | {} | {} |\n",
+            first.condition.name,
+            moment.map_or_else(String::new, |m| format!("{m}")),
+            cells.join(" | ")
+        );
+    }
+    page.table(head, &table);
+
+    let of = |name: &str, case: Case, law: Law| -> &Outcome {
+        let row = whole()
+            .iter()
+            .find(|row| row.condition.name == name && row.case == case && row.law == law);
+        &row.expect("a row of the study").outcome
+    };
+    let peaks: Vec<f64> = Law::ALL
+        .iter()
+        .flat_map(|law| Case::ALL.map(|case| of("nominal, 10 ms", case, *law)))
+        .flat_map(|run| [run.peak_force_n, run.peak_moment_nm])
+        .collect();
+    page.exactly(
+        At::Phrase(
+            "line and curve: neural # N, # N m and # N, # N m; plain #, # and #, #; \
+             default #, # and #, #.",
+        ),
+        &peaks,
+    );
+    let without_noise =
+        |row: &&Row| row.law == Law::Default && !row.condition.disturbance.is_random();
+    let far = |heavy: bool| {
+        let rows = whole().iter().filter(without_noise);
+        let rows = rows.filter(|row| row.condition.name.starts_with("m × 4") == heavy);
+        rows.map(|row| 1e3 * row.outcome.final_m.worst)
+            .fold(0.0, f64::max)
+    };
+    page.exactly(
+        At::Phrase("Without noise it ends within # mm (four times the mass: # mm)"),
+        &[far(false), far(true)],
+    );
+    let forces = ["5 N against", "wheel friction 0.2 N m"];
+    let left = |law: Law| -> Vec<f64> {
+        let runs = forces
+            .iter()
+            .flat_map(|name| Case::ALL.map(|case| of(name, case, law)));
+        runs.map(|run| 1e3 * run.final_m.worst).collect()
+    };
+    let both = [left(Law::Neural), left(Law::Plain)].concat();
+    page.exactly(
+        At::Phrase("are estimated and leave # mm, where the paper's laws, which have no integral, leave # to # mm"),
+        &[
+            left(Law::Default).into_iter().fold(0.0, f64::max),
+            both.iter().copied().fold(f64::INFINITY, f64::min),
+            both.iter().copied().fold(0.0, f64::max),
+        ],
+    );
+    page.exactly(
+        At::Phrase("# instead of # N m on the line, # instead of # on the curve"),
+        &[peaks[9], peaks[1], peaks[11], peaks[3]],
+    );
+    let mut readme = Stated::of("README.md");
+    readme.exactly(
+        At::Phrase("# conditions, three laws: table"),
+        &[f64::from(u32::try_from(catalogue().len()).expect("few"))],
+    );
+    readme.exactly(
+        At::Phrase("friction | 5 N leave # mm"),
+        &[1e3 * of("5 N against", Case::Line, Law::Neural).final_m.mean],
+    );
+}
+
 #[test]
 fn the_papers_law_stands_what_an_independent_calculation_says() {
-    let conditions = catalogue();
     let (mut times, mut ends, mut moments) = (0, 0, 0);
-    for row in all(&conditions).iter().filter(|row| row.law == Law::Neural) {
+    for row in whole().iter().filter(|row| row.law == Law::Neural) {
         let (outcome, disturbance) = (&row.outcome, &row.condition.disturbance);
         let expected = row.case.expected(row.condition);
         let what = format!("{}, {}: {outcome:?}", row.condition.name, row.case.name());

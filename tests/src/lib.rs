@@ -23,5 +23,6 @@ pub mod oracle;
 pub mod plant;
 pub mod random;
 pub mod safety_rig;
+pub mod stated;
 pub mod tolerance;
 pub mod tuning_loop;

@@ -10,6 +10,7 @@ use tests::core_loop::{Controller, Exact, Tick, hand_over, run};
 use tests::golden::{Golden, Kind, largest_difference};
 use tests::oracle::sampled::SWITCH_SLACK;
 use tests::oracle::{Law, Phase, Row, Scenario, continuous};
+use tests::stated::{At, Stated};
 use tests::tolerance::{
     CORE_CONTINUOUS, FIRST_ORDER_HIGH, FIRST_ORDER_LOW, GOLDEN_SAMPLED, MEAN_BEATS_HELD,
 };
@@ -124,7 +125,11 @@ fn continuous_rows(scenario: &Scenario) -> Vec<Row> {
 }
 
 /// Distances at four ticks, and the order between each two.
-fn assert_first_order<C: Controller<f64>>(name: &str, scenario: &Scenario, rows: &[Row]) -> f64 {
+fn assert_first_order<C: Controller<f64>>(
+    name: &str,
+    scenario: &Scenario,
+    rows: &[Row],
+) -> [f64; 4] {
     let distances = [10e-3, 5e-3, 2.5e-3, 1.25e-3].map(|dt| distance::<C>(scenario, rows, dt));
     for (dt, (pose, torque)) in [10.0, 5.0, 2.5, 1.25].iter().zip(distances) {
         println!(
@@ -140,7 +145,7 @@ fn assert_first_order<C: Controller<f64>>(name: &str, scenario: &Scenario, rows:
             "{name}: order {order}"
         );
     }
-    distances[0].0
+    distances.map(|(pose, _)| pose)
 }
 
 /// Eq. (15) to Eq. (23): a held torque is first order in the tick, whatever the neurons' update; the default update
@@ -163,6 +168,21 @@ fn sampled_runs_converge_to_the_continuous_loop_and_the_default_is_closer() {
             &rows,
         );
         let rational = distance::<Neural<RationalMean>>(&scenario, &rows, 10e-3).0;
+        let mut page = Stated::of("docs/derivation.md");
+        if name == "curve" {
+            let at_three_ticks = held[..3].iter().chain(&mean[..3]);
+            page.exactly(
+                At::Phrase("at h = 10 / 5 / 2.5 ms: held # / # / # mm, mean # / # / # mm"),
+                &at_three_ticks.map(|pose| 1e3 * pose).collect::<Vec<_>>(),
+            );
+            page.exactly(
+                At::Phrase("mm, # mm at 10 ms). The [0/4] form"),
+                &[1e3 * rational],
+            );
+        } else {
+            page.exactly(At::Phrase("as `ExactMean` (# mm,"), &[1e3 * rational]);
+        }
+        let (held, mean) = (held[0], mean[0]);
         println!(
             "{name}: held/mean {:.2}, rational {:.3} mm",
             held / mean,

@@ -90,8 +90,9 @@ fn encoders_alone_park() {
     }
 }
 
-/// The noise radius in standard deviations of the filtered noise: 3 park every run within tolerance of the true
-/// pose, whatever the filter's bandwidth, and smaller ones lose none either.
+/// The noise radius in standard deviations of the filtered noise, whatever the filter's bandwidth: 3 park every run, and
+/// sooner than 1. Within the radius the law gives up the goal's direction; with 1 it still aims where that is noise of
+/// 1 rad. It was a claim here that 1 loses runs: it does not any more (none of 48), it is only later.
 #[test]
 fn three_sigma_of_filtered_noise_are_enough() {
     let (name, file) = bases()[1].clone();
@@ -105,7 +106,7 @@ fn three_sigma_of_filtered_noise_are_enough() {
         };
         let localisation = params.validate::<Libm>().expect("valid");
         let sigma = localisation.filtered_noise_m();
-        let mut lost = Vec::new();
+        let (mut lost, mut times) = (Vec::new(), Vec::new());
         for share in [0.2, 0.3, 0.4, 0.6] {
             let mut params = *suited(&file, &localisation).params();
             params.pose_noise_m = share * sigma;
@@ -119,8 +120,13 @@ fn three_sigma_of_filtered_noise_are_enough() {
             });
             let label = format!("{name}, {bandwidth} rad/s, radius {:.1} sigma", 5.0 * share);
             lost.push(print(&label, &runs).1);
+            times.push(runs.iter().map(|run| run.parked_s).sum::<f64>() / runs.len() as f64);
         }
         assert_eq!(lost, [0; 4]);
+        let [one, .., three] = &times[..] else {
+            panic!("four radii")
+        };
+        assert!(one > three, "{times:?}");
     }
 }
 

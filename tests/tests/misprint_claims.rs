@@ -4,6 +4,7 @@
 use nalgebra::Vector2;
 use tests::check::{assert_close, assert_within};
 use tests::oracle::{Params, Reset, Scenario, continuous, robot};
+use tests::stated::{At, Stated};
 use tests::tolerance::{ALGEBRA, INVISIBLE_TORQUE_STEP, ONE_DECIMAL, TORQUE_STEP, TWO_DECIMALS};
 
 /// The scenario with the switch moved and its reset rule chosen.
@@ -62,6 +63,7 @@ fn corrected_wheel_map_conserves_power() {
 /// B̄ under Eq. (3): the loop survives the printed form but settles later than the text's 5.0 s and 5.2 s.
 #[test]
 fn printed_wheel_map_delays_settling() {
+    let mut settling = Vec::new();
     for (scenario, corrected, printed) in [
         (Scenario::paper_line(), 4.98, 5.43),
         (Scenario::paper_curve(), 5.21, 5.92),
@@ -75,13 +77,19 @@ fn printed_wheel_map_delays_settling() {
                 .expect("the run settles before the switch");
             println!("settles at {settled:.3} s");
             assert_within(settled, expected, TWO_DECIMALS, "settling time");
+            settling.push(settled);
         }
     }
+    Stated::of("docs/errata.md").exactly(
+        At::Phrase("settles in # / # s instead of # / # s"),
+        &[settling[1], settling[3], settling[0], settling[2]],
+    );
 }
 
 /// Eq. (23): with its printed last two lines the torque is not continuous, even for k_c = k_d.
 #[test]
 fn printed_reset_makes_torque_jump() {
+    let mut jumps = Vec::new();
     for (name, scenario, expected) in [
         ("line", Scenario::paper_line(), -3.7),
         ("curve", Scenario::paper_curve(), -7.7),
@@ -92,12 +100,20 @@ fn printed_reset_makes_torque_jump() {
             jump.x, jump.y
         );
         assert_within(jump.x, expected, ONE_DECIMAL, name);
+        jumps.push(jump.x);
     }
+    let mut errata = Stated::of("docs/errata.md");
+    errata.exactly(
+        At::Phrase("the force jumps by # N (line) and # N (curve)"),
+        &jumps,
+    );
+    errata.exactly(At::Phrase("up to # N with k_c = k_d"), &[jumps[1].abs()]);
 }
 
 /// Eq. (23): with k_c = 2 k_d the printed reset makes torque jump by another amount, on both axes.
 #[test]
 fn printed_reset_makes_torque_jump_for_other_parking_gains() {
+    let mut jumps = Vec::new();
     for (name, scenario, force, moment) in [
         ("line", Scenario::paper_line(), -5.9, 2.4),
         ("curve", Scenario::paper_curve(), -10.5, 7.0),
@@ -110,7 +126,12 @@ fn printed_reset_makes_torque_jump_for_other_parking_gains() {
         );
         assert_within(jump.x, force, ONE_DECIMAL, name);
         assert_within(jump.y, moment, ONE_DECIMAL, name);
+        jumps.push(jump);
     }
+    Stated::of("docs/errata.md").exactly(
+        At::Phrase("with k_c = 2 k_d by # N and # N m (curve)"),
+        &[jumps[1].x, jumps[1].y],
+    );
 }
 
 /// Eq. (23): at the paper's own switch the printed reset jumps too little to be seen in its figures.
@@ -122,6 +143,10 @@ fn printed_reset_is_invisible_once_tracking_has_settled() {
         jump.x, jump.y
     );
     assert!(jump.amax() < INVISIBLE_TORQUE_STEP, "{jump}");
+    Stated::of("docs/errata.md").at_most(
+        At::Phrase("switch they have, to # N and N m"),
+        &[jump.amax()],
+    );
     assert!(jump.amax() > TORQUE_STEP, "{jump}");
 }
 

@@ -8,6 +8,7 @@ use controller_core::types::{Pose, WheelTorques, Wrench};
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Drive, Order, both_cores, home, ring, steady};
 use tests::motion_tracking::Exact;
+use tests::stated::{At, Stated};
 use tests::tolerance::ARRIVED;
 
 const BASE: Base = Base::STANDARD;
@@ -32,8 +33,33 @@ fn pushes<T: Scalar>(motion: &Motion<T>) -> Vec<Wrench<f64>> {
     pushes
 }
 
+/// What many runs came to.
+struct Left {
+    runs: f64,
+    /// Largest distance \[mm\].
+    far: f64,
+    /// Largest heading error \[mrad\].
+    turned: f64,
+    retries: f64,
+}
+
+/// A row of the table of disturbances in `docs/motion.md`, for two sets of runs.
+fn state(label: &str, a: &Left, b: &Left) {
+    let row = At::Row("8. Disturbance estimate", label);
+    let retries = a.retries.max(b.retries);
+    Stated::of("docs/motion.md").exactly(
+        row,
+        &[a.runs, b.runs, a.far, b.far, a.turned, b.turned, retries],
+    );
+}
+
 /// Parks from every `nth` start of the ring; the largest distance and heading error left, and retries.
-fn parks<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(base: Base, nth: usize, dt: f64, end_s: f64) {
+fn parks<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
+    base: Base,
+    nth: usize,
+    dt: f64,
+    end_s: f64,
+) -> Left {
     let motion: Motion<T> = base.params::<T, M>().validate().expect("valid");
     let cases: Vec<(Body, Wrench<f64>)> = ring()
         .into_iter()
@@ -73,32 +99,62 @@ fn parks<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(base: Base, nth: usize, dt:
         1e3 * turned
     );
     assert!(far < ARRIVED && turned < ARRIVED);
+    Left {
+        runs: left.len() as f64,
+        far: 1e3 * far,
+        turned: 1e3 * turned,
+        retries: f64::from(retries),
+    }
 }
 
 #[test]
 fn constant_push_leaves_nothing_when_parked() {
-    parks::<f64, Libm, ExactMean>(BASE, 13, 0.01, 25.0);
-    parks::<f32, Single, RationalMean>(BASE, 13, 0.01, 25.0);
+    let double = parks::<f64, Libm, ExactMean>(BASE, 13, 0.01, 25.0);
+    let single = parks::<f32, Single, RationalMean>(BASE, 13, 0.01, 25.0);
+    state(
+        "ring, 10 % force (30 N), moment (7.5 N m), both, either sign; 10 ms, f64 / f32",
+        &double,
+        &single,
+    );
 }
 
 #[test]
 fn constant_push_leaves_nothing_at_1_ms() {
-    parks::<f64, Libm, ExactMean>(BASE, 97, 0.001, 25.0);
-    parks::<f32, Single, RationalMean>(BASE, 97, 0.001, 25.0);
+    let double = parks::<f64, Libm, ExactMean>(BASE, 97, 0.001, 25.0);
+    let single = parks::<f32, Single, RationalMean>(BASE, 97, 0.001, 25.0);
+    state("the same at 1 ms, f64 / f32", &double, &single);
+    // The worst of all rows, which other bases do not reach (their row has its own figures).
+    Stated::of("README.md").at_most(
+        At::Phrase("10 % of the largest force or moment leaves # mm"),
+        &[double.far.max(single.far)],
+    );
 }
 
 #[test]
 fn constant_push_leaves_nothing_on_other_bases() {
-    parks::<f64, Libm, ExactMean>(Base::WEAK, 29, 0.01, 90.0);
-    parks::<f64, Libm, ExactMean>(Base::SMALL, 29, 0.01, 25.0);
+    let weak = parks::<f64, Libm, ExactMean>(Base::WEAK, 29, 0.01, 90.0);
+    let small = parks::<f64, Libm, ExactMean>(Base::SMALL, 29, 0.01, 25.0);
+    let row = At::Row("8. Disturbance estimate", "weak base and 1 kg");
+    Stated::of("docs/motion.md").exactly(
+        row,
+        &[
+            weak.runs,
+            small.runs,
+            weak.far.max(small.far),
+            weak.turned.max(small.turned),
+            weak.retries.max(small.retries),
+        ],
+    );
 }
 
 /// On a line at constant speed the lag goes as well; without the estimate it is F/(κ₁ m k₁) = 0.28 m.
 #[test]
 fn constant_push_leaves_no_lag_on_a_line() {
     let motion = BASE.exact().validate().expect("valid");
+    let mut runs = 0;
     for v in [-0.4, 0.2, 0.4, 1.0] {
         for push in pushes(&motion) {
+            runs += 1;
             let line = steady(v, 0.0);
             let mut drive = Exact::start(&motion, BASE, Body::at(0.0, 0.1, 0.0), &line(0.0), 0.01);
             while drive.t < 25.0 {
@@ -112,6 +168,9 @@ fn constant_push_leaves_no_lag_on_a_line() {
             );
         }
     }
+    let label = "line at −0.4, 0.2, 0.4, 1 m/s, the same pushes: e_x and e_y after 25 s";
+    let row = At::Row("8. Disturbance estimate", label);
+    Stated::of("docs/motion.md").exactly(row, &[f64::from(runs), 1e3 * ARRIVED]);
 }
 
 /// Beyond the bound the estimate stays at it and says so; the lag that is left is that of the rest.
@@ -172,7 +231,11 @@ fn push_that_ends_is_a_bounded_surge() {
         1e3 * surge,
         1e3 * most
     );
-    assert!(surge > 0.01 && surge < most);
+    assert!(surge < most);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("D/(m κ₁ ω), # cm for the base above; parked there against a push at the bound that ends, # cm"),
+        &[1e2 * most, 1e2 * surge],
+    );
     assert_eq!(drive.report().outcome, Outcome::Parked);
 }
 
@@ -182,6 +245,7 @@ fn zero_bandwidth_estimates_nothing() {
     let mut params = BASE.exact();
     params.gains.disturbance = 0.0;
     let motion = params.validate().expect("valid");
+    let gains = *motion.gains();
     let mut drive = Exact::start(&motion, BASE, Body::at(-0.5, 0.1, 0.2), &home()(0.0), 0.01);
     while drive.t < 10.0 {
         drive.coast(&Wrench {
@@ -193,7 +257,13 @@ fn zero_bandwidth_estimates_nothing() {
     }
     // What the velocity loop alone leaves: F/(κ₁ m k₄), 46 mm.
     let left = drive.error(&home()(0.0)).x.abs();
-    assert!((0.04..0.06).contains(&left), "{left}");
+    let alone = 5.0 / (gains.speed_loop * BASE.mass * gains.approach);
+    // The neuron that e_x passes has gain 1 for small errors only, 1 % less here.
+    assert!((left / alone - 1.0).abs() < 0.02, "{left} for {alone}");
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("position error (1 N: # mm)"),
+        &[1e3 * alone / 5.0],
+    );
 }
 
 /// A motor layer that gives half of what is asked and says so is no disturbance; one that keeps silent is.

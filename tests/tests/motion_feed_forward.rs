@@ -11,6 +11,7 @@ use tests::core_loop::Exact as Paper;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::Order;
 use tests::motion_tracking::follow;
+use tests::stated::{At, Stated};
 use tests::tolerance::{FED_FORWARD_RMS, MEAN_ORDER};
 
 /// Speed 0.6 + 0.3 sin 1.3 t, heading 0.8 sin t: up to 0.39 m/s² and 0.8 rad/s².
@@ -107,6 +108,22 @@ fn accelerating_reference_is_followed_to_millimetres() {
     assert!(mid.rms < FED_FORWARD_RMS && mid.peak < 2.0 * FED_FORWARD_RMS);
     assert!(now.rms < FED_FORWARD_RMS && mid.rms < now.rms);
     assert!(paper > 10.0 * mid.rms);
+    let mut page = Stated::of("docs/motion.md");
+    page.exactly(At::Phrase("rad/s²): # mm RMS, below"), &[1e3 * now.rms]);
+    page.at_most(
+        At::Phrase(", below # mm with accelerations sampled half"),
+        &[1e3 * mid.rms],
+    );
+    page.exactly(At::Phrase("The paper's law: # mm."), &[1e3 * paper]);
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("which lag: # mm RMS on a weaving one, where exact feed-forward leaves # mm"),
+        &[1e3 * paper, 1e3 * now.rms],
+    );
+    let mut readme = Stated::of("README.md");
+    readme.exactly(
+        At::Phrase("through neurons: # mm RMS on a weaving reference | fed forward: # mm RMS"),
+        &[1e3 * paper, 1e3 * now.rms],
+    );
 }
 
 /// What is left comes from holding torques: it falls with the tick.
@@ -122,6 +139,8 @@ fn error_left_is_that_of_held_torques() {
         1e3 * coarse,
         1e3 * fine
     );
+    Stated::of("docs/motion.md")
+        .exactly(At::Phrase("half a tick ahead, # mm at 1 ms"), &[1e3 * fine]);
     let order = (coarse / fine).log10();
     assert!((order - 1.0).abs() < 4.0 * MEAN_ORDER, "order {order}");
 }

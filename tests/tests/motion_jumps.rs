@@ -12,6 +12,7 @@ use tests::motion_base::{Base, Body, pose};
 use tests::motion_loop::{Drive, Order, both_cores, steady};
 use tests::motion_tracking::Exact;
 use tests::random::Random;
+use tests::stated::{At, Stated};
 use tests::tolerance::MOTION_RATE;
 
 /// What a fuzzed run came to, in shares of L.
@@ -36,6 +37,9 @@ fn order(random: &mut Random, body: &Body, t: f64) -> (ConstantTwist<f64>, f64, 
     let twist = Twist::new(random.within(1.5), random.within(1.0));
     (ConstantTwist { start, twist }, t, parks)
 }
+
+/// Ticks of a run.
+const TICKS: u32 = 200_000;
 
 /// Largest push, as a share of the largest force and of the largest moment.
 const MOST: f64 = 0.25;
@@ -149,10 +153,11 @@ fn wrench_changes_by_at_most_l_dt() {
         }
     }
     let runs = both_cores(&cases, |(_, base, declared, dt)| {
-        let double = fuzz::<f64, Libm, ExactMean>(*base, (*declared, false), *dt, 200_000);
-        let single = fuzz::<f32, Single, RationalMean>(*base, (*declared, false), *dt, 200_000);
+        let double = fuzz::<f64, Libm, ExactMean>(*base, (*declared, false), *dt, TICKS);
+        let single = fuzz::<f32, Single, RationalMean>(*base, (*declared, false), *dt, TICKS);
         (double, single)
     });
+    let (mut most, mut saturated) = (0.0_f64, 0.0_f64);
     for ((name, _, declared, dt), (double, single)) in cases.iter().zip(runs) {
         println!("{name}, declared {declared}, {dt} s: {double:.3?} {single:.3?}");
         for (run, slack) in [(double, MOTION_RATE.0), (single, MOTION_RATE.1)] {
@@ -160,8 +165,20 @@ fn wrench_changes_by_at_most_l_dt() {
             assert!(run.force <= 1.0 + slack, "{name}: {run:?}");
             assert!(run.moment <= 1.0 + slack, "{name}: {run:?}");
             assert!(run.saturated <= 1.0 + slack, "{name}: {run:?}");
+            most = most.max(run.force).max(run.moment);
+            saturated = saturated.max(run.saturated);
         }
     }
+    let mut page = Stated::of("docs/motion.md");
+    page.exactly(
+        At::Phrase("# million ticks of 10 and 1 ms in each precision: at most # of L dt, and # of twice that"),
+        &[cases.len() as f64 * f64::from(TICKS) / 1e6, most, saturated],
+    );
+    let motion: Motion<f64> = Base::STANDARD.exact().validate().expect("valid");
+    page.exactly(
+        At::Phrase("L_F = # N/s, L_N = # N m/s"),
+        &[motion.force_rate_limit(), motion.moment_rate_limit()],
+    );
 }
 
 /// The same while pushes of 10 to 25 % of the largest force and moment come, change sign and go on: beyond L by what a
@@ -176,10 +193,11 @@ fn wrench_changes_by_at_most_l_dt_under_pushes() {
     ];
     let runs = both_cores(&cases, |(_, base, declared, dt)| {
         let how = (*declared, true);
-        let double = fuzz::<f64, Libm, ExactMean>(*base, how, *dt, 200_000);
-        let single = fuzz::<f32, Single, RationalMean>(*base, how, *dt, 200_000);
+        let double = fuzz::<f64, Libm, ExactMean>(*base, how, *dt, TICKS);
+        let single = fuzz::<f32, Single, RationalMean>(*base, how, *dt, TICKS);
         (double, single)
     });
+    let mut most = 0.0_f64;
     for ((name, _, declared, dt), (double, single)) in cases.iter().zip(runs) {
         println!("pushed, {name}, declared {declared}, {dt} s: {double:.3?} {single:.3?}");
         for (run, slack) in [(double, MOTION_RATE.0), (single, MOTION_RATE.1)] {
@@ -187,8 +205,13 @@ fn wrench_changes_by_at_most_l_dt_under_pushes() {
             assert!(run.force <= 1.0 + slack, "{name}: {run:?}");
             assert!(run.moment <= 1.0 + slack, "{name}: {run:?}");
             assert!(run.saturated <= 1.0 + slack, "{name}: {run:?}");
+            most = most.max(run.force).max(run.moment);
         }
     }
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("# million ticks in each precision: at most # of (L + κ D′) dt"),
+        &[cases.len() as f64 * f64::from(TICKS) / 1e6, most],
+    );
 }
 
 /// A parameter set with a threshold for jumps.

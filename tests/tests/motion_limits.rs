@@ -10,6 +10,7 @@ use controller_core::types::{Accel, Measured, Pose, Twist};
 use proptest::prelude::*;
 use tests::core_draw::{cases, decades, finite};
 use tests::motion_base::Base;
+use tests::stated::{At, Stated};
 use tests::tolerance::MOTION_LIMIT;
 
 /// One tick's inputs: time, three words, twelve numbers.
@@ -179,8 +180,19 @@ where
     Ok(())
 }
 
+/// Sequences in each precision.
+const SEQUENCES: u32 = 5000;
+
+#[test]
+fn as_many_sequences_are_drawn_as_stated() {
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("# random sequences of inputs, finite but of any size"),
+        &[2.0 * f64::from(SEQUENCES)],
+    );
+}
+
 proptest! {
-    #![proptest_config(cases(5000))]
+    #![proptest_config(cases(SEQUENCES))]
 
     #[test]
     fn no_input_drives_double_precision_past_a_limit(

@@ -12,9 +12,46 @@ use tests::motion_loop::{hand_over_states, ring};
 use tests::motion_parking::{Parking, park_all, print, worst};
 use tests::motion_tracking::Exact;
 use tests::random::Random;
+use tests::stated::{At, Stated};
 use tests::tolerance::{ARRIVED, PARKED_ACROSS, START};
 
 const BASE: Base = Base::STANDARD;
+
+/// The table of parking in `docs/motion.md`: its rows of the 90 states, of the runs of one column.
+pub(crate) fn state_hand_over(column: &str, runs: &[Parking]) {
+    let (all, near, _) = worst(runs);
+    let mut page = Stated::of("docs/motion.md");
+    let mut row = |label, measured: &[f64]| {
+        page.exactly(At::Cell("10. What was measured", label, column), measured);
+    };
+    row("90: final e_y [mm]", &[1e3 * all.left.y]);
+    row("90: to 1 cm and 0.02 rad [s]", &[all.near_s, near]);
+    row("90: peak moment [N m]", &[all.moment]);
+}
+
+/// Its rows of the ring.
+pub(crate) fn state_ring(column: &str, runs: &[Parking]) {
+    let (all, _, arrived) = worst(runs);
+    let mut page = Stated::of("docs/motion.md");
+    let mut row = |label, measured: &[f64]| {
+        page.exactly(At::Cell("10. What was measured", label, column), measured);
+    };
+    row("ring: to 1 mm and 1 mrad [s]", &[all.arrived_s, arrived]);
+    row(
+        "ring: sign changes of the moment",
+        &[f64::from(all.changes)],
+    );
+    // Below 0: none after the arrival.
+    row(
+        "ring: last of them after arrival [s]",
+        &[all.late_s.max(0.0)],
+    );
+    row(
+        "ring: peak force, moment [N, N m]",
+        &[all.force, all.moment],
+    );
+    row("ring: change of wheel torque [N m/s]", &[all.torque_rate]);
+}
 
 /// Lateral error, time to 1 cm and 0.02 rad, no step of the torque.
 fn check_hand_over(name: &str, runs: &[Parking], motion: (f64, f64)) {
@@ -51,7 +88,12 @@ fn check_ring(name: &str, runs: &[Parking]) {
     );
 }
 
-fn grids<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(name: &str, dt: f64) {
+/// The runs of the ring.
+fn grids<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
+    name: &str,
+    column: &str,
+    dt: f64,
+) -> Vec<Parking> {
     let motion: Motion<T> = BASE.params::<T, M>().validate().expect("valid");
     let change = (
         motion.force_rate_limit().to_f64() * dt,
@@ -59,28 +101,46 @@ fn grids<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(name: &str, dt: f64) {
     );
     let runs = park_all::<T, M, U>(&motion, BASE, &hand_over_states(), dt, 20.0);
     check_hand_over(&format!("90 states, {name}"), &runs, change);
+    state_hand_over(column, &runs);
     let runs = park_all::<T, M, U>(&motion, BASE, &ring(), dt, 20.0);
     check_ring(&format!("ring, {name}"), &runs);
+    state_ring(column, &runs);
+    runs
 }
 
 #[test]
 fn grids_park_in_double_precision_at_10_ms() {
-    grids::<f64, Libm, ExactMean>("f64, 10 ms", 0.01);
+    let runs = grids::<f64, Libm, ExactMean>("f64, 10 ms", "this law, f64", 0.01);
+    let (all, _, _) = worst(&runs);
+    let (along, turned) = (1e3 * all.left.x, 1e3 * all.left.theta);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("left along the goal (# mm, # mrad on the ring)"),
+        &[along, turned],
+    );
+    let mut readme = Stated::of("README.md");
+    let starts = "forward or backward: # starts from rest, 0.1 to 3 m,";
+    readme.exactly(At::Phrase(starts), &[runs.len() as f64]);
+    readme.exactly(At::Phrase("the last after # s |"), &[all.arrived_s]);
+    let left = all.left.x.hypot(all.left.y).max(along / 1e3);
+    readme.at_most(
+        At::Phrase("0.1 to 3 m, within # mm and # mrad, the last"),
+        &[1e3 * left, turned],
+    );
 }
 
 #[test]
 fn grids_park_in_single_precision_at_10_ms() {
-    grids::<f32, Single, RationalMean>("f32, 10 ms", 0.01);
+    grids::<f32, Single, RationalMean>("f32, 10 ms", "f32", 0.01);
 }
 
 #[test]
 fn grids_park_in_double_precision_at_1_ms() {
-    grids::<f64, Libm, ExactMean>("f64, 1 ms", 0.001);
+    grids::<f64, Libm, ExactMean>("f64, 1 ms", "f64, 1 ms", 0.001);
 }
 
 #[test]
 fn grids_park_in_single_precision_at_1_ms() {
-    grids::<f32, Single, RationalMean>("f32, 1 ms", 0.001);
+    grids::<f32, Single, RationalMean>("f32, 1 ms", "f32, 1 ms", 0.001);
 }
 
 /// A ring that nobody tuned on: other bearings, other headings, random radii.
@@ -97,6 +157,17 @@ fn unseen_ring_parks() {
     let motion = BASE.exact().validate().expect("valid");
     let runs = park_all::<f64, Libm, ExactMean>(&motion, BASE, &starts, 0.01, 20.0);
     check_ring("random ring", &runs);
+    let (all, _, _) = worst(&runs);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("# random poses that nothing was tuned on: # s, # changes, # s, # mrad."),
+        &[
+            runs.len() as f64,
+            all.arrived_s,
+            f64::from(all.changes),
+            all.late_s,
+            1e3 * all.left.theta,
+        ],
+    );
 }
 
 /// The robot may back up: a goal behind it is reached in reverse, without turning round.
@@ -158,7 +229,11 @@ fn noisy(distance_m: f64, heading_rad: f64, retries: u8, end_s: f64) -> (f64, f6
 fn noisy_poses_park_within_their_tolerance() {
     let (along, across, parked) = noisy(8.0 * SIGMA, 0.02, 0, 20.0);
     assert_eq!(parked, 90);
-    assert!(along.hypot(across) < 9.0 * SIGMA);
+    assert!(along.hypot(across) < 8.0 * SIGMA);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("with a tolerance of # mm all park within it"),
+        &[8e3 * SIGMA],
+    );
 }
 
 /// With one that noise never lets pass the law gives up a few millimetres off.
@@ -166,6 +241,10 @@ fn noisy_poses_park_within_their_tolerance() {
 fn noisy_poses_stay_near_without_a_latch() {
     let (along, across, _) = noisy(1e-5, 1e-5, 0, 20.0);
     assert!(along < 2.0 * SIGMA && across < 2.0 * SIGMA);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("**Noise** of # mm per pose, stated: the 90 states end within # mm across"),
+        &[1e3 * SIGMA, 1e3 * across],
+    );
 }
 
 /// With retries too: each drives out and comes back, and the robot stands a few millimetres off after the last.
@@ -174,6 +253,7 @@ fn noisy_poses_and_retries_end_near_as_well() {
     let (along, across, parked) = noisy(1e-5, 1e-5, 2, 40.0);
     assert_eq!(parked, 0);
     assert!(along < 2.0 * SIGMA && across < 2.0 * SIGMA);
+    Stated::of("docs/motion.md").exactly(At::Phrase("(# mm after two retries)"), &[1e3 * across]);
 }
 
 /// A weak base needs longer than 20 s, and loses none.
@@ -183,7 +263,12 @@ fn weak_base_parks_late() {
     let motion = base.exact().validate().expect("valid");
     let runs = park_all::<f64, Libm, ExactMean>(&motion, base, &ring(), 0.01, 90.0);
     print("ring, weak base", &runs);
-    assert_eq!(worst(&runs).0.lost, 0);
+    let (all, _, arrived) = worst(&runs);
+    assert_eq!(all.lost, 0);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("Weak base: all park, after # s on average and # s at most"),
+        &[arrived, all.arrived_s],
+    );
 }
 
 /// A desk robot of 1 kg.

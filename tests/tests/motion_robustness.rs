@@ -12,6 +12,7 @@ use tests::motion_loop::{Drive, Order, both_cores, goal, ring, steady};
 use tests::motion_parking::{park_all, print};
 use tests::motion_tracking::Exact;
 use tests::random::Random;
+use tests::stated::{At, Stated};
 use tests::tolerance::ARRIVED;
 
 const BASE: Base = Base::STANDARD;
@@ -149,11 +150,12 @@ fn mission(plant: Base, late: usize, limits: Limits<f64>, estimate: bool) -> (f6
 /// Wrong masses and late poses cost millimetres of overshoot, not the goal.
 #[test]
 fn wrong_masses_and_late_poses_still_park() {
+    let mut seen = Vec::new();
     for (name, mass, inertia, late, most) in [
         ("as believed", 1.0, 1.0, 0, 5e-4),
         ("m 1.3, I 0.7", 1.3, 0.7, 0, 1e-3),
         ("m 2, I 2", 2.0, 2.0, 0, 0.01),
-        // The estimate is slow to believe that a robot brakes too easily: 4 mm if it were not.
+        // The estimate is slow to believe that a robot brakes too easily.
         ("m 0.5, I 0.5", 0.5, 0.5, 0, 1e-3),
         ("20 ms late", 1.0, 1.0, 2, 1e-3),
         ("50 ms late", 1.0, 1.0, 5, 2e-3),
@@ -175,7 +177,25 @@ fn wrong_masses_and_late_poses_still_park() {
         );
         assert!(parked && left < ARRIVED, "{name}: {left}");
         assert!(overshoot < most, "{name}: {overshoot}");
+        seen.push((1e3 * overshoot, 1e3 * alone));
     }
+    let [_, heavy, twice, half, late @ ..] = &seen[..] else {
+        panic!("eight robots")
+    };
+    let mut page = Stated::of("docs/motion.md");
+    page.exactly(
+        At::Phrase("both twice: # mm; both half: # mm (#, # and # mm without"),
+        &[twice.0, half.0, heavy.1, twice.1, half.1],
+    );
+    assert_eq!(heavy.0, 0.0, "no overshoot");
+    page.exactly(
+        At::Phrase("Poses 20 / 50 / 100 / 200 ms late: # / # / # / # mm"),
+        &late.iter().map(|run| run.0).collect::<Vec<_>>(),
+    );
+    page.exactly(
+        At::Phrase("past its goal; believed slowly, # mm (`motion_robustness`)"),
+        &[half.0],
+    );
 }
 
 /// Braking and speeding up apart.
@@ -200,7 +220,7 @@ fn unequal_braking_does_not_overshoot() {
 /// Wheels of 4 N m that saturate in every turn: no policy loses a pose of the ring.
 #[test]
 fn every_policy_parks_the_ring() {
-    for policy in [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst] {
+    let times = [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst].map(|policy| {
         let limits = Limits {
             wheel_torque_nm: 4.0,
             policy,
@@ -211,5 +231,10 @@ fn every_policy_parks_the_ring() {
         let runs = park_all::<f64, Libm, ExactMean>(&motion, base, &ring(), 0.01, 40.0);
         let all = print(&format!("4 N m, {policy:?}"), &runs);
         assert_eq!(all.lost, 0);
-    }
+        all.arrived_s
+    });
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("by policy: # s (keep curvature), # s (turn first), # s (drive first)"),
+        &times,
+    );
 }

@@ -5,6 +5,7 @@ use controller_core::types::{Pose, Wrench};
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{goal, steady};
 use tests::motion_tracking::{Exact, follow};
+use tests::stated::{At, Stated};
 use tests::tolerance::ARRIVED;
 
 /// Wheels that make 10 N together, on a base that believes in 1.5 m/s².
@@ -59,13 +60,17 @@ fn release_is_continuous_and_recovery_monotone() {
     );
     assert!(saturated > 100 && largest_lag > 1.0 && lag < 1e-3);
     assert!(largest_change <= limit);
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("the lag of # m falls monotonically, the force at release changes by # N of # N allowed"),
+        &[largest_lag, largest_change, limit],
+    );
 }
 
 /// Case 2 with 10 N and 5 N m, and any policy: the paper's law loses it; this one arrives, late.
 #[test]
 fn case_2_with_weak_wheels_arrives_late() {
     let start = Body::at(0.0, 1.0, 0.0);
-    for policy in [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst] {
+    let times = [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst].map(|policy| {
         let base = Base::WEAK.with_policy(policy);
         let motion = base.exact().validate().expect("valid");
         let run = follow(&motion, base, start, 0.01, 40.0, steady(0.4, 0.15));
@@ -78,7 +83,8 @@ fn case_2_with_weak_wheels_arrives_late() {
             "{policy:?}: {} s",
             run.settled_s
         );
-    }
+        run.settled_s
+    });
     let base = Base::WEAK;
     let motion = base.exact().validate().expect("valid");
     let path = steady(0.4, 0.15);
@@ -97,7 +103,26 @@ fn case_2_with_weak_wheels_arrives_late() {
     }
     let error = drive.error(&Task::Park(target));
     println!("case 2, weak: parked at {parked_s:.1} s, {error:?}");
-    assert!(parked_s < 40.0 && error.x.hypot(error.y) < ARRIVED && error.theta.abs() < ARRIVED);
+    let left = error.x.hypot(error.y);
+    assert!(parked_s < 40.0 && left < ARRIVED && error.theta.abs() < ARRIVED);
+    let strong = Base::STANDARD;
+    let motion = strong.exact().validate().expect("valid");
+    let fast = follow(&motion, strong, start, 0.01, 40.0, steady(0.4, 0.15));
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase(
+            "10 N and 5 N m: on the path at # s instead of # s (# turn first, # drive first), \
+             parked at # s, # mm and # mrad off",
+        ),
+        &[
+            times[0],
+            fast.settled_s,
+            times[1],
+            times[2],
+            parked_s,
+            1e3 * left,
+            1e3 * error.theta.abs(),
+        ],
+    );
 }
 
 /// Gains of a strong base on wheels of 10 N: overrated limits, but the torque limit is told to the law.

@@ -3,7 +3,22 @@
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::steady;
 use tests::motion_tracking::{Tracking, follow};
+use tests::stated::{At, Stated};
 use tests::tolerance::{MOTION_SETTLED_LATE, MOTION_SETTLING_RATIO};
+
+/// A row of the table of following in `docs/motion.md`.
+fn state(label: &str, measured: &[(f64, f64)]) {
+    let mut page = Stated::of("docs/motion.md");
+    for &(v, value) in measured {
+        // As the heading of the column is written.
+        let column = if v == 2.0 {
+            "2.0".to_owned()
+        } else {
+            format!("{v}")
+        };
+        page.exactly(At::Cell("10. What was measured", label, &column), &[value]);
+    }
+}
 
 /// Starts 0.1 m beside a straight line, moving with it.
 fn offset(base: Base, v: f64, dt: f64, end_s: f64) -> Tracking {
@@ -17,7 +32,7 @@ fn offset(base: Base, v: f64, dt: f64, end_s: f64) -> Tracking {
 #[test]
 fn lateral_offset_settles_in_the_same_time_at_any_speed() {
     for dt in [0.01, 0.001] {
-        let mut times = Vec::new();
+        let (mut times, mut moments) = (Vec::new(), Vec::new());
         for v in [0.1, 0.2, 0.4, 0.8, 1.6, 2.0] {
             let run = offset(Base::STANDARD, v, dt, 10.0);
             println!(
@@ -29,11 +44,24 @@ fn lateral_offset_settles_in_the_same_time_at_any_speed() {
                 "{v} m/s leaves {}",
                 run.late
             );
-            times.push(run.settled_s);
+            times.push((v, run.settled_s));
+            moments.push((v, run.moment));
         }
-        let slowest = times.iter().copied().fold(0.0, f64::max);
-        let fastest = times.iter().copied().fold(f64::INFINITY, f64::min);
+        let slowest = times.iter().map(|run| run.1).fold(0.0, f64::max);
+        let fastest = times.iter().map(|run| run.1).fold(f64::INFINITY, f64::min);
         assert!(slowest < MOTION_SETTLING_RATIO * fastest, "{times:?}");
+        if dt == 0.01 {
+            state("time [s]", &times);
+            state("moment [N m]", &moments);
+            Stated::of("docs/motion.md").exactly(
+                At::Phrase("the ratio is # (required 2) from 0.1 to 2 m/s"),
+                &[slowest / fastest],
+            );
+            Stated::of("README.md").exactly(
+                At::Phrase("0.1 m of offset settles in # s at 0.1 m/s and # s at 2 m/s"),
+                &[times[0].1, times[5].1],
+            );
+        }
     }
 }
 
@@ -48,12 +76,16 @@ fn no_speed_is_too_fast() {
             "{v} m/s leaves {}",
             run.late
         );
+        if v == 2.4 {
+            state("time [s]", &[(v, run.settled_s)]);
+        }
     }
 }
 
 /// Below 0.1 m/s it takes longer, with a moment that no longer grows.
 #[test]
 fn crawling_is_slower_but_never_harder() {
+    let mut peak = 0.0_f64;
     for (v, end_s) in [(0.02, 40.0), (0.05, 20.0)] {
         let run = offset(Base::STANDARD, v, 0.01, end_s);
         println!(
@@ -63,7 +95,14 @@ fn crawling_is_slower_but_never_harder() {
         assert!(run.late < 5e-3, "{v} m/s leaves {}", run.late);
         // The saturated channel peaks at 2.08 rad/s² on the paper's 15 kg m².
         assert!(run.moment < 2.2 * 15.0);
+        state("time [s]", &[(v, run.settled_s)]);
+        state("moment [N m]", &[(v, run.moment)]);
+        peak = peak.max(run.moment / Base::STANDARD.inertia);
     }
+    Stated::of("docs/motion.md").to_a_digit(
+        At::Phrase("saturates, with the gains below at # rad/s²"),
+        &[peak],
+    );
 }
 
 /// With 10 N and 5 N m gains follow from the limits: slower, not lost.
@@ -73,5 +112,6 @@ fn weak_base_takes_its_time() {
         let run = offset(Base::WEAK, v, 0.01, 30.0);
         println!("weak, {v} m/s: {:.2} s, N {:.1}", run.settled_s, run.moment);
         assert!(run.settled_s < 16.0 && run.late < 5e-3);
+        state("weak [s]", &[(v, run.settled_s)]);
     }
 }

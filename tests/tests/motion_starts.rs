@@ -10,6 +10,7 @@ use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Order, both_cores, steady};
 use tests::motion_tracking::{Tracking, follow};
 use tests::random::Random;
+use tests::stated::{At, Stated};
 use tests::tolerance::{MOTION_SETTLED_LATE, START};
 
 fn run(base: Base, body: Body, end_s: f64, order: impl Fn(f64) -> Order) -> Tracking {
@@ -17,8 +18,8 @@ fn run(base: Base, body: Body, end_s: f64, order: impl Fn(f64) -> Order) -> Trac
     follow(&motion, base, body, 0.01, end_s, order)
 }
 
-/// Checks that a run ends on its reference and started without torque.
-fn arrives(name: &str, run: &Tracking, within_s: f64) {
+/// Checks that a run ends on its reference and started without torque; when it got there \[s\].
+fn arrives(name: &str, run: &Tracking, within_s: f64) -> f64 {
     println!(
         "{name}: {:.2} s, N {:.1}, w {:.2}, left {:.2e} m",
         run.settled_s, run.moment, run.turn_rate, run.late
@@ -27,6 +28,13 @@ fn arrives(name: &str, run: &Tracking, within_s: f64) {
     assert!(run.late < MOTION_SETTLED_LATE, "{name}: {} m", run.late);
     assert!(run.start.force.abs() < START, "{name}: {:?}", run.start);
     assert!(run.start.moment.abs() < START, "{name}: {:?}", run.start);
+    run.settled_s
+}
+
+/// A row of the table of runs in `docs/motion.md`.
+fn state(label: &str, measured: &[f64]) {
+    let row = At::Row("10. What was measured", label);
+    Stated::of("docs/motion.md").exactly(row, measured);
 }
 
 /// The reference goes 0.6 m to and fro: v_r = 0.3 sin t, from v_r(0) = 0 and through 0.
@@ -41,43 +49,50 @@ fn to_and_fro(t: f64) -> Order {
 
 #[test]
 fn speed_through_zero_from_rest() {
-    arrives(
+    let time_s = arrives(
         "0.3 sin t",
         &run(Base::STANDARD, Body::at(0.0, -0.05, 0.0), 30.0, to_and_fro),
         4.0,
     );
+    state("v_r = 0.3 sin t, 5 cm beside", &[time_s]);
 }
 
 #[test]
 fn backward_reference() {
     let body = Body::at(0.0, -0.5, 0.0);
-    arrives(
+    let straight = arrives(
         "-0.4 m/s",
         &run(Base::STANDARD, body, 30.0, steady(-0.4, 0.0)),
         6.0,
     );
-    arrives(
+    let turning = arrives(
         "-0.4 m/s, turning",
         &run(Base::STANDARD, body, 30.0, steady(-0.4, 0.3)),
         12.0,
+    );
+    state(
+        "−0.4 m/s, 0.5 m beside; the same with 0.3 rad/s",
+        &[straight, turning],
     );
 }
 
 #[test]
 fn turning_in_place() {
     let body = Body::at(0.2, -0.3, 0.0);
-    for (w, within_s) in [(0.5, 25.0), (2.0, 12.0)] {
+    let times = [(0.5, 25.0), (2.0, 12.0)].map(|(w, within_s)| {
         arrives(
             "in place",
             &run(Base::STANDARD, body, 60.0, steady(0.0, w)),
             within_s,
-        );
-    }
+        )
+    });
+    state("turning in place at 0.5 / 2 rad/s, 0.36 m off", &times);
 }
 
 /// Neither the exact half turn nor its neighbours stall.
 #[test]
 fn heading_at_pi() {
+    let (mut slow, mut fast) = (0.0_f64, 0.0_f64);
     for theta in [PI, -PI, PI - 1e-6, PI + 1e-6, 3.0 * PI] {
         for v in [0.4, 1.0, -0.4] {
             let run = run(
@@ -86,9 +101,14 @@ fn heading_at_pi() {
                 40.0,
                 steady(v, 0.0),
             );
-            arrives("heading pi", &run, 12.0);
+            let latest = if v == 1.0 { &mut fast } else { &mut slow };
+            *latest = latest.max(arrives("heading pi", &run, 12.0));
         }
     }
+    state(
+        "heading π, −π, π ± 1e-6, 3π at ±0.4 m/s / 1 m/s",
+        &[slow, fast],
+    );
 }
 
 /// A reference at rest draws the robot along its heading and turns it. Sideways is parking's business: what lateral
@@ -125,7 +145,7 @@ fn moving_starts() {
 #[test]
 fn lines_and_circles_from_rest() {
     let start = Body::at(0.0, 1.0, 0.0);
-    arrives(
+    let curve = arrives(
         "case 2",
         &run(Base::STANDARD, start, 30.0, steady(0.4, 0.15)),
         8.0,
@@ -139,18 +159,20 @@ fn lines_and_circles_from_rest() {
             Accel::default(),
         ))
     };
-    arrives("case 1", &run(Base::STANDARD, start, 30.0, line), 6.5);
+    let line = arrives("case 1", &run(Base::STANDARD, start, 30.0, line), 6.5);
     let beside = Body::at(0.0, -0.3, 0.0);
-    arrives(
+    let slow = arrives(
         "1 m/s, 1 rad/s",
         &run(Base::STANDARD, beside, 30.0, steady(1.0, 1.0)),
         8.0,
     );
-    arrives(
+    let fast = arrives(
         "2 m/s, 1 rad/s",
         &run(Base::STANDARD, beside, 30.0, steady(2.0, 1.0)),
         12.0,
     );
+    state("case 1 / case 2 from rest, 1 m beside", &[line, curve]);
+    state("circle 1 m/s, 1 rad/s / 2 m/s, 1 rad/s", &[slow, fast]);
 }
 
 /// Random poses within 2 m, any heading, against random references; from rest.
@@ -183,7 +205,10 @@ fn none_of_300_random_starts_is_lost() {
         times[150], times[299]
     );
     assert_eq!(lost, 0);
-    assert!(times[150] < 9.0 && times[299] < 45.0);
+    state(
+        "300 random starts within 2 m, any heading, up to 2 m/s: lost 0",
+        &[times[150], times[299]],
+    );
 }
 
 /// 10 N and 5 N m on 30 kg.
@@ -195,4 +220,8 @@ fn none_of_300_random_starts_is_lost_on_a_weak_base() {
         times[150], times[299]
     );
     assert_eq!(lost, 0);
+    state(
+        "the same on the weak base, up to 1 m/s: lost 0",
+        &[times[150], times[299]],
+    );
 }

@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use tests::check::assert_close;
 use tests::core_draw::{cases, decades, input, neuron_params};
 use tests::oracle::{Params, neuron};
+use tests::stated::{At, Stated};
 use tests::tolerance::{
     MEAN_GAIN, MEAN_ORDER, NEURON_ALGEBRA, NEURON_RUNGE_KUTTA, RATIONAL_GAIN, RATIONAL_SHARE,
 };
@@ -182,6 +183,13 @@ fn sine_error<U: NeuronUpdate<f64>>(dt: f64) -> f64
 where
     Libm: Maths<f64>,
 {
+    sine_error_of(dt, |neuron, s, inputs| {
+        neuron.step::<U, Libm>(s, inputs, dt)
+    })
+}
+
+/// The same for any update from a state and the inputs before and after.
+fn sine_error_of(dt: f64, update: impl Fn(&Shunting<f64>, f64, (f64, f64)) -> f64) -> f64 {
     let params = Params::recommended();
     let neuron = Shunting::new(&NeuronParams {
         a: 4.0,
@@ -195,7 +203,7 @@ where
     let h = dt / f64::from(parts);
     for k in 0..(10.0 / dt).round() as i32 {
         let t = f64::from(k) * dt;
-        s = neuron.step::<U, Libm>(s, (u(t), u(t + dt)), dt);
+        s = update(&neuron, s, (u(t), u(t + dt)));
         for i in 0..parts {
             let middle = t + (f64::from(i) + 0.5) * h;
             fine = neuron::held(&params, fine, u(middle), h);
@@ -220,4 +228,27 @@ fn mean_input_is_second_order_and_a_hundred_times_closer() {
     let order = (rational[0] / rational[1]).log2();
     assert_close(order, 2.0, MEAN_ORDER, "order, rational");
     assert!(held[0] > MEAN_GAIN * mean[0] && held[0] > RATIONAL_GAIN * rational[0]);
+
+    // Euler's, which the core does not have: the step is a share θ, or θ/(1 + θ), of the way to the equilibrium.
+    let dt = 10e-3;
+    let theta = |u: f64| dt * (4.0 + u.abs());
+    let towards = |share: f64, s: f64, equilibrium: f64| s + share * (equilibrium - s);
+    let explicit = sine_error_of(dt, |n, s, (old, _)| {
+        towards(theta(old), s, n.equilibrium(old))
+    });
+    let implicit = |u: f64, n: &Shunting<f64>, s: f64| {
+        towards(theta(u) / (1.0 + theta(u)), s, n.equilibrium(u))
+    };
+    let old = sine_error_of(dt, |n, s, (old, _)| implicit(old, n, s));
+    let new = sine_error_of(dt, |n, s, (_, new)| implicit(new, n, s));
+    let mut page = Stated::of("docs/derivation.md");
+    let mut row = |label, measured: &[f64]| {
+        let column = "max error, u = 2 sin 3t, h = 10 ms";
+        page.exactly(At::Cell("Discretisation", label, column), measured);
+    };
+    row("explicit Euler (not offered)", &[explicit]);
+    row("implicit Euler (not offered)", &[old, new]);
+    row("`shunting::ExactHeld`", &[held[0]]);
+    row("`shunting::ExactMean`", &[mean[0]]);
+    row("`shunting::RationalMean` (default)", &[rational[0]]);
 }

@@ -4,6 +4,7 @@ mod continuity;
 mod continuity_rates;
 mod core_golden;
 mod core_lyapunov;
+mod derivation_figures;
 mod geometry_properties;
 mod misprint_claims;
 mod neuron_bounds;

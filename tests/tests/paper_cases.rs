@@ -2,9 +2,12 @@
 
 use controller_core::maths::Libm;
 use controller_core::plain::PlainController;
+use nalgebra::{Vector2, Vector3};
 use tests::check::assert_within;
-use tests::core_loop::{Exact, Tick, hand_over, largest_torque_change, run};
+use tests::core_loop::{Controller, Exact, Tick, hand_over, largest_torque_change, run};
 use tests::oracle::Scenario;
+use tests::plant::MovingReference;
+use tests::stated::{At, Stated};
 use tests::tolerance::{
     HAND_OVER, OVERSHOOT, PARKED, SETTLED, SETTLING, START, TORQUE_CHANGE_RATIO, TRACKED,
     TWO_DECIMALS,
@@ -154,4 +157,147 @@ fn pose_error_is_small_at_the_hand_over_and_then_pulses() {
         assert!(norm < TRACKED, "{name}: {norm}");
         assert_within(after.x, pulse, TWO_DECIMALS, name);
     }
+}
+
+/// What README and derivation say of a run.
+struct Figures {
+    settled_s: f64,
+    left_mm: f64,
+    peak: Vector2<f64>,
+    change: Vector2<f64>,
+    start: Vector2<f64>,
+    /// New law minus old, in the tick of the hand-over.
+    hand_over: Vector2<f64>,
+    /// Pose error after the hand-over.
+    pulse: Vector3<f64>,
+    /// From the hand-over until the norm of the pose error stays below 1 cm and 0.01 rad \[s\].
+    parked_s: f64,
+}
+
+impl Figures {
+    fn of<C: Controller<f64>>(scenario: &Scenario) -> Self {
+        let ticks = run::<f64, C>(scenario, DT);
+        let at = hand_over(&ticks);
+        let old = ticks[at]
+            .unswitched
+            .expect("a copy went on tracking")
+            .wrench;
+        let goal = scenario.switch.expect("a paper run parks").target;
+        let last = ticks.last().expect("a run has ticks");
+        let far = ticks.iter().rposition(|tick| tick.error().norm() >= 0.01);
+        Self {
+            settled_s: settling(&ticks),
+            left_mm: 1e3 * (last.body.q - goal).xy().norm(),
+            peak: ticks
+                .iter()
+                .fold(Vector2::zeros(), |peak, tick| tick.tau().abs().sup(&peak)),
+            change: largest_torque_change(&ticks),
+            start: ticks[0].tau(),
+            hand_over: ticks[at].tau() - Vector2::new(old.force, old.moment),
+            pulse: ticks[at].error(),
+            parked_s: ticks[far.expect("far at first") + 1].t - ticks[at].t,
+        }
+    }
+}
+
+/// To a digit: README has what `sim-host` makes of its own robot, derivation and errata what an independent reference does.
+#[test]
+fn documents_state_both_cases_as_they_are() {
+    let (line, curve) = (Scenario::paper_line(), Scenario::paper_curve());
+    let neural = [&line, &curve].map(Figures::of::<Exact>);
+    let plain = [&line, &curve].map(Figures::of::<PlainController<f64, Libm>>);
+    let all = [&neural[0], &plain[0], &neural[1], &plain[1]];
+    let one = |of: fn(&Figures) -> f64| all.map(of).to_vec();
+    let two = |of: fn(&Figures) -> Vector2<f64>| -> Vec<f64> {
+        all.iter().flat_map(|run| [of(run).x, of(run).y]).collect()
+    };
+    let mut readme = Stated::of("README.md");
+    let cases = |label| At::Row("What the paper's cases give", label);
+    readme.to_a_digit(
+        cases("settled within 5 cm, 0.05 rad [s] (paper: about 5.0 and 5.2)"),
+        &one(|run| run.settled_s),
+    );
+    readme.to_a_digit(cases("final position error [mm]"), &one(|run| run.left_mm));
+    readme.to_a_digit(cases("peak force, moment [N, N m]"), &two(|run| run.peak));
+    readme.to_a_digit(
+        cases("largest change per tick [N, N m]"),
+        &two(|run| run.change),
+    );
+    readme.to_a_digit(cases("step at the start [N, N m]"), &two(|run| run.start));
+    readme.to_a_digit(
+        cases("step at the hand-over [N, N m]"),
+        &two(|run| run.hand_over),
+    );
+
+    let mut derivation = Stated::of("docs/derivation.md");
+    let table = |label| At::Row("7. The gain set G", label);
+    let by_law = [&neural[0], &neural[1], &plain[0], &plain[1]];
+    derivation.to_a_digit(
+        table("settling [s] (paper: about 5.0, 5.2)"),
+        &by_law.map(|run| run.settled_s),
+    );
+    let starts: Vec<f64> = by_law
+        .iter()
+        .flat_map(|run| [run.start.x, run.start.y])
+        .collect();
+    derivation.to_a_digit(table("first torque [N, N m]"), &starts);
+    derivation.to_a_digit(
+        table("torque jump at P"),
+        &[
+            neural[0].hand_over.amax(),
+            neural[1].hand_over.amax(),
+            plain[0].hand_over.x.abs(),
+            plain[1].hand_over.x.abs(),
+            plain[1].hand_over.y.abs(),
+        ],
+    );
+    let pulses: Vec<f64> = neural
+        .iter()
+        .flat_map(|run| run.pulse.iter().copied())
+        .collect();
+    derivation.to_a_digit(table("pulse of (e_x, e_y, e_θ) at P"), &pulses);
+    derivation.to_a_digit(
+        table("parked (norm < 1 cm) after P [s]"),
+        &neural.each_ref().map(|run| run.parked_s),
+    );
+    let ratio = |k: usize| plain[k].peak.component_div(&neural[k].peak);
+    derivation.to_a_digit(
+        table("peak τ₁ [N], τ₂ [N m]"),
+        &[
+            neural[0].peak.x,
+            neural[0].peak.y,
+            neural[1].peak.x,
+            neural[1].peak.y,
+            ratio(0).x,
+            ratio(0).y,
+            ratio(1).x,
+            ratio(1).y,
+        ],
+    );
+    derivation.to_a_digit(
+        At::Phrase("case 1 / 2 end # / # mm off"),
+        &neural.each_ref().map(|run| run.left_mm),
+    );
+    // A hand-over before tracking has settled.
+    let early = [line, curve].map(|mut scenario| {
+        let switch = scenario.switch.as_mut().expect("a paper run parks");
+        // P = 3.5 s, N = 4.5 s.
+        let mut reference = MovingReference::start(&scenario.reference);
+        reference.move_to(&scenario.reference, 4.5);
+        (switch.at, switch.target) = (3.5, reference.q);
+        let goal = switch.target;
+        let ticks = run::<f64, Exact>(&scenario, DT);
+        let last = ticks.last().expect("a run has ticks");
+        1e3 * (last.body.q - goal).xy().norm()
+    });
+    derivation.to_a_digit(At::Phrase("(P = 3.5 s, N = 4.5 s) leaves # / # mm"), &early);
+    let mut errata = Stated::of("docs/errata.md");
+    errata.to_a_digit(
+        At::Phrase("# / # mm for a switch at 3.5 s to the pose at 4.5 s"),
+        &early,
+    );
+    errata.to_a_digit(
+        At::Phrase("# mm (case 1) and # mm (case 2)"),
+        &neural.each_ref().map(|run| run.left_mm),
+    );
 }

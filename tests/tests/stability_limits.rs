@@ -4,13 +4,14 @@ use controller_core::maths::Libm;
 use controller_core::stability::{
     max_proven_speed, max_stable_speed, parking_is_stable, tracking_along_is_stable,
 };
-use nalgebra::{Matrix4, Matrix5, Vector2, Vector3};
+use nalgebra::{Complex, Matrix4, Matrix5, Vector2, Vector3};
 use proptest::prelude::*;
 use tests::check::assert_within;
 use tests::core_draw::{cases, decades};
 use tests::core_loop::{Exact, run};
 use tests::core_params::core_params;
 use tests::oracle::{Params, Reference, Reset, Scenario};
+use tests::stated::{At, Stated};
 use tests::tolerance::{EIGENVALUE, LIMIT_SPEED, NEAR_LIMIT, ONE_DECIMAL, SETTLED, TWO_DECIMALS};
 
 fn stable_speed(p: &Params) -> Option<f64> {
@@ -22,6 +23,16 @@ fn stable_speed(p: &Params) -> Option<f64> {
 /// Linearised by hand: e_y' = v_r e_θ, e_θ' = -w by Eq. (9), s₂' = -A s₂ + b e_y by Eq. (17),
 /// w' = -κ (w - w_c) + ẇ_s by Eq. (3) and Eq. (16), ẇ_s' = -A ẇ_s + b ẇ_c.
 fn lateral_abscissa(p: &Params, b: f64, v_r: f64) -> f64 {
+    largest(&lateral_roots(p, b, v_r))
+}
+
+fn largest(roots: &[Complex<f64>]) -> f64 {
+    let real = roots.iter().map(|root| root.re);
+    real.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Its roots.
+fn lateral_roots(p: &Params, b: f64, v_r: f64) -> Vec<Complex<f64>> {
     let (kappa, across) = (p.kd2 / p.inertia, p.k2 * v_r);
     #[rustfmt::skip]
     let loop_matrix = Matrix5::new(
@@ -31,15 +42,16 @@ fn lateral_abscissa(p: &Params, b: f64, v_r: f64) -> f64 {
         0.0,            kappa * p.k3, kappa * across,     -kappa,        1.0,
         b * across * b, 0.0,         -b * across * p.a,   -b * p.k3,    -p.a,
     );
-    let roots = loop_matrix.complex_eigenvalues();
-    roots
-        .iter()
-        .map(|root| root.re)
-        .fold(f64::NEG_INFINITY, f64::max)
+    loop_matrix.complex_eigenvalues().iter().copied().collect()
 }
 
 /// Largest real part of one pose neuron's loop (e, s, v, v̇_s) with pose gain k: Eq. (17) or Eq. (22).
 fn channel_abscissa(p: &Params, b: f64, gain: f64, kappa: f64) -> f64 {
+    largest(&channel_roots(p, b, gain, kappa))
+}
+
+/// Its roots.
+fn channel_roots(p: &Params, b: f64, gain: f64, kappa: f64) -> Vec<Complex<f64>> {
     #[rustfmt::skip]
     let loop_matrix = Matrix4::new(
         0.0,           0.0,            -1.0,    0.0,
@@ -47,11 +59,7 @@ fn channel_abscissa(p: &Params, b: f64, gain: f64, kappa: f64) -> f64 {
         0.0,           kappa * gain,   -kappa,  1.0,
         b * gain * b, -b * gain * p.a,  0.0,   -p.a,
     );
-    let roots = loop_matrix.complex_eigenvalues();
-    roots
-        .iter()
-        .map(|root| root.re)
-        .fold(f64::NEG_INFINITY, f64::max)
+    loop_matrix.complex_eigenvalues().iter().copied().collect()
 }
 
 /// For b = B and b = D the worse of both.
@@ -126,6 +134,7 @@ fn speed_limits_are_those_derived() {
     let limit = stable_speed(&p).expect("a limit");
     println!("limit {limit:.4} m/s");
     assert_within(limit, 1.215, LIMIT_SPEED, "recommended");
+    let mut limits = vec![limit];
     for (p, expected) in [
         (scaled(10.0), 1.63),
         (scaled(2.0), 1.03),
@@ -135,11 +144,46 @@ fn speed_limits_are_those_derived() {
         let limit = stable_speed(&p).expect("a limit");
         println!("limit {limit:.4} m/s");
         assert_within(limit, expected, TWO_DECIMALS, "other gains");
+        limits.push(limit);
     }
+    let mut page = Stated::of("docs/derivation.md");
+    page.exactly(
+        At::Phrase("G: **# m/s**; A = B = D = 10: #; 2: #; k₃ = 4: #; k₂ = 12: #."),
+        &limits,
+    );
+    Stated::of("README.md").exactly(At::Phrase("its fixed gains weave above # m/s"), &[limit]);
     let proven = max_proven_speed::<f64, Libm>(&core_params(&p, Reset::Corrected));
     println!("proven {proven:.4} m/s");
     assert_within(proven, 1.155, LIMIT_SPEED, "proven");
+    page.exactly(
+        At::Phrase("`stability::max_proven_speed`; G: # m/s"),
+        &[proven],
+    );
     assert!(proven < limit);
+}
+
+/// The roots of both channels at 0.4 m/s, slowest first, a pair once.
+#[test]
+fn roots_of_the_gains_are_those_stated() {
+    let p = Params::recommended();
+    let figures = |mut roots: Vec<Complex<f64>>| -> Vec<f64> {
+        roots.retain(|root| root.im >= 0.0);
+        roots.sort_by(|a, b| b.re.total_cmp(&a.re));
+        let parts = |root: &Complex<f64>| {
+            let pair = (root.im > 1e-6).then_some(root.im);
+            [Some(root.re), pair]
+                .into_iter()
+                .flatten()
+                .collect::<Vec<_>>()
+        };
+        roots.iter().flat_map(parts).collect()
+    };
+    let along = figures(channel_roots(&p, p.b, p.k1, p.kd1 / p.m));
+    let across = figures(lateral_roots(&p, p.b, 0.4));
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("At 0.4 m/s G has #, # ± #i, # along and # ± #i, #, # ± #i across"),
+        &[along, across].concat(),
+    );
 }
 
 /// Along the path the recommended gains are stable up to k₁ of 7.9.
@@ -164,6 +208,7 @@ fn gain_along_the_path_has_its_limit() {
     }
     println!("k1 < {low:.4}");
     assert_within(low, 7.9, ONE_DECIMAL, "k1");
+    Stated::of("docs/derivation.md").exactly(At::Phrase("(κ = 3: k₁ < #)"), &[low]);
     assert!(parking_is_stable(&core_params::<f64>(
         &Params::recommended(),
         Reset::Corrected
@@ -198,4 +243,9 @@ fn loop_converges_below_the_limit_and_weaves_above() {
     println!("beside the line: below {below:.2e} m, above {above:.3} m");
     assert!(below < SETTLED / 10.0, "{below}");
     assert_within(above, 0.10, TWO_DECIMALS, "weaving at 1.25 m/s");
+    let faster = weaving(1.5, 200.0, 190.0);
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("limit cycle (# cm at 1.25 m/s, # cm at 1.5)"),
+        &[1e2 * above, 1e2 * faster],
+    );
 }

@@ -4,13 +4,18 @@ use std::path::Path;
 
 use controller_core::maths::Libm;
 use controller_core::motion::{Motion, MotionController, Policy, Task};
+use controller_core::motor::electrical_brake;
 use controller_core::reference::Reference;
 use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Measured, Pose, Twist};
+use sim_host::constants::period_us;
 use sim_host::drive::Base as FileBase;
+use sim_host::rig;
+use sim_host::scenario::BASES;
 use tests::motion_base::{Base, Body};
 use tests::random::Random;
+use tests::stated::{At, Stated};
 
 type Exact = MotionController<f64, Libm, ExactMean>;
 
@@ -195,6 +200,39 @@ fn bounds_hold_for_random_twists_and_accelerations() {
         }
     }
     println!("way over bound: {ratio:.2?}");
+    // Not idle: the worst stop uses most of its bound.
+    assert!(ratio.1 > 0.9);
+}
+
+/// The table of `docs/faults.md`: from top speed, straight on, the base as it is believed to be.
+#[test]
+fn stopping_distances_from_top_speed_are_those_stated() {
+    let mut page = Stated::of("docs/faults.md");
+    for built_in in BASES {
+        let file = built_in.base().expect("in order");
+        let hardware = file.hardware.expect("a base with motors");
+        let v = file.limits.speed;
+        let motion = file.motion().validate().expect("valid");
+        let controlled = controlled_stop_distance::<f64, Libm>(&motion, v);
+
+        let params = rig::params(&file, period_us(&file)).expect("in range");
+        let motor = params.motor.expect("motors").validate();
+        let slowing = electrical_brake(&motor.expect("in range"), &params.motion.robot);
+        let slowing = slowing.expect("a robot").linear;
+        let shorted = v * f64::from(slowing.time_constant_s().expect("a shorted motor brakes"));
+        // Both wheels brake by 2 c at most, c from the current that the driver lets pass.
+        let (robot, motor) = (&file.robot, &hardware.motor);
+        let radius = robot.wheels.radius_right_m;
+        let c = motor.gear_ratio * motor.kt_nm_per_a * motor.current_limit_a / radius;
+        let limited = shorted + v * v / (4.0 * c / robot.mass_kg);
+
+        let energy = 0.5 * robot.mass_kg * v * v;
+        let released = energy / (2.0 * hardware.friction.coulomb_nm / radius);
+        page.exactly(
+            At::Row("How far", built_in.name),
+            &[v, controlled, shorted, limited, released],
+        );
+    }
 }
 
 /// A pose that jumps by half a metre in each tick does not disturb a stop: it goes by the twist.

@@ -7,6 +7,7 @@ use tests::oracle::{
     Law, Params, Phase, Row, Scenario, State, continuous, lyapunov, neuron, posture, robot,
 };
 use tests::random::Random;
+use tests::stated::{At, Stated};
 use tests::tolerance::{ALGEBRA, FLOW_DERIVATIVE, ROUNDING_RISE, STATE_SHARE, TWO_DECIMALS};
 
 /// Seed of every random state below.
@@ -55,11 +56,16 @@ fn printed_neuron_power_drops_the_input_terms() {
     let share = growing as f64 / STATES as f64;
     println!("s ds/dt > 0 in {:.1} % of states", 100.0 * share);
     assert_within(share, 0.32, STATE_SHARE, "share of growing states");
+    Stated::of("docs/errata.md").exactly(
+        At::Phrase("between 0 and its equilibrium (# % of random states)"),
+        &[100.0 * share],
+    );
 }
 
 /// Eq. (24): the paper's function rises along the paper's own runs, as printed and with V₁ corrected.
 #[test]
 fn printed_lyapunov_function_rises_in_both_cases() {
+    let (mut printed_values, mut others) = (Vec::new(), Vec::new());
     for (name, scenario, first, peak, corrected_peak) in [
         ("line", Scenario::paper_line(), 0.77, 1.15, 1.19),
         ("curve", Scenario::paper_curve(), 0.60, 3.61, 3.69),
@@ -75,7 +81,23 @@ fn printed_lyapunov_function_rises_in_both_cases() {
         assert_within(start, first, TWO_DECIMALS, name);
         assert_within(printed, peak, TWO_DECIMALS, name);
         assert_within(corrected, corrected_peak, TWO_DECIMALS, name);
+        let body = rows
+            .iter()
+            .map(|row| lyapunov::v1(&p, &row.e) + lyapunov::v2(&p, &row.delta()))
+            .fold(0.0, f64::max);
+        printed_values.extend([start, printed]);
+        others.push((corrected, body));
     }
+    let rises = At::Phrase("the paper's own cases, # → # and # → #");
+    Stated::of("docs/errata.md").exactly(rises, &printed_values);
+    let [line, curve] = others[..] else {
+        panic!("two cases")
+    };
+    printed_values.extend([line.0, curve.0, line.1, curve.1]);
+    Stated::of("docs/derivation.md").exactly(
+        At::Phrase("the paper's cases, # → # and # → # (#, # with V₁ corrected; #, # without V_s)"),
+        &printed_values,
+    );
 }
 
 /// V̇₁ under Eq. (24) holds for v = v_c, w = w_c of Eq. (10): -k₁ e_x² - (k₃/k₂) sin² e_θ, with V₁ corrected.

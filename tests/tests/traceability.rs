@@ -188,3 +188,37 @@ fn every_item_that_the_docs_name_exists() {
         }
     }
 }
+
+/// A row of figures in `README.md` is read by a test, which knows it by its first cell.
+#[test]
+fn every_row_of_figures_in_the_readme_is_read_by_a_test() {
+    /// Formats, equations, and prose whose figures are read by phrases.
+    const PROSE: [&str; 3] = ["Trajectory files", "Two laws", "What is in it"];
+    let sources: Vec<String> = ["tests/tests", "sim-host/tests", "sim-host/src/scenario"]
+        .iter()
+        .flat_map(|folder| sources(folder))
+        .map(|(_, text)| text)
+        .collect();
+    let readme = read("README.md");
+    let mut heading = "";
+    let mut rows = 0;
+    for (line, next) in readme.lines().zip(readme.lines().skip(1)) {
+        heading = line.strip_prefix("## ").unwrap_or(heading);
+        let Some((label, figures)) = line.strip_prefix("| ").and_then(|row| row.split_once(" |"))
+        else {
+            continue;
+        };
+        let is_head = next.starts_with("| ---") || line.starts_with("| ---");
+        let has_figures = figures.contains(|c: char| c.is_ascii_digit());
+        if is_head || !has_figures || (PROSE.contains(&heading) && !label.starts_with('`')) {
+            continue;
+        }
+        rows += 1;
+        let quoted = format!("\"{}\"", label.trim_matches('`'));
+        assert!(
+            sources.iter().any(|text| text.contains(&quoted)),
+            "no test reads the row \"{label}\""
+        );
+    }
+    assert!(rows > 20, "{rows}");
+}

@@ -9,6 +9,7 @@ use proptest::prelude::*;
 use tests::core_draw::cases;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::steady;
+use tests::stated::{At, Stated};
 use tests::tuning_loop::{AS_BELIEVED, BASES, base, drive, settled};
 
 /// Settling time found over time wished: the response is that of the linear loop; an offset of 1 cm at 0.5 m/s is answered
@@ -47,14 +48,17 @@ fn times(params: &MotionParams<f64>, wished: f64) -> (f64, f64, f64) {
     )
 }
 
+/// Every wish on every base is met, or refused with what can be had. Only the 30 kg base refuses any: its floor holds
+/// 0.9 rad/s².
 #[test]
 fn wished_times_are_met() {
+    let (mut worst, mut refused) = (0.0_f64, Vec::new());
     for name in BASES {
         let base = base(name);
         for (settling_s, damping) in [
-            (3.6, 0.8),
-            (3.4, 0.65),
-            (4.8, 0.95),
+            (2.5, 0.8),
+            (3.0, 0.65),
+            (3.5, 0.95),
             (6.0, 0.8),
             (15.0, 0.8),
         ] {
@@ -62,12 +66,26 @@ fn wished_times_are_met() {
                 damping,
                 ..MotionWishes::settling(settling_s)
             };
-            let params = tuned(&wishes, &base).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let params = match tuned(&wishes, &base) {
+                Ok(params) => params,
+                Err(error) => {
+                    println!("{name}, {damping}: {error}");
+                    assert_eq!((name, error.why), ("paper-30kg", Why::TurnAccel));
+                    let had = MotionWishes {
+                        damping,
+                        ..MotionWishes::settling(1.001 * error.limit)
+                    };
+                    assert!(tuned(&had, &base).is_ok());
+                    refused.extend([error.limit, damping]);
+                    continue;
+                }
+            };
             let (across, along, arrival) = times(&params, settling_s);
             println!(
                 "{name}: wished {settling_s} s, {damping}: across {across:.2} along {along:.2} arrival {arrival:.2}"
             );
             for found in [across, along, arrival] {
+                worst = worst.max((found / settling_s - 1.0).abs());
                 assert!(
                     (found / settling_s - 1.0).abs() < MET,
                     "{name}: {found} for {settling_s}"
@@ -81,6 +99,12 @@ fn wished_times_are_met() {
             assert!((told.across.damping - damping).abs() < 0.01, "{told:?}");
         }
     }
+    let mut page = Stated::of("docs/tuning.md");
+    page.exactly(
+        At::Phrase("refuses less than # s for damping # and # s for damping #"),
+        &refused,
+    );
+    page.exactly(At::Phrase("within # % (`tuning_motion.rs"), &[1e2 * worst]);
 }
 
 /// Every refusal names wish, value, limit and reason, and the limit can be had while a bit less cannot.
@@ -194,6 +218,19 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
                 ..wishes
             },
         };
+        let mut page = Stated::of("docs/tuning.md");
+        match what {
+            "too fast for the neurons" => page.exactly(
+                At::Phrase("as fast as A = 5/s lets it be, # s across"),
+                &[error.limit],
+            ),
+            "arrival" => page.exactly(At::Phrase("across and # s to a goal"), &[error.limit]),
+            "weak base" => page.exactly(
+                At::Phrase("The weak base (0.28 rad/s²) gets no less than # s"),
+                &[error.limit],
+            ),
+            _ => {}
+        }
         let again = gains::<f64, Libm>(&had, base);
         assert!(
             again.is_ok(),

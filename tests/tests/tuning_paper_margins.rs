@@ -7,6 +7,7 @@ use nalgebra::{Matrix5, Vector2};
 use proptest::prelude::*;
 use tests::check::assert_within;
 use tests::core_draw::{cases, decades};
+use tests::stated::{At, Stated};
 use tests::tolerance::LIMIT_SPEED;
 
 /// The largest stable speed of the paper's law is where its lateral margins vanish.
@@ -15,6 +16,13 @@ fn largest_stable_speed_is_where_the_margins_end() {
     let params = CoreParams::<f64>::paper();
     let at = |speed| paper::margins::<f64, Libm>(&params, speed);
     let limit = at(0.4).max_speed;
+    let delays = [0.4, 0.8, 1.0].map(|speed| at(speed).across.pose_delay_s);
+    Stated::of("docs/tuning.md").exactly(
+        At::Phrase(
+            "lost with poses # s old at 0.4 m/s, # s at 0.8, # s at 1.0, and with fresh ones above # m/s",
+        ),
+        &[delays[0], delays[1], delays[2], limit],
+    );
     assert_within(limit, 1.215, LIMIT_SPEED, "recommended gains");
     // On both sides of a bisection's last bits.
     let (below, above) = (
