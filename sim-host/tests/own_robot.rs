@@ -86,6 +86,9 @@ fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn E
     Ok(())
 }
 
+/// Worlds that are kept for the test below: nothing was developed, tuned or tried in them.
+const KEPT_SEED: u64 = 0x5EED_0000;
+
 /// What README says of the three bases as shipped, and of gains that follow from their limits.
 #[test]
 fn the_readme_states_the_proof() -> Result<(), Box<dyn Error>> {
@@ -98,7 +101,7 @@ fn the_readme_states_the_proof() -> Result<(), Box<dyn Error>> {
             ..base.clone()
         };
         for (base, amiss) in [base, plain].iter().zip(&mut amiss) {
-            let proof = prove(base, seeds, || {})?;
+            let proof = prove(base, KEPT_SEED, seeds, || {})?;
             let runs = proof.runs.iter().map(|run| &run.figures);
             *amiss += runs
                 .clone()

@@ -19,13 +19,21 @@ pub const BASES: [&str; 3] = ["hobby-1kg", "lab-10kg", "paper-30kg"];
 
 /// Parameters of one of them, with the gains that follow from its limits.
 pub fn base(name: &str) -> MotionParams<f64> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../bases/{name}.toml"));
-    let base = DriveBase::load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
     DriveBase {
         gains: None,
-        ..base
+        ..file(name)
     }
     .motion()
+}
+
+/// Parameters of one of them as it is shipped, with the gains of its file.
+pub fn shipped(name: &str) -> MotionParams<f64> {
+    file(name).motion()
+}
+
+fn file(name: &str) -> DriveBase {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../bases/{name}.toml"));
+    DriveBase::load(&path).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// What differs from what the controller believes.

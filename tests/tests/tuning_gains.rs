@@ -4,8 +4,9 @@ use controller_core::maths::Libm;
 use controller_core::motion::MotionGains;
 use controller_core::tuning::motion::margins;
 use controller_core::tuning::{Channel, Concern};
+use sim_host::tune::{POSE_DELAY_S, TORQUE_DELAY_S, health};
 use tests::stated::{At, Stated};
-use tests::tuning_loop::{BASES, base};
+use tests::tuning_loop::{BASES, base, shipped};
 
 /// The gains that follow from the limits of every base are healthy, with room; the figures of `docs/tuning.md`, which the
 /// 30 kg base is at least as good as: its gains are slowed to what its floor holds.
@@ -46,6 +47,31 @@ fn gains_of_every_base_are_healthy() {
         row("`torque_delay_s`", &[across.torque_delay_s]);
         row("`heavier`", &[bearing.heavier, across.heavier]);
         row("`gain`", &[worst.gain]);
+    }
+}
+
+/// The gains of every base as it is shipped have the margins that `tune` asks for; the table of `docs/tuning.md`.
+#[test]
+fn shipped_gains_have_their_margins() {
+    let mut page = Stated::of("docs/tuning.md");
+    for name in BASES {
+        let found = margins::<f64, Libm>(&shipped(name).gains);
+        let worst = found.worst();
+        assert_eq!(found.warnings().count(), 0, "{name}");
+        assert!(worst.pose_delay_s >= POSE_DELAY_S, "{name}: {worst:?}");
+        assert!(worst.torque_delay_s >= TORQUE_DELAY_S, "{name}: {worst:?}");
+        assert_eq!(health(&shipped(name).gains), 0.0, "{name}");
+        page.exactly(
+            At::Row("4. Margins", &format!("`{name}`")),
+            &[
+                worst.pose_delay_s,
+                worst.torque_delay_s,
+                worst.damping,
+                worst.heavier,
+                found.settling_s,
+                found.arrival_s,
+            ],
+        );
     }
 }
 

@@ -6,7 +6,7 @@ use controller_core::tuning::motion::margins;
 use controller_core::types::{Pose, Twist};
 use tests::motion_base::Body;
 use tests::motion_loop::{Order, steady};
-use tests::tuning_loop::{AS_BELIEVED, BASES, Instant, Truth, base, drive, peak};
+use tests::tuning_loop::{AS_BELIEVED, BASES, Instant, Truth, base, drive, peak, shipped};
 
 /// Distance from a delay margin at which the loop's side is clear: held torque adds half a tick of 1 ms, a late pose
 /// is a whole number of ticks, and both are at most 1 % of the margins tried.
@@ -42,11 +42,14 @@ fn ticks(margin_s: f64, share: f64) -> usize {
     (share * margin_s / 1e-3).round() as usize
 }
 
-/// Both sides of both delay margins, along and across, for the gains of every base.
+/// Both sides of both delay margins, along and across, for the shipped gains of every base and those that follow from
+/// its limits.
 #[test]
 fn delay_margins_are_where_the_loop_starts_to_grow() {
-    for name in BASES {
-        let params = base(name);
+    for (name, params) in BASES
+        .into_iter()
+        .flat_map(|name| [(name, base(name)), (name, shipped(name))])
+    {
         let found = margins::<f64, Libm>(&params.gains);
         for (across, of) in [(false, found.along), (true, found.across)] {
             println!(
@@ -107,8 +110,10 @@ fn mass_margin_is_where_the_loop_starts_to_grow() {
 #[test]
 fn bearing_grows_beyond_its_delay_margin() {
     let order: Order = Task::Park(Pose::default());
-    for name in BASES {
-        let params = base(name);
+    for (name, params) in BASES
+        .into_iter()
+        .flat_map(|name| [(name, base(name)), (name, shipped(name))])
+    {
         let margin = margins::<f64, Libm>(&params.gains).bearing.pose_delay_s;
         let bearing = |share: f64| {
             let truth = Truth {
