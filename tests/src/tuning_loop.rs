@@ -31,7 +31,8 @@ pub fn shipped(name: &str) -> MotionParams<f64> {
     file(name).motion()
 }
 
-fn file(name: &str) -> DriveBase {
+/// One of them.
+pub fn file(name: &str) -> DriveBase {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../bases/{name}.toml"));
     DriveBase::load(&path).unwrap_or_else(|error| panic!("{name}: {error}"))
 }

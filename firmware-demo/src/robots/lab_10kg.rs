@@ -48,27 +48,27 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         gains: motion::MotionGains {
             // Of pose neurons and bridges [1/s].
-            decay: 13.7,
+            decay: 8.0,
             // Along the path [1/s].
-            along: 2.65,
+            along: 2.55,
             // Largest speed that it adds [m/s].
             along_bound: 1.5,
             // [1/s]
-            heading: 1.85,
+            heading: 3.2,
             // Across the path [1/s^2].
-            across: 2.19,
+            across: 2.0,
             // Below this correction across fades out [m/s].
             slow: 0.03,
             // Towards the goal [1/s].
-            approach: 2.51,
+            approach: 1.55,
             // Planned deceleration [m/s^2].
             approach_brake: 0.9,
             // [1/s]
-            speed_loop: 13.7,
+            speed_loop: 7.0,
             // [1/s]
-            turn_loop: 11.7,
+            turn_loop: 5.5,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 7.53,
+            disturbance: 3.4,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },

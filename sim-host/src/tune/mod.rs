@@ -14,7 +14,7 @@ mod wish;
 
 pub use knobs::{KNOBS, Knob};
 pub use profile::update;
-pub use score::{POSE_DELAY_S, Score, TORQUE_DELAY_S, health};
+pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
 pub use search::{Search, Tuned, search};
 pub use table::{gain_table, score_table};
 pub use wish::{Seeds, TuneError, Wish};

@@ -89,19 +89,22 @@ impl Score {
 /// Age of the poses that every loop of tuned gains survives \[s\]: twice the 60 ms of a camera that needs two frames
 /// (`world::presets`), and half a period of 20 Hz.
 pub const POSE_DELAY_S: f64 = 0.15;
-/// Delay of the torque that every loop of tuned gains survives \[s\]: ten ticks of 10 ms, twice the threshold of
-/// [`controller_core::tuning::Concern::ShortOfTorqueDelay`], so that half of it stays in hand.
-pub const TORQUE_DELAY_S: f64 = 0.1;
+/// Delay of the torque that every loop of tuned gains survives \[s\], on a base of this control period \[s\]: ten ticks,
+/// where measuring, computing and holding take one and a half; at least the threshold of
+/// [`controller_core::tuning::Concern::ShortOfTorqueDelay`].
+pub const fn torque_delay_s(period_s: f64) -> f64 {
+    (10.0 * period_s).max(0.05)
+}
 
-/// What the linear loops lack of being healthy: for damping, [`POSE_DELAY_S`], [`TORQUE_DELAY_S`] and the mass of
+/// What the linear loops lack of being healthy: for damping, [`POSE_DELAY_S`], [`torque_delay_s`] and the mass of
 /// [`controller_core::tuning::Concern`] 10 points times the share that is missing; 20 more if a loop is unstable.
 /// 0 for healthy gains.
-pub fn health(gains: &MotionGains<f64>) -> f64 {
+pub fn health(gains: &MotionGains<f64>, period_s: f64) -> f64 {
     let worst = margins::<f64, Libm>(gains).worst();
     let missing = [
         worst.damping / 0.4,
         worst.pose_delay_s / POSE_DELAY_S,
-        worst.torque_delay_s / TORQUE_DELAY_S,
+        worst.torque_delay_s / torque_delay_s(period_s),
         worst.heavier / 2.0,
     ];
     let missing = missing.iter().map(|share| (1.0 - share).clamp(0.0, 1.0));
@@ -118,11 +121,11 @@ mod tests {
     #[test]
     fn gains_for_limits_are_healthy_and_stiffer_ones_are_not() {
         let good = Base::default().motion().gains;
-        assert_eq!(health(&good), 0.0);
+        assert_eq!(health(&good, 0.01), 0.0);
         let stiff = MotionGains {
             across: 10.0 * good.across,
             ..good
         };
-        assert!(health(&stiff) > 20.0);
+        assert!(health(&stiff, 0.01) > 20.0);
     }
 }

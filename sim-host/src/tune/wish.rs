@@ -94,7 +94,7 @@ impl Wish {
             Ok(Score::of(&figures, end_s))
         });
         let runs: Vec<Score> = runs.collect::<Result<_, TuneError>>()?;
-        Ok(Score::mean(&runs, health(gains)))
+        Ok(Score::mean(&runs, health(gains, self.base.period_s())))
     }
 
     /// One run; a mission of a number that there is not is the first.
