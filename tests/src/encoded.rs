@@ -4,8 +4,6 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use controller_core::hal::WheelCounts;
-use controller_core::maths::Libm;
-use controller_core::motion::MotionParams;
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::scalar::Scalar;
 use controller_core::types::{Pose, WheelTorques, Wrench};
@@ -24,11 +22,6 @@ pub fn bases() -> [(&'static str, File); 3] {
         let file = File::load(&root.join(name).with_extension("toml"));
         (name, file.expect("a base of the project"))
     })
-}
-
-/// The controller's parameters of a base.
-pub fn motion(file: &File) -> MotionParams<f64> {
-    MotionParams::new::<Libm>(file.robot, file.limits)
 }
 
 /// Odometry with 2,048 counts a turn.
@@ -65,11 +58,7 @@ impl Encoded {
         let half = |radius: f64| PI * radius / COUNTS;
         Self {
             body: Body::at(pose.x, pose.y, pose.theta),
-            plant: Base {
-                mass: file.robot.mass_kg,
-                inertia: file.robot.inertia_kg_m2,
-                limits: file.limits,
-            },
+            plant: Base::of(&file.motion()),
             wheels,
             travel: (half(wheels.radius_right_m), half(wheels.radius_left_m)),
         }

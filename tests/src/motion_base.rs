@@ -7,13 +7,17 @@ use controller_core::scalar::Scalar;
 use controller_core::types::{Measured, Pose, Twist, Wrench};
 use controller_core::wheels::WheelGeometry;
 
-/// Mass, inertia and limits; wheels of 0.1 m radius on a track of 0.5 m.
+/// Mass, inertia, wheels of one radius, and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Base {
     /// Mass \[kg\].
     pub mass: f64,
     /// Inertia \[kg m²\].
     pub inertia: f64,
+    /// Radius of both wheels \[m\].
+    pub radius: f64,
+    /// Distance of the wheels \[m\].
+    pub track: f64,
     /// Its limits.
     pub limits: Limits<f64>,
 }
@@ -30,6 +34,8 @@ impl Base {
     pub const STANDARD: Self = Self {
         mass: 30.0,
         inertia: 15.0,
+        radius: RADIUS,
+        track: TRACK,
         limits: Limits {
             speed: 2.5,
             turn_rate: 3.0,
@@ -61,6 +67,8 @@ impl Base {
     pub const SMALL: Self = Self {
         mass: 1.0,
         inertia: 0.005,
+        radius: RADIUS,
+        track: TRACK,
         limits: Limits {
             turn_rate: 10.0,
             turn_accel: 15.0,
@@ -69,6 +77,23 @@ impl Base {
             ..Self::STANDARD.limits
         },
     };
+
+    /// What parameters describe, with wheels of one radius.
+    pub fn of(params: &MotionParams<f64>) -> Self {
+        let Robot {
+            mass_kg,
+            inertia_kg_m2,
+            wheels,
+        } = params.robot;
+        assert!(wheels.radius_right_m == wheels.radius_left_m);
+        Self {
+            mass: mass_kg,
+            inertia: inertia_kg_m2,
+            radius: wheels.radius_right_m,
+            track: wheels.track_m,
+            limits: params.limits,
+        }
+    }
 
     /// With another policy.
     pub fn with_policy(self, policy: Policy) -> Self {
@@ -110,9 +135,9 @@ impl Base {
             mass_kg: f(self.mass),
             inertia_kg_m2: f(self.inertia),
             wheels: WheelGeometry {
-                radius_right_m: f(RADIUS),
-                radius_left_m: f(RADIUS),
-                track_m: f(TRACK),
+                radius_right_m: f(self.radius),
+                radius_left_m: f(self.radius),
+                track_m: f(self.track),
             },
         }
     }

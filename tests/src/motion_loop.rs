@@ -93,7 +93,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
     pub fn applied(&self) -> Wrench<f64> {
         let WheelTorques { right, left } = self.report().torques;
         let (right, left) = (right.to_f64(), left.to_f64());
-        let (radius, half_track) = (0.1, 0.25);
+        let (radius, half_track) = (self.plant.radius, 0.5 * self.plant.track);
         Wrench {
             force: (right + left) / radius,
             moment: half_track * (right - left) / radius,

@@ -82,7 +82,7 @@ pub fn drive(
     let plant = Base {
         mass: truth.heavier * robot.mass_kg,
         inertia: truth.heavier * robot.inertia_kg_m2,
-        limits: params.limits,
+        ..Base::of(params)
     };
     let mut body = body;
     // A robot under way was there before: late poses of the start are extrapolated back.

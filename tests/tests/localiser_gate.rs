@@ -5,7 +5,7 @@ use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FixOutcome, Localiser, LocaliserParams, Refusal};
 use controller_core::maths::Libm;
 use controller_core::types::{Accel, Pose, Twist};
-use tests::encoded::{Encoded, bases, motion, odometry};
+use tests::encoded::{Encoded, bases, odometry};
 use tests::fixes::Source;
 use tests::led::Led;
 use tests::localised::{Loop, SPEED, localisation};
@@ -72,7 +72,7 @@ fn outliers_are_rejected() {
 fn agreeing_outliers_relocalise_without_a_jump_of_torque() {
     for (name, file) in bases() {
         let localisation = localisation(&file, 5e-3, 5e-3);
-        let motion = motion(&file).validate().expect("valid");
+        let motion = file.motion().validate().expect("valid");
         let path = steady(0.4, 0.15);
         for dt in [0.01, 0.005] {
             let robot = Encoded::new(&file, Pose::default());

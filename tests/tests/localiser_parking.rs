@@ -6,14 +6,14 @@ use controller_core::maths::Libm;
 use controller_core::motion::Motion;
 use controller_core::types::Pose;
 use sim_host::drive::Base as File;
-use tests::encoded::{bases, motion, odometry};
+use tests::encoded::{bases, odometry};
 use tests::fixes::Source;
 use tests::localised::{End, SPEED, localisation, mission, park};
 use tests::motion_loop::both_cores;
 
 /// The base with what its localisation says of noise and arrival.
 fn suited(file: &File, localisation: &Localisation<f64>) -> Motion<f64> {
-    let mut params = motion(file);
+    let mut params = file.motion();
     params.pose_noise_m = localisation.pose_noise_m();
     params.arrival = localisation.arrival();
     params.validate().expect("valid")

@@ -15,5 +15,6 @@ mod motion_retries;
 mod motion_robustness;
 mod motion_saturation;
 mod motion_settling;
+mod motion_shipped;
 mod motion_starts;
 mod motion_table;

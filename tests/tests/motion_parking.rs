@@ -117,15 +117,6 @@ fn grids_park_in_double_precision_at_10_ms() {
         At::Phrase("left along the goal (# mm, # mrad on the ring)"),
         &[along, turned],
     );
-    let mut readme = Stated::of("README.md");
-    let starts = "forward or backward: # starts from rest, 0.1 to 3 m,";
-    readme.exactly(At::Phrase(starts), &[runs.len() as f64]);
-    readme.exactly(At::Phrase("the last after # s |"), &[all.arrived_s]);
-    let left = all.left.x.hypot(all.left.y).max(along / 1e3);
-    readme.at_most(
-        At::Phrase("0.1 to 3 m, within # mm and # mrad, the last"),
-        &[1e3 * left, turned],
-    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use controller_core::motion::MotionController;
 use controller_core::odometry::Odometry;
 use controller_core::shunting::ExactMean;
 use controller_core::types::Pose;
-use tests::encoded::{Encoded, bases, motion, odometry};
+use tests::encoded::{Encoded, bases, odometry};
 use tests::motion_loop::{Order, steady};
 
 type Controller = MotionController<f64, Libm, ExactMean>;
@@ -15,7 +15,7 @@ type Controller = MotionController<f64, Libm, ExactMean>;
 #[test]
 fn a_reset_pose_does_not_jump_the_torque() {
     for (name, file) in bases() {
-        let motion = motion(&file).validate().expect("valid");
+        let motion = file.motion().validate().expect("valid");
         for order in [
             steady(0.4, 0.15)(0.0),
             Order::Park(Pose::new(1.5, 0.4, 0.3)),

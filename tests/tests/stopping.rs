@@ -38,11 +38,7 @@ impl Loop {
         let task = anew(&body.measured(), twist, Accel::default());
         Self {
             motion: *motion,
-            plant: Base {
-                mass: params.robot.mass_kg,
-                inertia: params.robot.inertia_kg_m2,
-                limits: params.limits,
-            },
+            plant: Base::of(params),
             controller: Exact::start(motion, &task, &body.measured()).expect("finite"),
             body,
             dt,

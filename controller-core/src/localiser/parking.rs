@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 /// through: √(A dt/2) at 5 1/s and 10 ms. Filtered noise is slower than the neurons and passes whole,
 /// but so is the robot, which follows it instead of trembling. Inside 1.5 radii the law gives up the direction
 /// to the goal, so the radius has to hold what the filter wanders within the seconds of an approach. With filters
-/// of 0.2, 0.8, 3 rad/s a radius of 1 σ_f parks all of 16 runs too, within the same 2.5 mm, but up to 1.5 s later.
+/// of 0.2, 0.8, 3 rad/s a radius of 1 σ_f parks all of 16 runs too, within 2.5 instead of 3.0 mm, but up to 1.5 s later.
 /// More than 3 only leaves the robot farther beside its goal.
 const COLOUR: f64 = 0.6;
 

@@ -48,27 +48,27 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         gains: motion::MotionGains {
             // Of pose neurons and bridges [1/s].
-            decay: 8.0,
+            decay: 5.22,
             // Along the path [1/s].
-            along: 2.55,
+            along: 2.37,
             // Largest speed that it adds [m/s].
             along_bound: 1.5,
             // [1/s]
-            heading: 2.2,
+            heading: 1.94,
             // Across the path [1/s^2].
-            across: 1.38,
+            across: 1.04,
             // Below this correction across fades out [m/s].
             slow: 0.04472136,
             // Towards the goal [1/s].
-            approach: 1.5,
+            approach: 1.43,
             // Planned deceleration [m/s^2].
             approach_brake: 0.9,
             // [1/s]
-            speed_loop: 7.0,
+            speed_loop: 4.02,
             // [1/s]
-            turn_loop: 6.0,
+            turn_loop: 6.3,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 3.4,
+            disturbance: 2.94,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },

@@ -1,0 +1,78 @@
+//! What README says of the default law, on the bases as they are shipped: their files' gains and limits, their own
+//! control periods, exact poses.
+
+use controller_core::maths::Libm;
+use controller_core::motion::Motion;
+use controller_core::shunting::ExactMean;
+use tests::motion_base::{Base, Body};
+use tests::motion_loop::{ring, steady};
+use tests::motion_parking::{park_all, print};
+use tests::motion_tracking::follow;
+use tests::stated::{At, Stated};
+use tests::tolerance::MOTION_SETTLED_LATE;
+use tests::tuning_loop::{BASES, file};
+
+fn shipped(name: &str) -> (Motion<f64>, Base, f64) {
+    let file = file(name);
+    let params = file.motion();
+    let motion = params.validate().expect("valid");
+    (motion, Base::of(&params), file.period_s())
+}
+
+/// Every start of the ring parks, on every base.
+#[test]
+fn every_shipped_base_parks_from_anywhere() {
+    let mut readme = Stated::of("README.md");
+    let (mut runs, mut distance, mut heading) = (0, 0.0_f64, 0.0_f64);
+    let mut last_s = Vec::new();
+    for name in BASES {
+        let (motion, base, dt) = shipped(name);
+        let starts = ring();
+        let parked = park_all::<f64, Libm, ExactMean>(&motion, base, &starts, dt, 40.0);
+        let all = print(name, &parked);
+        assert_eq!(all.lost, 0, "{name}");
+        runs += starts.len();
+        distance = distance.max(all.left.x.hypot(all.left.y));
+        heading = heading.max(all.left.theta);
+        last_s.push(all.arrived_s);
+    }
+    readme.exactly(
+        At::Phrase("forward or backward: # starts from rest, 0.1 to 3 m"),
+        &[runs as f64],
+    );
+    readme.exactly(
+        At::Phrase("the last after # s (1 kg), # s (10 kg), # s (30 kg)"),
+        &last_s,
+    );
+    readme.at_most(
+        At::Phrase("on the three bases, within # mm and # mrad"),
+        &[1e3 * distance, 1e3 * heading],
+    );
+}
+
+/// An offset of 0.1 m beside a straight line goes in about the same time from 0.1 m/s to the base's own top speed.
+#[test]
+fn every_shipped_base_settles_at_any_speed() {
+    let mut times = Vec::new();
+    for name in BASES {
+        let (motion, base, dt) = shipped(name);
+        let settled = [0.1, 0.8 * motion.params().limits.speed].map(|v| {
+            let mut body = Body::at(0.0, -0.1, 0.0);
+            body.twist.linear = v;
+            let run = follow(&motion, base, body, dt, 20.0, steady(v, 0.0));
+            assert!(
+                run.late < MOTION_SETTLED_LATE,
+                "{name}, {v} m/s: {}",
+                run.late
+            );
+            run.settled_s
+        });
+        times.extend(settled);
+    }
+    Stated::of("README.md").exactly(
+        At::Phrase(
+            "0.1 m of offset settles, at 0.1 m/s and at 80 % of the top speed, in # and # s (1 kg), # and # s (10 kg), # and # s (30 kg)",
+        ),
+        &times,
+    );
+}
