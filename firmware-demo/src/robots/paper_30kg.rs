@@ -48,27 +48,27 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         gains: motion::MotionGains {
             // Of pose neurons and bridges [1/s].
-            decay: 5.22,
+            decay: 8.0,
             // Along the path [1/s].
-            along: 2.37,
+            along: 2.0,
             // Largest speed that it adds [m/s].
             along_bound: 1.5,
             // [1/s]
-            heading: 1.94,
+            heading: 1.87,
             // Across the path [1/s^2].
-            across: 1.04,
+            across: 1.38,
             // Below this correction across fades out [m/s].
             slow: 0.04472136,
             // Towards the goal [1/s].
-            approach: 1.43,
+            approach: 1.58,
             // Planned deceleration [m/s^2].
             approach_brake: 0.9,
             // [1/s]
-            speed_loop: 4.02,
+            speed_loop: 7.0,
             // [1/s]
             turn_loop: 6.3,
             // Bandwidth of the disturbance estimate [1/s].
-            disturbance: 2.94,
+            disturbance: 3.1,
             // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },
