@@ -90,19 +90,18 @@ impl Findings {
         self.iter().find(|fault| fault.kind() == kind)
     }
 
-    /// The fault with the most severe reaction (the one with the lowest code among equals), and the
-    /// response to all of them together. `None` if nothing is to be done.
+    /// The fault with the most severe response (of equal reactions one that latches; the lowest code among equals), and
+    /// the response to all of them together. `None` if nothing is to be done.
     pub fn worst(&self, policy: &Policy) -> Option<(Fault, Response)> {
         let acted = self
             .iter()
             .map(|fault| (fault, policy.response(fault)))
             .filter(|(_, response)| response.reaction > Reaction::RideOut);
         acted.reduce(|(worst, so_far), (fault, response)| {
-            let cause = if response.reaction > so_far.reaction {
-                fault
-            } else {
-                worst
-            };
+            // What latches is what somebody has to look for.
+            let more = response.reaction > so_far.reaction
+                || (response.reaction == so_far.reaction && response.latch && !so_far.latch);
+            let cause = if more { fault } else { worst };
             (cause, so_far.and(response))
         })
     }
@@ -128,11 +127,12 @@ mod tests {
         findings.add(Fault::PoseJump);
         assert_eq!(findings.worst(&policy), None, "ridden out");
         assert_eq!(findings.ridden_out(&policy).count(), 1);
-        // A stop that latches, and a stop that does not: one stop, latched, told by the lower code.
-        findings.add(Fault::UnderVoltage);
+        // A stop that does not latch, and stops that do: one stop, latched, named by what latches, of those the lower code.
         findings.add(Fault::PoseStale);
-        let both = Response::latched(Reaction::ControlledStop);
-        assert_eq!(findings.worst(&policy), Some((Fault::PoseStale, both)));
+        findings.add(Fault::UnderVoltage);
+        findings.add(Fault::TickTooLong);
+        let all = Response::latched(Reaction::ControlledStop);
+        assert_eq!(findings.worst(&policy), Some((Fault::TickTooLong, all)));
         let stuck = Fault::EncoderStuck(Side::Left);
         findings.add(stuck);
         let brake = Response::latched(Reaction::Brake);

@@ -109,12 +109,16 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     }
 
     /// Tells the base that its host is gone; an underrun of references it finds by itself.
+    ///
+    /// A tick that by itself lasts for as long as the host may be silent says nothing of the host, only of the tick, which is
+    /// a fault of its own: the next one judges.
     fn watch_host(&mut self, elapsed_us: u32, period_us: u32) {
+        let heard = self.silent_us == 0;
         self.silent_us = self.silent_us.saturating_add(elapsed_us);
         // Whether the silence would be too long by the next tick.
         let by_next = self.silent_us.saturating_add(period_us);
         match self.params.watch.command {
-            Timeout::AfterUs(limit) if by_next > limit => {
+            Timeout::AfterUs(limit) if by_next > limit && !heard => {
                 self.controller.on(Event::LinkLost);
             }
             _ => {}
@@ -190,7 +194,12 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         &self.params
     }
 
-    /// The wheels, to look at. Torques are the task's business.
+    /// The wheels, to look at.
+    pub const fn drive(&self) -> &D {
+        &self.drive
+    }
+
+    /// The wheels, for what else they can do. Torques are the task's business.
     pub const fn drive_mut(&mut self) -> &mut D {
         &mut self.drive
     }

@@ -8,7 +8,8 @@
 //! | tick too long, jitter | `ticks` | the tick; `row` late ticks, or `of_64` of the last 64 |
 //! | pose jump, driver | told by others | the tick |
 //! | stuck, stalled | [`wheel`](self#wheels): told to turn, stands | `stuck.after` and a tick |
-//! | reversed | moves against its torque | 0.2 s and `reversed` once the torque is 2.5 times the load |
+//! | reversed | moves against its torque | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
+//! | reversed | told to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
 //! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
 //! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |

@@ -42,7 +42,7 @@ pub(super) struct WheelEvidence<T> {
 pub(super) struct WheelFinding {
     pub(super) stuck: bool,
     pub(super) blocked: bool,
-    /// It was accelerated against its torque.
+    /// It was accelerated against its torque, or turned against command and torque.
     pub(super) against: bool,
     /// It has not counted for half a window,
     pub(super) silent: bool,
@@ -100,10 +100,13 @@ pub(super) struct Wheel<T> {
     expected: Twice<T>,
     /// Counts since the wheel began to stand still.
     crept: i32,
+    /// Counts since it began to turn against command and torque, below zero.
+    back: i32,
     /// Time without a count.
     silent: Held,
     stands: Held,
     against: Held,
+    backs: Held,
     beyond: Held,
 }
 
@@ -129,27 +132,54 @@ impl<T: Scalar> Wheel<T> {
             stuck: stands && !blocked,
             blocked: stands && blocked,
             // Counts that are missing are not counts that stand still.
-            against: self.moves_against(watch, now.dt_us) && now.moved.is_some(),
+            against: (self.moves_against(watch, now.dt_us) && now.moved.is_some())
+                || self.turns_back(watch, now),
             silent,
             dead: silent && told,
             slips: self.moves_beyond(watch, now),
         }
     }
 
-    /// Told to turn at some speed, with a torque that way which turns a free wheel, and no more than one
-    /// count to and fro (the edge on which an encoder may tremble) all the while. A wheel that holds a
-    /// place is not told to turn and never counts.
-    fn stands_still(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
+    /// Which way the wheel is told to turn at some speed, with a torque that way which turns a free one.
+    fn pushed(watch: &Watch<T>, now: &WheelEvidence<T>) -> i32 {
         let stuck = &watch.params.wheels.stuck;
         let torque = now.effort.map_or(T::ZERO, |effort| effort.torque);
-        let forward = now.command >= stuck.speed_rad_s && torque >= stuck.torque_nm;
-        let backward = now.command <= -stuck.speed_rad_s && torque <= -stuck.torque_nm;
+        if now.command >= stuck.speed_rad_s && torque >= stuck.torque_nm {
+            1
+        } else if now.command <= -stuck.speed_rad_s && torque <= -stuck.torque_nm {
+            -1
+        } else {
+            0
+        }
+    }
+
+    /// Pushed, and no more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
+    /// that holds a place is not told to turn and never counts.
+    fn stands_still(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
         // Without a reading the wheel is not known to stand; that is a fault of its own.
         let moved = now.moved.unwrap_or(i32::MAX);
         let crept = self.crept.saturating_add(moved);
-        let still = (forward || backward) && (-1..=1).contains(&crept);
+        let still = Self::pushed(watch, now) != 0 && (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
-        self.stands.holds(still, now.dt_us, stuck.after)
+        self.stands
+            .holds(still, now.dt_us, watch.params.wheels.stuck.after)
+    }
+
+    /// Pushed, and at least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
+    ///
+    /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
+    /// speed, and no acceleration tells. A sound wheel is turned back only by more than it is pushed with, three times the
+    /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
+    fn turns_back(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
+        let way = Self::pushed(watch, now);
+        let along = now.moved.map(|moved| moved.saturating_mul(way));
+        let against = way != 0 && along.is_some_and(|along| along <= 0);
+        let back = self.back.saturating_add(along.unwrap_or(0));
+        self.back = if against { back } else { 0 };
+        let lasts = self
+            .backs
+            .holds(against, now.dt_us, watch.params.wheels.stuck.after);
+        lasts && T::from_i32(self.back) <= -T::from_f64(LEAST_COUNTS)
     }
 
     /// y sgn x ≤ −|x|/2 where |x| is at least 2 D and 8 counts; see the [module](super).

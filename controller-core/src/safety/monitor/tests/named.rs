@@ -120,3 +120,30 @@ fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
     let reversed = Some(Fault::EncoderReversed(Side::Left));
     assert_eq!(pulled(0.0).get(FaultKind::EncoderReversed), reversed);
 }
+
+/// At a steady speed no acceleration tells; that it turns the other way than it is commanded and pushed, all the while, does.
+#[test]
+fn a_wheel_that_turns_back_under_its_torque_is_reversed() {
+    let back = |k: i32| pushing(k, -1, 1);
+    let kind = FaultKind::EncoderReversed;
+    // 0.25 s, from the second reading.
+    assert_eq!(found_in(&mut monitor(params()), 100, kind, back), Some(26));
+    // A count forward now and then is none that turns back.
+    let to_and_fro = |k: i32| Evidence {
+        counts: Some(WheelCounts {
+            right: -k + 2 * (k / 10),
+            left: k,
+        }),
+        ..pushing(k, 0, 0)
+    };
+    assert_eq!(
+        found_in(&mut monitor(params()), 1000, kind, to_and_fro),
+        None
+    );
+    // Nor is one that is not pushed: it rolls.
+    let rolls = |k: i32| Evidence {
+        torques: Some(WheelTorques::default()),
+        ..pushing(k, -1, 1)
+    };
+    assert_eq!(found_in(&mut monitor(params()), 1000, kind, rolls), None);
+}
