@@ -2,6 +2,7 @@
 
 mod board;
 mod identify;
+mod seed;
 
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 
 pub use board::{Chip, Link, MonitorArgs};
 pub use identify::IdentifyArgs;
+pub use seed::SeedArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -152,14 +154,18 @@ Examples:
     #[command(after_help = "\
 Examples:
   sim-host faults --runs 10000 --seed 1
+  sim-host faults --runs 10000 --fresh             runs that nobody has seen
+  sim-host faults --runs 1000 --only ice --fresh
   sim-host faults --runs 1 --seed 1 --run 4711     one of them again, every tick in faults-4711.csv")]
     Faults {
         /// Number of runs
         #[arg(long, value_name = "N", default_value = "1000")]
         runs: NonZeroU64,
-        /// Settles all that is random
-        #[arg(long, value_name = "S", default_value = "1")]
-        seed: u64,
+        #[command(flatten)]
+        seed: SeedArgs,
+        /// Only troubles whose name contains this; may be given several times
+        #[arg(long, value_name = "TEXT")]
+        only: Vec<String>,
         /// Begin with this run, and write its trace
         #[arg(long, value_name = "K")]
         run: Option<u64>,

@@ -43,6 +43,7 @@ pub mod pil;
 pub mod pilot;
 pub mod plant;
 pub mod prove;
+pub mod rate;
 pub mod rig;
 pub mod robustness;
 pub mod run;
