@@ -171,7 +171,15 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
             ],
             C::Unheard,
         ),
-        rule(U::LineDelayed, None, &[], C::None),
+        rule(
+            U::LineDelayed,
+            None,
+            &[(
+                Why::Link,
+                "as the delay begins nothing arrives for as long as it is, after up to 20 ms without a sign of life",
+            )],
+            C::None,
+        ),
     ]
 };
 
