@@ -86,8 +86,9 @@ fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn E
     Ok(())
 }
 
-/// Worlds that are kept for the test below: nothing was developed, tuned or tried in them.
-const KEPT_SEED: u64 = 0x5EED_0000;
+/// Worlds that are kept for the test below, drawn by the operating system: nothing was developed, tuned or tried in
+/// them. Whoever looks into one draws anew.
+const KEPT_SEED: u64 = 162_447_189;
 
 /// What README says of the three bases as shipped, and of gains that follow from their limits.
 #[test]
