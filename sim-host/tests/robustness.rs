@@ -2,7 +2,7 @@
 
 use sim_host::robustness::{
     COLUMNS, Case, Condition, Expected, Group, Law, Outcome, Row, Spread, Verdict, catalogue,
-    study, write_csv,
+    study, three_digits, write_csv,
 };
 use std::num::NonZeroU32;
 use std::process::Command;
@@ -34,16 +34,6 @@ fn cases() -> impl Iterator<Item = &'static [Row<'static>]> {
     whole().chunk_by(|a, b| a.condition == b.condition && a.case == b.case)
 }
 
-fn digits(value: f64) -> String {
-    if value >= 100.0 {
-        format!("{value:.0}")
-    } else if value >= 10.0 {
-        format!("{value:.1}")
-    } else {
-        format!("{value:.2}")
-    }
-}
-
 fn or_dash(time: Option<Spread>, decimals: usize) -> String {
     time.map_or("–".to_owned(), |time| format!("{:.decimals$}", time.mean))
 }
@@ -53,7 +43,7 @@ fn time_and_end(outcome: &Outcome) -> String {
     let end = match outcome.verdict {
         Verdict::Arrived | Verdict::Missed if outcome.runs == outcome.arrived.max(1) => {
             let Spread { mean, worst } = outcome.final_m;
-            let (mean, worst) = (digits(1e3 * mean), digits(1e3 * worst));
+            let (mean, worst) = (three_digits(1e3 * mean), three_digits(1e3 * worst));
             if mean == worst {
                 mean
             } else {
@@ -127,7 +117,7 @@ fn documents_state_the_study_as_it_is() {
         let moment = first.case.expected(first.condition).moment_std_nm;
         let following = laws.iter().map(|row| row.outcome.following_std.moment);
         let at_rest = laws.iter().map(|row| row.outcome.rest_std.moment);
-        let cells: Vec<String> = following.chain(at_rest).map(digits).collect();
+        let cells: Vec<String> = following.chain(at_rest).map(three_digits).collect();
         table += &format!(
             "| {} | {} | {} |\n",
             first.condition.name,

@@ -121,6 +121,20 @@ impl Board {
         }
     }
 
+    /// Armed, and for 0.2 s on its trajectory.
+    fn driving() -> Self {
+        let mut board = Self::new();
+        board.tick();
+        board.send(&Command::Arm);
+        board.tick();
+        board.send_trajectory();
+        for _ in 0..200 {
+            board.send(&Command::Heartbeat);
+            board.tick();
+        }
+        board
+    }
+
     fn send(&mut self, command: &Command) {
         self.sequence += 1;
         let mut frame = [0; MAX_FRAME];
@@ -290,15 +304,7 @@ fn an_armed_board_drives_and_a_silent_host_stops_it() {
 
 #[test]
 fn the_button_shorts_the_motors_in_the_next_tick() {
-    let mut board = Board::new();
-    board.tick();
-    board.send(&Command::Arm);
-    board.tick();
-    board.send_trajectory();
-    for _ in 0..200 {
-        board.send(&Command::Heartbeat);
-        board.tick();
-    }
+    let mut board = Board::driving();
     board.send(&Command::EmergencyStop { brake: true });
     board.tick();
     assert_eq!(
@@ -315,15 +321,7 @@ const BYTES_A_TICK: usize = 92;
 #[test]
 fn a_flood_of_questions_delays_no_stop() {
     for reads in [true, false] {
-        let mut board = Board::new();
-        board.tick();
-        board.send(&Command::Arm);
-        board.tick();
-        board.send_trajectory();
-        for _ in 0..200 {
-            board.send(&Command::Heartbeat);
-            board.tick();
-        }
+        let mut board = Board::driving();
         assert_eq!(board.task().state(), State::Tracking);
         let questions: Vec<u8> = [Command::GetCounters, Command::GetParameters]
             .iter()

@@ -40,8 +40,9 @@ const ROLLS: i32 = 4;
 /// A wheel at rest may be held by static friction, which takes the torque and turns nothing. Where a
 /// count should have come and did not, the acceleration that predicted it is refuted: up to that size,
 /// in both directions (friction holds alike), no acceleration is believed until the wheel rolls, which
-/// [`ROLLS`] counts in one direction show, none of them [`REST_S`] after the last. Otherwise torque and speed estimate support each other at rest:
-/// a held torque F reads as a speed of 2 F/(m ω), against which the velocity loop holds another torque.
+/// [`ROLLS`] counts in one direction show, none of them [`REST_S`] after the last. Otherwise torque and speed
+/// estimate support each other at rest: a held torque F reads as a speed of 2 F/(m ω), against which the
+/// velocity loop holds another torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Wheel<T> {
     /// Measured minus estimated travel: kept instead of both, so that it never grows. Within half a

@@ -32,7 +32,7 @@ pub use condition::{Condition, Disturbance, Expected, Group, Range};
 pub use csv::{COLUMNS, write as write_csv};
 pub use law::{Law, told_limits};
 pub use study::{Outcome, Row, Spread, runs, study};
-pub use table::tables;
+pub use table::{tables, three_digits};
 
 use crate::scenario::ScenarioError;
 use controller_core::error::ParamError;

@@ -152,7 +152,8 @@ fn both(mean: f64, worst: f64, text: impl Fn(f64) -> String) -> String {
     }
 }
 
-fn three_digits(value: f64) -> String {
+/// A figure with three digits, for tables.
+pub fn three_digits(value: f64) -> String {
     if value >= 100.0 {
         format!("{value:.0}")
     } else if value >= 10.0 {
