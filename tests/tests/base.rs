@@ -3,7 +3,7 @@
 use controller_core::base::{BaseReport, Order, WheelAction};
 use controller_core::localiser::FixOutcome;
 use controller_core::reference::Reference;
-use controller_core::safety::supervisor::{Cause, Event, State};
+use controller_core::safety::supervisor::{Cause, Event, State, Then};
 use controller_core::safety::{Fault, FaultKind};
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques};
 use sim_host::drive::Mission;
@@ -49,6 +49,28 @@ fn following(rig: &mut Rig, ticks: u16) -> u16 {
 
 fn largest(torques: &WheelTorques<f32>) -> f32 {
     torques.right.abs().max(torques.left.abs())
+}
+
+/// The firmware's protocol lets no such order through; the base stops by itself.
+#[test]
+fn an_order_that_is_not_a_number_brakes_and_latches() {
+    let nowhere = Pose::new(f32::NAN, 0.0, 0.0);
+    let along = Reference::new::<controller_core::maths::Single>(
+        nowhere,
+        Twist::new(0.4, 0.0),
+        Accel::default(),
+    );
+    for order in [Order::Park(nowhere), Order::Follow(along)] {
+        let mut rig = rig();
+        following(&mut rig, 100);
+        let report = step(&mut rig, &order);
+        assert_eq!(report.action, WheelAction::Brake);
+        assert_eq!(report.state, State::Braking(Then::Fault));
+        let Cause::Fault(fault) = report.cause else {
+            panic!("{:?}", report.cause);
+        };
+        assert_eq!(fault.kind(), FaultKind::NotFinite);
+    }
 }
 
 #[test]

@@ -110,15 +110,18 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
 
     /// Tells the base that its host is gone; an underrun of references it finds by itself.
     ///
-    /// A tick that by itself lasts for as long as the host may be silent says nothing of the host, only of the tick, which is
-    /// a fault of its own: the next one judges.
+    /// In a tick in which the host was heard it was silent for a period at most: a longer tick says nothing of the host, only
+    /// of itself, and is a fault of its own.
     fn watch_host(&mut self, elapsed_us: u32, period_us: u32) {
-        let heard = self.silent_us == 0;
-        self.silent_us = self.silent_us.saturating_add(elapsed_us);
+        let silent_us = match self.silent_us {
+            0 => elapsed_us.min(period_us),
+            _ => elapsed_us,
+        };
+        self.silent_us = self.silent_us.saturating_add(silent_us);
         // Whether the silence would be too long by the next tick.
         let by_next = self.silent_us.saturating_add(period_us);
         match self.params.watch.command {
-            Timeout::AfterUs(limit) if by_next > limit && !heard => {
+            Timeout::AfterUs(limit) if by_next > limit => {
                 self.controller.on(Event::LinkLost);
             }
             _ => {}
