@@ -154,6 +154,8 @@ Examples:
     #[command(after_help = "\
 Examples:
   sim-host faults --runs 10000 --seed 1
+  sim-host faults --runs 10000 --fresh             runs that nobody has seen
+  sim-host faults --runs 1000 --only ice --fresh
   sim-host faults --runs 1 --seed 1 --run 4711     one of them again, every tick in faults-4711.csv")]
     Faults {
         /// Number of runs
@@ -161,6 +163,9 @@ Examples:
         runs: NonZeroU64,
         #[command(flatten)]
         seed: SeedArgs,
+        /// Only troubles whose name contains this; may be given several times
+        #[arg(long, value_name = "TEXT")]
+        only: Vec<String>,
         /// Begin with this run, and write its trace
         #[arg(long, value_name = "K")]
         run: Option<u64>,

@@ -1,11 +1,17 @@
 //! The fault campaign: quiet with the base as it is, loud with one that is broken on purpose.
 
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
-use sim_host::campaign::{Bases, Mutation, Outcome, Target, UpsetKind, cells, study, violation};
-use std::collections::BTreeSet;
+use sim_host::campaign::{
+    Bases, End, Mutation, Outcome, Plan, RULES, Target, UpsetKind, Why, cells, known, study,
+    violation,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use tests::stated::{At, Stated};
 
 /// Every trouble in every state on every base, once.
 const ALL: u64 = (UpsetKind::ALL.len() * Target::ALL.len() * 3) as u64;
+/// Seeds from here on are kept for tests: nothing was developed with them.
+const KEPT: u64 = 171_694_030_814_732;
 
 fn bases() -> Bases {
     Bases::built_in().expect("built in")
@@ -17,7 +23,7 @@ fn broken(outcomes: &[Outcome]) -> Vec<String> {
 
 #[test]
 fn every_trouble_in_every_state_is_ridden_out_or_stopped_in_time() {
-    let outcomes = study(&bases(), 2, 0..ALL, &Mutation::None, || {}).expect("valid");
+    let outcomes = study(&bases(), KEPT, 0..ALL, &Mutation::None, || {}).expect("valid");
     assert!(outcomes.len() >= 500);
     let violations = broken(&outcomes);
     assert!(violations.is_empty(), "{}", violations.join("\n"));
@@ -30,12 +36,163 @@ fn every_trouble_in_every_state_is_ridden_out_or_stopped_in_time() {
         .map(|cell| cell.stop.share())
         .fold(0.0, f64::max);
     assert!(most > 0.5, "{most}");
-    // Nothing at all is never stopped by what only trouble explains.
-    for outcome in &outcomes {
-        if outcome.upset == UpsetKind::Nothing && outcome.second.is_none() {
-            assert!(outcome.found.is_none(), "{outcome:?}");
+    // So is the bound of a parked base: some use more than half of the tolerance of 3.5 mm.
+    let off = outcomes.iter().filter_map(|outcome| outcome.parked);
+    let far = off.filter(|(m, _)| *m > 0.0018).count();
+    assert!(far > 10, "{far}");
+    // Each trouble that has a name is found by it somewhere.
+    for rule in &RULES {
+        let found = outcomes
+            .iter()
+            .filter(|outcome| outcome.upset == rule.upset && outcome.found.is_some())
+            .count();
+        // Ice has no deadline, and a damaged line need not lose so many frames in a row.
+        let rare = [UpsetKind::WheelOnIce, UpsetKind::LineDamaged].contains(&rule.upset);
+        let told = rule.name.is_some() && !rare;
+        assert!(found > 0 || !told, "{:?} is never found", rule.upset);
+    }
+    let mut page = Stated::of("docs/faults.md");
+    page.table(HEAD, &results(&outcomes));
+    let count = [outcomes.len() as f64];
+    page.exactly(At::Phrase("# runs with seeds kept for this test"), &count);
+}
+
+/// First line of the table of results in docs/faults.md.
+const HEAD: &str =
+    "| trouble | runs | parked | held | stopped by | found | latest | stop/bound | parked off |";
+
+/// The results of a campaign, a row for each trouble.
+fn results(outcomes: &[Outcome]) -> String {
+    let mut table = format!("{HEAD}\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for upset in UpsetKind::ALL {
+        let runs: Vec<_> = outcomes.iter().filter(|o| o.upset == upset).collect();
+        let ended = |end: &End| runs.iter().filter(|o| o.end.as_ref() == Ok(end)).count();
+        let mut causes = BTreeMap::new();
+        for outcome in &runs {
+            let cause = match &outcome.end {
+                Ok(End::Stopped(why)) => why.name().to_owned(),
+                Ok(End::Known(failing)) => format!("({})", failing.name()),
+                _ => continue,
+            };
+            *causes.entry(cause).or_insert(0_usize) += 1;
+        }
+        let mut causes: Vec<_> = causes.into_iter().collect();
+        causes.sort_by_key(|(_, count)| usize::MAX - count);
+        let causes: Vec<_> = causes
+            .iter()
+            .map(|(cause, count)| format!("{cause} {count}"))
+            .collect();
+        let found: Vec<_> = runs.iter().filter_map(|o| o.found.as_ref()).collect();
+        let latest = found.iter().map(|found| found.after_s).fold(0.0, f64::max);
+        let latest = if found.is_empty() {
+            "–".to_owned()
+        } else {
+            format!("{latest:.2} s")
+        };
+        let share = runs.iter().map(|o| o.stop.share()).fold(0.0, f64::max);
+        let off = runs.iter().filter_map(|o| o.parked);
+        let (m, rad) = off.fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+        table += &format!(
+            "| {} | {} | {} | {} | {} | {} | {latest} | {share:.2} | {:.1} mm, {:.1} mrad |\n",
+            upset.name(),
+            runs.len(),
+            ended(&End::Parked),
+            ended(&End::Held),
+            causes.join(", "),
+            found.len(),
+            1.0e3 * m,
+            1.0e3 * rad,
+        );
+    }
+    table
+}
+
+/// With nothing wrong, and with a line that is full, a base does what its host wants: it parks, waits where it is to
+/// wait, or stops because the host says so.
+#[test]
+fn with_nothing_wrong_only_the_host_stops_a_base() {
+    let quiet = [UpsetKind::Nothing, UpsetKind::LineFull];
+    let numbers: Vec<u64> = (0..12 * ALL)
+        .filter(|number| quiet.contains(&Plan::trouble(*number)))
+        .collect();
+    assert!(numbers.len() > 500);
+    let outcomes = study(&bases(), KEPT + 1, numbers, &Mutation::None, || {}).expect("valid");
+    let mut parked = 0;
+    for outcome in outcomes.iter().filter(|outcome| outcome.second.is_none()) {
+        match outcome.end {
+            Ok(End::Parked) => parked += 1,
+            Ok(End::Held | End::Stopped(Why::Host | Why::Button)) => {}
+            _ => panic!("{outcome:?}"),
+        }
+        // Where nothing stops it, it gets there.
+        let goes = matches!(outcome.target, Target::Tracking | Target::Parking);
+        if outcome.upset == UpsetKind::Nothing && goes {
+            assert_eq!(outcome.end, Ok(End::Parked), "{outcome:?}");
         }
     }
+    assert!(parked > 200, "{parked}");
+}
+
+/// What is stated to go wrong on ice goes wrong no more often than that.
+#[test]
+fn what_fails_on_ice_is_no_worse_than_stated() {
+    let numbers: Vec<u64> = (0..17 * ALL)
+        .filter(|number| Plan::trouble(*number) == UpsetKind::WheelOnIce)
+        .collect();
+    assert!(numbers.len() > 400);
+    let outcomes = study(&bases(), KEPT + 2, numbers, &Mutation::None, || {}).expect("valid");
+    let violations = broken(&outcomes);
+    assert!(violations.is_empty(), "{}", violations.join("\n"));
+    let known = known(&outcomes);
+    assert_eq!(known.len(), 2);
+    for (known, rate) in known {
+        println!("{}: {rate}", known.failing.name());
+        assert!(known.holds(&rate), "{}: {rate}", known.failing.name());
+    }
+}
+
+/// The table of names and deadlines in the document is the campaign's.
+#[test]
+fn the_document_has_the_rules_of_the_campaign() {
+    let document = include_str!("../../docs/faults.md");
+    let mut missing = 0;
+    for rule in &RULES {
+        let row = rule.row(&bases()).expect("valid");
+        println!("{row}");
+        missing += usize::from(!document.contains(&row));
+        for (why, reason) in rule.also {
+            let line = format!("| {} | `{}` | {reason} |", rule.upset.name(), why.name());
+            println!("{line}");
+            missing += usize::from(!document.contains(&line));
+        }
+    }
+    assert_eq!(missing, 0, "rows above that docs/faults.md does not have");
+}
+
+/// A firmware that loses stops is convicted by each of them that matters.
+#[test]
+fn stops_that_are_lost_are_found_out() {
+    let mutation = Mutation::LosesStops;
+    let outcomes = study(&bases(), KEPT, 0..ALL, &mutation, || {}).expect("valid");
+    let lost: BTreeSet<_> = outcomes
+        .iter()
+        .filter(|outcome| violation(outcome).is_some_and(|text| text.contains("stop came")))
+        .map(|outcome| (outcome.upset, outcome.target))
+        .collect();
+    // All states that are reached by a stop are, and the button is on every line.
+    let button = UpsetKind::EmergencyStop;
+    for target in [
+        Target::Armed,
+        Target::Tracking,
+        Target::Parking,
+        Target::Parked,
+    ] {
+        assert!(lost.contains(&(button, target)), "{target:?}");
+    }
+    let stopped = lost
+        .iter()
+        .filter(|(_, target)| *target == Target::Stopping);
+    assert_eq!(stopped.count(), UpsetKind::ALL.len());
 }
 
 #[test]
@@ -43,7 +200,7 @@ fn the_number_of_threads_changes_nothing() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().expect("threads");
-        pool.install(|| study(&bases(), 3, 0..24, &Mutation::None, || {}).expect("valid"))
+        pool.install(|| study(&bases(), KEPT + 3, 0..24, &Mutation::None, || {}).expect("valid"))
     };
     assert_eq!(run(1), run(4));
 }
@@ -53,7 +210,7 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn drivers_that_do_not_do_what_they_are_told_are_found_out() {
     for mutation in [Mutation::KeepsTorque, Mutation::BrakeCoasts] {
-        let outcomes = study(&bases(), 2, 0..ALL / 3, &mutation, || {}).expect("valid");
+        let outcomes = study(&bases(), KEPT, 0..ALL / 3, &mutation, || {}).expect("valid");
         let far = broken(&outcomes)
             .iter()
             .filter(|text| text.contains("beyond"))
@@ -65,13 +222,13 @@ fn drivers_that_do_not_do_what_they_are_told_are_found_out() {
 
 /// What a policy may leave out but should not: the campaign has its own list.
 #[test]
-fn a_policy_that_rides_out_a_silent_host_is_found_out() {
-    let policy = PolicyParams::DEFAULT.with(FaultKind::CommandStale, Response::RIDE_OUT);
+fn a_policy_that_rides_out_missing_poses_is_found_out() {
+    let policy = PolicyParams::DEFAULT.with(FaultKind::PoseStale, Response::RIDE_OUT);
     let mutation = Mutation::Policy(policy);
-    let outcomes = study(&bases(), 2, 0..ALL / 3, &mutation, || {}).expect("valid");
+    let outcomes = study(&bases(), KEPT, 0..ALL / 3, &mutation, || {}).expect("valid");
     let ridden = broken(&outcomes)
         .iter()
-        .filter(|text| text.contains("command_stale was found"))
+        .filter(|text| text.contains("pose_stale was found"))
         .count();
     // Armed, tracking, parking and parked.
     assert!(ridden >= 4, "{ridden}");
@@ -84,7 +241,7 @@ fn a_policy_that_rides_out_a_stuck_encoder_is_refused() {
     for reaction in [Reaction::RideOut, Reaction::ControlledStop] {
         let policy = policy.with(stuck, Response::passing(reaction));
         let mutation = Mutation::Policy(policy);
-        assert!(study(&bases(), 1, 0..1, &mutation, || {}).is_err());
+        assert!(study(&bases(), KEPT, 0..1, &mutation, || {}).is_err());
     }
 }
 
@@ -94,8 +251,7 @@ fn the_document_has_the_stopping_distances_of_the_core() {
     use controller_core::maths::Single;
     use controller_core::motor::{coast, electrical_brake};
     use controller_core::safety::controlled_stop_distance;
-    use sim_host::campaign::Plan;
-    use sim_host::rig::Rig;
+    use sim_host::rig::params;
     use sim_host::scenario::BASES;
 
     let document = include_str!("../../docs/faults.md");
@@ -103,9 +259,11 @@ fn the_document_has_the_stopping_distances_of_the_core() {
     for built_in in BASES {
         let name = built_in.name;
         let base = built_in.base().expect("valid");
-        let plan = Plan::draw(&bases(), 1, 0);
-        let rig = Rig::of_base(&base, &plan.place, |_| {}).expect("valid");
-        let core = rig.base().base();
+        let period_us = base
+            .hardware
+            .map_or(10_000, |h| (1.0e6 * h.period_s) as u32);
+        let params = params(&base, period_us).expect("valid");
+        let core = params.validate::<Single>().expect("valid");
         let robot = core.motion().params().robot;
         let motor = core.motor().expect("has motors");
         let speed = base.limits.speed as f32;

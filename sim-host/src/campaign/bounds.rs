@@ -55,6 +55,8 @@ pub(super) struct Bounds {
     load: f64,
     /// τ at the tread \[N\].
     dry_n: f64,
+    /// Share of the way that odometry is wrong by, and turn per way \[rad/m\].
+    odometry: (f64, f64),
     /// What both motors add to break standing wheels loose, over the mass \[m/s²\].
     loose: f64,
 }
@@ -98,6 +100,13 @@ impl Bounds {
             grip: place.world.floor.mu,
             load: 0.5 * robot.mass_kg * body.mass_factor * GRAVITY,
             dry_n: place.world.friction.coulomb_nm / radius,
+            odometry: {
+                let (right, left) = (body.radius_right_factor, body.radius_left_factor);
+                (
+                    (0.5 * (right + left) - 1.0).abs(),
+                    (right - left).abs() / wheels.track_m,
+                )
+            },
             loose: core.motor().map_or(0.0, |motor| {
                 let stiction = f64::from(motor.params().friction.stiction_nm);
                 2.0 * stiction / (radius * robot.mass_kg)
@@ -190,6 +199,60 @@ impl Bounds {
             way
         };
         SLACK * way + CREEP_M
+    }
+
+    /// How far from its goal a base may truly be that says it is parked: \[m\] and \[rad\].
+    ///
+    /// ```text
+    /// D + 5 σ + ε ℓ (1 + δ ℓ) + b τ ℓ + G q(x₁)        H + 5 σ_θ + δ ℓ + b τ ℓ π/x₀ + G_θ q(x₁)
+    /// ```
+    ///
+    /// | symbol | what |
+    /// | --- | --- |
+    /// | D, H | tolerance by the pose that the base knows ([`Arrival`](controller_core::motion::Arrival)) |
+    /// | σ, σ_θ | what the filter leaves of the fixes' noise; 5 of them are passed once in a million times |
+    /// | ε, δ | true radii: error of the way, and turn per way, that odometry has |
+    /// | τ | by how much poses are older than they say: the line's delay |
+    /// | G, G_θ | most that the pose may be off before the approach, of a brake in which wheels slid for example: more is an outlier |
+    /// | ℓ | way of which the fixes have not yet taken away what odometry was wrong by |
+    ///
+    /// Fixes take an error away as e^(−bt), b by the share of them that arrives. The approach from x₀ goes as e^(−gt) until D is left, and then it rests for
+    /// the dwell t_d: q(x₀) = (D/x₀)^(b/g) e^(−b t_d) is left of what there was at its beginning, and ℓ = x₀ g/(g − b) q(x₀).
+    /// The farthest goal of a plan is x₀ = 2 s times the top speed away, and half a turn; the nearest one x₁ = 0.6 s. The pose source's latency is stated, and its bias is 0.
+    pub fn parked(&self, core: &Core<f32>, base: &Base, (share, late_s): (f64, f64)) -> (f64, f64) {
+        let arrival = &core.motion().params().arrival;
+        let (distance, heading) = (
+            f64::from(arrival.distance_m),
+            f64::from(arrival.heading_rad),
+        );
+        let localisation = core.localisation();
+        let noise = 5.0 * f64::from(localisation.filtered_noise_m());
+        let noise_rad = 5.0 * f64::from(localisation.filtered_noise_rad());
+        let fusion = localisation.params().fusion;
+        let fixes = fusion.map_or(0.0, |fusion| {
+            share * f64::from(fusion.bandwidth.min(fusion.heading_bandwidth))
+        });
+        let approach = f64::from(core.motion().gains().approach).max(1.01 * fixes);
+        let farthest = 2.0 * base.limits.speed;
+        let left = |way: f64| {
+            (distance / way).powf(fixes / approach) * (-fixes * f64::from(arrival.dwell_s)).exp()
+        };
+        let way = farthest * approach / (approach - fixes) * left(farthest);
+        let before = left(0.6 * base.limits.speed);
+        let gates = fusion.map_or((0.0, 0.0), |fusion| {
+            let gate = |sigma: f32| f64::from(fusion.gate * sigma);
+            (gate(fusion.noise_m), gate(fusion.noise_rad))
+        });
+        let (wrong, bend) = self.odometry;
+        let late = fixes * late_s * way;
+        (
+            distance + noise + wrong * way * (1.0 + bend * way) + late + gates.0 * before,
+            heading
+                + noise_rad
+                + bend * way
+                + late * std::f64::consts::PI / farthest
+                + gates.1 * before,
+        )
     }
 
     /// Speed of the middle below which it counts as resting with these wheels turning so \[m/s\].

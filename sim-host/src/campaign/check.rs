@@ -1,11 +1,11 @@
 //! What has to hold in every tick.
 
 use super::expected;
-use super::plan::Target;
+use super::outcome::Why;
 use crate::world::Actuation;
 use controller_core::base::{BaseReport, WheelAction};
-use controller_core::safety::supervisor::{Cause, State, Then};
-use controller_core::safety::{Fault, FaultKind, Reaction};
+use controller_core::safety::Reaction;
+use controller_core::safety::supervisor::{State, Then};
 
 /// What the wheels are told, by severity.
 pub(super) fn severity(report: &BaseReport<f32>) -> Reaction {
@@ -69,19 +69,25 @@ pub(super) fn outputs(
     Ok(())
 }
 
-/// A base that stops does not go back to a milder output until it is told to.
+/// Comes to rest, or rests, until the host says otherwise.
+pub(super) const fn stops(state: State) -> bool {
+    matches!(
+        state,
+        State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault
+    )
+}
+
+/// A base that stops does not go back to a milder output until it is freed, nor leaves a latched state before a reset.
 pub(super) fn milder(
     before: (State, Reaction),
     report: &BaseReport<f32>,
-    told: bool,
+    freed: bool,
+    reset: bool,
 ) -> Result<(), String> {
     let (state, was) = before;
-    let stopping = matches!(
-        state,
-        State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault
-    );
+    let stopping = stops(state);
     let now = severity(report);
-    if stopping && !told && now < was {
+    if stopping && !freed && now < was {
         return Err(format!(
             "{was:?} in {state:?} became {now:?} in {:?}",
             report.state
@@ -93,7 +99,7 @@ pub(super) fn milder(
             State::Fault | State::Stopping(Then::Fault) | State::Braking(Then::Fault)
         )
     };
-    if latched(state) && !told && !latched(report.state) {
+    if latched(state) && !reset && !latched(report.state) {
         return Err(format!("latched {state:?} became {:?}", report.state));
     }
     Ok(())
@@ -130,16 +136,18 @@ pub(super) fn reacted(before: State, report: &BaseReport<f32>) -> Result<(), Str
     Ok(())
 }
 
-/// The kind of the first finding that does not fit the trouble there is.
-pub(super) fn wrong(report: &BaseReport<f32>, right: impl Fn(FaultKind) -> bool) -> Option<Fault> {
-    // Jumps are ridden out; a noisy pose may be one at any time.
-    let found = report
-        .findings
-        .iter()
-        .filter(|fault| fault.kind() != FaultKind::PoseJump);
-    // Where nothing moves findings have no effect, but for that of a driver.
-    let acts = |fault: &Fault| {
-        report.cause == Cause::Fault(*fault) || Target::of(report.state) == Target::Parked
-    };
-    found.filter(acts).find(|fault| !right(fault.kind()))
+/// What the base was stopped for in this tick, if that does not fit the trouble there is.
+///
+/// What is found besides, such as poses that grow old while a base brakes blindly, is not what it was stopped for.
+pub(super) fn wrong(
+    before: &BaseReport<f32>,
+    report: &BaseReport<f32>,
+    right: impl Fn(Why) -> bool,
+) -> Option<&'static str> {
+    let news = report.cause != before.cause || report.state != before.state;
+    let why = Why::of(report.cause);
+    match why {
+        Why::Fault(_) | Why::Link if news && !right(why) => Some(why.name()),
+        _ => None,
+    }
 }

@@ -1,121 +1,371 @@
-//! What may be found for each kind of trouble, within what time, and what has to be done about it.
+//! The rules: for each trouble the name it has to be found by, the time that counts, and how much of it there may be.
 
-use super::plan::Target;
+use super::outcome::{End, Failing, Outcome, Why};
+use super::plan::{Bases, Target};
 use super::upset::{Upset, UpsetKind, What};
-use crate::drive::Base;
-use controller_core::safety::{FaultKind, Reaction, Response};
+use crate::rate::Rate;
+use crate::rig::{self, RigError};
+use crate::world::{Defect, PoseSourceParams};
+use controller_core::base::BaseParams;
+use controller_core::safety::{FaultKind, Reaction, Response, Timeout};
+use firmware_demo::protocol::{Command, TimedSample, WirePose, WireReference};
 
-/// Kinds of fault that trouble may rightly be taken for.
-pub(super) const fn kinds(kind: UpsetKind) -> &'static [FaultKind] {
-    use {FaultKind as F, UpsetKind as U};
-    match kind {
-        // Half of the twist is wrong: the velocity loop pushes and turns the base. Fusion, whose poses do not go
-        // with odometry, sees them jump. Parking, the base circles beside its goal until it gives up. Where counts
-        // come back within 0.1 s, as in a contact that fails, the wheel may look reversed: 3 of 20,000 runs.
-        U::EncoderStuck => &[
-            F::EncoderStuck,
-            F::EncoderReversed,
-            F::WheelSlip,
-            F::Stalled,
-            F::GaveUp,
-            F::PoseJump,
-            F::PoseStale,
-        ],
-        U::EncoderReversed => &[
-            F::EncoderReversed,
-            F::EncoderStuck,
-            F::WheelSlip,
-            F::Stalled,
-            F::GaveUp,
-            F::PoseJump,
-            F::PoseStale,
-        ],
-        // When readings come back those of the gap come in one: as slip.
-        U::EncoderFails => &[F::MeasurementStale, F::PoseJump],
-        U::PoseSilent | U::PoseNan | U::FixAgeNan => &[F::PoseStale, F::PoseJump],
-        // Believed after some that agree.
-        U::PoseJump => &[F::PoseJump, F::PoseStale, F::GaveUp],
-        U::DriveCoasts => &[F::Driver],
-        U::DriveHolds => &[F::Driver, F::WheelSlip, F::EncoderReversed, F::EncoderStuck],
-        U::OverCurrent => &[F::Driver, F::OverCurrent],
-        // Too little voltage for the speed: the base falls behind, as if it were held.
-        U::BatterySag => &[F::UnderVoltage, F::Stalled],
-        // From wheels alone the same as a stuck encoder; the other wheel carries the base around.
-        U::WheelBlocked => &[
-            F::EncoderStuck,
-            F::EncoderReversed,
-            F::WheelSlip,
-            F::Stalled,
-            F::GaveUp,
-            F::PoseJump,
-            F::PoseStale,
-            F::OverCurrent,
-        ],
-        U::WheelOnIce => &[
-            F::WheelSlip,
-            F::EncoderReversed,
-            F::Stalled,
-            F::GaveUp,
-            F::PoseJump,
-            F::PoseStale,
-        ],
-        // So long that the host was not heard in it either.
-        U::LateTick => &[F::TickTooLong, F::TickJitter, F::CommandStale],
-        U::LateTicks => &[F::TickJitter, F::TickTooLong],
-        U::HostSilent => &[F::CommandStale],
-        U::OrderNan => &[F::NotFinite],
-        U::Nothing | U::EmergencyStop => &[],
+/// A row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Trouble.
+    pub upset: UpsetKind,
+    /// What it is found as; nothing where there is nothing to be found.
+    pub name: Option<Why>,
+    /// Other names that are right too, where physics cannot tell, each with the reason.
+    pub also: &'static [(Why, &'static str)],
+    /// What time counts.
+    pub clock: Clock,
+}
+
+/// What time counts towards a deadline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// None: nothing has to be found.
+    None,
+    /// All, from the beginning of the trouble.
+    All,
+    /// All, in a base that has not driven, whose poses are off by twice the gate: what odometry may be wrong by widens the
+    /// gate with the way.
+    Beyond,
+    /// All, if the tick is as long as one that counts as too long.
+    Long,
+    /// Since the last sound frame arrived, in a live base.
+    Unheard,
+    /// While the wheel is commanded faster, and pushed harder that way, than the stuck detector's thresholds, without
+    /// a break.
+    Pushed,
+}
+
+impl Clock {
+    /// For tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "–",
+            Self::All => "from its beginning",
+            Self::Beyond => "from its beginning, before any way, beyond twice the gate",
+            Self::Long => "from its beginning, if it lasts for 10 periods",
+            Self::Unheard => "since the last sound frame, armed or on its way",
+            Self::Pushed => "commanded and pushed above `stuck`, without a break",
+        }
     }
 }
 
-/// Time within which trouble has to be found for sure \[s\], by the table of
-/// [`controller_core::safety::Monitor`]; none where that depends on what the base does.
-pub(super) fn deadline_s(base: &Base, target: Target, upset: &Upset) -> Option<f64> {
-    let hardware = base.hardware?;
-    let period = hardware.period_s;
-    // The last tick before may have been late, and the first one is cut short by nothing.
-    let ticks = |n: f64| (n + 1.5) * period;
-    match upset.what {
-        What::HostSilent => Some(ticks(5.0).max(0.1 + 1.5 * period)),
-        What::LateOnce(us) => {
-            (f64::from(us) > 9.2e6 * period).then_some(ticks(1.0) + upset.late_s())
+const fn fault(kind: FaultKind) -> Option<Why> {
+    Some(Why::Fault(kind))
+}
+
+const fn rule(
+    upset: UpsetKind,
+    name: Option<Why>,
+    also: &'static [(Why, &'static str)],
+    clock: Clock,
+) -> Rule {
+    Rule {
+        upset,
+        name,
+        also,
+        clock,
+    }
+}
+
+/// The table, in the order of [`UpsetKind::ALL`].
+pub const RULES: [Rule; UpsetKind::ALL.len()] = {
+    use {Clock as C, FaultKind as F, UpsetKind as U};
+    [
+        rule(U::Nothing, None, &[], C::None),
+        rule(
+            U::EncoderStuck,
+            fault(F::EncoderStuck),
+            &[(
+                Why::Fault(F::EncoderReversed),
+                "counts that come back too soon, as in a contact that fails, look like a wheel that was braked against its torque",
+            )],
+            C::Pushed,
+        ),
+        rule(
+            U::EncoderReversed,
+            fault(F::EncoderReversed),
+            &[(
+                Why::Fault(F::PoseStale),
+                "pushed too little to tell it from a load, it drives odometry against the poses until none is believed",
+            )],
+            C::Pushed,
+        ),
+        rule(U::EncoderFails, fault(F::MeasurementStale), &[], C::All),
+        rule(U::PoseSilent, fault(F::PoseStale), &[], C::All),
+        rule(
+            U::PoseJump,
+            fault(F::PoseJump),
+            &[
+                (
+                    Why::Fault(F::GaveUp),
+                    "a heading that is off against its own positions: all ways ahead look like slides, and none ends at the goal",
+                ),
+                (
+                    Why::Fault(F::PoseStale),
+                    "the same: poses that say for long that wheels slide are not believed any more",
+                ),
+            ],
+            C::Beyond,
+        ),
+        rule(U::PoseNan, fault(F::PoseStale), &[], C::All),
+        rule(U::FixAgeNan, fault(F::PoseStale), &[], C::All),
+        rule(U::DriveCoasts, fault(F::Driver), &[], C::All),
+        rule(U::DriveHolds, fault(F::Driver), &[], C::All),
+        rule(U::OverCurrent, fault(F::Driver), &[], C::All),
+        rule(U::BatterySag, fault(F::UnderVoltage), &[], C::All),
+        rule(
+            U::WheelBlocked,
+            fault(F::EncoderStuck),
+            &[
+                (
+                    Why::Fault(F::EncoderReversed),
+                    "stopped short, a wheel is slowed against its torque before it stands",
+                ),
+                (
+                    Why::Fault(F::Stalled),
+                    "the blocked wheel holds the base, under less torque than a free wheel needs",
+                ),
+            ],
+            C::Pushed,
+        ),
+        rule(
+            U::WheelOnIce,
+            fault(F::WheelSlip),
+            &[
+                (
+                    Why::Fault(F::PoseStale),
+                    "without a gyro only poses tell that wheels slide; that do not go with odometry for long, none is left",
+                ),
+                (
+                    Why::Fault(F::GaveUp),
+                    "without grip there are goals that are not reached",
+                ),
+            ],
+            C::None,
+        ),
+        rule(U::LateTick, fault(F::TickTooLong), &[], C::Long),
+        rule(U::LateTicks, fault(F::TickJitter), &[], C::All),
+        rule(U::HostSilent, Some(Why::Link), &[], C::Unheard),
+        rule(U::OrderNan, Some(Why::Refused), &[], C::All),
+        rule(U::EmergencyStop, Some(Why::Button), &[], C::All),
+        rule(U::LineFull, None, &[], C::None),
+        rule(
+            U::LineDamaged,
+            Some(Why::Link),
+            &[
+                (
+                    Why::Fault(F::CommandStale),
+                    "the host is heard, but so many samples are lost that the trajectory ends",
+                ),
+                (
+                    Why::Fault(F::PoseStale),
+                    "the host is heard, but so many poses are lost that they are missing",
+                ),
+            ],
+            C::Unheard,
+        ),
+        rule(
+            U::LineDelayed,
+            None,
+            &[(
+                Why::Link,
+                "as the delay begins nothing arrives for as long as it is, after up to 20 ms without a sign of life",
+            )],
+            C::None,
+        ),
+    ]
+};
+
+impl Rule {
+    /// Of a trouble.
+    pub const fn of(upset: UpsetKind) -> &'static Self {
+        &RULES[upset as usize]
+    }
+
+    /// Whether a finding is right.
+    pub fn allows(&self, why: Why) -> bool {
+        self.name == Some(why) || self.also.iter().any(|(also, _)| *also == why)
+    }
+
+    /// The row of docs/faults.md: name and others, time that counts, deadline of each of `bases`.
+    pub fn row(&self, bases: &Bases) -> Result<String, RigError> {
+        let name = |why: Why| format!("`{}`", why.name());
+        let mut names: Vec<_> = self.name.map(name).into_iter().collect();
+        names.extend(self.also.iter().map(|(why, _)| name(*why)));
+        let found = if names.is_empty() {
+            "nothing".to_owned()
+        } else {
+            names.join(", ")
+        };
+        let mut row = format!(
+            "| {} | {found} | {} |",
+            self.upset.name(),
+            self.clock.name()
+        );
+        for base in bases.all() {
+            let (period_s, source) = base
+                .hardware
+                .map_or((0.01, None), |h| (h.period_s, h.pose_source));
+            let period_us = (1.0e6 * period_s).round() as u32;
+            let params = rig::params(base, period_us).map_err(RigError::Param)?;
+            let within = self.within_s(&params, source.as_ref());
+            row += &within.map_or_else(|| " – |".to_owned(), |s| format!(" {s:.3} s |"));
         }
-        What::Late(us) => Some(6.0 * (1.1 * period + 1.0e-6 * f64::from(us))),
-        // A base that parks refuses references, so one that is not a number does nothing.
-        What::OrderNan { park } => {
-            let taken = match target {
-                Target::Armed | Target::Tracking | Target::Parked => true,
-                Target::Parking => park,
-                _ => false,
-            };
-            taken.then_some(ticks(1.0))
-        }
-        What::Nothing | What::EmergencyStop => None,
-        What::FixAgeNan => stale_s(base),
-        What::Defect(_) => match upset.kind {
-            UpsetKind::EncoderFails => Some(ticks(5.0)),
-            UpsetKind::PoseSilent | UpsetKind::PoseNan => stale_s(base),
-            UpsetKind::DriveCoasts | UpsetKind::DriveHolds | UpsetKind::OverCurrent => {
-                Some(ticks(1.0))
+        Ok(row)
+    }
+
+    /// At most so much of the time that counts may pass before it is found \[s\], for a base with these parameters; for
+    /// the longest tick of the trouble and the tick in which it is found half a period of jitter and lateness each comes
+    /// to it.
+    pub fn within_s(
+        &self,
+        params: &BaseParams<f32>,
+        source: Option<&PoseSourceParams>,
+    ) -> Option<f64> {
+        let watch = &params.watch;
+        let period = 1.0e-6 * f64::from(watch.period_us);
+        let ticks = |n: f64| (n + 0.5) * period;
+        let after = |timeout| match timeout {
+            Timeout::AfterUs(us) => Some(1.0e-6 * f64::from(us)),
+            Timeout::Off => None,
+        };
+        use UpsetKind as U;
+        match self.upset {
+            U::Nothing | U::LineFull | U::LineDelayed | U::WheelOnIce => None,
+            U::EncoderStuck | U::WheelBlocked => {
+                after(watch.wheels.stuck.after).map(|s| s + ticks(2.0))
             }
-            UpsetKind::BatterySag => Some(0.5 + ticks(1.0)),
-            _ => None,
-        },
+            // Once for a wheel that rolls back to be turned round by twice the load, once to be found.
+            U::EncoderReversed => after(watch.wheels.stuck.after).map(|s| 2.0 * s + ticks(2.0)),
+            U::EncoderFails => after(watch.measurement).map(|s| s + ticks(1.0)),
+            // The last pose may be on its way yet, and the one before it was an interval ago.
+            U::PoseSilent | U::PoseNan | U::FixAgeNan => {
+                let source = source?;
+                after(watch.pose).map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
+            }
+            // As many outliers as have to agree, after the one that was on its way.
+            U::PoseJump => {
+                let (source, fusion) = (source?, params.localiser.fusion?);
+                let fixes = f64::from(fusion.relocalise_after) + 1.0;
+                Some(fixes / source.rate_hz + source.latency_s + ticks(2.0))
+            }
+            // Told in a tick, answered in it, judged in the next.
+            U::DriveCoasts | U::DriveHolds | U::OverCurrent => Some(ticks(2.0)),
+            U::BatterySag => after(watch.supply.after).map(|s| s + ticks(1.0)),
+            U::LateTick => Some(ticks(1.0)),
+            // So many in a row, after the one under way; each as much longer as the trouble makes it.
+            U::LateTicks => Some(ticks(f64::from(watch.ticks.row) + 1.0)),
+            // Judged a tick ahead.
+            U::HostSilent | U::LineDamaged => after(watch.command),
+            // Sent with the next tick, answered after it.
+            U::OrderNan | U::EmergencyStop => Some(ticks(2.0)),
+        }
     }
 }
 
-/// Ten poses or a second, and a tick; the one on its way still arrives.
-fn stale_s(base: &Base) -> Option<f64> {
-    let hardware = base.hardware?;
-    let source = hardware.pose_source?;
-    let stale = (10.0 / source.rate_hz).max(1.0);
-    Some(stale + source.latency_s + 1.0 / source.rate_hz + 2.0 * hardware.period_s)
+/// Something that is known to go wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Known {
+    /// Under this trouble.
+    pub upset: UpsetKind,
+    /// What.
+    pub failing: Failing,
+    /// In this share of its runs.
+    pub rate: f64,
 }
 
-/// What a base may say of any goal: that it does not get there. Friction that is not what the motors'
-/// parameters say lets it stand beside its goal.
-pub(super) const fn at_any_goal(kind: FaultKind) -> bool {
-    matches!(kind, FaultKind::GaveUp | FaultKind::Stalled)
+impl Known {
+    /// Whether a study is in line with the stated rate: it does not show one that is worse by more than a tenth.
+    pub fn holds(&self, rate: &Rate) -> bool {
+        rate.interval().0 <= 1.1 * self.rate
+    }
+}
+
+/// All of it, with the rates that docs/faults.md states with their runs.
+pub const KNOWN: [Known; 2] = [
+    Known {
+        upset: UpsetKind::WheelOnIce,
+        failing: Failing::Misplaced,
+        rate: 0.0007,
+    },
+    Known {
+        upset: UpsetKind::WheelOnIce,
+        failing: Failing::Adrift,
+        rate: 0.0067,
+    },
+];
+
+/// How often each of [`KNOWN`] happened, where its trouble was there.
+pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
+    let rate = |known: &Known| {
+        let has = |outcome: &&Outcome| outcome.upset == known.upset;
+        let failed = |outcome: &&Outcome| outcome.end == Ok(End::Known(known.failing));
+        Rate {
+            failed: outcomes.iter().filter(has).filter(failed).count(),
+            runs: outcomes.iter().filter(has).count(),
+        }
+    };
+    KNOWN
+        .iter()
+        .map(|known| (*known, rate(known)))
+        .filter(|(_, rate)| rate.runs > 0)
+        .collect()
+}
+
+/// What a late tick adds to a deadline \[s\].
+pub(super) fn late_s(upset: &Upset, params: &BaseParams<f32>) -> f64 {
+    match upset.what {
+        What::Late(_) => f64::from(params.watch.ticks.row + 1) * upset.late_s(),
+        _ => upset.late_s(),
+    }
+}
+
+/// Whether there is something to be found at all.
+pub(super) fn applies(upset: &Upset, target: Target, params: &BaseParams<f32>) -> bool {
+    let watch = &params.watch;
+    match upset.what {
+        // Ticks are shorter by up to 0.2 ms: the jitter of a plan.
+        What::LateOnce(us) => match watch.ticks.long {
+            Timeout::AfterUs(long) => us + watch.period_us >= long + 200,
+            Timeout::Off => false,
+        },
+        What::Defect(Defect::PoseJump { dx, dy, dtheta }) => {
+            let Some(fusion) = &params.localiser.fusion else {
+                return false;
+            };
+            let gate = |sigma: f32| 2.0 * f64::from(fusion.gate * sigma) * std::f64::consts::SQRT_2;
+            let far = dx.abs().max(dy.abs()) > gate(fusion.noise_m)
+                || dtheta.abs() > gate(fusion.noise_rad);
+            far && matches!(target, Target::Idle | Target::Armed)
+        }
+        _ => true,
+    }
+}
+
+/// A goal or a sample that is not a number.
+pub(super) fn no_number(park: bool) -> Command {
+    let pose = WirePose {
+        x: f32::NAN,
+        ..WirePose::default()
+    };
+    if park {
+        Command::Park { goal: pose }
+    } else {
+        Command::Sample(TimedSample {
+            t: 0.0,
+            reference: WireReference {
+                pose,
+                ..WireReference::default()
+            },
+        })
+    }
 }
 
 /// What has to be done at least about a fault that is found while the base may move. Written here anew,
@@ -133,5 +383,18 @@ pub(super) const fn least(kind: FaultKind) -> Response {
         F::Driver | F::OverCurrent => Response::latched(Reaction::Release),
         // What breaks the measurement or the law, and what is not known here.
         _ => Response::latched(Reaction::Brake),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_trouble_has_its_row() {
+        for (upset, rule) in UpsetKind::ALL.into_iter().zip(&RULES) {
+            assert_eq!(upset, rule.upset);
+            assert_eq!(Rule::of(upset), rule);
+        }
     }
 }

@@ -1,17 +1,20 @@
 //! The fault campaign: every state of the supervisor, every kind of trouble, at random times, by the thousand.
 //!
 //! A [`Plan`] is drawn from a seed and the number of a run: base, true plant, course, the state in which the
-//! trouble strikes, the trouble and when it heals, and what the host does afterwards. [`fn@run`] drives the
-//! chip's base of [`crate::rig`] through it and checks every tick:
+//! trouble strikes, the trouble and when it heals, and what the host does afterwards. [`fn@run`] drives the firmware's
+//! [`Board`](crate::rig::Board) through it, by frames over a line that may be full, damaged and late, and checks every
+//! tick:
 //!
 //! | always | |
 //! | --- | --- |
+//! | stop | one that arrived is obeyed in the next tick, from every state |
 //! | outputs | torques within their limit, duties within ±1, all numbers finite, no torque where nothing drives |
 //! | order | no stop becomes milder, and none that latched is left, before the host says so |
 //! | reaction | what is found in a live base has at least its reaction in the same tick |
-//! | type | what is found fits the trouble; before the trouble nothing is found |
-//! | time | what has to be found is found within the detector's time |
+//! | name | a base is stopped for what is there, by its one name ([`RULES`]); before the trouble for nothing |
+//! | time | what has to be found is found within its deadline |
 //! | way | from the tick in which a stop begins to rest it is within its bound |
+//! | parked | the true pose is at the goal |
 //! | end | the base parks, waits as it was, or rests in Stopped or Fault |
 //!
 //! Runs end without a trace kept; [`study`] runs them side by side.
@@ -19,6 +22,8 @@
 mod bounds;
 mod check;
 mod expected;
+mod host;
+mod line;
 mod outcome;
 mod path;
 mod plan;
@@ -29,7 +34,8 @@ mod study;
 mod summary;
 mod upset;
 
-pub use outcome::{Detection, End, Outcome, Stop, Violation, Why};
+pub use expected::{Clock, KNOWN, Known, RULES, Rule, known};
+pub use outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
 pub use plan::{Bases, Plan, Target};
 pub use report::{COLUMNS, Record, TRACE_COLUMNS, TraceWriter, table, violation, write_runs};
 pub use run::{Mutation, Tick, run};

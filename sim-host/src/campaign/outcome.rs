@@ -12,10 +12,29 @@ pub enum End {
     Held,
     /// Went on, and parked.
     Parked,
-    /// Went on, and stopped beside its goal: given up, which is no work of the trouble.
-    Beside,
     /// Stopped in time.
     Stopped(Why),
+    /// As is stated to happen: neither good nor against the rules.
+    Known(Failing),
+}
+
+/// What is known to go wrong, at a rate that is stated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Failing {
+    /// Says that it is parked, and is farther from its goal than the pose's noise explains.
+    Misplaced,
+    /// Neither parks nor gives up.
+    Adrift,
+}
+
+impl Failing {
+    /// For tables and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Misplaced => "misplaced",
+            Self::Adrift => "adrift",
+        }
+    }
 }
 
 /// What a base was stopped by.
@@ -25,6 +44,10 @@ pub enum Why {
     Host,
     /// The button.
     Button,
+    /// Nothing was heard of the host.
+    Link,
+    /// What was asked for was refused.
+    Refused,
     /// A fault.
     Fault(FaultKind),
     /// Anything else.
@@ -36,6 +59,7 @@ impl Why {
         match cause {
             Cause::Host => Self::Host,
             Cause::EmergencyStop => Self::Button,
+            Cause::LinkLost => Self::Link,
             Cause::Fault(fault) => Self::Fault(fault.kind()),
             _ => Self::Other,
         }
@@ -46,6 +70,8 @@ impl Why {
         match self {
             Self::Host => "host",
             Self::Button => "button",
+            Self::Link => "link_lost",
+            Self::Refused => "refused",
             Self::Fault(kind) => kind.name(),
             Self::Other => "other",
         }
@@ -121,8 +147,12 @@ pub struct Outcome {
     pub stop: Stop,
     /// Largest true speed after the trouble began \[m/s\].
     pub fastest: f64,
-    /// After the end the base was mended, reset and given a goal; whether it parked there.
-    pub again: Option<bool>,
+    /// Largest distance from the goal, and largest heading error, of a base that said it was parked \[m, rad\].
+    pub parked: Option<(f64, f64)>,
+    /// Most of the time that counts towards a deadline in which the trouble was not found \[s\].
+    pub counted_s: f64,
+    /// After the end the base was mended, reset and given a goal, and parked there.
+    pub again: bool,
     /// How it ended.
     pub end: Result<End, Violation>,
 }
@@ -139,7 +169,9 @@ impl Outcome {
             found: None,
             stop: Stop::default(),
             fastest: 0.0,
-            again: None,
+            parked: None,
+            counted_s: 0.0,
+            again: false,
             end: Ok(End::Held),
         }
     }

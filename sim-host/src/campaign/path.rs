@@ -1,13 +1,13 @@
 //! References along a line or an arc.
 
 use super::plan::Path;
+use controller_core::maths::Single;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
-use controller_core::{base::Order, maths::Single};
 
 impl Path {
     /// The sample at `t` \[s\]: from rest with constant acceleration, then at constant speed.
-    pub(super) fn at(&self, t: f64) -> Order<f32> {
+    pub(super) fn at(&self, t: f64) -> Reference<f32> {
         let ramp = self.speed / self.accel;
         let (speed, accel) = if t < ramp {
             (self.accel * t, self.accel)
@@ -16,11 +16,11 @@ impl Path {
         };
         let of = |linear: f64| (linear as f32, (self.curvature * linear) as f32);
         let (twist, rate) = (of(speed), of(accel));
-        Order::Follow(Reference::new::<Single>(
+        Reference::new::<Single>(
             narrow(&self.pose(self.way(t))),
             Twist::new(twist.0, twist.1),
             Accel::new(rate.0, rate.1),
-        ))
+        )
     }
 
     /// Way at `t` \[m\].

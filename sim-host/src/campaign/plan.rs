@@ -121,6 +121,8 @@ pub struct Plan {
     pub(super) follow_s: (f64, f64),
     /// A base that waits is armed and given a goal while the trouble lasts.
     pub(super) wake: bool,
+    /// On a line in trouble: the host stops the base so long after the trouble began \[s\], by the button if so.
+    pub(super) stop: Option<(f64, bool)>,
     pub(super) path: Path,
     pub(super) goal: Pose<f64>,
     /// The true plant.
@@ -141,6 +143,11 @@ impl Bases {
         Ok(Self(bases.collect::<Result<_, _>>()?))
     }
 
+    /// All of them.
+    pub fn all(&self) -> &[Base] {
+        &self.0
+    }
+
     /// Of a plan.
     pub fn of(&self, plan: &Plan) -> &Base {
         &self.0[plan.base]
@@ -148,13 +155,19 @@ impl Bases {
 }
 
 impl Plan {
+    /// The trouble of run `run`, whatever the seed.
+    pub fn trouble(run: u64) -> UpsetKind {
+        let (states, kinds) = (Target::ALL.len() as u64, UpsetKind::ALL.len() as u64);
+        UpsetKind::ALL[(run / states % kinds) as usize]
+    }
+
     /// Run `run` of the campaign of `seed`. Runs go through every state with every kind of trouble
     /// on every base in turn; all else is random.
     pub fn draw(bases: &Bases, seed: u64, run: u64) -> Self {
         let random = &mut Random::new(seed, run);
         let (states, kinds) = (Target::ALL.len() as u64, UpsetKind::ALL.len() as u64);
         let target = Target::ALL[(run % states) as usize];
-        let kind = UpsetKind::ALL[(run / states % kinds) as usize];
+        let kind = Self::trouble(run);
         let index = (run / (states * kinds) % bases.0.len() as u64) as usize;
         let base = &bases.0[index];
         let upset = kind.draw(base, random);
@@ -189,6 +202,8 @@ impl Plan {
             wait_s: random.between(0.0, target.longest_wait_s()),
             follow_s: (random.between(1.5, 3.0), random.between(1.0, 4.0)),
             wake: random.chance(0.5),
+            stop: (kind.is_line() && random.chance(0.5))
+                .then(|| (random.between(0.0, 1.5), random.chance(0.5))),
             path: Path {
                 speed,
                 accel: 0.6 * limits.accel,

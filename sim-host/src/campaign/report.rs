@@ -16,12 +16,12 @@ const HEADER: [&str; 11] = [
     "in state",
     "runs",
     "parked",
-    "beside",
     "held",
     "stopped by",
     "found\nwithin [s]",
     "meanwhile\n[m]",
     "stop /\nbound",
+    "parked off\n[mm, mrad]",
     "against\nthe rules",
 ];
 
@@ -46,21 +46,28 @@ pub fn table(cells: &[Cell]) -> Table {
             cell.target.name().to_owned(),
             cell.runs.to_string(),
             cell.parked.to_string(),
-            cell.beside.to_string(),
             cell.held.to_string(),
             cell.reasons(),
             found(cell.found_s),
             found(cell.blind_m),
             format!("{:.2}", cell.stop.share()),
+            off(cell.parked_off),
             cell.violations.to_string(),
         ]);
     }
-    for column in [2, 3, 4, 5, 7, 8, 9, 10] {
+    for column in [2, 3, 4, 6, 7, 8, 9, 10] {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
     table
+}
+
+fn off((m, rad): (f64, f64)) -> String {
+    if m == 0.0 {
+        return String::new();
+    }
+    format!("{:.1}, {:.1}", 1.0e3 * m, 1.0e3 * rad)
 }
 
 /// What one has to know to run a violation again.
@@ -82,7 +89,7 @@ pub fn violation(outcome: &Outcome) -> Option<String> {
 }
 
 /// The columns of [`write_runs`]. SI units; empty where there is nothing.
-pub const COLUMNS: [&str; 15] = [
+pub const COLUMNS: [&str; 18] = [
     "run",
     "base",
     "state",
@@ -97,6 +104,9 @@ pub const COLUMNS: [&str; 15] = [
     "stop_m",
     "bound_m",
     "fastest_m_s",
+    "counted_s",
+    "parked_off_m",
+    "parked_off_rad",
     "violation",
 ];
 
@@ -112,8 +122,8 @@ pub fn write_runs(outcomes: &[Outcome], out: impl Write) -> csv::Result<()> {
         let (end, by) = match &outcome.end {
             Ok(End::Held) => ("held", ""),
             Ok(End::Parked) => ("parked", ""),
-            Ok(End::Beside) => ("beside", ""),
             Ok(End::Stopped(why)) => ("stopped", why.name()),
+            Ok(End::Known(failing)) => ("known", failing.name()),
             Err(_) => ("violation", ""),
         };
         for text in [
@@ -135,6 +145,9 @@ pub fn write_runs(outcomes: &[Outcome], out: impl Write) -> csv::Result<()> {
             Some(outcome.stop.way_m),
             Some(outcome.stop.bound_m),
             Some(outcome.fastest),
+            Some(outcome.counted_s),
+            outcome.parked.map(|(m, _)| m),
+            outcome.parked.map(|(_, rad)| rad),
         ] {
             writer.write_field(number.map_or_else(String::new, |n| n.to_string()))?;
         }
@@ -207,10 +220,10 @@ impl<W: Write> TraceWriter<W> {
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn row(&mut self, tick: &Tick<'_>) -> csv::Result<()> {
+    pub fn row(&mut self, tick: &Tick<'_, '_>) -> csv::Result<()> {
         use controller_core::base::WheelAction;
-        let report = tick.rig.base().report();
-        let Measured { pose, twist } = tick.rig.world().truth();
+        let report = tick.board.report();
+        let Measured { pose, twist } = tick.board.world().truth();
         let measured = report.measured.unwrap_or_default();
         let findings: Vec<_> = report.findings.iter().map(|f| f.to_string()).collect();
         let action = match &report.action {

@@ -2,19 +2,22 @@
 
 use super::bounds::{Bounds, Wheels};
 use super::check;
-use super::expected;
-use super::outcome::{Detection, End, Outcome, Stop, Violation, Why};
-use super::path::narrow;
+use super::expected::{self, Rule};
+use super::host::{Answered, Host, Manner, park, stops};
+use super::outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
 use super::upset::{Upset, UpsetKind, What};
 use crate::drive::Base;
-use crate::rig::{Rig, RigError};
+use crate::rig::{Board, RigError};
 use crate::world::Actuation;
-use controller_core::base::{Order, WheelAction};
-use controller_core::safety::supervisor::{Action, Event, State};
-use controller_core::safety::{FaultKind, PolicyParams, Reaction};
-use controller_core::types::Pose;
+use controller_core::base::{BaseReport, WheelAction};
+use controller_core::safety::supervisor::{Cause, State};
+use controller_core::safety::{PolicyParams, Reaction};
+use controller_core::types::{Pose, WheelTorques};
+use firmware_demo::protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
+use firmware_demo::station::Queues;
 
+mod clock;
 mod finish;
 mod host;
 mod ticks;
@@ -30,10 +33,12 @@ const REST: (f64, f64, f64) = (0.02, 0.04, 0.2);
 /// stuck may add some before it is found.
 const RUNAWAY: f64 = 1.5;
 
-/// Time in which the heaviest base finds a reversed encoder \[s\].
-const UNFOUND_S: f64 = 0.74;
-/// As far from its goal a base that tries again and again may be: it backs out by so much.
-const BESIDE_M: f64 = 0.3;
+/// Longest time for a stop to end: the supervisor's limits of a controlled stop and of a brake, and the rest after them \[s\].
+const STOP_S: f64 = 20.0;
+/// The button.
+const BUTTON: Command = Command::EmergencyStop { brake: true };
+/// So long after it parked a base has settled \[s\]: it does not go back to its goal before.
+const SETTLED_S: f64 = 1.0;
 
 /// Something in the loop that is broken on purpose, to see that the campaign finds it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,15 +50,16 @@ pub enum Mutation {
     KeepsTorque,
     /// The brake is not connected: wheels coast.
     BrakeCoasts,
+    /// Stops that have arrived are thrown away.
+    LosesStops,
     /// Another policy.
     Policy(PolicyParams),
 }
 
 /// A tick of a run, to be looked at.
-#[derive(Clone, Copy, Debug)]
-pub struct Tick<'a> {
+pub struct Tick<'a, 'queue> {
     /// World and base after the tick.
-    pub rig: &'a Rig,
+    pub board: &'a Board<'queue>,
     /// Time \[s\].
     pub t: f64,
     /// The trouble is there.
@@ -71,9 +77,10 @@ pub fn run(
     bases: &Bases,
     plan: &Plan,
     mutation: &Mutation,
-    mut watch: impl FnMut(&Tick<'_>),
+    mut watch: impl FnMut(&Tick<'_, '_>),
 ) -> Result<Outcome, RigError> {
-    let mut runner = Runner::new(bases, plan, *mutation)?;
+    let mut queues = Queues::default();
+    let mut runner = Runner::new(&mut queues, bases, plan, *mutation)?;
     let end = runner.whole(&mut watch);
     let mut outcome = runner.outcome;
     outcome.end = end.map_err(|what| Violation {
@@ -91,24 +98,61 @@ enum Intent {
     Park(Pose<f64>),
 }
 
-struct Runner<'a> {
+/// Frames that reached the base between two ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Heard {
+    /// Any, with every byte as it was sent.
+    any: bool,
+    /// Any that the protocol reads.
+    read: bool,
+    /// One that may lead out of a stop.
+    frees: bool,
+    /// A reset.
+    reset: bool,
+    /// A stop, with no such frame after it; an emergency stop if so.
+    stop: Option<bool>,
+}
+
+struct Runner<'a, 'queue> {
     plan: &'a Plan,
     base: &'a Base,
     mutation: Mutation,
-    rig: Rig,
+    board: Board<'queue>,
+    host: Host,
+    /// Of the bytes that reach the base, beside its own.
+    reader: Decoder<Command, MAX_CONTENT>,
     bounds: Bounds,
     limit_speed: f64,
     period_s: f64,
     t: f64,
     intent: Intent,
-    follow_from: f64,
+    /// What reached the base for this tick.
+    heard: Heard,
+    /// Time by which a stop of the host is due \[s\].
+    stop_at: Option<f64>,
+    /// Since the base last heard a sound frame \[s\].
+    unheard_s: f64,
+    /// The same of a frame that the protocol reads \[s\].
+    unread_s: f64,
+    /// Something was refused that had to be.
+    refused: bool,
+    /// Cause of the state at the last tick.
+    was: Cause,
+    /// What has acted on the wheels since then, if torques did.
+    acting: Option<WheelTorques<f32>>,
+    /// Time that counts towards the deadline, and which way a wheel was pushed in it.
+    counted_s: f64,
+    pushed_way: f64,
+    parked_s: f64,
+    /// What went wrong as it is stated to.
+    failed: Option<Failing>,
+    /// Everything is mended: nothing is right to be found any more.
+    mended: bool,
     /// In place, since when.
     first: Option<f64>,
     second: Option<f64>,
     /// What of them is still there.
     active: [bool; 2],
-    /// A command in this tick may lead out of a stop.
-    told: bool,
     stop: Stop,
     segment: Option<Reaction>,
     dt_worst: f64,
@@ -120,30 +164,47 @@ struct Runner<'a> {
 
 type Checked<T> = Result<T, String>;
 
-impl<'a> Runner<'a> {
-    fn new(bases: &'a Bases, plan: &'a Plan, mutation: Mutation) -> Result<Self, RigError> {
+impl<'a, 'queue> Runner<'a, 'queue> {
+    fn new(
+        queues: &'queue mut Queues,
+        bases: &'a Bases,
+        plan: &'a Plan,
+        mutation: Mutation,
+    ) -> Result<Self, RigError> {
         let base = bases.of(plan);
         let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
-        let rig = Rig::of_base(base, &plan.place, |params| {
+        let board = Board::new(queues, base, &plan.place, |params| {
             if let Mutation::Policy(policy) = mutation {
                 params.policy = policy;
             }
         })?;
         Ok(Self {
-            bounds: Bounds::new(base, &plan.place, rig.base().base()),
+            bounds: Bounds::new(base, &plan.place, board.task().controller().base()),
             plan,
             base,
             mutation,
-            rig,
+            board,
+            host: Host::new(plan.place.seed),
+            reader: Decoder::new(),
             limit_speed: base.limits.speed,
             period_s,
             t: 0.0,
             intent: Intent::Quiet,
-            follow_from: 0.0,
+            heard: Heard::default(),
+            stop_at: None,
+            unheard_s: 0.0,
+            unread_s: 0.0,
+            refused: false,
+            was: Cause::PowerOn,
+            acting: None,
+            counted_s: 0.0,
+            pushed_way: 0.0,
+            parked_s: 0.0,
+            failed: None,
+            mended: false,
             first: None,
             second: None,
             active: [false; 2],
-            told: false,
             stop: Stop::default(),
             segment: None,
             dt_worst: 0.0,
@@ -155,10 +216,10 @@ impl<'a> Runner<'a> {
     }
 
     fn state(&self) -> State {
-        self.rig.base().report().state
+        self.board.report().state
     }
 
-    fn whole(&mut self, watch: &mut impl FnMut(&Tick<'_>)) -> Checked<End> {
+    fn whole(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<End> {
         self.reach(watch)?;
         let mut since = self.t;
         while self.t < since + self.plan.wait_s && self.t < LONGEST_S.0 {
@@ -174,54 +235,48 @@ impl<'a> Runner<'a> {
         if Target::of(self.state()) != self.plan.target {
             return Err(format!("{:?} came before the trouble", self.state()));
         }
+        if self.plan.target == Target::Parked && self.parked_s >= SETTLED_S {
+            self.parked()?;
+        }
         self.strike();
         let end = self.settle(watch)?;
-        if self.plan.again {
-            self.outcome.again = Some(self.again(watch)?);
+        // One that is adrift is on its way yet.
+        if self.plan.again && end != End::Known(Failing::Adrift) {
+            self.again(watch)?;
+            self.outcome.again = true;
         }
+        let end = self.failed.map_or(end, End::Known);
         Ok(end)
     }
 
     /// Drives the base into the state in which the trouble strikes.
-    fn reach(&mut self, watch: &mut impl FnMut(&Tick<'_>)) -> Checked<()> {
+    fn reach(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
         let target = self.plan.target;
         self.tick(watch)?;
         self.tick(watch)?;
         if target == Target::Idle {
             return Ok(());
         }
-        self.command(Event::Arm)?;
-        self.intent = match target {
-            Target::Idle | Target::Armed => Intent::Quiet,
-            Target::Parking | Target::Parked => Intent::Park(self.plan.goal),
-            _ => Intent::Follow,
-        };
-        self.follow_from = self.t;
+        self.host.ask(Command::Arm);
+        match target {
+            Target::Idle | Target::Armed => {}
+            Target::Parking | Target::Parked => self.park(self.plan.goal),
+            _ => {
+                self.intent = Intent::Follow;
+                self.host.follow();
+            }
+        }
         let mut stopped = false;
         while Target::of(self.state()) != target {
-            let followed = self.t - self.follow_from;
-            if self.intent == Intent::Follow && followed > self.plan.follow_s.0 && !stopped {
+            if self.followed() > self.plan.follow_s.0 && !stopped {
                 stopped = true;
                 match target {
-                    Target::Stopping | Target::Stopped => {
-                        self.command(Event::Stop)?;
-                    }
-                    Target::Braking | Target::Fault => self.rig.emergency_stop(),
+                    Target::Stopping | Target::Stopped => self.host.stop(Command::Stop),
+                    Target::Braking | Target::Fault => self.host.stop(BUTTON),
                     _ => {}
                 }
             }
             self.tick(watch)?;
-            if target == Target::Parked {
-                // One that does not get to its goal parks where it stands.
-                if !stopped && self.t > 0.5 * LONGEST_S.0 {
-                    stopped = true;
-                    self.command(Event::Stop)?;
-                }
-                if self.state() == State::Stopped {
-                    self.command(Event::Arm)?;
-                    self.intent = Intent::Park(self.pose_ahead(0.0));
-                }
-            }
             if self.t > LONGEST_S.0 {
                 return Err(format!("never {}", target.name()));
             }
@@ -230,9 +285,8 @@ impl<'a> Runner<'a> {
     }
 
     /// From the trouble to the end.
-    fn settle(&mut self, watch: &mut impl FnMut(&Tick<'_>)) -> Checked<End> {
+    fn settle(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<End> {
         let since = self.t;
-        let deadline = expected::deadline_s(self.base, self.plan.target, &self.plan.upset);
         let mut stopping_since = None;
         let mut woken = !(self.plan.wake && self.plan.target.waits());
         let mut quiet_from = self.t;
@@ -240,11 +294,17 @@ impl<'a> Runner<'a> {
             let after = self.t - since;
             if self.active[0] && self.plan.heal_s.is_some_and(|heal| after >= heal) {
                 self.heal(0);
+                quiet_from = self.t;
             }
-            if !woken && after >= 0.5 {
+            // A host that is silent wakes nobody, and one that is about to stop a base does not either.
+            if !woken && after >= 0.5 && self.stop_at.is_none() {
                 woken = true;
                 quiet_from = self.t;
-                self.wake()?;
+                self.wake();
+            }
+            if self.stop_at.is_some_and(|at| self.t >= at) {
+                self.stop_by_host();
+                quiet_from = self.t;
             }
             if self.plan.target == Target::Tracking
                 && self.intent == Intent::Follow
@@ -259,13 +319,19 @@ impl<'a> Runner<'a> {
             self.strike_again(stopping_since);
             self.tick(watch)?;
             self.detect(after + self.period_s);
-            self.overdue(after, deadline)?;
-            if let Some(end) = self.ended(self.t - quiet_from, woken) {
+            self.overdue()?;
+            if let Some(end) = self.ended(self.t - quiet_from, woken)? {
                 return Ok(end);
             }
-            if self.t - since > LONGEST_S.1 {
-                if self.beside() {
-                    return Ok(End::Beside);
+            // A stop that has begun by then may end.
+            let longest = if check::stops(self.state()) {
+                LONGEST_S.1 + STOP_S
+            } else {
+                LONGEST_S.1
+            };
+            if self.t - since > longest {
+                if self.state() == State::Parking && self.is_known(Failing::Adrift) {
+                    return Ok(End::Known(Failing::Adrift));
                 }
                 return Err(format!(
                     "neither parked nor stopped: {:?}, resting for {:.1} s",

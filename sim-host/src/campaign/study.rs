@@ -5,7 +5,6 @@ use super::plan::{Bases, Plan};
 use super::run::{Mutation, run};
 use crate::rig::RigError;
 use rayon::prelude::*;
-use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs of the campaign of `seed`, in order. `done` is called after each.
@@ -18,7 +17,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub fn study(
     bases: &Bases,
     seed: u64,
-    runs: Range<u64>,
+    runs: impl IntoParallelIterator<Item = u64>,
     mutation: &Mutation,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Outcome>, RigError> {

@@ -1,6 +1,6 @@
 //! Outcomes put together: a cell for each trouble and state.
 
-use super::outcome::{End, Outcome, Stop, Why};
+use super::outcome::{End, Failing, Outcome, Stop, Why};
 use super::plan::Target;
 use super::upset::UpsetKind;
 use serde::Serialize;
@@ -17,16 +17,16 @@ pub struct Cell {
     pub runs: usize,
     /// That parked in spite of it.
     pub parked: usize,
-    /// That stopped beside their goal.
-    pub beside: usize,
     /// That stayed as they were.
     pub held: usize,
     /// That were stopped, by what.
     pub stopped: BTreeMap<Why, usize>,
+    /// That failed as it is stated.
+    pub known: BTreeMap<Failing, usize>,
     /// With something against the rules.
     pub violations: usize,
-    /// That were mended, reset and parked, and those that stopped beside the new goal.
-    pub again: [usize; 2],
+    /// That were mended, reset and parked.
+    pub again: usize,
     /// In which the trouble was found.
     pub found: usize,
     /// After what time at the latest \[s\].
@@ -37,6 +37,8 @@ pub struct Cell {
     pub stop: Stop,
     /// Longest stop \[m\].
     pub way_m: f64,
+    /// Farthest from its goal that a parked base truly was \[m\], and the largest heading error \[rad\].
+    pub parked_off: (f64, f64),
 }
 
 impl Cell {
@@ -46,29 +48,28 @@ impl Cell {
             target,
             runs: 0,
             parked: 0,
-            beside: 0,
             held: 0,
             stopped: BTreeMap::new(),
+            known: BTreeMap::new(),
             violations: 0,
-            again: [0; 2],
+            again: 0,
             found: 0,
             found_s: 0.0,
             blind_m: 0.0,
             stop: Stop::default(),
             way_m: 0.0,
+            parked_off: (0.0, 0.0),
         }
     }
 
     fn take(&mut self, outcome: &Outcome) {
         self.runs += 1;
-        if let Some(parked) = outcome.again {
-            self.again[usize::from(!parked)] += 1;
-        }
+        self.again += usize::from(outcome.again);
         match &outcome.end {
             Ok(End::Parked) => self.parked += 1,
-            Ok(End::Beside) => self.beside += 1,
             Ok(End::Held) => self.held += 1,
             Ok(End::Stopped(why)) => *self.stopped.entry(*why).or_default() += 1,
+            Ok(End::Known(failing)) => *self.known.entry(*failing).or_default() += 1,
             Err(_) => self.violations += 1,
         }
         if let Some(found) = &outcome.found {
@@ -76,17 +77,25 @@ impl Cell {
             self.found_s = self.found_s.max(found.after_s);
             self.blind_m = self.blind_m.max(found.way_m);
         }
+        if let Some((m, rad)) = outcome.parked {
+            self.parked_off = (self.parked_off.0.max(m), self.parked_off.1.max(rad));
+        }
         self.stop = self.stop.worse(outcome.stop);
         self.way_m = self.way_m.max(outcome.stop.way_m);
     }
 
-    /// How often it was stopped by what, the most frequent first.
+    /// How often it was stopped by what, the most frequent first; in brackets what failed as it is stated.
     pub fn reasons(&self) -> String {
         let mut reasons: Vec<_> = self.stopped.iter().collect();
         reasons.sort_by_key(|(why, count)| (usize::MAX - **count, **why));
         let texts: Vec<_> = reasons
             .into_iter()
             .map(|(why, count)| format!("{} {count}", why.name()))
+            .chain(
+                self.known
+                    .iter()
+                    .map(|(failing, count)| format!("({} {count})", failing.name())),
+            )
             .collect();
         texts.join(", ")
     }
@@ -115,17 +124,18 @@ pub struct CellRecord {
     state: &'static str,
     runs: usize,
     parked: usize,
-    beside_the_goal: usize,
     held: usize,
     stopped: BTreeMap<&'static str, usize>,
+    known: BTreeMap<&'static str, usize>,
     violations: usize,
     again_parked: usize,
-    again_beside_the_goal: usize,
     found: usize,
     found_worst_s: f64,
     way_until_found_worst_m: f64,
     stop_worst_share: f64,
     stop_worst_m: f64,
+    parked_off_worst_m: f64,
+    parked_off_worst_rad: f64,
 }
 
 impl From<&Cell> for CellRecord {
@@ -136,17 +146,22 @@ impl From<&Cell> for CellRecord {
             state: cell.target.name(),
             runs: cell.runs,
             parked: cell.parked,
-            beside_the_goal: cell.beside,
             held: cell.held,
             stopped: stopped.map(|(why, count)| (why.name(), *count)).collect(),
+            known: cell
+                .known
+                .iter()
+                .map(|(failing, count)| (failing.name(), *count))
+                .collect(),
             violations: cell.violations,
-            again_parked: cell.again[0],
-            again_beside_the_goal: cell.again[1],
+            again_parked: cell.again,
             found: cell.found,
             found_worst_s: cell.found_s,
             way_until_found_worst_m: cell.blind_m,
             stop_worst_share: cell.stop.share(),
             stop_worst_m: cell.way_m,
+            parked_off_worst_m: cell.parked_off.0,
+            parked_off_worst_rad: cell.parked_off.1,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What goes wrong in a run.
 
+use super::host::Manner;
+use super::line::LineFault;
 use super::random::Random;
 use crate::drive::Base;
 use crate::world::{Defect, Side, World};
@@ -41,15 +43,26 @@ pub enum UpsetKind {
     LateTicks,
     /// The host says nothing any more.
     HostSilent,
-    /// One goal or reference that is not a number.
+    /// One goal or sample that is not a number.
     OrderNan,
-    /// The button.
+    /// The button, as the host sends it.
     EmergencyStop,
+    /// Frames that nobody needs, more than a tick can take.
+    LineFull,
+    /// Bytes on the line are changed, lost, or more than were sent.
+    LineDamaged,
+    /// Bytes are on the line for longer.
+    LineDelayed,
 }
 
 impl UpsetKind {
+    /// Of the line between host and base.
+    pub const fn is_line(self) -> bool {
+        matches!(self, Self::LineFull | Self::LineDamaged | Self::LineDelayed)
+    }
+
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         Self::Nothing,
         Self::EncoderStuck,
         Self::EncoderReversed,
@@ -69,6 +82,9 @@ impl UpsetKind {
         Self::HostSilent,
         Self::OrderNan,
         Self::EmergencyStop,
+        Self::LineFull,
+        Self::LineDamaged,
+        Self::LineDelayed,
     ];
 
     /// For tables and files.
@@ -93,6 +109,9 @@ impl UpsetKind {
             Self::HostSilent => "host silent",
             Self::OrderNan => "order NaN",
             Self::EmergencyStop => "emergency stop",
+            Self::LineFull => "line full",
+            Self::LineDamaged => "line damaged",
+            Self::LineDelayed => "line delayed",
         }
     }
 
@@ -143,6 +162,27 @@ impl UpsetKind {
                 park: random.chance(0.5),
             },
             Self::EmergencyStop => What::EmergencyStop,
+            // From one to eight times what a tick takes.
+            Self::LineFull => What::Line(Manner {
+                flood: 1 + random.below(64),
+                ..Manner::default()
+            }),
+            // From a frame of 12 bytes in a hundred to a half of them.
+            Self::LineDamaged => What::Line(Manner {
+                line: LineFault {
+                    damaged: 10.0_f64.powf(random.between(-3.0, -1.25)),
+                    delay_us: 0,
+                },
+                ..Manner::default()
+            }),
+            // As radio modules do; half of it is the half of the base's patience with its host.
+            Self::LineDelayed => What::Line(Manner {
+                line: LineFault {
+                    damaged: 0.0,
+                    delay_us: random.between(5.0e3, 6.0e4) as u64,
+                },
+                ..Manner::default()
+            }),
         };
         Upset { kind: self, what }
     }
@@ -170,6 +210,7 @@ pub(super) enum What {
         park: bool,
     },
     EmergencyStop,
+    Line(Manner),
 }
 
 impl Upset {
@@ -187,6 +228,21 @@ impl Upset {
     pub(super) fn heal(&self, world: &mut World) {
         if let What::Defect(defect) = self.what {
             world.heal(defect);
+        }
+    }
+
+    /// What it adds to a host's manner.
+    pub(super) fn hinder(&self, manner: &mut Manner) {
+        match self.what {
+            What::HostSilent => manner.silent = true,
+            What::FixAgeNan => manner.bad_age = true,
+            What::Line(other) => {
+                manner.flood = manner.flood.max(other.flood);
+                let (line, other) = (&mut manner.line, &other.line);
+                line.damaged = line.damaged.max(other.damaged);
+                line.delay_us = line.delay_us.max(other.delay_us);
+            }
+            _ => {}
         }
     }
 

@@ -58,6 +58,8 @@ pub enum CommandError {
     Monitor(#[from] MonitorError),
     #[error("chip and host computed different bits: see the report above")]
     Apart,
+    #[error("no trouble has such a word in its name; there are: {}", .0.join(", "))]
+    NoTrouble(Vec<&'static str>),
     #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
     NoCondition { word: String, names: Vec<String> },
     #[error(transparent)]

@@ -6,7 +6,8 @@ use super::write::Writer;
 use crate::cli::Output;
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_host::campaign::{
-    Bases, Mutation, Plan, Record, TraceWriter, cells, run, study, table, violation, write_runs,
+    Bases, Mutation, Plan, Record, TraceWriter, UpsetKind, cells, known, run, study, table,
+    violation, write_runs,
 };
 use std::num::NonZeroU64;
 
@@ -18,27 +19,53 @@ const PRINTED: usize = 20;
 pub fn all(
     runs: NonZeroU64,
     seed: u64,
-    only: Option<u64>,
+    only: &[String],
+    run: Option<u64>,
     output: &Output,
 ) -> Result<(), CommandError> {
     let bases = Bases::built_in()?;
     let writer = Writer::new(output)?;
-    if let Some(number) = only {
+    if let Some(number) = run {
         trace(&bases, seed, number, &writer)?;
     }
-    let first = only.unwrap_or(0);
-    let last = first.saturating_add(runs.get());
+    let chosen = |kind: UpsetKind| {
+        only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
+    };
+    if !UpsetKind::ALL.into_iter().any(chosen) {
+        return Err(CommandError::NoTrouble(
+            UpsetKind::ALL.map(UpsetKind::name).to_vec(),
+        ));
+    }
+    let count = usize::try_from(runs.get()).unwrap_or(usize::MAX);
+    let numbers: Vec<u64> = (run.unwrap_or(0)..)
+        .filter(|number| chosen(Plan::trouble(*number)))
+        .take(count)
+        .collect();
     // Hidden by itself where standard error is no terminal.
     let bar = ProgressBar::new(runs.get()).with_style(style());
-    let outcomes = study(&bases, seed, first..last, &Mutation::None, || bar.inc(1));
+    let outcomes = study(&bases, seed, numbers, &Mutation::None, || bar.inc(1));
     bar.finish_and_clear();
     let outcomes = outcomes?;
     let cells = cells(&outcomes, None);
     say(&format!("seed {seed}\n"))?;
     say(&format!("{}\n", table(&cells)))?;
-    say("beside: went on, and gave up beside the goal. \
-         found within, meanwhile: the latest finding, and the longest way until then.\n\
-         stop / bound: largest share of the stated stopping distance that was used.\n\n")?;
+    say(
+        "found within, meanwhile: the latest finding, and the longest way until then. \
+         stop / bound: largest share of the stated stopping distance that was used.\n\
+         parked off: farthest from the goal that a base truly was that said it was parked.\n\n",
+    )?;
+    let mut worse = 0;
+    for (known, rate) in known(&outcomes) {
+        let holds = known.holds(&rate);
+        worse += usize::from(!holds);
+        say(&format!(
+            "known: {}, {}: {rate}; stated: {:.2} %{}\n",
+            known.upset.name(),
+            known.failing.name(),
+            1.0e2 * known.rate,
+            if holds { "" } else { ": worse" }
+        ))?;
+    }
     let violations: Vec<_> = outcomes.iter().filter_map(violation).collect();
     for text in violations.iter().take(PRINTED) {
         say(&format!("{text}\n"))?;
@@ -63,7 +90,7 @@ pub fn all(
         outcomes.len(),
         output.out.display()
     ))?;
-    match violations.len() {
+    match violations.len() + worse {
         0 => Ok(()),
         count => Err(CommandError::Violations(count)),
     }

@@ -51,7 +51,12 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             pil::all(&scenarios, (*machine).into(), (*link).into(), output)
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
-        Command::Faults { runs, seed, run } => faults::all(*runs, seed.draw()?, *run, output),
+        Command::Faults {
+            runs,
+            seed,
+            only,
+            run,
+        } => faults::all(*runs, seed.draw()?, only, *run, output),
         Command::Prove(arguments) => prove::robot(arguments, output),
         Command::Constants(arguments) => constants::write(arguments, output),
         Command::Tune(arguments) => tune::robot(arguments, output),

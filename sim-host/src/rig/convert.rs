@@ -1,8 +1,9 @@
 //! Between the plant's doubles and the controller's singles.
 
 use crate::drive::Hardware;
-use controller_core::base::{BaseParams, Drive, Order, Sensed};
+use controller_core::base::{BaseParams, Order, Sensed};
 use controller_core::error::ParamError;
+use controller_core::hal::Observed;
 use controller_core::localiser::{Fix, LocaliserParams};
 use controller_core::maths::Single;
 use controller_core::motion::Task;
@@ -114,38 +115,39 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
     }
 }
 
-/// Duties of both motors for torques, and the torques that accelerate the base under them.
+/// Duties of both motors for torques, and the torques that accelerate the base under them where current or supply
+/// limit them.
 pub(super) fn duties(
     motor: &Motor<f32>,
-    drive: &Drive<f32>,
-    supply_v: f32,
-) -> (Actuation, WheelTorques<f32>, bool) {
+    torques: &WheelTorques<f32>,
+    observed: &Observed,
+) -> (Actuation, Option<WheelTorques<f32>>) {
+    let Observed {
+        speeds,
+        wanted,
+        supply_v,
+    } = observed;
     let wheel = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
         let demand = WheelDemand {
             torque_nm,
             wanted_speed_rad_s,
             speed_rad_s,
         };
-        motor.command(&demand, supply_v)
+        motor.command(&demand, *supply_v)
     };
-    let Drive {
-        torques,
-        wanted,
-        speeds,
-    } = drive;
     let right = wheel(torques.right, wanted.right, speeds.right);
     let left = wheel(torques.left, wanted.left, speeds.left);
     let exerted = |command: &MotorCommand<f32>| command.torque_nm - command.friction_nm;
+    let limited = right.limited.torque() || left.limited.torque();
     (
         Actuation::Duty {
             right: f64::from(right.duty),
             left: f64::from(left.duty),
         },
-        WheelTorques {
+        limited.then(|| WheelTorques {
             right: exerted(&right),
             left: exerted(&left),
-        },
-        right.limited.torque() || left.limited.torque(),
+        }),
     )
 }
 

@@ -1,14 +1,21 @@
 //! The whole base of [`controller_core::base`] in a world that is not kind: encoders, late poses, motors,
 //! friction, slip, uneven ticks, faults.
 //!
+//! [`PlantHal`] is the plant behind the hardware traits. On it run the core's base by orders ([`Rig`]) and the
+//! firmware's whole station by bytes ([`Board`]).
+//!
 //! The controller is the chip's, in single precision with the core's own maths; [`crate::world`] is the
 //! truth it is measured against, and they share no code. A run is settled by its mission and a seed.
 
+mod board;
 mod convert;
+mod hal;
 mod run;
 mod trial;
 
+pub use board::Board;
 pub use convert::params;
+pub use hal::PlantHal;
 pub use run::{drive, watch};
 pub use trial::{Rig, RigError};
 

@@ -1,15 +1,15 @@
 //! World and base, tick by tick.
 
-use super::{Place, convert};
+use super::{Place, PlantHal, convert};
 use crate::drive::{Base, Mission};
-use crate::world::{Actuation, ActuationError, World, WorldError};
-use controller_core::base::{
-    BaseController, BaseError, BaseParams, BaseReport, Order, Sensed, WheelAction,
-};
+use crate::world::{ActuationError, World, WorldError};
+use controller_core::base::{BaseController, BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
+use controller_core::hal::WheelDrive;
 use controller_core::maths::Single;
 use controller_core::params::Robot;
-use controller_core::types::{Measured, WheelTorques};
+use controller_core::types::{Measured, Pose};
+use firmware_demo::control::SettingError;
 
 /// Why a base cannot be put into a world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -24,31 +24,23 @@ pub enum RigError {
     /// A parameter of the world.
     #[error("world.{0}")]
     World(WorldError),
+    /// Parameters that the control task refuses for these wheels.
+    #[error("{0}")]
+    Setting(SettingError),
     /// A command that the world refuses: an error of the base.
     #[error("{0}")]
     Actuation(ActuationError),
 }
 
-/// A base in a world.
-#[derive(Clone, Debug)]
-pub struct Rig {
-    world: World,
-    base: BaseController,
-    period_us: u32,
-    dt_us: u32,
-    actuation: Actuation,
+/// The parts of a base in a world.
+pub(super) struct Parts {
+    pub hal: PlantHal,
+    pub params: BaseParams<f32>,
+    pub start: Pose<f32>,
+    pub period_us: u32,
 }
 
-impl Rig {
-    /// A disarmed base that knows where it starts.
-    ///
-    /// # Errors
-    /// Parameters out of their range.
-    pub fn new(mission: &Mission, place: &Place) -> Result<Self, RigError> {
-        let base = (&mission.base, mission.period_s);
-        Self::with(base, &mission.robot, &mission.start, place, |_| {})
-    }
-
+impl Parts {
     /// A base by itself at the origin, with its parameters edited.
     ///
     /// # Errors
@@ -80,13 +72,45 @@ impl Rig {
         edit(&mut params);
         let valid = params.validate::<Single>().map_err(RigError::Base)?;
         let keys = convert::with_hardware(&place.world, base.hardware.as_ref());
-        let world = World::new(&keys.params(robot), start, place.seed);
+        let world = World::new(&keys.params(robot), start, place.seed).map_err(RigError::World)?;
+        let most = params.motion.limits.wheel_torque_nm;
         Ok(Self {
-            world: world.map_err(RigError::World)?,
-            base: BaseController::new(&valid, convert::narrow_pose(&start.pose)),
+            hal: PlantHal::new(world, valid.motor().copied(), most),
+            params,
+            start: convert::narrow_pose(&start.pose),
+            period_us,
+        })
+    }
+}
+
+/// A base in a world, driven by orders: the core's base alone, without a host and its line.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    hal: PlantHal,
+    base: BaseController,
+    period_us: u32,
+    dt_us: u32,
+}
+
+impl Rig {
+    /// A disarmed base that knows where it starts.
+    ///
+    /// # Errors
+    /// Parameters out of their range.
+    pub fn new(mission: &Mission, place: &Place) -> Result<Self, RigError> {
+        let base = (&mission.base, mission.period_s);
+        let Parts {
+            hal,
+            params,
+            start,
+            period_us,
+        } = Parts::with(base, &mission.robot, &mission.start, place, |_| {})?;
+        let valid = params.validate::<Single>().map_err(RigError::Base)?;
+        Ok(Self {
+            hal,
+            base: BaseController::new(&valid, start),
             period_us,
             dt_us: period_us,
-            actuation: Actuation::Release,
         })
     }
 
@@ -95,74 +119,40 @@ impl Rig {
     /// # Errors
     /// A command that the world refuses, which no base gives.
     pub fn advance(&mut self) -> Result<(), RigError> {
-        self.dt_us = self.world.next_tick_us(self.period_us);
-        let moved = self.world.advance(&self.actuation, self.dt_us);
-        moved.map_err(RigError::Actuation)
+        self.dt_us = self
+            .hal
+            .advance(self.period_us)
+            .map_err(RigError::Actuation)?;
+        Ok(())
     }
 
     /// The base's tick, and what the wheels do from now on.
     pub fn tick(&mut self, order: &Order<f32>) -> &BaseReport<f32> {
-        self.tick_with(order, |_| {})
-    }
-
-    /// The same with what is measured edited: faults of links between senses and base.
-    pub fn tick_with(
-        &mut self,
-        order: &Order<f32>,
-        edit: impl FnOnce(&mut Sensed<f32>),
-    ) -> &BaseReport<f32> {
-        let mut sensed = convert::sensed(&self.world);
-        edit(&mut sensed);
+        let sensed = self.hal.sensed();
         let action = self.base.tick(self.dt_us, order, &sensed).action;
-        self.actuate(&action);
+        // What a driver answers is in what the next tick measures.
+        let _ = self.hal.act(&action);
+        if let Some(exerted) = self.hal.exerted() {
+            // Finite by the motor layer's own check.
+            let _ = self.base.note_exerted(&exerted);
+        }
         self.base.report()
     }
 
     /// What the base would say to another order in this tick. Nothing changes.
     pub fn would_say(&self, order: &Order<f32>) -> BaseReport<f32> {
         let mut base = self.base;
-        *base.tick(self.dt_us, order, &convert::sensed(&self.world))
-    }
-
-    /// The button: it reaches the wheels at once.
-    pub fn emergency_stop(&mut self) {
-        let action = self.base.emergency_stop();
-        self.actuate(&action);
-    }
-
-    fn actuate(&mut self, action: &WheelAction<f32>) {
-        self.actuation = match action {
-            WheelAction::Release => Actuation::Release,
-            WheelAction::Brake => Actuation::Brake,
-            WheelAction::Drive(drive) => match self.base.base().motor() {
-                Some(motor) => {
-                    let supply_v = self.world.supply_v() as f32;
-                    let (duty, exerted, limited) = convert::duties(motor, drive, supply_v);
-                    if limited {
-                        // Finite by the motor layer's own check.
-                        let _ = self.base.note_exerted(&exerted);
-                    }
-                    duty
-                }
-                None => {
-                    let WheelTorques { right, left } = drive.torques;
-                    Actuation::Torque {
-                        right: f64::from(right),
-                        left: f64::from(left),
-                    }
-                }
-            },
-        };
+        *base.tick(self.dt_us, order, &self.hal.sensed())
     }
 
     /// The world, for what truly happens.
     pub const fn world(&self) -> &World {
-        &self.world
+        self.hal.world()
     }
 
     /// The world, to put faults into.
     pub const fn world_mut(&mut self) -> &mut World {
-        &mut self.world
+        self.hal.world_mut()
     }
 
     /// The base.
@@ -173,20 +163,5 @@ impl Rig {
     /// The base, to be told something.
     pub const fn base_mut(&mut self) -> &mut BaseController {
         &mut self.base
-    }
-
-    /// Length of the last tick \[µs\].
-    pub const fn dt_us(&self) -> u32 {
-        self.dt_us
-    }
-
-    /// What acts on the wheels until the next tick.
-    pub const fn actuation(&self) -> &Actuation {
-        &self.actuation
-    }
-
-    /// Lets something else act: a driver that does not do what it is told.
-    pub const fn override_actuation(&mut self, actuation: Actuation) {
-        self.actuation = actuation;
     }
 }

@@ -1,127 +1,173 @@
-//! What the host does: commands, orders, goals.
+//! What the host does: commands, trajectories, goals.
 
 use super::*;
 
-impl Runner<'_> {
-    /// Stopped beside the goal.
-    pub(super) fn gave_up(&self) -> bool {
-        let report = self.rig.base().report();
-        report.state == State::Stopped
-            && matches!(Why::of(report.cause), Why::Fault(kind) if expected::at_any_goal(kind))
-    }
-
-    /// Still trying, close to the goal.
-    pub(super) fn beside(&self) -> bool {
-        let (Intent::Park(goal), Some(measured)) = (self.intent, self.rig.base().report().measured)
-        else {
-            return false;
-        };
-        let (dx, dy) = (
-            f64::from(measured.pose.x) - goal.x,
-            f64::from(measured.pose.y) - goal.y,
-        );
-        let gives_up = matches!(
-            Why::of(self.rig.base().report().cause),
-            Why::Fault(kind) if expected::at_any_goal(kind)
-        );
-        (self.state() == State::Parking || gives_up) && dx.hypot(dy) < BESIDE_M
-    }
-
-    /// A command that has to be taken.
-    pub(super) fn command(&mut self, event: Event) -> Checked<()> {
-        self.told = true;
-        match self.rig.base_mut().on(event) {
-            Action::Refuse => Err(format!("{event:?} is refused in {:?}", self.state())),
-            _ => Ok(()),
-        }
+impl Runner<'_, '_> {
+    /// Sends the base to a goal.
+    pub(super) fn park(&mut self, goal: Pose<f64>) {
+        self.intent = Intent::Park(goal);
+        self.host.follow_no_more();
+        self.host.ask(park(&goal));
     }
 
     /// Arms a base that waits, and gives it a goal.
-    pub(super) fn wake(&mut self) -> Checked<()> {
+    pub(super) fn wake(&mut self) {
+        if self.manner().silent {
+            return;
+        }
         if self.state() == State::Fault {
-            if self.rig.base_mut().on(Event::Arm) != Action::Refuse {
-                return Err("a latched base was armed".to_owned());
-            }
-            self.command(Event::Reset)?;
+            self.host.ask_in_vain(Command::Arm);
+            self.host.ask(Command::ResetFault);
         }
-        if matches!(self.state_now(), State::Idle | State::Stopped) {
-            self.command(Event::Arm)?;
+        if matches!(self.state(), State::Idle | State::Stopped | State::Fault) {
+            self.host.ask(Command::Arm);
         }
-        self.intent = Intent::Park(self.goal_ahead());
-        Ok(())
+        self.park(self.goal_ahead());
     }
 
-    pub(super) fn state_now(&self) -> State {
-        self.rig.base().supervisor().state()
+    /// The stop of a plan.
+    pub(super) fn stop_by_host(&mut self) {
+        self.stop_at = None;
+        if let Some((_, button)) = self.plan.stop {
+            self.host.stop(if button { BUTTON } else { Command::Stop });
+            self.intent = Intent::Quiet;
+        }
     }
 
     pub(super) fn goal_ahead(&self) -> Pose<f64> {
-        self.pose_ahead(0.6 * self.limit_speed)
-    }
-
-    pub(super) fn pose_ahead(&self, ahead: f64) -> Pose<f64> {
-        let at = self
-            .rig
-            .base()
-            .report()
-            .measured
-            .map_or(Pose::default(), |measured| measured.pose);
+        let ahead = 0.6 * self.limit_speed;
+        let measured = self.board.report().measured;
+        let at = measured.map_or(Pose::default(), |measured| measured.pose);
         let (x, y, theta) = (f64::from(at.x), f64::from(at.y), f64::from(at.theta));
         Pose::new(x + ahead * theta.cos(), y + ahead * theta.sin(), theta)
     }
 
-    pub(super) fn park_ahead(&mut self) {
-        let path = &self.plan.path;
-        let way = path.way(self.t - self.follow_from);
-        let speed = path.speed;
-        let ahead = speed * speed / path.accel + 0.3 * self.limit_speed;
-        self.intent = Intent::Park(path.pose(way + ahead));
+    /// For how long a trajectory has been under way \[s\].
+    pub(super) fn followed(&self) -> f64 {
+        self.host
+            .followed_since()
+            .map_or(0.0, |since| self.t - 1.0e-6 * since as f64)
     }
 
-    pub(super) fn order(&mut self) -> Order<f32> {
-        let nan = self.active_upsets().find_map(|upset| match upset.what {
-            What::OrderNan { park } => Some(park),
-            _ => None,
-        });
-        if let Some(park) = nan {
-            // Once.
-            for (active, upset) in [
-                (0, Some(self.plan.upset)),
-                (1, self.plan.second.map(|(_, upset)| upset)),
-            ] {
-                if upset.is_some_and(|upset| upset.kind == UpsetKind::OrderNan) {
-                    self.active[active] = false;
+    pub(super) fn park_ahead(&mut self) {
+        let path = &self.plan.path;
+        let way = path.way(self.followed());
+        let speed = path.speed;
+        let ahead = speed * speed / path.accel + 0.3 * self.limit_speed;
+        self.park(path.pose(way + ahead));
+    }
+
+    /// Share of the poses that reach the base, and how much later than they say \[s\].
+    pub(super) fn poses(&self) -> (f64, f64) {
+        /// A pose's frame with its delimiters.
+        const BYTES: i32 = 27;
+        let mut manner = Manner::default();
+        for upset in self.upsets() {
+            upset.hinder(&mut manner);
+        }
+        // Behind a flood a pose finds the queue full, before it does not: either every other time.
+        let share: f64 = if manner.flood > 0 { 0.5 } else { 1.0 };
+        let share = share.min((1.0 - manner.line.damaged).powi(BYTES));
+        (share, 1.0e-6 * manner.line.delay_us as f64)
+    }
+
+    /// What is wrong with host and line now.
+    pub(super) fn manner(&self) -> Manner {
+        let mut manner = Manner::default();
+        for upset in self.active_upsets() {
+            upset.hinder(&mut manner);
+        }
+        manner
+    }
+
+    /// Frames onto the line, and what has arrived into the base.
+    pub(super) fn exchange(&mut self) {
+        let (now_us, manner) = (self.board.world().now_us(), self.manner());
+        self.host
+            .speak(&manner, now_us, &self.plan.path, self.board.world());
+        self.heard = Heard::default();
+        while let Some(sent) = self.host.arrived(now_us) {
+            if sent.intact {
+                self.heard.any = true;
+            }
+            for byte in &sent.bytes {
+                if let Some(Ok(frame)) = self.reader.push(*byte) {
+                    self.heard.read(&frame.message);
                 }
             }
-            let pose = Pose::new(f32::NAN, 0.0, 0.0);
-            return if park {
-                Order::Park(pose)
-            } else {
-                match self.plan.path.at(0.0) {
-                    Order::Follow(reference) => {
-                        Order::Follow(controller_core::reference::Reference::new::<
-                            controller_core::maths::Single,
-                        >(
-                            pose, *reference.twist(), *reference.accel()
-                        ))
-                    }
-                    other => other,
+            if sent.intact && stops(&sent.what) {
+                let button = sent.what != Command::Stop || self.heard.stop == Some(true);
+                self.heard.stop = Some(button);
+            }
+            if self.mutation == Mutation::LosesStops && stops(&sent.what) {
+                continue;
+            }
+            for byte in sent.bytes {
+                if let Some(answer) = self.board.receive(byte) {
+                    self.host.answer(&manner, now_us, &answer);
                 }
+            }
+        }
+    }
+
+    /// Answers of the tick, and what the host makes of them.
+    pub(super) fn answers(&mut self) -> Checked<()> {
+        let (now_us, manner) = (self.board.world().now_us(), self.manner());
+        while let Some(answer) = self.board.pending() {
+            self.host.answer(&manner, now_us, &answer);
+        }
+        while let Some(answered) = self.host.hear(now_us) {
+            self.answered(&answered)?;
+        }
+        Ok(())
+    }
+
+    fn answered(&mut self, answered: &Answered) -> Checked<()> {
+        let Answered {
+            command,
+            result,
+            has_to_fail,
+        } = answered;
+        if *has_to_fail {
+            self.refused = true;
+            return match result {
+                Ok(()) => Err(format!("{command:?} is taken")),
+                Err(_) => Ok(()),
             };
         }
-        let silent = self
-            .active_upsets()
-            .any(|upset| upset.what == What::HostSilent);
-        if silent {
-            return Order::None;
-        }
-        match self.intent {
-            Intent::Quiet => {
-                self.rig.base_mut().heard();
-                Order::None
+        let Err(reason) = result else {
+            return Ok(());
+        };
+        let state = self.state();
+        // A base that trouble stopped meanwhile refuses rightly, and so does one that a second frame reached.
+        let waits = matches!(state, State::Idle | State::Stopped);
+        match command {
+            Command::Stop | Command::EmergencyStop { .. } => {
+                Err(format!("{command:?} is refused: {reason}"))
             }
-            Intent::Follow => self.plan.path.at(self.t - self.follow_from),
-            Intent::Park(goal) => Order::Park(narrow(&goal)),
+            Command::Arm if waits => Err(format!("Arm is refused in {state:?}: {reason}")),
+            Command::ResetFault if state == State::Fault => {
+                Err(format!("ResetFault is refused: {reason}"))
+            }
+            Command::Park { .. } if *reason != RejectReason::State => {
+                Err(format!("a goal is refused: {reason}"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Heard {
+    fn read(&mut self, command: &Command) {
+        self.read = true;
+        match command {
+            Command::Arm | Command::ResetFault => {
+                self.frees = true;
+                self.reset |= *command == Command::ResetFault;
+                self.stop = None;
+            }
+            Command::Park { .. } | Command::Sample(_) => self.frees = true,
+            _ => {}
         }
     }
 }

@@ -1,49 +1,41 @@
 //! A tick of a run, and what is checked in it.
 
 use super::*;
+use controller_core::safety::Timeout;
+use controller_core::safety::supervisor::Then;
 
-impl Runner<'_> {
-    pub(super) fn tick(&mut self, watch: &mut impl FnMut(&Tick<'_>)) -> Checked<()> {
-        let before = *self.rig.base().report();
+impl Runner<'_, '_> {
+    pub(super) fn tick(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
+        let before = self.told();
         let was = (before.state, check::severity(&before));
         for upset in self.active_upsets().collect::<Vec<_>>() {
-            upset.apply(self.rig.world_mut(), false);
+            upset.apply(self.board.world_mut(), false);
         }
-        let place = self.rig.world().truth().pose;
-        self.rig.advance().map_err(|error| error.to_string())?;
-        self.t = 1.0e-6 * self.rig.world().now_us() as f64;
-        let now = self.rig.world().truth();
+        let place = self.board.world().truth().pose;
+        self.board.advance().map_err(|error| error.to_string())?;
+        self.t = 1.0e-6 * self.board.world().now_us() as f64;
+        let now = self.board.world().truth();
         let moved = (now.pose.x - place.x).hypot(now.pose.y - place.y);
         self.account(moved);
-        let order = self.order();
-        let bad_age = self
-            .active_upsets()
-            .any(|upset| upset.what == What::FixAgeNan);
-        let report = *self.rig.tick_with(&order, |sensed| {
-            if let (true, Some(fix)) = (bad_age, &mut sensed.fix) {
-                fix.age_s = f32::NAN;
-            }
-        });
+        self.exchange();
+        self.board.tick();
+        self.answers()?;
+        let report = self.told();
+        self.obeyed(&report)?;
         let limit = self.base.limits.wheel_torque_nm as f32;
-        check::outputs(&report, self.rig.actuation(), limit)?;
-        check::milder(was, &report, self.told)?;
+        check::outputs(&report, self.board.actuation(), limit)?;
+        check::milder(was, &report, self.heard.frees, self.heard.reset)?;
         check::reacted(was.0, &report)?;
-        let expected: Vec<UpsetKind> = self.upsets().map(|upset| upset.kind).collect();
-        let right = |kind: FaultKind| {
-            expected
-                .iter()
-                .any(|upset| expected::kinds(*upset).contains(&kind))
-                || expected::at_any_goal(kind)
-        };
-        if let Some(fault) = check::wrong(&report, right) {
-            let names: Vec<_> = expected.iter().map(|upset| upset.name()).collect();
-            return Err(format!("{fault} is found under: {}", names.join(", ")));
+        let rules: Vec<_> = self.upsets().map(|upset| Rule::of(upset.kind)).collect();
+        let right = |why| !self.mended && rules.iter().any(|rule| rule.allows(why));
+        if let Some(why) = check::wrong(&before, &report, right) {
+            return Err(format!("{why} is found, which it is not"));
         }
-        self.told = false;
+        self.count(&before);
         self.begin_stop(&before, check::severity(&report));
         self.mutate(&report.action);
         watch(&Tick {
-            rig: &self.rig,
+            board: &self.board,
             t: self.t,
             upset: self.active[0],
             stop: self.stop,
@@ -51,11 +43,55 @@ impl Runner<'_> {
         self.within()
     }
 
+    /// The report of the last tick, with what the wheels really were told: after a driver's error they are released.
+    fn told(&self) -> BaseReport<f32> {
+        BaseReport {
+            action: *self.board.task().doing(),
+            ..*self.board.report()
+        }
+    }
+
+    /// A stop that has arrived is obeyed.
+    fn obeyed(&mut self, report: &BaseReport<f32>) -> Checked<()> {
+        let dt = 1.0e-6 * f64::from(self.board.dt_us());
+        // When in a tick a frame came is not known; in a long one the base was blind, not the host silent.
+        let heard_s = dt.min(self.period_s);
+        let since = |heard, so_far| if heard { heard_s } else { so_far + dt };
+        self.unheard_s = since(self.heard.any, self.unheard_s);
+        self.unread_s = since(self.heard.read, self.unread_s);
+        let state = report.state;
+        // One tick is left for the reaction.
+        let patience = match self.board.task().params().watch.command {
+            Timeout::AfterUs(us) => 1.0e-6 * f64::from(us),
+            Timeout::Off => f64::INFINITY,
+        };
+        let lost = report.cause == Cause::LinkLost && self.was != Cause::LinkLost;
+        self.was = report.cause;
+        if lost && self.unheard_s + 2.0 * self.period_s < patience {
+            return Err(format!("the link is lost after {:.3} s", self.unheard_s));
+        }
+        let silent = self.unread_s;
+        if silent >= patience && state.is_live() && !check::stops(state) {
+            return Err(format!(
+                "nothing is heard for {silent:.3} s, and the base is in {state:?}"
+            ));
+        }
+        match self.heard.stop {
+            Some(true) if !matches!(state, State::Braking(Then::Fault) | State::Fault) => Err(
+                format!("an emergency stop came, and the base is in {state:?}"),
+            ),
+            Some(_) if !check::stops(state) => {
+                Err(format!("a stop came, and the base is in {state:?}"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Way and rest.
     pub(super) fn account(&mut self, moved: f64) {
-        let dt = 1.0e-6 * f64::from(self.rig.dt_us());
-        let twist = self.rig.world().truth().twist;
-        let wheels = self.rig.world().wheel_speeds();
+        let dt = 1.0e-6 * f64::from(self.board.dt_us());
+        let twist = self.board.world().truth().twist;
+        let wheels = self.board.world().wheel_speeds();
         self.way_m += moved;
         self.stop.way_m += moved;
         self.dt_worst = self.dt_worst.max(dt);
@@ -63,23 +99,21 @@ impl Runner<'_> {
             && twist.angular.abs() < REST.1
             && self.bounds.rolls(wheels.right, wheels.left) < 2.0 * REST.0;
         self.rest_s = if rests { self.rest_s + dt } else { 0.0 };
+        let parked = self.state() == State::Parked;
+        self.parked_s = if parked { self.parked_s + dt } else { 0.0 };
         if self.first.is_some() {
             self.outcome.fastest = self.outcome.fastest.max(twist.linear.abs());
         }
     }
 
     /// A stop begins, or another one takes over: its way is measured from here.
-    pub(super) fn begin_stop(
-        &mut self,
-        before: &controller_core::base::BaseReport<f32>,
-        severity: Reaction,
-    ) {
+    pub(super) fn begin_stop(&mut self, before: &BaseReport<f32>, severity: Reaction) {
         let now = (severity > Reaction::RideOut).then_some(severity);
         if now == self.segment {
             return;
         }
         self.segment = now;
-        let twist = self.rig.world().truth().twist;
+        let twist = self.board.world().truth().twist;
         let wheels = Wheels {
             ice: self.upsets().find_map(|upset| upset.ice()),
             blocked: self
@@ -91,7 +125,7 @@ impl Runner<'_> {
             .map(|upset| upset.late_s())
             .fold(0.0, f64::max);
         let dt = 1.2 * self.period_s + late;
-        let core = *self.rig.base().base();
+        let core = *self.board.task().controller().base();
         // A stop under way goes on as it began: what heals meanwhile does not give it a new plan.
         let left_m = match before.state {
             State::Stopping(_) => self.stop.bound_m - self.stop.way_m,
@@ -113,27 +147,35 @@ impl Runner<'_> {
     }
 
     /// A controlled stop goes by encoders; one that lies has to be found first, and the brake then takes over.
-    /// What healed a moment ago still is in the estimate of speed. Until then the base is no faster than its limit.
-    pub(super) fn unfound_m(&self) -> f64 {
+    /// What healed a moment ago still is in the estimate of speed. Until then the base is no faster than its limit: for the
+    /// time that it takes to find a reversed encoder that is pushed, after the way F/(m κ²) in which the velocity loop's
+    /// feedback raises the force to what counts as pushed (see [`controller_core::safety::Monitor`]).
+    fn unfound_m(&self) -> f64 {
         let lies = self.upsets().any(|upset| {
             matches!(
                 upset.kind,
                 UpsetKind::EncoderReversed | UpsetKind::EncoderStuck
             )
         });
-        if lies {
-            UNFOUND_S * self.limit_speed
-        } else {
-            0.0
+        if !lies {
+            return 0.0;
         }
+        let params = self.board.task().params();
+        let found = Rule::of(UpsetKind::EncoderReversed).within_s(params, None);
+        let robot = &params.motion.robot;
+        let force = 2.0 * params.watch.wheels.stuck.torque_nm
+            / robot.wheels.radius_right_m.min(robot.wheels.radius_left_m);
+        let loop_rate = params.motion.gains.speed_loop;
+        let built = force / (robot.mass_kg * loop_rate * loop_rate);
+        f64::from(built) + found.unwrap_or_default() * self.limit_speed
     }
 
     pub(super) fn mutate(&mut self, action: &WheelAction<f32>) {
         match (self.mutation, action) {
-            (_, WheelAction::Drive(_)) => self.torque = *self.rig.actuation(),
-            (Mutation::KeepsTorque, _) => self.rig.override_actuation(self.torque),
+            (_, WheelAction::Drive(_)) => self.torque = *self.board.actuation(),
+            (Mutation::KeepsTorque, _) => self.board.override_actuation(self.torque),
             (Mutation::BrakeCoasts, WheelAction::Brake) => {
-                self.rig.override_actuation(Actuation::Release);
+                self.board.override_actuation(Actuation::Release);
             }
             _ => {}
         }
@@ -149,7 +191,7 @@ impl Runner<'_> {
             self.segment = None;
             return Ok(());
         }
-        let speed = self.rig.world().truth().twist.linear.abs();
+        let speed = self.board.world().truth().twist.linear.abs();
         if speed > RUNAWAY * self.limit_speed {
             return Err(format!("runs away at {speed:.2} m/s"));
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 
-impl Runner<'_> {
+impl Runner<'_, '_> {
     pub(super) fn strike(&mut self) {
         self.first = Some(self.t);
         self.active[0] = true;
@@ -10,10 +10,8 @@ impl Runner<'_> {
         self.way_m = 0.0;
         // A stop under way goes on with what is left from here.
         self.segment = None;
-        self.plan.upset.apply(self.rig.world_mut(), true);
-        if self.plan.upset.what == What::EmergencyStop {
-            self.rig.emergency_stop();
-        }
+        self.begin(&self.plan.upset);
+        self.stop_at = self.plan.stop.map(|(after, _)| self.t + after);
     }
 
     pub(super) fn strike_again(&mut self, stopping_since: Option<f64>) {
@@ -31,9 +29,16 @@ impl Runner<'_> {
         self.segment = None;
         self.active[1] = true;
         self.outcome.second = Some(upset.kind);
-        upset.apply(self.rig.world_mut(), true);
-        if upset.what == What::EmergencyStop {
-            self.rig.emergency_stop();
+        self.begin(&upset);
+    }
+
+    /// What the world and the host do at once.
+    fn begin(&mut self, upset: &Upset) {
+        upset.apply(self.board.world_mut(), true);
+        match upset.what {
+            What::EmergencyStop => self.host.stop(BUTTON),
+            What::OrderNan { park } => self.host.ask_in_vain(expected::no_number(park)),
+            _ => {}
         }
     }
 
@@ -56,11 +61,14 @@ impl Runner<'_> {
         };
         self.active[which] = false;
         if let Some(upset) = upset {
-            upset.heal(self.rig.world_mut());
+            upset.heal(self.board.world_mut());
         }
         // The other may be of the same kind.
         for upset in self.active_upsets().collect::<Vec<_>>() {
-            upset.apply(self.rig.world_mut(), matches!(upset.what, What::Defect(_)));
+            upset.apply(
+                self.board.world_mut(),
+                matches!(upset.what, What::Defect(_)),
+            );
         }
         // What a driver held until now only begins to stop.
         self.segment = None;
@@ -70,36 +78,19 @@ impl Runner<'_> {
         if self.outcome.found.is_some() {
             return;
         }
-        let report = self.rig.base().report();
-        let kinds = expected::kinds(self.plan.upset.kind);
-        let button = self.plan.upset.kind == UpsetKind::EmergencyStop;
-        let mut acted = report
-            .findings
-            .iter()
-            .filter(|fault| kinds.contains(&fault.kind()));
-        let why = acted.next().map(|fault| Why::Fault(fault.kind()));
-        let why = why.or(button.then_some(Why::Button));
+        let report = self.board.report();
+        let rule = Rule::of(self.plan.upset.kind);
+        let mut found = report.findings.iter().map(|fault| Why::Fault(fault.kind()));
+        let stopped = Some(Why::of(report.cause)).filter(|_| check::stops(report.state));
+        let refused = self.refused.then_some(Why::Refused);
+        let why = found
+            .find(|why| rule.allows(*why))
+            .or(stopped.filter(|why| rule.allows(*why)))
+            .or(refused.filter(|why| rule.allows(*why)));
         self.outcome.found = why.map(|why| Detection {
             why,
             after_s,
             way_m: self.way_m,
         });
-    }
-
-    pub(super) fn overdue(&self, after_s: f64, deadline_s: Option<f64>) -> Checked<()> {
-        let Some(deadline) = deadline_s else {
-            return Ok(());
-        };
-        let healed = self.plan.heal_s.is_some_and(|heal| heal < deadline);
-        // A host that gives an order, whatever it says, is not silent.
-        let ordered = self
-            .outcome
-            .second
-            .is_some_and(|kind| kind == UpsetKind::OrderNan);
-        let woken = self.plan.upset.kind == UpsetKind::HostSilent && (self.told || ordered);
-        if after_s > deadline && self.outcome.found.is_none() && !healed && !woken {
-            return Err(format!("not found within {deadline:.3} s"));
-        }
-        Ok(())
     }
 }

@@ -1,0 +1,288 @@
+//! A host as a real one is: it speaks in frames, waits for answers, and asks again where none comes.
+
+use super::line::{Line, LineFault};
+use super::path::narrow;
+use super::plan::Path;
+use super::random::Random;
+use crate::world::World;
+use controller_core::types::Pose;
+use firmware_demo::protocol::{
+    Command, Decoder, Frame, MAX_CONTENT, MAX_FRAME, RejectReason, Telemetry, TimedSample, encode,
+};
+use firmware_demo::station::UNASKED;
+use std::collections::VecDeque;
+
+/// Without an answer for so long a command is sent again \[µs\].
+const AGAIN_US: u64 = 50_000;
+/// A sign of life at least so often \[µs\]: a fifth of the base's patience.
+const BEAT_US: u64 = 20_000;
+/// Time between samples, and how far they are ahead \[s\]: ten of them.
+const SAMPLES_S: (f64, f64) = (0.05, 0.5);
+
+/// What a host is kept from or does wrong in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Manner {
+    /// It says nothing.
+    pub silent: bool,
+    /// Ages of poses are not numbers.
+    pub bad_age: bool,
+    /// So many frames that nobody needs come with its own.
+    pub flood: usize,
+    pub line: LineFault,
+}
+
+/// A command that waits for its answer.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    command: Command,
+    sequence: u16,
+    /// Anything but a refusal is an error.
+    has_to_fail: bool,
+}
+
+/// What came of a command.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answered {
+    pub command: Command,
+    pub result: Result<(), RejectReason>,
+    pub has_to_fail: bool,
+}
+
+/// The host's half of the line.
+pub(super) struct Host {
+    decoder: Decoder<Telemetry, MAX_CONTENT>,
+    sequence: u16,
+    /// In order; the first is under way since then, if it was sent.
+    asked: VecDeque<Asked>,
+    sent_us: Option<u64>,
+    beat_us: u64,
+    /// A trajectory since then, and its next sample.
+    stream: Option<(Option<u64>, u32)>,
+    up: Line<Command>,
+    down: Line<()>,
+    random: Random,
+}
+
+/// Whether a command stops the base.
+pub(super) const fn stops(command: &Command) -> bool {
+    matches!(command, Command::Stop | Command::EmergencyStop { .. })
+}
+
+impl Host {
+    pub fn new(seed: u64) -> Self {
+        let random = |stream| Random::new(seed, stream);
+        Self {
+            decoder: Decoder::new(),
+            sequence: 0,
+            asked: VecDeque::new(),
+            sent_us: None,
+            beat_us: 0,
+            stream: None,
+            up: Line::new(random(1)),
+            down: Line::new(random(2)),
+            random: random(3),
+        }
+    }
+
+    /// Asks for something, after what was asked before.
+    pub fn ask(&mut self, command: Command) {
+        self.asked_for(command, false);
+    }
+
+    /// Asks for what has to be refused.
+    pub fn ask_in_vain(&mut self, command: Command) {
+        self.asked_for(command, true);
+    }
+
+    /// Stops the base: nothing else is wanted any more.
+    pub fn stop(&mut self, command: Command) {
+        self.asked.clear();
+        self.sent_us = None;
+        self.stream = None;
+        self.ask(command);
+    }
+
+    fn asked_for(&mut self, command: Command, has_to_fail: bool) {
+        let sequence = self.number();
+        self.asked.push_back(Asked {
+            command,
+            sequence,
+            has_to_fail,
+        });
+    }
+
+    /// Sends a trajectory as soon as all that was asked for is answered.
+    pub fn follow(&mut self) {
+        self.stream = Some((None, 0));
+    }
+
+    /// No more of a trajectory.
+    pub fn follow_no_more(&mut self) {
+        self.stream = None;
+    }
+
+    /// When the trajectory began \[µs\].
+    pub fn followed_since(&self) -> Option<u64> {
+        self.stream.and_then(|(since, _)| since)
+    }
+
+    /// Everything is answered.
+    pub fn is_content(&self) -> bool {
+        self.asked.is_empty()
+    }
+
+    fn number(&mut self) -> u16 {
+        self.sequence = (self.sequence + 1) % UNASKED;
+        self.sequence
+    }
+
+    /// Puts a tick's frames on the line.
+    pub fn speak(&mut self, manner: &Manner, now_us: u64, path: &Path, world: &World) {
+        if manner.silent {
+            return;
+        }
+        let flood_first = manner.flood > 0 && self.random.chance(0.5);
+        let stop_now =
+            self.resends(now_us) && self.asked.front().is_some_and(|a| stops(&a.command));
+        if flood_first {
+            self.flood(manner, now_us, stop_now);
+        }
+        if let Some(Asked {
+            command, sequence, ..
+        }) = self.asked.front().copied()
+            && self.resends(now_us)
+        {
+            self.sent_us = Some(now_us);
+            self.send(manner, now_us, sequence, &command);
+        }
+        if now_us >= self.beat_us + BEAT_US {
+            self.beat_us = now_us;
+            self.say(manner, now_us, &Command::Heartbeat);
+        }
+        if let Some((pose, age_s)) = world.fix() {
+            let age_s = if manner.bad_age {
+                f32::NAN
+            } else {
+                age_s as f32
+            };
+            let pose = (&narrow(&pose)).into();
+            self.say(manner, now_us, &Command::Fix { pose, age_s });
+        }
+        self.samples(manner, now_us, path);
+        if manner.flood > 0 && !flood_first {
+            self.flood(manner, now_us, stop_now);
+        }
+    }
+
+    /// Whether the first command that waits is due.
+    fn resends(&self, now_us: u64) -> bool {
+        !self.asked.is_empty() && self.sent_us.is_none_or(|sent| now_us >= sent + AGAIN_US)
+    }
+
+    fn samples(&mut self, manner: &Manner, now_us: u64, path: &Path) {
+        let Some((since, next)) = self.stream else {
+            return;
+        };
+        if !self.asked.is_empty() {
+            return;
+        }
+        let since = since.unwrap_or(now_us);
+        let until = 1.0e-6 * (now_us - since) as f64 + SAMPLES_S.1;
+        let mut next = next;
+        while f64::from(next) * SAMPLES_S.0 <= until {
+            let t = f64::from(next) * SAMPLES_S.0;
+            let sample = TimedSample {
+                t: t as f32,
+                reference: (&path.at(t)).into(),
+            };
+            self.say(manner, now_us, &Command::Sample(sample));
+            next += 1;
+        }
+        self.stream = Some((Some(since), next));
+    }
+
+    /// What nobody needs. Before a stop there may be an order to arm: the stop has the last word.
+    fn flood(&mut self, manner: &Manner, now_us: u64, before_stop: bool) {
+        if before_stop && self.random.chance(0.5) {
+            self.say(manner, now_us, &Command::Arm);
+        }
+        for _ in 0..manner.flood {
+            let command = match self.random.below(4) {
+                0 => Command::GetCounters,
+                1 => Command::Heartbeat,
+                _ => Command::GetParameters,
+            };
+            self.say(manner, now_us, &command);
+        }
+    }
+
+    fn say(&mut self, manner: &Manner, now_us: u64, command: &Command) {
+        let sequence = self.number();
+        self.send(manner, now_us, sequence, command);
+    }
+
+    fn send(&mut self, manner: &Manner, now_us: u64, sequence: u16, command: &Command) {
+        let mut bytes = [0; MAX_FRAME];
+        if let Ok(frame) = encode(sequence, command, &mut bytes) {
+            self.up.send(&manner.line, now_us, *command, frame);
+        }
+    }
+
+    /// The next frame that reaches the base.
+    pub fn arrived(&mut self, now_us: u64) -> Option<super::line::Sent<Command>> {
+        self.up.arrived(now_us)
+    }
+
+    /// The base answers.
+    pub fn answer(&mut self, manner: &Manner, now_us: u64, answer: &Frame<Telemetry>) {
+        let mut bytes = [0; MAX_FRAME];
+        if let Ok(frame) = encode(answer.sequence, &answer.message, &mut bytes) {
+            self.down.send(&manner.line, now_us, (), frame);
+        }
+    }
+
+    /// Takes what has come back, and says what came of the command under way.
+    pub fn hear(&mut self, now_us: u64) -> Option<Answered> {
+        while let Some(sent) = self.down.arrived(now_us) {
+            for byte in sent.bytes {
+                if let Some(Ok(frame)) = self.decoder.push(byte)
+                    && let Some(answered) = self.take(&frame)
+                {
+                    // A chunk holds one frame: nothing is left of it.
+                    return Some(answered);
+                }
+            }
+        }
+        None
+    }
+
+    fn take(&mut self, frame: &Frame<Telemetry>) -> Option<Answered> {
+        let asked = *self.asked.front()?;
+        let result = match frame.message {
+            Telemetry::Ack => Ok(()),
+            Telemetry::Nack(reason) => Err(reason),
+            _ => return None,
+        };
+        if frame.sequence != asked.sequence {
+            return None;
+        }
+        self.sent_us = None;
+        if result == Err(RejectReason::Full) && !stops(&asked.command) {
+            // Again, with the next tick.
+            return None;
+        }
+        self.asked.pop_front();
+        Some(Answered {
+            command: asked.command,
+            result,
+            has_to_fail: asked.has_to_fail,
+        })
+    }
+}
+
+/// Drive to a pose.
+pub(super) fn park(goal: &Pose<f64>) -> Command {
+    Command::Park {
+        goal: (&narrow(goal)).into(),
+    }
+}

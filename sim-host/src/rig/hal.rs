@@ -1,0 +1,163 @@
+//! The realistic plant behind the hardware traits: torques in, counts, supply, currents and time out.
+
+use super::convert;
+use crate::world::{Actuation, ActuationError, World};
+use controller_core::base::{Drive, Sensed, WheelAction};
+use controller_core::hal::{
+    Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders, accepts,
+};
+use controller_core::motor::Motor;
+use controller_core::types::WheelTorques;
+
+/// A [`World`] as a control task sees it: drivers, encoders and clock of a base whose world it owns.
+///
+/// Nothing moves but in [`advance`](Self::advance). Drivers that fail or report too much current
+/// ([`Defect`](crate::world::Defect)) answer so to every call.
+#[derive(Clone, Debug)]
+pub struct PlantHal {
+    world: World,
+    /// The drivers' motors; `None` where the wheels take torques.
+    motor: Option<Motor<f32>>,
+    max_torque_nm: f32,
+    observed: Observed,
+    exerted: Option<WheelTorques<f32>>,
+    actuation: Actuation,
+}
+
+impl PlantHal {
+    /// Released wheels in a world. Without `motor` the wheels take torques up to `max_torque_nm`.
+    pub fn new(world: World, motor: Option<Motor<f32>>, max_torque_nm: f32) -> Self {
+        Self {
+            world,
+            max_torque_nm: motor
+                .as_ref()
+                .map_or(max_torque_nm, |motor| motor.max_torque_nm()),
+            motor,
+            observed: Observed::default(),
+            exerted: None,
+            actuation: Actuation::Release,
+        }
+    }
+
+    /// Lets a tick pass with what the wheels do held, and returns its length \[µs\].
+    ///
+    /// # Errors
+    /// A command that the world refuses, which no driver gives.
+    pub fn advance(&mut self, period_us: u32) -> Result<u32, ActuationError> {
+        let dt_us = self.world.next_tick_us(period_us);
+        self.world.advance(&self.actuation, dt_us)?;
+        Ok(dt_us)
+    }
+
+    /// Everything that a base measures at the end of a tick.
+    pub fn sensed(&self) -> Sensed<f32> {
+        convert::sensed(&self.world)
+    }
+
+    /// Does what a base asks of its wheels; the answer is the driver's.
+    ///
+    /// # Errors
+    /// As the traits' methods.
+    pub fn act(&mut self, action: &WheelAction<f32>) -> Result<(), ErrorKind> {
+        match action {
+            WheelAction::Release => self.release(),
+            WheelAction::Brake => self.brake(),
+            WheelAction::Drive(Drive {
+                torques,
+                wanted,
+                speeds,
+            }) => {
+                self.observe(&Observed {
+                    speeds: *speeds,
+                    wanted: *wanted,
+                    supply_v: self.world.supply_v() as f32,
+                });
+                self.set_torques(*torques)
+            }
+        }
+    }
+
+    /// The world, for what truly happens.
+    pub const fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world, to put faults into.
+    pub const fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// What acts on the wheels until the next call.
+    pub const fn actuation(&self) -> &Actuation {
+        &self.actuation
+    }
+
+    /// Lets something else act: a driver that does not do what it is asked for.
+    pub const fn override_actuation(&mut self, actuation: Actuation) {
+        self.actuation = actuation;
+    }
+}
+
+impl ErrorType for PlantHal {
+    type Error = ErrorKind;
+}
+
+impl WheelDrive for PlantHal {
+    fn max_torque_nm(&self) -> f32 {
+        self.max_torque_nm
+    }
+
+    fn observe(&mut self, observed: &Observed) {
+        self.observed = *observed;
+    }
+
+    /// By the motors' equations, where current or supply limited a torque.
+    fn exerted(&self) -> Option<WheelTorques<f32>> {
+        self.exerted
+    }
+
+    fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), ErrorKind> {
+        if !accepts(&torques, self.max_torque_nm) {
+            return Err(ErrorKind::OutOfRange);
+        }
+        match &self.motor {
+            Some(motor) => {
+                let (duty, exerted) = convert::duties(motor, &torques, &self.observed);
+                self.actuation = duty;
+                self.exerted = exerted;
+            }
+            None => {
+                self.actuation = Actuation::Torque {
+                    right: f64::from(torques.right),
+                    left: f64::from(torques.left),
+                };
+            }
+        }
+        self.world.drive_answer()
+    }
+
+    fn release(&mut self) -> Result<(), ErrorKind> {
+        self.actuation = Actuation::Release;
+        self.exerted = None;
+        self.world.drive_answer()
+    }
+
+    fn brake(&mut self) -> Result<(), ErrorKind> {
+        self.actuation = Actuation::Brake;
+        self.exerted = None;
+        self.world.drive_answer()
+    }
+}
+
+impl WheelEncoders for PlantHal {
+    fn counts(&mut self) -> Result<WheelCounts, ErrorKind> {
+        self.world.counts()
+    }
+}
+
+impl Clock for PlantHal {
+    /// The low 32 bits of the world's time.
+    fn now_us(&self) -> u32 {
+        self.world.now_us() as u32
+    }
+}
