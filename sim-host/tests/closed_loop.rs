@@ -46,9 +46,9 @@ fn the_papers_errors_are_corrected_in_time() {
     }
 }
 
-/// The table of `README.md`, as `cargo run --release` makes it.
+/// The table of `docs/paper.md`, as `cargo run --release` makes it.
 #[test]
-fn the_readme_states_both_cases() {
+fn the_document_states_both_cases() {
     let all = ["paper-line", "paper-curve"].map(|name| {
         let scenario = scenario(name);
         [metrics(&scenario), metrics(&scenario.with_law(Law::Plain))]
@@ -57,10 +57,10 @@ fn the_readme_states_both_cases() {
     let each = |of: fn(&Metrics) -> Vec<f64>| -> Vec<f64> {
         all.iter().flat_map(|metrics| of(metrics)).collect()
     };
-    let mut readme = Stated::of("README.md");
+    let mut page = Stated::of("docs/paper.md");
     let mut row = |label, measured: Vec<f64>| {
         let row = At::Row("What the paper's cases give", label);
-        readme.exactly(row, &measured);
+        page.exactly(row, &measured);
     };
     row(
         "settled within 5 cm, 0.05 rad [s] (paper: about 5.0 and 5.2)",
@@ -95,11 +95,11 @@ fn the_readme_states_both_cases() {
         }),
     );
     let start = &all[3].start_torque_step;
-    readme.exactly(
+    page.exactly(
         At::Phrase("plain law starts with # N and # N m from"),
         &[start.force_n, start.moment_nm],
     );
-    readme.exactly(
+    page.exactly(
         At::Phrase("changes by at most # N and # N m a tick"),
         &[
             all[2].force_n.largest_change_per_tick,

@@ -59,8 +59,8 @@ fn every_format_is_driven_to_parked() -> Result<(), Box<dyn Error>> {
 
 /// How near a reference passes the poses of its file, and what of a base it may use.
 #[test]
-fn references_are_as_the_readme_says() -> Result<(), Box<dyn Error>> {
-    let mut readme = Stated::of("README.md");
+fn references_are_as_the_document_says() -> Result<(), Box<dyn Error>> {
+    let mut page = Stated::of("docs/trajectories.md");
     let (mut planned, mut recorded) = ([0.0_f64; 2], [0.0_f64; 2]);
     for name in DRIVABLE {
         let trajectory = import(&fixture(name)?, &Options::default())?;
@@ -73,17 +73,17 @@ fn references_are_as_the_readme_says() -> Result<(), Box<dyn Error>> {
         most[0] = most[0].max(1e3 * off.position_m);
         most[1] = most[1].max(1e3 * off.heading_rad);
     }
-    readme.at_most(
+    page.at_most(
         At::Phrase("passes planned poses within # mm and # mrad"),
         &planned,
     );
-    readme.at_most(
+    page.at_most(
         At::Phrase("(recorded ones within # mm and # mrad)"),
         &recorded,
     );
     let base = Base::default();
     let (limits, may) = (&base.limits, base.reference_limits());
-    readme.exactly(
+    page.exactly(
         At::Phrase(
             "more than # % of the base's speed, # % of its acceleration and torque, or # % of its",
         ),

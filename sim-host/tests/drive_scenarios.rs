@@ -14,7 +14,7 @@ fn run(text: &str, name: &str) -> Result<(Mission, DriveTrace, DriveMetrics), Bo
 
 #[test]
 fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Error>> {
-    let mut readme = Stated::of("README.md");
+    let mut page = Stated::of("docs/trajectories.md");
     let (mut off, mut turned) = (0.0_f64, 0.0_f64);
     for built_in in MISSIONS {
         let name = built_in.name;
@@ -41,7 +41,7 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
             _ => times.extend(mission.events.last().map(|event| event.at_s)),
         }
         let row = format!("`{name}`");
-        readme.exactly(
+        page.exactly(
             At::Cell("Scenarios for the default law", &row, "arrives"),
             &times,
         );
@@ -63,7 +63,7 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
             );
         }
     }
-    readme.exactly(
+    page.exactly(
         At::Phrase("All end within # mm and # mrad, in single precision"),
         &[1e3 * off, 1e3 * turned],
     );

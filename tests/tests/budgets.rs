@@ -273,11 +273,11 @@ fn fastest(board: Board) -> &'static Measured {
     found.expect("every board was measured at opt level 3")
 }
 
-/// The table of `README.md`, and what stands below it. Also prints the tables that it has no room for: back ends, parts,
-/// peers.
+/// The table of `docs/chip.md`, and what stands below it. Also prints the tables that it has no room for: back ends,
+/// parts, peers.
 #[test]
-fn the_readme_states_what_is_measured() {
-    let mut readme = Stated::of("README.md");
+fn the_document_states_what_is_measured() {
+    let mut page = Stated::of("docs/chip.md");
     let columns = ["Cortex-M4F", "RISC-V (rv32imafc)"];
     for (board, column) in BOARDS.into_iter().zip(columns) {
         let measured = fastest(board);
@@ -307,12 +307,12 @@ fn the_readme_states_what_is_measured() {
             ),
         ] {
             let figures: Vec<f64> = keys.iter().map(|key| figures[key] as f64).collect();
-            readme.exactly(At::Cell("On a chip", row, column), &figures);
+            page.exactly(At::Cell("On a chip", row, column), &figures);
         }
     }
     let arm = fastest(BOARDS[0]);
     let figures = BTreeMap::from(entries(arm));
-    readme.exactly(
+    page.exactly(
         At::Phrase("limited torques cost up to #;"),
         &[figures["park-worst"].max(figures["track-worst"]) as f64],
     );
@@ -327,7 +327,7 @@ fn the_readme_states_what_is_measured() {
         .collect();
     println!("{}", budget_report::images(&all));
     let tick = |path: &str, part: &str| arm.cost.row(&format!("tick/{path}/{part}/ordinary")).1;
-    readme.exactly(
+    page.exactly(
         At::Phrase("two `pid` PIDs #, the Ramsete law # on our maths"),
         &[
             peers.row("peer/pid-pair").1,
@@ -335,7 +335,7 @@ fn the_readme_states_what_is_measured() {
         ],
     );
     // Means, for their cost depends on the numbers.
-    readme.exactly(
+    page.exactly(
         At::Phrase("and # on `libm`, the paper's tick on `libm` # / #"),
         &[
             arm.cost.row("peer/ramsete/libm").1,
@@ -343,7 +343,7 @@ fn the_readme_states_what_is_measured() {
             tick("libm+exact", "park"),
         ],
     );
-    readme.about(
+    page.about(
         At::Phrase("and in `f64` # / #."),
         &[
             tick("f64-libm+exact", "track"),

@@ -211,20 +211,20 @@ fn documents_state_both_cases_as_they_are() {
     let two = |of: fn(&Figures) -> Vector2<f64>| -> Vec<f64> {
         all.iter().flat_map(|run| [of(run).x, of(run).y]).collect()
     };
-    let mut readme = Stated::of("README.md");
+    let mut page = Stated::of("docs/paper.md");
     let cases = |label| At::Row("What the paper's cases give", label);
-    readme.to_a_digit(
+    page.to_a_digit(
         cases("settled within 5 cm, 0.05 rad [s] (paper: about 5.0 and 5.2)"),
         &one(|run| run.settled_s),
     );
-    readme.to_a_digit(cases("final position error [mm]"), &one(|run| run.left_mm));
-    readme.to_a_digit(cases("peak force, moment [N, N m]"), &two(|run| run.peak));
-    readme.to_a_digit(
+    page.to_a_digit(cases("final position error [mm]"), &one(|run| run.left_mm));
+    page.to_a_digit(cases("peak force, moment [N, N m]"), &two(|run| run.peak));
+    page.to_a_digit(
         cases("largest change per tick [N, N m]"),
         &two(|run| run.change),
     );
-    readme.to_a_digit(cases("step at the start [N, N m]"), &two(|run| run.start));
-    readme.to_a_digit(
+    page.to_a_digit(cases("step at the start [N, N m]"), &two(|run| run.start));
+    page.to_a_digit(
         cases("step at the hand-over [N, N m]"),
         &two(|run| run.hand_over),
     );

@@ -160,11 +160,11 @@ fn covers_everything(flown: &Flown, runs: u64) {
     assert!(flown.saturated > 50, "{}", flown.saturated);
 }
 
-/// The ticks that README states: these and those over the serial port.
+/// The ticks that docs/chip.md states: these and those over the serial port.
 fn state(column: &str, flown: &Flown) {
     let label = "ticks compared with the host, bits different";
     let ticks = flown.parity.ticks + SERIAL_TICKS;
-    Stated::of("README.md").exactly(At::Cell("On a chip", label, column), &[ticks as f64]);
+    Stated::of("docs/chip.md").exactly(At::Cell("On a chip", label, column), &[ticks as f64]);
 }
 
 #[test]
@@ -194,13 +194,13 @@ fn serial_port_carries_the_same_bits() {
 
 /// What `sim-host pil` counts of the paper's cases: every tick of parking the same.
 #[test]
-fn parking_takes_the_instructions_that_the_readme_says() {
+fn parking_takes_the_instructions_that_the_document_says() {
     let paper = &scenarios(FULL)[..2];
     let parking = fly(Machine::CortexM4F, LinkKind::Fifo, paper, true)
         .cost
         .parking;
     assert_eq!(parking.least, parking.most);
-    Stated::of("README.md").exactly(
+    Stated::of("docs/chip.md").exactly(
         At::Phrase("`pil` counts # for parking"),
         &[f64::from(parking.most)],
     );

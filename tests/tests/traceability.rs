@@ -189,36 +189,92 @@ fn every_item_that_the_docs_name_exists() {
     }
 }
 
-/// A row of figures in `README.md` is read by a test, which knows it by its first cell.
+/// A row of figures in `README.md` and in what it hands on to is read by a test, which knows it by its first cell.
 #[test]
-fn every_row_of_figures_in_the_readme_is_read_by_a_test() {
+fn every_row_of_figures_is_read_by_a_test() {
     /// Formats, equations, and prose whose figures are read by phrases.
-    const PROSE: [&str; 3] = ["Trajectory files", "Two laws", "What is in it"];
+    const PROSE: [&str; 4] = [
+        "Trajectory files",
+        "Two laws",
+        "Equations and modules",
+        "Map",
+    ];
     let sources: Vec<String> = ["tests/tests", "sim-host/tests", "sim-host/src/scenario"]
         .iter()
         .flat_map(|folder| sources(folder))
         .map(|(_, text)| text)
         .collect();
-    let readme = read("README.md");
-    let mut heading = "";
     let mut rows = 0;
-    for (line, next) in readme.lines().zip(readme.lines().skip(1)) {
-        heading = line.strip_prefix("## ").unwrap_or(heading);
-        let Some((label, figures)) = line.strip_prefix("| ").and_then(|row| row.split_once(" |"))
-        else {
-            continue;
-        };
-        let is_head = next.starts_with("| ---") || line.starts_with("| ---");
-        let has_figures = figures.contains(|c: char| c.is_ascii_digit());
-        if is_head || !has_figures || (PROSE.contains(&heading) && !label.starts_with('`')) {
-            continue;
+    for page in [
+        "README.md",
+        "docs/paper.md",
+        "docs/trajectories.md",
+        "docs/chip.md",
+    ] {
+        let text = read(page);
+        let mut heading = "";
+        for (line, next) in text.lines().zip(text.lines().skip(1)) {
+            heading = line
+                .strip_prefix("## ")
+                .or(line.strip_prefix("# "))
+                .unwrap_or(heading);
+            let Some((label, figures)) =
+                line.strip_prefix("| ").and_then(|row| row.split_once(" |"))
+            else {
+                continue;
+            };
+            let is_head = next.starts_with("| ---") || line.starts_with("| ---");
+            let has_figures = figures.contains(|c: char| c.is_ascii_digit());
+            if is_head || !has_figures || (PROSE.contains(&heading) && !label.starts_with('`')) {
+                continue;
+            }
+            rows += 1;
+            let quoted = format!("\"{}\"", label.trim_matches('`'));
+            assert!(
+                sources.iter().any(|text| text.contains(&quoted)),
+                "{page}: no test reads the row \"{label}\""
+            );
         }
-        rows += 1;
-        let quoted = format!("\"{}\"", label.trim_matches('`'));
-        assert!(
-            sources.iter().any(|text| text.contains(&quoted)),
-            "no test reads the row \"{label}\""
-        );
     }
     assert!(rows > 20, "{rows}");
+}
+
+/// The README is read in a few minutes: what is longer has a page of its own.
+#[test]
+fn the_readme_is_short() {
+    let lines = read("README.md").lines().count();
+    assert!(lines <= 150, "{lines}");
+}
+
+/// Paths that the map of the code names are there, and so are all pages that README and pages link to.
+#[test]
+fn what_the_documents_point_to_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let architecture = read("docs/architecture.md");
+    let quoted = architecture.split('`').skip(1).step_by(2);
+    let mut named = 0;
+    for path in quoted.filter(|name| name.contains('/') && !name.contains(['*', ' '])) {
+        assert!(root.join(path).exists(), "docs/architecture.md: no {path}");
+        named += 1;
+    }
+    assert!(named > 20, "{named}");
+    let docs = fs::read_dir(root.join("docs")).expect("docs");
+    let pages = docs.map(|entry| entry.expect("an entry").path());
+    let tops = ["README.md", "CONTRIBUTING.md"].map(|name| root.join(name));
+    for page in pages.chain(tops) {
+        if page.extension().is_none_or(|kind| kind != "md") {
+            continue;
+        }
+        let text = fs::read_to_string(&page).expect("a page");
+        let folder = page.parent().expect("it is in a folder");
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = link.split('#').next().unwrap_or(link);
+            let is_local = !file.is_empty() && !file.contains("://");
+            assert!(
+                !is_local || folder.join(file).exists(),
+                "{}: no {link}",
+                page.display()
+            );
+        }
+    }
 }
