@@ -249,18 +249,17 @@ fn the_readme_is_short() {
 /// Paths that the map of the code names are there, and so are all pages that README and pages link to.
 #[test]
 fn what_the_documents_point_to_exists() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let architecture = read("docs/architecture.md");
     let quoted = architecture.split('`').skip(1).step_by(2);
     let mut named = 0;
     for path in quoted.filter(|name| name.contains('/') && !name.contains(['*', ' '])) {
-        assert!(root.join(path).exists(), "docs/architecture.md: no {path}");
+        assert!(root(path).exists(), "docs/architecture.md: no {path}");
         named += 1;
     }
     assert!(named > 20, "{named}");
-    let docs = fs::read_dir(root.join("docs")).expect("docs");
+    let docs = fs::read_dir(root("docs")).expect("docs");
     let pages = docs.map(|entry| entry.expect("an entry").path());
-    let tops = ["README.md", "CONTRIBUTING.md"].map(|name| root.join(name));
+    let tops = ["README.md", "CONTRIBUTING.md"].map(root);
     for page in pages.chain(tops) {
         if page.extension().is_none_or(|kind| kind != "md") {
             continue;
