@@ -266,7 +266,11 @@ fn what_the_documents_point_to_exists() {
         }
         let text = fs::read_to_string(&page).expect("a page");
         let folder = page.parent().expect("it is in a folder");
-        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        for link in text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
             let file = link.split('#').next().unwrap_or(link);
             let is_local = !file.is_empty() && !file.contains("://");
             assert!(
