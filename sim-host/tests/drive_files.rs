@@ -32,10 +32,11 @@ fn assert_parked(name: &str, metrics: &DriveMetrics) {
     }
 }
 
-const DRIVABLE: [&str; 13] = [
+const DRIVABLE: [&str; 14] = [
     "wpilib_dirty.json",
     "wpilib_gaps.json",
     "small_wpilib.json",
+    "wpilib_2027.json",
     "choreo_v0.traj",
     "choreo_v0_track.traj",
     "choreo_v1.traj",
@@ -103,6 +104,7 @@ fn clean_files_are_tracked_within_millimetres() -> Result<(), Box<dyn Error>> {
         "choreo_v1.traj",
         "table.csv",
         "small_wpilib.json",
+        "wpilib_2027.json",
     ] {
         for precision in [Precision::F32, Precision::F64] {
             let run = FileRun {

@@ -12,10 +12,11 @@ fn load(name: &str) -> Result<Trajectory, Box<dyn Error>> {
     Ok(import(&fs::read(path.join(name))?, &Options::default())?)
 }
 
-const DRIVABLE: [(&str, Format); 13] = [
+const DRIVABLE: [(&str, Format); 14] = [
     ("wpilib_dirty.json", Format::WpilibJson),
     ("wpilib_gaps.json", Format::WpilibJson),
     ("small_wpilib.json", Format::WpilibJson),
+    ("wpilib_2027.json", Format::WpilibJson),
     ("choreo_v0.traj", Format::ChoreoTraj),
     ("choreo_v0_track.traj", Format::ChoreoTraj),
     ("choreo_v1.traj", Format::ChoreoTraj),
@@ -168,6 +169,35 @@ fn shifted_columns_are_found_and_change_nothing() -> Outcome {
     assert_eq!(
         derived("choreo_v0_track.traj")?,
         from("vl, vr and the track width")
+    );
+    Ok(())
+}
+
+/// The same drive as WPILib writes it since 2027: velocities in the frame of the field change nothing, and those that
+/// contradict the poses are not used.
+#[test]
+fn samples_of_2027_are_the_same_reference() -> Outcome {
+    let (choreo, wpilib) = (load("choreo_v1.traj")?, load("wpilib_2027.json")?);
+    let what = |of: &Trajectory| of.repairs().iter().map(|r| r.what).collect::<Vec<_>>();
+    assert_eq!(what(&wpilib), what(&choreo));
+    assert!((wpilib.duration() - choreo.duration()).abs() < 1e-9);
+    for i in 0..=100 {
+        let t = 0.01 * f64::from(i) * choreo.duration();
+        let (a, b) = (choreo.at(t), wpilib.at(t));
+        // The file has six decimals.
+        assert!((a.x - b.x).hypot(a.y - b.y) < 1e-5, "{t}");
+        assert!((a.v - b.v).abs() < 1e-3, "{t}: {} and {}", a.v, b.v);
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/wpilib_2027.json");
+    let doubled = fs::read_to_string(path)?.replace("\"leftVelocity\":", "\"leftVelocity\":3");
+    let doubled = import(doubled.as_bytes(), &Options::default())?;
+    assert!(
+        doubled
+            .repairs()
+            .iter()
+            .any(|repair| matches!(repair.what, Fix::ColumnContradicts { .. })),
+        "{:?}",
+        doubled.repairs()
     );
     Ok(())
 }

@@ -144,6 +144,11 @@ fn other_bases_and_other_dimensions_are_refused() -> Result<(), Box<dyn Error>> 
         Reason::OtherDrive("swerve")
     );
     assert_eq!(fixture("choreo_2024.traj")?.reason, Reason::ChoreoTooOld);
+    let holonomic = r#"{"samples":[{"time":0,"pose":{"translation":{"x":0,"y":0},"rotation":{"radians":0}},
+        "velocity":{"vx":0,"vy":1,"omega":0},"acceleration":{"ax":0,"ay":0,"alpha":0}}]}"#;
+    let holonomic = refusal(holonomic.as_bytes())?;
+    assert_eq!(holonomic.reason, Reason::OtherDrive("holonomic"));
+    assert_eq!(holonomic.place.line, Some(1));
     let climbing = fixture("tum_climbing.txt")?;
     assert_eq!(climbing.place.line, Some(22));
     assert!(matches!(climbing.reason, Reason::NotPlanar(_)));

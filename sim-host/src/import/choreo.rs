@@ -1,7 +1,7 @@
-//! Choreo `.traj` of a differential drive, schema 0 (no `omega`, no `sampleType`) and 1.
+//! Choreo `.traj` of a differential drive, schema 0 (no `omega`, no `sampleType`) to 3.
 
 use super::Format;
-use super::choreo_columns::{Columns, contradictions};
+use super::columns::{Columns, Names, contradictions};
 use super::json::{Elements, Lenient, document, samples};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal, Untimed};
@@ -112,7 +112,11 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
         };
         repairs.add(first.clone(), row.t, what);
     }
-    let bad = contradictions(&columns, &mut repairs);
+    let names = Names {
+        speeds: "vl, vr",
+        omega: "omega",
+    };
+    let bad = contradictions(&columns, names, &mut repairs);
     let list = rows
         .iter()
         .map(|(place, r)| {

@@ -2,17 +2,19 @@
 
 use super::Place;
 use super::refusal::{Reason, Refusal, Untimed};
+use super::wpilib;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
 use std::fmt;
 
 /// A format that is recognised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
-    /// WPILib trajectory JSON: an array of states.
+    /// WPILib trajectory JSON: an array of states, or since 2027 an object of `samples`.
     WpilibJson,
-    /// Choreo `.traj`, schema 0 (2025 beta) or 1.
+    /// Choreo `.traj`, schema 0 (2025 beta) to 3.
     ChoreoTraj,
     /// TUM poses: `t x y z qx qy qz qw`.
     TumPoses,
@@ -39,9 +41,10 @@ impl fmt::Display for Format {
 
 /// The names that tell one JSON object from another.
 #[derive(Deserialize)]
-struct Names {
+struct Names<'a> {
     trajectory: Option<IgnoredAny>,
-    samples: Option<IgnoredAny>,
+    #[serde(borrow)]
+    samples: Option<&'a RawValue>,
     snapshot: Option<IgnoredAny>,
     waypoints: Option<IgnoredAny>,
     #[serde(rename = "globalConstraints")]
@@ -89,7 +92,7 @@ pub(super) fn detect(text: &str) -> Result<Format, Refusal> {
 
 /// The format of a JSON object.
 fn object(text: &str) -> Result<Format, Refusal> {
-    let names: Names = serde_json::from_str(text).map_err(|e| Refusal {
+    let names: Names<'_> = serde_json::from_str(text).map_err(|e| Refusal {
         format: None,
         place: Place::line(e.line()),
         reason: Reason::Malformed(e.to_string()),
@@ -98,7 +101,10 @@ fn object(text: &str) -> Result<Format, Refusal> {
         Ok(Format::ChoreoTraj)
     } else if names.global_constraints.is_some() || names.goal_end_state.is_some() {
         Ok(Format::PathPlanner)
-    } else if names.samples.is_some() {
+    } else if let Some(samples) = names.samples {
+        if wpilib::has_samples(samples) {
+            return Ok(Format::WpilibJson);
+        }
         Err(Refusal::new(
             Format::ChoreoTraj,
             Place::default().field("samples"),

@@ -30,7 +30,7 @@
 //! linear in both. No input makes a panic.
 
 mod choreo;
-mod choreo_columns;
+mod columns;
 mod compact;
 mod ease;
 mod figures;

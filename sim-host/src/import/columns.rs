@@ -1,4 +1,4 @@
-//! Whether Choreo's columns hold what their names say: between schema versions some moved.
+//! Whether the columns of a file hold what their names say: between versions of Choreo's schema some moved.
 //!
 //! Each column is compared with what it is the derivative or the cause of. The reference itself is
 //! built from time and poses, so a shifted column costs nothing but a line in the verdict.
@@ -34,12 +34,21 @@ struct Row {
     fr: Option<f64>,
 }
 
+/// What a format calls its columns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Names {
+    /// Wheel speeds.
+    pub(super) speeds: &'static str,
+    /// Turn rate.
+    pub(super) omega: &'static str,
+}
+
 /// Columns that are not believed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contradictions {
-    /// `vl` and `vr`.
+    /// Wheel speeds.
     pub(super) speeds: bool,
-    /// `omega`.
+    /// Turn rate.
     pub(super) omega: bool,
 }
 
@@ -101,7 +110,11 @@ impl Columns {
 }
 
 /// Compares the columns and lists what contradicts.
-pub(super) fn contradictions(columns: &Columns, repairs: &mut Repairs) -> Contradictions {
+pub(super) fn contradictions(
+    columns: &Columns,
+    names: Names,
+    repairs: &mut Repairs,
+) -> Contradictions {
     let mut add = |found: Option<(usize, f64)>, column, with| {
         let Some((row, by)) = found else { return false };
         if let Some(row) = columns.rows.get(row) {
@@ -137,8 +150,8 @@ pub(super) fn contradictions(columns: &Columns, repairs: &mut Repairs) -> Contra
         (mass > 0.0).then_some((force / mass, accel))
     });
     let found = Contradictions {
-        speeds: add(speeds, "vl, vr", "the poses"),
-        omega: add(omega, "omega", "the headings"),
+        speeds: add(speeds, names.speeds, "the poses"),
+        omega: add(omega, names.omega, "the headings"),
     };
     add(left, "al", "the rate of vl");
     add(right, "ar", "the rate of vr");
