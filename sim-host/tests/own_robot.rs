@@ -39,6 +39,37 @@ fn constants_in_the_firmware_are_those_of_the_files() -> Result<(), Box<dyn Erro
     Ok(())
 }
 
+/// The owner of a robot changes a reaction in its file; what cannot work is refused with its place.
+#[test]
+fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
+    use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
+    let built_in = BuiltInBase::find("lab-10kg").ok_or("not built in")?;
+    let with = |lines: &str| format!("{}\n[policy]\n{lines}\n", built_in.text);
+    let text = with("pose_stale = { reaction = \"brake\", latch = true }");
+    let base = Base::parse("mine.toml", &text)?;
+    let response = Response::latched(Reaction::Brake);
+    let wanted = PolicyParams::DEFAULT.with(FaultKind::PoseStale, response);
+    let params = sim_host::rig::params(&base, period_us(&base)).map_err(|e| e.to_string())?;
+    assert_eq!(params.policy, wanted);
+    let constants = rust("mine.toml", &base).map_err(|e| e.to_string())?;
+    assert!(constants.contains("pose_stale: Response::latched(Reaction::Brake)"));
+    // Nothing is left to stop by.
+    let text = with("encoder_stuck = { reaction = \"controlled-stop\", latch = true }");
+    let refused = Base::parse("mine.toml", &text).err().ok_or("was taken")?;
+    let line = text.lines().count();
+    assert_eq!(
+        (refused.key.as_str(), refused.line),
+        ("policy.encoder_stuck", Some(line))
+    );
+    assert!(
+        refused.message.contains("leaves no measurement"),
+        "{refused}"
+    );
+    let refused = Base::parse("mine.toml", &with("pose_gone = 1"));
+    assert!(refused.is_err_and(|error| error.to_string().contains("pose_gone")));
+    Ok(())
+}
+
 #[test]
 fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
     let robots = [robots::PAPER_30KG, robots::LAB_10KG, robots::HOBBY_1KG];

@@ -6,6 +6,7 @@ use controller_core::error::ParamError;
 use controller_core::maths::Libm;
 use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
 use controller_core::params::{Params, Robot};
+use controller_core::safety::PolicyParams;
 
 /// A base: what it is, and what it can do.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Base {
     pub gains: Option<MotionGains<f64>>,
     /// Motors, battery, encoders, localisation; none for an ideal source of torques and poses.
     pub hardware: Option<Hardware>,
+    /// Reaction to each kind of fault.
+    pub policy: PolicyParams,
 }
 
 impl Default for Base {
@@ -42,6 +45,7 @@ impl Default for Base {
             },
             gains: None,
             hardware: None,
+            policy: PolicyParams::DEFAULT,
         }
     }
 }

@@ -45,6 +45,7 @@ pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError
             params.motion.gains.slow = slow;
         }
     }
+    params.policy = base.policy;
     Ok(params)
 }
 

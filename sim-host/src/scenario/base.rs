@@ -9,6 +9,7 @@ use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, Policy};
 use controller_core::params::Robot;
+use controller_core::safety::PolicyParams;
 use controller_core::types::Pose;
 use controller_core::wheels::WheelGeometry;
 use serde::Deserialize;
@@ -29,6 +30,8 @@ struct File {
     control: Option<ControlKeys>,
     #[serde(default)]
     gains: GainKeys,
+    #[serde(default)]
+    policy: PolicyParams,
 }
 
 /// All keys are needed: a robot that is half somebody else's is nobody's.
@@ -108,6 +111,10 @@ impl Base {
             control: keys.control,
         };
         base.hardware = hardware.hardware(&base, &place)?;
+        if let Err(error) = keys.policy.validate() {
+            return Err(place.error(&format!("policy.{}", error.kind.name()), error));
+        }
+        base.policy = keys.policy;
         Ok(base)
     }
 }
