@@ -14,7 +14,7 @@
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`prove`], [`constants`]; [`trials`] on bad floors |
-//! | report | [`metrics`], [`table`], [`csv_out`], [`figure`] |
+//! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
 //!
 //! ```
 //! use sim_host::metrics::Metrics;
@@ -33,6 +33,7 @@ pub mod campaign;
 pub mod constants;
 pub mod csv_out;
 pub mod drive;
+#[cfg(feature = "cli")]
 pub mod figure;
 pub mod identify;
 pub mod import;

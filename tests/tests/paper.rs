@@ -18,5 +18,4 @@ mod reference_queue;
 mod single_maths;
 mod stability_limits;
 mod theory_claims;
-mod traceability;
 mod wheel_properties;
