@@ -19,8 +19,63 @@ fn base(name: &str) -> Result<Base, Box<dyn Error>> {
     Ok(BuiltInBase::find(name).ok_or("not built in")?.base()?)
 }
 
+/// From a robot's file to the image that is flashed, as the README has it: `constants`, and one line for the board.
+#[test]
+fn a_board_drives_the_robot_of_a_file() -> Result<(), Box<dyn Error>> {
+    let folder = tempfile::tempdir()?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let file = std::fs::read_to_string(root.join("boards/robot.toml"))?;
+    // A mass and a track that no other robot has.
+    let mine = file.replace("m = 1.5", "m = 1.5321");
+    let mine = mine.replace("l = 0.160", "l = 0.16543");
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, mine)?;
+    let made = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .arg("constants")
+        .arg(&path)
+        .arg("--out")
+        .arg(folder.path())
+        .output()?;
+    assert!(made.status.success(), "{made:?}");
+    let image = |robot: Option<PathBuf>| -> Result<Vec<u8>, Box<dyn Error>> {
+        let mut build = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+        build.args(["build", "--release", "--locked"]);
+        build.current_dir(root.join("boards/stm32f411"));
+        // Where `sh tests/run` builds all boards. Without `ROBOT` it is the one of the board's own line.
+        let target = root.join("target/boards").canonicalize();
+        build.env(
+            "CARGO_TARGET_DIR",
+            target.unwrap_or_else(|_| root.join("target/boards")),
+        );
+        build
+            .env_remove("ROBOT")
+            .envs(robot.map(|path| ("ROBOT", path)));
+        let built = build.output()?;
+        assert!(built.status.success(), "{built:?}");
+        let elf = "target/boards/thumbv7em-none-eabihf/release/board-stm32f411";
+        Ok(std::fs::read(root.join(elf))?)
+    };
+    let has = |image: &[u8], number: f32| image.windows(4).any(|word| word == number.to_le_bytes());
+    let changed = image(Some(folder.path().join("mine.rs")))?;
+    let own = image(None)?;
+    for number in [1.5321, 0.16543] {
+        assert!(has(&changed, number), "{number} is not in the image");
+        assert!(!has(&own, number), "{number} is in the board's own image");
+    }
+    Ok(())
+}
+
 #[test]
 fn constants_in_the_firmware_are_those_of_the_files() -> Result<(), Box<dyn Error>> {
+    let boards = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards");
+    let text = std::fs::read_to_string(boards.join("robot.toml"))?;
+    let robot = Base::parse("robot.toml", &text)?;
+    let made = rust("robot.toml", &robot).map_err(|e| e.to_string())?;
+    assert_eq!(
+        made,
+        std::fs::read_to_string(boards.join("robot.rs"))?,
+        "run `sim-host constants boards/robot.toml --out boards`"
+    );
     for name in NAMES {
         let made = rust(&format!("{name}.toml"), &base(name)?).map_err(|e| e.to_string())?;
         let path: PathBuf = [

@@ -11,8 +11,8 @@ use firmware_demo::control::ControlTask;
 use firmware_demo::drive::{Bridges, MotorPair, MotorSide};
 use firmware_demo::station::{Queues, Station};
 
-use crate::config;
 use crate::line::Line;
+use crate::{config, robot};
 
 /// What a board is made of.
 pub struct Parts<P, D, N, E, C> {
@@ -31,7 +31,7 @@ pub struct Parts<P, D, N, E, C> {
 /// Why there is no robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartError {
-    /// A value of [`config`] is out of its range.
+    /// A value of the [`robot`] is out of its range, or it has no motors.
     Config,
     /// The motor outputs cannot be made safe.
     Motors,
@@ -85,17 +85,17 @@ where
         clock,
     } = parts;
     enable.set_low().map_err(|_| StartError::Motors)?;
-    let motor = config::MOTOR.validate().map_err(|_| StartError::Config)?;
+    let motor = robot::BASE.motor.ok_or(StartError::Config)?;
+    let motor = motor.validate().map_err(|_| StartError::Config)?;
     let bridges = Bridges {
         off_phase: config::OFF_PHASE,
         enable: Some(enable),
     };
     let mut motors = MotorPair::new(right, left, bridges, motor);
     motors.release().map_err(|_| StartError::Motors)?;
-    let params = config::params().map_err(|_| StartError::Config)?;
     encoders.counts().map_err(|_| StartError::Encoders)?;
     let (references, ends, reception) = queues.split(config::DECIMATE);
-    let task = ControlTask::new(motors, references, params, Pose::default())
+    let task = ControlTask::new(motors, references, robot::BASE, Pose::default())
         .map_err(|_| StartError::Config)?;
     let base = Base {
         station: Station::new(task, ends),

@@ -14,6 +14,11 @@ mod bytes;
 pub mod config;
 mod line;
 
+/// The robot that is driven, as `sim-host constants` writes it.
+pub mod robot {
+    include!(concat!(env!("OUT_DIR"), "/robot.rs"));
+}
+
 pub use base::{Base, Halves, Parts, StartError, start};
 pub use bytes::Bytes;
 pub use line::{BAUD, Line};

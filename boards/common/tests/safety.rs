@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 use std::rc::Rc;
 
 use board_common::{
-    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, WheelCounts, WheelEncoders, config,
+    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, WheelCounts, WheelEncoders, robot,
     start,
 };
 use controller_core::maths::Single;
@@ -269,8 +269,8 @@ fn an_armed_board_drives_and_a_silent_host_stops_it() {
         &motion.velocity_error,
     );
     let rest = task.params().supervisor.rest;
-    let odometry = config::ODOMETRY;
-    let count_m = TAU * config::WHEELS.radius_right_m / odometry.counts_per_turn;
+    let odometry = robot::BASE.localiser.odometry;
+    let count_m = TAU * odometry.wheels.radius_right_m / odometry.counts_per_turn;
     let slow = rest.speed_m_s - 0.5 * count_m * odometry.bandwidth;
     let from_ms = (plan.duration_s() * 1.0e3) as u32;
     let rests_ms = (from_ms..(bound.time_s * 1.0e3) as u32)

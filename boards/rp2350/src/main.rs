@@ -22,7 +22,7 @@ mod watchdog;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{Base, Bytes, MotorSide, Parts, Queues, config, start};
+use board_common::{Base, Bytes, MotorSide, Parts, Queues, config, robot, start};
 use critical_section::Mutex;
 use rp_pac::interrupt;
 
@@ -93,7 +93,7 @@ fn run() -> Option<()> {
 
     let tick = Tick {
         robot,
-        alarm: Alarm::start(config::PERIOD_US),
+        alarm: Alarm::start(robot::PERIOD_US),
     };
     critical_section::with(|token| TICK.borrow(token).set(Some(tick)));
     let mut watchdog = Watchdog::start::<{ config::WATCHDOG_MS }>();

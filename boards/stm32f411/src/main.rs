@@ -19,7 +19,7 @@ mod safe;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BAUD, Base, Bytes, MotorSide, Parts, Queues, config, start};
+use board_common::{BAUD, Base, Bytes, MotorSide, Parts, Queues, config, robot, start};
 use cortex_m::peripheral::NVIC;
 use critical_section::Mutex;
 use embedded_hal_nb::serial::{Read as _, Write as _};
@@ -98,7 +98,7 @@ fn run() -> Option<()> {
     let (mut transmitter, mut receiver) = port.split();
     receiver.listen();
     let mut timer = device.TIM5.counter_us(&mut rcc);
-    timer.start(config::PERIOD_US.micros()).ok()?;
+    timer.start(robot::PERIOD_US.micros()).ok()?;
     timer.listen(Event::Update);
     critical_section::with(|token| {
         RECEIVER.borrow(token).set(Some(receiver));
