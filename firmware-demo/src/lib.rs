@@ -13,7 +13,6 @@ pub mod line;
 pub mod mission;
 pub mod model;
 pub mod pil;
-pub mod protocol;
 pub mod queue;
 #[cfg(feature = "robots")]
 pub mod robots;
@@ -21,7 +20,6 @@ pub mod route;
 pub mod station;
 pub mod storage;
 pub mod telemetry;
-pub mod wire;
 
 #[cfg(target_os = "none")]
 #[allow(unsafe_code)]

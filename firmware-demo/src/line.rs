@@ -2,10 +2,11 @@
 
 use embedded_io::Write;
 
-use crate::protocol::{Frame, MAX_FRAME, Telemetry, encode};
+use protocol::{Frame, MAX_FRAME, encode};
+use serde::Serialize;
 
 /// Sends one frame and says whether the link took it all.
-pub fn send<L: Write>(link: &mut L, frame: &Frame<Telemetry>) -> bool {
+pub fn send<L: Write, M: Serialize>(link: &mut L, frame: &Frame<M>) -> bool {
     let mut bytes = [0; MAX_FRAME];
     let Ok(mut rest) = encode(frame.sequence, &frame.message, &mut bytes) else {
         return false;

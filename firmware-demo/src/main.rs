@@ -27,8 +27,8 @@ mod demo {
     use firmware_demo::drive::{MockDrive, Script};
     use firmware_demo::mission::{Encoders, PERIOD_US, params};
     use firmware_demo::model::Model;
-    use firmware_demo::protocol::{Command, RejectReason, WirePose};
     use firmware_demo::station::Queues;
+    use protocol::{Command, RejectReason, WirePose};
 
     /// The task, its wheels and a robot model that moves as the wheels are told.
     struct Bench<'queue> {

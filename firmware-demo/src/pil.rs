@@ -10,11 +10,8 @@ use controller_core::types::Measured;
 use embedded_io::{Read, Write};
 
 use crate::line::send;
-use crate::protocol::{
-    Command, Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, RejectReason, Telemetry,
-    WireDemand,
-};
-use crate::wire::Ticked;
+use protocol::pil::{Answer, Question, Ticked, WireDemand};
+use protocol::{Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, RejectReason};
 
 /// Bytes asked of the link at once; a whole question fits.
 const CHUNK: usize = 128;
@@ -67,23 +64,23 @@ impl Pil {
         }
     }
 
-    /// The answer to one command; `frames` is what the link's decoder has seen.
+    /// The answer to one question; `frames` is what the link's decoder has seen.
     ///
     /// The instructions in a report are those of the core's `step` (or `start`) alone, its report included;
     /// reading the question and writing the answer come on top.
     pub fn answer<P: Probe>(
         &mut self,
-        command: &Command,
+        question: &Question,
         frames: FrameCounters,
         probe: &mut P,
-    ) -> Telemetry {
-        match command {
-            Command::Tick {
+    ) -> Answer {
+        match question {
+            Question::Tick {
                 dt,
                 demand,
                 measured,
             } => self.tick(*dt, demand, &measured.into(), probe),
-            Command::Begin {
+            Question::Begin {
                 reference,
                 measured,
             } => {
@@ -97,35 +94,24 @@ impl Pil {
                         self.controller = Some(controller);
                         report(Ticked::of(&controller, false), 0, instructions)
                     }
-                    Err(fault) => Telemetry::Refused(fault.into()),
+                    Err(fault) => Answer::Refused(fault.into()),
                 }
             }
-            Command::Configure(set) => match Params::from(set).validate() {
+            Question::Configure(set) => match Params::from(set).validate() {
                 Ok(params) => {
                     self.params = params;
-                    Telemetry::Ack
+                    Answer::Ack
                 }
-                Err(_) => Telemetry::Nack(RejectReason::Value),
+                Err(_) => Answer::Nack(RejectReason::Value),
             },
-            Command::GetCounters => Telemetry::Counters(Counters {
+            Question::GetCounters => Answer::Counters(Counters {
                 frames_good: frames.good,
                 frames_rejected: frames.rejected(),
                 stack_bytes: probe.stack_bytes(),
                 ..Counters::default()
             }),
-            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
-            Command::Stop => Telemetry::Ack,
-            Command::Arm
-            | Command::Sample(_)
-            | Command::Park { .. }
-            | Command::EmergencyStop { .. }
-            | Command::ResetFault
-            | Command::SetPose { .. }
-            | Command::Fix { .. }
-            | Command::SetParameters(_)
-            | Command::SaveParameters
-            | Command::LoadDefaults
-            | Command::GetParameters => Telemetry::Nack(RejectReason::Unsupported),
+            Question::Hello => Answer::Hello(Hello::OURS),
+            Question::Stop => Answer::Ack,
         }
     }
 
@@ -135,14 +121,14 @@ impl Pil {
         demand: &WireDemand,
         measured: &Measured<f32>,
         probe: &mut P,
-    ) -> Telemetry {
+    ) -> Answer {
         let Some(controller) = &mut self.controller else {
-            return Telemetry::Nack(RejectReason::State);
+            return Answer::Nack(RejectReason::State);
         };
         let demand: Demand<f32> = demand.into();
         let (outcome, instructions) = probe.count(|| controller.step(dt, &demand, measured));
         if let Err(fault) = outcome {
-            return Telemetry::Refused(fault.into());
+            return Answer::Refused(fault.into());
         }
         self.tick = self.tick.wrapping_add(1);
         let handed_over = matches!(demand, Demand::HandOver { .. });
@@ -150,20 +136,20 @@ impl Pil {
     }
 }
 
-fn report(ticked: Ticked, tick: u32, instructions: u32) -> Telemetry {
+fn report(ticked: Ticked, tick: u32, instructions: u32) -> Answer {
     let ticked = Ticked {
         tick,
         instructions,
         ..ticked
     };
-    Telemetry::Report((&ticked).into())
+    Answer::Report((&ticked).into())
 }
 
 /// Answers the host until it stops, closes or breaks the link.
 ///
 /// Each answer carries the sequence number of its question. Damaged frames are counted and not answered.
 pub fn serve<L: Read + Write, P: Probe>(link: &mut L, probe: &mut P, pil: &mut Pil) -> End {
-    let mut decoder = Decoder::<Command, MAX_CONTENT>::new();
+    let mut decoder = Decoder::<Question, MAX_CONTENT>::new();
     let mut chunk = [0; CHUNK];
     loop {
         let received = match link.read(&mut chunk) {
@@ -182,7 +168,7 @@ pub fn serve<L: Read + Write, P: Probe>(link: &mut L, probe: &mut P, pil: &mut P
             if !send(link, &answer) {
                 return End::Broken;
             }
-            if frame.message == Command::Stop {
+            if frame.message == Question::Stop {
                 return End::Stopped;
             }
         }

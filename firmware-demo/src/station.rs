@@ -38,10 +38,10 @@ use controller_core::safety::supervisor::State;
 use heapless::spsc::Queue;
 
 use crate::control::ControlTask;
-use crate::protocol::{BaseTick, Command, Frame, Origin, RejectReason, Telemetry};
 use crate::queue::{self, Receiver};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::Outbox;
+use protocol::{BaseTick, Command, Frame, Origin, RejectReason, Telemetry};
 
 mod reception;
 mod stops;

@@ -9,7 +9,7 @@ use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::types::Pose;
 use firmware_demo::control::{ControlTask, SettingError};
 use firmware_demo::drive::{Call, MockDrive};
-use firmware_demo::protocol::{Command, RejectReason};
+use protocol::{Command, RejectReason};
 use rig::{MAX_TORQUE, Rig, params};
 
 #[test]

@@ -11,7 +11,7 @@ use controller_core::types::Pose;
 use firmware_demo::control::{ControlTask, SettingError};
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::protocol::{Command, FieldParams, RejectReason, WirePose};
+use protocol::{Command, FieldParams, RejectReason, WirePose};
 use rig::{MAX_TORQUE, PERIOD_US, Rig, params};
 
 #[test]

@@ -16,7 +16,7 @@ use controller_core::safety::{FaultKind, Timeout};
 use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::drive::Call;
 use firmware_demo::mission;
-use firmware_demo::protocol::{Command, WirePose};
+use protocol::{Command, WirePose};
 use reaches::{moving, reaches, with};
 use rig::{MAX_TORQUE, PERIOD_US, Rig};
 

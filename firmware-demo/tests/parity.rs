@@ -11,8 +11,8 @@ use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::report::StepReport;
 use controller_core::types::{Measured, Pose, Twist};
 use firmware_demo::host::{Chip, ChipError, LinkKind, Machine};
-use firmware_demo::protocol::{Refusal, RejectReason, Report};
-use firmware_demo::wire::Ticked;
+use protocol::RejectReason;
+use protocol::pil::{Refusal, Report, Ticked};
 use support::{LIMIT, MACHINES, Random, options};
 
 const DT: f32 = 1e-3;

@@ -2,26 +2,35 @@
 
 #[path = "support/commands.rs"]
 mod commands;
+#[path = "support/questions.rs"]
+mod questions;
 
 use commands::command;
-use firmware_demo::protocol::{
-    Command, Decoder, FrameCounters, FrameError, MAX_CONTENT, MAX_FRAME, Report, Telemetry,
-    VERSION, WirePose, encode,
-};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use protocol::pil::{Answer, Question, Report};
+use protocol::{
+    Command, Decoder, FrameCounters, FrameError, MAX_CONTENT, MAX_FRAME, VERSION, WirePose, encode,
+};
+use questions::question;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-type Outcome = Result<(u16, Command), FrameError>;
+type Outcome<M> = Result<(u16, M), FrameError>;
 
-fn frame(sequence: u16, command: &Command) -> Vec<u8> {
+fn frame(sequence: u16, message: &impl Serialize) -> Vec<u8> {
     let mut out = [0; MAX_FRAME];
-    encode(sequence, command, &mut out)
-        .expect("every command fits")
+    encode(sequence, message, &mut out)
+        .expect("every message fits")
         .to_vec()
 }
 
-fn decode(bytes: &[u8]) -> (Vec<Outcome>, FrameCounters) {
-    let mut decoder = Decoder::<Command, MAX_CONTENT>::new();
+fn decode(bytes: &[u8]) -> (Vec<Outcome<Command>>, FrameCounters) {
+    decode_as(bytes)
+}
+
+fn decode_as<M: DeserializeOwned>(bytes: &[u8]) -> (Vec<Outcome<M>>, FrameCounters) {
+    let mut decoder = Decoder::<M, MAX_CONTENT>::new();
     let outcomes = bytes
         .iter()
         .filter_map(|&byte| decoder.push(byte))
@@ -83,6 +92,16 @@ proptest! {
         let (number, arrived) = outcomes[0].expect("an undamaged frame");
         prop_assert_eq!(number, sequence);
         // NaN equals nothing, so compare what the copy encodes to.
+        prop_assert_eq!(frame(number, &arrived), sent);
+    }
+
+    #[test]
+    fn every_question_arrives_bit_for_bit(question in question(), sequence in any::<u16>()) {
+        let sent = frame(sequence, &question);
+        let (outcomes, _) = decode_as::<Question>(&sent);
+        prop_assert_eq!(outcomes.len(), 1);
+        let (number, arrived) = outcomes[0].expect("an undamaged frame");
+        prop_assert_eq!(number, sequence);
         prop_assert_eq!(frame(number, &arrived), sent);
     }
 
@@ -192,16 +211,16 @@ fn reports_arrive_bit_for_bit() {
         ..Report::default()
     };
     let mut out = [0; MAX_FRAME];
-    let sent = encode(3, &Telemetry::Report(report), &mut out)
+    let sent = encode(3, &Answer::Report(report), &mut out)
         .expect("it fits")
         .to_vec();
-    let mut decoder = Decoder::<Telemetry, MAX_CONTENT>::new();
+    let mut decoder = Decoder::<Answer, MAX_CONTENT>::new();
     let arrived = sent
         .iter()
         .find_map(|&byte| decoder.push(byte))
         .expect("a frame")
         .expect("sound");
-    let Telemetry::Report(copy) = arrived.message else {
+    let Answer::Report(copy) = arrived.message else {
         panic!("{arrived:?}")
     };
     assert_eq!(copy.e_x.to_bits(), f32::NAN.to_bits());

@@ -11,14 +11,14 @@ use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::types::{Pose, Twist};
 use firmware_demo::host::{AnyLink, Emulator, LinkKind, Machine, Session};
-use firmware_demo::protocol::{BaseTick, Command, Origin, RejectReason, Telemetry, WirePose};
 use firmware_demo::station::UNASKED;
 use firmware_demo::storage::NotLoaded;
+use protocol::{BaseTick, Command, Origin, RejectReason, Telemetry, WirePose};
 use support::{LIMIT, MACHINES, image, options};
 
 /// The host's side: sends, and sorts what comes back.
 struct Remote {
-    session: Session<AnyLink>,
+    session: Session<AnyLink, Telemetry>,
     // Dropped last: it kills the emulator.
     _emulator: Emulator,
     states: Vec<(u32, State, Cause)>,

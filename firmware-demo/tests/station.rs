@@ -10,13 +10,13 @@ use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::protocol::{
-    Command, Frame, MAX_FRAME, Telemetry, TimedSample, WirePose, WireReference, encode,
-};
 use firmware_demo::station::{Queues, Reception, Station};
 use firmware_demo::storage::{RamFlash, Slots};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use protocol::{
+    Command, Frame, MAX_FRAME, Telemetry, TimedSample, WirePose, WireReference, encode,
+};
 
 const LIMIT: f32 = 3.0;
 

@@ -11,14 +11,14 @@ use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::protocol::{
-    Command, Frame, MAX_FRAME, RejectReason, Telemetry, TimedSample, WirePose, WireReference,
-    encode,
-};
 use firmware_demo::station::{Queues, REPORTS, Reception, Station, UNASKED};
 use firmware_demo::storage::{RamFlash, Slots};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use protocol::{
+    Command, Frame, MAX_FRAME, RejectReason, Telemetry, TimedSample, WirePose, WireReference,
+    encode,
+};
 
 const TORQUE: f32 = 3.0;
 const STOPS: [Command; 3] = [

@@ -10,14 +10,12 @@ use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::protocol::{
-    Command, FieldParams, Frame, MAX_FRAME, Origin, RejectReason, Telemetry, encode,
-};
 use firmware_demo::station::{Queues, Reception, Station, UNASKED};
 use firmware_demo::storage::{
     Memory, NotLoaded, RECORD, RECORD_VERSION, RamFlash, Record, RecordError, SaveError, Slots,
 };
 use proptest::prelude::*;
+use protocol::{Command, FieldParams, Frame, MAX_FRAME, Origin, RejectReason, Telemetry, encode};
 
 const TORQUE: f32 = 15.0;
 
@@ -29,7 +27,7 @@ fn field(speed: f32) -> FieldParams {
 
 /// Makes the check of changed bytes right again.
 fn sealed(mut bytes: [u8; RECORD]) -> [u8; RECORD] {
-    let check = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&bytes[..RECORD - 4]);
+    let check = protocol::CRC.checksum(&bytes[..RECORD - 4]);
     bytes[RECORD - 4..].copy_from_slice(&check.to_le_bytes());
     bytes
 }

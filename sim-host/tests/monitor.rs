@@ -2,11 +2,11 @@
 
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
-use firmware_demo::protocol::{
+use firmware_demo::storage::NotLoaded;
+use protocol::{
     BaseTick, Command as Ask, Counters, Decoder, MAX_CONTENT, MAX_FRAME, Origin, Telemetry, encode,
     tick_flags,
 };
-use firmware_demo::storage::NotLoaded;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use sim_host::monitor::{COLUMNS, Log, Monitor, Port, Received};
 use std::fs::File;

@@ -4,7 +4,7 @@
 use controller_core::maths::Single;
 use controller_core::queue::{Gap, PushError, ReferenceConsumer, ReferenceProducer, ReferenceQueue, TimedReference};
 use controller_core::reference::Reference;
-use firmware_demo::protocol::{Command, Frame, Telemetry};
+use protocol::{Command, Frame, Telemetry};
 use firmware_demo::queue::{Receiver, Sender, split};
 use firmware_demo::station::{Queues, Reception};
 use firmware_demo::telemetry::Outbox;

@@ -1,6 +1,6 @@
 //! The background's half: bytes in, frames out.
 
-use firmware_demo::protocol::{Frame, MAX_FRAME, Telemetry, encode};
+use protocol::{Frame, MAX_FRAME, Telemetry, encode};
 use firmware_demo::station::Reception;
 use heapless::Deque;
 

@@ -19,7 +19,7 @@ use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MotorPair;
-use firmware_demo::protocol::{Command, MAX_FRAME, encode};
+use protocol::{Command, MAX_FRAME, encode};
 
 /// Gear times torque constant of the configuration \[V s\].
 const GEARED: f32 = 30.0 * 0.0085;

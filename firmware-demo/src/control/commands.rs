@@ -7,7 +7,7 @@ use controller_core::types::Pose;
 
 use super::course::Course;
 use super::{ControlTask, SetError};
-use crate::protocol::{Command, RejectReason};
+use protocol::{Command, RejectReason};
 
 impl<D: WheelDrive> ControlTask<'_, D> {
     /// Takes a command; what it asks of the wheels happens in the next tick, an emergency stop in this call.
@@ -58,9 +58,6 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             Command::LoadDefaults => self.load_defaults().map_err(RejectReason::from),
             Command::SaveParameters
             | Command::Sample(_)
-            | Command::Configure(_)
-            | Command::Begin { .. }
-            | Command::Tick { .. }
             | Command::GetParameters
             | Command::GetCounters => Err(RejectReason::Unsupported),
         }

@@ -9,7 +9,7 @@ use controller_core::maths::Single;
 use controller_core::safety::supervisor::State;
 
 use super::ControlTask;
-use crate::protocol::FieldParams;
+use protocol::FieldParams;
 
 /// Why parameters are none for this robot.
 #[derive(Clone, Copy, Debug, PartialEq)]

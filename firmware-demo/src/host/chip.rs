@@ -15,8 +15,8 @@ use super::{
     AnyLink, BuildError, Emulator, EmulatorError, Image, Options, Outcome, Session, SessionError,
     build_image,
 };
-use crate::protocol::{Command, Counters, Refusal, RejectReason, Telemetry};
-use crate::wire::Ticked;
+use protocol::pil::{Answer, Question, Refusal, Ticked};
+use protocol::{Counters, RejectReason};
 
 /// Why the chip did not do what it was asked.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ pub enum ChipError {
     /// The options name no link.
     NoLink,
     /// An answer to another question than was asked.
-    Unexpected(Box<Telemetry>),
+    Unexpected(Box<Answer>),
 }
 
 impl Display for ChipError {
@@ -101,7 +101,7 @@ impl From<SessionError> for ChipError {
 /// # Ok::<(), firmware_demo::host::ChipError>(())
 /// ```
 pub struct Chip {
-    session: Session<AnyLink>,
+    session: Session<AnyLink, Answer>,
     emulator: Emulator,
     image: PathBuf,
     patience: Duration,
@@ -135,8 +135,8 @@ impl Chip {
             image: image.to_path_buf(),
             patience: options.silence,
         };
-        match chip.ask(&Command::Heartbeat)? {
-            Telemetry::Hello(_) => Ok(chip),
+        match chip.ask(&Question::Hello)? {
+            Answer::Hello(_) => Ok(chip),
             other => Err(unexpected(other)),
         }
     }
@@ -152,8 +152,8 @@ impl Chip {
     ///
     /// [`ChipError::Rejected`] when the chip finds a parameter out of its range, or a failed link.
     pub fn configure(&mut self, params: &Params<f32>) -> Result<(), ChipError> {
-        match self.ask(&Command::Configure(params.into()))? {
-            Telemetry::Ack => Ok(()),
+        match self.ask(&Question::Configure(params.into()))? {
+            Answer::Ack => Ok(()),
             other => Err(unexpected(other)),
         }
     }
@@ -169,7 +169,7 @@ impl Chip {
         measured: &Measured<f32>,
     ) -> Result<Ticked, ChipError> {
         let (reference, measured) = (reference.into(), measured.into());
-        self.ticked(&Command::Begin {
+        self.ticked(&Question::Begin {
             reference,
             measured,
         })
@@ -188,7 +188,7 @@ impl Chip {
         measured: &Measured<f32>,
     ) -> Result<Ticked, ChipError> {
         let (demand, measured) = (demand.into(), measured.into());
-        self.ticked(&Command::Tick {
+        self.ticked(&Question::Tick {
             dt,
             demand,
             measured,
@@ -201,8 +201,8 @@ impl Chip {
     ///
     /// A failed link.
     pub fn counters(&mut self) -> Result<Counters, ChipError> {
-        match self.ask(&Command::GetCounters)? {
-            Telemetry::Counters(counters) => Ok(counters),
+        match self.ask(&Question::GetCounters)? {
+            Answer::Counters(counters) => Ok(counters),
             other => Err(unexpected(other)),
         }
     }
@@ -213,29 +213,29 @@ impl Chip {
     ///
     /// A failed link, or an emulator that does not end.
     pub fn finish(mut self) -> Result<Outcome, ChipError> {
-        match self.ask(&Command::Stop)? {
-            Telemetry::Ack => Ok(self.emulator.finish(self.patience)?),
+        match self.ask(&Question::Stop)? {
+            Answer::Ack => Ok(self.emulator.finish(self.patience)?),
             other => Err(unexpected(other)),
         }
     }
 
-    fn ticked(&mut self, command: &Command) -> Result<Ticked, ChipError> {
-        match self.ask(command)? {
-            Telemetry::Report(report) => Ok((&report).into()),
+    fn ticked(&mut self, question: &Question) -> Result<Ticked, ChipError> {
+        match self.ask(question)? {
+            Answer::Report(report) => Ok((&report).into()),
             other => Err(unexpected(other)),
         }
     }
 
-    fn ask(&mut self, command: &Command) -> Result<Telemetry, ChipError> {
-        Ok(self.session.ask(command)?)
+    fn ask(&mut self, question: &Question) -> Result<Answer, ChipError> {
+        Ok(self.session.ask(question)?)
     }
 }
 
 #[cold]
-fn unexpected(answer: Telemetry) -> ChipError {
+fn unexpected(answer: Answer) -> ChipError {
     match answer {
-        Telemetry::Refused(refusal) => ChipError::Refused(refusal),
-        Telemetry::Nack(reason) => ChipError::Rejected(reason),
+        Answer::Refused(refusal) => ChipError::Refused(refusal),
+        Answer::Nack(reason) => ChipError::Rejected(reason),
         other => ChipError::Unexpected(Box::new(other)),
     }
 }

@@ -4,9 +4,9 @@ use std::error::Error;
 use std::fmt::{self, Display, Formatter};
 use std::io::{self, Read, Write};
 
-use crate::protocol::{
-    Command, Decoder, Frame, FrameCounters, MAX_CONTENT, MAX_FRAME, Telemetry, encode,
-};
+use protocol::{Decoder, Frame, FrameCounters, MAX_CONTENT, MAX_FRAME, encode};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// Why a question has no answer.
 #[derive(Debug)]
@@ -45,18 +45,18 @@ impl From<io::Error> for SessionError {
     }
 }
 
-/// The host's state of one link: numbers what goes out and decodes what comes in.
+/// The host's state of one link: numbers what goes out and decodes what comes in, messages `A`.
 #[derive(Debug)]
-pub struct Session<L> {
+pub struct Session<L, A> {
     link: L,
-    decoder: Decoder<Telemetry, MAX_CONTENT>,
+    decoder: Decoder<A, MAX_CONTENT>,
     sequence: u16,
     received: [u8; 512],
     next: usize,
     len: usize,
 }
 
-impl<L: Read + Write> Session<L> {
+impl<L: Read + Write, A: DeserializeOwned> Session<L, A> {
     /// A session on a fresh link.
     pub const fn new(link: L) -> Self {
         Self {
@@ -74,7 +74,7 @@ impl<L: Read + Write> Session<L> {
     /// # Errors
     ///
     /// When the link fails or the command is too long.
-    pub fn send(&mut self, command: &Command) -> Result<u16, SessionError> {
+    pub fn send(&mut self, command: &impl Serialize) -> Result<u16, SessionError> {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
         let mut frame = [0; MAX_FRAME];
@@ -88,7 +88,7 @@ impl<L: Read + Write> Session<L> {
     /// # Errors
     ///
     /// When the link fails, closes or is silent for too long.
-    pub fn receive(&mut self) -> Result<Frame<Telemetry>, SessionError> {
+    pub fn receive(&mut self) -> Result<Frame<A>, SessionError> {
         loop {
             while self.next < self.len {
                 let byte = self.received[self.next];
@@ -111,7 +111,7 @@ impl<L: Read + Write> Session<L> {
     /// # Errors
     ///
     /// As [`send`](Self::send) and [`receive`](Self::receive).
-    pub fn ask(&mut self, command: &Command) -> Result<Telemetry, SessionError> {
+    pub fn ask(&mut self, command: &impl Serialize) -> Result<A, SessionError> {
         let sequence = self.send(command)?;
         loop {
             let frame = self.receive()?;

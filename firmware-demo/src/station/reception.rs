@@ -5,10 +5,10 @@ use core::sync::atomic::Ordering;
 use controller_core::queue::{PushError, ReferenceProducer};
 
 use super::{Answer, REPORTS, REQUESTS, Request, Shared, outcome};
-use crate::protocol::{
+use crate::queue::{Receiver, Sender};
+use protocol::{
     Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
 };
-use crate::queue::{Receiver, Sender};
 
 /// The background's side: bytes from the line, answers to it.
 pub struct Reception<'queue> {

@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use crate::protocol::Command;
+use protocol::Command;
 
 /// Kinds of stops, the most severe first: that one is obeyed first where no other command stands between two.
 const KINDS: [Command; 3] = [

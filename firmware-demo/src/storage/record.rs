@@ -1,6 +1,6 @@
 //! The record: bytes that are whole, or none.
 
-use crate::protocol::{CRC, FieldParams};
+use protocol::{CRC, FieldParams};
 
 /// Bytes of a record: a multiple of every flash's write unit.
 pub const RECORD: usize = 256;

@@ -6,7 +6,7 @@ use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::safety::{FaultKind, Reaction};
 use controller_core::types::Pose;
 use firmware_demo::drive::{Call, Script};
-use firmware_demo::protocol::{Command, RejectReason};
+use protocol::{Command, RejectReason};
 
 use crate::rig::{Rig, params};
 

@@ -13,7 +13,7 @@ use firmware_demo::control::ControlTask;
 use firmware_demo::drive::{Call, MockDrive};
 use firmware_demo::mission::{self, Encoders};
 use firmware_demo::model::Model;
-use firmware_demo::protocol::{Command, RejectReason, WirePose};
+use protocol::{Command, RejectReason, WirePose};
 
 pub const PERIOD_US: u32 = 1000;
 pub const MAX_TORQUE: f32 = 15.0;

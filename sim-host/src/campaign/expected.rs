@@ -8,7 +8,7 @@ use crate::rig::{self, RigError};
 use crate::world::{Defect, PoseSourceParams};
 use controller_core::base::BaseParams;
 use controller_core::safety::{FaultKind, Reaction, Response, Timeout};
-use firmware_demo::protocol::{Command, TimedSample, WirePose, WireReference};
+use protocol::{Command, TimedSample, WirePose, WireReference};
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,10 +6,10 @@ use super::plan::Path;
 use super::random::Random;
 use crate::world::World;
 use controller_core::types::Pose;
-use firmware_demo::protocol::{
+use firmware_demo::station::UNASKED;
+use protocol::{
     Command, Decoder, Frame, MAX_CONTENT, MAX_FRAME, RejectReason, Telemetry, TimedSample, encode,
 };
-use firmware_demo::station::UNASKED;
 use std::collections::VecDeque;
 
 /// Without an answer for so long a command is sent again \[µs\].

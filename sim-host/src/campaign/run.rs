@@ -14,8 +14,8 @@ use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{PolicyParams, Reaction};
 use controller_core::types::{Pose, WheelTorques};
-use firmware_demo::protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
 use firmware_demo::station::Queues;
+use protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
 
 mod clock;
 mod finish;

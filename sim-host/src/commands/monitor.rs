@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::say;
 use crate::cli::MonitorArgs;
-use firmware_demo::protocol::Command;
+use protocol::Command;
 use sim_host::monitor::{Log, Monitor, MonitorError, Port, Received};
 use std::fs::File;
 use std::io::{IsTerminal as _, stdout};

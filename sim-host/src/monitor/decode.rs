@@ -2,7 +2,7 @@
 
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
-use firmware_demo::protocol::{
+use protocol::{
     BaseTick, Counters, Decoder, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry, tick_flags,
 };
 use std::fmt::Write as _;
@@ -47,12 +47,8 @@ impl Monitor {
                 Telemetry::State { state, cause, .. } => self.heard.state = Some((state, cause)),
                 Telemetry::Counters(counters) => self.heard.counters = Some(counters),
                 Telemetry::Origin(origin) => self.heard.origin = Some(origin),
-                // Answers to somebody else's questions, and what only a processor in the loop says.
-                Telemetry::Refused(_)
-                | Telemetry::Report(_)
-                | Telemetry::Parameters(_)
-                | Telemetry::Ack
-                | Telemetry::Nack(_) => {}
+                // Answers to somebody else's questions.
+                Telemetry::Parameters(_) | Telemetry::Ack | Telemetry::Nack(_) => {}
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Heard;
 use controller_core::safety::FaultKind;
-use firmware_demo::protocol::{BaseTick, tick_flags};
+use protocol::{BaseTick, tick_flags};
 use std::io::Write;
 
 /// The columns, in order; names as in the files of `run` where the quantity is the same. `time_s` is the host's, since the start;

@@ -1,7 +1,7 @@
 //! The line to the board: a serial port, or the Unix socket of an emulator.
 
 use super::MonitorError;
-use firmware_demo::protocol::{Command, MAX_FRAME, encode};
+use protocol::{Command, MAX_FRAME, encode};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::OFlags;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};

@@ -10,7 +10,7 @@ use controller_core::params::Validated;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Wrench};
 use firmware_demo::host::{Chip, ChipError};
-use firmware_demo::wire::Ticked;
+use protocol::pil::Ticked;
 
 /// Flies with the chip's torques. The same controller in this process gets the same inputs, and
 /// both reports are compared; what it computes acts on nothing.

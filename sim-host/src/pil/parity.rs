@@ -1,7 +1,7 @@
 //! Chip against host, bit for bit.
 
 use controller_core::report::Phase;
-use firmware_demo::wire::Ticked;
+use protocol::pil::Ticked;
 use serde::Serialize;
 
 /// Numbers and flags of a tick that are compared.

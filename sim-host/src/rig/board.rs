@@ -7,8 +7,8 @@ use crate::world::{Actuation, World};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
 use controller_core::hal::Clock;
 use firmware_demo::control::ControlTask;
-use firmware_demo::protocol::{Frame, Telemetry};
 use firmware_demo::station::{Queues, Reception, Station};
+use protocol::{Frame, Telemetry};
 
 /// Of so many reports of a tick one is sent: a line of 115,200 baud holds ten frames of 60 bytes in 0.05 s.
 const DECIMATE: u16 = 10;

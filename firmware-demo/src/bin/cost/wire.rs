@@ -7,12 +7,11 @@ use controller_core::maths::Single;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;
-use firmware_demo::protocol::{
-    Command, Decoder, MAX_CONTENT, MAX_FRAME, Report, Telemetry, encode,
-};
 use firmware_demo::queue::Receiver;
 use firmware_demo::telemetry::Outbox;
 use heapless::spsc::Queue;
+use protocol::pil::{Answer, Question, Report};
+use protocol::{Decoder, MAX_CONTENT, MAX_FRAME, encode};
 
 use crate::inputs::Inputs;
 use crate::print::{Row, complain};
@@ -30,7 +29,7 @@ pub fn measure(meter: &mut Meter) {
 #[inline(never)]
 fn frames(meter: &mut Meter) {
     let mut inputs = Inputs::new(2);
-    let mut decoder = Decoder::<Command, MAX_CONTENT>::new();
+    let mut decoder = Decoder::<Question, MAX_CONTENT>::new();
     let (mut decode, mut write) = (Row::new(), Row::new());
     let mut lost = 0_u32;
     for _ in 0..COUNT {
@@ -52,7 +51,7 @@ fn frames(meter: &mut Meter) {
             .1;
         decode.add(cost);
         lost += u32::from(good != 1);
-        let answer = Telemetry::Report(Report {
+        let answer = Answer::Report(Report {
             tick: inputs.bits(),
             e_x: inputs.real(1.0),
             e_y: inputs.real(1.0),
@@ -67,13 +66,13 @@ fn frames(meter: &mut Meter) {
     complain(&["wire"], "lost", lost);
 }
 
-fn question(inputs: &mut Inputs) -> Command {
+fn question(inputs: &mut Inputs) -> Question {
     let mut pose = || Pose::new(inputs.real(2.0), inputs.real(2.0), inputs.real(2.0));
     let (at, measured) = (pose(), pose());
     let mut twist = || Twist::new(inputs.real(1.0), inputs.real(1.0));
     let (reference, twist) = (twist(), twist());
     let demand = Demand::Track(Reference::new::<Single>(at, reference, Accel::default()));
-    Command::Tick {
+    Question::Tick {
         dt: 0.001,
         demand: (&demand).into(),
         measured: (&Measured {

@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::values::real;
-use super::{
-    FieldParams, ParameterSet, TimedSample, WireDemand, WireMeasured, WirePose, WireReference,
-};
+use super::{FieldParams, TimedSample, WirePose};
 
 /// A message to the robot.
 // The receiver keeps one of these by value and moves it once; a box would need an allocator.
@@ -24,7 +22,7 @@ pub enum Command {
         /// Where to.
         goal: WirePose,
     },
-    /// Come to rest within the limits and stay there, released. Never refused; see [`crate::station`] for its order among others.
+    /// Come to rest within the limits and stay there, released. Never refused, and obeyed before commands that came earlier.
     Stop,
     /// The button: latched until a reset. Never refused, as a stop.
     EmergencyStop {
@@ -54,26 +52,6 @@ pub enum Command {
     LoadDefaults,
     /// Send the parameters in use.
     GetParameters,
-    /// Replace the paper's parameters, within validation (processor in the loop only). A running controller keeps those that it
-    /// was started with.
-    Configure(ParameterSet),
-    /// Start a controller (processor in the loop only); answered with its report.
-    Begin {
-        /// Where the reference is.
-        reference: WireReference,
-        /// Where the robot is.
-        measured: WireMeasured,
-    },
-    /// One tick of the controller (processor in the loop only); answered with its report.
-    Tick {
-        /// s since the tick before.
-        #[serde(deserialize_with = "real")]
-        dt: f32,
-        /// What to do.
-        demand: WireDemand,
-        /// Where the robot is.
-        measured: WireMeasured,
-    },
     /// Send the counters.
     GetCounters,
 }

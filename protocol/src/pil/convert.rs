@@ -1,10 +1,13 @@
-//! Parameters of the core as a flat set, and back.
+//! Between what travels and what the core computes with. Conversions change no bit.
 
+use controller_core::demand::Demand;
+use controller_core::error::{Input, StepFault};
 use controller_core::handover::Reset;
 use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
+use controller_core::types::Measured;
 use controller_core::wheels::WheelGeometry;
 
-use crate::protocol::{ParameterSet, WireReset};
+use super::{ParameterSet, Refusal, WireDemand, WireMeasured, WireReset};
 
 impl From<&Params<f32>> for ParameterSet {
     fn from(params: &Params<f32>) -> Self {
@@ -81,6 +84,67 @@ impl From<&ParameterSet> for Params<f32> {
             },
             max_wheel_torque_nm: set.max_wheel_torque,
             max_tick_s: set.max_tick,
+        }
+    }
+}
+
+impl From<&Measured<f32>> for WireMeasured {
+    fn from(measured: &Measured<f32>) -> Self {
+        Self {
+            pose: (&measured.pose).into(),
+            twist: (&measured.twist).into(),
+        }
+    }
+}
+
+impl From<&WireMeasured> for Measured<f32> {
+    fn from(wire: &WireMeasured) -> Self {
+        Self {
+            pose: (&wire.pose).into(),
+            twist: (&wire.twist).into(),
+        }
+    }
+}
+
+impl From<&Demand<f32>> for WireDemand {
+    fn from(demand: &Demand<f32>) -> Self {
+        match demand {
+            Demand::Track(reference) => Self::Track(reference.into()),
+            Demand::HandOver { reference, goal } => Self::HandOver {
+                reference: reference.into(),
+                goal: goal.into(),
+            },
+            Demand::Park => Self::Park,
+        }
+    }
+}
+
+impl From<&WireDemand> for Demand<f32> {
+    fn from(wire: &WireDemand) -> Self {
+        match wire {
+            WireDemand::Track(reference) => Self::Track(reference.into()),
+            WireDemand::HandOver { reference, goal } => Self::HandOver {
+                reference: reference.into(),
+                goal: goal.into(),
+            },
+            WireDemand::Park => Self::Park,
+        }
+    }
+}
+
+impl From<StepFault> for Refusal {
+    fn from(fault: StepFault) -> Self {
+        match fault {
+            StepFault::NotFinite(Input::Pose) => Self::Pose,
+            StepFault::NotFinite(Input::Twist) => Self::Twist,
+            StepFault::NotFinite(Input::Reference) => Self::Reference,
+            StepFault::NotFinite(Input::Goal) => Self::Goal,
+            StepFault::NotFinite(Input::Tick) => Self::Tick,
+            StepFault::TickNotPositive => Self::TickNotPositive,
+            StepFault::TickTooLong { .. } => Self::TickTooLong,
+            StepFault::WrongPhase => Self::WrongPhase,
+            StepFault::Overflow => Self::Overflow,
+            _ => Self::Other,
         }
     }
 }

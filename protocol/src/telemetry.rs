@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use controller_core::safety::supervisor::{Cause, State};
 
-use super::{BaseTick, FieldParams, Report};
+use super::{BaseTick, FieldParams};
 
 /// Who answers; the first thing to read after connecting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,56 +74,30 @@ impl Display for RejectReason {
 
 impl Error for RejectReason {}
 
-/// Why the controller refused a start or a tick; its state is what it was before.
+/// Why nothing stored is in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Refusal {
-    /// The measured pose is not finite.
-    Pose,
-    /// The measured velocity is not finite.
-    Twist,
-    /// The reference is not finite.
-    Reference,
-    /// The goal is not finite.
-    Goal,
-    /// The elapsed time is not a number.
-    Tick,
-    /// No time has passed.
-    TickNotPositive,
-    /// Too much time has passed.
-    TickTooLong,
-    /// Tracking was asked of a controller that parks, or the other way round.
-    WrongPhase,
-    /// Finite inputs gave a torque that is not.
-    Overflow,
-    /// A reason that this protocol version has no name for.
-    Other,
+pub enum NotLoaded {
+    /// There is no memory for it.
+    NoMemory,
+    /// Nothing was ever stored.
+    Empty,
+    /// No slot is whole.
+    Damaged,
+    /// What is whole is of another version.
+    Version(u8),
+    /// The flash cannot be read.
+    Unreadable,
+    /// Whole, and out of this firmware's ranges.
+    Refused,
+    /// The host asked for the defaults.
+    Asked,
 }
-
-impl Display for Refusal {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Pose => "the measured pose is not finite",
-            Self::Twist => "the measured velocity is not finite",
-            Self::Reference => "the reference is not finite",
-            Self::Goal => "the goal is not finite",
-            Self::Tick => "the elapsed time is not a number",
-            Self::TickNotPositive => "the elapsed time is not positive",
-            Self::TickTooLong => "the elapsed time is above its limit",
-            Self::WrongPhase => "the demand does not fit the phase",
-            Self::Overflow => "the inputs are too large for a finite torque",
-            Self::Other => "for a reason without a name",
-        })
-    }
-}
-
-impl Error for Refusal {}
 
 /// Where the parameters in use come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Origin {
     /// Compiled in, for this reason.
-    Defaults(crate::storage::NotLoaded),
+    Defaults(NotLoaded),
     /// From the flash.
     Stored {
         /// The number of the record; each one saved has the next.
@@ -140,16 +114,12 @@ pub enum Origin {
 pub enum Telemetry {
     /// Answer to a heartbeat.
     Hello(Hello),
-    /// One tick of the paper's law (processor in the loop only).
-    Report(Report),
     /// One tick of a base.
     Tick(BaseTick),
     /// Where the parameters come from: after power-on and whenever that changes.
     Origin(Origin),
     /// Answer to the request for parameters.
     Parameters(FieldParams),
-    /// A start or a tick that the controller refused (processor in the loop only).
-    Refused(Refusal),
     /// The supervisor changed its state.
     State {
         /// Ticks since power-on; wraps around.

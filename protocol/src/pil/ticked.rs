@@ -5,7 +5,7 @@ use controller_core::pose_error::PoseError;
 use controller_core::report::{NeuronStates, Phase, StepReport};
 use controller_core::types::{Accel, Twist, WheelTorques, Wrench};
 
-use crate::protocol::{Report, report_flags};
+use super::{Report, report_flags};
 
 /// Everything a controller tells of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,9 +6,7 @@ use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::safety::WatchParams;
 
-use crate::protocol::{
-    FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield,
-};
+use crate::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
 
 impl From<&BaseParams<f32>> for FieldParams {
     fn from(params: &BaseParams<f32>) -> Self {

@@ -41,31 +41,6 @@ pub struct WireReference {
     pub accel: WireTwist,
 }
 
-/// What the base knows of itself at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct WireMeasured {
-    /// Measured pose.
-    pub pose: WirePose,
-    /// Measured velocity.
-    pub twist: WireTwist,
-}
-
-/// What a tick of the processor in the loop is asked to do.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum WireDemand {
-    /// Follow the reference of this instant.
-    Track(WireReference),
-    /// Change from tracking to parking.
-    HandOver {
-        /// Where the reference is now.
-        reference: WireReference,
-        /// Where to park.
-        goal: WirePose,
-    },
-    /// Go on parking.
-    Park,
-}
-
 /// One reference with the time it is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TimedSample {

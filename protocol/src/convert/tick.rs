@@ -4,7 +4,7 @@ use controller_core::base::{BaseReport, WheelAction};
 use controller_core::localiser::FixOutcome;
 use controller_core::motion::{Mode, Outcome};
 
-use crate::protocol::{BaseTick, WireAction, WireOutcome, tick_flags as flags};
+use crate::{BaseTick, WireAction, WireOutcome, tick_flags as flags};
 
 impl BaseTick {
     /// What a base has just done.

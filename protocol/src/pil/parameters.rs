@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::values::{optional_real, real};
+use crate::values::{optional_real, real};
 
 /// What happens to the acceleration neurons at the hand-over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
