@@ -2,7 +2,6 @@
 
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
-use crate::params::NeuronParams;
 use crate::range::{clamp, within};
 use crate::scalar::Scalar;
 
@@ -100,6 +99,17 @@ fn exact_share<T: Scalar, M: Maths<T>>(x: T) -> T {
     let share = -M::exp_m1(-(T::ONE / x));
     let largest = T::ONE - (T::EPSILON + T::EPSILON);
     if share < largest { share } else { largest }
+}
+
+/// Coefficients of the shunting neurons, Eq. (4). Each 1e-3 to 1e4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeuronParams<T> {
+    /// A \[1/s\]: passive decay rate.
+    pub a: T,
+    /// B: upper bound of the state.
+    pub b: T,
+    /// D: the lower bound is −D.
+    pub d: T,
 }
 
 /// Coefficients A, B, D of Eq. (4), each in [1e-3, 1e4].

@@ -7,7 +7,8 @@ use controller_core::localiser::{Fix, FusionParams, LocaliserParams};
 use controller_core::maths::{Maths, Single};
 use controller_core::motion::Limits;
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::params::{Params, Validated};
+use controller_core::paper::params::{Params, Validated};
+use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{Action, Event, State};
 use controller_core::types::{Measured, Pose};
 
@@ -51,7 +52,7 @@ fn whole(rad: f32) -> i32 {
 /// # Errors
 /// None of its own: what the core says of the parameters.
 pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, BaseError> {
-    let robot = Params::<f32>::paper().robot;
+    let robot = Robot::<f32>::paper();
     let localiser = LocaliserParams {
         odometry: OdometryParams {
             wheels: robot.wheels,

@@ -5,7 +5,7 @@ use controller_core::maths::Single;
 use controller_core::motion::{
     Limits, Motion, MotionController, MotionParams, Outcome, Policy, Task,
 };
-use controller_core::params::{Params, Validated};
+use controller_core::paper::params::{Params, Validated};
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};

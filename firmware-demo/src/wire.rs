@@ -1,8 +1,8 @@
 //! Between what travels and what the core computes with. Conversions change no bit.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::Single;
+use controller_core::paper::demand::Demand;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};

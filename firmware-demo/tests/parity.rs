@@ -2,13 +2,13 @@
 
 mod support;
 
-use controller_core::demand::Demand;
-use controller_core::handover::Reset;
 use controller_core::maths::Single;
-use controller_core::neural::NeuralController;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::handover::Reset;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::{ConstantTwist, Reference};
-use controller_core::report::StepReport;
 use controller_core::types::{Measured, Pose, Twist};
 use firmware_demo::host::{Chip, ChipError, LinkKind, Machine};
 use firmware_demo::protocol::{Refusal, RejectReason, Report};

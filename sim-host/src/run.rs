@@ -5,9 +5,9 @@ use crate::pilot::{self, Pilot, PilotError};
 use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::trace::{HandOver, Row, Trace};
-use controller_core::demand::Demand;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
+use controller_core::paper::demand::Demand;
 use controller_core::pose_error::pose_error;
 use controller_core::reference::{ParkingPlan, Reference};
 

@@ -1,9 +1,9 @@
 //! Figures of merit on traces made by hand.
 
 use controller_core::maths::Libm;
+use controller_core::paper::report::{Phase, StepReport};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
-use controller_core::report::{Phase, StepReport};
 use controller_core::types::{Measured, Pose, Twist, WheelTorques, Wrench};
 use sim_host::metrics::Metrics;
 use sim_host::trace::{HandOver, Row, Trace};

@@ -1,10 +1,10 @@
 //! Pilots: what passes between the loop and a controller.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::Libm;
-use controller_core::neural::NeuralController;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use sim_host::pilot::{Answer, InProcess, Pilot, PilotError, for_scenario, narrow};

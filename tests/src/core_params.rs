@@ -1,12 +1,14 @@
 //! The oracle's constants and vectors in the core's types, for either scalar.
 
-use controller_core::handover::Reset as CoreReset;
 use controller_core::maths::{Libm, Maths};
-use controller_core::params::{
-    NeuronParams, Params as CoreParams, ParkingGains, Robot, TrackingGains, Validated,
+use controller_core::paper::handover::Reset as CoreReset;
+use controller_core::paper::params::{
+    Params as CoreParams, ParkingGains, TrackingGains, Validated,
 };
 use controller_core::reference::Reference as Sample;
+use controller_core::robot::Robot;
 use controller_core::scalar::Scalar;
+use controller_core::shunting::NeuronParams;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use controller_core::wheels::WheelGeometry;
 use nalgebra::{Vector2, Vector3};

@@ -1,12 +1,12 @@
 //! Bad inputs give their own fault and leave the controller as it was, bit for bit, in either phase of either controller.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::neural::NeuralController;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::plain::PlainController;
+use controller_core::paper::report::Phase;
 use controller_core::reference::Reference;
-use controller_core::report::Phase;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use tests::core_loop::{Controller, Exact};

@@ -1,9 +1,9 @@
 //! Reference accelerations are fed forward exactly; through acceleration neurons they lag.
 
-use controller_core::demand::Demand;
 use controller_core::maths::Libm;
 use controller_core::motion::Task;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::params::Params;
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};

@@ -1,7 +1,7 @@
 //! The queue of timed reference samples: what it interpolates, what it refuses, and that the controller runs from it.
 
-use controller_core::demand::Demand;
 use controller_core::maths::Libm;
+use controller_core::paper::demand::Demand;
 use controller_core::queue::{Gap, PushError, ReferenceQueue, TimedReference, interpolate};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::types::{Accel, Pose, Twist};

@@ -1,7 +1,7 @@
 //! The stability limits of the core against the eigenvalues of the linearised loop and against the loop itself.
 
 use controller_core::maths::Libm;
-use controller_core::stability::{
+use controller_core::paper::stability::{
     max_proven_speed, max_stable_speed, parking_is_stable, tracking_along_is_stable,
 };
 use nalgebra::{Complex, Matrix4, Matrix5, Vector2, Vector3};

@@ -8,7 +8,7 @@ use controller_core::maths::Single;
 use controller_core::motion::{Limits, Policy};
 use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::wheels::WheelGeometry;
 use firmware_demo::drive::OffPhase;
 

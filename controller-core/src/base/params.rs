@@ -7,7 +7,7 @@ use crate::localiser::{Localisation, LocaliserParams};
 use crate::maths::Maths;
 use crate::motion::{Limits, Motion, MotionParams};
 use crate::motor::{Motor, MotorParams};
-use crate::params::Robot;
+use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisor};
 use crate::safety::{Policy, PolicyError, PolicyParams, SupplyWatch, Timeout, Watch, WatchParams};
 use crate::scalar::Scalar;

@@ -10,7 +10,7 @@ use super::polar::Parker;
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::retry::{Rest, Retry, distance_of};
 use super::saturation::share;
-use crate::demand::{check_measured, check_tick};
+use crate::check::{check_measured, check_tick};
 use crate::error::{Input, StepFault};
 use crate::maths::{Maths, Single};
 use crate::pose_error::{PoseError, pose_error, tracking_error};
@@ -43,14 +43,14 @@ pub enum Task<T> {
 /// ```
 /// use controller_core::maths::Single;
 /// use controller_core::motion::{Limits, MotionController, MotionParams, Policy, Task};
-/// use controller_core::params::Params;
+/// use controller_core::robot::Robot;
 /// use controller_core::types::{Measured, Pose};
 ///
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
 /// };
-/// let motion = MotionParams::new::<Single>(Params::paper().robot, limits).validate()?;
+/// let motion = MotionParams::new::<Single>(Robot::paper(), limits).validate()?;
 /// let here = Measured::default();
 /// let task = Task::Park(Pose::new(1.0_f32, 0.5, 0.0));
 /// let mut controller: MotionController = MotionController::start(&motion, &task, &here)?;

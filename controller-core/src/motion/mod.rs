@@ -1,6 +1,6 @@
 //! The law for a real base: any trajectory, any start, exact parking, within stated limits.
 //!
-//! The paper's law (see [`crate::neural`]) divides by v_r, leaves a lateral error at the target and
+//! The paper's law ([`crate::paper`]) divides by v_r, leaves a lateral error at the target and
 //! knows no limit. This one keeps what is good in it, errors that pass through bounded neurons and
 //! torques that never jump, and goes on:
 //!

@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use crate::maths::Libm;
     use crate::motion::{Limits, MotionParams, Policy};
-    use crate::params::Params;
+    use crate::paper::params::Params;
 
     fn motion(wheel_torque_nm: f64) -> Motion<f64> {
         let limits = Limits {

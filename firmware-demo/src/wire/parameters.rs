@@ -1,7 +1,9 @@
 //! Parameters of the core as a flat set, and back.
 
-use controller_core::handover::Reset;
-use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
+use controller_core::paper::handover::Reset;
+use controller_core::paper::params::{Params, ParkingGains, TrackingGains};
+use controller_core::robot::Robot;
+use controller_core::shunting::NeuronParams;
 use controller_core::wheels::WheelGeometry;
 
 use crate::protocol::{ParameterSet, WireReset};

@@ -5,7 +5,7 @@ use crate::import;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
 use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
-use controller_core::params::{Params, Robot};
+use controller_core::robot::Robot;
 
 /// A base: what it is, and what it can do.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ impl Default for Base {
     fn default() -> Self {
         Self {
             name: "30 kg base".to_owned(),
-            robot: Params::paper().robot,
+            robot: Robot::paper(),
             limits: Limits {
                 speed: 2.5,
                 turn_rate: 3.0,

@@ -1,7 +1,7 @@
 //! Parameters as a controller of either precision gets them.
 
 use controller_core::motion::{Limits, MotionGains};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::scalar::Scalar;
 use controller_core::wheels::WheelGeometry;
 

@@ -3,10 +3,10 @@
 use super::cost::Cost;
 use super::parity::Parity;
 use crate::pilot::{Answer, InProcess, Pilot, PilotError, narrow};
-use controller_core::demand::Demand;
 use controller_core::maths::Single;
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Wrench};
 use firmware_demo::host::{Chip, ChipError};

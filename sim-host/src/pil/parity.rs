@@ -1,6 +1,6 @@
 //! Chip against host, bit for bit.
 
-use controller_core::report::Phase;
+use controller_core::paper::report::Phase;
 use firmware_demo::wire::Ticked;
 use serde::Serialize;
 

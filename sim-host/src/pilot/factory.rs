@@ -4,9 +4,9 @@ use super::{InProcess, Pilot, narrow};
 use crate::scenario::{Law, MathsBackEnd, Precision, Scenario, Update};
 use controller_core::error::ParamError;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactHeld, ExactMean, RationalMean};
 

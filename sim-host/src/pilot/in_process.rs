@@ -1,14 +1,14 @@
 //! A controller of the core, called directly.
 
 use super::{Answer, Pilot, PilotError, narrow};
-use controller_core::demand::Demand;
 use controller_core::error::StepFault;
 use controller_core::maths::Maths;
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference;
-use controller_core::report::StepReport;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
 use controller_core::types::{Measured, Wrench};

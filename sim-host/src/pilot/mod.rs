@@ -12,10 +12,10 @@ pub mod narrow;
 pub use factory::for_scenario;
 pub use in_process::{Control, InProcess};
 
-use controller_core::demand::Demand;
 use controller_core::error::StepFault;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference;
-use controller_core::report::StepReport;
 use controller_core::types::{Measured, Wrench};
 
 /// What a pilot says of a tick.

@@ -3,13 +3,14 @@
 //! Narrowing rounds to nearest, once per quantity. Widening is exact.
 
 use crate::drive::narrow;
-use controller_core::demand::Demand;
 use controller_core::maths::Maths;
-use controller_core::params::{NeuronParams, Params, ParkingGains, TrackingGains};
+use controller_core::paper::demand::Demand;
+use controller_core::paper::params::{Params, ParkingGains, TrackingGains};
+use controller_core::paper::report::{NeuronStates, StepReport};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
-use controller_core::report::{NeuronStates, StepReport};
 use controller_core::scalar::Scalar;
+use controller_core::shunting::NeuronParams;
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
 
 /// A pose as the controller gets it.

@@ -8,7 +8,7 @@ use controller_core::base::{
 };
 use controller_core::error::ParamError;
 use controller_core::maths::Single;
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, WheelTorques};
 
 /// Why a base cannot be put into a world.

@@ -7,7 +7,7 @@ use crate::pilot::narrow;
 use controller_core::error::ParamError;
 use controller_core::maths::Maths;
 use controller_core::motion::{Limits, Motion, MotionController, MotionParams, Task};
-use controller_core::params::Params;
+use controller_core::paper::params::Params;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
 use controller_core::types::{Measured, Twist, WheelTorques};

@@ -5,7 +5,7 @@ use crate::error::Field;
 use crate::hal::ErrorKind;
 use crate::maths::Libm;
 use crate::motion::{Limits, MotionParams, Policy};
-use crate::params::Params;
+use crate::paper::params::Params;
 use crate::safety::{Currents, FaultKind, Timeout, WatchParams};
 use crate::types::WheelTorques;
 

@@ -4,9 +4,9 @@ use core::hint::black_box;
 
 use controller_core::angle::wrap;
 use controller_core::maths::{Maths, Single};
-use controller_core::params::NeuronParams;
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
+use controller_core::shunting::NeuronParams;
 use controller_core::shunting::{NeuronUpdate, Shunting};
 use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::board::Meter;

@@ -2,10 +2,10 @@
 
 use core::hint::black_box;
 
-use controller_core::demand::Demand;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
-use controller_core::neural::NeuralController;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};

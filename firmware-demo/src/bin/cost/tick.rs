@@ -3,12 +3,12 @@
 
 use core::hint::black_box;
 
-use controller_core::demand::Demand;
-use controller_core::lyapunov::{neuron_energy, pose_energy, velocity_energy};
 use controller_core::maths::{Maths, Single};
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::lyapunov::{neuron_energy, pose_energy, velocity_energy};
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;

@@ -2,8 +2,8 @@
 
 use core::hint::black_box;
 
-use controller_core::demand::Demand;
 use controller_core::maths::Single;
+use controller_core::paper::demand::Demand;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;

@@ -1,15 +1,15 @@
-//! Wishes and margins for the paper's law, [`crate::neural`].
+//! Wishes and margins for the paper's law, [`crate::paper::neural`].
 
 mod design;
 mod wishes;
 
 pub use wishes::{Tolerance, Wishes, gains};
 
-use super::{Channel, LoopMargins, Warning, concern};
 use crate::maths::Maths;
-use crate::params::Params;
+use crate::paper::params::Params;
+use crate::paper::stability::{PathLoop, along, lateral, max_stable_speed};
 use crate::scalar::Scalar;
-use crate::stability::{PathLoop, along, lateral, max_stable_speed};
+use crate::tuning::{Channel, LoopMargins, Warning, concern};
 
 /// Margins of the paper's law at one reference speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,8 +55,8 @@ impl<T: Scalar> PaperMargins<T> {
 ///
 /// ```
 /// use controller_core::maths::Libm;
-/// use controller_core::params::Params;
-/// use controller_core::tuning::paper::margins;
+/// use controller_core::paper::params::Params;
+/// use controller_core::paper::tuning::margins;
 ///
 /// let mut params = Params::<f64>::paper();
 /// assert_eq!(margins::<f64, Libm>(&params, 0.4).warnings().count(), 0);

@@ -2,8 +2,9 @@
 
 use super::design::{Design, smaller};
 use crate::maths::Maths;
-use crate::params::{NeuronParams, Params, ParkingGains, TrackingGains};
+use crate::paper::params::{Params, ParkingGains, TrackingGains};
 use crate::scalar::Scalar;
+use crate::shunting::NeuronParams;
 use crate::stability::edge;
 use crate::tuning::error::{refused, wished};
 use crate::tuning::{Why, Wish, WishError};

@@ -1,9 +1,9 @@
 //! Plain backstepping: the laws that the neurons replace. Eqs. (10) and (13).
 //!
 //! The baseline that everybody asks about. Commands and torques jump at the start and at the
-//! hand-over; [`crate::plain`] is the complete controller.
+//! hand-over; [`crate::paper::plain`] is the complete controller.
 
-use crate::params::{ParkingGains, TrackingGains};
+use crate::paper::params::{ParkingGains, TrackingGains};
 use crate::pose_error::{PoseError, pose_error_rate};
 use crate::reference::Reference;
 use crate::scalar::Scalar;
@@ -16,7 +16,7 @@ use crate::types::{Accel, Twist};
 /// w_c = w_r + k₂ v_r e_y + k₃ sin e_θ
 /// ```
 ///
-/// Symbols and units as in [`crate::tracking::command`], with the errors themselves for s₁, s₂.
+/// Symbols and units as in [`crate::paper::tracking::command`], with the errors themselves for s₁, s₂.
 #[inline(always)]
 pub fn tracking_command<T: Scalar>(
     gains: &TrackingGains<T>,
@@ -24,7 +24,7 @@ pub fn tracking_command<T: Scalar>(
     heading: (T, T),
     error: &PoseError<T>,
 ) -> Twist<T> {
-    crate::tracking::command(gains, reference, heading, error.x, error.y)
+    crate::paper::tracking::command(gains, reference, heading, error.x, error.y)
 }
 
 /// Rate of change of [`tracking_command`], by Eq. (9): analytic, never differenced.
@@ -43,7 +43,7 @@ pub fn tracking_command_rate<T: Scalar>(
 ) -> Accel<T> {
     let rate = pose_error_rate(error, heading, reference.twist(), twist);
     let drives = (rate.x, rate.y);
-    crate::tracking::command_rate(gains, reference, heading, twist.angular, error.y, drives)
+    crate::paper::tracking::command_rate(gains, reference, heading, twist.angular, error.y, drives)
 }
 
 /// Speed and turn rate to ask for while parking. Eq. (13).
@@ -57,7 +57,7 @@ pub fn parking_command<T: Scalar>(
     heading: (T, T),
     error: &PoseError<T>,
 ) -> Twist<T> {
-    crate::parking::command(gains, error.x, heading)
+    crate::paper::parking::command(gains, error.x, heading)
 }
 
 /// Rate of change of [`parking_command`], by Eq. (9) with a reference at rest.
@@ -73,5 +73,5 @@ pub fn parking_command_rate<T: Scalar>(
     twist: &Twist<T>,
 ) -> Accel<T> {
     let rate = pose_error_rate(error, heading, &Twist::default(), twist);
-    crate::parking::command_rate(gains, heading, (rate.x, rate.theta))
+    crate::paper::parking::command_rate(gains, heading, (rate.x, rate.theta))
 }

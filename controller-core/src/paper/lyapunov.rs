@@ -4,9 +4,10 @@
 //! What does hold is stated at each function and derived in `docs/derivation.md`.
 
 use crate::maths::Maths;
-use crate::neural_law::NeuralState;
-use crate::params::{Robot, TrackingGains};
+use crate::paper::neural_law::NeuralState;
+use crate::paper::params::TrackingGains;
 use crate::pose_error::PoseError;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::shunting::Shunting;
 use crate::types::Twist;

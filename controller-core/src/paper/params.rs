@@ -1,22 +1,12 @@
-//! Parameters: plain data, validated once into a type that cannot be wrong.
+//! Parameters of the paper's law: plain data, validated once into a type that cannot be wrong.
 
 use crate::error::{Field, ParamError};
-use crate::handover::Reset;
+use crate::paper::handover::Reset;
 use crate::range::within;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
-use crate::shunting::Shunting;
-use crate::wheels::{WheelGeometry, WheelMap};
-
-/// The body: M̄ = diag(m, I) of Eq. (3), and its wheels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Robot<T> {
-    /// m \[kg\], 1e-3 to 1e5.
-    pub mass_kg: T,
-    /// I \[kg m²\] about the vertical through the middle of the axle, 1e-6 to 1e6.
-    pub inertia_kg_m2: T,
-    /// Wheels, for the map from wrench to wheel torques.
-    pub wheels: WheelGeometry<T>,
-}
+use crate::shunting::{NeuronParams, Shunting};
+use crate::wheels::WheelMap;
 
 /// Gains of tracking, Eqs. (10)-(12) and (15)-(16). Each 1e-6 to 1e6.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,17 +36,6 @@ pub struct ParkingGains<T> {
     pub k_c2: T,
 }
 
-/// Coefficients of the shunting neurons, Eq. (4). Each 1e-3 to 1e4.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NeuronParams<T> {
-    /// A \[1/s\]: passive decay rate.
-    pub a: T,
-    /// B: upper bound of the state.
-    pub b: T,
-    /// D: the lower bound is −D.
-    pub d: T,
-}
-
 /// Everything that the paper's controller needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params<T> {
@@ -79,22 +58,13 @@ pub struct Params<T> {
 impl<T: Scalar> Params<T> {
     /// The paper's robot with the gains of this project, called G in `docs/derivation.md`.
     ///
-    /// The paper gives m = 30 kg and I = 15 kg m² but no gain, wheel radius or wheel distance. G was
-    /// fitted to its two stated settling times (5.0 s and 5.2 s); k_d = (3 m, 5 I). A = B = D makes
-    /// the slow gain of each neuron 1, so that k₁..k₅ keep their meaning in (10) and (13). The
-    /// wheels (radius 0.1 m, distance 0.5 m) are those of a usual 30 kg base.
+    /// The paper gives no gain. G was fitted to its two stated settling times (5.0 s and 5.2 s);
+    /// k_d = (3 m, 5 I). A = B = D makes the slow gain of each neuron 1, so that k₁..k₅ keep their
+    /// meaning in (10) and (13).
     pub fn paper() -> Self {
         let f = T::from_f64;
         Self {
-            robot: Robot {
-                mass_kg: f(30.0),
-                inertia_kg_m2: f(15.0),
-                wheels: WheelGeometry {
-                    radius_right_m: f(0.1),
-                    radius_left_m: f(0.1),
-                    track_m: f(0.5),
-                },
-            },
+            robot: Robot::paper(),
             tracking: TrackingGains {
                 k1: f(0.9),
                 k2: f(6.0),

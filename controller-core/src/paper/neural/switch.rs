@@ -1,14 +1,14 @@
 //! The tick that changes from tracking to parking. Eq. (23).
 
 use super::NeuralController;
-use crate::demand::{Demand, check_step};
 use crate::error::StepFault;
-use crate::handover::{TorqueBefore, acceleration_neurons, pose_neurons, wrench_step};
 use crate::maths::Maths;
-use crate::neural_law::{NeuralState, park};
+use crate::paper::demand::{Demand, check_step};
+use crate::paper::handover::{TorqueBefore, acceleration_neurons, pose_neurons, wrench_step};
+use crate::paper::neural_law::{NeuralState, park};
+use crate::paper::report::{Phase, StepReport};
 use crate::pose_error::pose_error;
 use crate::reference::Reference;
-use crate::report::{Phase, StepReport};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Measured, Pose};

@@ -3,7 +3,7 @@
 //! The law has no e_y: what lateral error there is at the hand-over stays, to first order. It is
 //! kept as published; see `docs/errata.md`.
 
-use crate::params::ParkingGains;
+use crate::paper::params::ParkingGains;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist};
 

@@ -1,8 +1,7 @@
 //! The loops of the paper's laws, linearised about a straight reference at constant speed.
 
-use super::feedback::Feedback;
-use super::polynomial::Polynomial;
 use crate::scalar::Scalar;
+use crate::stability::{Feedback, Polynomial};
 
 /// λ + r.
 fn lag<T: Scalar>(r: T) -> Polynomial<T> {

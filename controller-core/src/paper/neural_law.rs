@@ -2,12 +2,13 @@
 //! integrates them in continuous time. Eqs. (15)-(17) and (20)-(22).
 
 use crate::maths::Maths;
-use crate::params::Validated;
+use crate::paper::params::Validated;
+use crate::paper::{parking, tracking};
 use crate::pose_error::{PoseError, pose_error, tracking_error};
 use crate::reference::Reference;
 use crate::scalar::Scalar;
+use crate::torque;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
-use crate::{parking, torque, tracking};
 
 /// The controller's memory: four neurons and two bridge terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 //! Tracking through neurons: commands, their rates, the start. Eqs. (15), (17)-(19).
 
-use crate::params::TrackingGains;
+use crate::paper::params::TrackingGains;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::Shunting;

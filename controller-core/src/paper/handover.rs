@@ -1,10 +1,11 @@
 //! From tracking to parking in one tick, without a jump. Eq. (23).
 
 use crate::maths::Maths;
-use crate::params::{ParkingGains, Robot};
+use crate::paper::params::ParkingGains;
+use crate::paper::tracking::carry;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::shunting::Shunting;
-use crate::tracking::carry;
 use crate::types::{Accel, Twist, Wrench};
 
 /// What happens to the acceleration neurons at the hand-over.

@@ -1,17 +1,18 @@
 //! Plain backstepping as a complete controller: the baseline. Eqs. (10)-(14).
 
-use crate::backstepping::{
+use crate::check::{check_measured, check_tick};
+use crate::error::StepFault;
+use crate::maths::{Maths, Single};
+use crate::paper::backstepping::{
     parking_command, parking_command_rate, tracking_command, tracking_command_rate,
 };
-use crate::demand::{Demand, check_measured, check_tick};
-use crate::error::StepFault;
-use crate::handover::wrench_step;
-use crate::maths::{Maths, Single};
-use crate::output::{check_rate, wheel_torques};
-use crate::params::Validated;
+use crate::paper::demand::Demand;
+use crate::paper::handover::wrench_step;
+use crate::paper::output::{check_rate, wheel_torques};
+use crate::paper::params::Validated;
+use crate::paper::report::{Phase, StepReport};
 use crate::pose_error::{pose_error, tracking_error};
 use crate::reference::Reference;
-use crate::report::{Phase, StepReport};
 use crate::scalar::Scalar;
 use crate::torque;
 use crate::types::{Measured, Pose, Wrench};
@@ -19,7 +20,7 @@ use core::marker::PhantomData;
 
 /// Backstepping without neurons: no memory but the goal and the last report, and jumps wherever an error jumps.
 ///
-/// Same calls, parameters and reports as [`crate::neural::NeuralController`]; the neurons' fields
+/// Same calls, parameters and reports as [`crate::paper::neural::NeuralController`]; the neurons' fields
 /// of the report are 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlainController<T = f32, M = Single> {

@@ -1,9 +1,39 @@
-//! The robot of the paper: kinematics, rolling constraint, dynamics. Eqs. (1)-(3).
+//! The robot: its body and wheels, kinematics, rolling constraint, dynamics. Eqs. (1)-(3).
 
 use crate::maths::Maths;
-use crate::params::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
+use crate::wheels::WheelGeometry;
+
+/// The body: M̄ = diag(m, I) of Eq. (3), and its wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Robot<T> {
+    /// m \[kg\], 1e-3 to 1e5.
+    pub mass_kg: T,
+    /// I \[kg m²\] about the vertical through the middle of the axle, 1e-6 to 1e6.
+    pub inertia_kg_m2: T,
+    /// Wheels, for the map from wrench to wheel torques.
+    pub wheels: WheelGeometry<T>,
+}
+
+impl<T: Scalar> Robot<T> {
+    /// The robot of the paper: m = 30 kg and I = 15 kg m².
+    ///
+    /// The paper gives neither wheel radius nor wheel distance: 0.1 m and 0.5 m are those of a usual
+    /// 30 kg base.
+    pub fn paper() -> Self {
+        let f = T::from_f64;
+        Self {
+            mass_kg: f(30.0),
+            inertia_kg_m2: f(15.0),
+            wheels: WheelGeometry {
+                radius_right_m: f(0.1),
+                radius_left_m: f(0.1),
+                track_m: f(0.5),
+            },
+        }
+    }
+}
 
 /// Rate of change of a pose: how a base that neither slips nor skids moves. Eq. (1).
 ///

@@ -2,9 +2,10 @@
 
 use super::wishes::Wishes;
 use crate::maths::Maths;
-use crate::params::Params;
+use crate::paper::params::Params;
+use crate::paper::stability::{PathLoop, along, lateral};
 use crate::scalar::Scalar;
-use crate::stability::{PathLoop, Polynomial, along, edge, lateral};
+use crate::stability::{Polynomial, edge};
 use crate::tuning::Why;
 use crate::tuning::response::{Response, response};
 

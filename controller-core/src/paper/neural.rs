@@ -1,17 +1,18 @@
 //! The paper's controller: tracking and parking through shunting neurons, in sampled time.
 
-use crate::demand::{Demand, check_measured, check_tick};
+use crate::check::{check_measured, check_tick};
 use crate::error::StepFault;
 use crate::maths::{Maths, Single};
-use crate::neural_law::{LawOutput, NeuralState, park, track};
-use crate::output::{check_rate, wheel_torques};
-use crate::params::Validated;
+use crate::paper::demand::Demand;
+use crate::paper::neural_law::{LawOutput, NeuralState, park, track};
+use crate::paper::output::{check_rate, wheel_torques};
+use crate::paper::params::Validated;
+use crate::paper::report::{Phase, StepReport};
+use crate::paper::tracking::start;
 use crate::pose_error::{PoseError, pose_error, tracking_error};
 use crate::reference::Reference;
-use crate::report::{Phase, StepReport};
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::tracking::start;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
 use core::marker::PhantomData;
 
@@ -27,10 +28,10 @@ mod switch;
 /// The defaults suit a chip with a single-precision floating-point unit.
 ///
 /// ```
-/// use controller_core::demand::Demand;
+/// use controller_core::paper::demand::Demand;
 /// use controller_core::maths::Single;
-/// use controller_core::neural::NeuralController;
-/// use controller_core::params::Params;
+/// use controller_core::paper::neural::NeuralController;
+/// use controller_core::paper::params::Params;
 /// use controller_core::reference::ConstantTwist;
 /// use controller_core::types::{Measured, Pose, Twist};
 ///

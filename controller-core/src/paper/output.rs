@@ -1,8 +1,9 @@
 //! The end of every tick: wrench to wheel torques, limit, finite check.
 
-use crate::demand::{Demand, check_measured};
+use crate::check::check_measured;
 use crate::error::StepFault;
-use crate::params::Validated;
+use crate::paper::demand::Demand;
+use crate::paper::params::Validated;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, WheelTorques, Wrench};
 use crate::wheels::limit_torques;
