@@ -17,6 +17,26 @@
 //! | the paper's law | [`paper`]: Cao, Zhao and Wang, equation by equation |
 //!
 //! Numbers in parentheses are the equations of that paper.
+//!
+//! The root has the names of a first program; `examples/` has such programs.
+//!
+//! ```
+//! use controller_core::motion::Policy;
+//! use controller_core::{Limits, Measured, MotionController, MotionParams, Pose, Robot, Task};
+//!
+//! // Robot and limits are yours; gains follow from them.
+//! let limits = Limits {
+//!     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
+//!     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+//! };
+//! let motion = MotionParams::new(Robot::paper(), limits).validate()?;
+//! let (task, measured) = (Task::Park(Pose::new(1.0, 0.5, 0.0)), Measured::default());
+//! let mut controller: MotionController = MotionController::start(&motion, &task, &measured)?;
+//! // Every tick: measure, step, set the wheels.
+//! let report = controller.step(0.01, &task, &measured)?;
+//! assert!(report.torques.right > 0.0);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -45,3 +65,10 @@ pub mod torque;
 pub mod tuning;
 pub mod types;
 pub mod wheels;
+
+pub use base::{BaseController, BaseParams, Order, Sensed, WheelAction};
+pub use motion::{Limits, MotionController, MotionParams, Outcome, Task};
+pub use reference::Reference;
+pub use robot::Robot;
+pub use types::{Measured, Pose, Twist, WheelTorques};
+pub use wheels::WheelGeometry;

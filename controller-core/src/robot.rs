@@ -7,7 +7,7 @@ use crate::wheels::WheelGeometry;
 
 /// The body: M̄ = diag(m, I) of Eq. (3), and its wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Robot<T> {
+pub struct Robot<T = f32> {
     /// m \[kg\], 1e-3 to 1e5.
     pub mass_kg: T,
     /// I \[kg m²\] about the vertical through the middle of the axle, 1e-6 to 1e6.

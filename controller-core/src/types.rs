@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 
 /// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose<T> {
+pub struct Pose<T = f32> {
     /// Position \[m\].
     pub x: T,
     /// Position \[m\].
@@ -18,7 +18,7 @@ pub struct Pose<T> {
 
 /// Forward speed and turn rate: the v̄ = (v, w)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Twist<T> {
+pub struct Twist<T = f32> {
     /// Speed along the heading \[m/s\]; negative backs up.
     pub linear: T,
     /// Turn rate \[rad/s\], counter-clockwise.
@@ -27,7 +27,7 @@ pub struct Twist<T> {
 
 /// Rate of change of a [`Twist`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Accel<T> {
+pub struct Accel<T = f32> {
     /// \[m/s²\].
     pub linear: T,
     /// \[rad/s²\].
@@ -38,7 +38,7 @@ pub struct Accel<T> {
 ///
 /// The paper calls both "torques"; with M̄ = diag(m, I) the first one is a force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wrench<T> {
+pub struct Wrench<T = f32> {
     /// τ₁ \[N\].
     pub force: T,
     /// τ₂ \[N m\], counter-clockwise.
@@ -47,7 +47,7 @@ pub struct Wrench<T> {
 
 /// Torques at the two wheels \[N m\]; positive drives the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WheelTorques<T> {
+pub struct WheelTorques<T = f32> {
     /// Right wheel.
     pub right: T,
     /// Left wheel.
@@ -56,7 +56,7 @@ pub struct WheelTorques<T> {
 
 /// Angular speeds of the two wheels \[rad/s\]; positive drives the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WheelSpeeds<T> {
+pub struct WheelSpeeds<T = f32> {
     /// Right wheel.
     pub right: T,
     /// Left wheel.
@@ -65,7 +65,7 @@ pub struct WheelSpeeds<T> {
 
 /// What the base knows of itself at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured<T> {
+pub struct Measured<T = f32> {
     /// Pose in the world frame.
     pub pose: Pose<T>,
     /// Speed and turn rate in the body frame.

@@ -141,7 +141,7 @@ mod demo {
                 } else {
                     (t, 1.0, 0.0)
                 };
-                let reference = Reference::new::<Single>(
+                let reference = Reference::new(
                     *path.at::<Single>(passed).pose(),
                     Twist::new(path.twist.linear * speed, path.twist.angular * speed),
                     Accel::new(path.twist.linear * slowing, path.twist.angular * slowing),

@@ -63,7 +63,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
         // A camera or a beacon: 5 mm, 5 mrad, 20 times a second.
         fusion: fixes.then(|| FusionParams::for_source(5.0e-3, 5.0e-3, 20.0)),
     };
-    Ok(BaseParams::new::<Single>(
+    Ok(BaseParams::new(
         robot,
         Limits {
             wheel_torque_nm,
@@ -80,7 +80,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
 /// # Errors
 /// Those of [`params`].
 pub fn base(fixes: bool) -> Result<(Base<f32>, Validated<f32>), BaseError> {
-    let base = params(limits().wheel_torque_nm, fixes)?.validate::<Single>()?;
+    let base = params(limits().wheel_torque_nm, fixes)?.validate()?;
     Ok((base, Params::<f32>::paper().validate()?))
 }
 

@@ -160,10 +160,7 @@ fn others() -> Params<f32> {
 
 fn parity(machine: Machine, link: LinkKind, ticks: u32) {
     let mut chip = Chip::start(&options(machine, link, false)).unwrap();
-    let (reference, measured) = (
-        Reference::at_rest::<Single>(Pose::default()),
-        Measured::default(),
-    );
+    let (reference, measured) = (Reference::at_rest(Pose::default()), Measured::default());
     let early = chip.tick(DT, &Demand::Track(reference), &measured);
     assert!(matches!(
         early,
@@ -216,7 +213,7 @@ fn serial_port_carries_every_bit() {
 fn instructions_are_those_of_the_step() {
     for (machine, most) in [(Machine::CortexM4F, 330), (Machine::Riscv32, 440)] {
         let mut chip = Chip::start(&options(machine, LinkKind::Fifo, true)).unwrap();
-        let reference = Reference::at_rest::<Single>(Pose::new(0.3, 0.2, 0.1));
+        let reference = Reference::at_rest(Pose::new(0.3, 0.2, 0.1));
         let mut measured = Measured::default();
         chip.begin(&reference, &measured).unwrap();
         for demand in [

@@ -120,7 +120,7 @@ impl Guide {
     pub(crate) fn at(&mut self, tick: usize, t: f64) -> (Demand<f64>, Reference<f64>) {
         match self.plan {
             Some(ParkingPlan { goal, .. }) if self.parking => {
-                (Demand::Park, Reference::at_rest::<Libm>(goal))
+                (Demand::Park, Reference::at_rest_with::<Libm>(goal))
             }
             // Tick 0 starts tracking, so it cannot hand over.
             Some(plan) if tick > 0 && plan.is_due(t) => {
@@ -129,7 +129,7 @@ impl Guide {
                 let goal = plan.goal;
                 (
                     Demand::HandOver { reference, goal },
-                    Reference::at_rest::<Libm>(goal),
+                    Reference::at_rest_with::<Libm>(goal),
                 )
             }
             _ => {

@@ -21,7 +21,7 @@ fn scenario() -> Scenario {
 }
 
 fn reference() -> Reference<f64> {
-    Reference::new::<Libm>(
+    Reference::new_with::<Libm>(
         Pose::new(0.1, 0.2, 0.3),
         Twist::new(0.4, 0.15),
         Accel::default(),

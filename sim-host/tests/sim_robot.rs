@@ -272,7 +272,7 @@ fn a_robot_that_knows_only_its_encoders_tracks_and_parks() {
         };
         controller.step(dt, &demand, &measured).expect("in order");
     }
-    let target = Reference::at_rest::<Libm>(Pose::new(3.8, 0.0, 0.0));
+    let target = Reference::at_rest_with::<Libm>(Pose::new(3.8, 0.0, 0.0));
     let error = pose_error::<f64, Libm>(target.pose(), &shared.truth().pose);
     assert!(
         error.x.abs() < 0.005 && error.y.abs() < 0.01 && error.theta.abs() < 0.01,

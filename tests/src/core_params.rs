@@ -86,7 +86,7 @@ where
     Libm: Maths<T>,
 {
     let Target { twist, accel } = target;
-    Sample::new::<Libm>(
+    Sample::new_with::<Libm>(
         pose(q_r),
         Twist::new(T::from_f64(twist.x), T::from_f64(twist.y)),
         Accel::new(T::from_f64(accel.x), T::from_f64(accel.y)),
@@ -99,7 +99,7 @@ where
     Libm: Maths<T>,
 {
     let (pose, twist, accel) = (*good.pose(), *good.twist(), *good.accel());
-    let with = |pose, twist, accel| Sample::new::<Libm>(pose, twist, accel);
+    let with = |pose, twist, accel| Sample::new_with::<Libm>(pose, twist, accel);
     vec![
         with(Pose { x: bad, ..pose }, twist, accel),
         with(Pose { y: bad, ..pose }, twist, accel),

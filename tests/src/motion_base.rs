@@ -108,7 +108,7 @@ impl Base {
     pub fn params<T: Scalar, M: Maths<T>>(&self) -> MotionParams<T> {
         let f = T::from_f64;
         let limits = &self.limits;
-        MotionParams::new::<M>(
+        MotionParams::new_with::<M>(
             self.robot(),
             Limits {
                 speed: f(limits.speed),

@@ -29,7 +29,7 @@ fn step(rig: &mut Rig, order: &Order<f32>) -> BaseReport<f32> {
 /// A straight reference at 0.4 m/s, at time `t`.
 fn line(t: f32) -> Order<f32> {
     let pose = Pose::new(0.4 * t, 0.0, 0.0);
-    Order::Follow(Reference::new::<controller_core::maths::Single>(
+    Order::Follow(Reference::new_with::<controller_core::maths::Single>(
         pose,
         Twist::new(0.4, 0.0),
         Accel::default(),

@@ -21,7 +21,7 @@ where
     Libm: Maths<T>,
 {
     let f = T::from_f64;
-    Reference::new::<Libm>(
+    Reference::new_with::<Libm>(
         Pose::new(f(0.1), f(0.2), f(0.3)),
         Twist::new(f(0.4), f(0.1)),
         Accel::new(f(0.05), f(-0.05)),

@@ -50,7 +50,7 @@ impl Path {
     /// The sample of a tick of `dt`, its acceleration taken `ahead` of it.
     fn at(&self, t: f64, ahead: f64) -> Reference<f64> {
         let pose = self.0[(t / STEP).round() as usize];
-        Reference::new::<Libm>(pose, snake(t).0, snake(t + ahead).1)
+        Reference::new_with::<Libm>(pose, snake(t).0, snake(t + ahead).1)
     }
 
     fn order(&self, ahead: f64) -> impl Fn(f64) -> Order + '_ {

@@ -84,7 +84,7 @@ fn turned(mut sample: TimedReference<f64>, turns: i32) -> TimedReference<f64> {
     let mut pose = *sample.reference.pose();
     pose.theta = posture::wrap(pose.theta) + f64::from(turns) * TAU;
     let (twist, accel) = (*sample.reference.twist(), *sample.reference.accel());
-    sample.reference = Reference::new::<Libm>(pose, twist, accel);
+    sample.reference = Reference::new_with::<Libm>(pose, twist, accel);
     sample
 }
 

@@ -156,7 +156,7 @@ fn speed_limits_are_those_derived() {
     println!("proven {proven:.4} m/s");
     assert_within(proven, 1.155, LIMIT_SPEED, "proven");
     page.exactly(
-        At::Phrase("`stability::max_proven_speed`; G: # m/s"),
+        At::Phrase("`paper::stability::max_proven_speed`; G: # m/s"),
         &[proven],
     );
     assert!(proven < limit);

@@ -4,7 +4,6 @@
 use controller_core::base::BaseParams;
 use controller_core::error::ParamError;
 use controller_core::localiser::LocaliserParams;
-use controller_core::maths::Single;
 use controller_core::motion::{Limits, Policy};
 use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
@@ -88,5 +87,5 @@ pub fn params() -> Result<BaseParams<f32>, ParamError> {
         odometry: ODOMETRY,
         fusion: None,
     };
-    BaseParams::new::<Single>(ROBOT, LIMITS, localiser, Some(MOTOR), PERIOD_US)
+    BaseParams::new(ROBOT, LIMITS, localiser, Some(MOTOR), PERIOD_US)
 }

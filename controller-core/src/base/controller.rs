@@ -45,7 +45,7 @@ pub const REMEMBERED: usize = 32;
 ///     },
 ///     fusion: None,
 /// };
-/// let base = BaseParams::new::<Single>(robot, limits, localiser, None, 10_000)?.validate::<Single>()?;
+/// let base = BaseParams::new(robot, limits, localiser, None, 10_000)?.validate()?;
 /// let mut controller: BaseController = BaseController::new(&base, Pose::default());
 /// let sensed = Sensed::of_counts(WheelCounts::default());
 /// controller.tick(10_000, &Order::None, &sensed);
@@ -252,7 +252,7 @@ fn onward<T: Scalar, M: Maths<T>>(reference: &Reference<T>, dt: T) -> Reference<
         twist: *reference.twist(),
     };
     let Measured { pose, twist } = coast::<T, M>(&from, dt);
-    Reference::new::<M>(pose, twist, Accel::default())
+    Reference::new_with::<M>(pose, twist, Accel::default())
 }
 
 fn seconds<T: Scalar>(us: u32) -> T {

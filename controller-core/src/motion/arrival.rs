@@ -9,7 +9,7 @@ use crate::types::{Accel, Twist};
 
 /// What counts as arrived, and as stuck.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arrival<T> {
+pub struct Arrival<T = f32> {
     /// Distance to the goal \[m\], 1e-5 to 10. With noisy poses at least the noise radius plus three
     /// standard deviations.
     pub distance_m: T,

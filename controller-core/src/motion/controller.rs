@@ -29,7 +29,7 @@ use state::{Law, Sight, State};
 
 /// What the robot is to do in a tick. May change at any time; command and torque do not jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Task<T> {
+pub enum Task<T = f32> {
     /// Follow this sample of a reference: its pose and twist are those of the present instant.
     /// Sample its acceleration half a tick ahead if you can, since it will be held for a tick: at
     /// 10 ms that is 1.4 to 2 times less error.
@@ -50,7 +50,7 @@ pub enum Task<T> {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
 /// };
-/// let motion = MotionParams::new::<Single>(Robot::paper(), limits).validate()?;
+/// let motion = MotionParams::new(Robot::paper(), limits).validate()?;
 /// let here = Measured::default();
 /// let task = Task::Park(Pose::new(1.0_f32, 0.5, 0.0));
 /// let mut controller: MotionController = MotionController::start(&motion, &task, &here)?;

@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 
 /// Gains of following and parking. [`MotionGains::for_limits`] gives those that suit a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionGains<T> {
+pub struct MotionGains<T = f32> {
     /// A \[1/s\]: decay of the pose neurons and of the bridges. 0.1 to 100.
     pub decay: T,
     /// k₁ \[1/s\]: along the path. 1e-3 to 100.

@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 
 /// Limits of a base, each positive and finite. The controller stays inside all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits<T> {
+pub struct Limits<T = f32> {
     /// Largest speed, forward or backward \[m/s\], 1e-3 to 100.
     pub speed: T,
     /// Largest turn rate \[rad/s\], 1e-3 to 100.

@@ -45,7 +45,7 @@ pub struct Limited {
 
 /// The report of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MotionReport<T> {
+pub struct MotionReport<T = f32> {
     /// Following or parking.
     pub mode: Mode,
     /// Whether the robot got there.

@@ -58,7 +58,7 @@ impl<T: Scalar> WheelFriction<T> {
 
 /// One motor with gear, wheel and bridge; both sides of a base have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotorParams<T> {
+pub struct MotorParams<T = f32> {
     /// g: motor turns per wheel turn, 0.1 to 1e4.
     pub gear_ratio: T,
     /// η: share of the motor's power that reaches the wheel, 0.2 to 1. A pair of spur wheels has

@@ -90,7 +90,7 @@ impl From<SessionError> for ChipError {
 ///     core: None,
 ///     silence: Duration::from_secs(5),
 /// })?;
-/// let reference = Reference::at_rest::<Single>(Pose::default());
+/// let reference = Reference::at_rest(Pose::default());
 /// let measured = Measured::default();
 /// chip.configure(&Params::paper())?;
 /// chip.begin(&reference, &measured)?;

@@ -88,7 +88,7 @@ impl Rig {
             let t = f32::from(number) * 0.1;
             let reference = line.at::<Single>(t);
             let reference = if rest && number + 1 == samples {
-                Reference::at_rest::<Single>(*reference.pose())
+                Reference::at_rest(*reference.pose())
             } else {
                 reference
             };

@@ -1,9 +1,9 @@
 //! References along a line or an arc.
 
 use super::plan::Path;
+use controller_core::base::Order;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
-use controller_core::{base::Order, maths::Single};
 
 impl Path {
     /// The sample at `t` \[s\]: from rest with constant acceleration, then at constant speed.
@@ -16,7 +16,7 @@ impl Path {
         };
         let of = |linear: f64| (linear as f32, (self.curvature * linear) as f32);
         let (twist, rate) = (of(speed), of(accel));
-        Order::Follow(Reference::new::<Single>(
+        Order::Follow(Reference::new(
             narrow(&self.pose(self.way(t))),
             Twist::new(twist.0, twist.1),
             Accel::new(rate.0, rate.1),

@@ -54,7 +54,7 @@ const SHARE: (f64, f64, f64) = (0.9, 0.75, 0.45);
 impl Base {
     /// The controller's parameters.
     pub fn motion(&self) -> MotionParams<f64> {
-        let params = MotionParams::new::<Libm>(self.robot, self.limits);
+        let params = MotionParams::new_with::<Libm>(self.robot, self.limits);
         MotionParams {
             gains: self.gains.unwrap_or(params.gains),
             ..params

@@ -141,7 +141,7 @@ fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion
     let params = MotionParams {
         gains: narrow::gains(&from.gains),
         arrival: Arrival::exact(),
-        ..MotionParams::new::<M>(narrow::robot(&from.robot), narrow::limits(&from.limits))
+        ..MotionParams::new_with::<M>(narrow::robot(&from.robot), narrow::limits(&from.limits))
     };
     params.validate()
 }
@@ -173,7 +173,7 @@ fn narrow_task<T: Scalar, M: Maths<T>>(task: &Task<f64>, origin: (f64, f64)) -> 
     match task {
         Task::Follow(reference) => {
             let accel = reference.accel();
-            Task::Follow(Reference::new::<M>(
+            Task::Follow(Reference::new_with::<M>(
                 narrow_pose(reference.pose(), origin),
                 narrow_twist(reference.twist()),
                 Accel {

@@ -44,7 +44,7 @@ pub fn reference<T: Scalar, M: Maths<T>>(from: &Reference<f64>) -> Reference<T> 
         linear: T::from_f64(from.accel().linear),
         angular: T::from_f64(from.accel().angular),
     };
-    Reference::new::<M>(pose(from.pose()), twist(from.twist()), accel)
+    Reference::new_with::<M>(pose(from.pose()), twist(from.twist()), accel)
 }
 
 /// A demand as the controller gets it.

@@ -4,7 +4,6 @@ use crate::drive::Hardware;
 use controller_core::base::{BaseParams, Drive, Order, Sensed};
 use controller_core::error::ParamError;
 use controller_core::localiser::{Fix, LocaliserParams};
-use controller_core::maths::Single;
 use controller_core::motion::Task;
 use controller_core::motor::{Motor, MotorCommand, WheelDemand};
 use controller_core::odometry::{Calibration, OdometryParams};
@@ -35,7 +34,7 @@ pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError
         ),
         None => (plain_localiser(robot.wheels), None),
     };
-    let mut params = BaseParams::new::<Single>(robot, limits, localiser, motor, period_us)?;
+    let mut params = BaseParams::new(robot, limits, localiser, motor, period_us)?;
     if let Some(gains) = &base.gains {
         // What noise asks of `slow` stays.
         let slow = params.motion.gains.slow;
@@ -159,7 +158,7 @@ pub(super) fn order(task: &Task<f64>) -> Order<f32> {
         Task::Park(goal) => Order::Park(narrow_pose(goal)),
         Task::Follow(reference) => {
             let (twist, accel) = (reference.twist(), reference.accel());
-            Order::Follow(Reference::new::<Single>(
+            Order::Follow(Reference::new(
                 narrow_pose(reference.pose()),
                 Twist::new(twist.linear as f32, twist.angular as f32),
                 Accel::new(accel.linear as f32, accel.angular as f32),

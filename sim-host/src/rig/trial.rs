@@ -7,7 +7,6 @@ use controller_core::base::{
     BaseController, BaseError, BaseParams, BaseReport, Order, Sensed, WheelAction,
 };
 use controller_core::error::ParamError;
-use controller_core::maths::Single;
 use controller_core::robot::Robot;
 use controller_core::types::{Measured, WheelTorques};
 
@@ -78,7 +77,7 @@ impl Rig {
         let period_us = (1.0e6 * period_s).round() as u32;
         let mut params = convert::params(base, period_us).map_err(RigError::Param)?;
         edit(&mut params);
-        let valid = params.validate::<Single>().map_err(RigError::Base)?;
+        let valid = params.validate().map_err(RigError::Base)?;
         let keys = convert::with_hardware(&place.world, base.hardware.as_ref());
         let world = World::new(&keys.params(robot), start, place.seed);
         Ok(Self {

@@ -30,7 +30,7 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
         let limits = narrow_limits(&mission.base.limits);
         // Told what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
         let sigma = T::from_f64(disturbance.position_noise_m);
-        let params = MotionParams::new::<M>(robot, limits).with_pose_noise(sigma);
+        let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
         Ok(Self {
             period_s: mission.period_s,
             guide: Guide::new(mission),

@@ -50,7 +50,7 @@ fn tick<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(name: &str) {
         twist: Twist::new(f(0.1), f(0.2)),
     };
     let accel = Accel::default();
-    let sample = Reference::new::<M>(Pose::default(), Twist::new(f(0.4), f(0.1)), accel);
+    let sample = Reference::new_with::<M>(Pose::default(), Twist::new(f(0.4), f(0.1)), accel);
     let Some(Ok(mut controller)) = Params::<T>::paper()
         .validate()
         .ok()

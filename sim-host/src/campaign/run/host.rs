@@ -99,7 +99,7 @@ impl Runner<'_> {
             } else {
                 match self.plan.path.at(0.0) {
                     Order::Follow(reference) => {
-                        Order::Follow(controller_core::reference::Reference::new::<
+                        Order::Follow(controller_core::reference::Reference::new_with::<
                             controller_core::maths::Single,
                         >(
                             pose, *reference.twist(), *reference.accel()
