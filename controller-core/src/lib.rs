@@ -3,7 +3,7 @@
 //!
 //! | layer | modules |
 //! | --- | --- |
-//! | numbers | [`scalar`], [`maths`], [`angle`] |
+//! | numbers | [`scalar`], [`maths`] and its [`single`] precision, [`angle`] |
 //! | quantities | [`types`], [`error`] |
 //! | robot | [`robot`] (1)-(3), [`wheels`] B̄ |
 //! | reference | [`mod@reference`] (6), [`queue`], [`pose_error`] (7)-(9) |
@@ -60,6 +60,7 @@ pub mod robot;
 pub mod safety;
 pub mod scalar;
 pub mod shunting;
+pub mod single;
 pub mod stability;
 pub mod torque;
 pub mod tuning;

@@ -4,6 +4,8 @@
 //! a Cortex-M4F computes in hardware. The trait is sealed: every bound stated in this crate was
 //! checked for these two.
 
+mod wrap;
+
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -108,7 +110,7 @@ impl Scalar for f32 {
     }
     #[inline]
     fn wrap_angle(self) -> Self {
-        crate::angle::wrap_f32(self)
+        crate::single::wrap(self)
     }
 }
 
@@ -151,6 +153,6 @@ impl Scalar for f64 {
     }
     #[inline]
     fn wrap_angle(self) -> Self {
-        crate::angle::wrap_f64(self)
+        wrap::wrap_f64(self)
     }
 }

@@ -189,5 +189,5 @@ pub fn drive(
 
 fn distance(a: &Pose<f32>, b: &Pose<f32>) -> f32 {
     let (dx, dy) = (a.x - b.x, a.y - b.y);
-    controller_core::maths::single::sqrt(dx * dx + dy * dy)
+    controller_core::single::sqrt(dx * dx + dy * dy)
 }

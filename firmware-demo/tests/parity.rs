@@ -4,9 +4,9 @@ mod support;
 
 use controller_core::maths::Single;
 use controller_core::paper::demand::Demand;
-use controller_core::paper::handover::Reset;
 use controller_core::paper::neural::NeuralController;
 use controller_core::paper::params::Params;
+use controller_core::paper::params::Reset;
 use controller_core::paper::report::StepReport;
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::types::{Measured, Pose, Twist};

@@ -1,7 +1,7 @@
 //! The oracle's constants and vectors in the core's types, for either scalar.
 
 use controller_core::maths::{Libm, Maths};
-use controller_core::paper::handover::Reset as CoreReset;
+use controller_core::paper::params::Reset as CoreReset;
 use controller_core::paper::params::{
     Params as CoreParams, ParkingGains, TrackingGains, Validated,
 };

@@ -1,4 +1,4 @@
-//! The paper's laws, its claims, and the core's mathematics.
+//! The paper's laws, its claims, and the core's mathematics; what the sources say of themselves.
 
 mod continuity;
 mod continuity_rates;
@@ -7,6 +7,7 @@ mod core_lyapunov;
 mod derivation_figures;
 mod geometry_properties;
 mod misprint_claims;
+mod modules;
 mod neuron_bounds;
 mod neuron_properties;
 mod notes;

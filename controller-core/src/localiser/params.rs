@@ -1,7 +1,7 @@
 //! Parameters of the localiser: plain data, validated once.
 
 use super::bend::Learning;
-use super::parking::pose_noise;
+use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
 use crate::odometry::OdometryParams;

@@ -5,7 +5,6 @@
 
 mod libm_backend;
 mod micromath_backend;
-pub mod single;
 mod single_backend;
 
 pub use libm_backend::Libm;

@@ -1,9 +1,10 @@
 //! The controller for a real base: one tick from pose to wheel torques.
 
-use super::arrival::{AtRest, Latch, Pushing, STOPPING_DECAY, Stall, Standing};
+use super::arrival::AtRest;
 use super::bridge::Bridge;
 use super::disturbance::{Observer, Watch};
 use super::follow::{Follower, Instant, Wish};
+use super::goal_checker::{Latch, Pushing, STOPPING_DECAY, Stall, Standing};
 use super::governor::Command;
 use super::params::Motion;
 use super::polar::Parker;

@@ -1,7 +1,7 @@
 //! Keeps the command within what the base can do, and says so.
 
 use super::follow::Wish;
-use super::limits::Limits;
+use super::limits::{COMMAND_SHARE, Limits};
 use super::params::Motion;
 use super::report::Limited;
 use super::saturation::share;
@@ -15,9 +15,6 @@ pub(crate) struct Command<T> {
     pub(crate) twist: Twist<T>,
     pub(crate) rate: Accel<T>,
 }
-
-/// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
-pub(crate) const COMMAND_SHARE: f64 = 0.75;
 
 impl<T: Scalar> Command<T> {
     /// The command that asks a robot for what it does already, as far as the limits allow.

@@ -4,6 +4,9 @@ use crate::error::{Field, ParamError};
 use crate::range::within;
 use crate::scalar::Scalar;
 
+/// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
+pub(crate) const COMMAND_SHARE: f64 = 0.75;
+
 /// Limits of a base, each positive and finite. The controller stays inside all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<T = f32> {

@@ -27,6 +27,7 @@ mod controller;
 mod disturbance;
 mod follow;
 mod gains;
+mod goal_checker;
 mod governor;
 mod hand_over;
 mod lag;
@@ -45,5 +46,5 @@ pub use params::{JumpThreshold, Motion, MotionParams};
 pub use report::{Limited, Mode, MotionReport, Outcome};
 pub use saturation::share;
 
-pub(crate) use governor::COMMAND_SHARE;
+pub(crate) use limits::COMMAND_SHARE;
 pub(crate) use polar::{BEARING, COUPLING};

@@ -2,9 +2,8 @@
 
 use super::arrival::Arrival;
 use super::gains::MotionGains;
-use super::governor::COMMAND_SHARE;
 use super::lag::Lag;
-use super::limits::Limits;
+use super::limits::{COMMAND_SHARE, Limits};
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
 use crate::range::within;

@@ -1,6 +1,6 @@
 //! A robot that stands beside its goal: a bounded number of new approaches, then the truth.
 
-use super::arrival::Standing;
+use super::goal_checker::Standing;
 use super::params::Motion;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;

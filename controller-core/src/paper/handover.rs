@@ -1,25 +1,12 @@
 //! From tracking to parking in one tick, without a jump. Eq. (23).
 
 use crate::maths::Maths;
-use crate::paper::params::ParkingGains;
+use crate::paper::params::{ParkingGains, Reset};
 use crate::paper::tracking::carry;
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::shunting::Shunting;
 use crate::types::{Accel, Twist, Wrench};
-
-/// What happens to the acceleration neurons at the hand-over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Reset {
-    /// They take the values with which the torque does not jump, whatever the gains.
-    #[default]
-    TorqueContinuous,
-    /// v̇_s(P) = v̇_c(P−1), ẇ_s(P) = ẇ_c(P−1), as the paper prints it. The torque jumps; see
-    /// `docs/errata.md`.
-    Printed,
-    /// They start from zero. The torque jumps.
-    Zero,
-}
 
 /// Values of the pose neurons right after the hand-over, and what they could not carry.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,6 @@
 //! Parameters of the paper's law: plain data, validated once into a type that cannot be wrong.
 
 use crate::error::{Field, ParamError};
-use crate::paper::handover::Reset;
 use crate::range::within;
 use crate::robot::Robot;
 use crate::scalar::Scalar;
@@ -34,6 +33,19 @@ pub struct ParkingGains<T> {
     pub k_c1: T,
     /// k_c2 \[N m s\]: turn-rate loop.
     pub k_c2: T,
+}
+
+/// What happens to the acceleration neurons at the hand-over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Reset {
+    /// They take the values with which the torque does not jump, whatever the gains.
+    #[default]
+    TorqueContinuous,
+    /// v̇_s(P) = v̇_c(P−1), ẇ_s(P) = ẇ_c(P−1), as the paper prints it. The torque jumps; see
+    /// `docs/errata.md`.
+    Printed,
+    /// They start from zero. The torque jumps.
+    Zero,
 }
 
 /// Everything that the paper's controller needs to know.

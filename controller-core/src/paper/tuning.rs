@@ -1,9 +1,11 @@
 //! Wishes and margins for the paper's law, [`crate::paper::neural`].
 
 mod design;
+mod gains;
 mod wishes;
 
-pub use wishes::{Tolerance, Wishes, gains};
+pub use gains::gains;
+pub use wishes::{Tolerance, Wishes};
 
 use crate::maths::Maths;
 use crate::paper::params::Params;

@@ -30,7 +30,7 @@ pub use encoder::{EncodeError, encode};
 pub use field::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
 pub use parameters::{ParameterSet, WireReset};
 pub use report::{Report, report_flags};
-pub use telemetry::{Counters, Hello, Origin, Refusal, RejectReason, Telemetry};
+pub use telemetry::{Counters, Hello, NotLoaded, Origin, Refusal, RejectReason, Telemetry};
 pub use tick::{BaseTick, WireAction, WireOutcome, tick_flags};
 pub use values::{TimedSample, WireDemand, WireMeasured, WirePose, WireReference, WireTwist};
 

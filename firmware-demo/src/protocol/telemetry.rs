@@ -119,11 +119,30 @@ impl Display for Refusal {
 
 impl Error for Refusal {}
 
+/// Why nothing stored is in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NotLoaded {
+    /// There is no memory for it.
+    NoMemory,
+    /// Nothing was ever stored.
+    Empty,
+    /// No slot is whole.
+    Damaged,
+    /// What is whole is of another version.
+    Version(u8),
+    /// The flash cannot be read.
+    Unreadable,
+    /// Whole, and out of this firmware's ranges.
+    Refused,
+    /// The host asked for the defaults.
+    Asked,
+}
+
 /// Where the parameters in use come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Origin {
     /// Compiled in, for this reason.
-    Defaults(crate::storage::NotLoaded),
+    Defaults(NotLoaded),
     /// From the flash.
     Stored {
         /// The number of the record; each one saved has the next.

@@ -15,6 +15,7 @@ mod ram;
 mod record;
 mod slots;
 
+pub use crate::protocol::NotLoaded;
 pub use ram::RamFlash;
 pub use record::{RECORD, RECORD_VERSION, Record, RecordError};
-pub use slots::{Loaded, Memory, NoMemory, NotLoaded, SaveError, Slots};
+pub use slots::{Loaded, Memory, NoMemory, SaveError, Slots};

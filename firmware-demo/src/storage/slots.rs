@@ -4,29 +4,9 @@ use core::error::Error;
 use core::fmt::{self, Display, Formatter};
 
 use embedded_storage::nor_flash::NorFlash;
-use serde::{Deserialize, Serialize};
 
 use super::record::{RECORD, Record, RecordError};
-use crate::protocol::FieldParams;
-
-/// Why nothing stored is in force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum NotLoaded {
-    /// There is no memory for it.
-    NoMemory,
-    /// Nothing was ever stored.
-    Empty,
-    /// No slot is whole.
-    Damaged,
-    /// What is whole is of another version.
-    Version(u8),
-    /// The flash cannot be read.
-    Unreadable,
-    /// Whole, and out of this firmware's ranges.
-    Refused,
-    /// The host asked for the defaults.
-    Asked,
-}
+use crate::protocol::{FieldParams, NotLoaded};
 
 /// What a memory holds.
 #[derive(Clone, Copy, Debug, PartialEq)]

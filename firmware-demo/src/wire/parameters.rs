@@ -1,6 +1,6 @@
 //! Parameters of the core as a flat set, and back.
 
-use controller_core::paper::handover::Reset;
+use controller_core::paper::params::Reset;
 use controller_core::paper::params::{Params, ParkingGains, TrackingGains};
 use controller_core::robot::Robot;
 use controller_core::shunting::NeuronParams;
