@@ -11,13 +11,13 @@ pub(crate) const STOPPING_DECAY: f64 = 12.0;
 
 /// Whether the robot is parked, and for how long it has been fit to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Latch<T> {
+pub(crate) struct GoalChecker<T> {
     pub(crate) parked: bool,
     inside_s: T,
 }
 
 /// Where the robot is with respect to its goal, and how it moves.
-pub(crate) struct Standing<T> {
+pub(crate) struct GoalView<T> {
     pub(crate) error: PoseError<T>,
     /// Distance to the goal.
     pub(crate) distance: T,
@@ -28,14 +28,14 @@ pub(crate) struct Standing<T> {
     pub(crate) backing: bool,
 }
 
-impl<T: Scalar> Latch<T> {
+impl<T: Scalar> GoalChecker<T> {
     /// The latch after a tick of `dt`.
     ///
     /// Enters when the place where the stopping bridge would end is inside the tolerance: a bridge
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
     /// when the robot is pushed beyond [`Motion::leave_distance`] or 1.3 times the heading, but not in
     /// the first second, while it still settles.
-    pub(crate) fn advance(&self, motion: &Motion<T>, at: &Standing<T>, dt: T) -> Self {
+    pub(crate) fn advance(&self, motion: &Motion<T>, at: &GoalView<T>, dt: T) -> Self {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
         let close = at.distance < motion.leave_distance();
@@ -77,7 +77,7 @@ impl<T: Scalar> Latch<T> {
     }
 }
 
-/// How far a command and a speed still carry once the wish is zero.
+/// How far a command and a speed still carry once the setpoint is zero.
 fn travel<T: Scalar>(command: T, rate: T, speed: T, dt: T, bandwidth: T) -> T {
     let decay = T::from_f64(STOPPING_DECAY);
     let bridge = (rate + (decay + decay) * command) / (decay * decay);
