@@ -42,6 +42,7 @@
 
 pub mod angle;
 pub mod base;
+mod cast;
 mod check;
 pub mod error;
 pub mod hal;

@@ -58,6 +58,11 @@ impl<T: Scalar> Reference<T> {
         Self::new_with::<M>(pose, Twist::default(), Accel::default())
     }
 
+    /// The same in another precision, in which the unit vector is worked out anew.
+    pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Reference<S> {
+        Reference::new_with::<M>(self.pose.cast(), self.twist.cast(), self.accel.cast())
+    }
+
     /// q_r = (x_r, y_r, θ_r).
     #[inline]
     pub fn pose(&self) -> &Pose<T> {

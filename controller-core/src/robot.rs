@@ -1,5 +1,6 @@
 //! The robot: its body and wheels, kinematics, rolling constraint, dynamics. Eqs. (1)-(3).
 
+use crate::cast::cast;
 use crate::maths::Maths;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
@@ -15,6 +16,12 @@ pub struct Robot<T = f32> {
     /// Wheels, for the map from wrench to wheel torques.
     pub wheels: WheelGeometry<T>,
 }
+
+cast!(Robot {
+    mass_kg,
+    inertia_kg_m2,
+    wheels
+});
 
 impl<T: Scalar> Robot<T> {
     /// The robot of the paper: m = 30 kg and I = 15 kg m².

@@ -57,6 +57,11 @@ pub trait Scalar:
     fn from_i32(value: i32) -> Self;
     /// Widens to a double; exact.
     fn to_f64(self) -> f64;
+    /// The same number in another precision: rounded to nearest, exact where it widens.
+    #[inline]
+    fn cast<S: Scalar>(self) -> S {
+        S::from_f64(self.to_f64())
+    }
     /// Magnitude; clears the sign bit.
     fn abs(self) -> Self;
     /// 1 for a negative sign bit, else 0: chooses between two values without a comparison.

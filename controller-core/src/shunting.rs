@@ -1,5 +1,6 @@
 //! The shunting neuron: a leaky integrator whose state cannot leave [−D, B]. Eqs. (4) and (5).
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
 use crate::range::{clamp, within};
@@ -111,6 +112,8 @@ pub struct NeuronParams<T> {
     /// D: the lower bound is −D.
     pub d: T,
 }
+
+cast!(NeuronParams { a, b, d });
 
 /// Coefficients A, B, D of Eq. (4), each in [1e-3, 1e4].
 #[derive(Clone, Copy, Debug, PartialEq)]

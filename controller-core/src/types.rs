@@ -3,6 +3,7 @@
 //! SI units and radians throughout. World frame: x, y in the plane, headings counter-clockwise
 //! from x. Body frame: x forward, y left. Where wheels come in pairs, right comes before left.
 
+use crate::cast::cast;
 use crate::scalar::Scalar;
 
 /// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
@@ -16,6 +17,8 @@ pub struct Pose<T = f32> {
     pub theta: T,
 }
 
+cast!(Pose { x, y, theta });
+
 /// Forward speed and turn rate: the v̄ = (v, w)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist<T = f32> {
@@ -25,6 +28,8 @@ pub struct Twist<T = f32> {
     pub angular: T,
 }
 
+cast!(Twist { linear, angular });
+
 /// Rate of change of a [`Twist`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accel<T = f32> {
@@ -33,6 +38,8 @@ pub struct Accel<T = f32> {
     /// \[rad/s²\].
     pub angular: T,
 }
+
+cast!(Accel { linear, angular });
 
 /// Force along the heading and moment about the vertical: the τ̄ = (τ₁, τ₂)ᵀ of Eq. (3).
 ///
@@ -45,6 +52,8 @@ pub struct Wrench<T = f32> {
     pub moment: T,
 }
 
+cast!(Wrench { force, moment });
+
 /// Torques at the two wheels \[N m\]; positive drives the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelTorques<T = f32> {
@@ -53,6 +62,8 @@ pub struct WheelTorques<T = f32> {
     /// Left wheel.
     pub left: T,
 }
+
+cast!(WheelTorques { right, left });
 
 /// Angular speeds of the two wheels \[rad/s\]; positive drives the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,6 +74,8 @@ pub struct WheelSpeeds<T = f32> {
     pub left: T,
 }
 
+cast!(WheelSpeeds { right, left });
+
 /// What the base knows of itself at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured<T = f32> {
@@ -71,6 +84,8 @@ pub struct Measured<T = f32> {
     /// Speed and turn rate in the body frame.
     pub twist: Twist<T>,
 }
+
+cast!(Measured { pose, twist });
 
 impl<T: Scalar> Pose<T> {
     /// A pose from its three coordinates \[m, m, rad\].

@@ -1,5 +1,6 @@
 //! From force and moment to wheel torques and back: the matrix B̄ of Eq. (3).
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError, Problem};
 use crate::range::within;
 use crate::scalar::Scalar;
@@ -15,6 +16,12 @@ pub struct WheelGeometry<T = f32> {
     /// l: the full distance between the wheels' contact points \[m\], 1e-2 to 100.
     pub track_m: T,
 }
+
+cast!(WheelGeometry {
+    radius_right_m,
+    radius_left_m,
+    track_m
+});
 
 /// An invertible linear map between a [`Wrench`] and [`WheelTorques`].
 ///

@@ -243,7 +243,7 @@ fn a_robot_that_knows_only_its_encoders_tracks_and_parks() {
         counts_per_turn: 4096.0,
         bandwidth: 200.0,
     };
-    let pose = Pose::new(start.x as f32, start.y as f32, start.theta as f32);
+    let pose = start.cast();
     let counts = encoders.counts().expect("always");
     let mut odometry = Odometry::new(&odometry, pose, counts).expect("in order");
     let measured = Measured {

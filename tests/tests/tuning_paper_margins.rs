@@ -3,7 +3,6 @@
 use controller_core::maths::{Libm, Single};
 use controller_core::paper::params::Params as CoreParams;
 use controller_core::paper::tuning;
-use controller_core::robot::Robot;
 use controller_core::tuning::LoopMargins;
 use nalgebra::{Matrix5, Vector2};
 use proptest::prelude::*;
@@ -96,11 +95,7 @@ proptest! {
         // Roots that nearly coincide are known to the square root of rounding only.
         prop_assert!((found.decay - decay).abs() < 1e-6 * (1.0 + decay.abs()), "{} {decay}", found.decay);
         prop_assert!((found.damping - damping.max(0.0)).abs() < 1e-5, "{} {damping}", found.damping);
-        let single = CoreParams::<f32> {
-            robot: Robot::<f32>::paper(),
-            ..single(&p)
-        };
-        let single = tuning::margins::<f32, Single>(&single, speed as f32).across;
+        let single = tuning::margins::<f32, Single>(&p.cast(), speed as f32).across;
         let clear = found.decay.abs() > 0.01;
         let near = |a: f64, b: f32| (a - f64::from(b)).abs() < 0.02 * (0.1 + a.abs());
         let LoopMargins { decay, pose_delay_s, torque_delay_s, .. } = found;
@@ -108,15 +103,4 @@ proptest! {
         prop_assert!(!clear || near(pose_delay_s, single.pose_delay_s));
         prop_assert!(!clear || near(torque_delay_s, single.torque_delay_s));
     }
-}
-
-fn single(p: &CoreParams<f64>) -> CoreParams<f32> {
-    let mut q = CoreParams::<f32>::paper();
-    q.tracking.k2 = p.tracking.k2 as f32;
-    q.tracking.k3 = p.tracking.k3 as f32;
-    q.tracking.k_d2 = p.tracking.k_d2 as f32;
-    q.neurons.a = p.neurons.a as f32;
-    q.neurons.b = p.neurons.b as f32;
-    q.neurons.d = p.neurons.d as f32;
-    q
 }

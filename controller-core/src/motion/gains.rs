@@ -1,6 +1,7 @@
 //! Gains that follow from the limits of the base.
 
 use super::limits::Limits;
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
 use crate::range::within;
@@ -35,6 +36,21 @@ pub struct MotionGains<T = f32> {
     /// moment of the wheels. 0 to 1.
     pub disturbance_share: T,
 }
+
+cast!(MotionGains {
+    decay,
+    along,
+    along_bound,
+    heading,
+    across,
+    slow,
+    approach,
+    approach_brake,
+    speed_loop,
+    turn_loop,
+    disturbance,
+    disturbance_share
+});
 
 /// ω \[1/s\]. The velocity loops of 3 and 5/s then cross over at 5.7 and 7.7 rad/s with 59° and 54° of
 /// phase margin, and with half the mass, 20 ms of delay and a speed estimate of 50 rad/s, at 11 and

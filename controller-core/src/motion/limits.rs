@@ -1,5 +1,6 @@
 //! What the base can do.
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::range::within;
 use crate::scalar::Scalar;
@@ -29,6 +30,19 @@ pub struct Limits<T = f32> {
     /// Who yields where both wheels cannot be served.
     pub policy: Policy,
 }
+
+cast!(
+    Limits {
+        speed,
+        turn_rate,
+        accel,
+        brake,
+        turn_accel,
+        jerk,
+        turn_jerk,
+        wheel_torque_nm,
+    } keeps policy
+);
 
 /// Who yields when force and moment together ask too much of a wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,6 +1,7 @@
 //! What the robot is to do.
 
 use crate::error::{Input, StepFault};
+use crate::maths::Maths;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::Pose;
@@ -17,6 +18,14 @@ pub enum Task<T = f32> {
 }
 
 impl<T: Scalar> Task<T> {
+    /// The same in another precision; see [`Reference::cast_with`].
+    pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Task<S> {
+        match self {
+            Self::Follow(reference) => Task::Follow(reference.cast_with::<S, M>()),
+            Self::Park(goal) => Task::Park(goal.cast()),
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), StepFault> {
         match self {
             Self::Follow(reference) if !reference.is_finite() => {

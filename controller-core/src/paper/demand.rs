@@ -2,6 +2,7 @@
 
 use crate::check::{check_measured, check_tick};
 use crate::error::{Input, StepFault};
+use crate::maths::Maths;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Measured, Pose};
@@ -24,6 +25,18 @@ pub enum Demand<T> {
 }
 
 impl<T: Scalar> Demand<T> {
+    /// The same in another precision; see [`Reference::cast_with`].
+    pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Demand<S> {
+        match self {
+            Self::Track(reference) => Demand::Track(reference.cast_with::<S, M>()),
+            Self::HandOver { reference, goal } => Demand::HandOver {
+                reference: reference.cast_with::<S, M>(),
+                goal: goal.cast(),
+            },
+            Self::Park => Demand::Park,
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), StepFault> {
         let (reference, goal) = match self {
             Self::Track(reference) => (reference.is_finite(), true),

@@ -1,5 +1,6 @@
 //! Parameters of the paper's law: plain data, validated once into a type that cannot be wrong.
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::range::within;
 use crate::robot::Robot;
@@ -22,6 +23,14 @@ pub struct TrackingGains<T> {
     pub k_d2: T,
 }
 
+cast!(TrackingGains {
+    k1,
+    k2,
+    k3,
+    k_d1,
+    k_d2
+});
+
 /// Gains of parking, Eqs. (13)-(14) and (20)-(21). Each 1e-6 to 1e6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParkingGains<T> {
@@ -34,6 +43,8 @@ pub struct ParkingGains<T> {
     /// k_c2 \[N m s\]: turn-rate loop.
     pub k_c2: T,
 }
+
+cast!(ParkingGains { k4, k5, k_c1, k_c2 });
 
 /// What happens to the acceleration neurons at the hand-over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -98,6 +109,19 @@ impl<T: Scalar> Params<T> {
             reset: Reset::TorqueContinuous,
             max_wheel_torque_nm: None,
             max_tick_s: f(0.5),
+        }
+    }
+
+    /// The same in another precision: each number is rounded to nearest, and exact where it widens.
+    pub fn cast<S: Scalar>(&self) -> Params<S> {
+        Params {
+            robot: self.robot.cast(),
+            tracking: self.tracking.cast(),
+            parking: self.parking.cast(),
+            neurons: self.neurons.cast(),
+            reset: self.reset,
+            max_wheel_torque_nm: self.max_wheel_torque_nm.map(T::cast),
+            max_tick_s: self.max_tick_s.cast(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Everything that a tick computed, in one value.
 
+use crate::cast::cast;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, WheelTorques, Wrench};
@@ -27,6 +28,8 @@ pub struct NeuronStates<T> {
     pub accel: Accel<T>,
 }
 
+cast!(NeuronStates { s1, s2, s3, accel });
+
 /// The report of one tick. Every term of the law is here; nothing is logged anywhere else.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport<T> {
@@ -51,6 +54,19 @@ pub struct StepReport<T> {
     /// Both wheel torques were scaled down to the limit; `wrench` is what was asked for.
     pub saturated: bool,
 }
+
+cast!(
+    StepReport {
+        error,
+        neurons,
+        command,
+        command_rate,
+        velocity_error,
+        bridge,
+        wrench,
+        torques,
+    } keeps phase, saturated
+);
 
 impl<T: Scalar> StepReport<T> {
     /// A bridge term above `threshold` \[m/s, rad/s\] is at work: the start or the hand-over asked

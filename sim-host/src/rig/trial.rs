@@ -82,7 +82,7 @@ impl Rig {
         let world = World::new(&keys.params(robot), start, place.seed);
         Ok(Self {
             world: world.map_err(RigError::World)?,
-            base: BaseController::new(&valid, convert::narrow_pose(&start.pose)),
+            base: BaseController::new(&valid, start.pose.cast()),
             period_us,
             dt_us: period_us,
             actuation: Actuation::Release,
