@@ -2,7 +2,7 @@
 //!
 //! In the manner of `embedded-hal`: an associated error with a generic kind, implementations for
 //! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
-//! else; they come from [`crate::report::StepReport::torques`].
+//! else; they come from [`crate::motion::MotionReport::torques`].
 //!
 //! Wheels are stopped in two ways, and hardware that can tells them apart: *released* they are free to coast, *braked*
 //! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].

@@ -1,61 +1,76 @@
 //! Motion control for two-wheeled robots: follow a moving reference, park at a pose, with bounded
 //! commands and torques that do not jump. No heap, no panic, no clock, no I/O.
 //!
-//! The laws are those of Cao, Zhao and Wang, *Trajectory Tracking and Point Stabilization of
-//! Nonholonomic Mobile Robot*, with the misprints corrected (`docs/errata.md`). Equations stand
-//! one to a function, with their number, so that each can be used and checked on its own.
-//!
 //! | layer | modules |
 //! | --- | --- |
-//! | numbers | [`scalar`], [`maths`], [`angle`] |
-//! | quantities | [`types`], [`params`], [`error`] |
-//! | robot | [`model`] (1)-(3), [`wheels`] B̄ |
+//! | numbers | [`scalar`], [`maths`] and its [`single`] precision, [`angle`] |
+//! | quantities | [`types`], [`error`] |
+//! | robot | [`robot`] (1)-(3), [`wheels`] B̄ |
 //! | reference | [`mod@reference`] (6), [`queue`], [`pose_error`] (7)-(9) |
 //! | neurons | [`shunting`] (4)(5), [`neuron`] |
-//! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`torque`] (12)(14)(16)(21), [`handover`] (23), [`neural_law`] (17)(22) |
-//! | controllers | [`neural::NeuralController`], [`plain::PlainController`], [`demand`], [`report`] |
-//! | a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival |
+//! | the law for a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival; [`torque`] |
 //! | a whole base | [`base`]: from encoders to wheels in one tick |
-//! | base | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
+//! | sensors, drives | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
 //! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
 //! | safety | [`safety`]: faults and reactions, detectors, supervisor, stopping distance |
-//! | insight | [`stability`], [`lyapunov`] (24)-(27) |
-//! | gains | [`tuning`]: from wishes, with margins |
+//! | gains | [`tuning`]: from wishes, with margins; [`stability`] |
+//! | the paper's law | [`paper`]: Cao, Zhao and Wang, equation by equation |
+//!
+//! Numbers in parentheses are the equations of that paper.
+//!
+//! The root has the names of a first program; `examples/` has such programs.
+//!
+//! ```
+//! use controller_core::motion::Policy;
+//! use controller_core::{Limits, Measured, MotionController, MotionParams, Pose, Robot, Task};
+//!
+//! // Robot and limits are yours; gains follow from them.
+//! let limits = Limits {
+//!     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
+//!     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+//! };
+//! let motion = MotionParams::new(Robot::paper(), limits).validate()?;
+//! let (task, measured) = (Task::Park(Pose::new(1.0, 0.5, 0.0)), Measured::default());
+//! let mut controller: MotionController = MotionController::start(&motion, &task, &measured)?;
+//! // Every tick: measure, step, set the wheels.
+//! let report = controller.step(0.01, &task, &measured)?;
+//! assert!(report.torques.right > 0.0);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod angle;
-pub mod backstepping;
 pub mod base;
-pub mod demand;
+mod cast;
+mod check;
 pub mod error;
 pub mod hal;
-pub mod handover;
 pub mod localiser;
-pub mod lyapunov;
 pub mod maths;
-pub mod model;
 pub mod motion;
 pub mod motor;
-pub mod neural;
-pub mod neural_law;
 pub mod neuron;
 pub mod odometry;
-mod output;
-pub mod params;
-pub mod parking;
-pub mod plain;
+pub mod paper;
 pub mod pose_error;
 pub mod queue;
 mod range;
 pub mod reference;
-pub mod report;
+pub mod robot;
 pub mod safety;
 pub mod scalar;
 pub mod shunting;
+pub mod single;
 pub mod stability;
 pub mod torque;
-pub mod tracking;
 pub mod tuning;
 pub mod types;
 pub mod wheels;
+
+pub use base::{BaseController, BaseParams, Order, Sensed, WheelAction};
+pub use motion::{Limits, MotionController, MotionParams, Outcome, Task};
+pub use reference::Reference;
+pub use robot::Robot;
+pub use types::{Measured, Pose, Twist, WheelTorques};
+pub use wheels::WheelGeometry;

@@ -10,7 +10,7 @@ use crate::shunting::{NeuronUpdate, Shunting};
 /// ```
 /// use controller_core::maths::Libm;
 /// use controller_core::neuron::Neuron;
-/// use controller_core::params::NeuronParams;
+/// use controller_core::shunting::NeuronParams;
 /// use controller_core::shunting::{ExactHeld, Shunting};
 ///
 /// let shunting = Shunting::new(&NeuronParams { a: 4.0, b: 4.0, d: 4.0 })?;

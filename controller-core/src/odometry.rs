@@ -14,7 +14,7 @@ use speed::{Turned, Wheel};
 
 /// What a calibration run found, as factors on the nominal lengths; 1 where it found nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Calibration<T> {
+pub struct Calibration<T = f32> {
     /// On the right wheel's radius, 0.5 to 2.
     pub right: T,
     /// On the left wheel's radius, 0.5 to 2.
@@ -40,7 +40,7 @@ impl<T: Scalar> Default for Calibration<T> {
 
 /// What odometry needs to know of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OdometryParams<T> {
+pub struct OdometryParams<T = f32> {
     /// Nominal radii and distance of the wheels.
     pub wheels: WheelGeometry<T>,
     /// What they turned out to be.

@@ -1,6 +1,7 @@
 //! The pose error as the robot sees it. Eqs. (7)-(9).
 
 use crate::angle::wrap;
+use crate::cast::cast;
 use crate::maths::Maths;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
@@ -16,6 +17,8 @@ pub struct PoseError<T> {
     /// e_θ \[rad\] in (−π, π]: positive if the reference is turned counter-clockwise.
     pub theta: T,
 }
+
+cast!(PoseError { x, y, theta });
 
 impl<T: Scalar> PoseError<T> {
     /// |(e_x, e_y, e_θ)| with metres and radians weighed alike, as the paper's settling times need.

@@ -13,7 +13,7 @@ use heapless::spsc;
 
 /// A reference sample and the instant it belongs to \[s\], on the clock of the control tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimedReference<T> {
+pub struct TimedReference<T = f32> {
     /// Seconds.
     pub t: T,
     /// The sample.
@@ -269,7 +269,7 @@ pub fn interpolate<T: Scalar, M: Maths<T>>(
         (v.angular, a.accel().angular),
         (w.angular, b.accel().angular),
     );
-    Reference::new::<M>(
+    Reference::new_with::<M>(
         Pose { x, y, theta },
         Twist::new(linear, angular),
         Accel::new(linear_rate, angular_rate),

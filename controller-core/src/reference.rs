@@ -1,6 +1,6 @@
 //! The moving reference of Eq. (6), and the virtual target point.
 
-use crate::maths::Maths;
+use crate::maths::{Maths, Usual};
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist};
 
@@ -19,18 +19,31 @@ pub struct Heading<T> {
 /// planner, a table in flash) pays for sine and cosine, and not the control tick. Hence fields are
 /// read through functions: the vector always belongs to the heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reference<T> {
+pub struct Reference<T = f32> {
     pose: Pose<T>,
     heading: Heading<T>,
     twist: Twist<T>,
     accel: Accel<T>,
 }
 
+impl<T: Usual> Reference<T> {
+    /// [`new_with`](Self::new_with) the usual mathematics of the number type.
+    #[inline]
+    pub fn new(pose: Pose<T>, twist: Twist<T>, accel: Accel<T>) -> Self {
+        Self::new_with::<T::Maths>(pose, twist, accel)
+    }
+
+    /// [`at_rest_with`](Self::at_rest_with) the usual mathematics of the number type.
+    pub fn at_rest(pose: Pose<T>) -> Self {
+        Self::at_rest_with::<T::Maths>(pose)
+    }
+}
+
 impl<T: Scalar> Reference<T> {
     /// A sample: q_r = (x_r, y_r, θ_r), (v_r, w_r) and (v̇_r, ẇ_r). Values are checked where they are
     /// used, at the tick.
     #[inline]
-    pub fn new<M: Maths<T>>(pose: Pose<T>, twist: Twist<T>, accel: Accel<T>) -> Self {
+    pub fn new_with<M: Maths<T>>(pose: Pose<T>, twist: Twist<T>, accel: Accel<T>) -> Self {
         let (sin, cos) = M::sin_cos(pose.theta);
         Self {
             pose,
@@ -41,8 +54,13 @@ impl<T: Scalar> Reference<T> {
     }
 
     /// A reference that stands still at `pose`.
-    pub fn at_rest<M: Maths<T>>(pose: Pose<T>) -> Self {
-        Self::new::<M>(pose, Twist::default(), Accel::default())
+    pub fn at_rest_with<M: Maths<T>>(pose: Pose<T>) -> Self {
+        Self::new_with::<M>(pose, Twist::default(), Accel::default())
+    }
+
+    /// The same in another precision, in which the unit vector is worked out anew.
+    pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Reference<S> {
+        Reference::new_with::<M>(self.pose.cast(), self.twist.cast(), self.accel.cast())
     }
 
     /// q_r = (x_r, y_r, θ_r).
@@ -90,7 +108,7 @@ impl<T: Scalar> Reference<T> {
 /// assert!((target.x - 2.659_99_f64).abs() < 1e-5 && (target.y - 2.478_03).abs() < 1e-5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConstantTwist<T> {
+pub struct ConstantTwist<T = f32> {
     /// Pose at time 0.
     pub start: Pose<T>,
     /// Constant (v_r, w_r).
@@ -111,7 +129,7 @@ impl<T: Scalar> ConstantTwist<T> {
             y: self.start.y + chord * sine,
             theta: self.start.theta + self.twist.angular * t,
         };
-        Reference::new::<M>(pose, self.twist, Accel::default())
+        Reference::new_with::<M>(pose, self.twist, Accel::default())
     }
 }
 

@@ -4,6 +4,8 @@
 //! a Cortex-M4F computes in hardware. The trait is sealed: every bound stated in this crate was
 //! checked for these two.
 
+mod wrap;
+
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -55,6 +57,11 @@ pub trait Scalar:
     fn from_i32(value: i32) -> Self;
     /// Widens to a double; exact.
     fn to_f64(self) -> f64;
+    /// The same number in another precision: rounded to nearest, exact where it widens.
+    #[inline]
+    fn cast<S: Scalar>(self) -> S {
+        S::from_f64(self.to_f64())
+    }
     /// Magnitude; clears the sign bit.
     fn abs(self) -> Self;
     /// 1 for a negative sign bit, else 0: chooses between two values without a comparison.
@@ -108,7 +115,7 @@ impl Scalar for f32 {
     }
     #[inline]
     fn wrap_angle(self) -> Self {
-        crate::angle::wrap_f32(self)
+        crate::single::wrap(self)
     }
 }
 
@@ -151,6 +158,6 @@ impl Scalar for f64 {
     }
     #[inline]
     fn wrap_angle(self) -> Self {
-        crate::angle::wrap_f64(self)
+        wrap::wrap_f64(self)
     }
 }

@@ -1,8 +1,8 @@
 //! The shunting neuron: a leaky integrator whose state cannot leave [−D, B]. Eqs. (4) and (5).
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
-use crate::params::NeuronParams;
 use crate::range::{clamp, within};
 use crate::scalar::Scalar;
 
@@ -101,6 +101,19 @@ fn exact_share<T: Scalar, M: Maths<T>>(x: T) -> T {
     let largest = T::ONE - (T::EPSILON + T::EPSILON);
     if share < largest { share } else { largest }
 }
+
+/// Coefficients of the shunting neurons, Eq. (4). Each 1e-3 to 1e4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeuronParams<T> {
+    /// A \[1/s\]: passive decay rate.
+    pub a: T,
+    /// B: upper bound of the state.
+    pub b: T,
+    /// D: the lower bound is −D.
+    pub d: T,
+}
+
+cast!(NeuronParams { a, b, d });
 
 /// Coefficients A, B, D of Eq. (4), each in [1e-3, 1e4].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! From velocity error and acceleration to a wrench. Eqs. (11), (12), (14), (16), (21).
 
-use crate::params::Robot;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
 

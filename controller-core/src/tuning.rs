@@ -2,9 +2,9 @@
 //!
 //! | wanted | the law for a real base | the paper's law |
 //! | --- | --- | --- |
-//! | gains from wishes | [`motion::gains`] of [`motion::MotionWishes`] | [`paper::gains`] of [`paper::Wishes`] |
-//! | wishes from a tolerance | | [`paper::Wishes::for_tolerance`] |
-//! | margins of any gains | [`motion::margins`] | [`paper::margins`] |
+//! | gains from wishes | [`motion::gains`] of [`motion::MotionWishes`] | [`paper::tuning::gains`](crate::paper::tuning::gains) of [`paper::tuning::Wishes`](crate::paper::tuning::Wishes) |
+//! | wishes from a tolerance | | [`paper::tuning::Wishes::for_tolerance`](crate::paper::tuning::Wishes::for_tolerance) |
+//! | margins of any gains | [`motion::margins`] | [`paper::tuning::margins`](crate::paper::tuning::margins) |
 //!
 //! A wish that the base cannot fulfil is refused by a [`WishError`] that names the wish, the nearest
 //! value that can be had and what stands against it; nothing is repaired silently.
@@ -13,10 +13,9 @@
 //! parameters state. What large errors, limits and ticks do to it was measured: `docs/tuning.md`.
 //! All computations have a fixed cost; they are meant for the start of a program, not for a tick.
 
-mod error;
+pub(crate) mod error;
 pub mod motion;
-pub mod paper;
-mod response;
+pub(crate) mod response;
 
 pub use crate::stability::LoopMargins;
 pub use error::{Why, Wish, WishError};
@@ -87,7 +86,7 @@ impl fmt::Display for Warning {
 }
 
 /// What is not healthy about a channel, the worst first.
-fn concern<T: Scalar>(channel: Channel, margins: &LoopMargins<T>) -> Option<Warning> {
+pub(crate) fn concern<T: Scalar>(channel: Channel, margins: &LoopMargins<T>) -> Option<Warning> {
     let f = T::from_f64;
     let concern = if !margins.is_stable() {
         Concern::Unstable

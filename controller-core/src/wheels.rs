@@ -1,5 +1,6 @@
 //! From force and moment to wheel torques and back: the matrix B̄ of Eq. (3).
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError, Problem};
 use crate::range::within;
 use crate::scalar::Scalar;
@@ -7,7 +8,7 @@ use crate::types::{Twist, WheelSpeeds, WheelTorques, Wrench};
 
 /// Two wheels on one axle. Radii may differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelGeometry<T> {
+pub struct WheelGeometry<T = f32> {
     /// Radius of the right wheel \[m\], 1e-3 to 10.
     pub radius_right_m: T,
     /// Radius of the left wheel \[m\], 1e-3 to 10.
@@ -15,6 +16,12 @@ pub struct WheelGeometry<T> {
     /// l: the full distance between the wheels' contact points \[m\], 1e-2 to 100.
     pub track_m: T,
 }
+
+cast!(WheelGeometry {
+    radius_right_m,
+    radius_left_m,
+    track_m
+});
 
 /// An invertible linear map between a [`Wrench`] and [`WheelTorques`].
 ///

@@ -19,7 +19,7 @@ mod demo {
 
     use controller_core::base::{BaseController, Sensed, WheelAction};
     use controller_core::maths::Single;
-    use controller_core::params::Params;
+    use controller_core::paper::params::Params;
     use controller_core::queue::{ReferenceProducer, ReferenceQueue, TimedReference};
     use controller_core::reference::{ConstantTwist, Reference};
     use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -141,7 +141,7 @@ mod demo {
                 } else {
                     (t, 1.0, 0.0)
                 };
-                let reference = Reference::new::<Single>(
+                let reference = Reference::new(
                     *path.at::<Single>(passed).pose(),
                     Twist::new(path.twist.linear * speed, path.twist.angular * speed),
                     Accel::new(path.twist.linear * slowing, path.twist.angular * slowing),

@@ -7,7 +7,8 @@ use controller_core::localiser::{Fix, FusionParams, LocaliserParams};
 use controller_core::maths::{Maths, Single};
 use controller_core::motion::Limits;
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::params::{Params, Validated};
+use controller_core::paper::params::{Params, Validated};
+use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{Action, Event, State};
 use controller_core::types::{Measured, Pose};
 
@@ -51,7 +52,7 @@ fn whole(rad: f32) -> i32 {
 /// # Errors
 /// None of its own: what the core says of the parameters.
 pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, BaseError> {
-    let robot = Params::<f32>::paper().robot;
+    let robot = Robot::<f32>::paper();
     let localiser = LocaliserParams {
         odometry: OdometryParams {
             wheels: robot.wheels,
@@ -62,7 +63,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
         // A camera or a beacon: 5 mm, 5 mrad, 20 times a second.
         fusion: fixes.then(|| FusionParams::for_source(5.0e-3, 5.0e-3, 20.0)),
     };
-    Ok(BaseParams::new::<Single>(
+    Ok(BaseParams::new(
         robot,
         Limits {
             wheel_torque_nm,
@@ -79,7 +80,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
 /// # Errors
 /// Those of [`params`].
 pub fn base(fixes: bool) -> Result<(Base<f32>, Validated<f32>), BaseError> {
-    let base = params(limits().wheel_torque_nm, fixes)?.validate::<Single>()?;
+    let base = params(limits().wheel_torque_nm, fixes)?.validate()?;
     Ok((base, Params::<f32>::paper().validate()?))
 }
 

@@ -5,7 +5,7 @@
 
 use controller_core::base::WheelAction;
 use controller_core::maths::{Maths, Single};
-use controller_core::params::Validated;
+use controller_core::paper::params::Validated;
 use controller_core::types::{Measured, WheelSpeeds, WheelTorques};
 
 /// The robot.

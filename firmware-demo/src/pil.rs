@@ -3,9 +3,9 @@
 //! One question, one answer, in lock step, over any byte link. The loop is the same on every board and, with
 //! links in memory, in the host's tests.
 
-use controller_core::demand::Demand;
-use controller_core::neural::NeuralController;
-use controller_core::params::{Params, Validated};
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::{Params, Validated};
 use controller_core::types::Measured;
 use embedded_io::{Read, Write};
 

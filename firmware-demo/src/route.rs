@@ -5,7 +5,7 @@ use controller_core::maths::Single;
 use controller_core::motion::{
     Limits, Motion, MotionController, MotionParams, Outcome, Policy, Task,
 };
-use controller_core::params::{Params, Validated};
+use controller_core::paper::params::{Params, Validated};
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -35,12 +35,12 @@ impl Route {
             if sample[0] > t {
                 return Some(match before {
                     Some(from) => interpolate::<f32, Single>(&timed(from), &timed(sample), t),
-                    None => Reference::at_rest::<Single>(pose(sample)),
+                    None => Reference::at_rest(pose(sample)),
                 });
             }
             before = Some(sample);
         }
-        before.map(|last| Reference::at_rest::<Single>(pose(last)))
+        before.map(|last| Reference::at_rest(pose(last)))
     }
 
     /// Where it ends; `None` for a route without samples.
@@ -57,18 +57,14 @@ fn timed(sample: &[f32; 8]) -> TimedReference<f32> {
     let &[t, _, _, _, v, w, v_rate, w_rate] = sample;
     TimedReference {
         t,
-        reference: Reference::new::<Single>(
-            pose(sample),
-            Twist::new(v, w),
-            Accel::new(v_rate, w_rate),
-        ),
+        reference: Reference::new(pose(sample), Twist::new(v, w), Accel::new(v_rate, w_rate)),
     }
 }
 
 /// The 30 kg base that [`BEND`] was made for.
 pub fn base() -> Result<(Motion<f32>, Validated<f32>), ParamError> {
     let params = Params::<f32>::paper();
-    let motion = MotionParams::new::<Single>(params.robot, limits()).validate()?;
+    let motion = MotionParams::new(params.robot, limits()).validate()?;
     Ok((motion, params.validate()?))
 }
 
@@ -193,5 +189,5 @@ pub fn drive(
 
 fn distance(a: &Pose<f32>, b: &Pose<f32>) -> f32 {
     let (dx, dy) = (a.x - b.x, a.y - b.y);
-    controller_core::maths::single::sqrt(dx * dx + dy * dy)
+    controller_core::single::sqrt(dx * dx + dy * dy)
 }

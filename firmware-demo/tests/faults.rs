@@ -8,7 +8,6 @@ mod rig;
 
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
-use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{State, Then};
@@ -67,7 +66,7 @@ fn references_that_overflow_brake() {
     rig.line(5, false);
     for (t, x) in [(0.5, 3.0e38), (0.6, -3.0e38)] {
         let pose = Pose::new(x, 0.0, 0.0);
-        let reference = Reference::new::<Single>(pose, Twist::new(0.4, 0.0), Accel::default());
+        let reference = Reference::new(pose, Twist::new(0.4, 0.0), Accel::default());
         rig.references
             .push(TimedReference { t, reference })
             .unwrap();

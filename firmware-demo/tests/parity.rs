@@ -2,13 +2,13 @@
 
 mod support;
 
-use controller_core::demand::Demand;
-use controller_core::handover::Reset;
 use controller_core::maths::Single;
-use controller_core::neural::NeuralController;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
+use controller_core::paper::params::Reset;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::{ConstantTwist, Reference};
-use controller_core::report::StepReport;
 use controller_core::types::{Measured, Pose, Twist};
 use firmware_demo::host::{Chip, ChipError, LinkKind, Machine};
 use protocol::RejectReason;
@@ -160,10 +160,7 @@ fn others() -> Params<f32> {
 
 fn parity(machine: Machine, link: LinkKind, ticks: u32) {
     let mut chip = Chip::start(&options(machine, link, false)).unwrap();
-    let (reference, measured) = (
-        Reference::at_rest::<Single>(Pose::default()),
-        Measured::default(),
-    );
+    let (reference, measured) = (Reference::at_rest(Pose::default()), Measured::default());
     let early = chip.tick(DT, &Demand::Track(reference), &measured);
     assert!(matches!(
         early,
@@ -216,7 +213,7 @@ fn serial_port_carries_every_bit() {
 fn instructions_are_those_of_the_step() {
     for (machine, most) in [(Machine::CortexM4F, 330), (Machine::Riscv32, 440)] {
         let mut chip = Chip::start(&options(machine, LinkKind::Fifo, true)).unwrap();
-        let reference = Reference::at_rest::<Single>(Pose::new(0.3, 0.2, 0.1));
+        let reference = Reference::at_rest(Pose::new(0.3, 0.2, 0.1));
         let mut measured = Measured::default();
         chip.begin(&reference, &measured).unwrap();
         for demand in [

@@ -1,6 +1,5 @@
 //! Between what travels and what the core computes with. Conversions change no bit.
 
-use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
@@ -65,7 +64,7 @@ impl From<&Reference<f32>> for WireReference {
 /// Works out sine and cosine of the heading: host and chip get the same bits.
 impl From<&WireReference> for Reference<f32> {
     fn from(wire: &WireReference) -> Self {
-        Self::new::<Single>(
+        Self::new(
             (&wire.pose).into(),
             (&wire.twist).into(),
             (&wire.accel).into(),

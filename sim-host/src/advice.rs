@@ -2,7 +2,9 @@
 
 use crate::scenario::{Law, Scenario};
 use controller_core::maths::Libm;
-use controller_core::stability::{max_stable_speed, parking_is_stable, tracking_along_is_stable};
+use controller_core::paper::stability::{
+    max_stable_speed, parking_is_stable, tracking_along_is_stable,
+};
 
 /// Warnings about gains and speeds, each one sentence.
 ///

@@ -1,7 +1,7 @@
 //! Traces as CSV: full precision, one row per control tick.
 
 use crate::trace::{Row, Trace};
-use controller_core::report::Phase;
+use controller_core::paper::report::Phase;
 use std::io::Write;
 
 /// The columns, in order. SI units, radians.

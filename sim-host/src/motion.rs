@@ -128,7 +128,7 @@ impl Walker {
                 turn_rate,
             } => {
                 self.travel_to(t, start.theta, &speed, &turn_rate);
-                Reference::new::<Libm>(
+                Reference::new_with::<Libm>(
                     Pose {
                         x: start.x + self.travel.0,
                         y: start.y + self.travel.1,

@@ -4,7 +4,7 @@
 //! cannot hide behind the same error here.
 
 use controller_core::maths::{Libm, Maths};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques};
 use nalgebra::{Vector2, Vector3};
 

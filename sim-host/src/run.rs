@@ -5,9 +5,9 @@ use crate::pilot::{self, Pilot, PilotError};
 use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::trace::{HandOver, Row, Trace};
-use controller_core::demand::Demand;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
+use controller_core::paper::demand::Demand;
 use controller_core::pose_error::pose_error;
 use controller_core::reference::{ParkingPlan, Reference};
 
@@ -120,7 +120,7 @@ impl Guide {
     pub(crate) fn at(&mut self, tick: usize, t: f64) -> (Demand<f64>, Reference<f64>) {
         match self.plan {
             Some(ParkingPlan { goal, .. }) if self.parking => {
-                (Demand::Park, Reference::at_rest::<Libm>(goal))
+                (Demand::Park, Reference::at_rest_with::<Libm>(goal))
             }
             // Tick 0 starts tracking, so it cannot hand over.
             Some(plan) if tick > 0 && plan.is_due(t) => {
@@ -129,7 +129,7 @@ impl Guide {
                 let goal = plan.goal;
                 (
                     Demand::HandOver { reference, goal },
-                    Reference::at_rest::<Libm>(goal),
+                    Reference::at_rest_with::<Libm>(goal),
                 )
             }
             _ => {

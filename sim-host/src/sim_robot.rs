@@ -6,7 +6,7 @@ use controller_core::hal::{
     Clock, ErrorKind, ErrorType, WheelCounts, WheelDrive, WheelEncoders, accepts,
 };
 use controller_core::maths::{Libm, Maths};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Twist, WheelTorques};
 use std::cell::RefCell;
 use std::f64::consts::TAU;

@@ -1,8 +1,8 @@
 //! What a run leaves behind: one row per control tick.
 
+use controller_core::paper::report::StepReport;
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
-use controller_core::report::StepReport;
 use controller_core::types::{Measured, Pose, WheelTorques, Wrench};
 
 /// One control tick. Torques hold from this tick to the next.

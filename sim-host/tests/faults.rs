@@ -263,7 +263,7 @@ fn the_document_has_the_stopping_distances_of_the_core() {
             .hardware
             .map_or(10_000, |h| (1.0e6 * h.period_s) as u32);
         let params = params(&base, period_us).expect("valid");
-        let core = params.validate::<Single>().expect("valid");
+        let core = params.validate().expect("valid");
         let robot = core.motion().params().robot;
         let motor = core.motor().expect("has motors");
         let speed = base.limits.speed as f32;

@@ -1,9 +1,9 @@
 //! Figures of merit on traces made by hand.
 
 use controller_core::maths::Libm;
+use controller_core::paper::report::{Phase, StepReport};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
-use controller_core::report::{Phase, StepReport};
 use controller_core::types::{Measured, Pose, Twist, WheelTorques, Wrench};
 use sim_host::metrics::Metrics;
 use sim_host::trace::{HandOver, Row, Trace};
@@ -22,7 +22,7 @@ fn row(tick: usize, x: f64, ahead: f64) -> Row {
             pose: Pose::new(x, 0.0, 0.0),
             twist: Twist::default(),
         },
-        reference: Reference::at_rest::<Libm>(Pose::new(x + ahead, 0.0, 0.0)),
+        reference: Reference::at_rest_with::<Libm>(Pose::new(x + ahead, 0.0, 0.0)),
         error,
         report: StepReport {
             error,
@@ -75,7 +75,7 @@ fn parking(before: &[f64], at_switch: f64, x: &[f64]) -> Trace {
     }
     trace.hand_over = Some(HandOver {
         row: first,
-        virtual_target: Reference::at_rest::<Libm>(Pose::new(at_switch, 0.0, 0.0)),
+        virtual_target: Reference::at_rest_with::<Libm>(Pose::new(at_switch, 0.0, 0.0)),
         goal,
         error_before: PoseError {
             x: at_switch,

@@ -141,7 +141,7 @@ fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
         assert!(
             robot
                 .base
-                .validate::<controller_core::maths::Single>()
+                .validate_with::<controller_core::maths::Single>()
                 .is_ok(),
             "{name}"
         );

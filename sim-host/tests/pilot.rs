@@ -1,13 +1,13 @@
 //! Pilots: what passes between the loop and a controller.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::Libm;
-use controller_core::neural::NeuralController;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
-use sim_host::pilot::{Answer, InProcess, Pilot, PilotError, for_scenario, narrow};
+use sim_host::pilot::{Answer, InProcess, Pilot, PilotError, for_scenario};
 use sim_host::run::{RunError, run_with};
 use sim_host::scenario::{BuiltIn, Scenario};
 
@@ -21,7 +21,7 @@ fn scenario() -> Scenario {
 }
 
 fn reference() -> Reference<f64> {
-    Reference::new::<Libm>(
+    Reference::new_with::<Libm>(
         Pose::new(0.1, 0.2, 0.3),
         Twist::new(0.4, 0.15),
         Accel::default(),
@@ -44,10 +44,7 @@ fn a_widened_report_holds_the_very_bits() {
     let answer = pilot.step(0.01, &demand, &measured()).expect("steps");
     let ours = answer.report;
 
-    let (r, m) = (
-        narrow::reference::<f32, Libm>(&reference()),
-        narrow::measured(&measured()),
-    );
+    let (r, m) = (reference().cast_with::<f32, Libm>(), measured().cast());
     let mut direct = Single::start(&params, &r, &m).expect("starts");
     let theirs = direct.step(0.01_f32, &Demand::Track(r), &m).expect("steps");
 
@@ -58,20 +55,20 @@ fn a_widened_report_holds_the_very_bits() {
         bits(ours.neurons.accel.angular),
         theirs.neurons.accel.angular.to_bits()
     );
-    assert_eq!(ours, narrow::widen(theirs));
+    assert_eq!(ours, theirs.cast());
     assert_ne!(ours.wrench.force, 0.0);
 }
 
 #[test]
 fn narrowing_to_the_same_type_changes_nothing() {
     let params = scenario().params;
-    assert_eq!(narrow::params::<f64>(&params), params);
+    assert_eq!(params.cast::<f64>(), params);
     let demand = Demand::HandOver {
         reference: reference(),
         goal: Pose::new(1.0, 2.0, 3.0),
     };
-    assert_eq!(narrow::demand::<f64, Libm>(&demand), demand);
-    assert_eq!(narrow::measured::<f64>(&measured()), measured());
+    assert_eq!(demand.cast_with::<f64, Libm>(), demand);
+    assert_eq!(measured().cast::<f64>(), measured());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The plant against closed forms and against an independent integrator.
 
-use controller_core::params::{Params, Robot};
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques};
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 use sim_host::plant::Plant;
@@ -9,7 +9,7 @@ use sim_host::plant::Plant;
 const ROUNDING: f64 = 1.0e-12;
 
 fn robot() -> Robot<f64> {
-    Params::paper().robot
+    Robot::paper()
 }
 
 fn at_rest() -> Measured<f64> {

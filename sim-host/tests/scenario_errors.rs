@@ -180,7 +180,10 @@ fn every_file_of_the_directory_is_built_in() {
 fn omitted_gains_are_the_papers() {
     let text = "[run]\nduration = 2\nperiod = 0.01\n[reference]\nv = 1\n";
     let scenario = Scenario::parse("plain.toml", text).expect("in order");
-    assert_eq!(scenario.params, controller_core::params::Params::paper());
+    assert_eq!(
+        scenario.params,
+        controller_core::paper::params::Params::paper()
+    );
     assert_eq!(scenario.robot, scenario.params.robot);
     assert_eq!((scenario.hand_over, scenario.ticks()), (None, 200));
 }

@@ -1,20 +1,21 @@
 //! The simulated base against the contract of the hardware traits, and as hardware of a whole loop.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Field, Problem};
 use controller_core::hal::{Clock, Error, ErrorKind, WheelCounts, WheelDrive, WheelEncoders};
 use controller_core::maths::{Libm, Single};
 use controller_core::motor::{MotorParams, WheelFriction, electrical_brake};
-use controller_core::neural::NeuralController;
 use controller_core::odometry::{Calibration, Odometry, OdometryParams};
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
 use controller_core::pose_error::pose_error;
 use controller_core::reference::{ConstantTwist, Reference};
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques};
 use sim_host::sim_robot::{Equipment, SimRobot};
 
 fn robot(start: &Measured<f64>, equipment: Equipment) -> SimRobot {
-    SimRobot::new(Params::paper().robot, start, equipment).expect("in order")
+    SimRobot::new(Robot::paper(), start, equipment).expect("in order")
 }
 
 fn rolling(linear: f64, angular: f64) -> Measured<f64> {
@@ -102,7 +103,7 @@ fn braked_wheels_stop_where_the_core_says() {
         dead_band: 0.0,
     };
     let motor = motor.validate().expect("in order");
-    let slowing = electrical_brake(&motor, &Params::paper().robot).expect("in order");
+    let slowing = electrical_brake(&motor, &Robot::paper()).expect("in order");
     let shared = robot(&rolling(0.8, 0.0), Equipment::default());
     let mut drive = shared.clone();
     drive.brake().expect("always");
@@ -191,8 +192,7 @@ fn counts_and_clock_roll_over() {
 #[test]
 fn equipment_out_of_range_is_refused() {
     let refused = |equipment| {
-        SimRobot::new(Params::paper().robot, &Measured::default(), equipment)
-            .expect_err("out of range")
+        SimRobot::new(Robot::paper(), &Measured::default(), equipment).expect_err("out of range")
     };
     for max_torque_nm in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let equipment = Equipment {
@@ -243,7 +243,7 @@ fn a_robot_that_knows_only_its_encoders_tracks_and_parks() {
         counts_per_turn: 4096.0,
         bandwidth: 200.0,
     };
-    let pose = Pose::new(start.x as f32, start.y as f32, start.theta as f32);
+    let pose = start.cast();
     let counts = encoders.counts().expect("always");
     let mut odometry = Odometry::new(&odometry, pose, counts).expect("in order");
     let measured = Measured {
@@ -272,7 +272,7 @@ fn a_robot_that_knows_only_its_encoders_tracks_and_parks() {
         };
         controller.step(dt, &demand, &measured).expect("in order");
     }
-    let target = Reference::at_rest::<Libm>(Pose::new(3.8, 0.0, 0.0));
+    let target = Reference::at_rest_with::<Libm>(Pose::new(3.8, 0.0, 0.0));
     let error = pose_error::<f64, Libm>(target.pose(), &shared.truth().pose);
     assert!(
         error.x.abs() < 0.005 && error.y.abs() < 0.01 && error.theta.abs() < 0.01,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use controller_core::maths::{Libm, Maths, Micromath, Single};
-use controller_core::neural::NeuralController;
+use controller_core::paper::neural::NeuralController;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use tests::core_loop::{Exact, Tick, hand_over, run};
 use tests::oracle::Scenario;

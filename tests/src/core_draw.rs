@@ -1,7 +1,7 @@
 //! Strategies of property tests over what the core accepts, for either scalar.
 
-use controller_core::params::NeuronParams;
 use controller_core::scalar::Scalar;
+use controller_core::shunting::NeuronParams;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 

@@ -1,13 +1,13 @@
 //! The core's own continuous rates, integrated together with this crate's robot.
 
-use controller_core::backstepping;
-use controller_core::handover::{TorqueBefore, acceleration_neurons, pose_neurons};
 use controller_core::maths::Libm;
-use controller_core::neural_law::{LawOutput, NeuralState, parking_law, tracking_law};
-use controller_core::params::Validated;
+use controller_core::paper::backstepping;
+use controller_core::paper::handover::{TorqueBefore, acceleration_neurons, pose_neurons};
+use controller_core::paper::neural_law::{LawOutput, NeuralState, parking_law, tracking_law};
+use controller_core::paper::params::Validated;
+use controller_core::paper::tracking;
 use controller_core::pose_error::pose_error;
 use controller_core::torque;
-use controller_core::tracking;
 use controller_core::types::{Accel, Measured, Twist, Wrench};
 use nalgebra::{SVector, Vector2, Vector3};
 

@@ -1,13 +1,13 @@
 //! The core's controllers in closed loop with this crate's own robot, torque held between ticks.
 
-use controller_core::demand::Demand;
 use controller_core::error::StepFault;
 use controller_core::maths::{Libm, Maths};
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference as Sample;
-use controller_core::report::StepReport;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate};
 use controller_core::types::{Measured, Wrench};

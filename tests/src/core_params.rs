@@ -1,12 +1,14 @@
 //! The oracle's constants and vectors in the core's types, for either scalar.
 
-use controller_core::handover::Reset as CoreReset;
 use controller_core::maths::{Libm, Maths};
-use controller_core::params::{
-    NeuronParams, Params as CoreParams, ParkingGains, Robot, TrackingGains, Validated,
+use controller_core::paper::params::Reset as CoreReset;
+use controller_core::paper::params::{
+    Params as CoreParams, ParkingGains, TrackingGains, Validated,
 };
 use controller_core::reference::Reference as Sample;
+use controller_core::robot::Robot;
 use controller_core::scalar::Scalar;
+use controller_core::shunting::NeuronParams;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use controller_core::wheels::WheelGeometry;
 use nalgebra::{Vector2, Vector3};
@@ -84,7 +86,7 @@ where
     Libm: Maths<T>,
 {
     let Target { twist, accel } = target;
-    Sample::new::<Libm>(
+    Sample::new_with::<Libm>(
         pose(q_r),
         Twist::new(T::from_f64(twist.x), T::from_f64(twist.y)),
         Accel::new(T::from_f64(accel.x), T::from_f64(accel.y)),
@@ -97,7 +99,7 @@ where
     Libm: Maths<T>,
 {
     let (pose, twist, accel) = (*good.pose(), *good.twist(), *good.accel());
-    let with = |pose, twist, accel| Sample::new::<Libm>(pose, twist, accel);
+    let with = |pose, twist, accel| Sample::new_with::<Libm>(pose, twist, accel);
     vec![
         with(Pose { x: bad, ..pose }, twist, accel),
         with(Pose { y: bad, ..pose }, twist, accel),

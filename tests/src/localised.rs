@@ -25,7 +25,7 @@ pub fn localisation(file: &File, noise_m: f64, noise_rad: f64) -> Localisation<f
         odometry: odometry(file, SPEED),
         fusion: Some(FusionParams::for_source(noise_m, noise_rad, 20.0)),
     };
-    params.validate::<Libm>().expect("valid")
+    params.validate_with::<Libm>().expect("valid")
 }
 
 /// Robot, localiser, controller.

@@ -2,7 +2,7 @@
 
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{Limits, MotionParams, Policy};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Measured, Pose, Twist, Wrench};
 use controller_core::wheels::WheelGeometry;
@@ -108,7 +108,7 @@ impl Base {
     pub fn params<T: Scalar, M: Maths<T>>(&self) -> MotionParams<T> {
         let f = T::from_f64;
         let limits = &self.limits;
-        MotionParams::new::<M>(
+        MotionParams::new_with::<M>(
             self.robot(),
             Limits {
                 speed: f(limits.speed),

@@ -116,7 +116,7 @@ fn convert<T: Scalar, M: Maths<T>>(order: &Order) -> Task<T> {
         Task::Park(goal) => Task::Park(pose(goal)),
         Task::Follow(reference) => {
             let (twist, accel) = (reference.twist(), reference.accel());
-            Task::Follow(Reference::new::<M>(
+            Task::Follow(Reference::new_with::<M>(
                 pose(reference.pose()),
                 Twist::new(f(twist.linear), f(twist.angular)),
                 Accel::new(f(accel.linear), f(accel.angular)),

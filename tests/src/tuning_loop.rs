@@ -5,7 +5,7 @@ use std::path::Path;
 
 use controller_core::maths::Libm;
 use controller_core::motion::{Motion, MotionController, MotionParams};
-use controller_core::params::Params as CoreParams;
+use controller_core::paper::params::Params as CoreParams;
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Pose, Wrench};
 use sim_host::drive::Base as DriveBase;

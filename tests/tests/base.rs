@@ -29,7 +29,7 @@ fn step(rig: &mut Rig, order: &Order<f32>) -> BaseReport<f32> {
 /// A straight reference at 0.4 m/s, at time `t`.
 fn line(t: f32) -> Order<f32> {
     let pose = Pose::new(0.4 * t, 0.0, 0.0);
-    Order::Follow(Reference::new::<controller_core::maths::Single>(
+    Order::Follow(Reference::new_with::<controller_core::maths::Single>(
         pose,
         Twist::new(0.4, 0.0),
         Accel::default(),
@@ -55,11 +55,7 @@ fn largest(torques: &WheelTorques<f32>) -> f32 {
 #[test]
 fn an_order_that_is_not_a_number_brakes_and_latches() {
     let nowhere = Pose::new(f32::NAN, 0.0, 0.0);
-    let along = Reference::new::<controller_core::maths::Single>(
-        nowhere,
-        Twist::new(0.4, 0.0),
-        Accel::default(),
-    );
+    let along = Reference::new(nowhere, Twist::new(0.4, 0.0), Accel::default());
     for order in [Order::Park(nowhere), Order::Follow(along)] {
         let mut rig = rig();
         following(&mut rig, 100);

@@ -2,8 +2,8 @@
 //! single and double precision, and every tick within a bound derived from Eq. (1) to Eq. (23).
 
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::neural::NeuralController;
-use controller_core::plain::PlainController;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::plain::PlainController;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactHeld, ExactMean, NeuronUpdate, RationalMean};
 use nalgebra::Vector2;
@@ -141,7 +141,7 @@ fn allowed<T: Scalar>(
         dt * (reference.w1 * reference.omega_w).abs(),
     );
     let turned = dt * (w_r + larger(now.body.twist.y, before.body.twist.y));
-    let tracking = now.report.phase == controller_core::report::Phase::Tracking;
+    let tracking = now.report.phase == controller_core::paper::report::Phase::Tracking;
     let (command, gain) = if tracking {
         let s2 = neuron(larger(e.y, e_before.y));
         (

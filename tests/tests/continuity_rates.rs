@@ -2,8 +2,8 @@
 //! halve with the tick.
 
 use controller_core::maths::Libm;
-use controller_core::neural::NeuralController;
-use controller_core::plain::PlainController;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::plain::PlainController;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use tests::check::assert_within;

@@ -2,7 +2,7 @@
 //! converging to the other.
 
 use controller_core::maths::Libm;
-use controller_core::neural::NeuralController;
+use controller_core::paper::neural::NeuralController;
 use controller_core::shunting::{ExactHeld, ExactMean, RationalMean};
 use nalgebra::Vector2;
 use tests::core_flow::Flow;

@@ -1,13 +1,14 @@
 //! The core's monitor of Eq. (24) to Eq. (27) against the oracle, and what it says along the paper's runs.
 
-use controller_core::lyapunov::{
+use controller_core::maths::Libm;
+use controller_core::paper::lyapunov::{
     dissipates, forgetting_rate, ideal_pose_energy_rate, neuron_energy, neuron_energy_rate,
     passive_storage, pose_energy, velocity_energy,
 };
-use controller_core::maths::Libm;
-use controller_core::neural_law::NeuralState;
-use controller_core::params::{NeuronParams, Params as CoreParams};
+use controller_core::paper::neural_law::NeuralState;
+use controller_core::paper::params::Params as CoreParams;
 use controller_core::pose_error::PoseError;
+use controller_core::shunting::NeuronParams;
 use controller_core::shunting::Shunting;
 use controller_core::types::{Accel, Twist};
 use nalgebra::{Vector2, Vector3};
@@ -157,8 +158,8 @@ fn dissipation_needs_gain_products_of_a_quarter() {
     (gains.k2, gains.k3, gains.k_d2) = (0.5, 0.5, 1.0);
     assert!(dissipates(&gains), "a quarter will do");
     for spoil in [
-        |g: &mut controller_core::params::TrackingGains<f64>| g.k_d1 = 0.499,
-        |g: &mut controller_core::params::TrackingGains<f64>| g.k_d2 = 0.999,
+        |g: &mut controller_core::paper::params::TrackingGains<f64>| g.k_d1 = 0.499,
+        |g: &mut controller_core::paper::params::TrackingGains<f64>| g.k_d2 = 0.999,
     ] {
         let mut spoiled = gains;
         spoil(&mut spoiled);

@@ -1,12 +1,12 @@
 //! Bad inputs give their own fault and leave the controller as it was, bit for bit, in either phase of either controller.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::neural::NeuralController;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::plain::PlainController;
+use controller_core::paper::report::Phase;
 use controller_core::reference::Reference;
-use controller_core::report::Phase;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use tests::core_loop::{Controller, Exact};
@@ -21,7 +21,7 @@ where
     Libm: Maths<T>,
 {
     let f = T::from_f64;
-    Reference::new::<Libm>(
+    Reference::new_with::<Libm>(
         Pose::new(f(0.1), f(0.2), f(0.3)),
         Twist::new(f(0.4), f(0.1)),
         Accel::new(f(0.05), f(-0.05)),

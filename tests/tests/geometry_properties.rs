@@ -2,9 +2,9 @@
 
 use controller_core::angle::wrap;
 use controller_core::maths::Libm;
-use controller_core::model::{acceleration, constraint_residual, pose_rate, wrench_for};
 use controller_core::pose_error::{pose_error, pose_error_rate};
 use controller_core::reference::ConstantTwist;
+use controller_core::robot::{acceleration, constraint_residual, pose_rate, wrench_for};
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Pose, Twist, Wrench};
 use nalgebra::{Vector2, Vector3};

@@ -26,7 +26,7 @@ fn fused(drift: f64) -> Localisation<f64> {
     if let Some(fusion) = &mut params.fusion {
         fusion.drift = drift;
     }
-    params.validate::<Libm>().expect("valid")
+    params.validate_with::<Libm>().expect("valid")
 }
 
 /// Leads for `seconds`; `see` sees every estimate with its error.

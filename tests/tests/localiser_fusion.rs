@@ -60,7 +60,7 @@ fn drift_of_a_wrong_radius_is_bounded_by_fixes() {
     assert!(with_fixes < 0.02, "{with_fixes}");
     let mut params = *fused.params();
     params.odometry.calibration.right = 1.02;
-    let calibrated = params.validate::<Libm>().expect("valid");
+    let calibrated = params.validate_with::<Libm>().expect("valid");
     let (alone, _) = run(&calibrated, &mut silent());
     // Counts: a wheel's of 0.23 mm.
     assert!(
@@ -117,7 +117,7 @@ fn filtered_noise_is_what_is_promised() {
             odometry: odometry(&file, SPEED),
             fusion: Some(fusion),
         };
-        let localisation = params.validate::<Libm>().expect("valid");
+        let localisation = params.validate_with::<Libm>().expect("valid");
         let mut led = Led::<f64, 64>::start(&localisation, Encoded::new(&file, Pose::default()));
         let mut source = Source {
             period_s: 1.0 / rate_hz,
@@ -199,7 +199,7 @@ fn uneven_ticks_and_single_precision_agree() {
         odometry: odometry::<f32>(&file, SPEED),
         fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
     };
-    let single = params.validate::<Single>().expect("valid");
+    let single = params.validate().expect("valid");
     let mut exact = Led::<f64, 64>::start(&double, Encoded::new(&file, Pose::default()));
     let mut rough = Led::<f32, 64>::start(&single, Encoded::new(&file, Pose::default()));
     let (mut one, mut other) = (Source::camera(21), Source::camera(21));

@@ -251,7 +251,7 @@ fn without_fusion_it_is_odometry() {
         odometry,
         fusion: None,
     };
-    let localisation = params.validate::<Libm>().expect("valid");
+    let localisation = params.validate_with::<Libm>().expect("valid");
     let mut led = Led::<f64, 2>::start(&localisation, Encoded::new(&file, Pose::default()));
     let mut plain =
         controller_core::odometry::Odometry::new(&odometry, Pose::default(), led.robot.counts())

@@ -17,7 +17,10 @@ fn bad_parameters_are_named() {
             odometry: odometry(&file, SPEED),
             fusion: Some(fusion),
         };
-        params.validate::<Libm>().expect_err("out of range").field
+        params
+            .validate_with::<Libm>()
+            .expect_err("out of range")
+            .field
     };
     assert_eq!(refused(&|p| p.noise_m = 0.0), Field::FixNoise);
     assert_eq!(refused(&|p| p.noise_rad = f64::NAN), Field::FixHeadingNoise);
@@ -37,6 +40,6 @@ fn bad_parameters_are_named() {
         fusion: None,
     };
     params.odometry.calibration.track = 3.0;
-    let error = params.validate::<Libm>().expect_err("out of range");
+    let error = params.validate_with::<Libm>().expect_err("out of range");
     assert_eq!(error.field, Field::CalibrationTrack);
 }

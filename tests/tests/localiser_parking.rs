@@ -74,7 +74,7 @@ fn encoders_alone_park() {
             odometry: odometry(&file, SPEED),
             fusion: None,
         };
-        let localisation = params.validate::<Libm>().expect("valid");
+        let localisation = params.validate_with::<Libm>().expect("valid");
         let motion = suited(&file, &localisation);
         let runs = both_cores(&[0, 1], |seed| {
             // Not a fix ever: the source's first is an hour away.
@@ -104,7 +104,7 @@ fn three_sigma_of_filtered_noise_are_enough() {
             odometry: odometry(&file, SPEED),
             fusion: Some(fusion),
         };
-        let localisation = params.validate::<Libm>().expect("valid");
+        let localisation = params.validate_with::<Libm>().expect("valid");
         let sigma = localisation.filtered_noise_m();
         let (mut lost, mut times) = (Vec::new(), Vec::new());
         for share in [0.2, 0.3, 0.4, 0.6] {

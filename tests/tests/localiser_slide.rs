@@ -21,7 +21,7 @@ fn localisation(slide_m_s: f64) -> Localisation<f64> {
         odometry: odometry(&file, SPEED),
         fusion: Some(fusion),
     };
-    params.validate::<Libm>().expect("valid")
+    params.validate_with::<Libm>().expect("valid")
 }
 
 /// What came of the fixes of a robot whose wheels stand while it turns at `rate` \[rad/s\] for `slide_s`, and then

@@ -20,7 +20,7 @@ fn inputs<T: Scalar, M: Maths<T>>(place: usize, wrong: f64) -> (Task<T>, Task<T>
         pose: Pose::new(f(7), f(8), f(9)),
         twist: Twist::new(f(10), f(11)),
     };
-    let follow = Task::Follow(Reference::new::<M>(pose, twist, accel));
+    let follow = Task::Follow(Reference::new_with::<M>(pose, twist, accel));
     (follow, Task::Park(pose), measured)
 }
 

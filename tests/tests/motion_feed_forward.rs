@@ -1,9 +1,9 @@
 //! Reference accelerations are fed forward exactly; through acceleration neurons they lag.
 
-use controller_core::demand::Demand;
 use controller_core::maths::Libm;
 use controller_core::motion::Task;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::params::Params;
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
@@ -50,7 +50,7 @@ impl Path {
     /// The sample of a tick of `dt`, its acceleration taken `ahead` of it.
     fn at(&self, t: f64, ahead: f64) -> Reference<f64> {
         let pose = self.0[(t / STEP).round() as usize];
-        Reference::new::<Libm>(pose, snake(t).0, snake(t + ahead).1)
+        Reference::new_with::<Libm>(pose, snake(t).0, snake(t + ahead).1)
     }
 
     fn order(&self, ahead: f64) -> impl Fn(f64) -> Order + '_ {

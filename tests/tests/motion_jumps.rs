@@ -291,7 +291,7 @@ fn back_from_parking_to_tracking() {
     let base = Base::STANDARD;
     let motion = base.exact().validate().expect("valid");
     let line = |t: f64, from: f64| -> Order {
-        Task::Follow(Reference::new::<Libm>(
+        Task::Follow(Reference::new_with::<Libm>(
             Pose::new(0.4 * (t - from), 1.0, 0.0),
             Twist::new(0.4, 0.0),
             Default::default(),

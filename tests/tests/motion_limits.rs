@@ -89,7 +89,7 @@ fn inputs<T: Scalar, M: Maths<T>>(tick: &Tick) -> (Task<T>, Measured<T>) {
     let goal = Pose::new(f(0), f(1), f(2));
     let task = if tick.follow {
         let (twist, accel) = (Twist::new(f(3), f(4)), Accel::new(f(5), f(6)));
-        Task::Follow(Reference::new::<M>(goal, twist, accel))
+        Task::Follow(Reference::new_with::<M>(goal, twist, accel))
     } else {
         Task::Park(goal)
     };

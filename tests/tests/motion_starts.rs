@@ -44,7 +44,7 @@ fn to_and_fro(t: f64) -> Order {
         Twist::new(0.3 * t.sin(), 0.0),
         Accel::new(0.3 * t.cos(), 0.0),
     );
-    Task::Follow(Reference::new::<Libm>(pose, twist, accel))
+    Task::Follow(Reference::new_with::<Libm>(pose, twist, accel))
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn lines_and_circles_from_rest() {
     let line = |t: f64| {
         let way = 0.4 * t * (PI / 4.0).cos();
         let pose = Pose::new(way, way, PI / 4.0);
-        Task::Follow(Reference::new::<Libm>(
+        Task::Follow(Reference::new_with::<Libm>(
             pose,
             Twist::new(0.4, 0.0),
             Accel::default(),

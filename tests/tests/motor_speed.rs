@@ -4,7 +4,7 @@ use controller_core::error::{Field, Input, StepFault};
 use controller_core::motor::{
     MotorParams, SpeedParams, SpeedState, WheelFriction, coast, electrical_brake,
 };
-use controller_core::params::{Params, Robot};
+use controller_core::robot::Robot;
 use controller_core::types::{Accel, Twist};
 use controller_core::wheels::{WheelGeometry, WheelMap};
 
@@ -165,7 +165,7 @@ fn base() -> (MotorParams<f64>, Robot<f64>) {
     let robot = Robot {
         mass_kg: 5.0,
         inertia_kg_m2: 0.08,
-        ..Params::paper().robot
+        ..Robot::paper()
     };
     (motor, robot)
 }

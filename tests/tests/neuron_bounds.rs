@@ -5,8 +5,8 @@
 use controller_core::error::NeuronError;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
 use controller_core::neuron::Neuron;
-use controller_core::params::NeuronParams;
 use controller_core::scalar::Scalar;
+use controller_core::shunting::NeuronParams;
 use controller_core::shunting::{ExactHeld, ExactMean, NeuronUpdate, RationalMean, Shunting};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;

@@ -1,8 +1,8 @@
 //! The solution of the shunting equation, Eq. (4) and Eq. (5): what `advance` does beside staying in its bounds.
 
 use controller_core::maths::{Libm, Maths};
-use controller_core::params::NeuronParams;
 use controller_core::scalar::Scalar;
+use controller_core::shunting::NeuronParams;
 use controller_core::shunting::{
     ExactHeld, ExactMean, NeuronUpdate, RationalMean, Shunting, excitatory, inhibitory,
 };

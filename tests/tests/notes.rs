@@ -1,6 +1,6 @@
 //! What a report says is unusual is so, and only then: bridges that fade, neurons that come back, torques at their limit.
 
-use controller_core::demand::Demand;
+use controller_core::paper::demand::Demand;
 use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;

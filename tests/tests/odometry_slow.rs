@@ -28,7 +28,7 @@ fn drive(
     let params = if told {
         file.motion()
     } else {
-        MotionParams::new::<Libm>(file.robot, file.limits)
+        MotionParams::new_with::<Libm>(file.robot, file.limits)
     };
     let motion = params.validate().expect("valid");
     let mut robot = Encoded::new(file, Pose::default());

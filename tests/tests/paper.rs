@@ -1,4 +1,4 @@
-//! The paper's laws, its claims, and the core's mathematics.
+//! The paper's laws, its claims, and the core's mathematics; what the sources say of themselves.
 
 mod continuity;
 mod continuity_rates;

@@ -1,7 +1,7 @@
 //! The paper's two cases at 1 ms in double precision, by the core: every figure that its text claims.
 
 use controller_core::maths::Libm;
-use controller_core::plain::PlainController;
+use controller_core::paper::plain::PlainController;
 use nalgebra::{Vector2, Vector3};
 use tests::check::assert_within;
 use tests::core_loop::{Controller, Exact, Tick, hand_over, largest_torque_change, run};

@@ -1,7 +1,7 @@
 //! Every parameter is refused below, above and beside its range, by name and limit.
 
 use controller_core::error::{Field, ParamError, Problem};
-use controller_core::params::Params;
+use controller_core::paper::params::Params;
 use controller_core::scalar::Scalar;
 
 /// A parameter, its accepted range, and how it is set.

@@ -1,8 +1,8 @@
 //! What single precision and the mathematical back ends cost, over both of the paper's cases at 1 ms.
 
 use controller_core::maths::{Libm, Maths, Micromath, Single};
-use controller_core::neural::NeuralController;
-use controller_core::plain::PlainController;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::plain::PlainController;
 use controller_core::shunting::{ExactHeld, ExactMean, NeuronUpdate, RationalMean};
 use tests::core_loop::{Controller, Tick, hand_over, run};
 use tests::oracle::{Law, Scenario};

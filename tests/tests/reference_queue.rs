@@ -1,7 +1,7 @@
 //! The queue of timed reference samples: what it interpolates, what it refuses, and that the controller runs from it.
 
-use controller_core::demand::Demand;
 use controller_core::maths::Libm;
+use controller_core::paper::demand::Demand;
 use controller_core::queue::{Gap, PushError, ReferenceQueue, TimedReference, interpolate};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::types::{Accel, Pose, Twist};
@@ -84,7 +84,7 @@ fn turned(mut sample: TimedReference<f64>, turns: i32) -> TimedReference<f64> {
     let mut pose = *sample.reference.pose();
     pose.theta = posture::wrap(pose.theta) + f64::from(turns) * TAU;
     let (twist, accel) = (*sample.reference.twist(), *sample.reference.accel());
-    sample.reference = Reference::new::<Libm>(pose, twist, accel);
+    sample.reference = Reference::new_with::<Libm>(pose, twist, accel);
     sample
 }
 

@@ -7,7 +7,7 @@
 #[path = "single_maths/oracle.rs"]
 mod oracle;
 
-use controller_core::maths::single::{asin, atan2, exp_m1, sin_cos, sin_cos_near, sqrt, wrap};
+use controller_core::single::{asin, atan2, exp_m1, sin_cos, sin_cos_near, sqrt, wrap};
 use oracle::{principal, turns_per_radian, worst};
 use std::f32::consts::PI;
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! The stability limits of the core against the eigenvalues of the linearised loop and against the loop itself.
 
 use controller_core::maths::Libm;
-use controller_core::stability::{
+use controller_core::paper::stability::{
     max_proven_speed, max_stable_speed, parking_is_stable, tracking_along_is_stable,
 };
 use nalgebra::{Complex, Matrix4, Matrix5, Vector2, Vector3};
@@ -156,7 +156,7 @@ fn speed_limits_are_those_derived() {
     println!("proven {proven:.4} m/s");
     assert_within(proven, 1.155, LIMIT_SPEED, "proven");
     page.exactly(
-        At::Phrase("`stability::max_proven_speed`; G: # m/s"),
+        At::Phrase("`paper::stability::max_proven_speed`; G: # m/s"),
         &[proven],
     );
     assert!(proven < limit);

@@ -88,7 +88,7 @@ impl Loop {
 
 /// A reference that is anew at the measured pose.
 fn anew(measured: &Measured<f64>, twist: Twist<f64>, accel: Accel<f64>) -> Task<f64> {
-    Task::Follow(Reference::new::<Libm>(measured.pose, twist, accel))
+    Task::Follow(Reference::new_with::<Libm>(measured.pose, twist, accel))
 }
 
 /// The bases that come with the project, and a weak one.

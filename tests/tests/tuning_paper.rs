@@ -1,8 +1,8 @@
 //! Gains from wishes for the paper's law: times and tolerances met in closed loop, refusals with their limit.
 
 use controller_core::maths::Libm;
-use controller_core::params::Params as CoreParams;
-use controller_core::tuning::paper::{Tolerance, Wishes, gains, margins};
+use controller_core::paper::params::Params as CoreParams;
+use controller_core::paper::tuning::{Tolerance, Wishes, gains, margins};
 use controller_core::tuning::{Why, Wish, WishError};
 use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;

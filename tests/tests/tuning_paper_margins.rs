@@ -1,8 +1,9 @@
 //! Margins of the paper's law, against its largest stable speed, simulations of others and eigenvalues.
 
 use controller_core::maths::{Libm, Single};
-use controller_core::params::Params as CoreParams;
-use controller_core::tuning::{LoopMargins, paper};
+use controller_core::paper::params::Params as CoreParams;
+use controller_core::paper::tuning;
+use controller_core::tuning::LoopMargins;
 use nalgebra::{Matrix5, Vector2};
 use proptest::prelude::*;
 use tests::check::assert_within;
@@ -14,7 +15,7 @@ use tests::tolerance::LIMIT_SPEED;
 #[test]
 fn largest_stable_speed_is_where_the_margins_end() {
     let params = CoreParams::<f64>::paper();
-    let at = |speed| paper::margins::<f64, Libm>(&params, speed);
+    let at = |speed| tuning::margins::<f64, Libm>(&params, speed);
     let limit = at(0.4).max_speed;
     let delays = [0.4, 0.8, 1.0].map(|speed| at(speed).across.pose_delay_s);
     Stated::of("docs/tuning.md").exactly(
@@ -45,7 +46,7 @@ fn largest_stable_speed_is_where_the_margins_end() {
 fn delay_margins_of_the_paper_are_those_simulated() {
     let params = CoreParams::<f64>::paper();
     for (speed, lost_s) in [(0.4, 0.74), (0.8, 0.25), (1.0, 0.10)] {
-        let found = paper::margins::<f64, Libm>(&params, speed)
+        let found = tuning::margins::<f64, Libm>(&params, speed)
             .across
             .pose_delay_s;
         println!("{speed} m/s: {found:.3} s, simulated {lost_s}");
@@ -90,15 +91,11 @@ proptest! {
         let roots = roots(&p, speed);
         let decay = roots.iter().map(|root| -root.x).fold(f64::INFINITY, f64::min);
         let damping = roots.iter().map(|root| -root.x / root.norm()).fold(1.0, f64::min);
-        let found = paper::margins::<f64, Libm>(&p, speed).across;
+        let found = tuning::margins::<f64, Libm>(&p, speed).across;
         // Roots that nearly coincide are known to the square root of rounding only.
         prop_assert!((found.decay - decay).abs() < 1e-6 * (1.0 + decay.abs()), "{} {decay}", found.decay);
         prop_assert!((found.damping - damping.max(0.0)).abs() < 1e-5, "{} {damping}", found.damping);
-        let single = CoreParams::<f32> {
-            robot: CoreParams::<f32>::paper().robot,
-            ..single(&p)
-        };
-        let single = paper::margins::<f32, Single>(&single, speed as f32).across;
+        let single = tuning::margins::<f32, Single>(&p.cast(), speed as f32).across;
         let clear = found.decay.abs() > 0.01;
         let near = |a: f64, b: f32| (a - f64::from(b)).abs() < 0.02 * (0.1 + a.abs());
         let LoopMargins { decay, pose_delay_s, torque_delay_s, .. } = found;
@@ -106,15 +103,4 @@ proptest! {
         prop_assert!(!clear || near(pose_delay_s, single.pose_delay_s));
         prop_assert!(!clear || near(torque_delay_s, single.torque_delay_s));
     }
-}
-
-fn single(p: &CoreParams<f64>) -> CoreParams<f32> {
-    let mut q = CoreParams::<f32>::paper();
-    q.tracking.k2 = p.tracking.k2 as f32;
-    q.tracking.k3 = p.tracking.k3 as f32;
-    q.tracking.k_d2 = p.tracking.k_d2 as f32;
-    q.neurons.a = p.neurons.a as f32;
-    q.neurons.b = p.neurons.b as f32;
-    q.neurons.d = p.neurons.d as f32;
-    q
 }

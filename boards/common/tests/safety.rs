@@ -191,7 +191,7 @@ impl Board {
     fn send_trajectory(&mut self) {
         for at in 0..20 {
             let t = at as f32 * 0.05;
-            let reference = Reference::new::<Single>(
+            let reference = Reference::new(
                 Pose::new(0.2 * t, 0.0, 0.0),
                 Twist::new(0.2, 0.0),
                 Accel::default(),

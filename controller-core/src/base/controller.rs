@@ -1,22 +1,20 @@
 //! The tick of a base.
 
-use super::io::{Drive, Order, Sensed, WheelAction};
-use super::locate::{Located, Locator, coast};
+use super::driving::{Driven, Driving};
+use super::io::{Order, Sensed, WheelAction};
+use super::locate::{Located, Locator};
+use super::orders;
 use super::params::Base;
 use super::report::BaseReport;
-use crate::error::StepFault;
+use crate::error::{Input, StepFault};
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
-use crate::motion::{MotionController, Outcome, Task};
-use crate::reference::Reference;
+use crate::motion::Outcome;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
-use crate::safety::{Evidence, Fault, Findings, Monitor, OutputMode, StopPlan};
+use crate::safety::{Evidence, Fault, Findings, Monitor, OutputMode};
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Accel, Measured, Pose, Twist, WheelTorques};
-
-mod drive;
-mod host;
+use crate::types::{Accel, Pose, Twist, WheelTorques};
 
 /// Poses remembered for late fixes, unless stated otherwise: 0.3 s at 10 ms.
 pub const REMEMBERED: usize = 32;
@@ -30,11 +28,11 @@ pub const REMEMBERED: usize = 32;
 /// use controller_core::maths::Single;
 /// use controller_core::motion::{Limits, Policy};
 /// use controller_core::odometry::{Calibration, OdometryParams};
-/// use controller_core::params::Params;
+/// use controller_core::robot::Robot;
 /// use controller_core::safety::supervisor::{Event, State};
 /// use controller_core::types::Pose;
 ///
-/// let robot = Params::<f32>::paper().robot;
+/// let robot = Robot::<f32>::paper();
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
@@ -45,7 +43,7 @@ pub const REMEMBERED: usize = 32;
 ///     },
 ///     fusion: None,
 /// };
-/// let base = BaseParams::new::<Single>(robot, limits, localiser, None, 10_000)?.validate::<Single>()?;
+/// let base = BaseParams::new(robot, limits, localiser, None, 10_000)?.validate()?;
 /// let mut controller: BaseController = BaseController::new(&base, Pose::default());
 /// let sensed = Sensed::of_counts(WheelCounts::default());
 /// controller.tick(10_000, &Order::None, &sensed);
@@ -60,11 +58,7 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
     locator: Locator<T, N>,
     monitor: Monitor<T>,
     supervisor: Supervisor,
-    /// While its torque flows.
-    motion: Option<MotionController<T, M, U>>,
-    /// Of a controlled stop, and the time since its begin \[s\].
-    stop: Option<(StopPlan<T>, T)>,
-    task: Option<Task<T>>,
+    driving: Driving<T, M, U>,
     /// Exerted since the last tick.
     exerted: WheelTorques<T>,
     silent_us: u32,
@@ -79,9 +73,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             base: *base,
             locator: Locator::new(&base.localisation, start),
             monitor: Monitor::new(&base.watch),
-            motion: None,
-            stop: None,
-            task: None,
+            driving: Driving::IDLE,
             exerted: WheelTorques::default(),
             silent_us: 0,
             report: BaseReport {
@@ -129,7 +121,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
         findings.add_some(self.given_up());
         self.supervisor.on_findings(&findings, &self.base.policy);
-        let refused = self.take(dt, order);
+        let refused = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
         let rests = located.measured.is_some_and(|measured| {
             let Twist { linear, angular } = measured.twist;
             let single = |value: T| value.to_f64() as f32;
@@ -139,7 +131,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         self.supervisor.tick(dt_us, rests);
         let action = self.act(dt, &located, &mut findings);
         self.exerted = action.torques().unwrap_or_default();
-        let driven = self.motion.as_ref();
         self.report = BaseReport {
             action,
             state: self.supervisor.state(),
@@ -150,7 +141,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             fix: located.fix,
             findings,
             refused,
-            motion: driven.map(|motion| *motion.report()),
+            motion: self.driving.report().copied(),
         };
         &self.report
     }
@@ -180,14 +171,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     fn evidence(&self, dt_us: u32, located: &Located<T>, sensed: &Sensed<T>) -> Evidence<T> {
-        let driven = self.motion.as_ref();
         Evidence {
             dt_us,
             counts: sensed.counts.ok(),
             // Before the first reading: at rest, which the counts that are missing say more about.
             measured: located.measured.unwrap_or_default(),
             outside: None,
-            command: driven.map_or(Twist::default(), |motion| motion.report().command),
+            command: self.driving.command(),
             torques: match self.report.action {
                 WheelAction::Brake => None,
                 WheelAction::Drive(_) | WheelAction::Release => Some(self.exerted),
@@ -206,53 +196,138 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         if !self.supervisor.state().drives() {
             return None;
         }
-        match self.motion.as_ref()?.report().outcome {
+        match self.driving.report()?.outcome {
             Outcome::Stalled => Some(Fault::Stalled),
             Outcome::OutOfTolerance => Some(Fault::GaveUp),
             _ => None,
         }
     }
 
-    /// Takes an order into the task, as far as the state allows; whether it was refused.
-    fn take(&mut self, dt: T, order: &Order<T>) -> bool {
-        let (task, event) = match order {
-            Order::None => {
-                if let Some(Task::Follow(reference)) = &self.task {
-                    self.task = Some(Task::Follow(onward::<T, M>(reference, dt)));
+    /// What the wheels are to do. A step that the motion law refuses is a fault, whose reaction takes
+    /// its place in this very tick.
+    fn act(&mut self, dt: T, located: &Located<T>, findings: &mut Findings) -> WheelAction<T> {
+        let mode = self.supervisor.output();
+        match self.act_as(mode, dt, located) {
+            Ok(driven) => {
+                match driven.at_goal {
+                    Some(true) => {
+                        self.supervisor.on(Event::Reached);
+                    }
+                    // Pushed off its goal, it drives back, and is watched like any base that drives.
+                    Some(false) if self.supervisor.state() == State::Parked => {
+                        self.supervisor.on(Event::Park);
+                    }
+                    _ => {}
                 }
-                return false;
+                driven.action
             }
-            Order::Follow(reference) => (Task::Follow(*reference), Event::Track),
-            Order::Park(goal) => (Task::Park(*goal), Event::Park),
-        };
-        let goes_on = match (&self.task, &task) {
-            (Some(Task::Park(old)), Task::Park(new)) => {
-                let there = self.supervisor.state();
-                old == new && (there.drives() || there == State::Parked)
-            }
-            _ => false,
-        };
-        if goes_on {
-            return false;
-        }
-        match self.supervisor.on(event) {
-            Action::Refuse => true,
-            _ => {
-                self.task = Some(task);
-                false
+            Err(fault) => {
+                let mut found = Findings::NONE;
+                found.add(fault.into());
+                findings.add(fault.into());
+                self.supervisor.on_findings(&found, &self.base.policy);
+                // Nothing that a policy allows for a refused step steps the law again.
+                let mode = match self.supervisor.output() {
+                    mode if mode.has_torque() => OutputMode::Release,
+                    mode => mode,
+                };
+                let driven = self.act_as(mode, dt, located);
+                driven.map_or(WheelAction::Release, |driven| driven.action)
             }
         }
     }
-}
 
-/// A reference a tick on, as far as its twist tells.
-fn onward<T: Scalar, M: Maths<T>>(reference: &Reference<T>, dt: T) -> Reference<T> {
-    let from = Measured {
-        pose: *reference.pose(),
-        twist: *reference.twist(),
-    };
-    let Measured { pose, twist } = coast::<T, M>(&from, dt);
-    Reference::new::<M>(pose, twist, Accel::default())
+    fn act_as(
+        &mut self,
+        mode: OutputMode,
+        dt: T,
+        located: &Located<T>,
+    ) -> Result<Driven<T>, StepFault> {
+        let speeds = self.locator.wheel_speeds();
+        self.driving
+            .act(&self.base.motion, mode, located, speeds, dt)
+    }
+
+    /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or
+    /// `Event::Reset`; what it asks of the wheels happens in the next tick.
+    pub fn on(&mut self, event: Event) -> Action {
+        self.silent_us = 0;
+        self.supervisor.on(event)
+    }
+
+    /// The button. What it returns is to reach the wheels at once; the ticks that follow say the same.
+    pub fn emergency_stop(&mut self) -> WheelAction<T> {
+        self.supervisor.emergency_stop();
+        self.cut()
+    }
+
+    /// As [`emergency_stop`](Self::emergency_stop), but whether to brake or to release is said here.
+    pub fn emergency_stop_by(&mut self, brake: bool) -> WheelAction<T> {
+        self.supervisor.on(Event::EmergencyStop { brake });
+        self.cut()
+    }
+
+    fn cut(&mut self) -> WheelAction<T> {
+        let action = match self.supervisor.output() {
+            OutputMode::Brake => WheelAction::Brake,
+            _ => WheelAction::Release,
+        };
+        self.driving = Driving::IDLE;
+        self.exerted = WheelTorques::default();
+        self.report.action = action;
+        action
+    }
+
+    /// The host is alive, though it has no order.
+    pub fn heard(&mut self) {
+        self.silent_us = 0;
+    }
+
+    /// Puts the base elsewhere on the map. Command and torque go on without a step.
+    ///
+    /// # Errors
+    /// A pose that is not finite; nothing has changed then.
+    pub fn set_pose(&mut self, pose: Pose<T>) -> Result<(), StepFault> {
+        if !pose.is_finite() {
+            return Err(StepFault::NotFinite(Input::Pose));
+        }
+        self.locator.set_pose(pose);
+        Ok(())
+    }
+
+    /// Takes other parameters: where the base is and what latched stays, what the localiser and the monitor have learnt begins
+    /// anew.
+    ///
+    /// # Errors
+    /// [`StepFault::WrongPhase`] while the base is live: only Idle, Stopped and Fault are left alone by new gains.
+    pub fn reconfigure(&mut self, base: &Base<T>) -> Result<(), StepFault> {
+        if self.supervisor.state().is_live() {
+            return Err(StepFault::WrongPhase);
+        }
+        self.base = *base;
+        self.locator = self.locator.renewed(&base.localisation);
+        self.monitor = Monitor::new(&base.watch);
+        self.supervisor.reconfigure(&base.supervisor);
+        self.driving = Driving::IDLE;
+        Ok(())
+    }
+
+    /// Ticks that came late, by the watch over them, since the start or the last new parameters.
+    pub fn late_ticks(&self) -> u32 {
+        self.monitor.late_ticks()
+    }
+
+    /// What the wheels really exert until the next tick, where the driver could not do what it was
+    /// told: for the estimates of speed and disturbance.
+    ///
+    /// # Errors
+    /// A torque that is not finite; nothing is noted then.
+    pub fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<(), StepFault> {
+        if self.driving.note_exerted(torques)? {
+            self.exerted = *torques;
+        }
+        Ok(())
+    }
 }
 
 fn seconds<T: Scalar>(us: u32) -> T {
@@ -264,5 +339,3 @@ fn microseconds<T: Scalar>(seconds: T) -> u32 {
     let us = seconds.to_f64() * 1.0e6;
     if us >= 0.0 { us as u32 } else { u32::MAX }
 }
-
-type Stepped<T> = Result<WheelAction<T>, StepFault>;

@@ -8,7 +8,7 @@ use crate::types::{Pose, WheelSpeeds, WheelTorques};
 
 /// What the host, or a trajectory in flash, wants of this tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Order<T> {
+pub enum Order<T = f32> {
     /// Nothing new: a base that parks goes on parking; one that follows goes on along its last
     /// reference, as that moved, until the command is stale.
     #[default]
@@ -21,7 +21,7 @@ pub enum Order<T> {
 
 /// What the base measured since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensed<T> {
+pub struct Sensed<T = f32> {
     /// Both encoders, or why they could not be read.
     pub counts: Result<WheelCounts, ErrorKind>,
     /// An external pose, in the ticks in which one arrived.
@@ -49,7 +49,7 @@ impl<T> Sensed<T> {
 
 /// What the wheels are to do until the next tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum WheelAction<T> {
+pub enum WheelAction<T = f32> {
     /// No torque, free to coast.
     #[default]
     Release,
@@ -71,7 +71,7 @@ impl<T: Copy> WheelAction<T> {
 
 /// Torques, and what a motor driver needs beside them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Drive<T> {
+pub struct Drive<T = f32> {
     /// Within ± `wheel_torque_nm` \[N m\].
     pub torques: WheelTorques<T>,
     /// Speeds that are commanded, for the compensation of friction \[rad/s\].

@@ -17,8 +17,10 @@
 //! limit, an electrical brake, or a release; what was wrong stands in [`BaseReport`].
 
 mod controller;
+mod driving;
 mod io;
 mod locate;
+mod orders;
 mod params;
 mod report;
 

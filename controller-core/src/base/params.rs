@@ -4,17 +4,17 @@ use core::fmt;
 
 use crate::error::{Field, ParamError, Problem};
 use crate::localiser::{Localisation, LocaliserParams};
-use crate::maths::Maths;
+use crate::maths::{Maths, Usual};
 use crate::motion::{Limits, Motion, MotionParams};
 use crate::motor::{Motor, MotorParams};
-use crate::params::Robot;
+use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisor};
 use crate::safety::{Policy, PolicyError, PolicyParams, SupplyWatch, Timeout, Watch, WatchParams};
 use crate::scalar::Scalar;
 
 /// Parameters of all parts of a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaseParams<T> {
+pub struct BaseParams<T = f32> {
     /// The motion law.
     pub motion: MotionParams<T>,
     /// Odometry and external poses.
@@ -33,22 +33,46 @@ pub struct BaseParams<T> {
 /// Lead and lithium batteries are empty at 0.8 to 0.85 and sag by a tenth under load.
 const LOW_SUPPLY: (f64, f64) = (0.7, 0.75);
 
-impl<T: Scalar> BaseParams<T> {
-    /// What suits a base that ticks every `period_us`: gains and tolerances follow from limits and
-    /// localisation, thresholds from the body, responses are the defaults.
+impl<T: Usual> BaseParams<T> {
+    /// [`new_with`](Self::new_with) the usual mathematics of the number type.
     ///
     /// # Errors
     /// The localiser's parameters, on whose noise the others depend.
-    pub fn new<M: Maths<T>>(
+    pub fn new(
         robot: Robot<T>,
         limits: Limits<T>,
         localiser: LocaliserParams<T>,
         motor: Option<MotorParams<T>>,
         period_us: u32,
     ) -> Result<Self, ParamError> {
-        let localisation = localiser.validate::<M>()?;
+        Self::new_with::<T::Maths>(robot, limits, localiser, motor, period_us)
+    }
+
+    /// [`validate_with`](Self::validate_with) the usual mathematics of the number type.
+    ///
+    /// # Errors
+    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
+    pub fn validate(self) -> Result<Base<T>, BaseError> {
+        self.validate_with::<T::Maths>()
+    }
+}
+
+impl<T: Scalar> BaseParams<T> {
+    /// What suits a base that ticks every `period_us`: gains and tolerances follow from limits and
+    /// localisation, thresholds from the body, responses are the defaults.
+    ///
+    /// # Errors
+    /// The localiser's parameters, on whose noise the others depend.
+    pub fn new_with<M: Maths<T>>(
+        robot: Robot<T>,
+        limits: Limits<T>,
+        localiser: LocaliserParams<T>,
+        motor: Option<MotorParams<T>>,
+        period_us: u32,
+    ) -> Result<Self, ParamError> {
+        let localisation = localiser.validate_with::<M>()?;
         let motion =
-            MotionParams::new::<M>(robot, limits).with_pose_noise(localisation.pose_noise_m());
+            MotionParams::new_with::<M>(robot, limits).with_pose_noise(localisation.pose_noise_m());
         let motion = MotionParams {
             arrival: localisation.arrival(),
             ..motion
@@ -94,7 +118,7 @@ impl<T: Scalar> BaseParams<T> {
     ///
     /// # Errors
     /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
-    pub fn validate<M: Maths<T>>(self) -> Result<Base<T>, BaseError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<Base<T>, BaseError> {
         let motor = match self.motor {
             Some(params) => Some(params.validate()?),
             None => None,
@@ -110,7 +134,7 @@ impl<T: Scalar> BaseParams<T> {
         }
         Ok(Base {
             motion: self.motion.validate()?,
-            localisation: self.localiser.validate::<M>()?,
+            localisation: self.localiser.validate_with::<M>()?,
             motor,
             watch: self.watch.validate()?,
             policy: self.policy.validate()?,
@@ -131,7 +155,7 @@ fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
 
 /// [`BaseParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Base<T> {
+pub struct Base<T = f32> {
     pub(super) motion: Motion<T>,
     pub(super) localisation: Localisation<T>,
     pub(super) motor: Option<Motor<T>>,

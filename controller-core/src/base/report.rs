@@ -9,7 +9,7 @@ use crate::types::Measured;
 
 /// The report of one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaseReport<T> {
+pub struct BaseReport<T = f32> {
     /// What the wheels are to do.
     pub action: WheelAction<T>,
     /// The supervisor's state after this tick.

@@ -30,7 +30,7 @@
 //!     },
 //!     fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
 //! };
-//! let localisation = params.validate::<Single>()?;
+//! let localisation = params.validate()?;
 //! let counts = WheelCounts::default();
 //! let mut localiser = Localiser::<f32, 32>::start(&localisation, Pose::default(), counts)?;
 //! let fix = Fix { pose: Pose::new(0.004, 0.0, 0.0), age_s: 0.0 };
@@ -61,7 +61,7 @@ use history::History;
 
 /// An external pose that was valid some time ago.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Fix<T> {
+pub struct Fix<T = f32> {
     /// In the world frame; the heading may be wrapped or not.
     pub pose: Pose<T>,
     /// How long before this tick it was valid \[s\], 0 or more.

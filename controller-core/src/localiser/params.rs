@@ -1,16 +1,16 @@
 //! Parameters of the localiser: plain data, validated once.
 
 use super::bend::Learning;
-use super::parking::pose_noise;
+use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
-use crate::maths::Maths;
+use crate::maths::{Maths, Usual};
 use crate::odometry::OdometryParams;
 use crate::range::within;
 use crate::scalar::Scalar;
 
 /// What is known of the external pose, and how far it is trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FusionParams<T> {
+pub struct FusionParams<T = f32> {
     /// Standard deviation of a fix in each coordinate \[m\], 1e-5 to 10.
     pub noise_m: T,
     /// Standard deviation of its heading \[rad\], 1e-5 to 1.
@@ -93,11 +93,21 @@ impl<T: Scalar> FusionParams<T> {
 
 /// Everything that the localiser needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LocaliserParams<T> {
+pub struct LocaliserParams<T = f32> {
     /// Wheels and encoders.
     pub odometry: OdometryParams<T>,
     /// The source of fixes; `None` is odometry alone.
     pub fusion: Option<FusionParams<T>>,
+}
+
+impl<T: Usual> LocaliserParams<T> {
+    /// [`validate_with`](Self::validate_with) the usual mathematics of the number type.
+    ///
+    /// # Errors
+    /// The first field out of range.
+    pub fn validate(self) -> Result<Localisation<T>, ParamError> {
+        self.validate_with::<T::Maths>()
+    }
 }
 
 impl<T: Scalar> LocaliserParams<T> {
@@ -105,7 +115,7 @@ impl<T: Scalar> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate<M: Maths<T>>(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<Localisation<T>, ParamError> {
         self.odometry.check()?;
         let fusion = match &self.fusion {
             Some(params) => {
@@ -127,7 +137,7 @@ impl<T: Scalar> LocaliserParams<T> {
 
 /// [`LocaliserParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Localisation<T> {
+pub struct Localisation<T = f32> {
     params: LocaliserParams<T>,
     pub(super) fusion: Option<Fusion<T>>,
     pub(super) pose_noise: T,

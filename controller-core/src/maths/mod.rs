@@ -5,7 +5,6 @@
 
 mod libm_backend;
 mod micromath_backend;
-pub mod single;
 mod single_backend;
 
 pub use libm_backend::Libm;
@@ -13,6 +12,20 @@ pub use micromath_backend::Micromath;
 pub use single_backend::Single;
 
 use crate::scalar::Scalar;
+
+/// A number type with a usual back end: what a constructor takes that is not told of another.
+pub trait Usual: Scalar {
+    /// [`Single`] for `f32`, [`Libm`] for `f64`.
+    type Maths: Maths<Self>;
+}
+
+impl Usual for f32 {
+    type Maths = Single;
+}
+
+impl Usual for f64 {
+    type Maths = Libm;
+}
 
 /// The transcendental functions of the control law, for one number type.
 ///

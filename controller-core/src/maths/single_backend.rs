@@ -1,6 +1,7 @@
 //! The default back end for a chip whose floating-point unit has only single precision.
 
-use super::{Maths, single};
+use super::Maths;
+use crate::single;
 
 /// Our own single-precision functions, [`single`]: accurate to a few 1e-7 and free of doubles.
 ///

@@ -1,30 +1,94 @@
-//! What the command still owes to the past: a jump of the wanted twist, fading.
+//! What the command still owes to the past: a jump of the setpoint, fading.
 
+use super::governor::Command;
+use super::setpoint::Setpoint;
 use crate::scalar::Scalar;
+use crate::types::{Accel, Twist};
 
 /// Two neurons without input in cascade: b″ + 2 A b′ + A² b = 0.
 ///
-/// Set at a jump so that wanted value and rate go on from those of the command; from then on both
-/// fade together. `rate` is the exact rate of `value`: command and feed-forward agree.
+/// Set at a jump so that the setpoint's value and rate go on from those of the command; from then on
+/// both fade together. `rate` is the exact rate of `value`: command and feed-forward agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Bridge<T> {
-    pub(crate) value: T,
-    pub(crate) rate: T,
+struct Bridge<T> {
+    value: T,
+    rate: T,
 }
 
 impl<T: Scalar> Bridge<T> {
-    pub(crate) fn is_finite(&self) -> bool {
+    fn is_finite(&self) -> bool {
         self.value.is_finite() && self.rate.is_finite()
     }
 
     /// The exact solution after `dt`, with `fade` = exp(−A dt): b ← (b + q dt) fade with
     /// q = b′ + A b, and b′ ← (q − A (b + q dt)) fade.
-    pub(crate) fn advance(&self, decay: T, dt: T, fade: T) -> Self {
+    fn advance(&self, decay: T, dt: T, fade: T) -> Self {
         let q = self.rate + decay * self.value;
         let moved = self.value + q * dt;
         Self {
             value: moved * fade,
             rate: (q - decay * moved) * fade,
         }
+    }
+}
+
+/// Bridges of speed and turn rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Bridges<T> {
+    linear: Bridge<T>,
+    angular: Bridge<T>,
+}
+
+impl<T: Scalar> Bridges<T> {
+    /// Bridges with which the setpoint, from now on, goes on from where a command would be after `dt`, in
+    /// value and, as far as it is `kept` (0 to 1), in rate.
+    pub(crate) fn between(command: &Command<T>, setpoint: &Setpoint<T>, kept: T, dt: T) -> Self {
+        let bridge = |speed: T, accel: T, to: T, to_rate: T| {
+            let rate = kept * (accel - to_rate);
+            Bridge {
+                value: speed + dt * (to_rate + rate) - to,
+                rate,
+            }
+        };
+        let (twist, rate) = (&command.twist, &command.rate);
+        let (to, to_rate) = (&setpoint.twist, &setpoint.rate);
+        Self {
+            linear: bridge(twist.linear, rate.linear, to.linear, to_rate.linear),
+            angular: bridge(twist.angular, rate.angular, to.angular, to_rate.angular),
+        }
+    }
+
+    /// After `dt`, with decay A \[1/s\] and `fade` = exp(−A dt).
+    pub(crate) fn advance(&self, decay: T, dt: T, fade: T) -> Self {
+        Self {
+            linear: self.linear.advance(decay, dt, fade),
+            angular: self.angular.advance(decay, dt, fade),
+        }
+    }
+
+    /// The setpoint with the bridges on top.
+    pub(crate) fn added_to(&self, setpoint: &Setpoint<T>) -> Setpoint<T> {
+        Setpoint {
+            twist: Twist {
+                linear: setpoint.twist.linear + self.linear.value,
+                angular: setpoint.twist.angular + self.angular.value,
+            },
+            rate: Accel {
+                linear: setpoint.rate.linear + self.linear.rate,
+                angular: setpoint.rate.angular + self.angular.rate,
+            },
+        }
+    }
+
+    /// What they add to the setpoint's twist.
+    pub(crate) fn twist(&self) -> Twist<T> {
+        Twist {
+            linear: self.linear.value,
+            angular: self.angular.value,
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.linear.is_finite() && self.angular.is_finite()
     }
 }

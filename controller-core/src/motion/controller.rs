@@ -1,41 +1,49 @@
 //! The controller for a real base: one tick from pose to wheel torques.
 
-use super::arrival::{AtRest, Latch, Pushing, STOPPING_DECAY, Stall, Standing};
-use super::bridge::Bridge;
+use super::arrival::AtRest;
+use super::bridge::Bridges;
 use super::disturbance::{Observer, Watch};
-use super::follow::{Follower, Instant, Wish};
+use super::error_view::ErrorView;
+use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
 use super::params::Motion;
-use super::polar::Parker;
+use super::pose_law::{Moving, PoseLaw, Step};
 use super::report::{Limited, Mode, MotionReport, Outcome};
-use super::retry::{Rest, Retry, distance_of};
 use super::saturation::share;
-use crate::demand::{check_measured, check_tick};
+use super::setpoint::Setpoint;
+use super::task::Task;
+use super::velocity_loop::{achieved, stands, wrench};
+use crate::check::{check_measured, check_tick};
 use crate::error::{Input, StepFault};
 use crate::maths::{Maths, Single};
-use crate::pose_error::{PoseError, pose_error, tracking_error};
+use crate::pose_error::PoseError;
 use crate::range::clamp;
-use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
+use crate::types::{Measured, Twist, WheelTorques};
 use core::marker::PhantomData;
 
-mod output;
-mod pose_law;
-mod state;
-
-use state::{Law, Sight, State};
-
-/// What the robot is to do in a tick. May change at any time; command and torque do not jump.
+/// What changes from tick to tick; copied first and stored last, so that a fault changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Task<T> {
-    /// Follow this sample of a reference: its pose and twist are those of the present instant.
-    /// Sample its acceleration half a tick ahead if you can, since it will be held for a tick: at
-    /// 10 ms that is 1.4 to 2 times less error.
-    Follow(Reference<T>),
-    /// Go to this pose and stay.
-    Park(Pose<T>),
+struct State<T> {
+    task: Task<T>,
+    pose_law: PoseLaw<T>,
+    stall: Stall<T>,
+    observer: Observer<T>,
+    bridges: Bridges<T>,
+    command: Command<T>,
+    /// The caller said that the pose will jump.
+    declared: bool,
+    /// Parked without torque: the command is what the robot does by itself.
+    released: bool,
+}
+
+/// What a tick found on its way to the torque, for its report.
+struct Found<T> {
+    error: PoseError<T>,
+    setpoint: Setpoint<T>,
+    limited: Limited,
+    jumped: bool,
 }
 
 /// Follows any trajectory and parks exactly, within the limits of the base. See [`crate::motion`].
@@ -43,14 +51,14 @@ pub enum Task<T> {
 /// ```
 /// use controller_core::maths::Single;
 /// use controller_core::motion::{Limits, MotionController, MotionParams, Policy, Task};
-/// use controller_core::params::Params;
+/// use controller_core::robot::Robot;
 /// use controller_core::types::{Measured, Pose};
 ///
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
 /// };
-/// let motion = MotionParams::new::<Single>(Params::paper().robot, limits).validate()?;
+/// let motion = MotionParams::new(Robot::paper(), limits).validate()?;
 /// let here = Measured::default();
 /// let task = Task::Park(Pose::new(1.0_f32, 0.5, 0.0));
 /// let mut controller: MotionController = MotionController::start(&motion, &task, &here)?;
@@ -78,31 +86,43 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {
-        check(task, measured)?;
+        check_measured(measured)?;
+        task.check()?;
         let command = Command::of_robot(motion, &measured.twist);
+        let view = ErrorView::of::<M>(task, &measured.pose);
+        let mut pose_law = PoseLaw::default();
+        let moving = Moving {
+            twist: &measured.twist,
+            command: &command,
+        };
+        let step = Step {
+            dt: T::ZERO,
+            two_per_dt: None,
+        };
+        let wanted = pose_law.advance::<U, M>(motion, task, &view, moving, step);
+        let state = State {
+            task: *task,
+            pose_law,
+            stall: Stall::default(),
+            observer: Observer::start(&measured.twist),
+            bridges: Bridges::between(&command, &wanted.setpoint, T::ONE, T::ZERO),
+            command,
+            declared: false,
+            released: false,
+        };
         let mut controller = Self {
             motion: *motion,
-            state: State {
-                task: *task,
-                follower: Follower::default(),
-                parker: Parker::default(),
-                latch: Latch::default(),
-                stall: Stall::default(),
-                retry: Retry::default(),
-                observer: Observer::start(&measured.twist),
-                bridges: Default::default(),
-                command,
-                declared: false,
-                released: false,
-            },
+            state,
             report: MotionReport::default(),
             back_ends: PhantomData,
         };
-        let mut state = controller.state;
-        let seen = Sight::of::<M>(task, measured);
-        let law = controller.law(&mut state, T::ZERO, None, (task, &seen), measured);
-        state.bridges = bridges(&command, &law.wish, T::ONE, T::ZERO);
-        controller.finish(state, &law, Default::default(), true, measured, T::ZERO)?;
+        let found = Found {
+            error: view.error,
+            setpoint: wanted.setpoint,
+            limited: Limited::default(),
+            jumped: true,
+        };
+        controller.finish(state, &found, &measured.twist, T::ZERO)?;
         Ok(controller)
     }
 
@@ -117,41 +137,63 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         measured: &Measured<T>,
     ) -> Result<&MotionReport<T>, StepFault> {
         check_tick(dt, self.motion.params().max_tick_s)?;
-        check(task, measured)?;
+        check_measured(measured)?;
+        task.check()?;
+        let motion = &self.motion;
         let mut state = self.state;
         if state.released {
-            state.command = Command::of_robot(&self.motion, &measured.twist);
+            state.command = Command::of_robot(motion, &measured.twist);
         }
-        let watch = if self.is_letting_go() {
+        let watch = if state.pose_law.is_resting() && motion.releases() {
             Watch::Fade
         } else {
             Watch::Observe
         };
-        let motion = &self.motion;
         let bounded =
             state
                 .observer
                 .advance(motion, &measured.twist, &state.command.rate, watch, dt);
-        let seen = Sight::of::<M>(task, measured);
-        if self.is_new(task) {
-            state.retry = Retry::default();
+        let view = ErrorView::of::<M>(task, &measured.pose);
+        let new = task.is_new(&state.task);
+        if new {
+            state.pose_law.renew_retries();
         }
-        let jumped = self.is_jump(dt, task, &seen);
-        let two_per_dt = (T::ONE + T::ONE) / dt;
-        let advance = if jumped { None } else { Some(two_per_dt) };
-        let law = self.law(&mut state, dt, advance, (task, &seen), measured);
-        if jumped || law.rebase {
+        let jumped =
+            new || state.declared || view.has_jumped::<M>(&self.report.error, motion.params(), dt);
+        let step = Step {
+            dt,
+            two_per_dt: if jumped {
+                None
+            } else {
+                Some((T::ONE + T::ONE) / dt)
+            },
+        };
+        let moving = Moving {
+            twist: &measured.twist,
+            command: &state.command,
+        };
+        let wanted = state
+            .pose_law
+            .advance::<U, M>(motion, task, &view, moving, step);
+        let resting = state.pose_law.is_resting();
+        state.bridges = if jumped || wanted.rebase {
             let kept = self.kept(jumped, dt);
-            state.bridges = bridges(&state.command, &law.wish, kept, dt);
+            Bridges::between(&state.command, &wanted.setpoint, kept, dt)
         } else {
-            state.bridges = self.faded(&state, dt);
-        }
-        state.released &= state.is_resting();
+            let decay = if resting {
+                T::from_f64(STOPPING_DECAY)
+            } else {
+                motion.gains().decay
+            };
+            let fade = T::ONE + M::exp_m1(-(decay * dt));
+            state.bridges.advance(decay, dt, fade)
+        };
+        state.released &= resting;
         let mut limited = if state.released {
             Limited::default()
         } else {
-            let wish = bridged(&law.wish, &state.bridges);
-            let (command, limited) = state.command.advance(&self.motion, &wish, dt);
+            let setpoint = state.bridges.added_to(&wanted.setpoint);
+            let (command, limited) = state.command.advance(motion, &setpoint, dt);
             state.command = command;
             limited
         };
@@ -163,8 +205,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             twist: measured.twist,
             saturated: self.report.limited.torque,
         };
-        state.stall = state.stall.advance(&self.motion, &pushing, dt);
-        self.finish(state, &law, limited, jumped, measured, dt)
+        state.stall = state.stall.advance(motion, &pushing, dt);
+        let found = Found {
+            error: view.error,
+            setpoint: wanted.setpoint,
+            limited,
+            jumped,
+        };
+        self.finish(state, &found, &measured.twist, dt)
     }
 
     /// The next pose jumps: the localisation was corrected, or the reference replaced. Command and
@@ -214,64 +262,112 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         }
     }
 
-    fn faded(&self, state: &State<T>, dt: T) -> (Bridge<T>, Bridge<T>) {
-        let decay = if state.is_resting() {
-            T::from_f64(STOPPING_DECAY)
+    /// The end of a tick: torque for the command in `state` with the measured `twist`, the wheels' limit and
+    /// what it does to the command, the report.
+    fn finish(
+        &mut self,
+        mut state: State<T>,
+        found: &Found<T>,
+        twist: &Twist<T>,
+        dt: T,
+    ) -> Result<&MotionReport<T>, StepFault> {
+        let motion = &self.motion;
+        let limits = &motion.params().limits;
+        let command = state.command;
+        let velocity_error = twist.minus(&command.twist);
+        let disturbance = state.observer.estimate;
+        let wrench = wrench(motion, &command.rate, &velocity_error, &disturbance);
+        let finite = wrench.force.is_finite() && wrench.moment.is_finite();
+        if !(finite && found.is_finite() && state.is_finite()) {
+            return Err(StepFault::Overflow);
+        }
+        let (applied, saturated) = share(
+            &motion.wheels,
+            &wrench,
+            limits.wheel_torque_nm,
+            limits.policy,
+        );
+        if saturated {
+            state.command.twist = achieved(motion, &command, twist, &applied, &disturbance);
+        }
+        state.released = state.pose_law.is_resting()
+            && motion.releases()
+            && (state.released
+                || stands(motion, &state.command.twist, &velocity_error, &wrench, dt));
+        state.observer.note((!state.released).then_some(applied));
+        let torques = if state.released {
+            WheelTorques::default()
         } else {
-            self.motion.gains().decay
+            bounded(&motion.wheels.torques(&applied), limits.wheel_torque_nm)
         };
-        let fade = T::ONE + M::exp_m1(-(decay * dt));
-        let (linear, angular) = &state.bridges;
-        (
-            linear.advance(decay, dt, fade),
-            angular.advance(decay, dt, fade),
-        )
+        self.report = MotionReport {
+            mode: match state.task {
+                Task::Follow(_) => Mode::Following,
+                Task::Park(_) => Mode::Parking,
+            },
+            outcome: state.outcome(motion),
+            error: found.error,
+            wanted: found.setpoint.twist,
+            wanted_rate: found.setpoint.rate,
+            bridge: state.bridges.twist(),
+            command: command.twist,
+            command_rate: command.rate,
+            velocity_error,
+            disturbance,
+            wrench,
+            torques,
+            limited: Limited {
+                torque: saturated,
+                ..found.limited
+            },
+            jumped: found.jumped,
+            backing: state.pose_law.is_backing(),
+            retries: state.pose_law.retries(),
+        };
+        self.state = state;
+        Ok(&self.report)
     }
 }
 
-fn check<T: Scalar>(task: &Task<T>, measured: &Measured<T>) -> Result<(), StepFault> {
-    check_measured(measured)?;
-    match task {
-        Task::Follow(reference) if !reference.is_finite() => {
-            Err(StepFault::NotFinite(Input::Reference))
+impl<T: Scalar> State<T> {
+    fn outcome(&self, motion: &Motion<T>) -> Outcome {
+        if self.pose_law.is_parked() {
+            Outcome::Parked
+        } else if self.pose_law.has_given_up() {
+            Outcome::OutOfTolerance
+        } else if self.stall.is_stalled(motion) {
+            Outcome::Stalled
+        } else {
+            Outcome::Driving
         }
-        Task::Park(goal) if !goal.is_finite() => Err(StepFault::NotFinite(Input::Goal)),
-        _ => Ok(()),
+    }
+
+    /// No memory is infinite or NaN: a wild input is refused, and does not stay.
+    fn is_finite(&self) -> bool {
+        self.observer.is_finite() && self.pose_law.is_finite() && self.bridges.is_finite()
     }
 }
 
-/// Bridges with which the wish, from now on, goes on from where a command would be by now, in value
-/// and, as far as it is `kept`, in rate.
-fn bridges<T: Scalar>(
-    command: &Command<T>,
-    wish: &Wish<T>,
-    kept: T,
-    dt: T,
-) -> (Bridge<T>, Bridge<T>) {
-    let bridge = |speed: T, accel: T, wish: T, wish_rate: T| {
-        let rate = kept * (accel - wish_rate);
-        Bridge {
-            value: speed + dt * (wish_rate + rate) - wish,
-            rate,
-        }
-    };
-    let (twist, rate) = (&command.twist, &command.rate);
-    let (to, to_rate) = (&wish.twist, &wish.rate);
-    (
-        bridge(twist.linear, rate.linear, to.linear, to_rate.linear),
-        bridge(twist.angular, rate.angular, to.angular, to_rate.angular),
-    )
+impl<T: Scalar> Found<T> {
+    fn is_finite(&self) -> bool {
+        let Setpoint { twist, rate } = &self.setpoint;
+        let error = &self.error;
+        let error = error.x.is_finite() && error.y.is_finite() && error.theta.is_finite();
+        error && twist.is_finite() && rate.is_finite()
+    }
 }
 
-fn bridged<T: Scalar>(wish: &Wish<T>, (linear, angular): &(Bridge<T>, Bridge<T>)) -> Wish<T> {
-    Wish {
-        twist: Twist {
-            linear: wish.twist.linear + linear.value,
-            angular: wish.twist.angular + angular.value,
-        },
-        rate: Accel {
-            linear: wish.rate.linear + linear.rate,
-            angular: wish.rate.angular + angular.rate,
-        },
+impl<T: Scalar> Motion<T> {
+    /// Once parked the wheels exert nothing.
+    fn releases(&self) -> bool {
+        self.params().arrival.at_rest == AtRest::Release
+    }
+}
+
+/// Clips the last bits that [`share`] may leave above the limit.
+fn bounded<T: Scalar>(torques: &WheelTorques<T>, limit: T) -> WheelTorques<T> {
+    WheelTorques {
+        right: clamp(torques.right, limit),
+        left: clamp(torques.left, limit),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::lag::LagState;
 use super::params::Motion;
+use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
@@ -18,13 +19,6 @@ pub(crate) struct Follower<T> {
     around: LagState<T>,
     /// Which way to turn out of a heading error beyond π/2: ±1, 0 if there is none.
     side: T,
-}
-
-/// What a pose law wants: a twist and its exact rate.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Wish<T> {
-    pub(crate) twist: Twist<T>,
-    pub(crate) rate: Accel<T>,
 }
 
 /// The present instant of a follower.
@@ -60,7 +54,7 @@ impl<T: Scalar> Follower<T> {
         now: &Instant<'_, T>,
         command: &Twist<T>,
         two_per_dt: Option<T>,
-    ) -> Wish<T> {
+    ) -> Setpoint<T> {
         let gains = motion.gains();
         let (reference, accel) = (now.reference.twist(), now.reference.accel());
         let (sine, cosine) = now.heading;
@@ -94,7 +88,7 @@ impl<T: Scalar> Follower<T> {
         let turn_rate = motion.across.rate(&self.across)
             + motion.around.rate(&self.around)
             + cosine * heading_rate;
-        Wish {
+        Setpoint {
             twist: Twist {
                 linear: self.along.value + v * cosine,
                 angular: reference.angular + gains.heading * turn,

@@ -1,6 +1,7 @@
 //! Gains that follow from the limits of the base.
 
 use super::limits::Limits;
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
 use crate::range::within;
@@ -8,7 +9,7 @@ use crate::scalar::Scalar;
 
 /// Gains of following and parking. [`MotionGains::for_limits`] gives those that suit a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionGains<T> {
+pub struct MotionGains<T = f32> {
     /// A \[1/s\]: decay of the pose neurons and of the bridges. 0.1 to 100.
     pub decay: T,
     /// k₁ \[1/s\]: along the path. 1e-3 to 100.
@@ -35,6 +36,21 @@ pub struct MotionGains<T> {
     /// moment of the wheels. 0 to 1.
     pub disturbance_share: T,
 }
+
+cast!(MotionGains {
+    decay,
+    along,
+    along_bound,
+    heading,
+    across,
+    slow,
+    approach,
+    approach_brake,
+    speed_loop,
+    turn_loop,
+    disturbance,
+    disturbance_share
+});
 
 /// ω \[1/s\]. The velocity loops of 3 and 5/s then cross over at 5.7 and 7.7 rad/s with 59° and 54° of
 /// phase margin, and with half the mass, 20 ms of delay and a speed estimate of 50 rad/s, at 11 and

@@ -1,10 +1,10 @@
 //! Keeps the command within what the base can do, and says so.
 
-use super::follow::Wish;
-use super::limits::Limits;
+use super::limits::{COMMAND_SHARE, Limits};
 use super::params::Motion;
 use super::report::Limited;
 use super::saturation::share;
+use super::setpoint::Setpoint;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
@@ -15,9 +15,6 @@ pub(crate) struct Command<T> {
     pub(crate) twist: Twist<T>,
     pub(crate) rate: Accel<T>,
 }
-
-/// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
-pub(crate) const COMMAND_SHARE: f64 = 0.75;
 
 impl<T: Scalar> Command<T> {
     /// The command that asks a robot for what it does already, as far as the limits allow.
@@ -32,17 +29,22 @@ impl<T: Scalar> Command<T> {
         }
     }
 
-    /// The command one tick on: a copy of the wish, slewed. With no limit at work it is the wish,
+    /// The command one tick on: a copy of the setpoint, slewed. With no limit at work it is the setpoint,
     /// value and rate, without lag.
     ///
     /// The speed moves towards the wanted one by at most accel (or brake) · dt; what is fed forward
     /// is the wanted rate, or the slewed one, moved by at most jerk · dt. The latter is never
     /// integrated into the former: noise in it would become an error of the command.
-    pub(crate) fn advance(&self, motion: &Motion<T>, wish: &Wish<T>, dt: T) -> (Self, Limited) {
+    pub(crate) fn advance(
+        &self,
+        motion: &Motion<T>,
+        setpoint: &Setpoint<T>,
+        dt: T,
+    ) -> (Self, Limited) {
         let limits = &motion.params().limits;
         let needed = Accel {
-            linear: (wish.twist.linear - self.twist.linear) / dt,
-            angular: (wish.twist.angular - self.twist.angular) / dt,
+            linear: (setpoint.twist.linear - self.twist.linear) / dt,
+            angular: (setpoint.twist.angular - self.twist.angular) / dt,
         };
         let slew = self.slew(motion, &needed);
         let moved = Twist {
@@ -58,16 +60,16 @@ impl<T: Scalar> Command<T> {
             linear: if slewed.0 {
                 slew.linear
             } else {
-                wish.rate.linear
+                setpoint.rate.linear
             },
             angular: if slewed.1 {
                 slew.angular
             } else {
-                wish.rate.angular
+                setpoint.rate.angular
             },
         };
-        rate.linear = not_outward(rate.linear, wish.twist.linear, limits.speed);
-        rate.angular = not_outward(rate.angular, wish.twist.angular, limits.turn_rate);
+        rate.linear = not_outward(rate.linear, setpoint.twist.linear, limits.speed);
+        rate.angular = not_outward(rate.angular, setpoint.twist.angular, limits.turn_rate);
         let rate = self.within_accel(limits, &rate);
         let (linear, linear_jerk) = towards(self.rate.linear, rate.linear, limits.jerk * dt);
         let (angular, angular_jerk) =
@@ -127,9 +129,9 @@ impl<T: Scalar> Command<T> {
     }
 }
 
-/// 0 instead of a rate that points beyond the limit at which the wish stands.
-fn not_outward<T: Scalar>(rate: T, wish: T, limit: T) -> T {
-    if wish.abs() >= limit && rate * wish > T::ZERO {
+/// 0 instead of a rate that points beyond the limit at which the setpoint stands.
+fn not_outward<T: Scalar>(rate: T, setpoint: T, limit: T) -> T {
+    if setpoint.abs() >= limit && rate * setpoint > T::ZERO {
         T::ZERO
     } else {
         rate

@@ -2,8 +2,8 @@
 
 use crate::error::ParamError;
 use crate::maths::Maths;
-use crate::params::NeuronParams;
 use crate::scalar::Scalar;
+use crate::shunting::NeuronParams;
 use crate::shunting::{NeuronUpdate, Shunting};
 
 /// Eq. (4) with B = D and its input scaled by A/B: for a constant wish x the state goes to

@@ -1,12 +1,16 @@
 //! What the base can do.
 
+use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::range::within;
 use crate::scalar::Scalar;
 
+/// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
+pub(crate) const COMMAND_SHARE: f64 = 0.75;
+
 /// Limits of a base, each positive and finite. The controller stays inside all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits<T> {
+pub struct Limits<T = f32> {
     /// Largest speed, forward or backward \[m/s\], 1e-3 to 100.
     pub speed: T,
     /// Largest turn rate \[rad/s\], 1e-3 to 100.
@@ -26,6 +30,19 @@ pub struct Limits<T> {
     /// Who yields where both wheels cannot be served.
     pub policy: Policy,
 }
+
+cast!(
+    Limits {
+        speed,
+        turn_rate,
+        accel,
+        brake,
+        turn_accel,
+        jerk,
+        turn_jerk,
+        wheel_torque_nm,
+    } keeps policy
+);
 
 /// Who yields when force and moment together ask too much of a wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

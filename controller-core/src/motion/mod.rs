@@ -1,17 +1,17 @@
 //! The law for a real base: any trajectory, any start, exact parking, within stated limits.
 //!
-//! The paper's law (see [`crate::neural`]) divides by v_r, leaves a lateral error at the target and
+//! The paper's law ([`crate::paper`]) divides by v_r, leaves a lateral error at the target and
 //! knows no limit. This one keeps what is good in it, errors that pass through bounded neurons and
 //! torques that never jump, and goes on:
 //!
 //! ```text
-//! pose law ([`follow`], [`polar`]) -> wanted twist and its exact rate
-//!    -> bridge (jumps of the wish fade)      -> governor (limits on speed, acceleration, jerk)
-//!    -> torque (feed-forward + velocity loop) -> wheels (limit, shared by a policy; told back)
+//! task, pose -> error view -> pose law (follow, polar) -> setpoint: a twist and its exact rate
+//!    -> bridge (jumps of the setpoint fade)  -> governor (limits on speed, acceleration, jerk)
+//!    -> velocity loop (with feed-forward)    -> wheels (limit, shared by a policy; told back)
 //! ```
 //!
 //! * Reference accelerations are fed forward exactly; neurons shape only the feedback.
-//! * The wanted twist may jump (new task, new goal, new localisation); command and torque do not:
+//! * The setpoint may jump (new task, new goal, new localisation); command and torque do not:
 //!   per tick the wrench changes by at most L dt, [`Motion::force_rate_limit`] and
 //!   [`Motion::moment_rate_limit`].
 //! * Nothing winds up: a saturated torque sets the command back to what was achieved.
@@ -25,25 +25,32 @@ mod arrival;
 mod bridge;
 mod controller;
 mod disturbance;
+mod error_view;
 mod follow;
 mod gains;
+mod goal_checker;
 mod governor;
 mod hand_over;
 mod lag;
 mod limits;
 mod params;
 mod polar;
+mod pose_law;
 mod report;
 mod retry;
 mod saturation;
+mod setpoint;
+mod task;
+mod velocity_loop;
 
 pub use arrival::{Arrival, AtRest};
-pub use controller::{MotionController, Task};
+pub use controller::MotionController;
 pub use gains::MotionGains;
 pub use limits::{Limits, Policy};
 pub use params::{JumpThreshold, Motion, MotionParams};
 pub use report::{Limited, Mode, MotionReport, Outcome};
 pub use saturation::share;
+pub use task::Task;
 
-pub(crate) use governor::COMMAND_SHARE;
+pub(crate) use limits::COMMAND_SHARE;
 pub(crate) use polar::{BEARING, COUPLING};

@@ -2,13 +2,12 @@
 
 use super::arrival::Arrival;
 use super::gains::MotionGains;
-use super::governor::COMMAND_SHARE;
 use super::lag::Lag;
-use super::limits::Limits;
+use super::limits::{COMMAND_SHARE, Limits};
 use crate::error::{Field, ParamError};
-use crate::maths::Maths;
-use crate::params::Robot;
+use crate::maths::{Maths, Usual};
 use crate::range::within;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::Wrench;
 use crate::wheels::WheelMap;
@@ -16,7 +15,7 @@ use crate::wheels::WheelMap;
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
 /// localisation, or of the reference, that nobody declared.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JumpThreshold<T> {
+pub struct JumpThreshold<T = f32> {
     /// \[m\], 1e-4 to 100; above the noise of the pose.
     pub distance_m: T,
     /// \[rad\], 1e-4 to 4; above the noise of the heading.
@@ -25,7 +24,7 @@ pub struct JumpThreshold<T> {
 
 /// Everything that the controller needs to know of a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionParams<T> {
+pub struct MotionParams<T = f32> {
     /// Mass, inertia, wheels.
     pub robot: Robot<T>,
     /// What it can do.
@@ -43,11 +42,18 @@ pub struct MotionParams<T> {
     pub max_tick_s: T,
 }
 
+impl<T: Usual> MotionParams<T> {
+    /// [`new_with`](Self::new_with) the usual mathematics of the number type.
+    pub fn new(robot: Robot<T>, limits: Limits<T>) -> Self {
+        Self::new_with::<T::Maths>(robot, limits)
+    }
+}
+
 impl<T: Scalar> MotionParams<T> {
     /// Parameters for a base, with gains that suit its limits and exact poses.
     ///
     /// Where the wheels are too weak for the accelerations that the limits name, gains suit the wheels.
-    pub fn new<M: Maths<T>>(robot: Robot<T>, limits: Limits<T>) -> Self {
+    pub fn new_with<M: Maths<T>>(robot: Robot<T>, limits: Limits<T>) -> Self {
         Self {
             robot,
             limits,
@@ -156,7 +162,7 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
 
 /// [`MotionParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<T> {
+pub struct Motion<T = f32> {
     params: MotionParams<T>,
     pub(crate) wheels: WheelMap<T>,
     /// Distance to the goal below which its direction is noise \[m\].

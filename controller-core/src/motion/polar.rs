@@ -1,8 +1,8 @@
 //! Parking at a pose, position and heading, forward or backward.
 
-use super::follow::Wish;
 use super::lag::LagState;
 use super::params::Motion;
+use super::setpoint::Setpoint;
 use crate::angle::wrap;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -30,7 +30,7 @@ const ALIGN: (f64, f64) = (1.5, 5.0);
 
 /// Memory of the parking law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Parker<T> {
+pub(crate) struct PoseRegulator<T> {
     approach: LagState<T>,
     turn: LagState<T>,
     /// 1 forward, −1 backward, 0 undecided.
@@ -50,7 +50,7 @@ struct View<T> {
     beta: T,
 }
 
-impl<T: Scalar> Parker<T> {
+impl<T: Scalar> PoseRegulator<T> {
     /// A polar law with a strict Lyapunov function, through neurons.
     ///
     /// With ρ the distance and α the bearing of the goal, β = α − e_θ and φ = atan(h β):
@@ -75,7 +75,7 @@ impl<T: Scalar> Parker<T> {
         distance: T,
         command: &Twist<T>,
         two_per_dt: Option<T>,
-    ) -> Wish<T> {
+    ) -> Setpoint<T> {
         let gains = motion.gains();
         let gain = self.distance_gain::<M>(motion, distance);
         if two_per_dt.is_none() {
@@ -100,7 +100,7 @@ impl<T: Scalar> Parker<T> {
                 self.turn = motion.turn.reset(command.angular, turn);
             }
         }
-        Wish {
+        Setpoint {
             twist: Twist {
                 linear: self.approach.value,
                 angular: self.turn.value,

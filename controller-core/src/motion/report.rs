@@ -1,5 +1,6 @@
 //! Everything that a tick computed, in one value.
 
+use crate::cast::cast;
 use crate::pose_error::PoseError;
 use crate::types::{Accel, Twist, WheelTorques, Wrench};
 
@@ -45,7 +46,7 @@ pub struct Limited {
 
 /// The report of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MotionReport<T> {
+pub struct MotionReport<T = f32> {
     /// Following or parking.
     pub mode: Mode,
     /// Whether the robot got there.
@@ -79,3 +80,18 @@ pub struct MotionReport<T> {
     /// New approaches to this goal so far, since the robot stood outside of the tolerance.
     pub retries: u8,
 }
+
+cast!(
+    MotionReport {
+        error,
+        wanted,
+        wanted_rate,
+        bridge,
+        command,
+        command_rate,
+        velocity_error,
+        disturbance,
+        wrench,
+        torques,
+    } keeps mode, outcome, limited, jumped, backing, retries
+);

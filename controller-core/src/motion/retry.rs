@@ -1,6 +1,6 @@
 //! A robot that stands beside its goal: a bounded number of new approaches, then the truth.
 
-use super::arrival::Standing;
+use super::goal_checker::GoalView;
 use super::params::Motion;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -62,7 +62,7 @@ impl<T: Scalar> Retry<T> {
     pub(crate) fn advance<M: Maths<T>>(
         &self,
         motion: &Motion<T>,
-        at: &Standing<T>,
+        at: &GoalView<T>,
         rest: Rest,
         dt: T,
     ) -> (Self, bool) {
@@ -169,12 +169,12 @@ pub(crate) fn distance_of<T: Scalar, M: Maths<T>>(error: &PoseError<T>) -> T {
 }
 
 /// Level with the goal, but too far to the side: wheels cannot go there.
-fn is_beside<T: Scalar>(motion: &Motion<T>, at: &Standing<T>) -> bool {
+fn is_beside<T: Scalar>(motion: &Motion<T>, at: &GoalView<T>) -> bool {
     let tolerance = motion.params().arrival.distance_m;
     at.distance > tolerance && at.error.x.abs() < T::HALF * tolerance
 }
 
-fn is_stuck<T: Scalar>(motion: &Motion<T>, at: &Standing<T>) -> bool {
+fn is_stuck<T: Scalar>(motion: &Motion<T>, at: &GoalView<T>) -> bool {
     let arrival = &motion.params().arrival;
     let ten = T::from_f64(10.0);
     let near =

@@ -1,29 +1,8 @@
 //! One wheel command: torque to current, voltage and duty.
 
-use crate::motor::MotorParams;
-use crate::motor::dead_band::DeadBand;
-use crate::motor::gear::Gear;
+use crate::motor::{Motor, MotorParams};
 use crate::range::clamp;
 use crate::scalar::Scalar;
-
-/// [`MotorParams`] that passed `validate`, with what follows from them worked out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motor<T> {
-    pub(super) params: MotorParams<T>,
-    pub(super) gear: Gear<T>,
-    pub(super) resistance: T,
-    pub(super) per_resistance: T,
-    pub(super) supply: T,
-    pub(super) believable: (T, T),
-    pub(super) max_current: T,
-    pub(super) coulomb: T,
-    pub(super) stiction: T,
-    pub(super) viscous: T,
-    pub(super) per_blend: T,
-    pub(super) per_release: T,
-    pub(super) dead_band: DeadBand<T>,
-    pub(super) max_torque: T,
-}
 
 /// What is asked of one wheel, and how it turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

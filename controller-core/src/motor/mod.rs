@@ -59,7 +59,7 @@ mod params;
 mod speed;
 mod stopping;
 
-pub use command::{Motor, MotorCommand, MotorLimited, WheelDemand};
-pub use params::{MAX_SUPPLY_SHARE, MIN_SUPPLY_SHARE, MotorParams, WheelFriction};
+pub use command::{MotorCommand, MotorLimited, WheelDemand};
+pub use params::{MAX_SUPPLY_SHARE, MIN_SUPPLY_SHARE, Motor, MotorParams, WheelFriction};
 pub use speed::{SpeedLimited, SpeedOutput, SpeedParams, SpeedState, WheelSpeedCommand};
 pub use stopping::{Decay, Slowing, coast, electrical_brake};

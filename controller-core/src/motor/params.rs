@@ -1,7 +1,6 @@
 //! What is known of a motor, its gear, its wheel and its bridge.
 
 use crate::error::{Field, ParamError, Problem};
-use crate::motor::Motor;
 use crate::motor::dead_band::DeadBand;
 use crate::motor::gear::Gear;
 use crate::range::within;
@@ -58,7 +57,7 @@ impl<T: Scalar> WheelFriction<T> {
 
 /// One motor with gear, wheel and bridge; both sides of a base have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotorParams<T> {
+pub struct MotorParams<T = f32> {
     /// g: motor turns per wheel turn, 0.1 to 1e4.
     pub gear_ratio: T,
     /// η: share of the motor's power that reaches the wheel, 0.2 to 1. A pair of spur wheels has
@@ -77,6 +76,25 @@ pub struct MotorParams<T> {
     /// d₀: share of the duty below which the bridge does nothing, 0 to 0.5: its dead time and rise
     /// time times the PWM frequency.
     pub dead_band: T,
+}
+
+/// [`MotorParams`] that passed `validate`, with what follows from them worked out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor<T> {
+    pub(super) params: MotorParams<T>,
+    pub(super) gear: Gear<T>,
+    pub(super) resistance: T,
+    pub(super) per_resistance: T,
+    pub(super) supply: T,
+    pub(super) believable: (T, T),
+    pub(super) max_current: T,
+    pub(super) coulomb: T,
+    pub(super) stiction: T,
+    pub(super) viscous: T,
+    pub(super) per_blend: T,
+    pub(super) per_release: T,
+    pub(super) dead_band: DeadBand<T>,
+    pub(super) max_torque: T,
 }
 
 impl<T: Scalar> MotorParams<T> {

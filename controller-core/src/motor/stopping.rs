@@ -37,8 +37,8 @@
 
 use crate::error::{Field, ParamError};
 use crate::motor::Motor;
-use crate::params::Robot;
 use crate::range::within;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::wheels::WheelMap;
 

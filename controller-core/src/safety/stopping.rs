@@ -101,7 +101,7 @@ impl<T: Scalar> StopPlan<T> {
         // like an acceleration under way, and lengthen the stop.
         let middle = if t > T::ZERO { t + T::HALF * dt } else { t };
         let (_, accel) = self.at(middle);
-        Task::Follow(Reference::new::<M>(*pose, twist, accel))
+        Task::Follow(Reference::new_with::<M>(*pose, twist, accel))
     }
 
     /// s and s′ at `t`.
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use crate::maths::Libm;
     use crate::motion::{Limits, MotionParams, Policy};
-    use crate::params::Params;
+    use crate::paper::params::Params;
 
     fn motion(wheel_torque_nm: f64) -> Motion<f64> {
         let limits = Limits {
@@ -213,7 +213,7 @@ mod tests {
             wheel_torque_nm,
             policy: Policy::KeepCurvature,
         };
-        let params = MotionParams::new::<Libm>(Params::paper().robot, limits);
+        let params = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
         params.validate().expect("valid")
     }
 

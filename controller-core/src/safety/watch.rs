@@ -1,8 +1,8 @@
 //! Thresholds and times of the detectors: plain data, checked once.
 
 use crate::error::{Field, ParamError};
-use crate::params::Robot;
 use crate::range::within;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, WheelTorques, Wrench};
 use crate::wheels::WheelMap;

@@ -115,7 +115,7 @@ impl fmt::Display for WishError {
 impl core::error::Error for WishError {}
 
 /// A refusal.
-pub(super) fn refused<T: Scalar>(wish: Wish, value: T, limit: T, why: Why) -> WishError {
+pub(crate) fn refused<T: Scalar>(wish: Wish, value: T, limit: T, why: Why) -> WishError {
     WishError {
         wish,
         value: value.to_f64(),
@@ -125,7 +125,7 @@ pub(super) fn refused<T: Scalar>(wish: Wish, value: T, limit: T, why: Why) -> Wi
 }
 
 /// `value` if it is in [`low`, `high`].
-pub(super) fn wished<T: Scalar>(wish: Wish, value: T, low: f64, high: f64) -> Result<T, WishError> {
+pub(crate) fn wished<T: Scalar>(wish: Wish, value: T, low: f64, high: f64) -> Result<T, WishError> {
     let (low, high) = (T::from_f64(low), T::from_f64(high));
     if value < low {
         Err(refused(wish, value, low, Why::Below))

@@ -12,20 +12,20 @@ const ORDER: usize = 6;
 
 /// What became of an error of 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Response<T> {
+pub(crate) struct Response<T> {
     /// When the error stayed below a tenth; the horizon if it did not within it \[s\].
-    pub(super) tenth_s: T,
+    pub(crate) tenth_s: T,
     /// Largest second derivative of the error \[1/s²\].
-    pub(super) peak_second: T,
+    pub(crate) peak_second: T,
     /// Largest third derivative of the error \[1/s³\].
-    pub(super) peak_third: T,
+    pub(crate) peak_third: T,
 }
 
 /// The error y of p(d/dt) y = 0 from y = 1, with all derivatives 0 but the highest, −`push`.
 ///
 /// That is how all loops of this crate start: at rest relative to the reference, with a command and
 /// a torque that go on smoothly. Runge-Kutta of fourth order, a fixed number of steps.
-pub(super) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> Response<T> {
+pub(crate) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> Response<T> {
     let f = T::from_f64;
     let order = p.degree();
     let h = horizon_s / f(f64::from(STEPS));

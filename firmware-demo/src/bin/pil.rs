@@ -6,7 +6,7 @@ firmware_demo::firmware!(run);
 
 #[cfg(target_os = "none")]
 fn run() {
-    use controller_core::params::Params;
+    use controller_core::paper::params::Params;
     use firmware_demo::board::{EXIT_LINK, Meter, open_link, semihosting};
     use firmware_demo::pil::{End, Pil, serve};
 

@@ -15,7 +15,7 @@ fn run() {
 #[cfg(target_os = "none")]
 mod chip {
     use controller_core::base::Sensed;
-    use controller_core::params::Params;
+    use controller_core::paper::params::Params;
     use controller_core::types::{Measured, Pose};
     use firmware_demo::board::{EXIT_LINK, Uart, high_water_mark, semihosting, with_ticks};
     use firmware_demo::control::ControlTask;

@@ -5,7 +5,6 @@ use core::fmt::{self, Display, Formatter};
 
 use controller_core::base::{Base, BaseError, BaseParams};
 use controller_core::hal::WheelDrive;
-use controller_core::maths::Single;
 use controller_core::safety::supervisor::State;
 
 use super::ControlTask;
@@ -47,7 +46,7 @@ pub(super) fn check<D: WheelDrive>(
     params: &BaseParams<f32>,
     drive: &D,
 ) -> Result<Base<f32>, SettingError> {
-    let base = params.validate::<Single>().map_err(SettingError::Base)?;
+    let base = params.validate().map_err(SettingError::Base)?;
     if params.motion.limits.wheel_torque_nm > drive.max_torque_nm() {
         return Err(SettingError::TorqueLimit);
     }

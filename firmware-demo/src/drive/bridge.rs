@@ -1,9 +1,34 @@
 //! Two half bridges behind a PWM output and a direction pin, and the pin that switches both sides off.
 
+use controller_core::hal::{Error, ErrorKind};
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_hal::pwm::SetDutyCycle;
 
-use super::MotorError;
+/// What a pair of motors fails with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MotorError {
+    /// A PWM output.
+    Pwm,
+    /// A direction pin.
+    Direction,
+    /// The enable pin.
+    Enable,
+    /// A torque beyond what the current limit allows, or not a number.
+    OutOfRange,
+    /// A speed that was observed is not a number.
+    Observation,
+}
+
+impl Error for MotorError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Pwm | Self::Direction | Self::Enable => ErrorKind::Bus,
+            Self::OutOfRange => ErrorKind::OutOfRange,
+            Self::Observation => ErrorKind::Other,
+        }
+    }
+}
 
 /// What a bridge does with its motor while the PWM is low: the rest of every period, and all the time at a duty
 /// of 0. Its data sheet has it in the truth table.

@@ -4,7 +4,7 @@ mod bridge;
 mod mock;
 mod motor;
 
-pub use bridge::{Bridges, MotorSide, NoPin, OffPhase};
+pub use bridge::{Bridges, MotorError, MotorSide, NoPin, OffPhase};
 pub use controller_core::hal::Observed;
 pub use mock::{Call, Mock, MockDrive, MockSpeedDrive, Script};
-pub use motor::{MotorError, MotorPair, WheelCommands};
+pub use motor::{MotorPair, WheelCommands};

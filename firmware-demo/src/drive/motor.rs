@@ -2,39 +2,13 @@
 //!
 //! What a torque takes in current, voltage and duty is worked out by [`controller_core::motor`]; here are the pins.
 
-use controller_core::hal::{Error, ErrorKind, ErrorType, Observed, WheelDrive, accepts};
+use controller_core::hal::{ErrorType, Observed, WheelDrive, accepts};
 use controller_core::motor::{Motor, MotorCommand, WheelDemand};
 use controller_core::types::WheelTorques;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 
-use super::bridge::{Bridges, MotorSide, NoPin};
-
-/// What a pair of motors fails with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum MotorError {
-    /// A PWM output.
-    Pwm,
-    /// A direction pin.
-    Direction,
-    /// The enable pin.
-    Enable,
-    /// A torque beyond what the current limit allows, or not a number.
-    OutOfRange,
-    /// A speed that was observed is not a number.
-    Observation,
-}
-
-impl Error for MotorError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Pwm | Self::Direction | Self::Enable => ErrorKind::Bus,
-            Self::OutOfRange => ErrorKind::OutOfRange,
-            Self::Observation => ErrorKind::Other,
-        }
-    }
-}
+use super::bridge::{Bridges, MotorError, MotorSide, NoPin};
 
 /// What both motors were told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,8 +6,8 @@ use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use controller_core::demand::Demand;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
 use controller_core::types::Measured;
 
@@ -76,9 +76,9 @@ impl From<SessionError> for ChipError {
 ///
 /// ```no_run
 /// use std::time::Duration;
-/// use controller_core::demand::Demand;
+/// use controller_core::paper::demand::Demand;
 /// use controller_core::maths::Single;
-/// use controller_core::params::Params;
+/// use controller_core::paper::params::Params;
 /// use controller_core::reference::Reference;
 /// use controller_core::types::{Measured, Pose};
 /// use firmware_demo::host::{Chip, LinkKind, Machine, Options};
@@ -90,7 +90,7 @@ impl From<SessionError> for ChipError {
 ///     core: None,
 ///     silence: Duration::from_secs(5),
 /// })?;
-/// let reference = Reference::at_rest::<Single>(Pose::default());
+/// let reference = Reference::at_rest(Pose::default());
 /// let measured = Measured::default();
 /// chip.configure(&Params::paper())?;
 /// chip.begin(&reference, &measured)?;

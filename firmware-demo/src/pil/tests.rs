@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 
-use controller_core::params::Params;
+use controller_core::paper::params::Params;
 use embedded_io::{ErrorType, Read, Write};
 use heapless::Vec;
 

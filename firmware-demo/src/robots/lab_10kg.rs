@@ -4,7 +4,7 @@
 
 use controller_core::base::BaseParams;
 use controller_core::safety::{Reaction, Response, Timeout};
-use controller_core::{localiser, motion, motor, odometry, params, safety, wheels};
+use controller_core::{localiser, motion, motor, odometry, robot, safety, wheels};
 
 /// Time between ticks \[µs\].
 pub const PERIOD_US: u32 = 10_000;
@@ -12,7 +12,7 @@ pub const PERIOD_US: u32 = 10_000;
 /// All parameters: 10 kg lab base
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: motion::MotionParams {
-        robot: params::Robot {
+        robot: robot::Robot {
             // [kg]
             mass_kg: 10.0,
             // About the axle's middle [kg m^2].
@@ -165,7 +165,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
     watch: safety::WatchParams {
         // [us]
         period_us: 10_000,
-        robot: params::Robot {
+        robot: robot::Robot {
             // [kg]
             mass_kg: 10.0,
             // About the axle's middle [kg m^2].

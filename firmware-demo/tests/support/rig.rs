@@ -4,7 +4,7 @@
 use controller_core::base::{BaseParams, Sensed, WheelAction};
 use controller_core::hal::WheelCounts;
 use controller_core::maths::Single;
-use controller_core::params::{Params, Validated};
+use controller_core::paper::params::{Params, Validated};
 use controller_core::queue::{ReferenceProducer, ReferenceQueue, TimedReference};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::safety::supervisor::{Cause, State};
@@ -88,7 +88,7 @@ impl Rig {
             let t = f32::from(number) * 0.1;
             let reference = line.at::<Single>(t);
             let reference = if rest && number + 1 == samples {
-                Reference::at_rest::<Single>(*reference.pose())
+                Reference::at_rest(*reference.pose())
             } else {
                 reference
             };

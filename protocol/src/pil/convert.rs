@@ -1,9 +1,10 @@
 //! Between what travels and what the core computes with. Conversions change no bit.
 
-use controller_core::demand::Demand;
 use controller_core::error::{Input, StepFault};
-use controller_core::handover::Reset;
-use controller_core::params::{NeuronParams, Params, ParkingGains, Robot, TrackingGains};
+use controller_core::paper::demand::Demand;
+use controller_core::paper::params::{Params, ParkingGains, Reset, TrackingGains};
+use controller_core::robot::Robot;
+use controller_core::shunting::NeuronParams;
 use controller_core::types::Measured;
 use controller_core::wheels::WheelGeometry;
 

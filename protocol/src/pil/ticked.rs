@@ -1,8 +1,8 @@
 //! The report of a tick, with what the controller says beside it.
 
-use controller_core::neural::NeuralController;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::report::{NeuronStates, Phase, StepReport};
 use controller_core::pose_error::PoseError;
-use controller_core::report::{NeuronStates, Phase, StepReport};
 use controller_core::types::{Accel, Twist, WheelTorques, Wrench};
 
 use super::{Report, report_flags};

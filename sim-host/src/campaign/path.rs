@@ -1,7 +1,6 @@
 //! References along a line or an arc.
 
 use super::plan::Path;
-use controller_core::maths::Single;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
 
@@ -16,7 +15,7 @@ impl Path {
         };
         let of = |linear: f64| (linear as f32, (self.curvature * linear) as f32);
         let (twist, rate) = (of(speed), of(accel));
-        Reference::new::<Single>(
+        Reference::new(
             narrow(&self.pose(self.way(t))),
             Twist::new(twist.0, twist.1),
             Accel::new(rate.0, rate.1),

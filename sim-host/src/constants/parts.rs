@@ -9,7 +9,7 @@ mod safety;
 use super::writer::Writer;
 use controller_core::base::BaseParams;
 use controller_core::motion::AtRest;
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::wheels::WheelGeometry;
 
 /// What the file names; everything else by its path from there.
@@ -22,7 +22,7 @@ pub(super) fn imports(out: &mut Writer, params: &BaseParams<f32>) {
         ""
     };
     out.line(&format!(
-        "use controller_core::{{localiser, motion, {motor}odometry, params, safety, wheels}};"
+        "use controller_core::{{localiser, motion, {motor}odometry, robot, safety, wheels}};"
     ));
 }
 
@@ -52,7 +52,7 @@ pub(super) fn robot(out: &mut Writer, robot: &Robot<f32>) {
         inertia_kg_m2,
         wheels: of_wheels,
     } = robot;
-    out.open("robot: params::Robot {");
+    out.open("robot: robot::Robot {");
     out.number("mass_kg", *mass_kg, "[kg]");
     out.number(
         "inertia_kg_m2",

@@ -5,7 +5,7 @@ use crate::import;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
 use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
-use controller_core::params::{Params, Robot};
+use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 
 /// A base: what it is, and what it can do.
@@ -31,7 +31,7 @@ impl Default for Base {
     fn default() -> Self {
         Self {
             name: "30 kg base".to_owned(),
-            robot: Params::paper().robot,
+            robot: Robot::paper(),
             limits: Limits {
                 speed: 2.5,
                 turn_rate: 3.0,
@@ -58,7 +58,7 @@ const SHARE: (f64, f64, f64) = (0.9, 0.75, 0.45);
 impl Base {
     /// The controller's parameters.
     pub fn motion(&self) -> MotionParams<f64> {
-        let params = MotionParams::new::<Libm>(self.robot, self.limits);
+        let params = MotionParams::new_with::<Libm>(self.robot, self.limits);
         MotionParams {
             gains: self.gains.unwrap_or(params.gains),
             ..params

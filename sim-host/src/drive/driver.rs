@@ -1,6 +1,6 @@
 //! The controller, in the precision that a mission asks for.
 
-use super::{Base, narrow};
+use super::Base;
 use crate::scenario::Precision;
 use controller_core::angle::wrap;
 use controller_core::error::{ParamError, StepFault};
@@ -8,11 +8,10 @@ use controller_core::maths::{Libm, Maths, Single};
 use controller_core::motion::{
     Arrival, Motion, MotionController, MotionParams, MotionReport, Task,
 };
-use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
-use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
+use controller_core::types::{Measured, Pose};
 
 /// A [`MotionController`] with `f64` on its outside.
 ///
@@ -84,8 +83,8 @@ impl Driver {
     /// The report of the last tick.
     pub fn report(&self) -> MotionReport<f64> {
         match &self.inner {
-            Inner::Single(controller) => widen(controller.report()),
-            Inner::Double(controller) => widen(controller.report()),
+            Inner::Single(controller) => controller.report().cast(),
+            Inner::Double(controller) => controller.report().cast(),
         }
     }
 
@@ -118,8 +117,8 @@ fn start<T: Scalar, M: Maths<T>>(
     measured: &Measured<f64>,
 ) -> Result<Controller<T, M>, StartError> {
     let motion = parameters::<T, M>(&base.motion()).map_err(StartError::Params)?;
-    let task = narrow_task::<T, M>(task, origin);
-    let measured = narrow_measured(measured, origin);
+    let task = near_task::<T, M>(task, origin);
+    let measured = near_measured(measured, origin);
     MotionController::start(&motion, &task, &measured).map_err(StartError::Fault)
 }
 
@@ -130,95 +129,41 @@ fn step<T: Scalar, M: Maths<T>>(
     task: &Task<f64>,
     measured: &Measured<f64>,
 ) -> Result<MotionReport<f64>, StepFault> {
-    let task = narrow_task::<T, M>(task, origin);
-    let measured = narrow_measured(measured, origin);
+    let task = near_task::<T, M>(task, origin);
+    let measured = near_measured(measured, origin);
     controller
         .step(T::from_f64(dt), &task, &measured)
-        .map(widen)
+        .map(MotionReport::cast)
 }
 
 fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion<T>, ParamError> {
     let params = MotionParams {
-        gains: narrow::gains(&from.gains),
+        gains: from.gains.cast(),
         arrival: Arrival::exact(),
-        ..MotionParams::new::<M>(narrow::robot(&from.robot), narrow::limits(&from.limits))
+        ..MotionParams::new_with::<M>(from.robot.cast(), from.limits.cast())
     };
     params.validate()
 }
 
-fn narrow_pose<T: Scalar>(pose: &Pose<f64>, origin: (f64, f64)) -> Pose<T> {
-    let f = T::from_f64;
-    Pose {
-        x: f(pose.x - origin.0),
-        y: f(pose.y - origin.1),
-        theta: f(wrap(pose.theta)),
-    }
+/// With the origin near the robot, where singles are finest.
+fn near(pose: &Pose<f64>, origin: (f64, f64)) -> Pose<f64> {
+    Pose::new(pose.x - origin.0, pose.y - origin.1, wrap(pose.theta))
 }
 
-fn narrow_twist<T: Scalar>(twist: &Twist<f64>) -> Twist<T> {
-    Twist {
-        linear: T::from_f64(twist.linear),
-        angular: T::from_f64(twist.angular),
-    }
-}
-
-fn narrow_measured<T: Scalar>(measured: &Measured<f64>, origin: (f64, f64)) -> Measured<T> {
+fn near_measured<T: Scalar>(measured: &Measured<f64>, origin: (f64, f64)) -> Measured<T> {
     Measured {
-        pose: narrow_pose(&measured.pose, origin),
-        twist: narrow_twist(&measured.twist),
+        pose: near(&measured.pose, origin).cast(),
+        twist: measured.twist.cast(),
     }
 }
 
-fn narrow_task<T: Scalar, M: Maths<T>>(task: &Task<f64>, origin: (f64, f64)) -> Task<T> {
+fn near_task<T: Scalar, M: Maths<T>>(task: &Task<f64>, origin: (f64, f64)) -> Task<T> {
     match task {
-        Task::Follow(reference) => {
-            let accel = reference.accel();
-            Task::Follow(Reference::new::<M>(
-                narrow_pose(reference.pose(), origin),
-                narrow_twist(reference.twist()),
-                Accel {
-                    linear: T::from_f64(accel.linear),
-                    angular: T::from_f64(accel.angular),
-                },
-            ))
-        }
-        Task::Park(goal) => Task::Park(narrow_pose(goal, origin)),
-    }
-}
-
-/// A report, widened without rounding.
-pub(crate) fn widen<T: Scalar>(from: &MotionReport<T>) -> MotionReport<f64> {
-    let twist = |t: &Twist<T>| Twist::new(t.linear.to_f64(), t.angular.to_f64());
-    let accel = |a: &Accel<T>| Accel::new(a.linear.to_f64(), a.angular.to_f64());
-    MotionReport {
-        mode: from.mode,
-        outcome: from.outcome,
-        error: PoseError {
-            x: from.error.x.to_f64(),
-            y: from.error.y.to_f64(),
-            theta: from.error.theta.to_f64(),
-        },
-        wanted: twist(&from.wanted),
-        wanted_rate: accel(&from.wanted_rate),
-        bridge: twist(&from.bridge),
-        command: twist(&from.command),
-        command_rate: accel(&from.command_rate),
-        velocity_error: twist(&from.velocity_error),
-        disturbance: Wrench {
-            force: from.disturbance.force.to_f64(),
-            moment: from.disturbance.moment.to_f64(),
-        },
-        wrench: Wrench {
-            force: from.wrench.force.to_f64(),
-            moment: from.wrench.moment.to_f64(),
-        },
-        torques: WheelTorques {
-            right: from.torques.right.to_f64(),
-            left: from.torques.left.to_f64(),
-        },
-        limited: from.limited,
-        retries: from.retries,
-        jumped: from.jumped,
-        backing: from.backing,
+        Task::Follow(reference) => Task::Follow(Reference::new_with::<M>(
+            near(reference.pose(), origin).cast(),
+            reference.twist().cast(),
+            reference.accel().cast(),
+        )),
+        Task::Park(goal) => Task::Park(near(goal, origin).cast()),
     }
 }

@@ -111,11 +111,11 @@ impl<'a> Guide<'a> {
             }
         }
         let target = match self.goal {
-            Some(goal) => Reference::at_rest::<Libm>(goal),
+            Some(goal) => Reference::at_rest_with::<Libm>(goal),
             None => self
                 .table
                 .at(tick)
-                .unwrap_or_else(|| Reference::at_rest::<Libm>(measured.pose)),
+                .unwrap_or_else(|| Reference::at_rest_with::<Libm>(measured.pose)),
         };
         let task = match self.goal {
             Some(goal) => Task::Park(goal),

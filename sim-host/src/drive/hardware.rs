@@ -1,6 +1,5 @@
 //! What a base has beside its body: motors, battery, encoders, a localisation.
 
-use super::narrow;
 use crate::world::{
     BatteryParams, EncoderParams, FrictionParams, MotorParams as TrueMotor, PoseSourceParams,
     WorldKeys,
@@ -76,7 +75,7 @@ impl Hardware {
         let f = T::from_f64;
         LocaliserParams {
             odometry: OdometryParams {
-                wheels: narrow::wheels(wheels),
+                wheels: wheels.cast(),
                 calibration: Calibration::NOMINAL,
                 counts_per_turn: f(self.counts_per_turn),
                 bandwidth: f(self.speed_bandwidth),

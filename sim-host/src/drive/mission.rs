@@ -5,7 +5,7 @@ use crate::import::Trajectory;
 use crate::motion::Motion;
 use crate::rig::Place;
 use crate::scenario::Precision;
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose};
 
 /// A closed loop with the law for a real base, checked: every field is within its range.

@@ -24,7 +24,6 @@ pub(crate) mod guide;
 mod hardware;
 mod metrics;
 mod mission;
-pub(crate) mod narrow;
 mod note;
 mod run;
 mod summary;
@@ -34,7 +33,6 @@ mod trace;
 
 pub use base::Base;
 pub use csv::{COLUMNS, write as write_csv};
-pub(crate) use driver::widen;
 pub use driver::{Driver, StartError};
 pub use file::{FileError, FileRun, TOLERANCE, fitted, trajectory, verdict};
 pub(crate) use guide::Guide;

@@ -30,7 +30,7 @@ impl Timetable {
             Route::File(file) => times
                 .map(|t| {
                     let (now, ahead) = (file.at(t), file.at(t + 0.5 * dt));
-                    Reference::new::<Libm>(
+                    Reference::new_with::<Libm>(
                         Pose::new(now.x, now.y, now.theta),
                         Twist::new(now.v, now.w),
                         Accel::new(ahead.a, ahead.alpha),
@@ -43,7 +43,7 @@ impl Timetable {
                     .map(|t| {
                         let here = now.advance_to(t);
                         let accel = *ahead.advance_to(t + 0.5 * dt).accel();
-                        Reference::new::<Libm>(*here.pose(), *here.twist(), accel)
+                        Reference::new_with::<Libm>(*here.pose(), *here.twist(), accel)
                     })
                     .collect()
             }
@@ -66,7 +66,7 @@ impl Timetable {
     /// The reference at a tick; at rest behind the last one.
     pub(super) fn at(&self, tick: usize) -> Option<Reference<f64>> {
         let last = self.references.last()?;
-        let resting = || Reference::at_rest::<Libm>(*last.pose());
+        let resting = || Reference::at_rest_with::<Libm>(*last.pose());
         Some(self.references.get(tick).copied().unwrap_or_else(resting))
     }
 

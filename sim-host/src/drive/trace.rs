@@ -3,9 +3,9 @@
 use super::note::BaseNote;
 use crate::trace::{HandOver, Row, Trace};
 use controller_core::motion::{Mode, MotionReport};
+use controller_core::paper::report::{Phase, StepReport};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
-use controller_core::report::{Phase, StepReport};
 use controller_core::types::{Measured, Pose, Wrench};
 
 /// One control tick. Torques hold from this tick to the next.

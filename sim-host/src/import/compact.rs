@@ -165,7 +165,7 @@ fn difference(truth: &Sample, found: &Reference<f64>) -> [f64; 4] {
 fn timed(s: &CompactSample) -> TimedReference<f64> {
     TimedReference {
         t: f64::from(s.t),
-        reference: Reference::new::<Libm>(
+        reference: Reference::new_with::<Libm>(
             Pose {
                 x: f64::from(s.x),
                 y: f64::from(s.y),

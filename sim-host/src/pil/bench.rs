@@ -2,7 +2,6 @@
 
 use super::setup::explain;
 use super::{Cost, FIRMWARE, Footprint, OnChip, Parity, PilError};
-use crate::pilot::narrow;
 use crate::run::run_with;
 use crate::scenario::Scenario;
 use crate::trace::Trace;
@@ -77,7 +76,7 @@ impl Bench {
         if asked.kind != FIRMWARE.kind || asked.parking != FIRMWARE.parking {
             return Err(PilError::Law(scenario.name.clone()));
         }
-        let params = narrow::params::<f32>(&scenario.params);
+        let params = scenario.params.cast::<f32>();
         let validated = params.validate().map_err(|cause| PilError::Params {
             name: scenario.name.clone(),
             cause,

@@ -1,6 +1,6 @@
 //! Instructions that a tick takes, by what it does.
 
-use controller_core::report::Phase;
+use controller_core::paper::report::Phase;
 use serde::Serialize;
 
 /// Least, mean and most of what was counted.

@@ -2,11 +2,11 @@
 
 use super::cost::Cost;
 use super::parity::Parity;
-use crate::pilot::{Answer, InProcess, Pilot, PilotError, narrow};
-use controller_core::demand::Demand;
+use crate::pilot::{Answer, InProcess, Pilot, PilotError};
 use controller_core::maths::Single;
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Wrench};
 use firmware_demo::host::{Chip, ChipError};
@@ -106,10 +106,10 @@ impl<'a> OnChip<'a> {
             let host = Ticked::of(controller, handed_over);
             self.parity.compare(self.tick, &ticked, &host);
         }
-        let step = ticked.hand_over_step.map(|step| narrow::wrench(&step));
+        let step = ticked.hand_over_step.map(|step| step.cast());
         self.hand_over_step = step.or(self.hand_over_step);
         let answer = Answer {
-            report: narrow::widen(&ticked.report),
+            report: ticked.report.cast(),
             hand_over_step: self.hand_over_step,
             relaxing: ticked.relaxing,
         };
@@ -125,10 +125,9 @@ impl Pilot for OnChip<'_> {
     ) -> Result<Answer, PilotError> {
         self.tick = 0;
         self.hand_over_step = None;
-        let chip = self.chip.begin(
-            &narrow::reference::<f32, Single>(reference),
-            &narrow::measured(measured),
-        );
+        let chip = self
+            .chip
+            .begin(&reference.cast_with::<f32, Single>(), &measured.cast());
         let host = self.shadow.start(reference, measured);
         let (answer, instructions) = self.compare(chip, host, false)?;
         self.cost.start.add(instructions);
@@ -147,8 +146,8 @@ impl Pilot for OnChip<'_> {
         self.tick = self.tick.wrapping_add(1);
         let chip = self.chip.tick(
             dt as f32,
-            &narrow::demand::<f32, Single>(demand),
-            &narrow::measured(measured),
+            &demand.cast_with::<f32, Single>(),
+            &measured.cast(),
         );
         let host = self.shadow.step(dt, demand, measured);
         let handed_over = matches!(demand, Demand::HandOver { .. });

@@ -1,6 +1,6 @@
 //! Chip against host, bit for bit.
 
-use controller_core::report::Phase;
+use controller_core::paper::report::Phase;
 use protocol::pil::Ticked;
 use serde::Serialize;
 

@@ -1,12 +1,12 @@
 //! From the names in a scenario to the types of the core.
 
-use super::{InProcess, Pilot, narrow};
+use super::{InProcess, Pilot};
 use crate::scenario::{Law, MathsBackEnd, Precision, Scenario, Update};
 use controller_core::error::ParamError;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactHeld, ExactMean, RationalMean};
 
@@ -18,7 +18,7 @@ pub fn for_scenario(scenario: &Scenario) -> Result<Box<dyn Pilot>, ParamError> {
     Ok(match scenario.controller.precision {
         Precision::F64 => with_maths::<f64, Libm>(scenario, scenario.params.validate()?),
         Precision::F32 => {
-            let params = narrow::params::<f32>(&scenario.params).validate()?;
+            let params = scenario.params.cast::<f32>().validate()?;
             match scenario.controller.maths {
                 MathsBackEnd::Libm => with_maths::<f32, Libm>(scenario, params),
                 MathsBackEnd::Micromath => with_maths::<f32, Micromath>(scenario, params),

@@ -1,14 +1,14 @@
 //! A controller of the core, called directly.
 
-use super::{Answer, Pilot, PilotError, narrow};
-use controller_core::demand::Demand;
+use super::{Answer, Pilot, PilotError};
 use controller_core::error::StepFault;
 use controller_core::maths::Maths;
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference;
-use controller_core::report::StepReport;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
 use controller_core::types::{Measured, Wrench};
@@ -98,8 +98,8 @@ impl<T: Scalar, M: Maths<T>, C: Control<T>> Pilot for InProcess<T, M, C> {
         reference: &Reference<f64>,
         measured: &Measured<f64>,
     ) -> Result<Answer, PilotError> {
-        let reference = narrow::reference::<T, M>(reference);
-        let measured = narrow::measured(measured);
+        let reference = reference.cast_with::<T, M>();
+        let measured = measured.cast();
         let controller = C::start(&self.params, &reference, &measured)?;
         Ok(answer(self.controller.insert(controller)))
     }
@@ -111,8 +111,8 @@ impl<T: Scalar, M: Maths<T>, C: Control<T>> Pilot for InProcess<T, M, C> {
         measured: &Measured<f64>,
     ) -> Result<Answer, PilotError> {
         let controller = self.controller.as_mut().ok_or(PilotError::NotStarted)?;
-        let demand = narrow::demand::<T, M>(demand);
-        let measured = narrow::measured(measured);
+        let demand = demand.cast_with::<T, M>();
+        let measured = measured.cast();
         controller.step(T::from_f64(dt), &demand, &measured)?;
         Ok(answer(controller))
     }
@@ -120,10 +120,8 @@ impl<T: Scalar, M: Maths<T>, C: Control<T>> Pilot for InProcess<T, M, C> {
 
 fn answer<T: Scalar, C: Control<T>>(controller: &C) -> Answer {
     Answer {
-        report: narrow::widen(controller.report()),
-        hand_over_step: controller
-            .hand_over_step()
-            .map(|step| narrow::wrench(&step)),
+        report: controller.report().cast(),
+        hand_over_step: controller.hand_over_step().map(|step| step.cast()),
         relaxing: controller.is_relaxing(),
     }
 }

@@ -1,21 +1,20 @@
 //! Who computes the torques: a controller in this process, or one on a chip.
 //!
 //! The loop knows a [`Pilot`] only. Its quantities are `f64`; a pilot that computes in single
-//! precision rounds each input once, with [`narrow`], and widens its report, which is exact. So
+//! precision rounds each input once, with `cast`, and casts its report back, which is exact. So
 //! `value as f32` of anything in a report gives the very bits that the controller computed, and a
-//! pilot on an emulated chip that uses the same [`narrow`] can be compared bit for bit.
+//! pilot on an emulated chip that gets the same inputs can be compared bit for bit.
 
 mod factory;
 mod in_process;
-pub mod narrow;
 
 pub use factory::for_scenario;
 pub use in_process::{Control, InProcess};
 
-use controller_core::demand::Demand;
 use controller_core::error::StepFault;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference;
-use controller_core::report::StepReport;
 use controller_core::types::{Measured, Wrench};
 
 /// What a pilot says of a tick.

@@ -9,13 +9,12 @@ use controller_core::maths::Single;
 use controller_core::motion::Task;
 use controller_core::motor::{Motor, MotorCommand, WheelDemand};
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::params::Robot;
-use controller_core::reference::Reference;
+use controller_core::robot::Robot;
 use controller_core::safety::Currents;
-use controller_core::types::{Accel, Pose, Twist, WheelTorques};
+use controller_core::types::WheelTorques;
 use controller_core::wheels::WheelGeometry;
 
-use crate::drive::{Base, narrow};
+use crate::drive::Base;
 use crate::world::{Actuation, World};
 
 /// Counts per turn and bandwidth of a base that says nothing about its encoders.
@@ -27,8 +26,8 @@ const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
 /// # Errors
 /// The localiser's parameters, on whose noise the others depend.
 pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
-    let robot: Robot<f32> = narrow::robot(&base.robot);
-    let limits = narrow::limits(&base.limits);
+    let robot: Robot = base.robot.cast();
+    let limits = base.limits.cast();
     let (localiser, motor) = match &base.hardware {
         Some(hardware) => (
             hardware.localiser(&base.robot.wheels),
@@ -36,11 +35,11 @@ pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError
         ),
         None => (plain_localiser(robot.wheels), None),
     };
-    let mut params = BaseParams::new::<Single>(robot, limits, localiser, motor, period_us)?;
+    let mut params = BaseParams::new(robot, limits, localiser, motor, period_us)?;
     if let Some(gains) = &base.gains {
         // What noise asks of `slow` stays.
         let slow = params.motion.gains.slow;
-        params.motion.gains = narrow::gains(gains);
+        params.motion.gains = gains.cast();
         if params.motion.gains.slow < slow {
             params.motion.gains.slow = slow;
         }
@@ -104,7 +103,7 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
     Sensed {
         counts: world.counts(),
         fix: world.fix().map(|(pose, age_s)| Fix {
-            pose: narrow_pose(&pose),
+            pose: pose.cast(),
             age_s: age_s as f32,
         }),
         supply_v: Some(world.supply_v() as f32),
@@ -152,21 +151,10 @@ pub(super) fn duties(
     )
 }
 
-pub(super) fn narrow_pose(pose: &Pose<f64>) -> Pose<f32> {
-    Pose::new(pose.x as f32, pose.y as f32, pose.theta as f32)
-}
-
 /// A task as an order.
 pub(super) fn order(task: &Task<f64>) -> Order<f32> {
     match task {
-        Task::Park(goal) => Order::Park(narrow_pose(goal)),
-        Task::Follow(reference) => {
-            let (twist, accel) = (reference.twist(), reference.accel());
-            Order::Follow(Reference::new::<Single>(
-                narrow_pose(reference.pose()),
-                Twist::new(twist.linear as f32, twist.angular as f32),
-                Accel::new(accel.linear as f32, accel.angular as f32),
-            ))
-        }
+        Task::Park(goal) => Order::Park(goal.cast()),
+        Task::Follow(reference) => Order::Follow(reference.cast_with::<f32, Single>()),
     }
 }

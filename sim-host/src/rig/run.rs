@@ -2,13 +2,13 @@
 
 use super::trial::{Rig, RigError};
 use super::{Place, convert};
-use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Guide, Mission, widen};
+use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Guide, Mission};
 use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
 use controller_core::motion::{MotionReport, Outcome, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::safety::supervisor::{Event, State};
-use controller_core::types::{Measured, Pose, Twist, WheelTorques, Wrench};
+use controller_core::types::{Twist, Wrench};
 
 /// For how long a base is watched after it parked \[s\].
 const WATCH_S: f64 = 1.0;
@@ -85,11 +85,10 @@ fn tick(
     let report = rig.base().report();
     let believed = report
         .measured
-        .map_or(mission.start, |measured| widen_measured(&measured));
-    let command = report.motion.map_or(Twist::default(), |motion| {
-        let Twist { linear, angular } = motion.command;
-        Twist::new(f64::from(linear), f64::from(angular))
-    });
+        .map_or(mission.start, |measured| measured.cast());
+    let command = report
+        .motion
+        .map_or(Twist::default(), |motion| motion.command.cast());
     let motion = *rig.base().base().motion();
     let distance = |speed: f64| f64::from(motion.hand_over_distance(speed as f32));
     // Ticks come unevenly; the route goes by the clock.
@@ -116,9 +115,9 @@ fn tick(
             },
         }
     });
-    let measured = report.measured.map_or(mission.start.pose, |measured| {
-        widen_measured(&measured).pose
-    });
+    let measured = report
+        .measured
+        .map_or(mission.start.pose, |measured| measured.pose.cast());
     let asked = report.action.torques().unwrap_or_default();
     let row = DriveRow {
         t,
@@ -128,30 +127,20 @@ fn tick(
         error: pose_error::<f64, Libm>(orders.target.pose(), &truth.pose),
         report: report
             .motion
-            .map_or_else(MotionReport::default, |motion| widen(&motion)),
+            .map_or_else(MotionReport::default, |motion| motion.cast()),
         base: Some(BaseNote {
             state: report.state,
             cause: report.cause,
             findings: report.findings,
             fix: report.fix,
-            asked: WheelTorques {
-                right: f64::from(asked.right),
-                left: f64::from(asked.left),
-            },
+            asked: asked.cast(),
         }),
     };
     (row, hand_over)
 }
 
 fn wrench(report: &BaseReport<f32>) -> Wrench<f64> {
-    let motion = report.motion.map(|motion| widen(&motion));
-    motion.map_or(Wrench::default(), |motion| motion.wrench)
-}
-
-fn widen_measured(from: &Measured<f32>) -> Measured<f64> {
-    let Measured { pose, twist } = from;
-    Measured {
-        pose: Pose::new(f64::from(pose.x), f64::from(pose.y), f64::from(pose.theta)),
-        twist: Twist::new(f64::from(twist.linear), f64::from(twist.angular)),
-    }
+    report
+        .motion
+        .map_or(Wrench::default(), |motion| motion.wrench.cast())
 }

@@ -6,8 +6,7 @@ use crate::world::{ActuationError, World, WorldError};
 use controller_core::base::{BaseController, BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
 use controller_core::hal::WheelDrive;
-use controller_core::maths::Single;
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose};
 use firmware_demo::control::SettingError;
 
@@ -70,14 +69,14 @@ impl Parts {
         let period_us = (1.0e6 * period_s).round() as u32;
         let mut params = convert::params(base, period_us).map_err(RigError::Param)?;
         edit(&mut params);
-        let valid = params.validate::<Single>().map_err(RigError::Base)?;
+        let valid = params.validate().map_err(RigError::Base)?;
         let keys = convert::with_hardware(&place.world, base.hardware.as_ref());
         let world = World::new(&keys.params(robot), start, place.seed).map_err(RigError::World)?;
         let most = params.motion.limits.wheel_torque_nm;
         Ok(Self {
             hal: PlantHal::new(world, valid.motor().copied(), most),
             params,
-            start: convert::narrow_pose(&start.pose),
+            start: start.pose.cast(),
             period_us,
         })
     }
@@ -105,7 +104,7 @@ impl Rig {
             start,
             period_us,
         } = Parts::with(base, &mission.robot, &mission.start, place, |_| {})?;
-        let valid = params.validate::<Single>().map_err(RigError::Base)?;
+        let valid = params.validate().map_err(RigError::Base)?;
         Ok(Self {
             hal,
             base: BaseController::new(&valid, start),

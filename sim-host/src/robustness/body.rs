@@ -4,7 +4,7 @@ use super::condition::Disturbance;
 use super::friction::Friction;
 use crate::plant::Plant;
 use controller_core::error::ParamError;
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, WheelTorques, Wrench};
 use controller_core::wheels::WheelMap;
 

@@ -3,14 +3,12 @@
 use super::condition::Disturbance;
 use super::law::{Brain, Move};
 use crate::drive::{Guide, Mission};
-use crate::pilot::narrow;
 use controller_core::error::ParamError;
 use controller_core::maths::Maths;
-use controller_core::motion::{Limits, Motion, MotionController, MotionParams, Task};
-use controller_core::params::Params;
+use controller_core::motion::{Motion, MotionController, MotionParams, Task};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
-use controller_core::types::{Measured, Twist, WheelTorques};
+use controller_core::types::{Measured, Twist};
 
 /// A [`MotionController`] on a mission.
 pub(super) struct DefaultLaw<'a, T, M> {
@@ -22,15 +20,11 @@ pub(super) struct DefaultLaw<'a, T, M> {
 
 impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
     pub(super) fn new(mission: &'a Mission, disturbance: &Disturbance) -> Result<Self, ParamError> {
-        let believed = Params {
-            robot: mission.base.robot,
-            ..Params::paper()
-        };
-        let robot = narrow::params::<T>(&believed).robot;
-        let limits = narrow_limits(&mission.base.limits);
+        let robot = mission.base.robot.cast();
+        let limits = mission.base.limits.cast();
         // Told what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
         let sigma = T::from_f64(disturbance.position_noise_m);
-        let params = MotionParams::new::<M>(robot, limits).with_pose_noise(sigma);
+        let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
         Ok(Self {
             period_s: mission.period_s,
             guide: Guide::new(mission),
@@ -43,20 +37,17 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
 impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
     fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move> {
         let dt = self.period_s;
-        let command = self.controller.as_ref().map_or(Twist::default(), |c| {
-            let command = &c.report().command;
-            Twist::new(command.linear.to_f64(), command.angular.to_f64())
-        });
+        let command = self
+            .controller
+            .as_ref()
+            .map_or(Twist::default(), |c| c.report().command.cast());
         let motion = &self.motion;
         let distance = |speed| motion.hand_over_distance(T::from_f64(speed)).to_f64();
         let orders = self
             .guide
             .at(tick, tick as f64 * dt, measured, &command, distance);
-        let task = match &orders.task {
-            Task::Follow(reference) => Task::Follow(narrow::reference::<T, M>(reference)),
-            Task::Park(goal) => Task::Park(narrow::pose(goal)),
-        };
-        let told = narrow::measured(&orders.measured);
+        let task = orders.task.cast_with::<T, M>();
+        let told = orders.measured.cast();
         let report = match &mut self.controller {
             None => {
                 let started = MotionController::start(motion, &task, &told).ok()?;
@@ -65,27 +56,9 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
             Some(controller) => *controller.step(T::from_f64(dt), &task, &told).ok()?,
         };
         Some(Move {
-            torques: WheelTorques {
-                right: report.torques.right.to_f64(),
-                left: report.torques.left.to_f64(),
-            },
+            torques: report.torques.cast(),
             target: orders.target,
             parking: matches!(task, Task::Park(_)),
         })
-    }
-}
-
-fn narrow_limits<T: Scalar>(from: &Limits<f64>) -> Limits<T> {
-    let f = T::from_f64;
-    Limits {
-        speed: f(from.speed),
-        turn_rate: f(from.turn_rate),
-        accel: f(from.accel),
-        brake: f(from.brake),
-        turn_accel: f(from.turn_accel),
-        jerk: f(from.jerk),
-        turn_jerk: f(from.turn_jerk),
-        wheel_torque_nm: f(from.wheel_torque_nm),
-        policy: from.policy,
     }
 }

@@ -1,6 +1,6 @@
 //! Coulomb friction of two wheels on one body.
 
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::types::{WheelSpeeds, WheelTorques};
 
 /// Friction that stops a wheel and holds it: a torque up to a limit, as large as it takes.
@@ -61,10 +61,9 @@ impl Friction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use controller_core::params::Params;
 
     fn friction() -> Friction {
-        Friction::new(&Params::paper().robot, 0.2)
+        Friction::new(&Robot::paper(), 0.2)
     }
 
     #[test]

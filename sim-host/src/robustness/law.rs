@@ -7,8 +7,8 @@ use crate::drive::{Base, Course, End, HandOverRule, Mission, Route, When};
 use crate::pilot::{self, Pilot};
 use crate::run::Guide;
 use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Precision, Scenario};
-use controller_core::demand::Demand;
 use controller_core::maths::{Libm, Single};
+use controller_core::paper::demand::Demand;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, WheelTorques};
 

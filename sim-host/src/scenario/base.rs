@@ -8,7 +8,7 @@ use crate::drive::Base;
 use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, Policy};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 use controller_core::types::Pose;
 use controller_core::wheels::WheelGeometry;

@@ -4,7 +4,8 @@ use super::check::Checked;
 use super::file;
 use super::source::Source;
 use controller_core::error::{Field, ParamError};
-use controller_core::params::{Params, Robot};
+use controller_core::paper::params::Params;
+use controller_core::robot::Robot;
 
 /// What the controller believes and how it is tuned: the paper's, but for the keys given.
 pub(super) fn params(keys: &file::File, place: &Source<'_>) -> Checked<Params<f64>> {

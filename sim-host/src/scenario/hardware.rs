@@ -110,7 +110,7 @@ fn check(hardware: &Hardware, base: &Base, place: &Source<'_>) -> Checked<()> {
     }
     hardware
         .localiser::<f64>(wheels)
-        .validate::<controller_core::maths::Libm>()
+        .validate_with::<controller_core::maths::Libm>()
         .map_err(|error| place.error("encoder", error))?;
     let period = hardware.period_s;
     if !(1.0e-4..=0.1).contains(&period) {

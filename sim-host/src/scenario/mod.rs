@@ -21,9 +21,10 @@ pub use built_in_base::{BASES, BuiltInBase};
 pub use source::ScenarioError;
 
 use crate::motion::Motion;
-use controller_core::handover::Reset;
-use controller_core::params::{Params, Robot};
+use controller_core::paper::params::Params;
+use controller_core::paper::params::Reset;
 use controller_core::reference::ParkingPlan;
+use controller_core::robot::Robot;
 use controller_core::types::Measured;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -5,20 +5,20 @@ use super::params::{
     WorldParams,
 };
 use super::sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};
-use controller_core::params::Robot;
+use controller_core::robot::Robot;
 use serde::Deserialize;
 
 /// `[world]`, key for key; units are in the names. Ranges are checked by
 /// [`World::new`](super::World::new).
 ///
 /// ```
-/// use controller_core::{params::Params, types::Measured};
+/// use controller_core::{paper::params::Params, types::Measured};
 /// use sim_host::world::{World, WorldKeys};
 ///
 /// let keys: WorldKeys = toml::from_str(
 ///     "[body]\nmass_factor = 1.3\n[floor]\nmu = 0.6\n[pose_source]\nrate_hz = 20.0\nlatency_s = 0.05",
 /// )?;
-/// let params = keys.params(&Params::paper().robot);
+/// let params = keys.params(&Robot::paper());
 /// let world = World::new(&params, &Measured::default(), 1)?;
 /// # let _ = world;
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -16,11 +16,11 @@
 //! any thread. Each source of noise has its own stream of random numbers.
 //!
 //! ```
-//! use controller_core::params::Params;
+//! use controller_core::robot::Robot;
 //! use controller_core::types::Measured;
 //! use sim_host::world::{Actuation, World, presets};
 //!
-//! let params = presets::paper_30kg().params(&Params::paper().robot);
+//! let params = presets::paper_30kg().params(&Robot::paper());
 //! let mut world = World::new(&params, &Measured::default(), 7)?;
 //! let full = Actuation::Duty { right: 0.5, left: 0.5 };
 //! for _ in 0..100 {

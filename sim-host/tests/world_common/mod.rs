@@ -1,6 +1,6 @@
 //! A base and short ways to drive it, shared by the tests of `world`.
 
-use controller_core::params::{Params, Robot};
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist};
 use sim_host::world::{Actuation, MotorParams, World, WorldKeys, WorldParams};
 
@@ -8,7 +8,7 @@ pub const TICK_US: u32 = 10_000;
 
 /// 30 kg, 15 kg m², wheels of 0.1 m at 0.5 m.
 pub fn robot() -> Robot<f64> {
-    Params::paper().robot
+    Robot::paper()
 }
 
 /// Wheels of 0.05 kg m² beside the body: as heavy as 5 kg each.

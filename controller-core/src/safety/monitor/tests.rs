@@ -5,7 +5,7 @@ use crate::error::Field;
 use crate::hal::ErrorKind;
 use crate::maths::Libm;
 use crate::motion::{Limits, MotionParams, Policy};
-use crate::params::Params;
+use crate::paper::params::Params;
 use crate::safety::{Currents, FaultKind, Timeout, WatchParams};
 use crate::types::WheelTorques;
 
@@ -24,7 +24,7 @@ fn params() -> WatchParams<f64> {
         wheel_torque_nm: 15.0,
         policy: Policy::KeepCurvature,
     };
-    let motion = MotionParams::new::<Libm>(Params::paper().robot, limits);
+    let motion = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
     WatchParams::for_base(&motion, 4096.0, 10_000)
 }
 

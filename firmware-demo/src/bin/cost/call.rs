@@ -2,11 +2,11 @@
 
 use core::mem::MaybeUninit;
 
-use controller_core::demand::Demand;
 use controller_core::error::StepFault;
 use controller_core::maths::Single;
-use controller_core::neural::NeuralController;
-use controller_core::report::StepReport;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::report::StepReport;
 use controller_core::types::Measured;
 use firmware_demo::board::Meter;
 

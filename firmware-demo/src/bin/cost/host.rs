@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Duration;
 
-use controller_core::demand::Demand;
 use controller_core::maths::Single;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::params::Params;
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Measured, Pose, Twist};
 use firmware_demo::host::{Chip, Emulator, LinkKind, Machine, Options};

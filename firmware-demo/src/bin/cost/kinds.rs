@@ -1,6 +1,6 @@
 //! The inputs that ticks are counted on.
 
-use controller_core::params::{Params, Validated};
+use controller_core::paper::params::{Params, Validated};
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 

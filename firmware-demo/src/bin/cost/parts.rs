@@ -4,9 +4,9 @@ use core::hint::black_box;
 
 use controller_core::angle::wrap;
 use controller_core::maths::{Maths, Single};
-use controller_core::params::NeuronParams;
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
+use controller_core::shunting::NeuronParams;
 use controller_core::shunting::{NeuronUpdate, Shunting};
 use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::board::Meter;
@@ -101,7 +101,7 @@ pub fn reference(meter: &mut Meter) {
     for _ in 0..COUNT {
         let (pose, twist, accel) = sample(&mut inputs);
         let cost = meter
-            .measure(|| made = Some(Reference::new::<Single>(pose, twist, accel)))
+            .measure(|| made = Some(Reference::new(pose, twist, accel)))
             .1;
         new.add(cost);
         made = black_box(made);
@@ -112,7 +112,7 @@ pub fn reference(meter: &mut Meter) {
     for _ in 0..COUNT {
         let mut timed = |t| {
             let (pose, twist, accel) = sample(&mut inputs);
-            let reference = Reference::new::<Single>(pose, twist, accel);
+            let reference = Reference::new(pose, twist, accel);
             TimedReference { t, reference }
         };
         let (from, to) = (timed(1.0), timed(1.02));
@@ -148,7 +148,7 @@ fn queue(meter: &mut Meter) {
         let t = black_box(tick as f32 * 5.0e-3);
         while pushed as f32 * 20.0e-3 < t + 40.0e-3 {
             let (pose, twist, accel) = sample(&mut inputs);
-            let reference = Reference::new::<Single>(pose, twist, accel);
+            let reference = Reference::new(pose, twist, accel);
             let t = pushed as f32 * 20.0e-3;
             faults += u32::from(producer.push(TimedReference { t, reference }).is_err());
             pushed += 1;

@@ -2,10 +2,10 @@
 
 use core::hint::black_box;
 
-use controller_core::demand::Demand;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
-use controller_core::neural::NeuralController;
-use controller_core::params::Params;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
@@ -50,7 +50,7 @@ fn tick<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(name: &str) {
         twist: Twist::new(f(0.1), f(0.2)),
     };
     let accel = Accel::default();
-    let sample = Reference::new::<M>(Pose::default(), Twist::new(f(0.4), f(0.1)), accel);
+    let sample = Reference::new_with::<M>(Pose::default(), Twist::new(f(0.4), f(0.1)), accel);
     let Some(Ok(mut controller)) = Params::<T>::paper()
         .validate()
         .ok()

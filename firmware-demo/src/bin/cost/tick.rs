@@ -3,12 +3,12 @@
 
 use core::hint::black_box;
 
-use controller_core::demand::Demand;
-use controller_core::lyapunov::{neuron_energy, pose_energy, velocity_energy};
 use controller_core::maths::{Maths, Single};
-use controller_core::neural::NeuralController;
-use controller_core::params::Validated;
-use controller_core::plain::PlainController;
+use controller_core::paper::demand::Demand;
+use controller_core::paper::lyapunov::{neuron_energy, pose_energy, velocity_energy};
+use controller_core::paper::neural::NeuralController;
+use controller_core::paper::params::Validated;
+use controller_core::paper::plain::PlainController;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
@@ -39,7 +39,7 @@ impl Bench {
         let mut inputs = Inputs::new(1);
         let (pose, twist, accel) = reference(&mut inputs);
         let now = measured(&mut inputs, &pose, kind);
-        let sample = Reference::new::<Single>(pose, twist, accel);
+        let sample = Reference::new(pose, twist, accel);
         let call = params(kind)
             .and_then(|params| NeuralController::start(&params, &sample, &now).ok())
             .map_or(0, |mut controller| {
@@ -110,7 +110,7 @@ fn cost_with_reference<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     bench
         .meter
         .measure(move || {
-            let demand = Demand::Track(Reference::new::<M>(*pose, *twist, *accel));
+            let demand = Demand::Track(Reference::new_with::<M>(*pose, *twist, *accel));
             let _ = controller.step(dt, &demand, now);
         })
         .1
@@ -157,7 +157,7 @@ fn phases<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     // Ten runs, so that the one-off ticks are met ten times.
     for _ in 0..10 {
         let (pose, twist, accel) = reference(&mut inputs);
-        let sample = Reference::new::<M>(pose, twist, accel);
+        let sample = Reference::new_with::<M>(pose, twist, accel);
         let now = measured(&mut inputs, &pose, kind);
         let mut slot = None;
         start.add(
@@ -173,7 +173,7 @@ fn phases<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         for turn in 0..COUNT / 5 {
             let (pose, twist, accel) = reference(&mut inputs);
             let now = measured(&mut inputs, &pose, kind);
-            let demand = Demand::Track(Reference::new::<M>(pose, twist, accel));
+            let demand = Demand::Track(Reference::new_with::<M>(pose, twist, accel));
             seen_track.faults += u32::from(!accepts(&controller, dt, &demand, &now));
             if turn % 2 == 0 {
                 track.add(cost(bench, &mut controller, dt, &demand, &now));
@@ -203,7 +203,7 @@ fn phases<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         let now = measured(&mut inputs, &pose, kind);
         let goal = pose;
         let demand = Demand::HandOver {
-            reference: Reference::new::<M>(pose, twist, accel),
+            reference: Reference::new_with::<M>(pose, twist, accel),
             goal,
         };
         seen_park.faults += u32::from(!accepts(&controller, dt, &demand, &now));
@@ -254,7 +254,7 @@ pub fn plain(bench: &mut Bench) {
     let (mut track, mut park) = (Row::new(), Row::new());
     let (pose, twist, accel) = reference(&mut inputs);
     let now = measured(&mut inputs, &pose, kind);
-    let sample = Reference::new::<Single>(pose, twist, accel);
+    let sample = Reference::new(pose, twist, accel);
     let Some(Ok(mut controller)) =
         params::<f32>(kind).map(|p| PlainController::<f32, Single>::start(&p, &sample, &now))
     else {
@@ -264,14 +264,14 @@ pub fn plain(bench: &mut Bench) {
     for _ in 0..COUNT {
         let (pose, twist, accel) = reference(&mut inputs);
         let now = measured(&mut inputs, &pose, kind);
-        let demand = Demand::Track(Reference::new::<Single>(pose, twist, accel));
+        let demand = Demand::Track(Reference::new(pose, twist, accel));
         let mut copy = controller;
         faults += u32::from(copy.step(dt, &demand, &now).is_err());
         track.add(plain_cost(bench, &mut controller, dt, &demand, &now));
     }
     let (pose, twist, accel) = reference(&mut inputs);
     let demand = Demand::HandOver {
-        reference: Reference::new::<Single>(pose, twist, accel),
+        reference: Reference::new(pose, twist, accel),
         goal: pose,
     };
     faults += u32::from(controller.step(dt, &demand, &now).is_err());

@@ -58,7 +58,7 @@ pub fn localiser(meter: &mut Meter) {
         odometry: ODOMETRY,
         fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
     };
-    let Ok(localisation) = params.validate::<Single>() else {
+    let Ok(localisation) = params.validate() else {
         return complain(&["localiser"], "params", 1);
     };
     let mut counts = WheelCounts::default();

@@ -2,8 +2,7 @@
 
 use core::hint::black_box;
 
-use controller_core::demand::Demand;
-use controller_core::maths::Single;
+use controller_core::paper::demand::Demand;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;
@@ -71,7 +70,7 @@ fn question(inputs: &mut Inputs) -> Question {
     let (at, measured) = (pose(), pose());
     let mut twist = || Twist::new(inputs.real(1.0), inputs.real(1.0));
     let (reference, twist) = (twist(), twist());
-    let demand = Demand::Track(Reference::new::<Single>(at, reference, Accel::default()));
+    let demand = Demand::Track(Reference::new(at, reference, Accel::default()));
     Question::Tick {
         dt: 0.001,
         demand: (&demand).into(),

@@ -1,0 +1,55 @@
+//! From orders of the host to the task of the motion law.
+
+use super::io::Order;
+use super::locate::coast;
+use crate::maths::Maths;
+use crate::motion::Task;
+use crate::reference::Reference;
+use crate::safety::supervisor::{Action, Event, State, Supervisor};
+use crate::scalar::Scalar;
+use crate::types::{Accel, Measured};
+
+/// Takes an order into the task, as far as the supervisor's state allows; whether it was refused. Without
+/// an order a reference moves on by `dt`, as far as its twist tells.
+pub(super) fn take<T: Scalar, M: Maths<T>>(
+    order: &Order<T>,
+    task: &mut Option<Task<T>>,
+    supervisor: &mut Supervisor,
+    dt: T,
+) -> bool {
+    let (new, event) = match order {
+        Order::None => {
+            if let Some(Task::Follow(reference)) = task {
+                *reference = onward::<T, M>(reference, dt);
+            }
+            return false;
+        }
+        Order::Follow(reference) => (Task::Follow(*reference), Event::Track),
+        Order::Park(goal) => (Task::Park(*goal), Event::Park),
+    };
+    let goes_on = match (&*task, &new) {
+        (Some(Task::Park(old)), Task::Park(new)) => {
+            let state = supervisor.state();
+            old == new && (state.drives() || state == State::Parked)
+        }
+        _ => false,
+    };
+    if goes_on {
+        return false;
+    }
+    let refused = supervisor.on(event) == Action::Refuse;
+    if !refused {
+        *task = Some(new);
+    }
+    refused
+}
+
+/// A reference a tick on, as far as its twist tells.
+fn onward<T: Scalar, M: Maths<T>>(reference: &Reference<T>, dt: T) -> Reference<T> {
+    let from = Measured {
+        pose: *reference.pose(),
+        twist: *reference.twist(),
+    };
+    let Measured { pose, twist } = coast::<T, M>(&from, dt);
+    Reference::new_with::<M>(pose, twist, Accel::default())
+}

@@ -1,0 +1,39 @@
+//! What every controller refuses of a tick's inputs, before it computes anything.
+
+use crate::error::{Input, StepFault};
+use crate::scalar::Scalar;
+use crate::types::Measured;
+
+/// Refuses a measurement that is not finite.
+pub(crate) fn check_measured<T: Scalar>(measured: &Measured<T>) -> Result<(), StepFault> {
+    if !measured.pose.is_finite() {
+        Err(StepFault::NotFinite(Input::Pose))
+    } else if !measured.twist.is_finite() {
+        Err(StepFault::NotFinite(Input::Twist))
+    } else {
+        Ok(())
+    }
+}
+
+/// Refuses a time step that is not positive, not a number or too long.
+#[inline(always)]
+pub(crate) fn check_tick<T: Scalar>(dt: T, max_tick: T) -> Result<(), StepFault> {
+    if dt.is_positive_up_to(max_tick) {
+        Ok(())
+    } else {
+        Err(tick_fault(dt, max_tick))
+    }
+}
+
+#[cold]
+fn tick_fault<T: Scalar>(dt: T, max_tick: T) -> StepFault {
+    if dt > max_tick {
+        // At most 1e3 s, so it fits.
+        let max_tick_us = (max_tick.to_f64() * 1.0e6) as u32;
+        StepFault::TickTooLong { max_tick_us }
+    } else if dt <= T::ZERO {
+        StepFault::TickNotPositive
+    } else {
+        StepFault::NotFinite(Input::Tick)
+    }
+}

@@ -1,0 +1,135 @@
+//! Parked, or stuck: whether a robot has arrived.
+
+use super::params::Motion;
+use crate::pose_error::PoseError;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Twist};
+
+/// Decay of the bridge that stops a parked robot \[1/s\]: faster than the pose neurons' 5, since the
+/// speeds left are small, so that nothing moves a second after arrival.
+pub(crate) const STOPPING_DECAY: f64 = 12.0;
+
+/// Whether the robot is parked, and for how long it has been fit to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct GoalChecker<T> {
+    pub(crate) parked: bool,
+    inside_s: T,
+}
+
+/// Where the robot is with respect to its goal, and how it moves.
+pub(crate) struct GoalView<T> {
+    pub(crate) error: PoseError<T>,
+    /// Distance to the goal.
+    pub(crate) distance: T,
+    pub(crate) twist: Twist<T>,
+    pub(crate) command: Twist<T>,
+    pub(crate) command_rate: Accel<T>,
+    /// The robot backs up to the goal.
+    pub(crate) backing: bool,
+}
+
+impl<T: Scalar> GoalChecker<T> {
+    /// The latch after a tick of `dt`.
+    ///
+    /// Enters when the place where the stopping bridge would end is inside the tolerance: a bridge
+    /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
+    /// when the robot is pushed beyond [`Motion::leave_distance`] or 1.3 times the heading, but not in
+    /// the first second, while it still settles.
+    pub(crate) fn advance(&self, motion: &Motion<T>, at: &GoalView<T>, dt: T) -> Self {
+        let f = T::from_f64;
+        let limits = &motion.params().arrival;
+        let close = at.distance < motion.leave_distance();
+        let fit = if self.parked {
+            let turned = at.error.theta.abs() < f(1.3) * limits.heading_rad;
+            (close && turned) || self.inside_s < T::ONE
+        } else {
+            let gains = motion.gains();
+            let (v, w) = (
+                travel(
+                    at.command.linear,
+                    at.command_rate.linear,
+                    at.twist.linear,
+                    dt,
+                    gains.speed_loop,
+                ),
+                travel(
+                    at.command.angular,
+                    at.command_rate.angular,
+                    at.twist.angular,
+                    dt,
+                    gains.turn_loop,
+                ),
+            );
+            let (dx, dy) = (at.error.x - v, at.error.y);
+            let near = dx * dx + dy * dy < limits.distance_m * limits.distance_m;
+            let turned = (at.error.theta - w).abs() < limits.heading_rad;
+            near && turned && close
+        };
+        if fit {
+            let inside_s = self.inside_s + dt;
+            Self {
+                parked: self.parked || inside_s > limits.dwell_s,
+                inside_s,
+            }
+        } else {
+            Self::default()
+        }
+    }
+}
+
+/// How far a command and a speed still carry once the setpoint is zero.
+fn travel<T: Scalar>(command: T, rate: T, speed: T, dt: T, bandwidth: T) -> T {
+    let decay = T::from_f64(STOPPING_DECAY);
+    let bridge = (rate + (decay + decay) * command) / (decay * decay);
+    bridge + (speed - command - dt * rate) / bandwidth
+}
+
+impl<T: Scalar> Motion<T> {
+    /// Distance at which a parked robot has left its goal \[m\]: twice the tolerance, and five standard
+    /// deviations, so that it is never noise that ends a rest.
+    pub(crate) fn leave_distance(&self) -> T {
+        let params = self.params();
+        let tolerance = params.arrival.distance_m;
+        tolerance + tolerance + T::from_f64(5.0) * params.pose_noise_m
+    }
+
+    /// Speed of the faster wheel \[m/s\].
+    pub(crate) fn rim_speed(&self, twist: &Twist<T>) -> T {
+        let lever = T::HALF * self.params().robot.wheels.track_m;
+        twist.linear.abs() + lever * twist.angular.abs()
+    }
+}
+
+/// How long a commanded motion has not happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Stall<T> {
+    since_s: T,
+}
+
+/// What is asked of a robot and what it does.
+pub(crate) struct Pushing<T> {
+    pub(crate) command: Twist<T>,
+    pub(crate) twist: Twist<T>,
+    /// A wheel was at its limit. The command is then set back to nearly what is achieved.
+    pub(crate) saturated: bool,
+}
+
+impl<T: Scalar> Stall<T> {
+    pub(crate) fn advance(&self, motion: &Motion<T>, now: &Pushing<T>, dt: T) -> Self {
+        let tenth = T::from_f64(0.1);
+        let (asked, done) = (motion.rim_speed(&now.command), motion.rim_speed(&now.twist));
+        let least = motion.params().arrival.stall_speed;
+        let stuck = if asked > least {
+            done < tenth * asked
+        } else {
+            now.saturated && done < tenth * least
+        };
+        Self {
+            since_s: if stuck { self.since_s + dt } else { T::ZERO },
+        }
+    }
+
+    pub(crate) fn is_stalled(&self, motion: &Motion<T>) -> bool {
+        self.since_s > motion.params().arrival.stall_s
+    }
+}

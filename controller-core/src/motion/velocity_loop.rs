@@ -1,0 +1,68 @@
+//! From command and measured twist to a wrench, and back where the wheels cannot exert it.
+
+use super::governor::Command;
+use super::params::Motion;
+use crate::range::clamp;
+use crate::scalar::Scalar;
+use crate::torque;
+use crate::types::{Accel, Twist, Wrench};
+
+/// The wrench that the law asks for: feed-forward, velocity loop, and the estimated `disturbance`
+/// compensated.
+pub(crate) fn wrench<T: Scalar>(
+    motion: &Motion<T>,
+    rate: &Accel<T>,
+    velocity_error: &Twist<T>,
+    disturbance: &Wrench<T>,
+) -> Wrench<T> {
+    let (robot, gains) = (&motion.params().robot, motion.gains());
+    let loops = (
+        robot.mass_kg * gains.speed_loop,
+        robot.inertia_kg_m2 * gains.turn_loop,
+    );
+    let driving = torque::wrench(robot, loops, velocity_error, rate);
+    Wrench {
+        force: driving.force - disturbance.force,
+        moment: driving.moment - disturbance.moment,
+    }
+}
+
+/// Back-calculation: the commanded twist that would have asked for just the `applied` wrench, with the
+/// twist as measured.
+pub(crate) fn achieved<T: Scalar>(
+    motion: &Motion<T>,
+    command: &Command<T>,
+    twist: &Twist<T>,
+    applied: &Wrench<T>,
+    disturbance: &Wrench<T>,
+) -> Twist<T> {
+    let params = motion.params();
+    let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
+    let (f, n) = (
+        (applied.force + disturbance.force) / robot.mass_kg,
+        (applied.moment + disturbance.moment) / robot.inertia_kg_m2,
+    );
+    let v = twist.linear + (f - command.rate.linear) / gains.speed_loop;
+    let w = twist.angular + (n - command.rate.angular) / gains.turn_loop;
+    Twist {
+        linear: clamp(v, limits.speed),
+        angular: clamp(w, limits.turn_rate),
+    }
+}
+
+/// The robot stands, and the torque that is left is a step of less than L dt: it may be let go.
+pub(crate) fn stands<T: Scalar>(
+    motion: &Motion<T>,
+    command: &Twist<T>,
+    velocity_error: &Twist<T>,
+    wrench: &Wrench<T>,
+    dt: T,
+) -> bool {
+    let still = T::from_f64(1.0e-3);
+    command.linear.abs() < still
+        && command.angular.abs() < still
+        && velocity_error.linear.abs() < still
+        && velocity_error.angular.abs() < still
+        && wrench.force.abs() <= motion.force_rate_limit() * dt
+        && wrench.moment.abs() <= motion.moment_rate_limit() * dt
+}

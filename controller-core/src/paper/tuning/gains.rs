@@ -1,0 +1,148 @@
+//! Gains of the paper's law from wishes.
+
+use super::design::{Design, smaller};
+use super::wishes::{Tolerance, Wishes};
+use crate::maths::Maths;
+use crate::paper::params::{Params, ParkingGains, TrackingGains};
+use crate::scalar::Scalar;
+use crate::shunting::NeuronParams;
+use crate::stability::edge;
+use crate::tuning::error::{refused, wished};
+use crate::tuning::{Why, Wish, WishError};
+
+impl<T: Scalar> Wishes<T> {
+    /// [`Wishes::settling`] with the time that a tolerance amounts to. All rates scale with one over
+    /// the time, so the stiffness k_c1 k₄ = m κ₁ k₄ scales with one over its square.
+    ///
+    /// # Errors
+    /// A number out of range, a force beyond that of the wheels, or a settling time out of range that
+    /// the tolerance amounts to.
+    pub fn for_tolerance<M: Maths<T>>(
+        base: &Params<T>,
+        tolerance: Tolerance<T>,
+        speed: T,
+    ) -> Result<Self, WishError> {
+        let stiffness = match tolerance {
+            Tolerance::Steady { force_n, error_m } => {
+                wished(Wish::SteadyForce, force_n, 1.0e-6, 1.0e6)?;
+                wished(Wish::SteadyError, error_m, 1.0e-6, 10.0)?;
+                if let Some(most) = largest_force(base)
+                    && force_n > most
+                {
+                    return Err(refused(Wish::SteadyForce, force_n, most, Why::Torque));
+                }
+                force_n / error_m
+            }
+            Tolerance::FullTorque { error_m } => {
+                wished(Wish::FullTorqueError, error_m, 1.0e-6, 100.0)?;
+                let Some(most) = largest_force(base) else {
+                    return Err(refused(Wish::FullTorqueError, error_m, T::MAX, Why::Torque));
+                };
+                most / error_m
+            }
+        };
+        let unlimited = Params {
+            max_wheel_torque_nm: None,
+            ..*base
+        };
+        // From 1 s on, by the scaling, which the neurons' part in the time makes inexact by some
+        // percent: each turn leaves a tenth of that.
+        let mut time = T::ONE;
+        for _ in 0..5 {
+            let found = gains::<T, M>(&unlimited, &Self::settling(time, T::ONE))?.parking;
+            time = time * M::sqrt(found.k_c1 * found.k4 / stiffness);
+        }
+        Ok(Self::settling(time, speed))
+    }
+}
+
+/// `base` with the gains that do what is wished, its robot, reset and limits unchanged.
+///
+/// With A = B = D = 4.5 ω, the lateral polynomial of `docs/derivation.md` is linear in k₃ and k₂ v_r²:
+/// asking it to vanish at −ζω + jω√(1 − ζ²) gives both. ω, k₁ and k₄ = k₅ are found by bisection such
+/// that the response of the linear loop, stretched by 1 + 0.3/A for what the neurons take off the gain
+/// of so large an offset, has a tenth left at the wished time: an approximation, right to 5 %.
+///
+/// Refused are times for which the pair would not dominate (the loops lag too much), that are unstable
+/// at half as much again as the speed, or for which 0.5 m would ask more torque of a wheel than it has.
+///
+/// # Errors
+/// The first wish that cannot be had, with the nearest value that can.
+pub fn gains<T: Scalar, M: Maths<T>>(
+    base: &Params<T>,
+    wishes: &Wishes<T>,
+) -> Result<Params<T>, WishError> {
+    wishes.check()?;
+    let wanted = wishes.settling_s;
+    let refusal = match solve::<T, M>(base, wishes) {
+        Ok(found) => return Ok(found),
+        Err(refusal) => refusal,
+    };
+    let can = |settling_s: T| {
+        let slower = Wishes {
+            settling_s,
+            ..*wishes
+        };
+        solve::<T, M>(base, &slower).is_ok()
+    };
+    // How long it has to be for both channels, to 2 ms.
+    let (mut low, mut high) = (wanted, T::from_f64(100.0));
+    if !can(high) {
+        return Err(refused(Wish::Settling, wanted, high, Why::NoTime));
+    }
+    for _ in 0..16 {
+        let settling_s = T::HALF * (low + high);
+        if can(settling_s) {
+            high = settling_s;
+        } else {
+            low = settling_s;
+        }
+    }
+    Err(refused(Wish::Settling, wanted, high, refusal))
+}
+
+/// The gains, or what stands against the settling time.
+fn solve<T: Scalar, M: Maths<T>>(base: &Params<T>, wishes: &Wishes<T>) -> Result<Params<T>, Why> {
+    let f = T::from_f64;
+    let design = Design::new::<M>(base, wishes);
+    let wanted = wishes.settling_s;
+    let most = f(20.0) / wanted;
+    // The slowest pair that is quick enough, or the quickest that can be had.
+    let omega = edge(f(0.5) / wanted, most, |omega| {
+        design.across(omega).is_ok() && design.across_time(omega) > wanted
+    });
+    if design.across_time(omega) > wanted * f(1.001) {
+        return Err(design.across(omega * f(1.01)).err().unwrap_or(Why::Lag));
+    }
+    let path = design.path(omega);
+    let (speed_loop, turn_loop) = (T::ONE / wishes.speed_lag_s, path.bandwidth);
+    let a = path.a;
+    let k1 = design.gain(speed_loop, a)?;
+    let turning = design.gain(turn_loop, a)?;
+    // k₄ = k₅: distance and heading shrink alike, and the robot stays on the arc that it came on.
+    let k4 = smaller(turning, k1);
+    let (m, i) = (base.robot.mass_kg, base.robot.inertia_kg_m2);
+    Ok(Params {
+        tracking: TrackingGains {
+            k1,
+            k2: path.across / (wishes.speed * wishes.speed),
+            k3: path.heading,
+            k_d1: m * speed_loop,
+            k_d2: i * turn_loop,
+        },
+        parking: ParkingGains {
+            k4,
+            k5: k4,
+            k_c1: m * speed_loop,
+            k_c2: i * turn_loop,
+        },
+        neurons: NeuronParams { a, b: a, d: a },
+        ..*base
+    })
+}
+
+fn largest_force<T: Scalar>(base: &Params<T>) -> Option<T> {
+    let limit = base.max_wheel_torque_nm?;
+    let wheels = &base.robot.wheels;
+    Some(limit / wheels.radius_right_m + limit / wheels.radius_left_m)
+}

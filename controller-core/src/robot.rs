@@ -1,0 +1,95 @@
+//! The robot: its body and wheels, kinematics, rolling constraint, dynamics. Eqs. (1)-(3).
+
+use crate::cast::cast;
+use crate::maths::Maths;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Pose, Twist, Wrench};
+use crate::wheels::WheelGeometry;
+
+/// The body: M̄ = diag(m, I) of Eq. (3), and its wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Robot<T = f32> {
+    /// m \[kg\], 1e-3 to 1e5.
+    pub mass_kg: T,
+    /// I \[kg m²\] about the vertical through the middle of the axle, 1e-6 to 1e6.
+    pub inertia_kg_m2: T,
+    /// Wheels, for the map from wrench to wheel torques.
+    pub wheels: WheelGeometry<T>,
+}
+
+cast!(Robot {
+    mass_kg,
+    inertia_kg_m2,
+    wheels
+});
+
+impl<T: Scalar> Robot<T> {
+    /// The robot of the paper: m = 30 kg and I = 15 kg m².
+    ///
+    /// The paper gives neither wheel radius nor wheel distance: 0.1 m and 0.5 m are those of a usual
+    /// 30 kg base.
+    pub fn paper() -> Self {
+        let f = T::from_f64;
+        Self {
+            mass_kg: f(30.0),
+            inertia_kg_m2: f(15.0),
+            wheels: WheelGeometry {
+                radius_right_m: f(0.1),
+                radius_left_m: f(0.1),
+                track_m: f(0.5),
+            },
+        }
+    }
+}
+
+/// Rate of change of a pose: how a base that neither slips nor skids moves. Eq. (1).
+///
+/// ẋ = v cos θ,  ẏ = v sin θ,  θ̇ = w
+///
+/// | symbol | argument | unit | frame |
+/// | --- | --- | --- | --- |
+/// | θ | `pose.theta` | rad | world |
+/// | v, w | `twist` | m/s, rad/s | body |
+/// | ẋ, ẏ, θ̇ | result | m/s, m/s, rad/s | world |
+pub fn pose_rate<T: Scalar, M: Maths<T>>(pose: &Pose<T>, twist: &Twist<T>) -> Pose<T> {
+    let (sine, cosine) = M::sin_cos(pose.theta);
+    Pose {
+        x: twist.linear * cosine,
+        y: twist.linear * sine,
+        theta: twist.angular,
+    }
+}
+
+/// Sideways speed \[m/s\]: zero exactly when the rolling constraint holds. Eq. (2).
+///
+/// A(q) q̇ = −ẋ sin θ + ẏ cos θ
+///
+/// A residual to check with, not a law: feed it a differentiated external pose, and what it
+/// returns is skid.
+pub fn constraint_residual<T: Scalar, M: Maths<T>>(pose: &Pose<T>, rate: &Pose<T>) -> T {
+    let (sine, cosine) = M::sin_cos(pose.theta);
+    rate.y * cosine - rate.x * sine
+}
+
+/// Acceleration of the body under a wrench. Eq. (3).
+///
+/// m v̇ = τ₁,  I ẇ = τ₂
+///
+/// | symbol | argument | unit |
+/// | --- | --- | --- |
+/// | m, I | `robot` | kg, kg m² |
+/// | τ₁, τ₂ | `wrench` | N, N m |
+pub fn acceleration<T: Scalar>(robot: &Robot<T>, wrench: &Wrench<T>) -> Accel<T> {
+    Accel {
+        linear: wrench.force / robot.mass_kg,
+        angular: wrench.moment / robot.inertia_kg_m2,
+    }
+}
+
+/// The wrench that gives the body an acceleration: Eq. (3) solved for τ̄.
+pub fn wrench_for<T: Scalar>(robot: &Robot<T>, accel: &Accel<T>) -> Wrench<T> {
+    Wrench {
+        force: robot.mass_kg * accel.linear,
+        moment: robot.inertia_kg_m2 * accel.angular,
+    }
+}
