@@ -1,9 +1,62 @@
 //! When to leave the path and park.
 
 use super::params::Motion;
+use crate::maths::Maths;
+use crate::pose_error::PoseError;
+use crate::reference::Reference;
 use crate::scalar::Scalar;
+use crate::types::Twist;
+
+/// What is left of a trajectory that ends at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToGo<T = f32> {
+    /// Along the path, forward and backward alike \[m\].
+    pub way_m: T,
+    /// Turning, to either side alike \[rad\].
+    pub turn_rad: T,
+}
+
+impl<T: Scalar> ToGo<T> {
+    /// For a robot with this `error`, which is behind its `reference` or ahead of it: that is to go as well.
+    #[must_use]
+    pub fn of_robot(self, reference: &Reference<T>, error: &PoseError<T>) -> Self {
+        let behind = if reference.twist().linear < T::ZERO {
+            -error.x
+        } else {
+            error.x
+        };
+        Self {
+            way_m: self.way_m + behind,
+            ..self
+        }
+    }
+
+    /// The way is short enough for parking, and so is the turn: a route that ends by turning in place has
+    /// no way to go all along, and is followed until the turn is nearly done.
+    ///
+    /// `distance` is what parking needs from a speed, [`Motion::hand_over_distance`]; a turn counts as what
+    /// a wheel travels, `lever_m` (half the track) away.
+    pub fn is_short<M: Maths<T>>(
+        &self,
+        command: &Twist<T>,
+        lever_m: T,
+        distance: impl Fn(T) -> T,
+    ) -> bool {
+        let Twist { linear, angular } = *command;
+        let rim = lever_m * angular;
+        let near = self.way_m <= distance(linear);
+        let turned = lever_m * self.turn_rad <= distance(M::sqrt(linear * linear + rim * rim));
+        near && turned
+    }
+}
 
 impl<T: Scalar> Motion<T> {
+    /// Parking is to take over from a trajectory with so much `to_go`, with this `command` in force.
+    pub fn takes_over<M: Maths<T>>(&self, to_go: &ToGo<T>, command: &Twist<T>) -> bool {
+        let lever = T::HALF * self.params().robot.wheels.track_m;
+        to_go.is_short::<M>(command, lever, |speed| self.hand_over_distance(speed))
+    }
+
     /// Distance to the goal \[m\], along the path, at which to change from following to parking: far
     /// enough for the robot not to overshoot from `speed` \[m/s\].
     ///
