@@ -5,7 +5,7 @@ use controller_core::error::StepFault;
 use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FusionParams, LocaliserParams};
 use controller_core::maths::{Maths, Single};
-use controller_core::motion::{Limits, ToGo};
+use controller_core::motion::{Limits, Remaining};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::paper::params::{Params, Validated};
 use controller_core::robot::Robot;
@@ -137,13 +137,13 @@ pub fn drive(
             Some(reference) if !parking => {
                 let report = controller.report();
                 let command = report.motion.map(|motion| motion.command);
-                let to_go = ToGo {
-                    way_m: distance(&report.measured.unwrap_or_default().pose, &goal),
+                let remaining = Remaining {
+                    path_m: distance(&report.measured.unwrap_or_default().pose, &goal),
                     turn_rad: 0.0,
                 };
                 let law = base.motion();
-                parking =
-                    tick > 1 && law.takes_over::<Single>(&to_go, &command.unwrap_or_default());
+                parking = tick > 1
+                    && law.parking_is_due::<Single>(&remaining, &command.unwrap_or_default());
                 if parking {
                     driven.handed_over = tick;
                     Order::Park(goal)

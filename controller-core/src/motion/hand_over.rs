@@ -9,33 +9,33 @@ use crate::types::Twist;
 
 /// What is left of a trajectory that ends at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ToGo<T = f32> {
+pub struct Remaining<T = f32> {
     /// Along the path, forward and backward alike \[m\].
-    pub way_m: T,
+    pub path_m: T,
     /// Turning, to either side alike \[rad\].
     pub turn_rad: T,
 }
 
-impl<T: Scalar> ToGo<T> {
-    /// For a robot with this `error`, which is behind its `reference` or ahead of it: that is to go as well.
+impl<T: Scalar> Remaining<T> {
+    /// Adds the longitudinal error: a robot behind its `reference` has that distance to drive as well.
     #[must_use]
-    pub fn of_robot(self, reference: &Reference<T>, error: &PoseError<T>) -> Self {
+    pub fn with_error(self, reference: &Reference<T>, error: &PoseError<T>) -> Self {
         let behind = if reference.twist().linear < T::ZERO {
             -error.x
         } else {
             error.x
         };
         Self {
-            way_m: self.way_m + behind,
+            path_m: self.path_m + behind,
             ..self
         }
     }
 
-    /// The way is short enough for parking, and so is the turn: a route that ends by turning in place has
-    /// no way to go all along, and is followed until the turn is nearly done.
+    /// Both path and turn are short enough for parking. A route that ends by turning in place has no path
+    /// left during the turn, and is followed until the turn is nearly done.
     ///
-    /// `distance` is what parking needs from a speed, [`Motion::hand_over_distance`]; a turn counts as what
-    /// a wheel travels, `lever_m` (half the track) away.
+    /// `distance` gives the distance that parking needs from a speed, [`Motion::hand_over_distance`]. A turn
+    /// is compared by the travel of a wheel, which is `lever_m` (half the track) from the centre \[m\].
     pub fn is_short<M: Maths<T>>(
         &self,
         command: &Twist<T>,
@@ -44,17 +44,21 @@ impl<T: Scalar> ToGo<T> {
     ) -> bool {
         let Twist { linear, angular } = *command;
         let rim = lever_m * angular;
-        let near = self.way_m <= distance(linear);
+        let near = self.path_m <= distance(linear);
         let turned = lever_m * self.turn_rad <= distance(M::sqrt(linear * linear + rim * rim));
         near && turned
     }
 }
 
 impl<T: Scalar> Motion<T> {
-    /// Parking is to take over from a trajectory with so much `to_go`, with this `command` in force.
-    pub fn takes_over<M: Maths<T>>(&self, to_go: &ToGo<T>, command: &Twist<T>) -> bool {
+    /// Parking takes over from a trajectory with this path and turn `remaining` and this `command` in force.
+    pub fn parking_is_due<M: Maths<T>>(
+        &self,
+        remaining: &Remaining<T>,
+        command: &Twist<T>,
+    ) -> bool {
         let lever = T::HALF * self.params().robot.wheels.track_m;
-        to_go.is_short::<M>(command, lever, |speed| self.hand_over_distance(speed))
+        remaining.is_short::<M>(command, lever, |speed| self.hand_over_distance(speed))
     }
 
     /// Distance to the goal \[m\], along the path, at which to change from following to parking: far

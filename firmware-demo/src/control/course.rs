@@ -4,7 +4,7 @@ use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::hal::WheelDrive;
 use controller_core::maths::{Maths, Single};
-use controller_core::motion::ToGo;
+use controller_core::motion::Remaining;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
@@ -105,13 +105,13 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             next.reference.pose(),
             last.reference.pose(),
         );
-        let to_go = ToGo {
-            way_m: distance(here, next) + distance(next, goal),
+        let remaining = Remaining {
+            path_m: distance(here, next) + distance(next, goal),
             turn_rad: wrap(next.theta - here.theta).abs() + wrap(goal.theta - next.theta).abs(),
         };
-        let to_go = to_go.of_robot(reference, &motion.error);
+        let remaining = remaining.with_error(reference, &motion.error);
         let law = self.controller.base().motion();
-        let near = law.takes_over::<Single>(&to_go, &motion.command);
+        let near = law.parking_is_due::<Single>(&remaining, &motion.command);
         near.then_some(*goal)
     }
 }

@@ -3,7 +3,7 @@
 use super::mission::{Change, Course, Event, HandOverRule, Mission, When};
 use super::timetable::Timetable;
 use controller_core::maths::Libm;
-use controller_core::motion::{Task, ToGo};
+use controller_core::motion::{Remaining, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Pose, Twist};
@@ -100,19 +100,19 @@ impl<'a> Guide<'a> {
             && let (Some(rule), Some(reference)) = (self.rule, self.table.at(tick))
         {
             let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
-            let (way_m, turn_rad) = self.table.to_go(tick);
-            let to_go = ToGo { way_m, turn_rad }.of_robot(&reference, &error);
+            let (path_m, turn_rad) = self.table.to_go(tick);
+            let remaining = Remaining { path_m, turn_rad }.with_error(&reference, &error);
             let due = match rule.when {
                 When::Time(time) => t >= time - 1e-9,
                 When::Distance => {
                     self.table.is_over(tick)
-                        || to_go.is_short::<Libm>(command, self.lever, distance)
+                        || remaining.is_short::<Libm>(command, self.lever, distance)
                 }
             };
             // Tick 0 starts, so it cannot hand over.
             if due && tick > 0 {
                 self.goal = Some(rule.goal);
-                left = Some((reference, to_go.way_m));
+                left = Some((reference, remaining.path_m));
             }
         }
         let target = match self.goal {
