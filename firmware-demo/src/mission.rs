@@ -5,7 +5,7 @@ use controller_core::error::StepFault;
 use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FusionParams, LocaliserParams};
 use controller_core::maths::{Maths, Single};
-use controller_core::motion::Limits;
+use controller_core::motion::{Limits, Remaining};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::paper::params::{Params, Validated};
 use controller_core::robot::Robot;
@@ -136,10 +136,14 @@ pub fn drive(
         let order = match route.at(t) {
             Some(reference) if !parking => {
                 let report = controller.report();
-                let speed = report.motion.map_or(0.0, |motion| motion.command.linear);
-                let at = report.measured.unwrap_or_default().pose;
-                parking =
-                    distance(&at, &goal) <= base.motion().hand_over_distance(speed) && tick > 1;
+                let command = report.motion.map(|motion| motion.command);
+                let remaining = Remaining {
+                    path_m: distance(&report.measured.unwrap_or_default().pose, &goal),
+                    turn_rad: 0.0,
+                };
+                let law = base.motion();
+                parking = tick > 1
+                    && law.parking_is_due::<Single>(&remaining, &command.unwrap_or_default());
                 if parking {
                     driven.handed_over = tick;
                     Order::Park(goal)

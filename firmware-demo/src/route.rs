@@ -3,7 +3,7 @@
 use controller_core::error::{ParamError, StepFault};
 use controller_core::maths::Single;
 use controller_core::motion::{
-    Limits, Motion, MotionController, MotionParams, Outcome, Policy, Task,
+    Limits, Motion, MotionController, MotionParams, Outcome, Policy, Remaining, Task,
 };
 use controller_core::paper::params::{Params, Validated};
 use controller_core::queue::{TimedReference, interpolate};
@@ -160,9 +160,11 @@ pub fn drive(
         let measured = *robot.measured();
         let t = tick as f32 * DT;
         if let (Task::Follow(_), Some(reference)) = (&task, route.at(t)) {
-            let near = distance(&measured.pose, &goal)
-                <= motion.hand_over_distance(controller.report().command.linear);
-            task = if near {
+            let remaining = Remaining {
+                path_m: distance(&measured.pose, &goal),
+                turn_rad: 0.0,
+            };
+            task = if motion.parking_is_due::<Single>(&remaining, &controller.report().command) {
                 driven.handed_over = tick;
                 Task::Park(goal)
             } else {

@@ -13,7 +13,7 @@ pub use single_backend::Single;
 
 use crate::scalar::Scalar;
 
-/// A number type with a usual back end: what a constructor takes that is not told of another.
+/// A number type with a usual back end, for constructors that name none.
 pub trait Usual: Scalar {
     /// [`Single`] for `f32`, [`Libm`] for `f64`.
     type Maths: Maths<Self>;

@@ -1,9 +1,66 @@
 //! When to leave the path and park.
 
 use super::params::Motion;
+use crate::maths::Maths;
+use crate::pose_error::PoseError;
+use crate::reference::Reference;
 use crate::scalar::Scalar;
+use crate::types::Twist;
+
+/// What is left of a trajectory that ends at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Remaining<T = f32> {
+    /// Along the path, forward and backward alike \[m\].
+    pub path_m: T,
+    /// Turning, to either side alike \[rad\].
+    pub turn_rad: T,
+}
+
+impl<T: Scalar> Remaining<T> {
+    /// Adds the longitudinal error: a robot behind its `reference` has that distance to drive as well.
+    #[must_use]
+    pub fn with_error(self, reference: &Reference<T>, error: &PoseError<T>) -> Self {
+        let behind = if reference.twist().linear < T::ZERO {
+            -error.x
+        } else {
+            error.x
+        };
+        Self {
+            path_m: self.path_m + behind,
+            ..self
+        }
+    }
+
+    /// Both path and turn are short enough for parking. A route that ends by turning in place has no path
+    /// left during the turn, and is followed until the turn is nearly done.
+    ///
+    /// `distance` gives the distance that parking needs from a speed, [`Motion::hand_over_distance`]. A turn
+    /// is compared by the travel of a wheel, which is `lever_m` (half the track) from the centre \[m\].
+    pub fn is_short<M: Maths<T>>(
+        &self,
+        command: &Twist<T>,
+        lever_m: T,
+        distance: impl Fn(T) -> T,
+    ) -> bool {
+        let Twist { linear, angular } = *command;
+        let rim = lever_m * angular;
+        let near = self.path_m <= distance(linear);
+        let turned = lever_m * self.turn_rad <= distance(M::sqrt(linear * linear + rim * rim));
+        near && turned
+    }
+}
 
 impl<T: Scalar> Motion<T> {
+    /// Parking takes over from a trajectory with this path and turn `remaining` and this `command` in force.
+    pub fn parking_is_due<M: Maths<T>>(
+        &self,
+        remaining: &Remaining<T>,
+        command: &Twist<T>,
+    ) -> bool {
+        let lever = T::HALF * self.params().robot.wheels.track_m;
+        remaining.is_short::<M>(command, lever, |speed| self.hand_over_distance(speed))
+    }
+
     /// Distance to the goal \[m\], along the path, at which to change from following to parking: far
     /// enough for the robot not to overshoot from `speed` \[m/s\].
     ///

@@ -46,6 +46,7 @@ mod velocity_loop;
 pub use arrival::{Arrival, AtRest};
 pub use controller::MotionController;
 pub use gains::MotionGains;
+pub use hand_over::Remaining;
 pub use limits::{Limits, Policy};
 pub use params::{JumpThreshold, Motion, MotionParams};
 pub use report::{Limited, Mode, MotionReport, Outcome};

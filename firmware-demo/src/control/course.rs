@@ -4,6 +4,7 @@ use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::hal::WheelDrive;
 use controller_core::maths::{Maths, Single};
+use controller_core::motion::Remaining;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
@@ -104,21 +105,14 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             next.reference.pose(),
             last.reference.pose(),
         );
-        let behind = if reference.twist().linear < 0.0 {
-            -motion.error.x
-        } else {
-            motion.error.x
+        let remaining = Remaining {
+            path_m: distance(here, next) + distance(next, goal),
+            turn_rad: wrap(next.theta - here.theta).abs() + wrap(goal.theta - next.theta).abs(),
         };
-        let way = distance(here, next) + distance(next, goal) + behind;
-        let lever = 0.5 * self.params.motion.robot.wheels.track_m;
-        let turn =
-            lever * (wrap(next.theta - here.theta).abs() + wrap(goal.theta - next.theta).abs());
-        let Twist { linear, angular } = motion.command;
-        let rim = lever * angular;
+        let remaining = remaining.with_error(reference, &motion.error);
         let law = self.controller.base().motion();
-        let near = way <= law.hand_over_distance(linear);
-        let turned = turn <= law.hand_over_distance(Single::sqrt(linear * linear + rim * rim));
-        (near && turned).then_some(*goal)
+        let near = law.parking_is_due::<Single>(&remaining, &motion.command);
+        near.then_some(*goal)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::mission::{Change, Course, Event, HandOverRule, Mission, When};
 use super::timetable::Timetable;
-use controller_core::maths::{Libm, Maths};
-use controller_core::motion::Task;
+use controller_core::maths::Libm;
+use controller_core::motion::{Remaining, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Pose, Twist};
@@ -99,15 +99,20 @@ impl<'a> Guide<'a> {
         if self.goal.is_none()
             && let (Some(rule), Some(reference)) = (self.rule, self.table.at(tick))
         {
-            let way = self.way(tick, &reference, &measured);
+            let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
+            let (path_m, turn_rad) = self.table.to_go(tick);
+            let remaining = Remaining { path_m, turn_rad }.with_error(&reference, &error);
             let due = match rule.when {
                 When::Time(time) => t >= time - 1e-9,
-                When::Distance => self.is_due(tick, way, command, distance),
+                When::Distance => {
+                    self.table.is_over(tick)
+                        || remaining.is_short::<Libm>(command, self.lever, distance)
+                }
             };
             // Tick 0 starts, so it cannot hand over.
             if due && tick > 0 {
                 self.goal = Some(rule.goal);
-                left = Some((reference, way));
+                left = Some((reference, remaining.path_m));
             }
         }
         let target = match self.goal {
@@ -128,34 +133,5 @@ impl<'a> Guide<'a> {
             jumped,
             measured,
         }
-    }
-
-    /// What the robot still has to go: the rest of the route, and what it is behind.
-    fn way(&self, tick: usize, reference: &Reference<f64>, measured: &Measured<f64>) -> f64 {
-        let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
-        let behind = if reference.twist().linear < 0.0 {
-            -error.x
-        } else {
-            error.x
-        };
-        self.table.to_go(tick).0 + behind
-    }
-
-    /// The way is short enough for parking, and so is the turn: a route that ends by turning in
-    /// place has no way to go all along, and is followed until the turn is nearly done.
-    fn is_due(
-        &self,
-        tick: usize,
-        way: f64,
-        command: &Twist<f64>,
-        distance: impl Fn(f64) -> f64,
-    ) -> bool {
-        let turn = self.lever * self.table.to_go(tick).1;
-        let near = way <= distance(command.linear);
-        let turned = turn
-            <= distance(Libm::sqrt(
-                command.linear * command.linear + (self.lever * command.angular).powi(2),
-            ));
-        self.table.is_over(tick) || (near && turned)
     }
 }
