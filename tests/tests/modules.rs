@@ -16,9 +16,10 @@ type Module = Vec<String>;
 type Circle = (&'static str, &'static str, &'static [&'static str]);
 
 /// Every package of the workspace and every board.
-const CRATES: [&str; 7] = [
+const CRATES: [&str; 8] = [
     "controller-core",
     "firmware-demo",
+    "protocol",
     "sim-host",
     "tests",
     "boards/common",
