@@ -1,8 +1,8 @@
 //! The background's half: bytes in, frames out.
 
-use protocol::{Frame, MAX_FRAME, Telemetry, encode};
 use firmware_demo::station::Reception;
 use heapless::Deque;
+use protocol::{Frame, MAX_FRAME, Telemetry, encode};
 
 use crate::bytes::Bytes;
 
