@@ -207,6 +207,7 @@ pub fn accepts_speeds(speeds: &WheelSpeeds<f32>, max_speed_rad_s: f32) -> bool {
 /// Positions of both wheels in counts; positive counts drive forward, and both wrap around at the
 /// ends of `i32`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelCounts {
     /// Right wheel.
     pub right: i32,

@@ -14,6 +14,7 @@ use speed::{Turned, Wheel};
 
 /// What a calibration run found, as factors on the nominal lengths; 1 where it found nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Calibration<T = f32> {
     /// On the right wheel's radius, 0.5 to 2.
     pub right: T,
@@ -40,6 +41,7 @@ impl<T: Scalar> Default for Calibration<T> {
 
 /// What odometry needs to know of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OdometryParams<T = f32> {
     /// Nominal radii and distance of the wheels.
     pub wheels: WheelGeometry<T>,

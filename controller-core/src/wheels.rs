@@ -8,6 +8,7 @@ use crate::types::{Twist, WheelSpeeds, WheelTorques, Wrench};
 
 /// Two wheels on one axle. Radii may differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelGeometry<T = f32> {
     /// Radius of the right wheel \[m\], 1e-3 to 10.
     pub radius_right_m: T,

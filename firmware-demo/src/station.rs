@@ -41,7 +41,7 @@ use crate::control::ControlTask;
 use crate::queue::{self, Receiver};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::Outbox;
-use protocol::{BaseTick, Command, Frame, Origin, RejectReason, Telemetry};
+use protocol::{Command, Frame, Origin, RejectReason, Telemetry};
 
 mod reception;
 mod stops;
@@ -274,11 +274,8 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
             self.told = Some(self.origin);
         }
         if task.state().is_live() {
-            ends.outbox.offer(|| {
-                let (ridden_out, _) = task.controller().supervisor().ridden_out();
-                let tick = BaseTick::of(task.ticks(), task.report(), ridden_out);
-                unasked(Telemetry::Tick(tick))
-            });
+            ends.outbox
+                .offer(|| unasked(Telemetry::Tick(task.telemetry())));
         }
         let takes = matches!(task.state(), State::Armed | State::Tracking | State::Parked);
         // Tracking goes on with the trajectory that it was started with.

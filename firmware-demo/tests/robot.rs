@@ -29,8 +29,9 @@ struct Remote {
 impl Remote {
     fn start(machine: Machine) -> Self {
         let options = options(machine, LinkKind::Uart, false);
-        // 16 ns an instruction, whatever else the host has to do: no tick is late because the host is busy.
-        let pace = ["-icount", "shift=4"];
+        // 16 ns an instruction, whatever else the host has to do: no tick is late because the host is busy. Never ahead of
+        // the host's clock: 100 ms without a word from this side are no less here.
+        let pace = ["-icount", "shift=4,align=on"];
         let image = image(machine, "robot");
         let (emulator, link) = Emulator::start_with(&image, &options, &pace).unwrap();
         Self {

@@ -105,17 +105,20 @@ Examples:
     },
     /// Processor in the loop: the controller on an emulated chip, the plant here
     ///
-    /// Builds the firmware, starts the emulator, and closes the loop. Writes NAME-pil.svg, .png,
-    /// .json and .csv, and says whether every torque, velocity command and neuron state was
-    /// bit-equal to the same controller run here in lock step; if not, the exit code is 1. Also
+    /// Builds the firmware, starts the emulator, and closes the loop. Scenarios of the paper's law run with a
+    /// firmware of that law; those of the default law and trajectory files with the whole base: the control task
+    /// with localiser, supervisor and motors, on the realistic plant. Writes NAME-pil.svg, .png,
+    /// .json and .csv, and says whether every number of every tick was bit-equal to the same
+    /// controller run here in lock step; if not, the exit code is 1. Also
     /// instructions per tick, stack, flash and RAM.
     #[command(after_help = "\
 Examples:
   sim-host pil                              both cases of the paper
   sim-host pil mine.toml --machine riscv32 --every 10
-  sim-host pil mine.toml --link uart        over the emulated serial port: slow and real")]
+  sim-host pil mine.toml --link uart        over the emulated serial port: slow and real
+  sim-host pil slalom.json --base bases/lab-10kg.toml      the whole base along a trajectory")]
     Pil {
-        /// Scenario files, or names from `sim-host list`; none: both cases of the paper
+        /// Scenario or trajectory files, or names from `sim-host list`; none: both cases of the paper
         #[arg(value_name = "FILE")]
         files: Vec<PathBuf>,
         /// The emulated chip
@@ -124,6 +127,8 @@ Examples:
         /// The way to it
         #[arg(long, value_enum, default_value_t = Link::Fifo)]
         link: Link,
+        #[command(flatten)]
+        drive: DriveArgs,
     },
     /// Both cases of the paper under everything that is wrong with a real robot
     ///

@@ -25,7 +25,11 @@ fn rig(queue: &mut ReferenceQueue<f32, 2>) -> Rig<'_> {
 
 fn step(rig: &mut Rig<'_>, order: &Order<f32>) -> BaseReport<f32> {
     rig.advance().expect("a world takes what a base commands");
-    *rig.tick(order)
+    *rig.tick(order).expect("no mirror")
+}
+
+fn command(rig: &mut Rig<'_>, command: &Command) -> Result<(), RejectReason> {
+    rig.command(command).expect("no mirror")
 }
 
 /// A straight reference at 0.4 m/s, at time `t`.
@@ -41,7 +45,7 @@ fn line(t: f32) -> Order<f32> {
 /// Armed and following for `ticks`; the tick's number to go on with.
 fn following(rig: &mut Rig<'_>, ticks: u16) -> u16 {
     step(rig, &Order::None);
-    rig.command(&Command::Arm).expect("idle");
+    command(rig, &Command::Arm).expect("idle");
     for tick in 0..ticks {
         let report = step(rig, &line(DT * f32::from(tick)));
         assert_eq!(report.state, State::Tracking);
@@ -89,7 +93,7 @@ fn arming_holds_zero_torque_and_the_first_torque_is_zero() {
     let mut queue = ReferenceQueue::new();
     let mut rig = rig(&mut queue);
     step(&mut rig, &Order::None);
-    rig.command(&Command::Arm).expect("idle");
+    command(&mut rig, &Command::Arm).expect("idle");
     let armed = step(&mut rig, &Order::None);
     assert_eq!(armed.action.torques(), Some(WheelTorques::default()));
     let first = step(&mut rig, &line(0.0));
@@ -172,18 +176,18 @@ fn the_button_reaches_the_wheels_at_once_and_is_latched() {
     let mut rig = rig(&mut queue);
     following(&mut rig, 300);
     let brake = Command::EmergencyStop { brake: true };
-    rig.command(&brake).expect("never refused");
+    command(&mut rig, &brake).expect("never refused");
     assert_eq!(rig.task().doing(), &WheelAction::Brake);
     let report = step(&mut rig, &line(3.0));
     assert_eq!(report.action, WheelAction::Brake);
     assert!(report.refused);
     // Not before it is reset.
-    assert_eq!(rig.command(&Command::Arm), Err(RejectReason::State));
+    assert_eq!(command(&mut rig, &Command::Arm), Err(RejectReason::State));
     for _ in 0..600 {
         step(&mut rig, &Order::None);
     }
     assert_eq!(rig.report().state, State::Fault);
-    rig.command(&Command::ResetFault).expect("at rest");
+    command(&mut rig, &Command::ResetFault).expect("at rest");
     assert_eq!(step(&mut rig, &Order::None).state, State::Idle);
 }
 
@@ -216,8 +220,7 @@ fn a_pose_that_is_set_makes_no_step_of_the_torque() {
     let Measured { pose, .. } = rig.report().measured.expect("measured");
     let moved = Pose::new(pose.x - 0.3, pose.y + 0.4, pose.theta);
     let moved = (&moved).into();
-    rig.command(&Command::SetPose { pose: moved })
-        .expect("finite");
+    command(&mut rig, &Command::SetPose { pose: moved }).expect("finite");
     let report = step(&mut rig, &line(DT * f32::from(tick)));
     tick += 1;
     let after = report.action.torques().expect("driven");
@@ -244,7 +247,7 @@ fn a_parked_base_that_leaves_its_goal_says_so() {
     let mut queue = ReferenceQueue::new();
     let mut rig = rig(&mut queue);
     step(&mut rig, &Order::None);
-    rig.command(&Command::Arm).expect("idle");
+    command(&mut rig, &Command::Arm).expect("idle");
     let goal = Order::Park(Pose::default());
     let until = |rig: &mut Rig<'_>, state: State| {
         let mut reports = (0..2_000).map(|_| step(rig, &goal));
@@ -257,7 +260,7 @@ fn a_parked_base_that_leaves_its_goal_says_so() {
     }
     // 0.2 m: the pose source puts it back, but only after a while.
     let moved = (&Pose::new(0.2, 0.0, 0.0)).into();
-    assert_eq!(rig.command(&Command::SetPose { pose: moved }), Ok(()));
+    assert_eq!(command(&mut rig, &Command::SetPose { pose: moved }), Ok(()));
     assert_eq!(step(&mut rig, &goal).state, State::Parking);
     assert!(until(&mut rig, State::Parked));
 }

@@ -21,6 +21,7 @@ pub enum Order<T = f32> {
 
 /// What the base measured since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensed<T = f32> {
     /// Both encoders, or why they could not be read.
     pub counts: Result<WheelCounts, ErrorKind>,

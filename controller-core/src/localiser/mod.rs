@@ -61,6 +61,7 @@ use history::History;
 
 /// An external pose that was valid some time ago.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fix<T = f32> {
     /// In the world frame; the heading may be wrapped or not.
     pub pose: Pose<T>,

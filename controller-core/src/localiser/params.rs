@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 
 /// What is known of the external pose, and how far it is trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FusionParams<T = f32> {
     /// Standard deviation of a fix in each coordinate \[m\], 1e-5 to 10.
     pub noise_m: T,
@@ -93,6 +94,7 @@ impl<T: Scalar> FusionParams<T> {
 
 /// Everything that the localiser needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LocaliserParams<T = f32> {
     /// Wheels and encoders.
     pub odometry: OdometryParams<T>,

@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 
 /// Gains of following and parking. [`MotionGains::for_limits`] gives those that suit a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionGains<T = f32> {
     /// A \[1/s\]: decay of the pose neurons and of the bridges. 0.1 to 100.
     pub decay: T,

@@ -15,6 +15,7 @@ use crate::wheels::WheelMap;
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
 /// localisation, or of the reference, that nobody declared.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JumpThreshold<T = f32> {
     /// \[m\], 1e-4 to 100; above the noise of the pose.
     pub distance_m: T,
@@ -24,6 +25,7 @@ pub struct JumpThreshold<T = f32> {
 
 /// Everything that the controller needs to know of a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionParams<T = f32> {
     /// Mass, inertia, wheels.
     pub robot: Robot<T>,

@@ -55,11 +55,13 @@
 mod command;
 mod dead_band;
 mod gear;
+mod pair;
 mod params;
 mod speed;
 mod stopping;
 
 pub use command::{MotorCommand, MotorLimited, WheelDemand};
+pub use pair::WheelCommands;
 pub use params::{MAX_SUPPLY_SHARE, MIN_SUPPLY_SHARE, Motor, MotorParams, WheelFriction};
 pub use speed::{SpeedLimited, SpeedOutput, SpeedParams, SpeedState, WheelSpeedCommand};
 pub use stopping::{Decay, Slowing, coast, electrical_brake};

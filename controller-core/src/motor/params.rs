@@ -28,6 +28,7 @@ pub(super) const RELEASE: f64 = 10.0;
 /// What is entered here is added to every torque, so enter what was identified or a little less: an
 /// overestimate pushes the wheel on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelFriction<T> {
     /// τ_c \[N m\], whatever the speed: 0 to 1e6.
     pub coulomb_nm: T,
@@ -57,6 +58,7 @@ impl<T: Scalar> WheelFriction<T> {
 
 /// One motor with gear, wheel and bridge; both sides of a base have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotorParams<T = f32> {
     /// g: motor turns per wheel turn, 0.1 to 1e4.
     pub gear_ratio: T,

@@ -8,6 +8,7 @@ use crate::types::{Measured, Twist, WheelTorques};
 
 /// Measured motor currents \[A\]; the sign does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Currents<T> {
     /// Right motor.
     pub right: T,

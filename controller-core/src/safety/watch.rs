@@ -111,6 +111,7 @@ pub struct SupplyWatch<T> {
 
 /// Everything that the monitor watches by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WatchParams<T> {
     /// Time between ticks as planned \[µs\], 100 to 100,000. No timeout is shorter than two of them.
     pub period_us: u32,

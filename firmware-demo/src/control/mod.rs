@@ -19,6 +19,7 @@ use controller_core::queue::ReferenceConsumer;
 use controller_core::safety::Timeout;
 use controller_core::safety::supervisor::{Cause, Event, State};
 use controller_core::types::{Pose, WheelTorques};
+use protocol::BaseTick;
 
 use course::Course;
 
@@ -211,6 +212,17 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// Everything about the last tick.
     pub const fn report(&self) -> &BaseReport<f32> {
         self.controller.report()
+    }
+
+    /// The important terms of the last tick.
+    pub fn telemetry(&self) -> BaseTick {
+        let (ridden_out, _) = self.controller.supervisor().ridden_out();
+        BaseTick::of(self.ticks, self.report(), ridden_out)
+    }
+
+    /// Ends the task; the queue is free for another.
+    pub fn into_references(self) -> ReferenceConsumer<'queue, f32> {
+        self.references
     }
 
     /// The base, to look at.

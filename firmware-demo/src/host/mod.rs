@@ -9,7 +9,7 @@ mod image;
 mod session;
 mod uart;
 
-pub use chip::{Chip, ChipError};
+pub use chip::{BaseChip, Chip, ChipError, ChipLink};
 pub use emulator::{Emulator, EmulatorError, LinkKind, Machine, Options, Outcome};
 pub use fifo::FifoLink;
 pub use image::{BuildError, Image, build_image};

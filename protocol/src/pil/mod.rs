@@ -1,10 +1,13 @@
-//! What a processor in the loop is asked, and answers: the paper's law, one tick at a time.
+//! What a processor in the loop is asked, and answers, one tick at a time: the paper's law ([`Question`]), or the whole
+//! base ([`BaseQuestion`]).
 
+mod base;
 mod convert;
 mod parameters;
 mod report;
 mod ticked;
 
+pub use base::{BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, WheelOutput, WireOrder};
 pub use parameters::{ParameterSet, WireReset};
 pub use report::{Report, report_flags};
 pub use ticked::Ticked;

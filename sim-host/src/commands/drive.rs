@@ -2,14 +2,18 @@
 
 use super::error::CommandError;
 use super::job::{Content, Job};
+use super::pil::ChipRecord;
 use super::say;
 use super::write::Writer;
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
-use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, Mission, drive, summary, verdict};
+use sim_host::drive::{
+    Base, ChipTable, DriveMetrics, DriveTrace, FileRun, Mission, drive, summary, verdict,
+};
 use sim_host::figure::Labelled;
 use sim_host::import::{Stretch, Verdict};
+use sim_host::pil::BaseCost;
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
 
@@ -29,6 +33,8 @@ struct DriveRecord<'a> {
     /// Of a trajectory file, one line each.
     repairs: Vec<String>,
     metrics: &'a DriveMetrics,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chip: Option<&'a ChipRecord<BaseCost>>,
 }
 
 /// A base's file, a built-in base, or the default one.
@@ -49,22 +55,55 @@ pub fn run(
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let name = &mission.name;
-    say(&format!("{name}: {}\n", mission.description))?;
-    let mut repairs = Vec::new();
+    announce(mission, file)?;
+    let done = Done {
+        trace: drive(mission)?,
+        label: "robot",
+        chip: None,
+    };
+    results(mission, file, &done, csv, writer)
+}
+
+/// A mission that has been run.
+pub struct Done {
+    pub trace: DriveTrace,
+    /// Who drove, in the figure's legend.
+    pub label: &'static str,
+    /// With the control task on a chip.
+    pub chip: Option<ChipRecord<BaseCost>>,
+}
+
+/// What is about to be run.
+pub fn announce(mission: &Mission, file: Option<(&Stretch, &Verdict)>) -> Result<(), CommandError> {
+    say(&format!("{}: {}\n", mission.name, mission.description))?;
     if let Some((stretch, verdict)) = file {
         say(&format!(
             "{verdict}\nbase       {}: {stretch}\n",
             mission.base.name
         ))?;
-        if let Verdict::Drivable { repairs: list, .. } = verdict {
-            repairs.extend(list.iter().map(ToString::to_string));
-        }
     }
-    let trace = drive(mission)?;
-    let metrics = DriveMetrics::of(mission, &trace).ok_or(CommandError::NoRows)?;
+    Ok(())
+}
+
+/// Prints and writes what came of a mission.
+pub fn results(
+    mission: &Mission,
+    file: Option<(&Stretch, &Verdict)>,
+    done: &Done,
+    csv: bool,
+    writer: &Writer<'_>,
+) -> Result<(), CommandError> {
+    let Done { trace, label, chip } = done;
+    let name = &match chip {
+        None => mission.name.clone(),
+        Some(_) => format!("{}-pil", mission.name),
+    };
+    let mut repairs = Vec::new();
+    if let Some((_, Verdict::Drivable { repairs: list, .. })) = file {
+        repairs.extend(list.iter().map(ToString::to_string));
+    }
+    let metrics = DriveMetrics::of(mission, trace).ok_or(CommandError::NoRows)?;
     say(&format!("{}\n", summary(&metrics)))?;
-    let label = "robot";
     let common = trace.common();
     // In figures an underscore begins a subscript.
     let title = format!("{}: {}", name.replace('_', " "), mission.description);
@@ -74,7 +113,7 @@ pub fn run(
     };
     writer.figure(name, &title, main, None)?;
     let record = DriveRecord {
-        scenario: name,
+        scenario: &mission.name,
         description: &mission.description,
         base: &mission.base.name,
         controller: "motion",
@@ -84,14 +123,15 @@ pub fn run(
         stretched_by: file.map(|(stretch, _)| stretch.factor),
         repairs,
         metrics: &metrics,
+        chip: chip.as_ref(),
     };
     writer.json(name, &[record])?;
     if csv {
-        writer.drive_csv(name, &trace)?;
+        writer.drive_csv(name, trace)?;
     }
     // A scenario may end on the way; a file is to be driven to its end.
     if file.is_some() && metrics.parked_s.is_none() {
-        return Err(CommandError::NotParked(name.clone()));
+        return Err(CommandError::NotParked(mission.name.clone()));
     }
     Ok(())
 }

@@ -53,6 +53,14 @@ impl Job {
         }
     }
 
+    /// With a controller of the paper.
+    pub fn scenario(&self) -> Option<&Scenario> {
+        match self {
+            Self::Scenario(scenario) => Some(scenario),
+            Self::Mission(_) | Self::File { .. } => None,
+        }
+    }
+
     /// The name that results get.
     pub fn name(&self) -> &str {
         match self {

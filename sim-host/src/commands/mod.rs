@@ -43,12 +43,18 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             files,
             machine,
             link,
+            drive,
         } => {
-            let scenarios = match files.as_slice() {
-                [] => load_all(&PAPER.map(PathBuf::from))?,
-                files => load_all(files)?,
+            let base = drive::base(drive.base.as_deref())?;
+            let jobs = match files.as_slice() {
+                [] => drive::load_all(&PAPER.map(PathBuf::from), &drive.file_run(), &base)?,
+                files => drive::load_all(files, &drive.file_run(), &base)?,
             };
-            pil::all(&scenarios, (*machine).into(), (*link).into(), output)
+            let board = pil::Board {
+                machine: (*machine).into(),
+                link: (*link).into(),
+            };
+            pil::all(&jobs, board, output)
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Faults {

@@ -5,7 +5,10 @@ use super::{Cost, FIRMWARE, Footprint, OnChip, Parity, PilError};
 use crate::run::run_with;
 use crate::scenario::Scenario;
 use crate::trace::Trace;
-use firmware_demo::host::{Chip, LinkKind, Machine, Options};
+use firmware_demo::host::{Chip, ChipError, ChipLink, LinkKind, Machine, Options, Outcome};
+use protocol::pil::Answer;
+use serde::de::DeserializeOwned;
+use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
 /// Longest silence of the chip before a run is given up: an emulator on a busy machine may be slow.
@@ -26,10 +29,13 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// bench.finish()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Bench {
-    chip: Chip,
+pub struct ChipBench<A> {
+    chip: ChipLink<A>,
     machine: Machine,
 }
+
+/// A chip with the paper's law.
+pub type Bench = ChipBench<Answer>;
 
 /// What came of a scenario.
 #[derive(Clone, Debug)]
@@ -44,13 +50,10 @@ pub struct Flight {
     pub elapsed: Duration,
 }
 
-impl Bench {
-    /// Builds the firmware and starts it. Counting instructions makes the emulator slower.
-    ///
-    /// # Errors
-    /// What is missing on this machine, or does not start.
-    pub fn start(
+impl<A: DeserializeOwned + Debug> ChipBench<A> {
+    pub(super) fn of(
         machine: Machine,
+        start: impl FnOnce(&Options) -> Result<ChipLink<A>, ChipError>,
         link: LinkKind,
         count_instructions: bool,
     ) -> Result<Self, PilError> {
@@ -61,10 +64,61 @@ impl Bench {
             core: None,
             silence: SILENCE,
         };
-        match Chip::start(&options) {
+        match start(&options) {
             Ok(chip) => Ok(Self { chip, machine }),
             Err(error) => Err(explain(machine, error)),
         }
+    }
+
+    pub(super) const fn chip_mut(&mut self) -> &mut ChipLink<A> {
+        &mut self.chip
+    }
+
+    pub(super) fn into_chip(self) -> ChipLink<A> {
+        self.chip
+    }
+
+    /// Flash and RAM of the image.
+    ///
+    /// # Errors
+    /// An image that cannot be read.
+    pub fn footprint(&self) -> Result<Footprint, PilError> {
+        let path = self.chip.image();
+        let failed = |cause: String| PilError::Image {
+            path: path.to_owned(),
+            cause,
+        };
+        let elf = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
+        Footprint::of(&elf).map_err(|error| failed(error.to_string()))
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    pub(super) fn ended(outcome: Outcome) -> Result<(), PilError> {
+        match outcome.code {
+            Some(0) => Ok(()),
+            code => Err(PilError::Ended {
+                code,
+                console: outcome.console,
+            }),
+        }
+    }
+}
+
+impl Bench {
+    /// Builds the firmware and starts it. Counting instructions makes the emulator slower.
+    ///
+    /// # Errors
+    /// What is missing on this machine, or does not start.
+    pub fn start(
+        machine: Machine,
+        link: LinkKind,
+        count_instructions: bool,
+    ) -> Result<Self, PilError> {
+        Self::of(machine, Chip::start, link, count_instructions)
     }
 
     /// Flies a scenario with [`FIRMWARE`], whatever controller settings it has beside the law.
@@ -109,37 +163,11 @@ impl Bench {
         Ok(self.chip.counters()?.frames_rejected)
     }
 
-    /// Flash and RAM of the image.
-    ///
-    /// # Errors
-    /// An image that cannot be read.
-    pub fn footprint(&self) -> Result<Footprint, PilError> {
-        let path = self.chip.image();
-        let failed = |cause: String| PilError::Image {
-            path: path.to_owned(),
-            cause,
-        };
-        let elf = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
-        Footprint::of(&elf).map_err(|error| failed(error.to_string()))
-    }
-
-    /// The machine.
-    pub fn machine(&self) -> Machine {
-        self.machine
-    }
-
     /// Stops the firmware.
     ///
     /// # Errors
     /// A firmware that does not end, or not in order.
     pub fn finish(self) -> Result<(), PilError> {
-        let outcome = self.chip.finish()?;
-        match outcome.code {
-            Some(0) => Ok(()),
-            code => Err(PilError::Ended {
-                code,
-                console: outcome.console,
-            }),
-        }
+        Self::ended(self.chip.finish()?)
     }
 }

@@ -2,8 +2,10 @@
 //!
 //! A [`Bench`] builds the firmware in release mode with the proof that it cannot panic, starts the
 //! emulator and flies scenarios with it. In lock step runs the host's own single-precision
-//! controller on the same inputs, and every number of both reports is compared bit for bit.
+//! controller on the same inputs, and every number of both reports is compared bit for bit. A [`BaseBench`] does the same
+//! with the whole base: the firmware's control task, on the realistic plant.
 
+mod base;
 mod bench;
 mod cost;
 mod footprint;
@@ -11,7 +13,8 @@ mod on_chip;
 mod parity;
 mod setup;
 
-pub use bench::{Bench, Flight};
+pub use base::{BaseBench, BaseCost, BaseFlight};
+pub use bench::{Bench, ChipBench, Flight};
 pub use cost::{Cost, Spread};
 pub use footprint::Footprint;
 pub use on_chip::OnChip;

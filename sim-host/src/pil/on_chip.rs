@@ -1,7 +1,7 @@
 //! A pilot that asks the chip, with the host's controller as a shadow.
 
 use super::cost::Cost;
-use super::parity::Parity;
+use super::parity::{Parity, pairs};
 use crate::pilot::{Answer, InProcess, Pilot, PilotError};
 use controller_core::maths::Single;
 use controller_core::paper::demand::Demand;
@@ -104,7 +104,7 @@ impl<'a> OnChip<'a> {
         }
         if let Some(controller) = self.shadow.controller() {
             let host = Ticked::of(controller, handed_over);
-            self.parity.compare(self.tick, &ticked, &host);
+            self.parity.compare(self.tick, pairs(&ticked, &host));
         }
         let step = ticked.hand_over_step.map(|step| step.cast());
         self.hand_over_step = step.or(self.hand_over_step);

@@ -3,16 +3,14 @@
 use crate::drive::Hardware;
 use controller_core::base::{BaseParams, Order, Sensed};
 use controller_core::error::ParamError;
-use controller_core::hal::Observed;
 use controller_core::localiser::{Fix, LocaliserParams};
 use controller_core::maths::Single;
 use controller_core::motion::Task;
-use controller_core::motor::{Motor, MotorCommand, WheelDemand};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::robot::Robot;
 use controller_core::safety::Currents;
-use controller_core::types::WheelTorques;
 use controller_core::wheels::WheelGeometry;
+use protocol::pil::WheelOutput;
 
 use crate::drive::Base;
 use crate::world::{Actuation, World};
@@ -115,40 +113,21 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
     }
 }
 
-/// Duties of both motors for torques, and the torques that accelerate the base under them where current or supply
-/// limit them.
-pub(super) fn duties(
-    motor: &Motor<f32>,
-    torques: &WheelTorques<f32>,
-    observed: &Observed,
-) -> (Actuation, Option<WheelTorques<f32>>) {
-    let Observed {
-        speeds,
-        wanted,
-        supply_v,
-    } = observed;
-    let wheel = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
-        let demand = WheelDemand {
-            torque_nm,
-            wanted_speed_rad_s,
-            speed_rad_s,
-        };
-        motor.command(&demand, *supply_v)
-    };
-    let right = wheel(torques.right, wanted.right, speeds.right);
-    let left = wheel(torques.left, wanted.left, speeds.left);
-    let exerted = |command: &MotorCommand<f32>| command.torque_nm - command.friction_nm;
-    let limited = right.limited.torque() || left.limited.torque();
-    (
-        Actuation::Duty {
-            right: f64::from(right.duty),
-            left: f64::from(left.duty),
-        },
-        limited.then(|| WheelTorques {
-            right: exerted(&right),
-            left: exerted(&left),
-        }),
-    )
+impl From<&WheelOutput> for Actuation {
+    fn from(output: &WheelOutput) -> Self {
+        match *output {
+            WheelOutput::Release => Self::Release,
+            WheelOutput::Brake => Self::Brake,
+            WheelOutput::Torque { right, left } => Self::Torque {
+                right: f64::from(right),
+                left: f64::from(left),
+            },
+            WheelOutput::Duty { right, left } => Self::Duty {
+                right: f64::from(right),
+                left: f64::from(left),
+            },
+        }
+    }
 }
 
 /// A task as an order.

@@ -4,10 +4,12 @@ use super::convert;
 use crate::world::{Actuation, ActuationError, World};
 use controller_core::base::Sensed;
 use controller_core::hal::{
-    Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders, accepts,
+    Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders,
 };
 use controller_core::motor::Motor;
 use controller_core::types::WheelTorques;
+use firmware_demo::drive::SimulatedDrive;
+use protocol::pil::WheelOutput;
 
 /// A [`World`] as a control task sees it: drivers, encoders and clock of a base whose world it owns.
 ///
@@ -16,11 +18,7 @@ use controller_core::types::WheelTorques;
 #[derive(Clone, Debug)]
 pub struct PlantHal {
     world: World,
-    /// The drivers' motors; `None` where the wheels take torques.
-    motor: Option<Motor<f32>>,
-    max_torque_nm: f32,
-    observed: Observed,
-    exerted: Option<WheelTorques<f32>>,
+    drive: SimulatedDrive,
     actuation: Actuation,
 }
 
@@ -29,12 +27,7 @@ impl PlantHal {
     pub fn new(world: World, motor: Option<Motor<f32>>, max_torque_nm: f32) -> Self {
         Self {
             world,
-            max_torque_nm: motor
-                .as_ref()
-                .map_or(max_torque_nm, |motor| motor.max_torque_nm()),
-            motor,
-            observed: Observed::default(),
-            exerted: None,
+            drive: SimulatedDrive::new(motor, max_torque_nm),
             actuation: Actuation::Release,
         }
     }
@@ -54,6 +47,17 @@ impl PlantHal {
         convert::sensed(&self.world)
     }
 
+    /// A call of the drivers, which answer as the world has it.
+    fn call(
+        &mut self,
+        call: impl FnOnce(&mut SimulatedDrive) -> Result<(), ErrorKind>,
+    ) -> Result<(), ErrorKind> {
+        self.drive.set_answer(self.world.drive_answer());
+        let answer = call(&mut self.drive);
+        self.actuation = self.drive.output().into();
+        answer
+    }
+
     /// The world, for what truly happens.
     pub const fn world(&self) -> &World {
         &self.world
@@ -62,6 +66,11 @@ impl PlantHal {
     /// The world, to put faults into.
     pub const fn world_mut(&mut self) -> &mut World {
         &mut self.world
+    }
+
+    /// What the drivers put out since their last call.
+    pub const fn output(&self) -> &WheelOutput {
+        self.drive.output()
     }
 
     /// What acts on the wheels until the next call.
@@ -81,48 +90,27 @@ impl ErrorType for PlantHal {
 
 impl WheelDrive for PlantHal {
     fn max_torque_nm(&self) -> f32 {
-        self.max_torque_nm
+        self.drive.max_torque_nm()
     }
 
     fn observe(&mut self, observed: &Observed) {
-        self.observed = *observed;
+        self.drive.observe(observed);
     }
 
-    /// By the motors' equations, where current or supply limited a torque.
     fn exerted(&self) -> Option<WheelTorques<f32>> {
-        self.exerted
+        self.drive.exerted()
     }
 
     fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), ErrorKind> {
-        if !accepts(&torques, self.max_torque_nm) {
-            return Err(ErrorKind::OutOfRange);
-        }
-        match &self.motor {
-            Some(motor) => {
-                let (duty, exerted) = convert::duties(motor, &torques, &self.observed);
-                self.actuation = duty;
-                self.exerted = exerted;
-            }
-            None => {
-                self.actuation = Actuation::Torque {
-                    right: f64::from(torques.right),
-                    left: f64::from(torques.left),
-                };
-            }
-        }
-        self.world.drive_answer()
+        self.call(|drive| drive.set_torques(torques))
     }
 
     fn release(&mut self) -> Result<(), ErrorKind> {
-        self.actuation = Actuation::Release;
-        self.exerted = None;
-        self.world.drive_answer()
+        self.call(SimulatedDrive::release)
     }
 
     fn brake(&mut self) -> Result<(), ErrorKind> {
-        self.actuation = Actuation::Brake;
-        self.exerted = None;
-        self.world.drive_answer()
+        self.call(SimulatedDrive::brake)
     }
 }
 

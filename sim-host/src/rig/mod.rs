@@ -10,13 +10,15 @@
 mod board;
 mod convert;
 mod hal;
+mod mirror;
 mod run;
 mod trial;
 
 pub use board::Board;
 pub use convert::params;
 pub use hal::PlantHal;
-pub use run::{drive, watch};
+pub use mirror::{Mirror, MirrorError};
+pub use run::{drive, fly, watch};
 pub use trial::{Rig, RigError};
 
 use crate::world::WorldKeys;

@@ -1,5 +1,6 @@
 //! A mission in a world.
 
+use super::mirror::Mirror;
 use super::trial::{Rig, RigError};
 use super::{Place, convert};
 use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Guide, Mission};
@@ -31,8 +32,25 @@ pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
 /// Parameters out of their range.
 pub fn watch(mission: &Mission, place: &Place, watch_s: f64) -> Result<DriveTrace, RigError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
-    let (_, references) = queue.split();
-    let mut rig = Rig::new(references, mission, place)?;
+    let rig = Rig::new(queue.split().1, mission, place)?;
+    run(mission, rig, watch_s)
+}
+
+/// As [`drive`], with the same base somewhere else whose motors move the plant.
+///
+/// # Errors
+/// Parameters out of their range, or no answer from there.
+pub fn fly(
+    mission: &Mission,
+    place: &Place,
+    mirror: &mut dyn Mirror,
+) -> Result<DriveTrace, RigError> {
+    let mut queue = ReferenceQueue::<f32, 2>::new();
+    let rig = Rig::new(queue.split().1, mission, place)?;
+    run(mission, rig.mirrored(mirror)?, WATCH_S)
+}
+
+fn run(mission: &Mission, mut rig: Rig<'_>, watch_s: f64) -> Result<DriveTrace, RigError> {
     let mut guide = Guide::new(mission);
     let mut trace = DriveTrace {
         period_s: mission.period_s,
@@ -46,7 +64,7 @@ pub fn watch(mission: &Mission, place: &Place, watch_s: f64) -> Result<DriveTrac
         if t > mission.longest_s() {
             break;
         }
-        let mut row = tick(mission, &mut rig, &mut guide, t);
+        let mut row = tick(mission, &mut rig, &mut guide, t)?;
         let state = rig.report().state;
         if rig.report().motion.is_none() {
             // The motion law is off: what it said last stands.
@@ -84,7 +102,7 @@ fn tick(
     rig: &mut Rig<'_>,
     guide: &mut Guide<'_>,
     t: f64,
-) -> (DriveRow, Option<DriveHandOver>) {
+) -> Result<(DriveRow, Option<DriveHandOver>), RigError> {
     let truth = rig.world().truth();
     let report = rig.report();
     let believed = report
@@ -100,13 +118,13 @@ fn tick(
     let orders = guide.at(tick, t, &believed, &command, distance);
     if rig.report().state == State::Idle && rig.report().measured.is_some() {
         // An idle base that knows where it is refuses no arming.
-        let _ = rig.command(&Command::Arm);
+        let _ = rig.command(&Command::Arm)?;
     }
     let followed = orders.left.map(|(left, way)| {
         let order = convert::order(&Task::Follow(left));
         (left, way, wrench(&rig.would_say(&order)))
     });
-    let report = *rig.tick(&convert::order(&orders.task));
+    let report = *rig.tick(&convert::order(&orders.task))?;
     let hand_over = followed.map(|(left, distance_m, followed)| {
         let parks = wrench(&report);
         DriveHandOver {
@@ -141,7 +159,7 @@ fn tick(
             asked: asked.cast(),
         }),
     };
-    (row, hand_over)
+    Ok((row, hand_over))
 }
 
 fn wrench(report: &BaseReport<f32>) -> Wrench<f64> {

@@ -1,5 +1,6 @@
 //! World and base, tick by tick.
 
+use super::mirror::{Mirror, MirrorError};
 use super::{Place, PlantHal, convert};
 use crate::drive::{Base, Mission};
 use crate::world::{ActuationError, World, WorldError};
@@ -10,6 +11,7 @@ use controller_core::queue::ReferenceConsumer;
 use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose};
 use firmware_demo::control::{ControlTask, SettingError};
+use protocol::pil::{BaseInput, BaseTicked};
 use protocol::{Command, RejectReason};
 
 /// Why a base cannot be put into a world.
@@ -31,6 +33,9 @@ pub enum RigError {
     /// A command that the world refuses: an error of the base.
     #[error("{0}")]
     Actuation(ActuationError),
+    /// The base somewhere else does not answer.
+    #[error("{0}")]
+    Mirror(String),
 }
 
 /// The parts of a base in a world.
@@ -85,19 +90,21 @@ impl Parts {
 }
 
 /// A base in a world, driven by orders: the firmware's control task without a host and its line.
-pub struct Rig<'queue> {
-    task: ControlTask<'queue, PlantHal>,
+pub struct Rig<'a> {
+    task: ControlTask<'a, PlantHal>,
+    mirror: Option<&'a mut dyn Mirror>,
+    start: Pose<f32>,
     period_us: u32,
     dt_us: u32,
 }
 
-impl<'queue> Rig<'queue> {
+impl<'a> Rig<'a> {
     /// A disarmed base that knows where it starts. Orders come with each tick, so nothing goes through `references`.
     ///
     /// # Errors
     /// Parameters out of their range.
     pub fn new(
-        references: ReferenceConsumer<'queue, f32>,
+        references: ReferenceConsumer<'a, f32>,
         mission: &Mission,
         place: &Place,
     ) -> Result<Self, RigError> {
@@ -111,9 +118,23 @@ impl<'queue> Rig<'queue> {
         let task = ControlTask::new(hal, references, params, start).map_err(RigError::Setting)?;
         Ok(Self {
             task,
+            mirror: None,
+            start,
             period_us,
             dt_us: period_us,
         })
+    }
+
+    /// Puts the same base somewhere else beside it, whose motors move the plant from now on.
+    ///
+    /// # Errors
+    /// It does not answer.
+    pub fn mirrored(mut self, mirror: &'a mut dyn Mirror) -> Result<Self, RigError> {
+        mirror
+            .begin(self.task.params(), self.start)
+            .map_err(mirrored)?;
+        self.mirror = Some(mirror);
+        Ok(self)
     }
 
     /// Lets the world go on to the next tick.
@@ -127,18 +148,40 @@ impl<'queue> Rig<'queue> {
     }
 
     /// The tick's interrupt, and what the wheels do from now on.
-    pub fn tick(&mut self, order: &Order<f32>) -> &BaseReport<f32> {
-        let hal = self.task.drive();
-        let (now_us, sensed) = (hal.now_us(), hal.sensed());
-        self.task.tick_with(now_us, order, &sensed)
-    }
-
-    /// A command from a host.
     ///
     /// # Errors
-    /// Why it is refused.
-    pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
-        self.task.command(command)
+    /// The base somewhere else does not answer.
+    pub fn tick(&mut self, order: &Order<f32>) -> Result<&BaseReport<f32>, RigError> {
+        let hal = self.task.drive();
+        let (now_us, sensed) = (hal.now_us(), hal.sensed());
+        self.task.tick_with(now_us, order, &sensed);
+        if let Some(mirror) = &mut self.mirror {
+            let input = BaseInput {
+                now_us,
+                order: order.into(),
+                sensed,
+            };
+            let here = BaseTicked {
+                tick: self.task.telemetry(),
+                output: *self.task.drive().output(),
+                instructions: 0,
+            };
+            let output = mirror.tick(&input, &here).map_err(mirrored)?;
+            self.task.drive_mut().override_actuation((&output).into());
+        }
+        Ok(self.task.report())
+    }
+
+    /// A command from a host; inside what the base says of it.
+    ///
+    /// # Errors
+    /// The base somewhere else does not answer, or otherwise.
+    pub fn command(&mut self, command: &Command) -> Result<Result<(), RejectReason>, RigError> {
+        let answer = self.task.command(command);
+        if let Some(mirror) = &mut self.mirror {
+            mirror.command(command, answer).map_err(mirrored)?;
+        }
+        Ok(answer)
     }
 
     /// What the base would say to another order in this tick. Nothing changes.
@@ -158,7 +201,7 @@ impl<'queue> Rig<'queue> {
     }
 
     /// The control task, to look at.
-    pub const fn task(&self) -> &ControlTask<'queue, PlantHal> {
+    pub const fn task(&self) -> &ControlTask<'a, PlantHal> {
         &self.task
     }
 
@@ -166,4 +209,8 @@ impl<'queue> Rig<'queue> {
     pub const fn report(&self) -> &BaseReport<f32> {
         self.task.report()
     }
+}
+
+fn mirrored(error: MirrorError) -> RigError {
+    RigError::Mirror(error.to_string())
 }

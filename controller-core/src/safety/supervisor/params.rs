@@ -43,6 +43,7 @@ pub struct RestLimits {
 
 /// How a supervisor stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SupervisorParams {
     /// Longest controlled stop; then the wheels are braked. At least what
     /// [`crate::safety::controlled_stop`] gives for the top speed.
