@@ -2,17 +2,16 @@
 
 mod board;
 mod identify;
-mod seed;
 
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
+use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 pub use board::{Chip, Link, MonitorArgs};
 pub use identify::IdentifyArgs;
-pub use seed::SeedArgs;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -7,10 +7,10 @@
 //!
 //! | step | modules |
 //! | --- | --- |
-//! | read | [`scenario`], [`motion`], [`advice`] |
+//! | read | [`scenario`], [`motion`], [`advice`]; a [`mission`] is what they ask of a base |
 //! | whole base | [`rig`] in a [`world`] |
 //! | faults, by the thousand | [`campaign`] |
-//! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
+//! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`]; [`drive`] with the default law |
 //! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`prove`], [`constants`]; [`trials`] on bad floors |
@@ -38,11 +38,13 @@ pub mod figure;
 pub mod identify;
 pub mod import;
 pub mod metrics;
+pub mod mission;
 pub mod monitor;
 pub mod motion;
 pub mod pil;
 pub mod pilot;
 pub mod plant;
+pub mod precision;
 pub mod prove;
 pub mod rate;
 pub mod rig;

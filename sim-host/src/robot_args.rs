@@ -1,6 +1,6 @@
 //! Arguments for a robot of one's own.
 
-use crate::cli::SeedArgs;
+use crate::seed_args::SeedArgs;
 use clap::Args;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::PathBuf;

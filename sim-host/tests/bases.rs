@@ -3,8 +3,9 @@
 
 use controller_core::motion::Outcome;
 use controller_core::safety::supervisor::State;
-use sim_host::drive::{DriveRow, DriveTrace, Mission, drive};
-use sim_host::rig::watch;
+use sim_host::drive::watch;
+use sim_host::drive::{DriveRow, DriveTrace, drive};
+use sim_host::mission::Mission;
 use sim_host::scenario::{BASES, BuiltInBase};
 use std::error::Error;
 use tests::stated::{At, Stated};

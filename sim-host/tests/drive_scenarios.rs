@@ -1,6 +1,7 @@
 //! Scenario files with the law for a real base.
 
-use sim_host::drive::{Course, DriveMetrics, DriveTrace, Mission, drive};
+use sim_host::drive::{DriveMetrics, DriveTrace, drive};
+use sim_host::mission::{Course, Mission};
 use sim_host::scenario::{MISSIONS, Scenario};
 use std::error::Error;
 use tests::stated::{At, Stated};

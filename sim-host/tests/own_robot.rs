@@ -2,7 +2,7 @@
 
 use firmware_demo::robots;
 use sim_host::constants::{module_name, period_us, rust};
-use sim_host::drive::Base;
+use sim_host::mission::Base;
 use sim_host::prove::{prove, shortcoming};
 use sim_host::scenario::BuiltInBase;
 use sim_host::trials::Course;

@@ -4,7 +4,7 @@ use controller_core::motion::MotionGains;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use sim_host::drive::Base;
+use sim_host::mission::Base;
 use sim_host::scenario::BASES;
 use sim_host::tune::{KNOBS, Search, Seeds, Wish, search};
 use std::error::Error;

@@ -6,9 +6,10 @@ use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Cause, Event, State, Then};
 use controller_core::safety::{Fault, FaultKind};
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques};
-use sim_host::drive::Mission;
-use sim_host::rig::{Place, Rig};
+use sim_host::mission::Mission;
+use sim_host::rig::Rig;
 use sim_host::world::Defect;
+use sim_host::world::WorldSetup;
 
 const DT: f32 = 0.01;
 
@@ -17,7 +18,7 @@ fn rig() -> Rig {
     let text = "base = \"lab-10kg\"\n[run]\nduration = 10.0\nperiod = 0.01\n[controller]\nkind = \"motion\"\n\
                 [goal]\nx = 1.0\n[world.pose_source]\nrate_hz = 20.0\n";
     let mission = Mission::parse("base.toml", text).expect("valid");
-    let place: Place = mission.place.clone().expect("a world");
+    let place: WorldSetup = mission.place.clone().expect("a world");
     Rig::new(&mission, &place).expect("valid")
 }
 

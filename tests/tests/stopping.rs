@@ -10,7 +10,7 @@ use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_st
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use sim_host::constants::period_us;
-use sim_host::drive::Base as FileBase;
+use sim_host::mission::Base as FileBase;
 use sim_host::rig;
 use sim_host::scenario::BASES;
 use tests::motion_base::{Base, Body};

@@ -23,9 +23,9 @@
 //! **Release.** Friction of both wheels takes from the kinetic energy E at least τ (|v_R| + |v_L|) ≥ 2 τ |v|, also
 //! while one of them stands: the way is at most E/(2 τ). It holds for brakes too, with c beside τ.
 
-use crate::drive::Base;
-use crate::rig::Place;
+use crate::mission::Base;
 use crate::world::GRAVITY;
+use crate::world::WorldSetup;
 use controller_core::base::{Base as Core, BaseReport};
 use controller_core::maths::Single;
 use controller_core::motor::electrical_brake;
@@ -71,7 +71,7 @@ pub(super) struct Wheels {
 }
 
 impl Bounds {
-    pub fn new(base: &Base, place: &Place, core: &Core<f32>) -> Self {
+    pub fn new(base: &Base, place: &WorldSetup, core: &Core<f32>) -> Self {
         let robot = &base.robot;
         let body = &place.world.body;
         let wheels = &robot.wheels;

@@ -1,8 +1,7 @@
 //! A host as a real one is: it speaks in frames, waits for answers, and asks again where none comes.
 
 use super::line::{Line, LineFault};
-use super::path::narrow;
-use super::plan::Path;
+use super::path::{Path, narrow};
 use super::random::Random;
 use crate::world::World;
 use controller_core::types::Pose;

@@ -1,10 +1,11 @@
 //! A run, drawn from its seed.
 
+use super::path::Path;
 use super::random::Random;
 use super::upset::{Upset, UpsetKind};
-use crate::drive::Base;
-use crate::rig::Place;
+use crate::mission::Base;
 use crate::scenario::{BASES, ScenarioError};
+use crate::world::WorldSetup;
 use crate::world::{BodyKeys, FloorParams, FrictionParams, NoiseParams, TickParams, WorldKeys};
 use controller_core::safety::supervisor::State;
 use controller_core::types::Pose;
@@ -86,17 +87,6 @@ impl Target {
     }
 }
 
-/// What is followed: a line or an arc from the start, from rest to a speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Path {
-    /// \[m/s\].
-    pub speed: f64,
-    /// \[m/s²\].
-    pub accel: f64,
-    /// \[1/m\].
-    pub curvature: f64,
-}
-
 /// Everything about a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -126,7 +116,7 @@ pub struct Plan {
     pub(super) path: Path,
     pub(super) goal: Pose<f64>,
     /// The true plant.
-    pub place: Place,
+    pub place: WorldSetup,
 }
 
 /// Bases, read once for all runs.
@@ -214,7 +204,7 @@ impl Plan {
                 reach * bearing.sin(),
                 random.between(-0.8, 0.8),
             ),
-            place: Place {
+            place: WorldSetup {
                 world: world(base, random),
                 seed: random.word(),
             },

@@ -7,7 +7,7 @@ use super::host::{Answered, Host, Manner, park, stops};
 use super::outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
 use super::upset::{Upset, UpsetKind, What};
-use crate::drive::Base;
+use crate::mission::Base;
 use crate::rig::{Board, RigError};
 use crate::world::Actuation;
 use controller_core::base::{BaseReport, WheelAction};

@@ -3,7 +3,7 @@
 use super::host::Manner;
 use super::line::LineFault;
 use super::random::Random;
-use crate::drive::Base;
+use crate::mission::Base;
 use crate::world::{Defect, Side, World};
 
 /// Kinds of trouble: every [`Defect`] of a world, and what host and links can do.

@@ -7,9 +7,10 @@ use super::write::Writer;
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
-use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, Mission, drive, summary, verdict};
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
 use sim_host::import::{Stretch, Verdict};
+use sim_host::mission::{Base, Mission};
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
 
@@ -20,7 +21,7 @@ struct DriveRecord<'a> {
     description: &'a str,
     base: &'a str,
     controller: &'static str,
-    precision: sim_host::scenario::Precision,
+    precision: sim_host::precision::Precision,
     period_s: f64,
     duration_s: f64,
     /// Of a trajectory file.

@@ -1,8 +1,9 @@
 //! What a file on the command line is, told by its content.
 
 use super::error::CommandError;
-use sim_host::drive::{Base, FileRun, Mission, verdict};
+use sim_host::drive::{FileRun, verdict};
 use sim_host::import::{Stretch, Verdict};
+use sim_host::mission::{Base, Mission};
 use sim_host::scenario::{BuiltIn, Scenario};
 use std::path::Path;
 

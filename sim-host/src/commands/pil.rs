@@ -1,31 +1,16 @@
 //! `pil`.
 
 use super::error::CommandError;
-use super::write::{Record, Writer};
+use super::write::{ChipRecord, Record, Writer};
 use super::{Finished, say, warn};
 use crate::cli::Output;
 use firmware_demo::host::{LinkKind, Machine};
-use serde::Serialize;
 use sim_host::figure::Labelled;
 use sim_host::metrics::Metrics;
-use sim_host::pil::{Bench, Cost, FIRMWARE, Flight, Footprint, Parity};
+use sim_host::pil::{Bench, Cost, FIRMWARE, Flight, Parity};
 use sim_host::scenario::{Controller, Scenario};
 use sim_host::table::{Column, side_by_side};
 use std::io::Write as _;
-
-/// What the JSON file says of the chip.
-#[derive(Clone, Copy, Serialize)]
-pub struct ChipRecord {
-    machine: &'static str,
-    link: &'static str,
-    parity: Parity,
-    /// Executed instructions of the controller's step.
-    instructions: Cost,
-    /// High-water mark since the firmware was started.
-    stack_bytes: u32,
-    image: Footprint,
-    ticks_per_second: f64,
-}
 
 pub fn all(
     scenarios: &[Scenario],

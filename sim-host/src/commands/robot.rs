@@ -1,7 +1,7 @@
 //! A robot's file, for `tune`, `prove` and `constants`.
 
 use super::error::CommandError;
-use sim_host::drive::Base;
+use sim_host::mission::Base;
 use sim_host::scenario::BuiltInBase;
 use std::path::Path;
 

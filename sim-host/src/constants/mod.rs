@@ -14,7 +14,7 @@
 mod parts;
 mod writer;
 
-use crate::drive::Base;
+use crate::mission::Base;
 use crate::rig;
 use controller_core::error::ParamError;
 use writer::Writer;

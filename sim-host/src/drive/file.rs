@@ -1,11 +1,10 @@
 //! Missions from trajectory files.
 
-use super::Base;
-use super::mission::{Course, End, HandOverRule, Mission, Route, When};
 use crate::import::{
     Figures, Format, LimitError, Options, Refusal, Stretch, Tolerance, Trajectory, Verdict, check,
 };
-use crate::scenario::Precision;
+use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
+use crate::precision::Precision;
 use controller_core::types::{Measured, Pose, Twist};
 
 /// How close a driven reference passes the poses of its file.

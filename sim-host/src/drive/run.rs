@@ -1,9 +1,9 @@
 //! The closed loop.
 
 use super::driver::{Driver, StartError};
-use super::guide::{Guide, Orders};
-use super::mission::{End, Mission};
+use super::in_world::drive_in_world;
 use super::trace::{DriveHandOver, DriveRow, DriveTrace};
+use crate::mission::{End, Guide, Mission, Orders};
 use crate::plant::Plant;
 use crate::rig::RigError;
 use controller_core::error::StepFault;
@@ -53,7 +53,7 @@ const WATCH_S: f64 = 1.0;
 /// The first fault of the controller, with its time.
 pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
     if let Some(place) = &mission.place {
-        return crate::rig::drive(mission, place).map_err(|cause| DriveError::Rig {
+        return drive_in_world(mission, place).map_err(|cause| DriveError::Rig {
             name: mission.name.clone(),
             cause,
         });

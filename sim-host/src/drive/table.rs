@@ -30,7 +30,11 @@ impl ChipTable {
     ///
     /// # Errors
     /// A file that is refused, or a base whose limits are not positive.
-    pub fn of(name: &str, bytes: &[u8], base: &super::Base) -> Result<Self, super::FileError> {
+    pub fn of(
+        name: &str,
+        bytes: &[u8],
+        base: &crate::mission::Base,
+    ) -> Result<Self, super::FileError> {
         let (run, _) = fitted(bytes, base)?;
         let upper = name.chars().map(|c| {
             if c.is_ascii_alphanumeric() {

@@ -32,6 +32,7 @@
 mod choreo;
 mod columns;
 mod compact;
+mod detect;
 mod ease;
 mod figures;
 mod fit;
@@ -55,11 +56,11 @@ mod wpilib;
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
 pub use format::Format;
-pub use limits::{Drive, LimitError, Limits};
+pub use limits::{Bound, Drive, LimitError, Limits};
 pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
-pub use stretch::{Bound, Stretch, Stretched};
+pub use stretch::{Stretch, Stretched};
 pub use trajectory::{Closeness, Sample, Trajectory};
 pub use verdict::{Verdict, check};
 
@@ -111,7 +112,7 @@ fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
         refuse(Place::line(line), Reason::NotText { offset })
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    match format::detect(text)? {
+    match detect::detect(text)? {
         Format::WpilibJson => wpilib::read(text),
         Format::ChoreoTraj => choreo::read(text),
         Format::TumPoses => tum::read(text),

@@ -1,29 +1,11 @@
 //! Reference time stretched where a base could not follow.
 
-use super::limits::{LimitError, Limits};
+use super::limits::{Bound, LimitError, Limits};
 use super::time_law::{law, smoothed};
 use super::time_optimal::{Station, fastest};
 use super::warp::Warp;
 use super::{Sample, Trajectory};
 use std::fmt;
-
-/// What limits the pace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Bound {
-    /// Speed.
-    Speed,
-    /// Turn rate.
-    TurnRate,
-    /// Acceleration across the path.
-    Lateral,
-    /// Acceleration or deceleration.
-    Acceleration,
-    /// Angular acceleration.
-    AngularAcceleration,
-    /// Torque of a wheel.
-    WheelTorque,
-}
 
 /// A part of the trajectory that is run more slowly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -200,19 +182,6 @@ fn report(before: &Trajectory, after: &Trajectory, limits: &Limits, load: f64) -
     }
     stretch.places.extend(open);
     stretch
-}
-
-impl fmt::Display for Bound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Speed => "speed",
-            Self::TurnRate => "turn rate",
-            Self::Lateral => "lateral acceleration",
-            Self::Acceleration => "acceleration",
-            Self::AngularAcceleration => "angular acceleration",
-            Self::WheelTorque => "wheel torque",
-        })
-    }
 }
 
 impl fmt::Display for Stretch {

@@ -1,7 +1,8 @@
 //! From the names in a scenario to the types of the core.
 
 use super::{InProcess, Pilot};
-use crate::scenario::{Law, MathsBackEnd, Precision, Scenario, Update};
+use crate::precision::Precision;
+use crate::scenario::{Law, MathsBackEnd, Scenario, Update};
 use controller_core::error::ParamError;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
 use controller_core::paper::neural::NeuralController;

@@ -1,7 +1,8 @@
 //! All runs, side by side.
 
 use super::{badness, grid, shortcoming};
-use crate::drive::{Base, DriveTrace, Mission};
+use crate::drive::DriveTrace;
+use crate::mission::{Base, Mission};
 use crate::rate::Rate;
 use crate::rig::RigError;
 use crate::trials::{self, Condition, Course, Figures};

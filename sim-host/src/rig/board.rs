@@ -1,9 +1,9 @@
 //! The firmware on the plant, with a host at the other end of a line.
 
+use super::PlantHal;
 use super::trial::{Parts, RigError};
-use super::{Place, PlantHal};
-use crate::drive::Base;
-use crate::world::{Actuation, World};
+use crate::mission::Base;
+use crate::world::{Actuation, World, WorldSetup};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
 use controller_core::hal::Clock;
 use firmware_demo::control::ControlTask;
@@ -31,7 +31,7 @@ impl<'queue> Board<'queue> {
     pub fn new(
         queues: &'queue mut Queues,
         base: &Base,
-        place: &Place,
+        place: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, RigError> {
         let Parts {

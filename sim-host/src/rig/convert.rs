@@ -1,6 +1,6 @@
 //! Between the plant's doubles and the controller's singles.
 
-use crate::drive::Hardware;
+use crate::mission::Hardware;
 use controller_core::base::{BaseParams, Order, Sensed};
 use controller_core::error::ParamError;
 use controller_core::hal::Observed;
@@ -14,7 +14,7 @@ use controller_core::safety::Currents;
 use controller_core::types::WheelTorques;
 use controller_core::wheels::WheelGeometry;
 
-use crate::drive::Base;
+use crate::mission::Base;
 use crate::world::{Actuation, World};
 
 /// Counts per turn and bandwidth of a base that says nothing about its encoders.
@@ -152,7 +152,7 @@ pub(super) fn duties(
 }
 
 /// A task as an order.
-pub(super) fn order(task: &Task<f64>) -> Order<f32> {
+pub(crate) fn order(task: &Task<f64>) -> Order<f32> {
     match task {
         Task::Park(goal) => Order::Park(goal.cast()),
         Task::Follow(reference) => Order::Follow(reference.cast_with::<f32, Single>()),

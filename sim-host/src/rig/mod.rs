@@ -10,22 +10,10 @@
 mod board;
 mod convert;
 mod hal;
-mod run;
 mod trial;
 
 pub use board::Board;
+pub(crate) use convert::order;
 pub use convert::params;
 pub use hal::PlantHal;
-pub use run::{drive, watch};
 pub use trial::{Rig, RigError};
-
-use crate::world::WorldKeys;
-
-/// Where a mission takes place, if not on the ideal plant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// The true plant; `body` are factors on the robot that the controller believes in.
-    pub world: WorldKeys,
-    /// Settles all noise.
-    pub seed: u64,
-}

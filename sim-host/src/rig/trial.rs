@@ -1,8 +1,8 @@
 //! World and base, tick by tick.
 
-use super::{Place, PlantHal, convert};
-use crate::drive::{Base, Mission};
-use crate::world::{ActuationError, World, WorldError};
+use super::{PlantHal, convert};
+use crate::mission::{Base, Mission};
+use crate::world::{ActuationError, World, WorldError, WorldSetup};
 use controller_core::base::{BaseController, BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
 use controller_core::hal::WheelDrive;
@@ -46,7 +46,7 @@ impl Parts {
     /// Parameters out of their range.
     pub fn of_base(
         base: &Base,
-        place: &Place,
+        place: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, RigError> {
         let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
@@ -63,7 +63,7 @@ impl Parts {
         (base, period_s): (&Base, f64),
         robot: &Robot<f64>,
         start: &Measured<f64>,
-        place: &Place,
+        place: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, RigError> {
         let period_us = (1.0e6 * period_s).round() as u32;
@@ -96,7 +96,7 @@ impl Rig {
     ///
     /// # Errors
     /// Parameters out of their range.
-    pub fn new(mission: &Mission, place: &Place) -> Result<Self, RigError> {
+    pub fn new(mission: &Mission, place: &WorldSetup) -> Result<Self, RigError> {
         let base = (&mission.base, mission.period_s);
         let Parts {
             hal,

@@ -1,10 +1,12 @@
 //! The default law, told of the noise that it works with.
 
+use super::StudyError;
 use super::condition::Disturbance;
 use super::law::{Brain, Move};
-use crate::drive::{Guide, Mission};
+use crate::mission::{Guide, Mission};
+use crate::precision::Precision;
 use controller_core::error::ParamError;
-use controller_core::maths::Maths;
+use controller_core::maths::{Libm, Maths, Single};
 use controller_core::motion::{Motion, MotionController, MotionParams, Task};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
@@ -61,4 +63,15 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
             parking: matches!(task, Task::Park(_)),
         })
     }
+}
+
+/// The default law, in the precision asked for.
+pub(super) fn default_law<'a>(
+    mission: &'a Mission,
+    disturbance: &Disturbance,
+) -> Result<Box<dyn Brain + 'a>, StudyError> {
+    Ok(match disturbance.precision {
+        Precision::F64 => Box::new(DefaultLaw::<f64, Libm>::new(mission, disturbance)?),
+        Precision::F32 => Box::new(DefaultLaw::<f32, Single>::new(mission, disturbance)?),
+    })
 }

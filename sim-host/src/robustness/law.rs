@@ -1,13 +1,12 @@
 //! The laws that are compared, behind one call per tick.
 
 use super::condition::Disturbance;
-use super::default_law::DefaultLaw;
 use super::{Case, StudyError};
-use crate::drive::{Base, Course, End, HandOverRule, Mission, Route, When};
+use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
 use crate::pilot::{self, Pilot};
+use crate::precision::Precision;
 use crate::run::Guide;
-use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Precision, Scenario};
-use controller_core::maths::{Libm, Single};
+use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
 use controller_core::paper::demand::Demand;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, WheelTorques};
@@ -158,15 +157,4 @@ impl Brain for PaperLaw {
             parking: self.parking,
         })
     }
-}
-
-/// The default law, in the precision asked for.
-pub(super) fn default_law<'a>(
-    mission: &'a Mission,
-    disturbance: &Disturbance,
-) -> Result<Box<dyn Brain + 'a>, StudyError> {
-    Ok(match disturbance.precision {
-        Precision::F64 => Box::new(DefaultLaw::<f64, Libm>::new(mission, disturbance)?),
-        Precision::F32 => Box::new(DefaultLaw::<f32, Single>::new(mission, disturbance)?),
-    })
 }

@@ -1,10 +1,10 @@
 //! Files that describe a base, and the tables of them that a mission may have.
 
+use super::ScenarioError;
 use super::file::PoseKeys;
 use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
-use super::source::{self, Source};
-use super::{ScenarioError, check::Checked};
-use crate::drive::Base;
+use super::source::{self, Checked, Source};
+use crate::mission::Base;
 use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, Policy};

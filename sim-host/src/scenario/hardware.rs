@@ -1,8 +1,7 @@
 //! Keys of a base file beside its body and its limits.
 
-use super::check::Checked;
-use super::source::Source;
-use crate::drive::{Base, Hardware};
+use super::source::{Checked, Source};
+use crate::mission::{Base, Hardware};
 use crate::world::{BatteryParams, FrictionParams, MotorParams, PoseSourceParams};
 use controller_core::motion::MotionGains;
 use serde::Deserialize;

@@ -1,8 +1,8 @@
 //! The courses: the paper's two cases, and a park.
 
-use crate::drive::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
+use crate::mission::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
 use crate::motion::Motion;
-use crate::scenario::Precision;
+use crate::precision::Precision;
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Measured, Pose, Twist};
 

@@ -1,6 +1,7 @@
 //! What came of a trial. True errors, SI units.
 
-use crate::drive::{DriveMetrics, DriveRow, DriveTrace, Mission, StopFigures};
+use crate::drive::{DriveMetrics, DriveRow, DriveTrace, StopFigures};
+use crate::mission::Mission;
 use controller_core::maths::{Libm, Maths};
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::State;

@@ -11,14 +11,17 @@ pub use course::Course;
 pub use figures::{Figures, Peak, REST_S};
 pub use floor::{Condition, place};
 
-use crate::drive::{DriveTrace, Mission};
-use crate::rig::{Place, RigError, watch};
+use crate::drive::DriveTrace;
+use crate::drive::watch;
+use crate::mission::Mission;
+use crate::rig::RigError;
+use crate::world::WorldSetup;
 
 /// Runs a mission in a place and watches the base at rest for [`REST_S`].
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn run(mission: &Mission, place: &Place) -> Result<(DriveTrace, Figures), RigError> {
+pub fn run(mission: &Mission, place: &WorldSetup) -> Result<(DriveTrace, Figures), RigError> {
     let trace = watch(mission, place, REST_S)?;
     let figures = Figures::of(mission, &trace);
     Ok((trace, figures))

@@ -34,7 +34,7 @@ pub fn update(text: &str, gains: &MotionGains<f64>) -> Result<String, TomlError>
 #[cfg(test)]
 mod tests {
     use super::update;
-    use crate::drive::Base;
+    use crate::mission::Base;
     use crate::scenario::BuiltInBase;
 
     #[test]

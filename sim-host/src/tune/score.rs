@@ -115,7 +115,7 @@ pub fn health(gains: &MotionGains<f64>, period_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::health;
-    use crate::drive::Base;
+    use crate::mission::Base;
     use controller_core::motion::MotionGains;
 
     #[test]

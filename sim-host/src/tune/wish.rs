@@ -1,8 +1,9 @@
 //! What a base is tuned for.
 
 use super::score::{Score, health};
-use crate::drive::{Base, Course as Way, DriveTrace, FileError, FileRun, Mission};
+use crate::drive::{DriveTrace, FileError, FileRun};
 use crate::import::Stretch;
+use crate::mission::{Base, Course as Way, Mission};
 use crate::rig::RigError;
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::motion::MotionGains;

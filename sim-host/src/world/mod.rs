@@ -47,12 +47,13 @@ mod random;
 mod sense_params;
 mod senses;
 mod slide;
+mod substep;
 
 pub use actuation::{Actuation, Side};
 pub use defect::Defect;
 pub use error::{ActuationError, WorldError};
 pub use handle::World;
-pub use keys::{BodyKeys, WorldKeys};
+pub use keys::{BodyKeys, WorldKeys, WorldSetup};
 pub use params::{
     BatteryParams, BodyParams, FloorParams, FrictionParams, GRAVITY, MotorParams, PatchParams,
     PushParams, SPEED_LOOP_S, SUBSTEP_US, WorldParams,

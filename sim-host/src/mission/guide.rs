@@ -1,7 +1,7 @@
 //! What each tick is to do.
 
-use super::mission::{Change, Course, Event, HandOverRule, Mission, When};
 use super::timetable::Timetable;
+use super::{Change, Course, Event, HandOverRule, Mission, When};
 use controller_core::maths::Libm;
 use controller_core::motion::{Remaining, Task};
 use controller_core::pose_error::pose_error;

@@ -1,8 +1,10 @@
 //! A mission in a world.
 
-use super::trial::{Rig, RigError};
-use super::{Place, convert};
-use crate::drive::{BaseNote, DriveHandOver, DriveRow, DriveTrace, Guide, Mission};
+use super::note::BaseNote;
+use super::trace::{DriveHandOver, DriveRow, DriveTrace};
+use crate::mission::{Guide, Mission};
+use crate::rig::{Rig, RigError, order};
+use crate::world::WorldSetup;
 use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
 use controller_core::motion::{MotionReport, Outcome, Task};
@@ -19,7 +21,7 @@ const WATCH_S: f64 = 1.0;
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
+pub fn drive_in_world(mission: &Mission, place: &WorldSetup) -> Result<DriveTrace, RigError> {
     watch(mission, place, WATCH_S)
 }
 
@@ -27,7 +29,7 @@ pub fn drive(mission: &Mission, place: &Place) -> Result<DriveTrace, RigError> {
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn watch(mission: &Mission, place: &Place, watch_s: f64) -> Result<DriveTrace, RigError> {
+pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<DriveTrace, RigError> {
     let mut rig = Rig::new(mission, place)?;
     let mut guide = Guide::new(mission);
     let mut trace = DriveTrace {
@@ -98,10 +100,10 @@ fn tick(
         rig.base_mut().on(Event::Arm);
     }
     let followed = orders.left.map(|(left, way)| {
-        let order = convert::order(&Task::Follow(left));
+        let order = order(&Task::Follow(left));
         (left, way, wrench(&rig.would_say(&order)))
     });
-    let report = *rig.tick(&convert::order(&orders.task));
+    let report = *rig.tick(&order(&orders.task));
     let hand_over = followed.map(|(left, distance_m, followed)| {
         let parks = wrench(&report);
         DriveHandOver {

@@ -1,10 +1,20 @@
-//! What a robot is to do.
+//! What a robot is to do: on which base, along which route, in which world.
+//!
+//! A [`Mission`] is what a scenario file or a trajectory file becomes; [`crate::drive`] runs it.
 
-use super::Base;
+mod base;
+mod guide;
+mod hardware;
+mod timetable;
+
+pub use base::Base;
+pub(crate) use guide::{Guide, Orders};
+pub use hardware::Hardware;
+
 use crate::import::Trajectory;
 use crate::motion::Motion;
-use crate::rig::Place;
-use crate::scenario::Precision;
+use crate::precision::Precision;
+use crate::world::WorldSetup;
 use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose};
 
@@ -32,7 +42,7 @@ pub struct Mission {
     /// When the run ends.
     pub end: End,
     /// A world to run in; none for the ideal plant with perfect measurements.
-    pub place: Option<Place>,
+    pub place: Option<WorldSetup>,
 }
 
 /// What the robot does.

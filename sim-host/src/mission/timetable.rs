@@ -1,6 +1,6 @@
 //! The route, tick for tick.
 
-use super::mission::{Course, Mission, Route};
+use super::{Course, Mission, Route};
 use controller_core::maths::Libm;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
