@@ -275,8 +275,8 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
         }
         if task.state().is_live() {
             ends.outbox.offer(|| {
-                let (ridden_out, _) = task.controller().supervisor().ridden_out();
-                let tick = BaseTick::of(task.ticks(), task.report(), ridden_out);
+                let (ignored, _) = task.controller().supervisor().ignored();
+                let tick = BaseTick::of(task.ticks(), task.report(), ignored);
                 unasked(Telemetry::Tick(tick))
             });
         }

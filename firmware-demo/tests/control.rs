@@ -185,15 +185,18 @@ fn silent_host_begins_a_stop_within_100_ms() {
 
 #[test]
 fn the_link_is_not_watched_only_when_told_so() {
-    assert!(matches!(params().watch.command, Timeout::AfterUs(100_000)));
+    assert!(matches!(
+        params().detectors.command,
+        Timeout::AfterUs(100_000)
+    ));
     let mut free = params();
-    free.watch.command = Timeout::Off;
+    free.detectors.command = Timeout::Off;
     let mut rig = Rig::with(free, Pose::default());
     rig.host_alive = false;
     rig.command(Command::Arm).unwrap();
     rig.park(0.5, 0.0, 0.0).unwrap();
     rig.run_until(8000, |rig| rig.task.state() == State::Parked);
-    free.watch.command = Timeout::AfterUs(0);
+    free.detectors.command = Timeout::AfterUs(0);
     let queue = Box::leak(Box::new(
         controller_core::queue::ReferenceQueue::<f32, 4>::new(),
     ));

@@ -80,12 +80,12 @@ fn a_pose_is_set_and_a_fix_fused_without_a_torque_step() {
     rig.tick();
     let report = rig.task.report();
     assert_eq!(
-        report.findings.get(FaultKind::PoseJump),
+        report.active_faults.get(FaultKind::PoseJump),
         Some(Fault::PoseJump)
     );
     assert!((report.measured.unwrap().pose.y - 1.0).abs() < 1.0e-3);
-    assert_eq!(rig.task.controller().supervisor().ridden_out().0, 1);
-    assert_eq!(rig.task.state(), State::Parking, "ridden out");
+    assert_eq!(rig.task.controller().supervisor().ignored().0, 1);
+    assert_eq!(rig.task.state(), State::Parking, "ignored");
     let after = rig.task.told().unwrap();
     assert!((after.right - before.right).abs() < 0.02 * MAX_TORQUE);
 

@@ -75,7 +75,7 @@ fn references_that_overflow_brake() {
     let mut found = None;
     for _ in 0..600 {
         rig.tick();
-        found = rig.task.report().findings.iter().next();
+        found = rig.task.report().active_faults.iter().next();
         if found.is_some() {
             break;
         }
@@ -116,7 +116,7 @@ fn one_long_tick_stops() {
 }
 
 #[test]
-fn jump_of_the_pose_is_ridden_out() {
+fn jump_of_the_pose_is_ignored() {
     reaches(FaultKind::PoseJump, 1, Rig::tracking(), |rig, _| {
         let pose = WirePose {
             x: 0.1,
@@ -205,8 +205,8 @@ fn goal_beyond_all_numbers_brakes() {
 #[test]
 fn wall_stops() {
     let rig = with(|params| {
-        params.watch.wheels.stuck.after = Timeout::Off;
-        params.watch.wheels.reversed = Timeout::Off;
+        params.detectors.wheels.stuck.after = Timeout::Off;
+        params.detectors.wheels.reversed = Timeout::Off;
     });
     let there = rig.counts;
     reaches(FaultKind::Stalled, 4000, rig, |rig, _| {
@@ -222,5 +222,5 @@ fn goal_out_of_reach_stops() {
         params.motion.arrival.heading_rad = 1.0e-5;
         params.motion.arrival.retries = 0;
     });
-    reaches(FaultKind::GaveUp, 60_000, rig, |rig, _| rig.tick());
+    reaches(FaultKind::GoalUnreachable, 60_000, rig, |rig, _| rig.tick());
 }

@@ -8,7 +8,9 @@ mod rig;
 use controller_core::base::WheelAction;
 use controller_core::hal::ErrorKind;
 use controller_core::safety::supervisor::{Cause, State};
-use controller_core::safety::{CurrentWatch, Currents, Fault, FaultKind, SupplyWatch, Timeout};
+use controller_core::safety::{
+    CurrentDetectorParams, Currents, Fault, FaultKind, SupplyDetectorParams, Timeout,
+};
 use firmware_demo::drive::{Call, Script};
 use reaches::{reaches, with};
 use rig::{PERIOD_US, Rig};
@@ -60,7 +62,7 @@ fn release_is_tried_again_until_the_driver_obeys() {
 #[test]
 fn current_above_its_limit_releases() {
     let rig = with(|params| {
-        params.watch.current = CurrentWatch {
+        params.detectors.current = CurrentDetectorParams {
             limit_a: 10.0,
             after: Timeout::AfterUs(10_000),
         };
@@ -77,7 +79,7 @@ fn current_above_its_limit_releases() {
 #[test]
 fn empty_battery_stops() {
     let rig = with(|params| {
-        params.watch.supply = SupplyWatch {
+        params.detectors.supply = SupplyDetectorParams {
             low_v: 10.0,
             recovered_v: 11.0,
             after: Timeout::AfterUs(10_000),

@@ -120,7 +120,7 @@ pub struct WireCalibration {
     pub track: f32,
 }
 
-/// As those of [`controller_core::safety::WatchParams`], in microseconds.
+/// As those of [`controller_core::safety::DetectorParams`], in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WireTimeouts {
     /// Encoders without a reading.

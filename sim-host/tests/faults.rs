@@ -22,7 +22,7 @@ fn broken(outcomes: &[Outcome]) -> Vec<String> {
 }
 
 #[test]
-fn every_trouble_in_every_state_is_ridden_out_or_stopped_in_time() {
+fn every_fault_in_every_state_is_ignored_or_stopped_in_time() {
     let outcomes = study(&bases(), KEPT, 0..ALL, &Mutation::None, || {}).expect("valid");
     assert!(outcomes.len() >= 500);
     let violations = broken(&outcomes);
@@ -222,23 +222,23 @@ fn drivers_that_do_not_do_what_they_are_told_are_found_out() {
 
 /// What a policy may leave out but should not: the campaign has its own list.
 #[test]
-fn a_policy_that_rides_out_missing_poses_is_found_out() {
-    let policy = PolicyParams::DEFAULT.with(FaultKind::PoseStale, Response::RIDE_OUT);
+fn a_policy_that_ignores_missing_poses_is_detected() {
+    let policy = PolicyParams::DEFAULT.with(FaultKind::PoseStale, Response::IGNORE);
     let mutation = Mutation::Policy(policy);
     let outcomes = study(&bases(), KEPT, 0..ALL / 3, &mutation, || {}).expect("valid");
-    let ridden = broken(&outcomes)
+    let ignored = broken(&outcomes)
         .iter()
         .filter(|text| text.contains("pose_stale was found"))
         .count();
     // Armed, tracking, parking and parked.
-    assert!(ridden >= 4, "{ridden}");
+    assert!(ignored >= 4, "{ignored}");
 }
 
 #[test]
-fn a_policy_that_rides_out_a_stuck_encoder_is_refused() {
+fn a_policy_that_ignores_a_stuck_encoder_is_refused() {
     let stuck = FaultKind::EncoderStuck;
     let policy = PolicyParams::DEFAULT;
-    for reaction in [Reaction::RideOut, Reaction::ControlledStop] {
+    for reaction in [Reaction::Ignore, Reaction::ControlledStop] {
         let policy = policy.with(stuck, Response::passing(reaction));
         let mutation = Mutation::Policy(policy);
         assert!(study(&bases(), KEPT, 0..1, &mutation, || {}).is_err());

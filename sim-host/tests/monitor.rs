@@ -31,8 +31,9 @@ fn report(tick: u32) -> BaseTick {
         tau_right: -0.0,
         v_c: 1.0e-30,
         flags: tick_flags::LAW | tick_flags::TORQUE_LIMITED | parking,
-        findings: 1 << (FaultKind::PoseJump.code() - 1) | 1 << (FaultKind::WheelSlip.code() - 1),
-        ridden_out: 4,
+        active_faults: 1 << (FaultKind::PoseJump.code() - 1)
+            | 1 << (FaultKind::WheelSlip.code() - 1),
+        ignored: 4,
         ..BaseTick::default()
     }
 }
@@ -92,7 +93,7 @@ fn reports_are_told_from_damage_whatever_the_chunks() {
             "Tracking (Host)",
             "parking tick 3",
             "pose_jump wheel_slip",
-            "4 faults ridden out",
+            "4 faults ignored",
             "defaults (Damaged)",
             "bad",
             "7 bad",

@@ -95,13 +95,13 @@ fn arming_holds_zero_torque_and_the_first_torque_is_zero() {
 
 /// Two readings lost: the pose goes on along its arc, and the counts of the gap are all there afterwards.
 #[test]
-fn lost_readings_are_ridden_out_and_made_up_for() {
+fn lost_readings_are_ignored_and_made_up_for() {
     let mut rig = rig();
     let mut tick = following(&mut rig, 300);
     rig.world_mut().inject(Defect::EncoderFails);
     for _ in 0..2 {
         let report = step(&mut rig, &line(DT * f32::from(tick)));
-        assert!(report.blind && report.findings.is_empty());
+        assert!(report.blind && report.active_faults.is_empty());
         tick += 1;
     }
     rig.world_mut().heal(Defect::EncoderFails);
@@ -124,7 +124,7 @@ fn encoders_that_stay_silent_brake_the_base_for_good() {
     let found = (0..20).find_map(|lost| {
         let report = step(&mut rig, &line(DT * f32::from(tick)));
         tick += 1;
-        let stale = report.findings.get(FaultKind::MeasurementStale);
+        let stale = report.active_faults.get(FaultKind::MeasurementStale);
         stale.map(|_| (lost, report))
     });
     let (lost, report) = found.expect("found");

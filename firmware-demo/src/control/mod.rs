@@ -82,7 +82,7 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     ///
     /// The wheels are told once; only after a driver's error are they released on top, in the same tick.
     pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) -> &BaseReport<f32> {
-        let period_us = self.params.watch.period_us;
+        let period_us = self.params.detectors.period_us;
         let elapsed_us = self
             .last_us
             .map_or(period_us, |last_us| now_us.wrapping_sub(last_us));
@@ -120,7 +120,7 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         self.silent_us = self.silent_us.saturating_add(silent_us);
         // Whether the silence would be too long by the next tick.
         let by_next = self.silent_us.saturating_add(period_us);
-        match self.params.watch.command {
+        match self.params.detectors.command {
             Timeout::AfterUs(limit) if by_next > limit => {
                 self.controller.on(Event::LinkLost);
             }

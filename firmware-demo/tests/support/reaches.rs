@@ -17,7 +17,7 @@ pub fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(
         assert!(ticks < within, "{kind}: {:?} after {ticks} ticks", rig.is());
         tick(&mut rig, ticks);
         ticks += 1;
-        if let Some(fault) = rig.task.report().findings.get(kind) {
+        if let Some(fault) = rig.task.report().active_faults.get(kind) {
             break fault;
         }
     };
@@ -30,9 +30,9 @@ pub fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(
     let doing = rig.task.drive_mut().doing();
     let then = Then::Stopped.or(response.latch);
     match response.reaction {
-        Reaction::RideOut => {
+        Reaction::Ignore => {
             assert!(state.drives() && matches!(doing, Call::Set(_)));
-            assert!(rig.task.controller().supervisor().ridden_out().0 > 0);
+            assert!(rig.task.controller().supervisor().ignored().0 > 0);
             return;
         }
         Reaction::ControlledStop => {

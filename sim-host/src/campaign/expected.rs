@@ -104,7 +104,7 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
             fault(F::PoseJump),
             &[
                 (
-                    Why::Fault(F::GaveUp),
+                    Why::Fault(F::GoalUnreachable),
                     "a heading that is off against its own positions: all ways ahead look like slides, and none ends at the goal",
                 ),
                 (
@@ -144,7 +144,7 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
                     "without a gyro only poses tell that wheels slide; that do not go with odometry for long, none is left",
                 ),
                 (
-                    Why::Fault(F::GaveUp),
+                    Why::Fault(F::GoalUnreachable),
                     "without grip there are goals that are not reached",
                 ),
             ],
@@ -229,8 +229,8 @@ impl Rule {
         params: &BaseParams<f32>,
         source: Option<&PoseSourceParams>,
     ) -> Option<f64> {
-        let watch = &params.watch;
-        let period = 1.0e-6 * f64::from(watch.period_us);
+        let detectors = &params.detectors;
+        let period = 1.0e-6 * f64::from(detectors.period_us);
         let ticks = |n: f64| (n + 0.5) * period;
         let after = |timeout| match timeout {
             Timeout::AfterUs(us) => Some(1.0e-6 * f64::from(us)),
@@ -240,15 +240,16 @@ impl Rule {
         match self.upset {
             U::Nothing | U::LineFull | U::LineDelayed | U::WheelOnIce => None,
             U::EncoderStuck | U::WheelBlocked => {
-                after(watch.wheels.stuck.after).map(|s| s + ticks(2.0))
+                after(detectors.wheels.stuck.after).map(|s| s + ticks(2.0))
             }
             // Once for a wheel that rolls back to be turned round by twice the load, once to be found.
-            U::EncoderReversed => after(watch.wheels.stuck.after).map(|s| 2.0 * s + ticks(2.0)),
-            U::EncoderFails => after(watch.measurement).map(|s| s + ticks(1.0)),
+            U::EncoderReversed => after(detectors.wheels.stuck.after).map(|s| 2.0 * s + ticks(2.0)),
+            U::EncoderFails => after(detectors.measurement).map(|s| s + ticks(1.0)),
             // The last pose may be on its way yet, and the one before it was an interval ago.
             U::PoseSilent | U::PoseNan | U::FixAgeNan => {
                 let source = source?;
-                after(watch.pose).map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
+                after(detectors.pose)
+                    .map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
             }
             // As many outliers as have to agree, after the one that was on its way.
             U::PoseJump => {
@@ -258,12 +259,12 @@ impl Rule {
             }
             // Told in a tick, answered in it, judged in the next.
             U::DriveCoasts | U::DriveHolds | U::OverCurrent => Some(ticks(2.0)),
-            U::BatterySag => after(watch.supply.after).map(|s| s + ticks(1.0)),
+            U::BatterySag => after(detectors.supply.after).map(|s| s + ticks(1.0)),
             U::LateTick => Some(ticks(1.0)),
             // So many in a row, after the one under way; each as much longer as the trouble makes it.
-            U::LateTicks => Some(ticks(f64::from(watch.ticks.row) + 1.0)),
+            U::LateTicks => Some(ticks(f64::from(detectors.ticks.row) + 1.0)),
             // Judged a tick ahead.
-            U::HostSilent | U::LineDamaged => after(watch.command),
+            U::HostSilent | U::LineDamaged => after(detectors.command),
             // Sent with the next tick, answered after it.
             U::OrderNan | U::EmergencyStop => Some(ticks(2.0)),
         }
@@ -322,18 +323,18 @@ pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
 /// What a late tick adds to a deadline \[s\].
 pub(super) fn late_s(upset: &Upset, params: &BaseParams<f32>) -> f64 {
     match upset.what {
-        What::Late(_) => f64::from(params.watch.ticks.row + 1) * upset.late_s(),
+        What::Late(_) => f64::from(params.detectors.ticks.row + 1) * upset.late_s(),
         _ => upset.late_s(),
     }
 }
 
 /// Whether there is something to be found at all.
 pub(super) fn applies(upset: &Upset, target: Target, params: &BaseParams<f32>) -> bool {
-    let watch = &params.watch;
+    let detectors = &params.detectors;
     match upset.what {
         // Ticks are shorter by up to 0.2 ms: the jitter of a plan.
-        What::LateOnce(us) => match watch.ticks.long {
-            Timeout::AfterUs(long) => us + watch.period_us >= long + 200,
+        What::LateOnce(us) => match detectors.ticks.long {
+            Timeout::AfterUs(long) => us + detectors.period_us >= long + 200,
             Timeout::Off => false,
         },
         What::Defect(Defect::PoseJump { dx, dy, dtheta }) => {
@@ -373,8 +374,8 @@ pub(super) fn no_number(park: bool) -> Command {
 pub(super) const fn least(kind: FaultKind) -> Response {
     use FaultKind as F;
     match kind {
-        F::PoseJump => Response::RIDE_OUT,
-        F::PoseStale | F::CommandStale | F::WheelSlip | F::Stalled | F::GaveUp => {
+        F::PoseJump => Response::IGNORE,
+        F::PoseStale | F::CommandStale | F::WheelSlip | F::Stalled | F::GoalUnreachable => {
             Response::passing(Reaction::ControlledStop)
         }
         F::TickJitter | F::TickTooLong | F::UnderVoltage => {

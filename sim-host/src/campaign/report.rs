@@ -225,7 +225,7 @@ impl<W: Write> TraceWriter<W> {
         let report = tick.board.report();
         let Measured { pose, twist } = tick.board.world().truth();
         let measured = report.measured.unwrap_or_default();
-        let findings: Vec<_> = report.findings.iter().map(|f| f.to_string()).collect();
+        let active_faults: Vec<_> = report.active_faults.iter().map(|f| f.to_string()).collect();
         let action = match &report.action {
             WheelAction::Release => "release",
             WheelAction::Brake => "brake",
@@ -237,7 +237,7 @@ impl<W: Write> TraceWriter<W> {
             tick.t.to_string(),
             format!("{:?}", report.state),
             format!("{:?}", report.cause),
-            findings.join("; "),
+            active_faults.join("; "),
             action.to_owned(),
             u8::from(tick.upset).to_string(),
         ] {

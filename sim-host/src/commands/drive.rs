@@ -2,8 +2,8 @@
 
 use super::error::CommandError;
 use super::job::{Content, Job};
-use super::say;
 use super::write::Writer;
+use super::{note, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
@@ -37,7 +37,11 @@ pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
     match file {
         Some(file) => match file.to_str().and_then(BuiltInBase::find) {
             Some(built_in) if !file.exists() => Ok(built_in.base()?),
-            _ => Ok(Base::load(file)?),
+            _ => {
+                let base = Base::load(file)?;
+                note(&base);
+                Ok(base)
+            }
         },
         None => Ok(Base::default()),
     }
@@ -61,6 +65,9 @@ pub fn run(
         if let Verdict::Drivable { repairs: list, .. } = verdict {
             repairs.extend(list.iter().map(ToString::to_string));
         }
+    }
+    if file.is_none() {
+        note(&mission.base);
     }
     let trace = drive(mission)?;
     let metrics = DriveMetrics::of(mission, &trace).ok_or(CommandError::NoRows)?;

@@ -41,7 +41,7 @@ pub fn robot(arguments: &ProveArgs, output: &Output) -> Result<(), CommandError>
     ))?;
     say(
         "errors and times of the runs that parked, of all if none did; worst over the seeds. !: beyond what \
-         is asked.\nstopped for; found: faults with the number of runs, found ones may have been ridden out.\n\n",
+         is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
     )?;
     say(&format!("{}\n", verdict(&proof)))?;
     let name = format!("{}-prove", robot.name);

@@ -36,10 +36,12 @@ impl Robot {
             path: path.to_owned(),
             cause,
         })?;
+        let base = Base::parse(&path.display().to_string(), &text)?;
+        super::note(&base);
         Ok(Self {
             name: part(path.file_stem()),
             file: part(path.file_name()),
-            base: Base::parse(&path.display().to_string(), &text)?,
+            base,
             text,
         })
     }

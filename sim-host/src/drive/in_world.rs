@@ -133,7 +133,7 @@ fn tick(
         base: Some(BaseNote {
             state: report.state,
             cause: report.cause,
-            findings: report.findings,
+            active_faults: report.active_faults,
             fix: report.fix,
             asked: asked.cast(),
         }),

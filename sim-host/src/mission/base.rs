@@ -23,6 +23,8 @@ pub struct Base {
     pub hardware: Option<Hardware>,
     /// Reaction to each kind of fault.
     pub policy: PolicyParams,
+    /// What its owner should change in its file: names that are read for the last time.
+    pub notes: Vec<String>,
 }
 
 impl Default for Base {
@@ -46,6 +48,7 @@ impl Default for Base {
             gains: None,
             hardware: None,
             policy: PolicyParams::DEFAULT,
+            notes: Vec::new(),
         }
     }
 }

@@ -141,7 +141,7 @@ fn tick(line: &mut String, report: &BaseTick) {
     for kind in report.codes().filter_map(FaultKind::from_code) {
         let _ = write!(line, " {kind}");
     }
-    if report.ridden_out > 0 {
-        let _ = write!(line, " | {} faults ridden out", report.ridden_out);
+    if report.ignored > 0 {
+        let _ = write!(line, " | {} faults ignored", report.ignored);
     }
 }

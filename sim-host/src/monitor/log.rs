@@ -78,7 +78,7 @@ impl<W: Write> Log<W> {
             (true, true) => "parking",
         };
         let kinds = report.codes().filter_map(FaultKind::from_code);
-        let findings: Vec<&str> = kinds.map(FaultKind::name).collect();
+        let active_faults: Vec<&str> = kinds.map(FaultKind::name).collect();
         for text in [
             format!("{time_s:.6}"),
             report.tick.to_string(),
@@ -87,8 +87,8 @@ impl<W: Write> Log<W> {
             law.to_owned(),
             format!("{:?}", report.action),
             format!("{:?}", report.outcome),
-            findings.join("+"),
-            report.ridden_out.to_string(),
+            active_faults.join("+"),
+            report.ignored.to_string(),
             report.retries.to_string(),
         ] {
             self.writer.write_field(text)?;

@@ -7,7 +7,7 @@ use std::io::Write;
 /// The columns, in order. SI units, radians; shares of the limit. Empty: not measured.
 ///
 /// * failed: the first criterion that was not fulfilled; stopped, stopped_at: what for and when.
-/// * found: faults, ridden out or not, with spaces between them.
+/// * found: faults, ignored or not, with spaces between them.
 pub const COLUMNS: [&str; 16] = [
     "course",
     "condition",

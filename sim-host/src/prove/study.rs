@@ -61,7 +61,7 @@ pub struct Case {
     pub peak: Option<trials::Peak>,
     /// What runs stopped for, with their number.
     pub stopped: BTreeMap<String, usize>,
-    /// Faults that were found, ridden out or not, with the number of runs.
+    /// Faults that were found, ignored or not, with the number of runs.
     pub found: BTreeMap<&'static str, usize>,
 }
 

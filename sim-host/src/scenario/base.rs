@@ -1,9 +1,9 @@
 //! Files that describe a base, and the tables of them that a mission may have.
 
-use super::ScenarioError;
 use super::file::PoseKeys;
 use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
 use super::source::{self, Checked, Source};
+use super::{ScenarioError, renamed};
 use crate::mission::Base;
 use crate::world;
 use controller_core::error::{Field, ParamError};
@@ -115,6 +115,7 @@ impl Base {
             return Err(place.error(&format!("policy.{}", error.kind.name()), error));
         }
         base.policy = keys.policy;
+        base.notes = renamed::notes(file, text);
         Ok(base)
     }
 }

@@ -14,10 +14,12 @@ mod file;
 mod hardware;
 mod mission;
 mod ranges;
+mod renamed;
 mod source;
 
 pub use built_in::{BUILT_IN, BuiltIn, MISSIONS, PAPER};
 pub use built_in_base::{BASES, BuiltInBase};
+pub use renamed::RENAMED_KEYS;
 pub use source::ScenarioError;
 
 use crate::motion::Motion;

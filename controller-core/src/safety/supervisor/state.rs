@@ -94,8 +94,8 @@ pub enum Event {
     Underrun,
     /// The base stands at its goal.
     Reached,
-    /// The motion law gave up reaching its goal.
-    GaveUp,
+    /// The motion law has no retry left and is still outside the tolerance of its goal.
+    GoalUnreachable,
     /// The base came to rest during a stop.
     Halted,
     /// A stop took longer than it may.
@@ -124,15 +124,15 @@ impl Event {
         Self::TrajectoryEnded,
         Self::Underrun,
         Self::Reached,
-        Self::GaveUp,
+        Self::GoalUnreachable,
         Self::Halted,
         Self::StopTimedOut,
         Self::Stop,
         Self::LinkLost,
         Self::EmergencyStop { brake: true },
         Self::EmergencyStop { brake: false },
-        Self::Fault(Response::passing(Reaction::RideOut)),
-        Self::Fault(Response::latched(Reaction::RideOut)),
+        Self::Fault(Response::passing(Reaction::Ignore)),
+        Self::Fault(Response::latched(Reaction::Ignore)),
         Self::Fault(Response::passing(Reaction::ControlledStop)),
         Self::Fault(Response::latched(Reaction::ControlledStop)),
         Self::Fault(Response::passing(Reaction::Brake)),
@@ -192,7 +192,7 @@ impl OutputMode {
     /// The reaction that this output is as severe as.
     pub const fn severity(self) -> Reaction {
         match self {
-            Self::Drive | Self::Hold | Self::ZeroTorque => Reaction::RideOut,
+            Self::Drive | Self::Hold | Self::ZeroTorque => Reaction::Ignore,
             Self::ControlledStop => Reaction::ControlledStop,
             Self::Brake => Reaction::Brake,
             Self::Release => Reaction::Release,

@@ -57,7 +57,7 @@ impl Runner<'_, '_> {
             return 0.0;
         };
         let of = |right: f32, left: f32| f64::from(if side == Side::Right { right } else { left });
-        let watch = &self.board.task().params().watch;
+        let detectors = &self.board.task().params().detectors;
         let core = self.board.task().controller().base();
         let wheels = core.motion().wheels();
         let speeds = wheels.wheel_speeds(&motion.command);
@@ -66,8 +66,8 @@ impl Runner<'_, '_> {
             of(torques.right, torques.left),
         );
         let (fast, hard) = (
-            f64::from(watch.wheels.stuck.speed_rad_s),
-            f64::from(watch.wheels.stuck.torque_nm),
+            f64::from(detectors.wheels.stuck.speed_rad_s),
+            f64::from(detectors.wheels.stuck.torque_nm),
         );
         let way = speed.signum();
         if speed.abs() >= fast && way * torque >= hard {

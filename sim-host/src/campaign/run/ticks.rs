@@ -61,7 +61,7 @@ impl Runner<'_, '_> {
         self.unread_s = since(self.heard.read, self.unread_s);
         let state = report.state;
         // One tick is left for the reaction.
-        let patience = match self.board.task().params().watch.command {
+        let patience = match self.board.task().params().detectors.command {
             Timeout::AfterUs(us) => 1.0e-6 * f64::from(us),
             Timeout::Off => f64::INFINITY,
         };
@@ -108,7 +108,7 @@ impl Runner<'_, '_> {
 
     /// A stop begins, or another one takes over: its way is measured from here.
     pub(super) fn begin_stop(&mut self, before: &BaseReport<f32>, severity: Reaction) {
-        let now = (severity > Reaction::RideOut).then_some(severity);
+        let now = (severity > Reaction::Ignore).then_some(severity);
         if now == self.segment {
             return;
         }
@@ -132,7 +132,7 @@ impl Runner<'_, '_> {
             _ => 0.0,
         };
         let bound_m = match severity {
-            Reaction::RideOut => 0.0,
+            Reaction::Ignore => 0.0,
             Reaction::ControlledStop => {
                 let anew = self.bounds.controlled(&core, before, &twist, dt, &wheels);
                 (anew + self.unfound_m()).max(left_m)
@@ -163,7 +163,7 @@ impl Runner<'_, '_> {
         let params = self.board.task().params();
         let found = Rule::of(UpsetKind::EncoderReversed).within_s(params, None);
         let robot = &params.motion.robot;
-        let force = 2.0 * params.watch.wheels.stuck.torque_nm
+        let force = 2.0 * params.detectors.wheels.stuck.torque_nm
             / robot.wheels.radius_right_m.min(robot.wheels.radius_left_m);
         let loop_rate = params.motion.gains.speed_loop;
         let built = force / (robot.mass_kg * loop_rate * loop_rate);

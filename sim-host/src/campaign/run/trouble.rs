@@ -80,7 +80,10 @@ impl Runner<'_, '_> {
         }
         let report = self.board.report();
         let rule = Rule::of(self.plan.upset.kind);
-        let mut found = report.findings.iter().map(|fault| Why::Fault(fault.kind()));
+        let mut found = report
+            .active_faults
+            .iter()
+            .map(|fault| Why::Fault(fault.kind()));
         let stopped = Some(Why::of(report.cause)).filter(|_| check::stops(report.state));
         let refused = self.refused.then_some(Why::Refused);
         let why = found

@@ -1,4 +1,4 @@
-//! What the detectors are fed with, and what they found.
+//! Inputs of the detectors, and the faults that they find.
 
 use super::fault::{Fault, FaultKind};
 use super::policy::Policy;
@@ -15,9 +15,9 @@ pub struct Currents<T> {
     pub left: T,
 }
 
-/// Everything that a tick has to judge by.
+/// Everything that the detectors see of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Evidence<T> {
+pub struct DetectorInputs<T> {
     /// Time since the last tick \[µs\].
     pub dt_us: u32,
     /// What the encoders gave in this tick; `None` if nothing.
@@ -26,14 +26,14 @@ pub struct Evidence<T> {
     pub measured: Measured<T>,
     /// A twist that does not come from the wheels, such as of an external pose or a gyro, if there is one.
     pub outside: Option<Twist<T>>,
-    /// The twist that the velocity loop was asked for in the last tick; zero where nothing drives.
+    /// The commanded twist of the last tick; zero where nothing drives.
     pub command: Twist<T>,
     /// Torques exerted since the last tick \[N m\], zero where the wheels were released; `None` where they are
     /// not known, as with windings shorted.
     pub torques: Option<WheelTorques<T>>,
     /// Age of the last external pose \[µs\], `u32::MAX` if there was none.
     pub pose_age_us: u32,
-    /// Time since host or reference were last heard \[µs\].
+    /// Time since the last frame of the host or sample of the reference \[µs\].
     pub command_age_us: u32,
     /// The localiser says that the pose jumped.
     pub pose_jumped: bool,
@@ -47,11 +47,11 @@ pub struct Evidence<T> {
 
 /// The faults of a tick, at most one of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Findings {
+pub struct ActiveFaults {
     slots: [Option<Fault>; FaultKind::COUNT],
 }
 
-impl Findings {
+impl ActiveFaults {
     /// None.
     pub const NONE: Self = Self {
         slots: [None; FaultKind::COUNT],
@@ -96,7 +96,7 @@ impl Findings {
         let acted = self
             .iter()
             .map(|fault| (fault, policy.response(fault)))
-            .filter(|(_, response)| response.reaction > Reaction::RideOut);
+            .filter(|(_, response)| response.reaction > Reaction::Ignore);
         acted.reduce(|(worst, so_far), (fault, response)| {
             // What latches is what somebody has to look for.
             let more = response.reaction > so_far.reaction
@@ -106,11 +106,11 @@ impl Findings {
         })
     }
 
-    /// Those that the policy rides out.
-    pub fn ridden_out(&self, policy: &Policy) -> impl Iterator<Item = Fault> + '_ {
+    /// Those that the policy ignores.
+    pub fn ignored(&self, policy: &Policy) -> impl Iterator<Item = Fault> + '_ {
         let policy = *policy;
         self.iter()
-            .filter(move |fault| policy.response(*fault).reaction == Reaction::RideOut)
+            .filter(move |fault| policy.response(*fault).reaction == Reaction::Ignore)
     }
 }
 
@@ -122,36 +122,39 @@ mod tests {
     #[test]
     fn the_most_severe_reaction_wins_and_any_latch_latches() {
         let policy = Policy::default();
-        let mut findings = Findings::NONE;
-        assert_eq!(findings.worst(&policy), None);
-        findings.add(Fault::PoseJump);
-        assert_eq!(findings.worst(&policy), None, "ridden out");
-        assert_eq!(findings.ridden_out(&policy).count(), 1);
+        let mut active_faults = ActiveFaults::NONE;
+        assert_eq!(active_faults.worst(&policy), None);
+        active_faults.add(Fault::PoseJump);
+        assert_eq!(active_faults.worst(&policy), None, "ignored");
+        assert_eq!(active_faults.ignored(&policy).count(), 1);
         // A stop that does not latch, and stops that do: one stop, latched, named by what latches, of those the lower code.
-        findings.add(Fault::PoseStale);
-        findings.add(Fault::UnderVoltage);
-        findings.add(Fault::TickTooLong);
+        active_faults.add(Fault::PoseStale);
+        active_faults.add(Fault::UnderVoltage);
+        active_faults.add(Fault::TickTooLong);
         let all = Response::latched(Reaction::ControlledStop);
-        assert_eq!(findings.worst(&policy), Some((Fault::TickTooLong, all)));
+        assert_eq!(
+            active_faults.worst(&policy),
+            Some((Fault::TickTooLong, all))
+        );
         let stuck = Fault::EncoderStuck(Side::Left);
-        findings.add(stuck);
+        active_faults.add(stuck);
         let brake = Response::latched(Reaction::Brake);
-        assert_eq!(findings.worst(&policy), Some((stuck, brake)));
-        findings.add(Fault::Driver(ErrorKind::Bus));
+        assert_eq!(active_faults.worst(&policy), Some((stuck, brake)));
+        active_faults.add(Fault::Driver(ErrorKind::Bus));
         let release = Response::latched(Reaction::Release);
         let driver = Fault::Driver(ErrorKind::Bus);
-        assert_eq!(findings.worst(&policy), Some((driver, release)));
+        assert_eq!(active_faults.worst(&policy), Some((driver, release)));
     }
 
     #[test]
     fn the_first_of_a_kind_stays() {
-        let mut findings = Findings::NONE;
-        findings.add(Fault::WheelSlip(Side::Left));
-        findings.add(Fault::WheelSlip(Side::Right));
+        let mut active_faults = ActiveFaults::NONE;
+        active_faults.add(Fault::WheelSlip(Side::Left));
+        active_faults.add(Fault::WheelSlip(Side::Right));
         assert_eq!(
-            findings.get(FaultKind::WheelSlip),
+            active_faults.get(FaultKind::WheelSlip),
             Some(Fault::WheelSlip(Side::Left))
         );
-        assert_eq!(findings.iter().count(), 1);
+        assert_eq!(active_faults.iter().count(), 1);
     }
 }

@@ -32,7 +32,7 @@ impl Timeout {
 /// When ticks are too uneven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct TickWatch {
+pub struct TickDetectorParams {
     /// A tick longer than this came late; above the period. `Off` watches no jitter.
     pub late: Timeout,
     /// So many late ticks in a row are a fault; 1 to 255.
@@ -46,7 +46,7 @@ pub struct TickWatch {
 /// When a wheel that is told to turn counts as stuck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct StuckWatch<T> {
+pub struct StuckDetectorParams<T> {
     /// Torque that turns a free wheel in any case \[N m\]: above friction, and above what a slope that the
     /// base drives on needs. 1e-6 to 1e6.
     pub torque_nm: T,
@@ -59,7 +59,7 @@ pub struct StuckWatch<T> {
 /// When a wheel counts as slipping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SlipWatch<T> {
+pub struct SlipDetectorParams<T> {
     /// Acceleration of a wheel beyond twice that of the model that nothing but slip explains \[rad/s²\],
     /// 1e-2 to 1e6.
     pub accel_rad_s2: T,
@@ -73,24 +73,24 @@ pub struct SlipWatch<T> {
 /// Detectors of wheels and encoders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct WheelWatch<T> {
+pub struct WheelDetectorParams<T> {
     /// Encoder counts per turn of a wheel, 1 to 1e7.
     pub counts_per_turn: T,
     /// Load from outside as torque at each wheel \[N m\], 1e-6 to 1e6: slope, rolling resistance, pushes. A
     /// reversed wheel is found under loads up to this; no load below three times it is taken for one.
     pub load_nm: T,
     /// Stuck.
-    pub stuck: StuckWatch<T>,
+    pub stuck: StuckDetectorParams<T>,
     /// Reversed: for how long the evidence has to hold, on top of the 0.1 s that it is averaged over.
     pub reversed: Timeout,
     /// Slipping.
-    pub slip: SlipWatch<T>,
+    pub slip: SlipDetectorParams<T>,
 }
 
 /// When a motor's current is too large. Without measured currents there is nothing to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CurrentWatch<T> {
+pub struct CurrentDetectorParams<T> {
     /// Largest lasting current of a motor \[A\], 1e-3 to 1e4.
     pub limit_a: T,
     /// For how long above it.
@@ -100,7 +100,7 @@ pub struct CurrentWatch<T> {
 /// When the supply is too low. Without a measured supply there is nothing to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SupplyWatch<T> {
+pub struct SupplyDetectorParams<T> {
     /// Below this is too low \[V\], 1e-1 to 1e3.
     pub low_v: T,
     /// Good again only from this on \[V\], at least `low_v`: a battery recovers when its load is gone.
@@ -111,7 +111,7 @@ pub struct SupplyWatch<T> {
 
 /// Everything that the monitor watches by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WatchParams<T> {
+pub struct DetectorParams<T> {
     /// Time between ticks as planned \[µs\], 100 to 100,000. No timeout is shorter than two of them.
     pub period_us: u32,
     /// Mass, inertia and wheels that torques work on.
@@ -123,21 +123,21 @@ pub struct WatchParams<T> {
     /// Host or reference silent.
     pub command: Timeout,
     /// Ticks.
-    pub ticks: TickWatch,
+    pub ticks: TickDetectorParams,
     /// Wheels and encoders.
-    pub wheels: WheelWatch<T>,
+    pub wheels: WheelDetectorParams<T>,
     /// Motor currents.
-    pub current: CurrentWatch<T>,
+    pub current: CurrentDetectorParams<T>,
     /// Supply.
-    pub supply: SupplyWatch<T>,
+    pub supply: SupplyDetectorParams<T>,
 }
 
-impl<T: Scalar> WatchParams<T> {
+impl<T: Scalar> DetectorParams<T> {
     /// Checks every field and works out what follows from them.
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed. Times are in µs.
-    pub fn validate(self) -> Result<Watch<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidDetectorParams<T>, ParamError> {
         let period = f64::from(self.period_us);
         whole(Field::TickPeriod, self.period_us, 100.0, 1.0e5)?;
         let robot = &self.robot;
@@ -186,7 +186,7 @@ impl<T: Scalar> WatchParams<T> {
         ] {
             within(field, value, low, high)?;
         }
-        Ok(Watch {
+        Ok(ValidDetectorParams {
             load_accel: load_accel(robot, &map, wheels.load_nm),
             map,
             per_count,
@@ -234,10 +234,10 @@ pub(super) fn time(field: Field, timeout: Timeout, least_us: f64) -> Result<(), 
     }
 }
 
-/// [`WatchParams`] that passed `validate`.
+/// [`DetectorParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Watch<T> {
-    pub(super) params: WatchParams<T>,
+pub struct ValidDetectorParams<T> {
+    pub(super) params: DetectorParams<T>,
     pub(super) map: WheelMap<T>,
     /// Turn of a wheel per count \[rad\].
     pub(super) per_count: T,
@@ -245,9 +245,9 @@ pub struct Watch<T> {
     pub(super) load_accel: T,
 }
 
-impl<T: Scalar> Watch<T> {
+impl<T: Scalar> ValidDetectorParams<T> {
     /// The parameters as they were given.
-    pub fn params(&self) -> &WatchParams<T> {
+    pub fn params(&self) -> &DetectorParams<T> {
         &self.params
     }
 }

@@ -1,12 +1,13 @@
 //! Thresholds and times that follow from a base.
 
 use super::{
-    CurrentWatch, SlipWatch, StuckWatch, SupplyWatch, TickWatch, Timeout, WatchParams, WheelWatch,
+    CurrentDetectorParams, DetectorParams, SlipDetectorParams, StuckDetectorParams,
+    SupplyDetectorParams, TickDetectorParams, Timeout, WheelDetectorParams,
 };
 use crate::motion::MotionParams;
 use crate::scalar::Scalar;
 
-impl<T: Scalar> WatchParams<T> {
+impl<T: Scalar> DetectorParams<T> {
     /// What suits a base with encoders and a host, ticking every `period_us`.
     ///
     /// External poses, currents and supply are off: their limits are not known from the base.
@@ -37,16 +38,16 @@ impl<T: Scalar> WatchParams<T> {
             pose: Timeout::Off,
             // A tenth of a second is what a base drives on without anybody noticing.
             command: ticks(5, 100_000),
-            ticks: TickWatch {
+            ticks: TickDetectorParams {
                 late: Timeout::AfterUs(period_us.saturating_add(period_us / 2)),
                 row: 5,
                 of_64: 16,
                 long: ticks(10, 0),
             },
-            wheels: WheelWatch {
+            wheels: WheelDetectorParams {
                 counts_per_turn,
                 load_nm,
-                stuck: StuckWatch {
+                stuck: StuckDetectorParams {
                     // The load that a reversed wheel may not be confused with, too.
                     torque_nm: f(3.0) * load_nm,
                     // 2 cm/s: slower, and nothing is lost by waiting.
@@ -54,18 +55,18 @@ impl<T: Scalar> WatchParams<T> {
                     after: ticks(10, 250_000),
                 },
                 reversed: ticks(3, 30_000),
-                slip: SlipWatch {
+                slip: SlipDetectorParams {
                     // 3 m/s²: a third of the weight would have to push.
                     accel_rad_s2: f(3.0) / radius,
                     speed_m_s: f(0.2),
                     after: ticks(5, 50_000),
                 },
             },
-            current: CurrentWatch {
+            current: CurrentDetectorParams {
                 limit_a: f(10.0),
                 after: Timeout::Off,
             },
-            supply: SupplyWatch {
+            supply: SupplyDetectorParams {
                 low_v: f(10.0),
                 recovered_v: f(11.0),
                 after: Timeout::Off,

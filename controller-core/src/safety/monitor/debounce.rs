@@ -1,14 +1,14 @@
 //! How long something has held without a break.
 
-use crate::safety::watch::Timeout;
+use crate::safety::detector_params::Timeout;
 
 /// Time that saturates instead of wrapping around.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Held {
+pub(crate) struct Debounce {
     us: u32,
 }
 
-impl Held {
+impl Debounce {
     /// Nothing yet.
     pub(crate) const NONE: Self = Self { us: 0 };
 
