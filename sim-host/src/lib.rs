@@ -11,7 +11,7 @@
 //! | whole base | [`rig`] in a [`world`] |
 //! | faults, by the thousand | [`campaign`] |
 //! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`]; [`drive`] with the default law |
-//! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
+//! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`prove`], [`constants`]; [`trials`] on bad floors |
 //! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
@@ -51,7 +51,6 @@ pub mod rig;
 pub mod robustness;
 pub mod run;
 pub mod scenario;
-pub mod sim_robot;
 pub mod table;
 pub mod trace;
 pub mod trials;

@@ -9,4 +9,4 @@ mod metrics;
 mod motion;
 mod pilot;
 mod plant;
-mod sim_robot;
+mod plant_hal;

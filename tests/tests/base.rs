@@ -2,10 +2,12 @@
 
 use controller_core::base::{BaseReport, Order, WheelAction};
 use controller_core::localiser::FixOutcome;
+use controller_core::queue::ReferenceQueue;
 use controller_core::reference::Reference;
-use controller_core::safety::supervisor::{Cause, Event, State, Then};
+use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::safety::{Fault, FaultKind};
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques};
+use protocol::{Command, RejectReason};
 use sim_host::mission::Mission;
 use sim_host::rig::Rig;
 use sim_host::world::Defect;
@@ -14,15 +16,15 @@ use sim_host::world::WorldSetup;
 const DT: f32 = 0.01;
 
 /// The 10 kg base on an ideal floor, with its motors, encoders and pose source, but without their noise.
-fn rig() -> Rig {
+fn rig(queue: &mut ReferenceQueue<f32, 2>) -> Rig<'_> {
     let text = "base = \"lab-10kg\"\n[run]\nduration = 10.0\nperiod = 0.01\n[controller]\nkind = \"motion\"\n\
                 [goal]\nx = 1.0\n[world.pose_source]\nrate_hz = 20.0\n";
     let mission = Mission::parse("base.toml", text).expect("valid");
     let place: WorldSetup = mission.place.clone().expect("a world");
-    Rig::new(&mission, &place).expect("valid")
+    Rig::new(queue.split().1, &mission, &place).expect("valid")
 }
 
-fn step(rig: &mut Rig, order: &Order<f32>) -> BaseReport<f32> {
+fn step(rig: &mut Rig<'_>, order: &Order<f32>) -> BaseReport<f32> {
     rig.advance().expect("a world takes what a base commands");
     *rig.tick(order)
 }
@@ -38,9 +40,9 @@ fn line(t: f32) -> Order<f32> {
 }
 
 /// Armed and following for `ticks`; the tick's number to go on with.
-fn following(rig: &mut Rig, ticks: u16) -> u16 {
+fn following(rig: &mut Rig<'_>, ticks: u16) -> u16 {
     step(rig, &Order::None);
-    rig.base_mut().on(Event::Arm);
+    rig.command(&Command::Arm).expect("idle");
     for tick in 0..ticks {
         let report = step(rig, &line(DT * f32::from(tick)));
         assert_eq!(report.state, State::Tracking);
@@ -58,7 +60,8 @@ fn an_order_that_is_not_a_number_brakes_and_latches() {
     let nowhere = Pose::new(f32::NAN, 0.0, 0.0);
     let along = Reference::new(nowhere, Twist::new(0.4, 0.0), Accel::default());
     for order in [Order::Park(nowhere), Order::Follow(along)] {
-        let mut rig = rig();
+        let mut queue = ReferenceQueue::new();
+        let mut rig = rig(&mut queue);
         following(&mut rig, 100);
         let report = step(&mut rig, &order);
         assert_eq!(report.action, WheelAction::Brake);
@@ -72,7 +75,8 @@ fn an_order_that_is_not_a_number_brakes_and_latches() {
 
 #[test]
 fn nothing_moves_before_it_is_armed() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     for tick in 0..50 {
         let report = step(&mut rig, &line(DT * tick as f32));
         assert_eq!(report.action, WheelAction::Release);
@@ -83,9 +87,10 @@ fn nothing_moves_before_it_is_armed() {
 
 #[test]
 fn arming_holds_zero_torque_and_the_first_torque_is_zero() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     step(&mut rig, &Order::None);
-    rig.base_mut().on(Event::Arm);
+    rig.command(&Command::Arm).expect("idle");
     let armed = step(&mut rig, &Order::None);
     assert_eq!(armed.action.torques(), Some(WheelTorques::default()));
     let first = step(&mut rig, &line(0.0));
@@ -96,7 +101,8 @@ fn arming_holds_zero_torque_and_the_first_torque_is_zero() {
 /// Two readings lost: the pose goes on along its arc, and the counts of the gap are all there afterwards.
 #[test]
 fn lost_readings_are_ignored_and_made_up_for() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     let mut tick = following(&mut rig, 300);
     rig.world_mut().inject(Defect::EncoderFails);
     for _ in 0..2 {
@@ -118,7 +124,8 @@ fn lost_readings_are_ignored_and_made_up_for() {
 
 #[test]
 fn encoders_that_stay_silent_brake_the_base_for_good() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     let mut tick = following(&mut rig, 300);
     rig.world_mut().inject(Defect::EncoderFails);
     let found = (0..20).find_map(|lost| {
@@ -135,13 +142,14 @@ fn encoders_that_stay_silent_brake_the_base_for_good() {
     for _ in 0..600 {
         step(&mut rig, &Order::None);
     }
-    assert_eq!(rig.base().report().state, State::Fault);
+    assert_eq!(rig.report().state, State::Fault);
     assert!(rig.world().truth().twist.linear.abs() < 1e-3);
 }
 
 #[test]
 fn a_silent_host_stops_the_base_within_its_limits() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     following(&mut rig, 300);
     let mut stopping = 0;
     for _ in 0..400 {
@@ -153,7 +161,7 @@ fn a_silent_host_stops_the_base_within_its_limits() {
             assert!(motion.command_rate.linear > -1.5 - 1e-4);
         }
     }
-    let report = rig.base().report();
+    let report = rig.report();
     assert_eq!(report.state, State::Stopped);
     assert_eq!(report.cause, Cause::Fault(Fault::CommandStale));
     assert!(stopping > 20 && rig.world().truth().twist.linear.abs() < 0.01);
@@ -161,25 +169,30 @@ fn a_silent_host_stops_the_base_within_its_limits() {
 
 #[test]
 fn the_button_reaches_the_wheels_at_once_and_is_latched() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     following(&mut rig, 300);
-    assert_eq!(rig.base_mut().emergency_stop(), WheelAction::Brake);
+    let brake = Command::EmergencyStop { brake: true };
+    rig.command(&brake).expect("never refused");
+    assert_eq!(rig.task().doing(), &WheelAction::Brake);
     let report = step(&mut rig, &line(3.0));
     assert_eq!(report.action, WheelAction::Brake);
     assert!(report.refused);
-    rig.base_mut().on(Event::Arm);
+    // Not before it is reset.
+    assert_eq!(rig.command(&Command::Arm), Err(RejectReason::State));
     for _ in 0..600 {
         step(&mut rig, &Order::None);
     }
-    assert_eq!(rig.base().report().state, State::Fault);
-    rig.base_mut().on(Event::Reset);
+    assert_eq!(rig.report().state, State::Fault);
+    rig.command(&Command::ResetFault).expect("at rest");
     assert_eq!(step(&mut rig, &Order::None).state, State::Idle);
 }
 
 /// Poses that are no numbers are refused by name, and the base goes on by odometry.
 #[test]
 fn a_pose_that_is_no_number_changes_nothing() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     let from = following(&mut rig, 100);
     rig.world_mut().inject(Defect::PoseNan);
     let mut refused = 0;
@@ -197,16 +210,19 @@ fn a_pose_that_is_no_number_changes_nothing() {
 /// The map is moved by half a metre: the torque goes on from where it was.
 #[test]
 fn a_pose_that_is_set_makes_no_step_of_the_torque() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     let mut tick = following(&mut rig, 300);
-    let before = rig.base().report().action.torques().expect("driven");
-    let Measured { pose, .. } = rig.base().report().measured.expect("measured");
+    let before = rig.report().action.torques().expect("driven");
+    let Measured { pose, .. } = rig.report().measured.expect("measured");
     let moved = Pose::new(pose.x - 0.3, pose.y + 0.4, pose.theta);
-    rig.base_mut().set_pose(moved).expect("finite");
+    let moved = (&moved).into();
+    rig.command(&Command::SetPose { pose: moved })
+        .expect("finite");
     let report = step(&mut rig, &line(DT * f32::from(tick)));
     tick += 1;
     let after = report.action.torques().expect("driven");
-    let motion = rig.base().base().motion();
+    let motion = rig.task().controller().base().motion();
     // Both wheels' share of the limits on the rates of force and moment, and a count's worth of speed.
     let wheels = motion.wheels();
     let most = wheels.torques(&controller_core::types::Wrench {
@@ -226,11 +242,12 @@ fn a_pose_that_is_set_makes_no_step_of_the_torque() {
 /// says that too.
 #[test]
 fn a_parked_base_that_leaves_its_goal_says_so() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut rig = rig(&mut queue);
     step(&mut rig, &Order::None);
-    rig.base_mut().on(Event::Arm);
+    rig.command(&Command::Arm).expect("idle");
     let goal = Order::Park(Pose::default());
-    let until = |rig: &mut Rig, state: State| {
+    let until = |rig: &mut Rig<'_>, state: State| {
         let mut reports = (0..2_000).map(|_| step(rig, &goal));
         reports.any(|report| report.state == state)
     };
@@ -240,8 +257,8 @@ fn a_parked_base_that_leaves_its_goal_says_so() {
         assert_eq!(step(&mut rig, &goal).state, State::Parked);
     }
     // 0.2 m: the pose source puts it back, but only after a while.
-    let moved = rig.base_mut().set_pose(Pose::new(0.2, 0.0, 0.0));
-    assert_eq!(moved, Ok(()));
+    let moved = (&Pose::new(0.2, 0.0, 0.0)).into();
+    assert_eq!(rig.command(&Command::SetPose { pose: moved }), Ok(()));
     assert_eq!(step(&mut rig, &goal).state, State::Parking);
     assert!(until(&mut rig, State::Parked));
 }

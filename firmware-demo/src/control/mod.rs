@@ -12,7 +12,7 @@ mod wheels;
 
 pub use settings::{SetError, SettingError};
 
-use controller_core::base::{BaseController, BaseParams, BaseReport, Sensed, WheelAction};
+use controller_core::base::{BaseController, BaseParams, BaseReport, Order, Sensed, WheelAction};
 use controller_core::hal::{ErrorKind, WheelDrive};
 use controller_core::localiser::Fix;
 use controller_core::queue::ReferenceConsumer;
@@ -82,20 +82,45 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     ///
     /// The wheels are told once; only after a driver's error are they released on top, in the same tick.
     pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) -> &BaseReport<f32> {
+        let elapsed_us = self.elapsed_us(now_us);
+        self.watch_host(elapsed_us);
+        let order = self.order(elapsed_us);
+        self.run(elapsed_us, &order, sensed)
+    }
+
+    /// The same for a caller that is its own host: it gives the order of each tick, and is heard by giving it.
+    pub fn tick_with(
+        &mut self,
+        now_us: u32,
+        order: &Order<f32>,
+        sensed: &Sensed<f32>,
+    ) -> &BaseReport<f32> {
+        let elapsed_us = self.elapsed_us(now_us);
+        self.run(elapsed_us, order, sensed)
+    }
+
+    fn elapsed_us(&mut self, now_us: u32) -> u32 {
         let period_us = self.params.detectors.period_us;
         let elapsed_us = self
             .last_us
             .map_or(period_us, |last_us| now_us.wrapping_sub(last_us));
         self.last_us = Some(now_us);
         self.ticks = self.ticks.wrapping_add(1);
-        self.watch_host(elapsed_us, period_us);
-        let order = self.order(elapsed_us);
+        elapsed_us
+    }
+
+    fn run(
+        &mut self,
+        elapsed_us: u32,
+        order: &Order<f32>,
+        sensed: &Sensed<f32>,
+    ) -> &BaseReport<f32> {
         let sensed = Sensed {
             fix: self.fix.take().or(sensed.fix),
             driver: self.answer,
             ..*sensed
         };
-        let action = self.controller.tick(elapsed_us, &order, &sensed).action;
+        let action = self.controller.tick(elapsed_us, order, &sensed).action;
         self.tell(&action, sensed.supply_v);
         self.tidy();
         self.controller.report()
@@ -112,7 +137,8 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     ///
     /// In a tick in which the host was heard it was silent for a period at most: a longer tick says nothing of the host, only
     /// of itself, and is a fault of its own.
-    fn watch_host(&mut self, elapsed_us: u32, period_us: u32) {
+    fn watch_host(&mut self, elapsed_us: u32) {
+        let period_us = self.params.detectors.period_us;
         let silent_us = match self.silent_us {
             0 => elapsed_us.min(period_us),
             _ => elapsed_us,

@@ -9,8 +9,10 @@ use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
 use controller_core::motion::{MotionReport, Outcome, Task};
 use controller_core::pose_error::pose_error;
-use controller_core::safety::supervisor::{Event, State};
+use controller_core::queue::ReferenceQueue;
+use controller_core::safety::supervisor::State;
 use controller_core::types::{Twist, Wrench};
+use protocol::Command;
 
 /// For how long a base is watched after it parked \[s\].
 const WATCH_S: f64 = 1.0;
@@ -30,7 +32,9 @@ pub fn drive_in_world(mission: &Mission, place: &WorldSetup) -> Result<DriveTrac
 /// # Errors
 /// Parameters out of their range.
 pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<DriveTrace, RigError> {
-    let mut rig = Rig::new(mission, place)?;
+    let mut queue = ReferenceQueue::<f32, 2>::new();
+    let (_, references) = queue.split();
+    let mut rig = Rig::new(references, mission, place)?;
     let mut guide = Guide::new(mission);
     let mut trace = DriveTrace {
         period_s: mission.period_s,
@@ -45,8 +49,8 @@ pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<Driv
             break;
         }
         let mut row = tick(mission, &mut rig, &mut guide, t);
-        let state = rig.base().report().state;
-        if rig.base().report().motion.is_none() {
+        let state = rig.report().state;
+        if rig.report().motion.is_none() {
             // The motion law is off: what it said last stands.
             let before = trace.rows.last().map(|row: &DriveRow| row.report);
             row.0.report.mode = before.map_or_else(Default::default, |report| report.mode);
@@ -79,25 +83,26 @@ pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<Driv
 /// One tick of a mission.
 fn tick(
     mission: &Mission,
-    rig: &mut Rig,
+    rig: &mut Rig<'_>,
     guide: &mut Guide<'_>,
     t: f64,
 ) -> (DriveRow, Option<DriveHandOver>) {
     let truth = rig.world().truth();
-    let report = rig.base().report();
+    let report = rig.report();
     let believed = report
         .measured
         .map_or(mission.start, |measured| measured.cast());
     let command = report
         .motion
         .map_or(Twist::default(), |motion| motion.command.cast());
-    let motion = *rig.base().base().motion();
+    let motion = *rig.task().controller().base().motion();
     let distance = |speed: f64| f64::from(motion.hand_over_distance(speed as f32));
     // Ticks come unevenly; the route goes by the clock.
     let tick = (t.max(0.0) / mission.period_s).round() as usize;
     let orders = guide.at(tick, t, &believed, &command, distance);
-    if rig.base().report().state == State::Idle && rig.base().report().measured.is_some() {
-        rig.base_mut().on(Event::Arm);
+    if rig.report().state == State::Idle && rig.report().measured.is_some() {
+        // An idle base that knows where it is refuses no arming.
+        let _ = rig.command(&Command::Arm);
     }
     let followed = orders.left.map(|(left, way)| {
         let order = order(&Task::Follow(left));

@@ -2,7 +2,7 @@
 
 use super::convert;
 use crate::world::{Actuation, ActuationError, World};
-use controller_core::base::{Drive, Sensed, WheelAction};
+use controller_core::base::Sensed;
 use controller_core::hal::{
     Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders, accepts,
 };
@@ -52,29 +52,6 @@ impl PlantHal {
     /// Everything that a base measures at the end of a tick.
     pub fn sensed(&self) -> Sensed<f32> {
         convert::sensed(&self.world)
-    }
-
-    /// Does what a base asks of its wheels; the answer is the driver's.
-    ///
-    /// # Errors
-    /// As the traits' methods.
-    pub fn act(&mut self, action: &WheelAction<f32>) -> Result<(), ErrorKind> {
-        match action {
-            WheelAction::Release => self.release(),
-            WheelAction::Brake => self.brake(),
-            WheelAction::Drive(Drive {
-                torques,
-                wanted,
-                speeds,
-            }) => {
-                self.observe(&Observed {
-                    speeds: *speeds,
-                    wanted: *wanted,
-                    supply_v: self.world.supply_v() as f32,
-                });
-                self.set_torques(*torques)
-            }
-        }
     }
 
     /// The world, for what truly happens.

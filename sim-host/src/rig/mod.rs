@@ -1,8 +1,8 @@
 //! The whole base of [`controller_core::base`] in a world that is not kind: encoders, late poses, motors,
 //! friction, slip, uneven ticks, faults.
 //!
-//! [`PlantHal`] is the plant behind the hardware traits. On it run the core's base by orders ([`Rig`]) and the
-//! firmware's whole station by bytes ([`Board`]).
+//! [`PlantHal`] is the plant behind the hardware traits. On it runs the firmware's control task, by orders ([`Rig`]) or
+//! by bytes through the whole station ([`Board`]).
 //!
 //! The controller is the chip's, in single precision with the core's own maths; [`crate::world`] is the
 //! truth it is measured against, and they share no code. A run is settled by its mission and a seed.

@@ -3,12 +3,14 @@
 use super::{PlantHal, convert};
 use crate::mission::{Base, Mission};
 use crate::world::{ActuationError, World, WorldError, WorldSetup};
-use controller_core::base::{BaseController, BaseError, BaseParams, BaseReport, Order};
+use controller_core::base::{BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
-use controller_core::hal::WheelDrive;
+use controller_core::hal::Clock;
+use controller_core::queue::ReferenceConsumer;
 use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose};
-use firmware_demo::control::SettingError;
+use firmware_demo::control::{ControlTask, SettingError};
+use protocol::{Command, RejectReason};
 
 /// Why a base cannot be put into a world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -82,21 +84,23 @@ impl Parts {
     }
 }
 
-/// A base in a world, driven by orders: the core's base alone, without a host and its line.
-#[derive(Clone, Debug)]
-pub struct Rig {
-    hal: PlantHal,
-    base: BaseController,
+/// A base in a world, driven by orders: the firmware's control task without a host and its line.
+pub struct Rig<'queue> {
+    task: ControlTask<'queue, PlantHal>,
     period_us: u32,
     dt_us: u32,
 }
 
-impl Rig {
-    /// A disarmed base that knows where it starts.
+impl<'queue> Rig<'queue> {
+    /// A disarmed base that knows where it starts. Orders come with each tick, so nothing goes through `references`.
     ///
     /// # Errors
     /// Parameters out of their range.
-    pub fn new(mission: &Mission, place: &WorldSetup) -> Result<Self, RigError> {
+    pub fn new(
+        references: ReferenceConsumer<'queue, f32>,
+        mission: &Mission,
+        place: &WorldSetup,
+    ) -> Result<Self, RigError> {
         let base = (&mission.base, mission.period_s);
         let Parts {
             hal,
@@ -104,10 +108,9 @@ impl Rig {
             start,
             period_us,
         } = Parts::with(base, &mission.robot, &mission.start, place, |_| {})?;
-        let valid = params.validate().map_err(RigError::Base)?;
+        let task = ControlTask::new(hal, references, params, start).map_err(RigError::Setting)?;
         Ok(Self {
-            hal,
-            base: BaseController::new(&valid, start),
+            task,
             period_us,
             dt_us: period_us,
         })
@@ -118,49 +121,49 @@ impl Rig {
     /// # Errors
     /// A command that the world refuses, which no base gives.
     pub fn advance(&mut self) -> Result<(), RigError> {
-        self.dt_us = self
-            .hal
-            .advance(self.period_us)
-            .map_err(RigError::Actuation)?;
+        let hal = self.task.drive_mut();
+        self.dt_us = hal.advance(self.period_us).map_err(RigError::Actuation)?;
         Ok(())
     }
 
-    /// The base's tick, and what the wheels do from now on.
+    /// The tick's interrupt, and what the wheels do from now on.
     pub fn tick(&mut self, order: &Order<f32>) -> &BaseReport<f32> {
-        let sensed = self.hal.sensed();
-        let action = self.base.tick(self.dt_us, order, &sensed).action;
-        // What a driver answers is in what the next tick measures.
-        let _ = self.hal.act(&action);
-        if let Some(exerted) = self.hal.exerted() {
-            // Finite by the motor layer's own check.
-            let _ = self.base.note_exerted(&exerted);
-        }
-        self.base.report()
+        let hal = self.task.drive();
+        let (now_us, sensed) = (hal.now_us(), hal.sensed());
+        self.task.tick_with(now_us, order, &sensed)
+    }
+
+    /// A command from a host.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
+        self.task.command(command)
     }
 
     /// What the base would say to another order in this tick. Nothing changes.
     pub fn would_say(&self, order: &Order<f32>) -> BaseReport<f32> {
-        let mut base = self.base;
-        *base.tick(self.dt_us, order, &self.hal.sensed())
+        let mut controller = *self.task.controller();
+        *controller.tick(self.dt_us, order, &self.task.drive().sensed())
     }
 
     /// The world, for what truly happens.
     pub const fn world(&self) -> &World {
-        self.hal.world()
+        self.task.drive().world()
     }
 
     /// The world, to put faults into.
     pub const fn world_mut(&mut self) -> &mut World {
-        self.hal.world_mut()
+        self.task.drive_mut().world_mut()
     }
 
-    /// The base.
-    pub const fn base(&self) -> &BaseController {
-        &self.base
+    /// The control task, to look at.
+    pub const fn task(&self) -> &ControlTask<'queue, PlantHal> {
+        &self.task
     }
 
-    /// The base, to be told something.
-    pub const fn base_mut(&mut self) -> &mut BaseController {
-        &mut self.base
+    /// The report of the last tick.
+    pub const fn report(&self) -> &BaseReport<f32> {
+        self.task.report()
     }
 }
