@@ -1,4 +1,4 @@
-//! Every kind of fault on the task: in the tick in which it is found the wheels are told what the policy says, and what latches stays
+//! Every kind of fault on the task: in the tick in which it is found the output is what the policy says, and what latches stays
 //! until it is reset.
 
 #[path = "support/reaches.rs"]
@@ -81,7 +81,7 @@ fn references_that_overflow_brake() {
         }
     }
     assert_eq!(found.unwrap().kind(), FaultKind::NotFinite);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Brake);
+    assert_eq!(rig.task.drive_mut().output(), Call::Brake);
     assert_eq!(rig.task.state(), State::Braking(Then::Fault));
 }
 
@@ -111,8 +111,8 @@ fn one_long_tick_stops() {
     // Beyond what the law steps over there is no torque that could stop the base.
     let mut rig = Rig::tracking();
     rig.tick_with(600_000, |_| {});
-    assert_eq!(rig.task.told(), None);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
+    assert_eq!(rig.task.applied(), None);
+    assert_eq!(rig.task.drive_mut().output(), Call::Release);
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn stuck_encoders_brake() {
             assert!(ticks < 4000);
         }
         println!("both {both}: {ticks} ticks, {:?}", rig.is());
-        assert_eq!(rig.task.drive_mut().doing(), Call::Brake);
+        assert_eq!(rig.task.drive_mut().output(), Call::Brake);
     }
 }
 

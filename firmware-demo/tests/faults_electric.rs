@@ -30,8 +30,8 @@ fn driver_error_releases_in_the_same_tick() {
         };
         rig.task.drive_mut().fail(script);
         rig.tick();
-        assert_eq!(rig.task.drive_mut().doing(), Call::Release, "at once");
-        assert_eq!(*rig.task.doing(), WheelAction::Release);
+        assert_eq!(rig.task.drive_mut().output(), Call::Release, "at once");
+        assert_eq!(*rig.task.output(), WheelAction::Release);
         reaches(FaultKind::Driver, 1, rig, |rig, _| rig.tick());
     }
 }
@@ -47,7 +47,7 @@ fn release_is_tried_again_until_the_driver_obeys() {
     rig.task.drive_mut().fail(script);
     rig.tick();
     assert!(
-        rig.task.drive_mut().told().is_some(),
+        rig.task.drive_mut().applied().is_some(),
         "the driver did not obey"
     );
     rig.tick();
@@ -56,7 +56,7 @@ fn release_is_tried_again_until_the_driver_obeys() {
         (State::Fault, Cause::Fault(Fault::Driver(ErrorKind::Bus)))
     );
     rig.run(3);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
+    assert_eq!(rig.task.drive_mut().output(), Call::Release);
 }
 
 #[test]

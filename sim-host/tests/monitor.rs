@@ -87,7 +87,7 @@ fn reports_are_told_from_damage_whatever_the_chunks() {
         assert_eq!(monitor.reports(), 3);
         let frames = monitor.frames();
         assert_eq!((frames.good, frames.rejected()), (6, 2));
-        assert_eq!(monitor.heard().state, Some((State::Tracking, Cause::Host)));
+        assert_eq!(monitor.latest().state, Some((State::Tracking, Cause::Host)));
         let line = monitor.line();
         for part in [
             "Tracking (Host)",
@@ -110,8 +110,8 @@ fn log_reads_back_bit_for_bit() {
     let mut bytes = Vec::new();
     let mut log = Log::new(&mut bytes).expect("written");
     let mut monitor = Monitor::default();
-    monitor.take(&script(), |report, heard| {
-        log.add(0.25, report, heard).expect("written");
+    monitor.take(&script(), |report, latest| {
+        log.add(0.25, report, latest).expect("written");
     });
     log.flush().expect("written");
     drop(log);

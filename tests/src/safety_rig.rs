@@ -66,7 +66,7 @@ pub struct Rig {
     monitor: Monitor<f64>,
     odometry: Odometry<f64>,
     counted: [f64; 2],
-    told: (OutputMode, WheelTorques<f64>, Twist<f64>),
+    applied: (OutputMode, WheelTorques<f64>, Twist<f64>),
     plan: Option<(StopPlan<f64>, f64)>,
     dt: f64,
     ticks: u32,
@@ -108,7 +108,7 @@ impl Rig {
             monitor: Monitor::new(&settings.validate().expect("valid")),
             odometry: Odometry::new(&odometry, body.pose, WheelCounts::default()).expect("valid"),
             counted: [0.0; 2],
-            told: (OutputMode::Drive, WheelTorques::default(), Twist::default()),
+            applied: (OutputMode::Drive, WheelTorques::default(), Twist::default()),
             plan: None,
             dt,
             ticks: 0,
@@ -141,7 +141,7 @@ impl Rig {
             left: self.counted[1].floor() as i32,
         };
         let measured = self.odometry.update::<Libm>(counts, self.dt);
-        let (output, torques, command) = self.told;
+        let (output, torques, command) = self.applied;
         let mut inputs = DetectorInputs {
             dt_us: (1e6 * self.dt).round() as u32,
             counts: Some(counts),
@@ -162,7 +162,7 @@ impl Rig {
         let Twist { linear, angular } = measured.twist;
         let rests = self.supervisor.rests(linear as f32, angular as f32);
         self.supervisor.tick(inputs.dt_us, rests);
-        self.told = self.decide(order, &measured);
+        self.applied = self.decide(order, &measured);
     }
 
     /// Runs to `until`.
@@ -200,7 +200,7 @@ impl Rig {
     }
 
     fn roll(&mut self) {
-        let (output, mut torques, _) = self.told;
+        let (output, mut torques, _) = self.applied;
         let map = *self.motion().wheels();
         let before = map.wheel_speeds(&self.body.twist);
         let mut slip = None;

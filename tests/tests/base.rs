@@ -174,7 +174,7 @@ fn the_button_reaches_the_wheels_at_once_and_is_latched() {
     following(&mut rig, 300);
     let brake = Command::EmergencyStop { brake: true };
     rig.command(&brake).expect("never refused");
-    assert_eq!(rig.task().doing(), &WheelAction::Brake);
+    assert_eq!(rig.task().output(), &WheelAction::Brake);
     let report = step(&mut rig, &line(3.0));
     assert_eq!(report.action, WheelAction::Brake);
     assert!(report.refused);

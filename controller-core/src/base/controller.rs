@@ -285,7 +285,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// The host is alive, though it has no order.
-    pub fn heard(&mut self) {
+    pub fn host_seen(&mut self) {
         self.silent_us = 0;
     }
 
@@ -324,7 +324,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// What the wheels really exert until the next tick, where the driver could not do what it was
-    /// told: for the estimates of speed and disturbance.
+    /// commanded: for the estimates of speed and disturbance.
     ///
     /// # Errors
     /// A torque that is not finite; nothing is noted then.

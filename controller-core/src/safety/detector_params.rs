@@ -43,7 +43,7 @@ pub struct TickDetectorParams {
     pub long: Timeout,
 }
 
-/// When a wheel that is told to turn counts as stuck.
+/// When a wheel that is commanded to turn counts as stuck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StuckDetectorParams<T> {

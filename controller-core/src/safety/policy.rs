@@ -53,7 +53,7 @@ impl PolicyParams {
         encoder_reversed: Response::latched(Reaction::Brake),
         // Grip comes back with less torque; odometry is off by then, so the way is not driven on.
         wheel_slip: Response::passing(Reaction::ControlledStop),
-        // After an error the wheels' state is unknown, and the driver has to be told to let go.
+        // After an error the wheels' state is unknown, and the driver has to release.
         driver: Response::latched(Reaction::Release),
         // A brake would add the current of the motor's own voltage.
         over_current: Response::latched(Reaction::Release),
@@ -156,7 +156,7 @@ enum Broken {
 }
 
 impl FaultKind {
-    /// The measured twist cannot be relied upon, not even to tell that the base rests.
+    /// The measured twist cannot be relied upon, not even to see that the base rests.
     pub const fn breaks_measurement(self) -> bool {
         matches!(self.broken(), Some(Broken::Measurement))
     }

@@ -94,7 +94,7 @@ impl<T: Scalar> StopPlan<T> {
         )
     }
 
-    /// What the controller is told in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
+    /// The reference of the controller in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
     pub fn task<M: Maths<T>>(&self, t: T, dt: T, pose: &Pose<T>) -> Task<T> {
         let (twist, _) = self.at(t);
         // Debounce for a tick: that of its middle. In the first tick none, as it was: a step of it would be bridged

@@ -10,7 +10,7 @@ use embedded_hal::pwm::SetDutyCycle;
 
 use super::bridge::{Bridges, MotorError, MotorSide, NoPin};
 
-/// What both motors were told.
+/// What was applied to both motors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelCommands {
     /// Right wheel.
@@ -27,7 +27,7 @@ pub struct MotorPair<P, D, E = NoPin> {
     bridges: Bridges<E>,
     motor: Motor<f32>,
     observed: Observed,
-    told: WheelCommands,
+    applied: WheelCommands,
     backward: Option<[bool; 2]>,
 }
 
@@ -45,14 +45,14 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
             bridges,
             motor,
             observed: Observed::default(),
-            told: WheelCommands::default(),
+            applied: WheelCommands::default(),
             backward: None,
         }
     }
 
-    /// What both motors were told last, and what was limited; zero after a release or a brake.
-    pub const fn told(&self) -> &WheelCommands {
-        &self.told
+    /// What was applied to both motors last, and what was limited; zero after a release or a brake.
+    pub const fn applied(&self) -> &WheelCommands {
+        &self.applied
     }
 
     /// What the bridges can do.
@@ -87,7 +87,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
 
     /// No duty on either side, tried on both.
     fn off(&mut self) -> Result<(), MotorError> {
-        self.told = WheelCommands::default();
+        self.applied = WheelCommands::default();
         let (right, left) = (self.right.off(), self.left.off());
         right.and(left)
     }
@@ -108,7 +108,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
 
     /// By the motors' equations: torque at the wheel less its friction, where current or supply limited it.
     fn exerted(&self) -> Option<WheelTorques<f32>> {
-        let WheelCommands { right, left } = &self.told;
+        let WheelCommands { right, left } = &self.applied;
         let limited = right.limited.torque() || left.limited.torque();
         limited.then_some(WheelTorques {
             right: right.torque_nm - right.friction_nm,
@@ -152,7 +152,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         self.bridges.switch(true)?;
         // Known only now: after an error the directions are set anew.
         self.backward = Some(wanted);
-        self.told = commands;
+        self.applied = commands;
         Ok(())
     }
 

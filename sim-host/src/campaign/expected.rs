@@ -36,7 +36,7 @@ pub enum Clock {
     /// All, if the tick is as long as one that counts as too long.
     Long,
     /// Since the last sound frame arrived, in a live base.
-    Unheard,
+    SinceFrame,
     /// While the wheel is commanded faster, and pushed harder that way, than the stuck detector's thresholds, without
     /// a break.
     Pushed,
@@ -50,7 +50,7 @@ impl Clock {
             Self::All => "from its beginning",
             Self::Beyond => "from its beginning, before any way, beyond twice the gate",
             Self::Long => "from its beginning, if it lasts for 10 periods",
-            Self::Unheard => "since the last sound frame, armed or on its way",
+            Self::SinceFrame => "since the last sound frame, armed or on its way",
             Self::Pushed => "commanded and pushed above `stuck`, without a break",
         }
     }
@@ -152,7 +152,7 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
         ),
         rule(U::LateTick, fault(F::TickTooLong), &[], C::Long),
         rule(U::LateTicks, fault(F::TickJitter), &[], C::All),
-        rule(U::HostSilent, Some(Why::Link), &[], C::Unheard),
+        rule(U::HostSilent, Some(Why::Link), &[], C::SinceFrame),
         rule(U::OrderNan, Some(Why::Refused), &[], C::All),
         rule(U::EmergencyStop, Some(Why::Button), &[], C::All),
         rule(U::LineFull, None, &[], C::None),
@@ -162,14 +162,14 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
             &[
                 (
                     Why::Fault(F::CommandStale),
-                    "the host is heard, but so many samples are lost that the trajectory ends",
+                    "frames come, but so many samples are lost that the trajectory ends",
                 ),
                 (
                     Why::Fault(F::PoseStale),
-                    "the host is heard, but so many poses are lost that they are missing",
+                    "frames come, but so many poses are lost that they are missing",
                 ),
             ],
-            C::Unheard,
+            C::SinceFrame,
         ),
         rule(
             U::LineDelayed,

@@ -5,7 +5,7 @@ use super::path::{Path, narrow};
 use super::random::Random;
 use crate::world::World;
 use controller_core::types::Pose;
-use firmware_demo::station::UNASKED;
+use firmware_demo::control_server::UNASKED;
 use protocol::{
     Command, Decoder, Frame, MAX_CONTENT, MAX_FRAME, RejectReason, Telemetry, TimedSample, encode,
 };

@@ -44,7 +44,7 @@ pub enum Why {
     Host,
     /// The button.
     Button,
-    /// Nothing was heard of the host.
+    /// No frame came from the host.
     Link,
     /// What was asked for was refused.
     Refused,

@@ -14,7 +14,7 @@ use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{PolicyParams, Reaction};
 use controller_core::types::{Pose, WheelTorques};
-use firmware_demo::station::Queues;
+use firmware_demo::control_server::Queues;
 use protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
 
 mod clock;
@@ -100,7 +100,7 @@ enum Intent {
 
 /// Frames that reached the base between two ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Heard {
+struct Received {
     /// Any, with every byte as it was sent.
     any: bool,
     /// Any that the protocol reads.
@@ -127,11 +127,11 @@ struct Runner<'a, 'queue> {
     t: f64,
     intent: Intent,
     /// What reached the base for this tick.
-    heard: Heard,
+    received: Received,
     /// Time by which a stop of the host is due \[s\].
     stop_at: Option<f64>,
-    /// Since the base last heard a sound frame \[s\].
-    unheard_s: f64,
+    /// Time since the last sound frame reached the base \[s\].
+    since_frame_s: f64,
     /// The same of a frame that the protocol reads \[s\].
     unread_s: f64,
     /// Something was refused that had to be.
@@ -190,9 +190,9 @@ impl<'a, 'queue> Runner<'a, 'queue> {
             period_s,
             t: 0.0,
             intent: Intent::Quiet,
-            heard: Heard::default(),
+            received: Received::default(),
             stop_at: None,
-            unheard_s: 0.0,
+            since_frame_s: 0.0,
             unread_s: 0.0,
             refused: false,
             was: Cause::PowerOn,

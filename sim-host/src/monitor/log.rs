@@ -1,6 +1,6 @@
 //! Reports as CSV.
 
-use super::Heard;
+use super::LatestTelemetry;
 use controller_core::safety::FaultKind;
 use protocol::{BaseTick, tick_flags};
 use std::io::Write;
@@ -66,8 +66,13 @@ impl<W: Write> Log<W> {
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn add(&mut self, time_s: f64, report: &BaseTick, heard: &Heard) -> csv::Result<()> {
-        let cause = match &heard.state {
+    pub fn add(
+        &mut self,
+        time_s: f64,
+        report: &BaseTick,
+        latest: &LatestTelemetry,
+    ) -> csv::Result<()> {
+        let cause = match &latest.state {
             Some((_, cause)) => format!("{cause:?}"),
             None => String::new(),
         };

@@ -7,18 +7,18 @@ use crate::world::{Actuation, World, WorldSetup};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
 use controller_core::hal::Clock;
 use firmware_demo::control::ControlTask;
-use firmware_demo::station::{Queues, Reception, Station};
+use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues};
 use protocol::{Frame, Telemetry};
 
 /// Of so many reports of a tick one is sent: a line of 115,200 baud holds ten frames of 60 bytes in 0.05 s.
 const DECIMATE: u16 = 10;
 
-/// The firmware's station over a [`PlantHal`]: bytes in, frames out, ticks in between.
+/// The firmware's control server over a [`PlantHal`]: bytes in, frames out, ticks in between.
 ///
 /// External poses do not reach it but as frames; see [`World::fix`] for what a host has to send.
 pub struct Board<'queue> {
-    station: Station<'queue, PlantHal>,
-    reception: Reception<'queue>,
+    server: ControlServer<'queue, PlantHal>,
+    receiver: CommandReceiver<'queue>,
     period_us: u32,
     dt_us: u32,
 }
@@ -40,11 +40,11 @@ impl<'queue> Board<'queue> {
             start,
             period_us,
         } = Parts::of_base(base, place, edit)?;
-        let (references, ends, reception) = queues.split(DECIMATE);
+        let (references, ends, receiver) = queues.split(DECIMATE);
         let task = ControlTask::new(hal, references, params, start).map_err(RigError::Setting)?;
         Ok(Self {
-            station: Station::new(task, ends),
-            reception,
+            server: ControlServer::new(task, ends),
+            receiver,
             period_us,
             dt_us: period_us,
         })
@@ -55,36 +55,36 @@ impl<'queue> Board<'queue> {
     /// # Errors
     /// A command that the world refuses, which no task gives.
     pub fn advance(&mut self) -> Result<(), RigError> {
-        let hal = self.station.drive_mut();
+        let hal = self.server.drive_mut();
         self.dt_us = hal.advance(self.period_us).map_err(RigError::Actuation)?;
         Ok(())
     }
 
     /// A byte from the line, to the background; what it answers at once.
     pub fn receive(&mut self, byte: u8) -> Option<Frame<Telemetry>> {
-        self.reception.push(byte, || 0)
+        self.receiver.push(byte, || 0)
     }
 
     /// The tick's interrupt.
     pub fn tick(&mut self) -> &BaseReport<f32> {
-        let hal = self.station.drive_mut();
+        let hal = self.server.drive_mut();
         let sensed = Sensed {
             fix: None,
             ..hal.sensed()
         };
         let now_us = hal.now_us();
-        self.station.tick(now_us, &sensed);
+        self.server.tick(now_us, &sensed);
         self.task().report()
     }
 
     /// What the tick has to send, oldest first.
     pub fn pending(&mut self) -> Option<Frame<Telemetry>> {
-        self.reception.pending()
+        self.receiver.pending()
     }
 
     /// The control task, to look at.
     pub const fn task(&self) -> &ControlTask<'queue, PlantHal> {
-        self.station.task()
+        self.server.task()
     }
 
     /// The report of the last tick.
@@ -99,7 +99,7 @@ impl<'queue> Board<'queue> {
 
     /// The world, to put faults into.
     pub const fn world_mut(&mut self) -> &mut World {
-        self.station.drive_mut().world_mut()
+        self.server.drive_mut().world_mut()
     }
 
     /// What acts on the wheels until the next tick.
@@ -109,7 +109,7 @@ impl<'queue> Board<'queue> {
 
     /// Lets something else act: a driver that does not do what it is asked for.
     pub const fn override_actuation(&mut self, actuation: Actuation) {
-        self.station.drive_mut().override_actuation(actuation);
+        self.server.drive_mut().override_actuation(actuation);
     }
 
     /// Length of the last tick \[µs\].

@@ -2,7 +2,7 @@
 //! friction, slip, uneven ticks, faults.
 //!
 //! [`PlantHal`] is the plant behind the hardware traits. On it runs the firmware's control task, by orders ([`Rig`]) or
-//! by bytes through the whole station ([`Board`]).
+//! by bytes through the whole control server ([`Board`]).
 //!
 //! The controller is the chip's, in single precision with the core's own maths; [`crate::world`] is the
 //! truth it is measured against, and they share no code. A run is settled by its mission and a seed.

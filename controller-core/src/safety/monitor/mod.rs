@@ -6,10 +6,10 @@
 //! | pose, command stale | their age | the timeout and a tick |
 //! | not finite | measured pose or twist | the tick |
 //! | tick too long, jitter | `ticks` | the tick; `row` late ticks, or `of_64` of the last 64 |
-//! | pose jump, driver | told by others | the tick |
-//! | stuck, stalled | [`wheel`](self#wheels): told to turn, stands | `stuck.after` and a tick |
+//! | pose jump, driver | reported by others | the tick |
+//! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a tick |
 //! | reversed | moves against its torque | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
-//! | reversed | told to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
+//! | reversed | commanded to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
 //! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
 //! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |
@@ -32,7 +32,7 @@
 //! | D = d_max/a² | most that the load contributes to y | rad |
 //!
 //! The filter's impulse response t e^(−at) is positive with area 1/a², so a sound wheel has |y − x| ≤ D for
-//! any load up to d_max, and a reversed one |y + x| ≤ D. With |x| ≥ 2 D the two are told apart at −x/2: a
+//! any load up to d_max, and a reversed one |y + x| ≤ D. With |x| ≥ 2 D the two are separated at −x/2: a
 //! reversed wheel has y sgn x ≤ −|x|/2, a sound one does not before the load is three times the stated one.
 //! Under a constant torque c times the load |x| reaches 2 D when 1 − (1 + at) e^(−at) = 2/c: after 0.30 s for
 //! c = 2.5, 0.17 s for c = 4, 0.10 s for c = 8. Below 8 counts of x nothing is said, for the sake of rounding.

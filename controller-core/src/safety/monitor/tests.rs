@@ -116,11 +116,11 @@ fn late_ticks_in_a_row_and_among_many() {
 
 #[test]
 fn what_others_tell_is_passed_on() {
-    let mut told = quiet();
-    told.pose_jumped = true;
-    told.driver = Some(ErrorKind::OverCurrent);
-    told.measured.pose.x = f64::NAN;
-    let found = monitor(params()).check(&told);
+    let mut reported = quiet();
+    reported.pose_jumped = true;
+    reported.driver = Some(ErrorKind::OverCurrent);
+    reported.measured.pose.x = f64::NAN;
+    let found = monitor(params()).check(&reported);
     for fault in [
         Fault::PoseJump,
         Fault::Driver(ErrorKind::OverCurrent),
@@ -165,7 +165,7 @@ fn currents_and_supply_have_time_and_hysteresis() {
     assert_eq!(broken, Some(10), "not a number is not good");
 }
 
-/// Both wheels told to turn with 4 N m, counts by `moves` \[1/tick\].
+/// Both wheels commanded to turn with 4 N m, counts by `moves` \[1/tick\].
 fn pushing(tick: i32, right: i32, left: i32) -> DetectorInputs<f64> {
     DetectorInputs {
         counts: Some(WheelCounts {

@@ -46,7 +46,7 @@ pub(super) struct WheelDetections {
     pub(super) against: bool,
     /// It has not counted for half a window,
     pub(super) silent: bool,
-    /// though it is told to turn.
+    /// though it is commanded to turn.
     pub(super) dead: bool,
     pub(super) slips: bool,
 }
@@ -128,7 +128,7 @@ impl<T: Scalar> Wheel<T> {
         let stands = self.stands_still(settings, now);
         let still = now.moved.is_none_or(|counts| counts == 0);
         let silent = self.silent.holds(still, now.dt_us, MOVED_WITHIN);
-        let told = now.command.abs() >= settings.params.wheels.stuck.speed_rad_s;
+        let commanded = now.command.abs() >= settings.params.wheels.stuck.speed_rad_s;
         let blocked = now
             .outside
             .is_some_and(|speed| speed.abs() < T::HALF * settings.params.wheels.stuck.speed_rad_s);
@@ -139,12 +139,12 @@ impl<T: Scalar> Wheel<T> {
             against: (self.moves_against(settings, now.dt_us) && now.moved.is_some())
                 || self.turns_back(settings, now),
             silent,
-            dead: silent && told,
+            dead: silent && commanded,
             slips: self.moves_beyond(settings, now),
         }
     }
 
-    /// Which way the wheel is told to turn at some speed, with a torque that way which turns a free one.
+    /// Which way the wheel is commanded to turn at some speed, with a torque that way which turns a free one.
     fn pushed(settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> i32 {
         let stuck = &settings.params.wheels.stuck;
         let torque = now.effort.map_or(T::ZERO, |effort| effort.torque);
@@ -158,7 +158,7 @@ impl<T: Scalar> Wheel<T> {
     }
 
     /// Pushed, and no more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
-    /// that holds a place is not told to turn and never counts.
+    /// that holds a place is not commanded to turn and never counts.
     fn stands_still(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
         // Without a reading the wheel is not known to stand; that is a fault of its own.
         let moved = now.moved.unwrap_or(i32::MAX);

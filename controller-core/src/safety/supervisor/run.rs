@@ -31,7 +31,7 @@ pub enum Cause {
     Reached,
     /// The goal was given up.
     GoalUnreachable,
-    /// Nothing was heard of the host for too long.
+    /// No sound frame came from the host for too long.
     LinkLost,
     /// Somebody pressed the button.
     EmergencyStop,
@@ -57,7 +57,7 @@ pub struct Supervisor {
     /// Time in the present stop.
     stop_us: u32,
     rest: Debounce,
-    /// A fault since the base was last armed or reset broke the measurement: rest cannot be told by it.
+    /// A fault since the base was last armed or reset broke the measurement: rest cannot be seen in it.
     blind: bool,
     changes: u32,
     ignored: u32,
@@ -168,7 +168,7 @@ impl Supervisor {
         speed_m_s.abs() < rest.speed_m_s && turn_rad_s.abs() < rest.turn_rad_s
     }
 
-    /// What the wheels are told now.
+    /// The output to the wheels now.
     pub const fn output(&self) -> OutputMode {
         match self.state {
             State::Armed => OutputMode::ZeroTorque,

@@ -68,7 +68,7 @@ impl State {
         Self::Fault,
     ];
 
-    /// The motion law drives to where it is told.
+    /// The motion law drives to its target.
     pub const fn drives(self) -> bool {
         matches!(self, Self::Tracking | Self::Parking)
     }
@@ -102,7 +102,7 @@ pub enum Event {
     StopTimedOut,
     /// The host asks for a controlled stop.
     Stop,
-    /// Nothing was heard of the host for too long.
+    /// No sound frame came from the host for too long.
     LinkLost,
     /// Somebody pressed the button: to brake, or to release. Latched.
     EmergencyStop {
@@ -166,10 +166,10 @@ pub enum Action {
     Release,
 }
 
-/// What the wheels are told in a tick.
+/// The output to the wheels in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OutputMode {
-    /// The motion law's torque, to where it is told.
+    /// The motion law's torque, to its target.
     Drive,
     /// The motion law's torque, to stay at the goal.
     Hold,

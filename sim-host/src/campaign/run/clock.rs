@@ -14,7 +14,7 @@ impl Runner<'_, '_> {
         self.acting = self
             .board
             .task()
-            .told()
+            .applied()
             .map(|asked| hal.exerted().unwrap_or(asked));
         if !self.active[0] || self.outcome.found.is_some() {
             return;
@@ -24,9 +24,9 @@ impl Runner<'_, '_> {
         let (counts, lasts) = match clock {
             Clock::None => return,
             Clock::All | Clock::Beyond | Clock::Long => (true, true),
-            Clock::Unheard => {
+            Clock::SinceFrame => {
                 let rolls = before.state.is_live() && !check::stops(before.state);
-                (!self.heard.read && rolls, false)
+                (!self.received.read && rolls, false)
             }
             Clock::Pushed => {
                 let way = self.pushed(before, acting);

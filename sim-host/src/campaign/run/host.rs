@@ -85,19 +85,19 @@ impl Runner<'_, '_> {
         let (now_us, manner) = (self.board.world().now_us(), self.manner());
         self.host
             .speak(&manner, now_us, &self.plan.path, self.board.world());
-        self.heard = Heard::default();
+        self.received = Received::default();
         while let Some(sent) = self.host.arrived(now_us) {
             if sent.intact {
-                self.heard.any = true;
+                self.received.any = true;
             }
             for byte in &sent.bytes {
                 if let Some(Ok(frame)) = self.reader.push(*byte) {
-                    self.heard.read(&frame.message);
+                    self.received.read(&frame.message);
                 }
             }
             if sent.intact && stops(&sent.what) {
-                let button = sent.what != Command::Stop || self.heard.stop == Some(true);
-                self.heard.stop = Some(button);
+                let button = sent.what != Command::Stop || self.received.stop == Some(true);
+                self.received.stop = Some(button);
             }
             if self.mutation == Mutation::LosesStops && stops(&sent.what) {
                 continue;
@@ -157,7 +157,7 @@ impl Runner<'_, '_> {
     }
 }
 
-impl Heard {
+impl Received {
     fn read(&mut self, command: &Command) {
         self.read = true;
         match command {

@@ -6,7 +6,7 @@ use controller_core::safety::supervisor::Then;
 
 impl Runner<'_, '_> {
     pub(super) fn tick(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
-        let before = self.told();
+        let before = self.report();
         let was = (before.state, check::severity(&before));
         for upset in self.active_upsets().collect::<Vec<_>>() {
             upset.apply(self.board.world_mut(), false);
@@ -20,11 +20,11 @@ impl Runner<'_, '_> {
         self.exchange();
         self.board.tick();
         self.answers()?;
-        let report = self.told();
+        let report = self.report();
         self.obeyed(&report)?;
         let limit = self.base.limits.wheel_torque_nm as f32;
         check::outputs(&report, self.board.actuation(), limit)?;
-        check::milder(was, &report, self.heard.frees, self.heard.reset)?;
+        check::milder(was, &report, self.received.frees, self.received.reset)?;
         check::reacted(was.0, &report)?;
         let rules: Vec<_> = self.upsets().map(|upset| Rule::of(upset.kind)).collect();
         let right = |why| !self.mended && rules.iter().any(|rule| rule.allows(why));
@@ -44,9 +44,9 @@ impl Runner<'_, '_> {
     }
 
     /// The report of the last tick, with what the wheels really were told: after a driver's error they are released.
-    fn told(&self) -> BaseReport<f32> {
+    fn report(&self) -> BaseReport<f32> {
         BaseReport {
-            action: *self.board.task().doing(),
+            action: *self.board.task().output(),
             ..*self.board.report()
         }
     }
@@ -55,10 +55,10 @@ impl Runner<'_, '_> {
     fn obeyed(&mut self, report: &BaseReport<f32>) -> Checked<()> {
         let dt = 1.0e-6 * f64::from(self.board.dt_us());
         // When in a tick a frame came is not known; in a long one the base was blind, not the host silent.
-        let heard_s = dt.min(self.period_s);
-        let since = |heard, so_far| if heard { heard_s } else { so_far + dt };
-        self.unheard_s = since(self.heard.any, self.unheard_s);
-        self.unread_s = since(self.heard.read, self.unread_s);
+        let received_s = dt.min(self.period_s);
+        let since = |received, so_far| if received { received_s } else { so_far + dt };
+        self.since_frame_s = since(self.received.any, self.since_frame_s);
+        self.unread_s = since(self.received.read, self.unread_s);
         let state = report.state;
         // One tick is left for the reaction.
         let patience = match self.board.task().params().detectors.command {
@@ -67,16 +67,19 @@ impl Runner<'_, '_> {
         };
         let lost = report.cause == Cause::LinkLost && self.was != Cause::LinkLost;
         self.was = report.cause;
-        if lost && self.unheard_s + 2.0 * self.period_s < patience {
-            return Err(format!("the link is lost after {:.3} s", self.unheard_s));
+        if lost && self.since_frame_s + 2.0 * self.period_s < patience {
+            return Err(format!(
+                "the link is lost after {:.3} s",
+                self.since_frame_s
+            ));
         }
         let silent = self.unread_s;
         if silent >= patience && state.is_live() && !check::stops(state) {
             return Err(format!(
-                "nothing is heard for {silent:.3} s, and the base is in {state:?}"
+                "no frame comes for {silent:.3} s, and the base is in {state:?}"
             ));
         }
-        match self.heard.stop {
+        match self.received.stop {
             Some(true) if !matches!(state, State::Braking(Then::Fault) | State::Fault) => Err(
                 format!("an emergency stop came, and the base is in {state:?}"),
             ),

@@ -1,6 +1,6 @@
 //! Stops have a place of their own, one word for each kind: a full queue refuses none, and none waits.
 //!
-//! Everything on its way to the tick has a number, the reception counts. A word holds the number of the last stop of its
+//! Everything on its way to the tick has a number, the command receiver counts. A word holds the number of the last stop of its
 //! kind, which is how the tick sees that there is a new one, and which commands the host sent before it.
 
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -24,7 +24,7 @@ const fn kind(command: &Command) -> Option<usize> {
     }
 }
 
-/// Written by the reception, read by the tick.
+/// Written by the command receiver, read by the tick.
 #[derive(Debug, Default)]
 pub(super) struct Stops {
     /// Number of the last one of each of [`KINDS`].

@@ -11,7 +11,7 @@ use protocol::{
 };
 
 /// The background's side: bytes from the line, answers to it.
-pub struct Reception<'queue> {
+pub struct CommandReceiver<'queue> {
     decoder: Decoder<Command, MAX_CONTENT>,
     samples: ReferenceProducer<'queue, f32>,
     requests: Sender<'queue, Request, REQUESTS>,
@@ -25,7 +25,7 @@ pub struct Reception<'queue> {
     trajectory: u32,
 }
 
-impl<'queue> Reception<'queue> {
+impl<'queue> CommandReceiver<'queue> {
     pub(super) const fn new(
         samples: ReferenceProducer<'queue, f32>,
         requests: Sender<'queue, Request, REQUESTS>,

@@ -2,7 +2,7 @@
 //! in the background.
 //!
 //! ```text
-//! bytes -> Reception --requests--> Station::tick -> wheels
+//! bytes -> CommandReceiver --requests--> ControlServer::tick -> wheels
 //!             |      ----stops---> |
 //!             |      --samples---> (control task)
 //!             v                        |
@@ -17,7 +17,7 @@
 //! A stop and an emergency stop are never refused. They have places of their own beside the queue, and the tick after their
 //! frame has arrived obeys them, however many frames came with it:
 //!
-//! * The reception answers with an Ack as soon as the stop has its place; it does not go through the queue of telemetry.
+//! * The command receiver answers with an Ack as soon as the stop has its place; it does not go through the queue of telemetry.
 //! * A stop stands where the host sent it. Commands before it come before it, so that Arm, Park, Stop in one tick ends
 //!   stopped. Commands after it come after it, as if they had come in a later tick: Stop, Arm ends armed if the base
 //!   stood, and refuses to arm while it comes to rest; after an emergency stop Arm is refused until a reset.
@@ -40,15 +40,15 @@ use heapless::spsc::Queue;
 use crate::control::ControlTask;
 use crate::queue::{self, Receiver};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
-use crate::telemetry::Outbox;
+use crate::telemetry::TelemetryQueue;
 use protocol::{BaseTick, Command, Frame, Origin, RejectReason, Telemetry};
 
-mod reception;
+mod command_receiver;
 mod stops;
 
 use stops::{Seen, Stops};
 
-pub use reception::Reception;
+pub use command_receiver::CommandReceiver;
 
 /// Slots for samples; a host is ahead of the robot by one less.
 pub const SAMPLES: usize = 64;
@@ -71,11 +71,11 @@ pub const UNASKED: u16 = u16::MAX;
 /// What both sides look at; each field has one writer.
 #[derive(Debug, Default)]
 struct Shared {
-    /// Sound frames, written by the reception.
+    /// Sound frames, written by the command receiver.
     frames: AtomicU32,
     /// Whether samples are taken, in the lowest bit, and changes of state above; written by the tick.
     state: AtomicU32,
-    /// Written by the reception.
+    /// Written by the command receiver.
     stops: Stops,
     overruns: AtomicU32,
     dropped: AtomicU32,
@@ -93,7 +93,7 @@ pub struct Queues {
 /// Ends of the queues for the tick.
 pub struct TickEnds<'queue> {
     requests: Receiver<'queue, Request, REQUESTS>,
-    outbox: Outbox<'queue, Answer, REPORTS>,
+    telemetry: TelemetryQueue<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
 }
 
@@ -106,30 +106,30 @@ impl Queues {
     ) -> (
         controller_core::queue::ReferenceConsumer<'_, f32>,
         TickEnds<'_>,
-        Reception<'_>,
+        CommandReceiver<'_>,
     ) {
         let (producer, consumer) = self.samples.split();
         let (sender, requests) = queue::split(&mut self.requests);
-        let (outbox, answers) = Outbox::split(&mut self.answers, decimate);
+        let (telemetry, answers) = TelemetryQueue::split(&mut self.answers, decimate);
         let shared = &self.shared;
-        let reception = Reception::new(producer, sender, answers, shared);
+        let receiver = CommandReceiver::new(producer, sender, answers, shared);
         let ends = TickEnds {
             requests,
-            outbox,
+            telemetry,
             shared,
         };
-        (consumer, ends, reception)
+        (consumer, ends, receiver)
     }
 }
 
 /// The tick's side: stops and commands first, then the control task, then telemetry.
-pub struct Station<'queue, D, M = NoMemory> {
+pub struct ControlServer<'queue, D, M = NoMemory> {
     task: ControlTask<'queue, D>,
     ends: TickEnds<'queue>,
     memory: M,
     origin: Origin,
-    /// The origin that the host was told.
-    told: Option<Origin>,
+    /// The origin that the host knows.
+    reported: Option<Origin>,
     frames: u32,
     stops: Seen,
     changes: u32,
@@ -137,14 +137,14 @@ pub struct Station<'queue, D, M = NoMemory> {
     word: u32,
 }
 
-impl<'queue, D: WheelDrive> Station<'queue, D> {
+impl<'queue, D: WheelDrive> ControlServer<'queue, D> {
     /// Puts a task on the line; it begins with what it was compiled with.
     pub fn new(task: ControlTask<'queue, D>, ends: TickEnds<'queue>) -> Self {
         Self::with_memory(task, ends, NoMemory)
     }
 }
 
-impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
+impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
     /// Puts a task on the line; it begins with what is stored, if that is whole and in range.
     pub fn with_memory(
         mut task: ControlTask<'queue, D>,
@@ -165,7 +165,7 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
             ends,
             memory,
             origin,
-            told: None,
+            reported: None,
             frames: 0,
             stops: Seen::default(),
             changes: 0,
@@ -184,7 +184,7 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
         let frames = self.ends.shared.frames.load(Ordering::Relaxed);
         if frames != self.frames {
             self.frames = frames;
-            self.task.heard();
+            self.task.host_seen();
         }
         let mut stops = self.stops.news(&self.ends.shared.stops);
         // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
@@ -201,7 +201,7 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
             };
             let Frame { sequence, message } = frame;
             let message = self.answer(&message);
-            self.ends.outbox.push(Frame { sequence, message });
+            self.ends.telemetry.push(Frame { sequence, message });
         }
         self.task.tick(now_us, sensed);
         self.publish();
@@ -210,11 +210,11 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
     fn answer(&mut self, command: &Command) -> Telemetry {
         let origin = match command {
             Command::GetParameters => {
-                self.task.heard();
+                self.task.host_seen();
                 return Telemetry::Parameters(self.task.params().into());
             }
             Command::SaveParameters => {
-                self.task.heard();
+                self.task.host_seen();
                 if !self.task.is_disarmed() {
                     return Telemetry::Nack(RejectReason::State);
                 }
@@ -260,7 +260,7 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
         };
         // Where there is no room the next tick tries again: what the base does now is the last thing to keep from a host.
         if task.changes() != self.changes
-            && ends.outbox.push(unasked(Telemetry::State {
+            && ends.telemetry.push(unasked(Telemetry::State {
                 tick: task.ticks(),
                 state: task.state(),
                 cause: task.cause(),
@@ -268,13 +268,13 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
         {
             self.changes = task.changes();
         }
-        if self.told != Some(self.origin)
-            && ends.outbox.push(unasked(Telemetry::Origin(self.origin)))
+        if self.reported != Some(self.origin)
+            && ends.telemetry.push(unasked(Telemetry::Origin(self.origin)))
         {
-            self.told = Some(self.origin);
+            self.reported = Some(self.origin);
         }
         if task.state().is_live() {
-            ends.outbox.offer(|| {
+            ends.telemetry.offer(|| {
                 let (ignored, _) = task.controller().supervisor().ignored();
                 let tick = BaseTick::of(task.ticks(), task.report(), ignored);
                 unasked(Telemetry::Tick(tick))
@@ -290,7 +290,7 @@ impl<'queue, D: WheelDrive, M: Memory> Station<'queue, D, M> {
         shared.overruns.store(task.overruns(), Ordering::Relaxed);
         shared
             .dropped
-            .store(ends.outbox.dropped(), Ordering::Relaxed);
+            .store(ends.telemetry.dropped(), Ordering::Relaxed);
     }
 }
 

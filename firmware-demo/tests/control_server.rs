@@ -8,9 +8,9 @@ use controller_core::safety::Currents;
 use controller_core::safety::supervisor::State;
 use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
+use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues};
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::station::{Queues, Reception, Station};
 use firmware_demo::storage::{RamFlash, Slots};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -97,17 +97,17 @@ fn may_have_torque(state: State) -> bool {
     state.drives() || matches!(state, State::Armed | State::Parked | State::Stopping(_))
 }
 
-fn say(reception: &mut Reception<'_>, command: &Command) -> Option<Frame<Telemetry>> {
+fn say(receiver: &mut CommandReceiver<'_>, command: &Command) -> Option<Frame<Telemetry>> {
     let mut frame = [0; MAX_FRAME];
     let frame = encode(7, command, &mut frame).expect("every command fits");
-    frame.iter().find_map(|&byte| reception.push(byte, || 0))
+    frame.iter().find_map(|&byte| receiver.push(byte, || 0))
 }
 
 proptest! {
     #[test]
     fn nothing_makes_a_torque_that_should_not_be(acts in vec(act(), 1..300)) {
         let mut queues = Queues::default();
-        let (references, ends, mut reception) = queues.split(3);
+        let (references, ends, mut receiver) = queues.split(3);
         let task = ControlTask::new(
             MockDrive::<0>::new(LIMIT),
             references,
@@ -115,48 +115,48 @@ proptest! {
             Pose::default(),
         )
         .unwrap();
-        let mut station = Station::with_memory(task, ends, Slots::new(RamFlash::default()));
+        let mut server = ControlServer::with_memory(task, ends, Slots::new(RamFlash::default()));
         let mut now_us = 0_u32;
         for act in acts {
             match act {
                 Act::Bytes(bytes) => {
                     for byte in bytes {
-                        reception.push(byte, || 0);
+                        receiver.push(byte, || 0);
                     }
                 }
                 Act::Say(command) => {
-                    say(&mut reception, &command);
+                    say(&mut receiver, &command);
                 }
                 Act::Tick(elapsed_us, sensed) => {
                     now_us = now_us.wrapping_add(elapsed_us);
-                    station.tick(now_us, &sensed);
-                    let state = station.task().state();
-                    if let Some(told) = station.task().told() {
-                        prop_assert!(told.right.abs() <= LIMIT && told.left.abs() <= LIMIT);
+                    server.tick(now_us, &sensed);
+                    let state = server.task().state();
+                    if let Some(applied) = server.task().applied() {
+                        prop_assert!(applied.right.abs() <= LIMIT && applied.left.abs() <= LIMIT);
                         prop_assert!(may_have_torque(state), "{:?}", state);
                     }
-                    while reception.pending().is_some() {}
+                    while receiver.pending().is_some() {}
                 }
             }
         }
         // Two frames after whatever came before: the second one arrives.
-        say(&mut reception, &Command::Heartbeat);
-        let hello = say(&mut reception, &Command::Heartbeat);
+        say(&mut receiver, &Command::Heartbeat);
+        let hello = say(&mut receiver, &Command::Heartbeat);
         let hello = hello.map(|answer| answer.message);
         prop_assert!(matches!(hello, Some(Telemetry::Hello(_))), "{:?}", hello);
         // A stop is obeyed in the next tick, from every state.
-        say(&mut reception, &Command::Stop);
-        station.tick(now_us.wrapping_add(1000), &Sensed::of_counts(WheelCounts::default()));
-        let state = station.task().state();
+        say(&mut receiver, &Command::Stop);
+        server.tick(now_us.wrapping_add(1000), &Sensed::of_counts(WheelCounts::default()));
+        let state = server.task().state();
         prop_assert!(
             matches!(state, State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault),
             "{:?}",
             state
         );
         // And the button takes every torque away.
-        say(&mut reception, &Command::EmergencyStop { brake: false });
-        station.tick(now_us.wrapping_add(2000), &Sensed::of_counts(WheelCounts::default()));
-        prop_assert_eq!(station.task().told(), None);
-        prop_assert_eq!(station.task().state(), State::Fault);
+        say(&mut receiver, &Command::EmergencyStop { brake: false });
+        server.tick(now_us.wrapping_add(2000), &Sensed::of_counts(WheelCounts::default()));
+        prop_assert_eq!(server.task().applied(), None);
+        prop_assert_eq!(server.task().state(), State::Fault);
     }
 }
