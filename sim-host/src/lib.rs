@@ -13,7 +13,7 @@
 //! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`]; [`drive`] with the default law |
 //! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
-//! | for a robot of one's own | [`tune`], [`prove`], [`constants`]; [`trials`] on bad floors |
+//! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
 //! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
 //!
 //! ```
@@ -45,7 +45,6 @@ pub mod pil;
 pub mod pilot;
 pub mod plant;
 pub mod precision;
-pub mod prove;
 pub mod rate;
 pub mod rig;
 pub mod robustness;
@@ -55,4 +54,5 @@ pub mod table;
 pub mod trace;
 pub mod trials;
 pub mod tune;
+pub mod verify;
 pub mod world;

@@ -42,7 +42,7 @@ fn all_robots_do_all_scenarios() -> Result<(), Box<dyn Error>> {
             let trace = drive(&mission)?;
             let last = trace.rows.last().ok_or("no rows")?;
             let (distance, heading) = (last.error.x.hypot(last.error.y), last.error.theta.abs());
-            // On the ideal plant within half a millimetre and 0.9 mrad; on a floor as `prove` asks.
+            // On the ideal plant within half a millimetre and 0.9 mrad; on a floor as `verify` asks.
             let (mm, mrad) = match mission.place {
                 Some(_) => (5.0, 10.0),
                 None => (0.5, 0.9),

@@ -71,7 +71,7 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
     Ok(())
 }
 
-/// The scenarios with a `[world]`: what `sim-host prove` asks, and that limits hold for what is commanded.
+/// The scenarios with a `[world]`: what `sim-host verify` asks, and that limits hold for what is commanded.
 #[test]
 fn bad_floors_are_parked_on() -> Result<(), Box<dyn Error>> {
     let mut floors = 0;

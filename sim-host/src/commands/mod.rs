@@ -10,11 +10,11 @@ mod job;
 mod list;
 mod monitor;
 mod pil;
-mod prove;
 mod robot;
 mod robustness;
 mod run;
 mod tune;
+mod verify;
 mod write;
 
 use crate::cli::{Cli, Command};
@@ -58,7 +58,13 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             only,
             run,
         } => faults::all(*runs, seed.draw()?, only, *run, output),
-        Command::Prove(arguments) => prove::robot(arguments, output),
+        Command::Verify(arguments) => verify::robot(arguments, output),
+        Command::Prove(arguments) => {
+            // Nobody to tell is no reason to stop.
+            let note = "note: `prove` is `verify` now; the old name is there for one release more";
+            let _ = writeln!(std::io::stderr(), "{note}");
+            verify::robot(arguments, output)
+        }
         Command::Constants(arguments) => constants::write(arguments, output),
         Command::Tune(arguments) => tune::robot(arguments, output),
         Command::Monitor(arguments) => monitor::listen(arguments),

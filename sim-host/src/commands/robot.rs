@@ -1,4 +1,4 @@
-//! A robot's file, for `tune`, `prove` and `constants`.
+//! A robot's file, for `tune`, `verify` and `constants`.
 
 use super::error::CommandError;
 use sim_host::mission::Base;

@@ -1,4 +1,4 @@
-//! Trials of a base on bad floors: what [`crate::tune`] searches with and [`crate::prove`] judges by.
+//! Trials of a base on bad floors: what [`crate::tune`] searches with and [`crate::verify`] judges by.
 //!
 //! A trial is a [`Course`] in a world of a [`Condition`], drawn by a seed, with the chip's whole base
 //! in it ([`crate::rig`]); [`Figures`] say what came of it.

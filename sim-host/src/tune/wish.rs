@@ -31,7 +31,7 @@ impl Seeds {
     pub fn draw(self, seed: u64, count: usize) -> Vec<u64> {
         let odd = u64::from(self == Self::Unseen);
         let numbers = (0..count as u64).map(|k| 2 * k + odd);
-        // Far from the small seeds that `prove` and scenarios use.
+        // Far from the small seeds that `verify` and scenarios use.
         let first = seed.wrapping_add(1).wrapping_shl(32);
         numbers.map(|k| first.wrapping_add(k)).collect()
     }

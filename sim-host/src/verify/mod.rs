@@ -1,7 +1,7 @@
-//! The simulated proof: does a base do its courses on bad floors?
+//! Verification in simulation: does a base do its courses on bad floors?
 //!
 //! Every [`Course`] under every [`Condition`], many seeds each: all of them have to park within 5 mm and
-//! 10 mrad of the true goal and then be quiet. A simulation proves nothing about a robot that is not as
+//! 10 mrad of the true goal and then be quiet. A simulation says nothing about a robot that is not as
 //! its file says; it shows what the numbers in the file are good for.
 
 mod csv;
@@ -9,7 +9,7 @@ mod study;
 mod table;
 
 pub use csv::{COLUMNS, write as write_csv};
-pub use study::{Case, Proof, ProveError, Run, prove, runs};
+pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 
 use crate::trials::{Condition, Course, Figures};

@@ -11,10 +11,10 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 
-/// Why there is no proof either way.
+/// Why there is no result either way.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{course}, {condition}: {cause}")]
-pub struct ProveError {
+pub struct VerifyError {
     course: &'static str,
     condition: &'static str,
     cause: RigError,
@@ -67,14 +67,14 @@ pub struct Case {
 
 /// All of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Proof {
+pub struct Verification {
     /// In the order of courses, conditions, seeds.
     pub runs: Vec<Run>,
     /// In the order of courses and conditions.
     pub cases: Vec<Case>,
 }
 
-/// Number of runs that [`prove`] makes.
+/// Number of runs that [`verify`] makes.
 pub const fn runs(seeds: NonZeroU32) -> u64 {
     grid().len() as u64 * seeds.get() as u64
 }
@@ -84,12 +84,12 @@ pub const fn runs(seeds: NonZeroU32) -> u64 {
 ///
 /// # Errors
 /// A base or a world out of range.
-pub fn prove(
+pub fn verify(
     base: &Base,
     first: u64,
     seeds: NonZeroU32,
     done: impl Fn() + Sync,
-) -> Result<Proof, ProveError> {
+) -> Result<Verification, VerifyError> {
     let cases = grid().into_par_iter().map(|(course, condition)| {
         let mission = course.mission(base);
         let seeds = (0..u64::from(seeds.get())).into_par_iter();
@@ -104,10 +104,10 @@ pub fn prove(
                 figures,
             })
         });
-        runs.collect::<Result<Vec<Run>, ProveError>>()
+        runs.collect::<Result<Vec<Run>, VerifyError>>()
     });
     let cases: Vec<Vec<Run>> = cases.collect::<Result<_, _>>()?;
-    Ok(Proof {
+    Ok(Verification {
         cases: cases.iter().filter_map(|runs| Case::of(runs)).collect(),
         runs: cases.into_iter().flatten().collect(),
     })
@@ -118,16 +118,16 @@ fn run(
     course: Course,
     condition: Condition,
     seed: u64,
-) -> Result<(DriveTrace, Figures), ProveError> {
+) -> Result<(DriveTrace, Figures), VerifyError> {
     let place = trials::place(&mission.base, condition, seed);
-    trials::run(mission, &place).map_err(|cause| ProveError {
+    trials::run(mission, &place).map_err(|cause| VerifyError {
         course: course.name(),
         condition: condition.name(),
         cause,
     })
 }
 
-impl Proof {
+impl Verification {
     /// How many runs did not do all that is asked.
     pub fn failures(&self) -> Rate {
         let good: usize = self.cases.iter().map(|case| case.good).sum();
@@ -170,7 +170,7 @@ impl Run {
     ///
     /// # Errors
     /// None that the run itself did not have.
-    pub fn again(&self, base: &Base) -> Result<DriveTrace, ProveError> {
+    pub fn again(&self, base: &Base) -> Result<DriveTrace, VerifyError> {
         let mission = self.course.mission(base);
         run(&mission, self.course, self.condition, self.seed).map(|(trace, _)| trace)
     }

@@ -1,4 +1,4 @@
-//! A proof as CSV: a row per run.
+//! A verification as CSV: a row per run.
 
 use super::shortcoming;
 use super::study::Run;

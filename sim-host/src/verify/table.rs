@@ -1,6 +1,6 @@
-//! A proof for people.
+//! A verification for people.
 
-use super::study::{Case, Proof};
+use super::study::{Case, Verification};
 use super::{DISTANCE_M, HEADING_RAD, RIPPLE, shortcoming};
 use crate::trials::Course;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
@@ -21,14 +21,14 @@ const HEADER: [&str; 9] = [
 ];
 
 /// A row for each case. Errors, times: of the runs that parked, or of all if none did.
-pub fn case_table(proof: &Proof) -> Table {
+pub fn case_table(verification: &Verification) -> Table {
     let mut table = Table::new();
     table
         .load_preset(UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Disabled);
     let bold = |name: &&str| Cell::new(name).add_attribute(Attribute::Bold);
     table.set_header(HEADER.iter().map(bold));
-    for case in &proof.cases {
+    for case in &verification.cases {
         let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
         let mark = |value: f64, most: f64| if value > most { " !" } else { "" };
         let (mm, mrad) = (case.error_m, case.error_rad);
@@ -64,16 +64,16 @@ fn faults(case: &Case) -> String {
 }
 
 /// PASS or FAIL, the criteria, and what failed how often.
-pub fn verdict(proof: &Proof) -> String {
+pub fn verdict(verification: &Verification) -> String {
     let mut reasons = BTreeMap::new();
-    for reason in proof
+    for reason in verification
         .runs
         .iter()
         .filter_map(|run| shortcoming(&run.figures))
     {
         *reasons.entry(reason).or_insert(0_usize) += 1;
     }
-    let failures = proof.failures();
+    let failures = verification.failures();
     let mut text = if failures.failed == 0 {
         format!(
             "PASS: all of {} runs (failing: {failures}; 95 % confidence)",
@@ -87,7 +87,7 @@ pub fn verdict(proof: &Proof) -> String {
         format!("FAIL: {failures} ({}; 95 % confidence)", list.join(", "))
     };
     for course in Course::ALL {
-        let within = |share| proof.parked_within_s(course, share);
+        let within = |share| verification.parked_within_s(course, share);
         let (half, most, all) = (within(0.5), within(0.99), within(1.0));
         // Writing to a string does not fail.
         let _ = write!(

@@ -1,17 +1,19 @@
-//! `prove`.
+//! `verify`.
 
 use super::error::CommandError;
 use super::robot::Robot;
 use super::write::Writer;
 use super::{robustness, say};
 use crate::cli::Output;
-use crate::robot_args::ProveArgs;
+use crate::robot_args::VerifyArgs;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::figure::Labelled;
-use sim_host::prove::{Case, Proof, case_table, prove, runs, shortcoming, verdict, write_csv};
+use sim_host::verify::{
+    Case, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
+};
 
-/// A proof as it stands in a JSON file.
+/// A verification as it stands in a JSON file.
 #[derive(Serialize)]
 struct Record<'a> {
     robot: &'a str,
@@ -22,47 +24,47 @@ struct Record<'a> {
     cases: &'a [Case],
 }
 
-pub fn robot(arguments: &ProveArgs, output: &Output) -> Result<(), CommandError> {
+pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError> {
     let robot = Robot::load(&arguments.robot)?;
     let base = &robot.base;
     let writer = Writer::new(output)?;
     // Hidden by itself where standard error is no terminal.
     let bar = ProgressBar::new(runs(arguments.seeds)).with_style(robustness::style());
     let seed = arguments.seed.draw()?;
-    let proof = prove(base, seed, arguments.seeds, || bar.inc(1));
+    let verification = verify(base, seed, arguments.seeds, || bar.inc(1));
     bar.finish_and_clear();
-    let proof = proof?;
+    let verification = verification?;
     say(&format!(
         "{}: {}, worlds of seeds {seed} to {}\n{}\n",
         robot.name,
         base.name,
         seed.wrapping_add(u64::from(arguments.seeds.get() - 1)),
-        case_table(&proof)
+        case_table(&verification)
     ))?;
     say(
         "errors and times of the runs that parked, of all if none did; worst over the seeds. !: beyond what \
          is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
     )?;
-    say(&format!("{}\n", verdict(&proof)))?;
-    let name = format!("{}-prove", robot.name);
-    draw_worst(&proof, &robot, &name, &writer)?;
+    say(&format!("{}\n", verdict(&verification)))?;
+    let name = format!("{}-verify", robot.name);
+    draw_worst(&verification, &robot, &name, &writer)?;
     let record = Record {
         robot: &robot.file,
         description: &base.name,
         first_seed: seed,
         seeds: arguments.seeds.get(),
-        passed: proof.holds(),
-        cases: &proof.cases,
+        passed: verification.holds(),
+        cases: &verification.cases,
     };
     writer.json(&name, &[record])?;
     let mut csv = Vec::new();
-    write_csv(&proof.runs, &mut csv).map_err(|error| CommandError::Write {
+    write_csv(&verification.runs, &mut csv).map_err(|error| CommandError::Write {
         path: output.out.join(format!("{name}.csv")),
         cause: error.to_string(),
     })?;
     writer.bytes(&format!("{name}.csv"), &csv)?;
     say(&format!("results are in {}\n", output.out.display()))?;
-    match proof.holds() {
+    match verification.holds() {
         true => Ok(()),
         false => Err(CommandError::NotProven(robot.name)),
     }
@@ -70,12 +72,12 @@ pub fn robot(arguments: &ProveArgs, output: &Output) -> Result<(), CommandError>
 
 /// The worst run, with all its signals.
 fn draw_worst(
-    proof: &Proof,
+    verification: &Verification,
     robot: &Robot,
     name: &str,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let worst = proof.worst().ok_or(CommandError::NoRows)?;
+    let worst = verification.worst().ok_or(CommandError::NoRows)?;
     let trace = worst.again(&robot.base)?;
     let reason = shortcoming(&worst.figures).map_or_else(String::new, |r| format!(", fails: {r}"));
     let what = format!(
