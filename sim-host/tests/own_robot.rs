@@ -104,7 +104,8 @@ fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
     let base = Base::parse("mine.toml", &text)?;
     let response = Response::latched(Reaction::Brake);
     let wanted = PolicyParams::DEFAULT.with(FaultKind::PoseStale, response);
-    let params = sim_host::rig::params(&base, period_us(&base)).map_err(|e| e.to_string())?;
+    let params =
+        sim_host::closed_loop::params(&base, period_us(&base)).map_err(|e| e.to_string())?;
     assert_eq!(params.policy, wanted);
     let constants = rust("mine.toml", &base).map_err(|e| e.to_string())?;
     assert!(constants.contains("pose_stale: Response::latched(Reaction::Brake)"));
@@ -131,7 +132,8 @@ fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
     for (name, robot) in NAMES.into_iter().zip(robots) {
         let base = base(name)?;
         assert_eq!(robot.period_us, period_us(&base));
-        let simulated = sim_host::rig::params(&base, robot.period_us).map_err(|e| e.to_string())?;
+        let simulated =
+            sim_host::closed_loop::params(&base, robot.period_us).map_err(|e| e.to_string())?;
         // The text has the shortest digits that give the same bits back, and the sign of a zero.
         assert_eq!(
             format!("{simulated:?}"),

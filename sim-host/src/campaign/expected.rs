@@ -1,11 +1,11 @@
 //! The rules: for each trouble the name it has to be found by, the time that counts, and how much of it there may be.
 
+use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
 use super::outcome::{End, Failing, Outcome, Why};
 use super::plan::{Bases, Target};
-use super::upset::{Upset, UpsetKind, What};
+use crate::closed_loop::{self, ClosedLoopError};
 use crate::rate::Rate;
-use crate::rig::{self, RigError};
-use crate::world::{Defect, PoseSourceParams};
+use crate::world::{PlantFault, PoseSourceParams};
 use controller_core::base::BaseParams;
 use controller_core::safety::{FaultKind, Reaction, Response, Timeout};
 use protocol::{Command, TimedSample, WirePose, WireReference};
@@ -14,7 +14,7 @@ use protocol::{Command, TimedSample, WirePose, WireReference};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// Trouble.
-    pub upset: UpsetKind,
+    pub injection: FaultInjectionKind,
     /// What it is found as; nothing where there is nothing to be found.
     pub name: Option<Why>,
     /// Other names that are right too, where physics cannot tell, each with the reason.
@@ -61,22 +61,22 @@ const fn fault(kind: FaultKind) -> Option<Why> {
 }
 
 const fn rule(
-    upset: UpsetKind,
+    injection: FaultInjectionKind,
     name: Option<Why>,
     also: &'static [(Why, &'static str)],
     clock: Clock,
 ) -> Rule {
     Rule {
-        upset,
+        injection,
         name,
         also,
         clock,
     }
 }
 
-/// The table, in the order of [`UpsetKind::ALL`].
-pub const RULES: [Rule; UpsetKind::ALL.len()] = {
-    use {Clock as C, FaultKind as F, UpsetKind as U};
+/// The table, in the order of [`FaultInjectionKind::ALL`].
+pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
+    use {Clock as C, FaultInjectionKind as U, FaultKind as F};
     [
         rule(U::Nothing, None, &[], C::None),
         rule(
@@ -185,8 +185,8 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
 
 impl Rule {
     /// Of a trouble.
-    pub const fn of(upset: UpsetKind) -> &'static Self {
-        &RULES[upset as usize]
+    pub const fn of(injection: FaultInjectionKind) -> &'static Self {
+        &RULES[injection as usize]
     }
 
     /// Whether a finding is right.
@@ -195,7 +195,7 @@ impl Rule {
     }
 
     /// The row of docs/faults.md: name and others, time that counts, deadline of each of `bases`.
-    pub fn row(&self, bases: &Bases) -> Result<String, RigError> {
+    pub fn row(&self, bases: &Bases) -> Result<String, ClosedLoopError> {
         let name = |why: Why| format!("`{}`", why.name());
         let mut names: Vec<_> = self.name.map(name).into_iter().collect();
         names.extend(self.also.iter().map(|(why, _)| name(*why)));
@@ -206,7 +206,7 @@ impl Rule {
         };
         let mut row = format!(
             "| {} | {found} | {} |",
-            self.upset.name(),
+            self.injection.name(),
             self.clock.name()
         );
         for base in bases.all() {
@@ -214,7 +214,7 @@ impl Rule {
                 .hardware
                 .map_or((0.01, None), |h| (h.period_s, h.pose_source));
             let period_us = (1.0e6 * period_s).round() as u32;
-            let params = rig::params(base, period_us).map_err(RigError::Param)?;
+            let params = closed_loop::params(base, period_us).map_err(ClosedLoopError::Param)?;
             let within = self.within_s(&params, source.as_ref());
             row += &within.map_or_else(|| " – |".to_owned(), |s| format!(" {s:.3} s |"));
         }
@@ -236,8 +236,8 @@ impl Rule {
             Timeout::AfterUs(us) => Some(1.0e-6 * f64::from(us)),
             Timeout::Off => None,
         };
-        use UpsetKind as U;
-        match self.upset {
+        use FaultInjectionKind as U;
+        match self.injection {
             U::Nothing | U::LineFull | U::LineDelayed | U::WheelOnIce => None,
             U::EncoderStuck | U::WheelBlocked => {
                 after(detectors.wheels.stuck.after).map(|s| s + ticks(2.0))
@@ -275,7 +275,7 @@ impl Rule {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// Under this trouble.
-    pub upset: UpsetKind,
+    pub injection: FaultInjectionKind,
     /// What.
     pub failing: Failing,
     /// In this share of its runs.
@@ -292,12 +292,12 @@ impl Known {
 /// All of it, with the rates that docs/faults.md states with their runs.
 pub const KNOWN: [Known; 2] = [
     Known {
-        upset: UpsetKind::WheelOnIce,
+        injection: FaultInjectionKind::WheelOnIce,
         failing: Failing::Misplaced,
         rate: 0.0007,
     },
     Known {
-        upset: UpsetKind::WheelOnIce,
+        injection: FaultInjectionKind::WheelOnIce,
         failing: Failing::Adrift,
         rate: 0.0067,
     },
@@ -306,7 +306,7 @@ pub const KNOWN: [Known; 2] = [
 /// How often each of [`KNOWN`] happened, where its trouble was there.
 pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
     let rate = |known: &Known| {
-        let has = |outcome: &&Outcome| outcome.upset == known.upset;
+        let has = |outcome: &&Outcome| outcome.injection == known.injection;
         let failed = |outcome: &&Outcome| outcome.end == Ok(End::Known(known.failing));
         Rate {
             failed: outcomes.iter().filter(has).filter(failed).count(),
@@ -321,23 +321,27 @@ pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
 }
 
 /// What a late tick adds to a deadline \[s\].
-pub(super) fn late_s(upset: &Upset, params: &BaseParams<f32>) -> f64 {
-    match upset.what {
-        What::Late(_) => f64::from(params.detectors.ticks.row + 1) * upset.late_s(),
-        _ => upset.late_s(),
+pub(super) fn late_s(injection: &FaultInjection, params: &BaseParams<f32>) -> f64 {
+    match injection.what {
+        What::Late(_) => f64::from(params.detectors.ticks.row + 1) * injection.late_s(),
+        _ => injection.late_s(),
     }
 }
 
 /// Whether there is something to be found at all.
-pub(super) fn applies(upset: &Upset, target: Target, params: &BaseParams<f32>) -> bool {
+pub(super) fn applies(
+    injection: &FaultInjection,
+    target: Target,
+    params: &BaseParams<f32>,
+) -> bool {
     let detectors = &params.detectors;
-    match upset.what {
+    match injection.what {
         // Ticks are shorter by up to 0.2 ms: the jitter of a plan.
         What::LateOnce(us) => match detectors.ticks.long {
             Timeout::AfterUs(long) => us + detectors.period_us >= long + 200,
             Timeout::Off => false,
         },
-        What::Defect(Defect::PoseJump { dx, dy, dtheta }) => {
+        What::PlantFault(PlantFault::PoseJump { dx, dy, dtheta }) => {
             let Some(fusion) = &params.localiser.fusion else {
                 return false;
             };
@@ -393,9 +397,9 @@ mod tests {
 
     #[test]
     fn every_trouble_has_its_row() {
-        for (upset, rule) in UpsetKind::ALL.into_iter().zip(&RULES) {
-            assert_eq!(upset, rule.upset);
-            assert_eq!(Rule::of(upset), rule);
+        for (injection, rule) in FaultInjectionKind::ALL.into_iter().zip(&RULES) {
+            assert_eq!(injection, rule.injection);
+            assert_eq!(Rule::of(injection), rule);
         }
     }
 }

@@ -3,12 +3,12 @@
 use super::bounds::{Bounds, Wheels};
 use super::check;
 use super::expected::{self, Rule};
+use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
 use super::host::{Answered, Host, Manner, park, stops};
 use super::outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
-use super::upset::{Upset, UpsetKind, What};
+use crate::closed_loop::{Board, ClosedLoopError};
 use crate::mission::Base;
-use crate::rig::{Board, RigError};
 use crate::world::Actuation;
 use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::supervisor::{Cause, State};
@@ -63,7 +63,7 @@ pub struct Tick<'a, 'queue> {
     /// Time \[s\].
     pub t: f64,
     /// The trouble is there.
-    pub upset: bool,
+    pub injection: bool,
     /// Way since the present stop began, and its bound.
     pub stop: Stop,
 }
@@ -78,7 +78,7 @@ pub fn run(
     plan: &Plan,
     mutation: &Mutation,
     mut watch: impl FnMut(&Tick<'_, '_>),
-) -> Result<Outcome, RigError> {
+) -> Result<Outcome, ClosedLoopError> {
     let mut queues = Queues::default();
     let mut runner = Runner::new(&mut queues, bases, plan, *mutation)?;
     let end = runner.whole(&mut watch);
@@ -170,21 +170,21 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         bases: &'a Bases,
         plan: &'a Plan,
         mutation: Mutation,
-    ) -> Result<Self, RigError> {
+    ) -> Result<Self, ClosedLoopError> {
         let base = bases.of(plan);
         let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
-        let board = Board::new(queues, base, &plan.place, |params| {
+        let board = Board::new(queues, base, &plan.setup, |params| {
             if let Mutation::Policy(policy) = mutation {
                 params.policy = policy;
             }
         })?;
         Ok(Self {
-            bounds: Bounds::new(base, &plan.place, board.task().controller().base()),
+            bounds: Bounds::new(base, &plan.setup, board.task().controller().base()),
             plan,
             base,
             mutation,
             board,
-            host: Host::new(plan.place.seed),
+            host: Host::new(plan.setup.seed),
             reader: Decoder::new(),
             limit_speed: base.limits.speed,
             period_s,

@@ -75,7 +75,7 @@ pub enum CommandError {
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
-    Rig(#[from] sim_host::rig::RigError),
+    ClosedLoop(#[from] sim_host::closed_loop::ClosedLoopError),
     #[error("{0} runs against the rules: see above")]
     Violations(usize),
     #[error("cannot print: {0}")]

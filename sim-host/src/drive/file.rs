@@ -125,7 +125,7 @@ impl FileRun {
             events: Vec::new(),
             period_s: self.period_s,
             end: End::Parked(longest_s),
-            place: None,
+            setup: None,
         };
         Ok((mission, stretch))
     }

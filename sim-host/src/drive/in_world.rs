@@ -2,8 +2,8 @@
 
 use super::note::BaseNote;
 use super::trace::{DriveHandOver, DriveRow, DriveTrace};
-use crate::mission::{Guide, Mission};
-use crate::rig::{Rig, RigError, order};
+use crate::closed_loop::{ClosedLoop, ClosedLoopError, order};
+use crate::mission::{Mission, Sequencer};
 use crate::world::WorldSetup;
 use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
@@ -23,19 +23,26 @@ const WATCH_S: f64 = 1.0;
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn drive_in_world(mission: &Mission, place: &WorldSetup) -> Result<DriveTrace, RigError> {
-    watch(mission, place, WATCH_S)
+pub fn drive_in_world(
+    mission: &Mission,
+    setup: &WorldSetup,
+) -> Result<DriveTrace, ClosedLoopError> {
+    watch(mission, setup, WATCH_S)
 }
 
 /// The same, but a base that parked is watched for `watch_s` \[s\].
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<DriveTrace, RigError> {
+pub fn watch(
+    mission: &Mission,
+    setup: &WorldSetup,
+    watch_s: f64,
+) -> Result<DriveTrace, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let (_, references) = queue.split();
-    let mut rig = Rig::new(references, mission, place)?;
-    let mut guide = Guide::new(mission);
+    let mut closed_loop = ClosedLoop::new(references, mission, setup)?;
+    let mut sequencer = Sequencer::new(mission);
     let mut trace = DriveTrace {
         period_s: mission.period_s,
         ..DriveTrace::default()
@@ -43,14 +50,14 @@ pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<Driv
     let mut parked_since = None;
     let last_event = mission.events.last().map_or(0.0, |event| event.at_s);
     loop {
-        rig.advance()?;
-        let t = 1.0e-6 * rig.world().now_us() as f64 - mission.period_s;
+        closed_loop.advance()?;
+        let t = 1.0e-6 * closed_loop.world().now_us() as f64 - mission.period_s;
         if t > mission.longest_s() {
             break;
         }
-        let mut row = tick(mission, &mut rig, &mut guide, t);
-        let state = rig.report().state;
-        if rig.report().motion.is_none() {
+        let mut row = tick(mission, &mut closed_loop, &mut sequencer, t);
+        let state = closed_loop.report().state;
+        if closed_loop.report().motion.is_none() {
             // The motion law is off: what it said last stands.
             let before = trace.rows.last().map(|row: &DriveRow| row.report);
             row.0.report.mode = before.map_or_else(Default::default, |report| report.mode);
@@ -83,32 +90,32 @@ pub fn watch(mission: &Mission, place: &WorldSetup, watch_s: f64) -> Result<Driv
 /// One tick of a mission.
 fn tick(
     mission: &Mission,
-    rig: &mut Rig<'_>,
-    guide: &mut Guide<'_>,
+    closed_loop: &mut ClosedLoop<'_>,
+    sequencer: &mut Sequencer<'_>,
     t: f64,
 ) -> (DriveRow, Option<DriveHandOver>) {
-    let truth = rig.world().truth();
-    let report = rig.report();
+    let truth = closed_loop.world().truth();
+    let report = closed_loop.report();
     let believed = report
         .measured
         .map_or(mission.start, |measured| measured.cast());
     let command = report
         .motion
         .map_or(Twist::default(), |motion| motion.command.cast());
-    let motion = *rig.task().controller().base().motion();
+    let motion = *closed_loop.task().controller().base().motion();
     let distance = |speed: f64| f64::from(motion.hand_over_distance(speed as f32));
     // Ticks come unevenly; the route goes by the clock.
     let tick = (t.max(0.0) / mission.period_s).round() as usize;
-    let orders = guide.at(tick, t, &believed, &command, distance);
-    if rig.report().state == State::Idle && rig.report().measured.is_some() {
+    let orders = sequencer.at(tick, t, &believed, &command, distance);
+    if closed_loop.report().state == State::Idle && closed_loop.report().measured.is_some() {
         // An idle base that knows where it is refuses no arming.
-        let _ = rig.command(&Command::Arm);
+        let _ = closed_loop.command(&Command::Arm);
     }
     let followed = orders.left.map(|(left, way)| {
         let order = order(&Task::Follow(left));
-        (left, way, wrench(&rig.would_say(&order)))
+        (left, way, wrench(&closed_loop.would_say(&order)))
     });
-    let report = *rig.tick(&order(&orders.task));
+    let report = *closed_loop.tick(&order(&orders.task));
     let hand_over = followed.map(|(left, distance_m, followed)| {
         let parks = wrench(&report);
         DriveHandOver {

@@ -3,13 +3,13 @@
 //! A [`Mission`] is what a scenario file or a trajectory file becomes; [`crate::drive`] runs it.
 
 mod base;
-mod guide;
 mod hardware;
-mod timetable;
+mod reference_sampler;
+mod sequencer;
 
 pub use base::Base;
-pub(crate) use guide::{Guide, Orders};
 pub use hardware::Hardware;
+pub(crate) use sequencer::{Orders, Sequencer};
 
 use crate::import::Trajectory;
 use crate::motion::Motion;
@@ -42,7 +42,7 @@ pub struct Mission {
     /// When the run ends.
     pub end: End,
     /// A world to run in; none for the ideal plant with perfect measurements.
-    pub place: Option<WorldSetup>,
+    pub setup: Option<WorldSetup>,
 }
 
 /// What the robot does.

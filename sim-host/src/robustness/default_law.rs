@@ -3,7 +3,7 @@
 use super::StudyError;
 use super::condition::Disturbance;
 use super::law::{Brain, Move};
-use crate::mission::{Guide, Mission};
+use crate::mission::{Mission, Sequencer};
 use crate::precision::Precision;
 use controller_core::error::ParamError;
 use controller_core::maths::{Libm, Maths, Single};
@@ -15,7 +15,7 @@ use controller_core::types::{Measured, Twist};
 /// A [`MotionController`] on a mission.
 pub(super) struct DefaultLaw<'a, T, M> {
     period_s: f64,
-    guide: Guide<'a>,
+    sequencer: Sequencer<'a>,
     motion: Motion<T>,
     controller: Option<MotionController<T, M, RationalMean>>,
 }
@@ -29,7 +29,7 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
         let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
         Ok(Self {
             period_s: mission.period_s,
-            guide: Guide::new(mission),
+            sequencer: Sequencer::new(mission),
             motion: params.validate()?,
             controller: None,
         })
@@ -46,7 +46,7 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
         let motion = &self.motion;
         let distance = |speed| motion.hand_over_distance(T::from_f64(speed)).to_f64();
         let orders = self
-            .guide
+            .sequencer
             .at(tick, tick as f64 * dt, measured, &command, distance);
         let task = orders.task.cast_with::<T, M>();
         let told = orders.measured.cast();

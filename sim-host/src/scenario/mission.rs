@@ -125,7 +125,7 @@ impl Mission {
             },
             period_s,
             end: End::At(duration),
-            place: place_of(keys.world, keys.seed, &place)?,
+            setup: world_setup(keys.world, keys.seed, &place)?,
         })
     }
 }
@@ -142,7 +142,7 @@ fn named_base(file: &str, named: &str) -> Checked<Base> {
     }
 }
 
-fn place_of(
+fn world_setup(
     world: Option<WorldKeys>,
     seed: Option<u64>,
     place: &Source<'_>,

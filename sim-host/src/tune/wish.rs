@@ -1,10 +1,10 @@
 //! What a base is tuned for.
 
 use super::score::{Score, health};
+use crate::closed_loop::ClosedLoopError;
 use crate::drive::{DriveTrace, FileError, FileRun};
 use crate::import::Stretch;
 use crate::mission::{Base, Course as Way, Mission};
-use crate::rig::RigError;
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::motion::MotionGains;
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 #[error("{mission}: {cause}")]
 pub struct TuneError {
     mission: String,
-    cause: RigError,
+    cause: ClosedLoopError,
 }
 
 /// Which worlds: those of the search and those of the test have no seed in common.
@@ -115,8 +115,8 @@ impl Wish {
         };
         let mut mission = self.missions[number].0.clone();
         mission.base.gains = Some(*gains);
-        let place = trials::place(&self.base, Condition::Drawn, seed);
-        trials::run(&mission, &place).map_err(|cause| TuneError {
+        let setup = trials::setup(&self.base, Condition::Drawn, seed);
+        trials::run(&mission, &setup).map_err(|cause| TuneError {
             mission: mission.name,
             cause,
         })

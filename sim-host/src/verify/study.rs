@@ -1,10 +1,10 @@
 //! All runs, side by side.
 
 use super::{badness, grid, shortcoming};
+use crate::closed_loop::ClosedLoopError;
 use crate::drive::DriveTrace;
 use crate::mission::{Base, Mission};
 use crate::rate::Rate;
-use crate::rig::RigError;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,7 +17,7 @@ use std::num::NonZeroU32;
 pub struct VerifyError {
     course: &'static str,
     condition: &'static str,
-    cause: RigError,
+    cause: ClosedLoopError,
 }
 
 /// One run.
@@ -119,8 +119,8 @@ fn run(
     condition: Condition,
     seed: u64,
 ) -> Result<(DriveTrace, Figures), VerifyError> {
-    let place = trials::place(&mission.base, condition, seed);
-    trials::run(mission, &place).map_err(|cause| VerifyError {
+    let setup = trials::setup(&mission.base, condition, seed);
+    trials::run(mission, &setup).map_err(|cause| VerifyError {
         course: course.name(),
         condition: condition.name(),
         cause,

@@ -171,7 +171,7 @@ impl BodyKeys {
     }
 }
 
-/// Where a mission takes place, if not on the ideal plant.
+/// The world of a mission, if it is not the ideal plant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldSetup {
     /// The true plant; `body` are factors on the robot that the controller believes in.

@@ -62,8 +62,8 @@ impl Runner<'_, '_> {
         /// A pose's frame with its delimiters.
         const BYTES: i32 = 27;
         let mut manner = Manner::default();
-        for upset in self.upsets() {
-            upset.hinder(&mut manner);
+        for injection in self.upsets() {
+            injection.hinder(&mut manner);
         }
         // Behind a flood a pose finds the queue full, before it does not: either every other time.
         let share: f64 = if manner.flood > 0 { 0.5 } else { 1.0 };
@@ -74,8 +74,8 @@ impl Runner<'_, '_> {
     /// What is wrong with host and line now.
     pub(super) fn manner(&self) -> Manner {
         let mut manner = Manner::default();
-        for upset in self.active_upsets() {
-            upset.hinder(&mut manner);
+        for injection in self.active_upsets() {
+            injection.hinder(&mut manner);
         }
         manner
     }

@@ -8,8 +8,8 @@ impl Runner<'_, '_> {
     pub(super) fn tick(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
         let before = self.report();
         let was = (before.state, check::severity(&before));
-        for upset in self.active_upsets().collect::<Vec<_>>() {
-            upset.apply(self.board.world_mut(), false);
+        for injection in self.active_upsets().collect::<Vec<_>>() {
+            injection.apply(self.board.world_mut(), false);
         }
         let place = self.board.world().truth().pose;
         self.board.advance().map_err(|error| error.to_string())?;
@@ -26,7 +26,10 @@ impl Runner<'_, '_> {
         check::outputs(&report, self.board.actuation(), limit)?;
         check::milder(was, &report, self.received.frees, self.received.reset)?;
         check::reacted(was.0, &report)?;
-        let rules: Vec<_> = self.upsets().map(|upset| Rule::of(upset.kind)).collect();
+        let rules: Vec<_> = self
+            .upsets()
+            .map(|injection| Rule::of(injection.kind))
+            .collect();
         let right = |why| !self.mended && rules.iter().any(|rule| rule.allows(why));
         if let Some(why) = check::wrong(&before, &report, right) {
             return Err(format!("{why} is found, which it is not"));
@@ -37,7 +40,7 @@ impl Runner<'_, '_> {
         watch(&Tick {
             board: &self.board,
             t: self.t,
-            upset: self.active[0],
+            injection: self.active[0],
             stop: self.stop,
         });
         self.within()
@@ -118,14 +121,14 @@ impl Runner<'_, '_> {
         self.segment = now;
         let twist = self.board.world().truth().twist;
         let wheels = Wheels {
-            ice: self.upsets().find_map(|upset| upset.ice()),
+            ice: self.upsets().find_map(|injection| injection.ice()),
             blocked: self
                 .upsets()
-                .any(|upset| upset.kind == UpsetKind::WheelBlocked),
+                .any(|injection| injection.kind == FaultInjectionKind::WheelBlocked),
         };
         let late = self
             .upsets()
-            .map(|upset| upset.late_s())
+            .map(|injection| injection.late_s())
             .fold(0.0, f64::max);
         let dt = 1.2 * self.period_s + late;
         let core = *self.board.task().controller().base();
@@ -154,17 +157,17 @@ impl Runner<'_, '_> {
     /// time that it takes to find a reversed encoder that is pushed, after the way F/(m κ²) in which the velocity loop's
     /// feedback raises the force to what counts as pushed (see [`controller_core::safety::Monitor`]).
     fn unfound_m(&self) -> f64 {
-        let lies = self.upsets().any(|upset| {
+        let lies = self.upsets().any(|injection| {
             matches!(
-                upset.kind,
-                UpsetKind::EncoderReversed | UpsetKind::EncoderStuck
+                injection.kind,
+                FaultInjectionKind::EncoderReversed | FaultInjectionKind::EncoderStuck
             )
         });
         if !lies {
             return 0.0;
         }
         let params = self.board.task().params();
-        let found = Rule::of(UpsetKind::EncoderReversed).within_s(params, None);
+        let found = Rule::of(FaultInjectionKind::EncoderReversed).within_s(params, None);
         let robot = &params.motion.robot;
         let force = 2.0 * params.detectors.wheels.stuck.torque_nm
             / robot.wheels.radius_right_m.min(robot.wheels.radius_left_m);
@@ -188,7 +191,7 @@ impl Runner<'_, '_> {
     pub(super) fn within(&mut self) -> Checked<()> {
         let holds = self
             .active_upsets()
-            .any(|upset| upset.kind == UpsetKind::DriveHolds);
+            .any(|injection| injection.kind == FaultInjectionKind::DriveHolds);
         // Until its watchdog ends it a driver that does not listen is beyond any command.
         if holds {
             self.segment = None;

@@ -5,7 +5,7 @@ use controller_core::hal::ErrorKind;
 
 /// A fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Defect {
+pub enum PlantFault {
     /// The counter of an encoder does not move.
     EncoderStuck(Side),
     /// The counter runs backward: two wires swapped.
@@ -60,7 +60,7 @@ pub enum Defect {
 
 /// The faults that there are now, ready to be asked for.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Defects {
+pub(super) struct PlantFaults {
     pub encoder_stuck: [bool; 2],
     pub encoder_reversed: [bool; 2],
     pub encoder_fails: bool,
@@ -76,27 +76,27 @@ pub(super) struct Defects {
     pub late_us: u32,
 }
 
-impl Defects {
+impl PlantFaults {
     /// Puts a fault in, or takes out the one of its kind and side.
-    pub fn set(&mut self, defect: Defect, there: bool) {
+    pub fn set(&mut self, fault: PlantFault, there: bool) {
         let amount = |value: f64| if there { value } else { 0.0 };
-        match defect {
-            Defect::EncoderStuck(side) => self.encoder_stuck[side.index()] = there,
-            Defect::EncoderReversed(side) => self.encoder_reversed[side.index()] = there,
-            Defect::EncoderFails => self.encoder_fails = there,
-            Defect::PoseSilent => self.pose_silent = there,
-            Defect::PoseJump { dx, dy, dtheta } => {
+        match fault {
+            PlantFault::EncoderStuck(side) => self.encoder_stuck[side.index()] = there,
+            PlantFault::EncoderReversed(side) => self.encoder_reversed[side.index()] = there,
+            PlantFault::EncoderFails => self.encoder_fails = there,
+            PlantFault::PoseSilent => self.pose_silent = there,
+            PlantFault::PoseJump { dx, dy, dtheta } => {
                 self.pose_jump = [amount(dx), amount(dy), amount(dtheta)];
             }
-            Defect::PoseNan => self.pose_nan = there,
-            Defect::DriveFails { coast } => self.drive_fails = there.then_some(coast),
-            Defect::OverCurrent { side, amps } => {
+            PlantFault::PoseNan => self.pose_nan = there,
+            PlantFault::DriveFails { coast } => self.drive_fails = there.then_some(coast),
+            PlantFault::OverCurrent { side, amps } => {
                 self.over_current_a[side.index()] = amount(amps);
             }
-            Defect::BatterySag { volts } => self.sag_v = there.then_some(volts),
-            Defect::WheelBlocked(side) => self.blocked[side.index()] = there,
-            Defect::WheelOnIce { side, mu } => self.ice[side.index()] = there.then_some(mu),
-            Defect::LateTick { us } => self.late_us = if there { us } else { 0 },
+            PlantFault::BatterySag { volts } => self.sag_v = there.then_some(volts),
+            PlantFault::WheelBlocked(side) => self.blocked[side.index()] = there,
+            PlantFault::WheelOnIce { side, mu } => self.ice[side.index()] = there.then_some(mu),
+            PlantFault::LateTick { us } => self.late_us = if there { us } else { 0 },
         }
     }
 

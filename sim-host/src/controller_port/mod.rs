@@ -1,9 +1,9 @@
 //! Who computes the torques: a controller in this process, or one on a chip.
 //!
-//! The loop knows a [`Pilot`] only. Its quantities are `f64`; a pilot that computes in single
+//! The loop knows a [`ControllerPort`] only. Its quantities are `f64`; one that computes in single
 //! precision rounds each input once, with `cast`, and casts its report back, which is exact. So
 //! `value as f32` of anything in a report gives the very bits that the controller computed, and a
-//! pilot on an emulated chip that gets the same inputs can be compared bit for bit.
+//! controller on an emulated chip that gets the same inputs can be compared bit for bit.
 
 mod factory;
 mod in_process;
@@ -17,7 +17,7 @@ use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Wrench};
 
-/// What a pilot says of a tick.
+/// The answer to a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// Everything that the controller computed.
@@ -29,33 +29,33 @@ pub struct Answer {
 }
 
 /// A controller as the closed loop sees it.
-pub trait Pilot {
+pub trait ControllerPort {
     /// Starts tracking at t = 0 and gives the first torques. May be called again to start over.
     ///
     /// # Errors
-    /// See [`PilotError`].
+    /// See [`ControllerPortError`].
     fn start(
         &mut self,
         reference: &Reference<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError>;
+    ) -> Result<Answer, ControllerPortError>;
 
     /// One tick, `dt` \[s\] after the last.
     ///
     /// # Errors
-    /// See [`PilotError`]. The torques of the last report are then no longer to be trusted.
+    /// See [`ControllerPortError`]. The torques of the last report are then no longer to be trusted.
     fn step(
         &mut self,
         dt: f64,
         demand: &Demand<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError>;
+    ) -> Result<Answer, ControllerPortError>;
 }
 
-/// Why a pilot gives no torques.
+/// Why a controller port gives no torques.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum PilotError {
+pub enum ControllerPortError {
     /// The controller refused the tick.
     #[error("the controller refused: {0}")]
     Fault(StepFault),
@@ -67,7 +67,7 @@ pub enum PilotError {
     Link(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-impl From<StepFault> for PilotError {
+impl From<StepFault> for ControllerPortError {
     fn from(fault: StepFault) -> Self {
         Self::Fault(fault)
     }

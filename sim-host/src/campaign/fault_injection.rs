@@ -4,42 +4,42 @@ use super::host::Manner;
 use super::line::LineFault;
 use super::random::Random;
 use crate::mission::Base;
-use crate::world::{Defect, Side, World};
+use crate::world::{PlantFault, Side, World};
 
-/// Kinds of trouble: every [`Defect`] of a world, and what host and links can do.
+/// Kinds of trouble: every [`PlantFault`] of a world, and what host and links can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum UpsetKind {
+pub enum FaultInjectionKind {
     /// Nothing at all: what the others are compared with.
     Nothing,
-    /// [`Defect::EncoderStuck`].
+    /// [`PlantFault::EncoderStuck`].
     EncoderStuck,
-    /// [`Defect::EncoderReversed`].
+    /// [`PlantFault::EncoderReversed`].
     EncoderReversed,
-    /// [`Defect::EncoderFails`].
+    /// [`PlantFault::EncoderFails`].
     EncoderFails,
-    /// [`Defect::PoseSilent`].
+    /// [`PlantFault::PoseSilent`].
     PoseSilent,
-    /// [`Defect::PoseJump`].
+    /// [`PlantFault::PoseJump`].
     PoseJump,
-    /// [`Defect::PoseNan`].
+    /// [`PlantFault::PoseNan`].
     PoseNan,
     /// External poses whose age is not a number.
     FixAgeNan,
-    /// [`Defect::DriveFails`], wheels coast.
+    /// [`PlantFault::DriveFails`], wheels coast.
     DriveCoasts,
-    /// [`Defect::DriveFails`], wheels keep the last command.
+    /// [`PlantFault::DriveFails`], wheels keep the last command.
     DriveHolds,
-    /// [`Defect::OverCurrent`].
+    /// [`PlantFault::OverCurrent`].
     OverCurrent,
-    /// [`Defect::BatterySag`].
+    /// [`PlantFault::BatterySag`].
     BatterySag,
-    /// [`Defect::WheelBlocked`].
+    /// [`PlantFault::WheelBlocked`].
     WheelBlocked,
-    /// [`Defect::WheelOnIce`].
+    /// [`PlantFault::WheelOnIce`].
     WheelOnIce,
-    /// [`Defect::LateTick`], once.
+    /// [`PlantFault::LateTick`], once.
     LateTick,
-    /// [`Defect::LateTick`] in every tick.
+    /// [`PlantFault::LateTick`] in every tick.
     LateTicks,
     /// The host says nothing any more.
     HostSilent,
@@ -55,7 +55,7 @@ pub enum UpsetKind {
     LineDelayed,
 }
 
-impl UpsetKind {
+impl FaultInjectionKind {
     /// Of the line between host and base.
     pub const fn is_line(self) -> bool {
         matches!(self, Self::LineFull | Self::LineDamaged | Self::LineDelayed)
@@ -116,7 +116,7 @@ impl UpsetKind {
     }
 
     /// One of this kind on a base.
-    pub(super) fn draw(self, base: &Base, random: &mut Random) -> Upset {
+    pub(super) fn draw(self, base: &Base, random: &mut Random) -> FaultInjection {
         let side = if random.chance(0.5) {
             Side::Right
         } else {
@@ -127,31 +127,31 @@ impl UpsetKind {
             .map_or(10_000.0, |hardware| 1.0e6 * hardware.period_s);
         let what = match self {
             Self::Nothing => What::Nothing,
-            Self::EncoderStuck => What::Defect(Defect::EncoderStuck(side)),
-            Self::EncoderReversed => What::Defect(Defect::EncoderReversed(side)),
-            Self::EncoderFails => What::Defect(Defect::EncoderFails),
-            Self::PoseSilent => What::Defect(Defect::PoseSilent),
+            Self::EncoderStuck => What::PlantFault(PlantFault::EncoderStuck(side)),
+            Self::EncoderReversed => What::PlantFault(PlantFault::EncoderReversed(side)),
+            Self::EncoderFails => What::PlantFault(PlantFault::EncoderFails),
+            Self::PoseSilent => What::PlantFault(PlantFault::PoseSilent),
             // From what fusion averages away to what it has to believe after a while.
-            Self::PoseJump => What::Defect(Defect::PoseJump {
+            Self::PoseJump => What::PlantFault(PlantFault::PoseJump {
                 dx: random.between(-0.5, 0.5),
                 dy: random.between(-0.5, 0.5),
                 dtheta: random.between(-0.5, 0.5),
             }),
-            Self::PoseNan => What::Defect(Defect::PoseNan),
+            Self::PoseNan => What::PlantFault(PlantFault::PoseNan),
             Self::FixAgeNan => What::FixAgeNan,
-            Self::DriveCoasts => What::Defect(Defect::DriveFails { coast: true }),
-            Self::DriveHolds => What::Defect(Defect::DriveFails { coast: false }),
-            Self::OverCurrent => What::Defect(Defect::OverCurrent {
+            Self::DriveCoasts => What::PlantFault(PlantFault::DriveFails { coast: true }),
+            Self::DriveHolds => What::PlantFault(PlantFault::DriveFails { coast: false }),
+            Self::OverCurrent => What::PlantFault(PlantFault::OverCurrent {
                 side,
                 amps: random.between(1.0, 20.0),
             }),
             // Always below the 70 % from which on it counts as low.
-            Self::BatterySag => What::Defect(Defect::BatterySag {
+            Self::BatterySag => What::PlantFault(PlantFault::BatterySag {
                 volts: base.hardware.map_or(12.0, |h| h.battery.nominal_v)
                     * random.between(0.3, 0.65),
             }),
-            Self::WheelBlocked => What::Defect(Defect::WheelBlocked(side)),
-            Self::WheelOnIce => What::Defect(Defect::WheelOnIce {
+            Self::WheelBlocked => What::PlantFault(PlantFault::WheelBlocked(side)),
+            Self::WheelOnIce => What::PlantFault(PlantFault::WheelOnIce {
                 side,
                 mu: random.between(0.05, 0.2),
             }),
@@ -184,15 +184,15 @@ impl UpsetKind {
                 ..Manner::default()
             }),
         };
-        Upset { kind: self, what }
+        FaultInjection { kind: self, what }
     }
 }
 
 /// Trouble with its amount.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Upset {
+pub struct FaultInjection {
     /// Kind.
-    pub kind: UpsetKind,
+    pub kind: FaultInjectionKind,
     pub(super) what: What,
 }
 
@@ -200,7 +200,7 @@ pub struct Upset {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum What {
     Nothing,
-    Defect(Defect),
+    PlantFault(PlantFault),
     FixAgeNan,
     /// \[µs\].
     LateOnce(u32),
@@ -213,21 +213,21 @@ pub(super) enum What {
     Line(Manner),
 }
 
-impl Upset {
+impl FaultInjection {
     /// In place at the beginning of every tick.
     pub(super) fn apply(&self, world: &mut World, first: bool) {
         match self.what {
-            What::Defect(defect) if first => world.inject(defect),
-            What::LateOnce(us) if first => world.inject(Defect::LateTick { us }),
-            What::Late(us) => world.inject(Defect::LateTick { us }),
+            What::PlantFault(fault) if first => world.inject(fault),
+            What::LateOnce(us) if first => world.inject(PlantFault::LateTick { us }),
+            What::Late(us) => world.inject(PlantFault::LateTick { us }),
             _ => {}
         }
     }
 
     /// Over.
     pub(super) fn heal(&self, world: &mut World) {
-        if let What::Defect(defect) = self.what {
-            world.heal(defect);
+        if let What::PlantFault(fault) = self.what {
+            world.heal(fault);
         }
     }
 
@@ -257,7 +257,7 @@ impl Upset {
     /// Grip that it leaves a wheel.
     pub(super) fn ice(&self) -> Option<f64> {
         match self.what {
-            What::Defect(Defect::WheelOnIce { mu, .. }) => Some(mu),
+            What::PlantFault(PlantFault::WheelOnIce { mu, .. }) => Some(mu),
             _ => None,
         }
     }

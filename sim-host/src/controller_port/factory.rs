@@ -1,6 +1,6 @@
 //! From the names in a scenario to the types of the core.
 
-use super::{InProcess, Pilot};
+use super::{ControllerPort, InProcess};
 use crate::precision::Precision;
 use crate::scenario::{Law, MathsBackEnd, Scenario, Update};
 use controller_core::error::ParamError;
@@ -11,11 +11,11 @@ use controller_core::paper::plain::PlainController;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactHeld, ExactMean, RationalMean};
 
-/// The pilot that a scenario asks for.
+/// The controller that a scenario names.
 ///
 /// # Errors
 /// Parameters that the core refuses. A [`Scenario`] that was read from a file has none.
-pub fn for_scenario(scenario: &Scenario) -> Result<Box<dyn Pilot>, ParamError> {
+pub fn for_scenario(scenario: &Scenario) -> Result<Box<dyn ControllerPort>, ParamError> {
     Ok(match scenario.controller.precision {
         Precision::F64 => with_maths::<f64, Libm>(scenario, scenario.params.validate()?),
         Precision::F32 => {
@@ -29,7 +29,10 @@ pub fn for_scenario(scenario: &Scenario) -> Result<Box<dyn Pilot>, ParamError> {
     })
 }
 
-fn with_maths<T: Scalar, M: Maths<T>>(scenario: &Scenario, params: Validated<T>) -> Box<dyn Pilot> {
+fn with_maths<T: Scalar, M: Maths<T>>(
+    scenario: &Scenario,
+    params: Validated<T>,
+) -> Box<dyn ControllerPort> {
     type Neural<T, M, U> = InProcess<T, M, NeuralController<T, M, U>>;
     let controller = &scenario.controller;
     match (controller.kind, controller.neurons) {

@@ -1,6 +1,6 @@
 //! A controller of the core, called directly.
 
-use super::{Answer, Pilot, PilotError};
+use super::{Answer, ControllerPort, ControllerPortError};
 use controller_core::error::StepFault;
 use controller_core::maths::Maths;
 use controller_core::paper::demand::Demand;
@@ -68,7 +68,7 @@ impl<T: Scalar, M: Maths<T>> Control<T> for PlainController<T, M> {
     }
 }
 
-/// A [`Pilot`] that runs the controller `C` in this process.
+/// A [`ControllerPort`] that runs the controller `C` in this process.
 #[derive(Clone, Debug)]
 pub struct InProcess<T, M, C> {
     params: Validated<T>,
@@ -77,7 +77,7 @@ pub struct InProcess<T, M, C> {
 }
 
 impl<T: Scalar, M: Maths<T>, C: Control<T>> InProcess<T, M, C> {
-    /// A pilot that is not started yet.
+    /// A controller port that is not started yet.
     pub fn new(params: Validated<T>) -> Self {
         Self {
             params,
@@ -92,12 +92,12 @@ impl<T: Scalar, M: Maths<T>, C: Control<T>> InProcess<T, M, C> {
     }
 }
 
-impl<T: Scalar, M: Maths<T>, C: Control<T>> Pilot for InProcess<T, M, C> {
+impl<T: Scalar, M: Maths<T>, C: Control<T>> ControllerPort for InProcess<T, M, C> {
     fn start(
         &mut self,
         reference: &Reference<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError> {
+    ) -> Result<Answer, ControllerPortError> {
         let reference = reference.cast_with::<T, M>();
         let measured = measured.cast();
         let controller = C::start(&self.params, &reference, &measured)?;
@@ -109,8 +109,11 @@ impl<T: Scalar, M: Maths<T>, C: Control<T>> Pilot for InProcess<T, M, C> {
         dt: f64,
         demand: &Demand<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError> {
-        let controller = self.controller.as_mut().ok_or(PilotError::NotStarted)?;
+    ) -> Result<Answer, ControllerPortError> {
+        let controller = self
+            .controller
+            .as_mut()
+            .ok_or(ControllerPortError::NotStarted)?;
         let demand = demand.cast_with::<T, M>();
         let measured = measured.cast();
         controller.step(T::from_f64(dt), &demand, &measured)?;

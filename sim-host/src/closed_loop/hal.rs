@@ -12,7 +12,7 @@ use controller_core::types::WheelTorques;
 /// A [`World`] as a control task sees it: drivers, encoders and clock of a base whose world it owns.
 ///
 /// Nothing moves but in [`advance`](Self::advance). Drivers that fail or report too much current
-/// ([`Defect`](crate::world::Defect)) answer so to every call.
+/// ([`PlantFault`](crate::world::PlantFault)) answer so to every call.
 #[derive(Clone, Debug)]
 pub struct PlantHal {
     world: World,

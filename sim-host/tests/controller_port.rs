@@ -1,4 +1,4 @@
-//! Pilots: what passes between the loop and a controller.
+//! Controller ports: what passes between the loop and a controller.
 
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::Libm;
@@ -7,7 +7,9 @@ use controller_core::paper::neural::NeuralController;
 use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
-use sim_host::pilot::{Answer, InProcess, Pilot, PilotError, for_scenario};
+use sim_host::controller_port::{
+    Answer, ControllerPort, ControllerPortError, InProcess, for_scenario,
+};
 use sim_host::run::{RunError, run_with};
 use sim_host::scenario::{BuiltIn, Scenario};
 
@@ -38,10 +40,10 @@ fn measured() -> Measured<f64> {
 #[test]
 fn a_widened_report_holds_the_very_bits() {
     let params = Params::<f32>::paper().validate().expect("in order");
-    let mut pilot = InProcess::<f32, Libm, Single>::new(params);
-    pilot.start(&reference(), &measured()).expect("starts");
+    let mut controller = InProcess::<f32, Libm, Single>::new(params);
+    controller.start(&reference(), &measured()).expect("starts");
     let demand = Demand::Track(reference());
-    let answer = pilot.step(0.01, &demand, &measured()).expect("steps");
+    let answer = controller.step(0.01, &demand, &measured()).expect("steps");
     let ours = answer.report;
 
     let (r, m) = (reference().cast_with::<f32, Libm>(), measured().cast());
@@ -73,34 +75,34 @@ fn narrowing_to_the_same_type_changes_nothing() {
 
 #[test]
 fn a_pilot_that_was_not_started_says_so() {
-    let mut pilot = for_scenario(&scenario()).expect("in order");
-    let refused = pilot.step(0.01, &Demand::Park, &measured());
-    assert!(matches!(refused, Err(PilotError::NotStarted)));
+    let mut controller = for_scenario(&scenario()).expect("in order");
+    let refused = controller.step(0.01, &Demand::Park, &measured());
+    assert!(matches!(refused, Err(ControllerPortError::NotStarted)));
 }
 
 #[test]
 fn faults_of_the_controller_come_through() {
-    let mut pilot = for_scenario(&scenario()).expect("in order");
-    pilot.start(&reference(), &measured()).expect("starts");
+    let mut controller = for_scenario(&scenario()).expect("in order");
+    controller.start(&reference(), &measured()).expect("starts");
     let mut lost = measured();
     lost.pose.x = f64::NAN;
-    let refused = pilot.step(0.01, &Demand::Track(reference()), &lost);
+    let refused = controller.step(0.01, &Demand::Track(reference()), &lost);
     let expected = StepFault::NotFinite(Input::Pose);
-    assert!(matches!(refused, Err(PilotError::Fault(fault)) if fault == expected));
+    assert!(matches!(refused, Err(ControllerPortError::Fault(fault)) if fault == expected));
 }
 
 /// Works for a while, then is gone: what a cable does.
 struct Unplugged {
     ticks: usize,
-    inner: Box<dyn Pilot>,
+    inner: Box<dyn ControllerPort>,
 }
 
-impl Pilot for Unplugged {
+impl ControllerPort for Unplugged {
     fn start(
         &mut self,
         reference: &Reference<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError> {
+    ) -> Result<Answer, ControllerPortError> {
         self.inner.start(reference, measured)
     }
 
@@ -109,10 +111,10 @@ impl Pilot for Unplugged {
         dt: f64,
         demand: &Demand<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError> {
+    ) -> Result<Answer, ControllerPortError> {
         match self.ticks.checked_sub(1) {
             Some(left) => self.ticks = left,
-            None => return Err(PilotError::Link("the cable is out".into())),
+            None => return Err(ControllerPortError::Link("the cable is out".into())),
         }
         self.inner.step(dt, demand, measured)
     }
@@ -124,7 +126,7 @@ fn a_run_ends_with_the_time_and_the_cause() {
     let inner = for_scenario(&scenario).expect("in order");
     let error = run_with(&scenario, &mut Unplugged { ticks: 249, inner }).expect_err("unplugged");
     assert!(
-        matches!(&error, RunError::Pilot { time_s, .. } if *time_s == 0.25),
+        matches!(&error, RunError::ControllerPort { time_s, .. } if *time_s == 0.25),
         "{error:?}"
     );
     let shown = error.to_string();

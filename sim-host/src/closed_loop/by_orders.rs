@@ -15,7 +15,7 @@ use protocol::{Command, RejectReason};
 /// Why a base cannot be put into a world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RigError {
+pub enum ClosedLoopError {
     /// A parameter of the base.
     #[error("{0}")]
     Param(ParamError),
@@ -48,15 +48,15 @@ impl Parts {
     /// Parameters out of their range.
     pub fn of_base(
         base: &Base,
-        place: &WorldSetup,
+        setup: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
-    ) -> Result<Self, RigError> {
+    ) -> Result<Self, ClosedLoopError> {
         let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
         Self::with(
             (base, period_s),
             &base.robot,
             &Measured::default(),
-            place,
+            setup,
             edit,
         )
     }
@@ -65,15 +65,16 @@ impl Parts {
         (base, period_s): (&Base, f64),
         robot: &Robot<f64>,
         start: &Measured<f64>,
-        place: &WorldSetup,
+        setup: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
-    ) -> Result<Self, RigError> {
+    ) -> Result<Self, ClosedLoopError> {
         let period_us = (1.0e6 * period_s).round() as u32;
-        let mut params = convert::params(base, period_us).map_err(RigError::Param)?;
+        let mut params = convert::params(base, period_us).map_err(ClosedLoopError::Param)?;
         edit(&mut params);
-        let valid = params.validate().map_err(RigError::Base)?;
-        let keys = convert::with_hardware(&place.world, base.hardware.as_ref());
-        let world = World::new(&keys.params(robot), start, place.seed).map_err(RigError::World)?;
+        let valid = params.validate().map_err(ClosedLoopError::Base)?;
+        let keys = convert::with_hardware(&setup.world, base.hardware.as_ref());
+        let world =
+            World::new(&keys.params(robot), start, setup.seed).map_err(ClosedLoopError::World)?;
         let most = params.motion.limits.wheel_torque_nm;
         Ok(Self {
             hal: PlantHal::new(world, valid.motor().copied(), most),
@@ -85,13 +86,13 @@ impl Parts {
 }
 
 /// A base in a world, driven by orders: the firmware's control task without a host and its line.
-pub struct Rig<'queue> {
+pub struct ClosedLoop<'queue> {
     task: ControlTask<'queue, PlantHal>,
     period_us: u32,
     dt_us: u32,
 }
 
-impl<'queue> Rig<'queue> {
+impl<'queue> ClosedLoop<'queue> {
     /// A disarmed base that knows where it starts. Orders come with each tick, so nothing goes through `references`.
     ///
     /// # Errors
@@ -99,16 +100,17 @@ impl<'queue> Rig<'queue> {
     pub fn new(
         references: ReferenceConsumer<'queue, f32>,
         mission: &Mission,
-        place: &WorldSetup,
-    ) -> Result<Self, RigError> {
+        setup: &WorldSetup,
+    ) -> Result<Self, ClosedLoopError> {
         let base = (&mission.base, mission.period_s);
         let Parts {
             hal,
             params,
             start,
             period_us,
-        } = Parts::with(base, &mission.robot, &mission.start, place, |_| {})?;
-        let task = ControlTask::new(hal, references, params, start).map_err(RigError::Setting)?;
+        } = Parts::with(base, &mission.robot, &mission.start, setup, |_| {})?;
+        let task =
+            ControlTask::new(hal, references, params, start).map_err(ClosedLoopError::Setting)?;
         Ok(Self {
             task,
             period_us,
@@ -120,9 +122,11 @@ impl<'queue> Rig<'queue> {
     ///
     /// # Errors
     /// A command that the world refuses, which no base gives.
-    pub fn advance(&mut self) -> Result<(), RigError> {
+    pub fn advance(&mut self) -> Result<(), ClosedLoopError> {
         let hal = self.task.drive_mut();
-        self.dt_us = hal.advance(self.period_us).map_err(RigError::Actuation)?;
+        self.dt_us = hal
+            .advance(self.period_us)
+            .map_err(ClosedLoopError::Actuation)?;
         Ok(())
     }
 

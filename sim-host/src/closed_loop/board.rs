@@ -1,7 +1,7 @@
 //! The firmware on the plant, with a host at the other end of a line.
 
 use super::PlantHal;
-use super::trial::{Parts, RigError};
+use super::by_orders::{ClosedLoopError, Parts};
 use crate::mission::Base;
 use crate::world::{Actuation, World, WorldSetup};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
@@ -31,17 +31,18 @@ impl<'queue> Board<'queue> {
     pub fn new(
         queues: &'queue mut Queues,
         base: &Base,
-        place: &WorldSetup,
+        setup: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
-    ) -> Result<Self, RigError> {
+    ) -> Result<Self, ClosedLoopError> {
         let Parts {
             hal,
             params,
             start,
             period_us,
-        } = Parts::of_base(base, place, edit)?;
+        } = Parts::of_base(base, setup, edit)?;
         let (references, ends, receiver) = queues.split(DECIMATE);
-        let task = ControlTask::new(hal, references, params, start).map_err(RigError::Setting)?;
+        let task =
+            ControlTask::new(hal, references, params, start).map_err(ClosedLoopError::Setting)?;
         Ok(Self {
             server: ControlServer::new(task, ends),
             receiver,
@@ -54,9 +55,11 @@ impl<'queue> Board<'queue> {
     ///
     /// # Errors
     /// A command that the world refuses, which no task gives.
-    pub fn advance(&mut self) -> Result<(), RigError> {
+    pub fn advance(&mut self) -> Result<(), ClosedLoopError> {
         let hal = self.server.drive_mut();
-        self.dt_us = hal.advance(self.period_us).map_err(RigError::Actuation)?;
+        self.dt_us = hal
+            .advance(self.period_us)
+            .map_err(ClosedLoopError::Actuation)?;
         Ok(())
     }
 

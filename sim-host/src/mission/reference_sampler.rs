@@ -1,4 +1,4 @@
-//! The route, tick for tick.
+//! The route, sampled at every tick.
 
 use super::{Course, Mission, Route};
 use controller_core::maths::Libm;
@@ -6,14 +6,14 @@ use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
 
 /// The reference at each tick, and the way that it goes.
-pub(super) struct Timetable {
+pub(super) struct ReferenceSampler {
     /// Pose and twist of the tick, acceleration of the middle of its hold.
     references: Vec<Reference<f64>>,
     /// Metres and radians that the reference has moved since the start.
     travelled: Vec<(f64, f64)>,
 }
 
-impl Timetable {
+impl ReferenceSampler {
     /// Of a mission's route; empty without one.
     pub(super) fn of(mission: &Mission) -> Self {
         let Course::Follow { route, hand_over } = &mission.course else {

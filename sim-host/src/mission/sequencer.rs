@@ -1,6 +1,6 @@
-//! What each tick is to do.
+//! The task of each tick: from route, events and hand-over rule.
 
-use super::timetable::Timetable;
+use super::reference_sampler::ReferenceSampler;
 use super::{Change, Course, Event, HandOverRule, Mission, When};
 use controller_core::maths::Libm;
 use controller_core::motion::{Remaining, Task};
@@ -8,9 +8,9 @@ use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Pose, Twist};
 
-/// Decides from tick to tick.
-pub(crate) struct Guide<'a> {
-    table: Timetable,
+/// Gives the orders of each tick.
+pub(crate) struct Sequencer<'a> {
+    sampler: ReferenceSampler,
     rule: Option<HandOverRule>,
     events: &'a [Event],
     /// Half the distance of the wheels \[m\]: what a turn makes a wheel travel.
@@ -34,7 +34,7 @@ pub(crate) struct Orders {
     pub(crate) measured: Measured<f64>,
 }
 
-impl<'a> Guide<'a> {
+impl<'a> Sequencer<'a> {
     pub(crate) fn new(mission: &'a Mission) -> Self {
         let (rule, goal) = match &mission.course {
             Course::Park(goal) => (None, Some(*goal)),
@@ -49,7 +49,7 @@ impl<'a> Guide<'a> {
             }
         }
         Self {
-            table: Timetable::of(mission),
+            sampler: ReferenceSampler::of(mission),
             rule,
             events: &mission.events,
             lever: 0.5 * mission.base.robot.wheels.track_m,
@@ -97,15 +97,15 @@ impl<'a> Guide<'a> {
         };
         let mut left = None;
         if self.goal.is_none()
-            && let (Some(rule), Some(reference)) = (self.rule, self.table.at(tick))
+            && let (Some(rule), Some(reference)) = (self.rule, self.sampler.at(tick))
         {
             let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
-            let (path_m, turn_rad) = self.table.to_go(tick);
+            let (path_m, turn_rad) = self.sampler.to_go(tick);
             let remaining = Remaining { path_m, turn_rad }.with_error(&reference, &error);
             let due = match rule.when {
                 When::Time(time) => t >= time - 1e-9,
                 When::Distance => {
-                    self.table.is_over(tick)
+                    self.sampler.is_over(tick)
                         || remaining.is_short::<Libm>(command, self.lever, distance)
                 }
             };
@@ -118,7 +118,7 @@ impl<'a> Guide<'a> {
         let target = match self.goal {
             Some(goal) => Reference::at_rest_with::<Libm>(goal),
             None => self
-                .table
+                .sampler
                 .at(tick)
                 .unwrap_or_else(|| Reference::at_rest_with::<Libm>(measured.pose)),
         };
