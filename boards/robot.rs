@@ -50,14 +50,14 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Of pose neurons and bridges [1/s].
             decay: 5.0,
             // Along the path [1/s].
-            along: 1.2,
+            longitudinal: 1.2,
             // Largest speed that it adds [m/s].
-            along_bound: 1.5,
+            longitudinal_bound: 1.5,
             // [1/s]
             heading: 3.0,
             // Across the path [1/s^2].
-            across: 2.5,
-            // Below this correction across fades out [m/s].
+            lateral: 2.5,
+            // Below this speed the lateral correction fades out [m/s].
             slow: 0.03,
             // Towards the goal [1/s].
             approach: 1.2,

@@ -29,9 +29,9 @@ use core::fmt;
 #[non_exhaustive]
 pub enum Channel {
     /// Error along the path while following.
-    Along,
+    Longitudinal,
     /// Error across the path, and heading, while following.
-    Across,
+    Lateral,
     /// Distance to the goal while parking.
     Approach,
     /// Bearing of the goal while parking.
@@ -68,8 +68,8 @@ pub struct Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let channel = match self.channel {
-            Channel::Along => "along the path",
-            Channel::Across => "across the path",
+            Channel::Longitudinal => "along the path",
+            Channel::Lateral => "across the path",
             Channel::Approach => "towards the goal",
             Channel::Bearing => "turning to the goal",
             Channel::Heading => "heading at the goal",

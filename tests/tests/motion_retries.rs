@@ -215,7 +215,7 @@ fn stated_noise_sets_what_follows_from_it() {
         let params = plain.with_pose_noise(sigma);
         let gains = &params.gains;
         // The heading that following makes of the noise: at most 0.03 rad, the same as 2 mm with plain gains.
-        let heading = gains.across * sigma / (2.0 * gains.heading * gains.slow);
+        let heading = gains.lateral * sigma / (2.0 * gains.heading * gains.slow);
         assert!(heading <= 0.03 + 1e-12, "{heading}");
         assert!(gains.slow >= plain.gains.slow);
         assert!(params.arrival.distance_m >= 8.0 * sigma);

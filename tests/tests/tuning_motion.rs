@@ -96,7 +96,7 @@ fn wished_times_are_met() {
                 (told.settling_s / settling_s - 1.0).abs() < 0.01,
                 "{told:?}"
             );
-            assert!((told.across.damping - damping).abs() < 0.01, "{told:?}");
+            assert!((told.lateral.damping - damping).abs() < 0.01, "{told:?}");
         }
     }
     let mut page = Stated::of("docs/tuning.md");
@@ -252,7 +252,7 @@ fn noise_only_raises_the_slow_speed() {
     let exact = gains::<f64, Libm>(&quiet, &lab).expect("had");
     let found = gains::<f64, Libm>(&noisy, &lab).expect("had");
     // c σ/(2 k₃ v_f) is 0.03 rad.
-    let heading_noise = found.across * 0.01 / (2.0 * found.heading * found.slow);
+    let heading_noise = found.lateral * 0.01 / (2.0 * found.heading * found.slow);
     assert!((heading_noise - 0.03).abs() < 1e-9, "{heading_noise}");
     assert!(found.slow > exact.slow);
     assert_eq!(
@@ -298,9 +298,9 @@ proptest! {
         // What can be had fast can be had slowly.
         let slow = slow.expect("had");
         for (slow, fast) in [
-            (slow.along, fast.along),
+            (slow.longitudinal, fast.longitudinal),
             (slow.heading, fast.heading),
-            (slow.across, fast.across),
+            (slow.lateral, fast.lateral),
             (slow.approach, fast.approach),
         ] {
             prop_assert!(slow <= fast, "{slow} {fast}");
@@ -317,7 +317,7 @@ proptest! {
         let double = Base::STANDARD.exact();
         let double = gains::<f64, Libm>(&MotionWishes { damping, ..MotionWishes::settling(time) }, &double).expect("had");
         // 800 steps of single precision.
-        prop_assert!((f64::from(single.across) / double.across - 1.0).abs() < 0.01);
-        prop_assert!((f64::from(single.along) / double.along - 1.0).abs() < 0.01);
+        prop_assert!((f64::from(single.lateral) / double.lateral - 1.0).abs() < 0.01);
+        prop_assert!((f64::from(single.longitudinal) / double.longitudinal - 1.0).abs() < 0.01);
     }
 }

@@ -81,8 +81,10 @@ fn wished_times_are_met() {
                 );
             }
             let told = margins::<f64, Libm>(&core, speed);
-            assert!((told.across.damping - damping).abs() < 0.01 || told.across.damping < damping);
-            assert!(told.max_speed > 1.5 * speed && told.lyapunov_along >= 1.0);
+            assert!(
+                (told.lateral.damping - damping).abs() < 0.01 || told.lateral.damping < damping
+            );
+            assert!(told.max_speed > 1.5 * speed && told.lyapunov_longitudinal >= 1.0);
         }
     }
     Stated::of("docs/tuning.md").exactly(

@@ -50,14 +50,14 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Of pose neurons and bridges [1/s].
             decay: 8.31,
             // Along the path [1/s].
-            along: 2.25,
+            longitudinal: 2.25,
             // Largest speed that it adds [m/s].
-            along_bound: 1.5,
+            longitudinal_bound: 1.5,
             // [1/s]
             heading: 2.28,
             // Across the path [1/s^2].
-            across: 3.02,
-            // Below this correction across fades out [m/s].
+            lateral: 3.02,
+            // Below this speed the lateral correction fades out [m/s].
             slow: 0.03,
             // Towards the goal [1/s].
             approach: 1.2,

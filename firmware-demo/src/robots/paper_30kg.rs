@@ -50,14 +50,14 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Of pose neurons and bridges [1/s].
             decay: 8.0,
             // Along the path [1/s].
-            along: 2.0,
+            longitudinal: 2.0,
             // Largest speed that it adds [m/s].
-            along_bound: 1.5,
+            longitudinal_bound: 1.5,
             // [1/s]
             heading: 1.87,
             // Across the path [1/s^2].
-            across: 1.38,
-            // Below this correction across fades out [m/s].
+            lateral: 1.38,
+            // Below this speed the lateral correction fades out [m/s].
             slow: 0.04472136,
             // Towards the goal [1/s].
             approach: 1.58,

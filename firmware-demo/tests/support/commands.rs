@@ -54,10 +54,10 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
             |(gains, limits, [right, left, track], times, responses, policy)| {
                 let [
                     decay,
-                    along,
-                    along_bound,
+                    longitudinal,
+                    longitudinal_bound,
                     heading,
-                    across,
+                    lateral,
                     slow,
                     approach,
                     approach_brake,
@@ -78,10 +78,10 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
                 FieldParams {
                     gains: WireGains {
                         decay,
-                        along,
-                        along_bound,
+                        longitudinal,
+                        longitudinal_bound,
                         heading,
-                        across,
+                        lateral,
                         slow,
                         approach,
                         approach_brake,

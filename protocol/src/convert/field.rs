@@ -16,10 +16,10 @@ impl From<&BaseParams<f32>> for FieldParams {
         Self {
             gains: WireGains {
                 decay: gains.decay,
-                along: gains.along,
-                along_bound: gains.along_bound,
+                longitudinal: gains.longitudinal,
+                longitudinal_bound: gains.longitudinal_bound,
                 heading: gains.heading,
-                across: gains.across,
+                lateral: gains.lateral,
                 slow: gains.slow,
                 approach: gains.approach,
                 approach_brake: gains.approach_brake,
@@ -72,10 +72,10 @@ impl FieldParams {
             motion: MotionParams {
                 gains: MotionGains {
                     decay: gains.decay,
-                    along: gains.along,
-                    along_bound: gains.along_bound,
+                    longitudinal: gains.longitudinal,
+                    longitudinal_bound: gains.longitudinal_bound,
                     heading: gains.heading,
-                    across: gains.across,
+                    lateral: gains.lateral,
                     slow: gains.slow,
                     approach: gains.approach,
                     approach_brake: gains.approach_brake,

@@ -3,7 +3,12 @@
 use toml::Table;
 
 /// Table, old key, new key.
-pub const RENAMED_KEYS: [(&str, &str, &str); 1] = [("policy", "gave_up", "goal_unreachable")];
+pub const RENAMED_KEYS: [(&str, &str, &str); 4] = [
+    ("policy", "gave_up", "goal_unreachable"),
+    ("gains", "along", "longitudinal"),
+    ("gains", "along_bound", "longitudinal_bound"),
+    ("gains", "across", "lateral"),
+];
 
 /// A note for each old name in the text of a base's file.
 pub(super) fn notes(file: &str, text: &str) -> Vec<String> {
@@ -53,5 +58,11 @@ mod tests {
             assert!(note.contains(before) && note.contains(after), "{note}");
         }
         assert_eq!(old.notes.len(), 2);
+        let gains = text
+            .replace("longitudinal =", "along =")
+            .replace("lateral =", "across =");
+        let gains = Base::parse("mine.toml", &gains).expect("a base");
+        assert_eq!(gains.gains, new.gains);
+        assert_eq!(gains.notes.len(), 2);
     }
 }

@@ -123,7 +123,7 @@ mod tests {
         let good = Base::default().motion().gains;
         assert_eq!(health(&good, 0.01), 0.0);
         let stiff = MotionGains {
-            across: 10.0 * good.across,
+            lateral: 10.0 * good.lateral,
             ..good
         };
         assert!(health(&stiff, 0.01) > 20.0);

@@ -3,7 +3,7 @@
 use super::wishes::Wishes;
 use crate::maths::Maths;
 use crate::paper::params::Params;
-use crate::paper::stability::{PathLoop, along, lateral};
+use crate::paper::stability::{PathLoop, lateral, longitudinal};
 use crate::scalar::Scalar;
 use crate::stability::{Polynomial, edge};
 use crate::tuning::Why;
@@ -40,8 +40,8 @@ impl<'a, T: Scalar> Design<'a, T> {
     /// k₃ and k₂ v_r² that place the pair.
     pub(super) fn path(&self, omega: T) -> PathLoop<T> {
         let a = T::from_f64(NEURONS) * omega;
-        let with = |across: T, heading: T| PathLoop {
-            across,
+        let with = |lateral: T, heading: T| PathLoop {
+            lateral,
             heading,
             bandwidth: T::ONE / self.wishes.turn_lag_s,
             a,
@@ -57,22 +57,22 @@ impl<'a, T: Scalar> Design<'a, T> {
         let (nr, ni) = none.value_at(root);
         let determinant = hr * xi - xr * hi;
         let heading = (xr * ni - nr * xi) / determinant;
-        let across = (nr * hi - hr * ni) / determinant;
-        with(across, heading)
+        let lateral = (nr * hi - hr * ni) / determinant;
+        with(lateral, heading)
     }
 
     /// The pair can be had, or what stands against it.
-    pub(super) fn across(&self, omega: T) -> Result<(), Why> {
+    pub(super) fn lateral(&self, omega: T) -> Result<(), Why> {
         let f = T::from_f64;
         let path = self.path(omega);
-        let placed = path.heading > T::ZERO && path.across > T::ZERO;
+        let placed = path.heading > T::ZERO && path.lateral > T::ZERO;
         let whole = lateral(&path).characteristic();
         let decay = f(0.98) * self.wishes.damping * omega;
         if !(placed && whole.shifted(decay).is_hurwitz()) {
             return Err(Why::Lag);
         }
         let faster = PathLoop {
-            across: f(2.25) * path.across,
+            lateral: f(2.25) * path.lateral,
             ..path
         };
         if !lateral(&faster).is_stable() {
@@ -102,7 +102,7 @@ impl<'a, T: Scalar> Design<'a, T> {
             bandwidth: smaller(path.bandwidth, T::from_f64(STIFF) * path.a),
             ..*path
         };
-        let push = path.across * path.b * (path.b + path.bandwidth);
+        let push = path.lateral * path.b * (path.b + path.bandwidth);
         let horizon = T::from_f64(9.0) / (self.wishes.damping * omega);
         response(&lateral(&path).characteristic(), push, horizon)
     }
@@ -113,7 +113,7 @@ impl<'a, T: Scalar> Design<'a, T> {
         let wanted = self.wishes.settling_s;
         let bandwidth = smaller(bandwidth, f(STIFF) * a);
         let run = |gain: T| {
-            let whole = along(gain, bandwidth, a, a).characteristic();
+            let whole = longitudinal(gain, bandwidth, a, a).characteristic();
             let push = gain * a * (a + bandwidth);
             let mut found = response(&whole, push, f(7.0) / gain);
             found.tenth_s = softer(a) * found.tenth_s;

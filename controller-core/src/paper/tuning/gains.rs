@@ -109,10 +109,10 @@ fn solve<T: Scalar, M: Maths<T>>(base: &Params<T>, wishes: &Wishes<T>) -> Result
     let most = f(20.0) / wanted;
     // The slowest pair that is quick enough, or the quickest that can be had.
     let omega = edge(f(0.5) / wanted, most, |omega| {
-        design.across(omega).is_ok() && design.across_time(omega) > wanted
+        design.lateral(omega).is_ok() && design.across_time(omega) > wanted
     });
     if design.across_time(omega) > wanted * f(1.001) {
-        return Err(design.across(omega * f(1.01)).err().unwrap_or(Why::Lag));
+        return Err(design.lateral(omega * f(1.01)).err().unwrap_or(Why::Lag));
     }
     let path = design.path(omega);
     let (speed_loop, turn_loop) = (T::ONE / wishes.speed_lag_s, path.bandwidth);
@@ -125,7 +125,7 @@ fn solve<T: Scalar, M: Maths<T>>(base: &Params<T>, wishes: &Wishes<T>) -> Result
     Ok(Params {
         tracking: TrackingGains {
             k1,
-            k2: path.across / (wishes.speed * wishes.speed),
+            k2: path.lateral / (wishes.speed * wishes.speed),
             k3: path.heading,
             k_d1: m * speed_loop,
             k_d2: i * turn_loop,

@@ -1,6 +1,6 @@
 //! Gains of the law for a real base from wishes.
 
-use super::loops::{across_start, along_start};
+use super::loops::{lateral_start, longitudinal_start};
 use super::margins;
 use crate::maths::Maths;
 use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams};
@@ -99,7 +99,7 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let fastest = f(1.2) * M::sqrt(smaller(accel, brake) / f(0.6));
 
     let run = |gain: T| {
-        let (p, push) = along_start(gain, a);
+        let (p, push) = longitudinal_start(gain, a);
         response(&p, push, f(7.0) / gain).tenth_s
     };
     let most = smaller(fastest, a / f(4.0));
@@ -108,7 +108,7 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     // that k₃ is no longer a heading gain but the mirror of A.
     let time = |omega: T| {
         let (k3, c) = lateral(omega, damping, a);
-        let (p, push) = across_start(k3, c, a);
+        let (p, push) = lateral_start(k3, c, a);
         response(&p, push, f(9.0) / (damping * omega)).tenth_s
     };
     let turn_limit = M::sqrt(f(4.5) * smaller(turn_accel, limits.turn_accel));
@@ -128,11 +128,15 @@ pub fn gains<T: Scalar, M: Maths<T>>(
             Why::Neurons
         };
         // Along the path it may take longer still.
-        let (aside, along) = (time(omega), run(most));
-        let limit = if along > aside { along } else { aside };
+        let (aside, longitudinal) = (time(omega), run(most));
+        let limit = if longitudinal > aside {
+            longitudinal
+        } else {
+            aside
+        };
         return Err(refused(Wish::Settling, wishes.settling_s, limit, why));
     }
-    let (heading, across) = lateral(omega, damping, a);
+    let (heading, lateral) = lateral(omega, damping, a);
 
     let solve = |wish: Wish, wanted: T| {
         let gain = edge(T::ZERO, most, |gain| run(gain) > wanted);
@@ -150,17 +154,17 @@ pub fn gains<T: Scalar, M: Maths<T>>(
         }
         Ok(gain)
     };
-    let along = solve(Wish::Settling, wishes.settling_s)?;
+    let longitudinal = solve(Wish::Settling, wishes.settling_s)?;
     let approach = solve(Wish::Arrival, wishes.arrival_s)?;
 
     // The base's own suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
-    let quiet = across * wishes.pose_noise_m / (f(0.06) * heading);
+    let quiet = lateral * wishes.pose_noise_m / (f(0.06) * heading);
     let slow = base.gains.slow;
     let gains = MotionGains {
         decay: a,
-        along,
+        longitudinal,
         heading,
-        across,
+        lateral,
         slow: if quiet > slow { quiet } else { slow },
         approach,
         speed_loop: T::ONE / wishes.speed_lag_s,
