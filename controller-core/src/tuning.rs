@@ -1,12 +1,12 @@
-//! Gains from wishes that a person understands, and how far any gains are from trouble.
+//! Gains from a design specification that a person understands, and how far any gains are from trouble.
 //!
-//! | wanted | the law for a real base | the paper's law |
+//! | | the law for a real base | the paper's law |
 //! | --- | --- | --- |
-//! | gains from wishes | [`motion::gains`] of [`motion::MotionWishes`] | [`paper::tuning::gains`](crate::paper::tuning::gains) of [`paper::tuning::Wishes`](crate::paper::tuning::Wishes) |
-//! | wishes from a tolerance | | [`paper::tuning::Wishes::for_tolerance`](crate::paper::tuning::Wishes::for_tolerance) |
+//! | gains from a design specification | [`motion::gains`] of [`motion::MotionDesignSpec`] | [`paper::tuning::gains`](crate::paper::tuning::gains) of [`paper::tuning::DesignSpec`](crate::paper::tuning::DesignSpec) |
+//! | specifications from a tolerance | | [`paper::tuning::DesignSpec::for_tolerance`](crate::paper::tuning::DesignSpec::for_tolerance) |
 //! | margins of any gains | [`motion::margins`] | [`paper::tuning::margins`](crate::paper::tuning::margins) |
 //!
-//! A wish that the base cannot fulfil is refused by a [`WishError`] that names the wish, the nearest
+//! A specification that the base cannot meet is refused by a [`DesignError`] that names the parameter, the nearest
 //! value that can be had and what stands against it; nothing is repaired silently.
 //!
 //! Everything here is linear: small errors, a straight reference, constant speed, the robot that the
@@ -18,7 +18,7 @@ pub mod motion;
 pub(crate) mod response;
 
 pub use crate::stability::LoopMargins;
-pub use error::{Why, Wish, WishError};
+pub use error::{DesignError, DesignParameter, Why};
 
 use crate::maths::Maths;
 use crate::scalar::Scalar;

@@ -119,7 +119,7 @@ fn torques_and_what_a_driver_needs_come_together() {
         panic!("tracking")
     };
     // 0.4 m/s on wheels of 0.1 m, and what catches up with the reference after the start.
-    for speed in [drive.speeds.right, drive.wanted.left] {
+    for speed in [drive.speeds.right, drive.desired.left] {
         assert!((speed - 4.5).abs() < 0.7, "{drive:?}");
     }
 }

@@ -1,11 +1,11 @@
-//! Wishes and margins for the paper's law, [`crate::paper::neural`].
+//! Design specifications and margins for the paper's law, [`crate::paper::neural`].
 
 mod design;
 mod gains;
-mod wishes;
+mod spec;
 
 pub use gains::gains;
-pub use wishes::{Tolerance, Wishes};
+pub use spec::{DesignSpec, Tolerance};
 
 use crate::maths::Maths;
 use crate::paper::params::Params;

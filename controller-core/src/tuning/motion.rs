@@ -1,9 +1,9 @@
-//! Wishes and margins for the law of [`crate::motion`].
+//! Design specifications and margins for the law of [`crate::motion`].
 
 mod loops;
-mod wishes;
+mod spec;
 
-pub use wishes::{MotionWishes, gains};
+pub use spec::{MotionDesignSpec, gains};
 
 use super::{Channel, LoopMargins, Warning, concern};
 use crate::maths::Maths;

@@ -13,7 +13,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             WheelAction::Drive(drive) => {
                 self.drive.observe(&Observed {
                     speeds: drive.speeds,
-                    wanted: drive.wanted,
+                    desired: drive.desired,
                     supply_v: supply_v.unwrap_or(f32::NAN),
                 });
                 self.drive.set_torques(drive.torques)

@@ -68,20 +68,20 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
     fn commands(&self, torques: &WheelTorques<f32>) -> WheelCommands {
         let Observed {
             speeds,
-            wanted,
+            desired,
             supply_v,
         } = &self.observed;
-        let command = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
+        let command = |torque_nm, desired_speed_rad_s, speed_rad_s| {
             let demand = WheelDemand {
                 torque_nm,
-                wanted_speed_rad_s,
+                desired_speed_rad_s,
                 speed_rad_s,
             };
             self.motor.command(&demand, *supply_v)
         };
         WheelCommands {
-            right: command(torques.right, wanted.right, speeds.right),
-            left: command(torques.left, wanted.left, speeds.left),
+            right: command(torques.right, desired.right, speeds.right),
+            left: command(torques.left, desired.left, speeds.left),
         }
     }
 
@@ -130,10 +130,10 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         if right.limited.invalid || left.limited.invalid {
             return Err(MotorError::Observation);
         }
-        let wanted = [right.duty < 0.0, left.duty < 0.0];
+        let desired = [right.duty < 0.0, left.duty < 0.0];
         let now = self.backward.take();
-        if now != Some(wanted) {
-            let [to_right, to_left] = wanted;
+        if now != Some(desired) {
+            let [to_right, to_left] = desired;
             let (from_right, from_left) = match now {
                 Some([right, left]) => (Some(right), Some(left)),
                 None => (None, None),
@@ -151,7 +151,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         self.left.push(left.duty)?;
         self.bridges.switch(true)?;
         // Known only now: after an error the directions are set anew.
-        self.backward = Some(wanted);
+        self.backward = Some(desired);
         self.applied = commands;
         Ok(())
     }

@@ -93,7 +93,7 @@ impl Host {
         self.asked_for(command, true);
     }
 
-    /// Stops the base: nothing else is wanted any more.
+    /// Stops the base: nothing else counts any more.
     pub fn stop(&mut self, command: Command) {
         self.asked.clear();
         self.sent_us = None;

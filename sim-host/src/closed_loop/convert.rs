@@ -124,19 +124,19 @@ pub(super) fn duties(
 ) -> (Actuation, Option<WheelTorques<f32>>) {
     let Observed {
         speeds,
-        wanted,
+        desired,
         supply_v,
     } = observed;
-    let wheel = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
+    let wheel = |torque_nm, desired_speed_rad_s, speed_rad_s| {
         let demand = WheelDemand {
             torque_nm,
-            wanted_speed_rad_s,
+            desired_speed_rad_s,
             speed_rad_s,
         };
         motor.command(&demand, *supply_v)
     };
-    let right = wheel(torques.right, wanted.right, speeds.right);
-    let left = wheel(torques.left, wanted.left, speeds.left);
+    let right = wheel(torques.right, desired.right, speeds.right);
+    let left = wheel(torques.left, desired.left, speeds.left);
     let exerted = |command: &MotorCommand<f32>| command.torque_nm - command.friction_nm;
     let limited = right.limited.torque() || left.limited.torque();
     (

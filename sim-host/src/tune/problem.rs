@@ -39,12 +39,12 @@ impl Seeds {
 
 /// Missions, and the base that drives them.
 #[derive(Clone, Debug)]
-pub struct Wish {
+pub struct TuningProblem {
     missions: Vec<(Mission, Option<f64>)>,
     base: Base,
 }
 
-impl Wish {
+impl TuningProblem {
     /// The paper's line and curve and a park.
     pub fn courses(base: &Base) -> Self {
         let missions = Course::ALL
@@ -101,7 +101,7 @@ impl Wish {
     /// One run; a mission of a number that there is not is the first.
     ///
     /// # Errors
-    /// As [`Wish::score`].
+    /// As [`TuningProblem::score`].
     pub fn run(
         &self,
         mission: usize,

@@ -1,12 +1,12 @@
-//! What is wished of the paper's law.
+//! Design specification for the paper's law.
 
 use crate::scalar::Scalar;
-use crate::tuning::error::wished;
-use crate::tuning::{Wish, WishError};
+use crate::tuning::error::in_range;
+use crate::tuning::{DesignError, DesignParameter};
 
 /// What an owner wants of tracking and parking.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wishes<T> {
+pub struct DesignSpec<T> {
     /// An offset of 0.5 m, along or across the path, is below 5 cm after this \[s\], 0.5 to 100; the
     /// distance at parking likewise.
     pub settling_s: T,
@@ -41,7 +41,7 @@ pub enum Tolerance<T> {
 
 /// Settling time times κ₁ and κ₂, as with the gains G.
 const LOOPS: (f64, f64) = (15.0, 25.0);
-impl<T: Scalar> Wishes<T> {
+impl<T: Scalar> DesignSpec<T> {
     /// One time for everything; loops as much faster than it as those of the gains G are: lags of a
     /// 15th and a 25th of it, damping 0.85.
     pub fn settling(settling_s: T, speed: T) -> Self {
@@ -55,15 +55,15 @@ impl<T: Scalar> Wishes<T> {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), WishError> {
-        for (wish, value, low, high) in [
-            (Wish::Settling, self.settling_s, 0.5, 100.0),
-            (Wish::Damping, self.damping, 0.6, 0.98),
-            (Wish::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
-            (Wish::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
-            (Wish::Speed, self.speed, 1.0e-2, 100.0),
+    pub(super) fn check(&self) -> Result<(), DesignError> {
+        for (parameter, value, low, high) in [
+            (DesignParameter::Settling, self.settling_s, 0.5, 100.0),
+            (DesignParameter::Damping, self.damping, 0.6, 0.98),
+            (DesignParameter::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
+            (DesignParameter::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
+            (DesignParameter::Speed, self.speed, 1.0e-2, 100.0),
         ] {
-            wished(wish, value, low, high)?;
+            in_range(parameter, value, low, high)?;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Gains of the law for a real base from wishes.
+//! Gains of the law for a real base from a design specification.
 
 use super::loops::{lateral_start, longitudinal_start};
 use super::margins;
@@ -6,13 +6,13 @@ use crate::maths::Maths;
 use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams};
 use crate::scalar::Scalar;
 use crate::stability::edge;
-use crate::tuning::error::{refused, wished};
+use crate::tuning::error::{in_range, refused};
 use crate::tuning::response::response;
-use crate::tuning::{Why, Wish, WishError};
+use crate::tuning::{DesignError, DesignParameter, Why};
 
 /// What an owner wants of following and parking.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionWishes<T> {
+pub struct MotionDesignSpec<T> {
     /// An offset across or along the path has a tenth left after this \[s\], 0.5 to 60. For offsets
     /// that turn the robot by less than some 0.4 rad: up to a fifth of speed times this time.
     pub settling_s: T,
@@ -32,7 +32,7 @@ pub struct MotionWishes<T> {
     pub pose_noise_m: T,
 }
 
-impl<T: Scalar> MotionWishes<T> {
+impl<T: Scalar> MotionDesignSpec<T> {
     /// One time for everything, with the rest as it suits a base of 10 ms ticks and fresh poses:
     /// damping 0.8, lags of 1/3 s and 1/5 s, poses 50 ms old, torques 10 ms late, no noise.
     pub fn settling(settling_s: T) -> Self {
@@ -49,18 +49,18 @@ impl<T: Scalar> MotionWishes<T> {
         }
     }
 
-    fn check(&self) -> Result<(), WishError> {
-        for (wish, value, low, high) in [
-            (Wish::Settling, self.settling_s, 0.5, 60.0),
-            (Wish::Damping, self.damping, 0.6, 0.98),
-            (Wish::Arrival, self.arrival_s, 0.5, 60.0),
-            (Wish::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
-            (Wish::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
-            (Wish::PoseDelay, self.pose_delay_s, 0.0, 10.0),
-            (Wish::TorqueDelay, self.torque_delay_s, 0.0, 1.0),
-            (Wish::PoseNoise, self.pose_noise_m, 0.0, 1.0),
+    fn check(&self) -> Result<(), DesignError> {
+        for (parameter, value, low, high) in [
+            (DesignParameter::Settling, self.settling_s, 0.5, 60.0),
+            (DesignParameter::Damping, self.damping, 0.6, 0.98),
+            (DesignParameter::Arrival, self.arrival_s, 0.5, 60.0),
+            (DesignParameter::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
+            (DesignParameter::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
+            (DesignParameter::PoseDelay, self.pose_delay_s, 0.0, 10.0),
+            (DesignParameter::TorqueDelay, self.torque_delay_s, 0.0, 1.0),
+            (DesignParameter::PoseNoise, self.pose_noise_m, 0.0, 1.0),
         ] {
-            wished(wish, value, low, high)?;
+            in_range(parameter, value, low, high)?;
         }
         Ok(())
     }
@@ -69,7 +69,7 @@ impl<T: Scalar> MotionWishes<T> {
 /// Decay of the neurons \[1/s\]: that of [`MotionGains::for_limits`].
 const DECAY: f64 = 5.0;
 
-/// Gains that do what is wished, on this base. Gains that no wish is about stay as they are in `base`.
+/// Gains that meet the specification on this base. Gains that it does not determine stay as they are in `base`.
 ///
 /// With the pair λ² + 2ζωλ + ω² and A given, the lateral loop λ³ + (A + k₃)λ² + A k₃ λ + A c has
 ///
@@ -78,21 +78,21 @@ const DECAY: f64 = 5.0;
 /// ```
 ///
 /// exactly. ω, k₁ and k₄ are found by bisection such that the loop's response, the bridge at its
-/// start included, has a tenth left at the wished time. The limits are those that
+/// start included, has a tenth left at the specified time. The limits are those that
 /// [`MotionGains::for_limits`] respects: 2 k₃²/9 · 1 rad/s² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
 /// both accelerations with three quarters of the wheels' torque;
 /// and k₁, k₄ ≤ A/4, beyond which the robot runs past its goal.
 ///
 /// # Errors
-/// The first wish that cannot be had, with the nearest value that can.
+/// The first parameter of the specification that cannot be met, with the nearest value that can.
 pub fn gains<T: Scalar, M: Maths<T>>(
-    wishes: &MotionWishes<T>,
+    spec: &MotionDesignSpec<T>,
     base: &MotionParams<T>,
-) -> Result<MotionGains<T>, WishError> {
-    wishes.check()?;
+) -> Result<MotionGains<T>, DesignError> {
+    spec.check()?;
     let f = T::from_f64;
     let a = f(DECAY);
-    let damping = wishes.damping;
+    let damping = spec.damping;
     let limits = &base.limits;
     let (accel, turn_accel) = reach(base);
     let brake = smaller(limits.accel, limits.brake);
@@ -116,8 +116,8 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let turning = edge(T::ZERO, neurons, |omega| {
         lateral(omega, damping, a).0 <= turn_limit
     });
-    let omega = edge(T::ZERO, turning, |omega| time(omega) > wishes.settling_s);
-    if time(omega) > wishes.settling_s * f(1.001) {
+    let omega = edge(T::ZERO, turning, |omega| time(omega) > spec.settling_s);
+    if time(omega) > spec.settling_s * f(1.001) {
         let why = if turning < neurons * f(0.999) {
             if turn_accel < limits.turn_accel {
                 Why::Torque
@@ -134,13 +134,18 @@ pub fn gains<T: Scalar, M: Maths<T>>(
         } else {
             aside
         };
-        return Err(refused(Wish::Settling, wishes.settling_s, limit, why));
+        return Err(refused(
+            DesignParameter::Settling,
+            spec.settling_s,
+            limit,
+            why,
+        ));
     }
     let (heading, lateral) = lateral(omega, damping, a);
 
-    let solve = |wish: Wish, wanted: T| {
-        let gain = edge(T::ZERO, most, |gain| run(gain) > wanted);
-        if run(gain) > wanted * f(1.001) {
+    let solve = |parameter: DesignParameter, desired: T| {
+        let gain = edge(T::ZERO, most, |gain| run(gain) > desired);
+        if run(gain) > desired * f(1.001) {
             let why = if fastest < a / f(4.0) {
                 if accel < brake {
                     Why::Torque
@@ -150,15 +155,15 @@ pub fn gains<T: Scalar, M: Maths<T>>(
             } else {
                 Why::Neurons
             };
-            return Err(refused(wish, wanted, run(gain), why));
+            return Err(refused(parameter, desired, run(gain), why));
         }
         Ok(gain)
     };
-    let longitudinal = solve(Wish::Settling, wishes.settling_s)?;
-    let approach = solve(Wish::Arrival, wishes.arrival_s)?;
+    let longitudinal = solve(DesignParameter::Settling, spec.settling_s)?;
+    let approach = solve(DesignParameter::Arrival, spec.arrival_s)?;
 
     // The base's own suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
-    let quiet = lateral * wishes.pose_noise_m / (f(0.06) * heading);
+    let quiet = lateral * spec.pose_noise_m / (f(0.06) * heading);
     let slow = base.gains.slow;
     let gains = MotionGains {
         decay: a,
@@ -167,11 +172,11 @@ pub fn gains<T: Scalar, M: Maths<T>>(
         lateral,
         slow: if quiet > slow { quiet } else { slow },
         approach,
-        speed_loop: T::ONE / wishes.speed_lag_s,
-        turn_loop: T::ONE / wishes.turn_lag_s,
+        speed_loop: T::ONE / spec.speed_lag_s,
+        turn_loop: T::ONE / spec.turn_lag_s,
         ..base.gains
     };
-    survive_delays::<T, M>(wishes, &gains)?;
+    survive_delays::<T, M>(spec, &gains)?;
     Ok(gains)
 }
 
@@ -184,20 +189,24 @@ fn lateral<T: Scalar>(omega: T, damping: T, a: T) -> (T, T) {
 }
 
 fn survive_delays<T: Scalar, M: Maths<T>>(
-    wishes: &MotionWishes<T>,
+    spec: &MotionDesignSpec<T>,
     gains: &MotionGains<T>,
-) -> Result<(), WishError> {
+) -> Result<(), DesignError> {
     let worst = margins::<T, M>(gains).worst();
-    for (wish, delay, margin) in [
-        (Wish::PoseDelay, wishes.pose_delay_s, worst.pose_delay_s),
+    for (parameter, delay, margin) in [
         (
-            Wish::TorqueDelay,
-            wishes.torque_delay_s,
+            DesignParameter::PoseDelay,
+            spec.pose_delay_s,
+            worst.pose_delay_s,
+        ),
+        (
+            DesignParameter::TorqueDelay,
+            spec.torque_delay_s,
             worst.torque_delay_s,
         ),
     ] {
         if delay + delay > margin {
-            return Err(refused(wish, delay, T::HALF * margin, Why::Delay));
+            return Err(refused(parameter, delay, T::HALF * margin, Why::Delay));
         }
     }
     Ok(())
