@@ -211,13 +211,13 @@ Examples:
     Monitor(MonitorArgs),
     /// Say whether files can be driven, without running anything
     ///
-    /// Prints format, figures, repairs with their places, and what the base stretches; or why a file
+    /// Prints format, figures, repairs with their places, and how its time is scaled for the base; or why a file
     /// is refused. Exit code 0 if all can be driven, 1 if not.
     Check(TrajectoryArgs),
     /// Compile trajectory files for a chip
     ///
     /// Writes NAME.rs, a table for flash, and NAME.bin, the same as little-endian f32 for streaming:
-    /// as few samples as the core's interpolation needs, stretched to the base's limits.
+    /// as few samples as the core's interpolation needs, time-scaled to the base's limits.
     Compile(TrajectoryArgs),
     /// Identify a robot from a log: lengths, mass, inertia, friction, motor constants
     ///

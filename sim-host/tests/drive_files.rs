@@ -16,8 +16,8 @@ fn fixture(name: &str) -> Result<Vec<u8>, Box<dyn Error>> {
 }
 
 fn metrics(name: &str, run: &FileRun, base: &Base) -> Result<DriveMetrics, Box<dyn Error>> {
-    let (mission, stretch) = run.mission(name, &fixture(name)?, base)?;
-    assert!(stretch.load <= 1.0, "{name}: {stretch}");
+    let (mission, scaling) = run.mission(name, &fixture(name)?, base)?;
+    assert!(scaling.load <= 1.0, "{name}: {scaling}");
     let trace = drive(&mission)?;
     Ok(DriveMetrics::of(&mission, &trace).ok_or("no rows")?)
 }

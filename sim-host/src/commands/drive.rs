@@ -9,7 +9,7 @@ use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
-use sim_host::import::{Stretch, Verdict};
+use sim_host::import::{TimeScaling, Verdict};
 use sim_host::mission::{Base, Mission};
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
@@ -50,16 +50,16 @@ pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
 /// Runs a mission and writes its results.
 pub fn run(
     mission: &Mission,
-    file: Option<(&Stretch, &Verdict)>,
+    file: Option<(&TimeScaling, &Verdict)>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
     let name = &mission.name;
     say(&format!("{name}: {}\n", mission.description))?;
     let mut repairs = Vec::new();
-    if let Some((stretch, verdict)) = file {
+    if let Some((scaling, verdict)) = file {
         say(&format!(
-            "{verdict}\nbase       {}: {stretch}\n",
+            "{verdict}\nbase       {}: {scaling}\n",
             mission.base.name
         ))?;
         if let Verdict::Drivable { repairs: list, .. } = verdict {
@@ -89,7 +89,7 @@ pub fn run(
         precision: mission.precision,
         period_s: mission.period_s,
         duration_s: trace.rows.last().map_or(0.0, |row| row.t),
-        stretched_by: file.map(|(stretch, _)| stretch.factor),
+        stretched_by: file.map(|(scaling, _)| scaling.factor),
         repairs,
         metrics: &metrics,
     };
@@ -133,9 +133,9 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         say(&format!("{verdict}\n"))?;
         match &verdict {
             Verdict::Drivable { trajectory, .. } => {
-                let stretched = trajectory.stretched(&base.reference_limits());
-                let (_, stretch) = stretched.map_err(CommandError::Limits)?;
-                say(&format!("base       {}: {stretch}\n", base.name))?;
+                let time_scaled = trajectory.time_scaled(&base.reference_limits());
+                let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
+                say(&format!("base       {}: {scaling}\n", base.name))?;
             }
             Verdict::Refused(_) => refused += 1,
         }

@@ -108,11 +108,11 @@ fn problem(arguments: &TuneArgs, robot: &Robot) -> Result<TuningProblem, Command
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let problem = TuningProblem::trajectory(&robot.base, &stem, &bytes);
-    let (problem, stretch) = problem.map_err(|cause| CommandError::Trajectory {
+    let (problem, scaling) = problem.map_err(|cause| CommandError::Trajectory {
         path: path.clone(),
         cause,
     })?;
-    say(&format!("{stem} on a {}: {stretch}\n", robot.base.name))?;
+    say(&format!("{stem} on a {}: {scaling}\n", robot.base.name))?;
     Ok(problem)
 }
 

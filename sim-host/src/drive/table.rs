@@ -26,7 +26,7 @@ pub struct ChipTable {
 }
 
 impl ChipTable {
-    /// Compiles a trajectory file, stretched and begun as a run of it.
+    /// Compiles a trajectory file, time-scaled and ramped in as a run of it.
     ///
     /// # Errors
     /// A file that is refused, or a base whose limits are not positive.

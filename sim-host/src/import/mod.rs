@@ -21,8 +21,8 @@
 //!
 //! # Limits
 //!
-//! [`Trajectory::stretched`] runs the same path more slowly where a base's [`Limits`] would be
-//! exceeded, [`Trajectory::eased`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
+//! [`Trajectory::time_scaled`] runs the same path more slowly where a base's [`Limits`] would be
+//! exceeded, [`Trajectory::ramped_in`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
 //!
 //! # Bounds
 //!
@@ -33,24 +33,24 @@ mod choreo;
 mod columns;
 mod compact;
 mod detect;
-mod ease;
 mod figures;
 mod fit;
 mod format;
 mod json;
 mod limits;
 mod options;
+mod ramp_in;
 mod raw;
 mod refusal;
 mod repair;
-mod stretch;
 mod table;
 mod time_law;
 mod time_optimal;
+mod time_scaling;
+mod time_warp;
 mod trajectory;
 mod tum;
 mod verdict;
-mod warp;
 mod wpilib;
 
 pub use compact::{Compact, CompactSample, compact};
@@ -60,7 +60,7 @@ pub use limits::{Bound, Drive, LimitError, Limits};
 pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
-pub use stretch::{Stretch, Stretched};
+pub use time_scaling::{ScaledSpan, TimeScaling};
 pub use trajectory::{Closeness, Sample, Trajectory};
 pub use verdict::{Verdict, check};
 

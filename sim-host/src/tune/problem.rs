@@ -3,7 +3,7 @@
 use super::score::{Score, health};
 use crate::closed_loop::ClosedLoopError;
 use crate::drive::{DriveTrace, FileError, FileRun};
-use crate::import::Stretch;
+use crate::import::TimeScaling;
 use crate::mission::{Base, Course as Way, Mission};
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::motion::MotionGains;
@@ -56,19 +56,23 @@ impl TuningProblem {
         }
     }
 
-    /// A trajectory file, and a park. Also what of the file was stretched.
+    /// A trajectory file, and a park. Also how the time of the file was scaled.
     ///
     /// # Errors
     /// A file that cannot be driven.
-    pub fn trajectory(base: &Base, name: &str, bytes: &[u8]) -> Result<(Self, Stretch), FileError> {
+    pub fn trajectory(
+        base: &Base,
+        name: &str,
+        bytes: &[u8],
+    ) -> Result<(Self, TimeScaling), FileError> {
         let run = FileRun {
             period_s: base.period_s(),
             ..FileRun::default()
         };
-        let (mission, stretch) = run.mission(name, bytes, base)?;
+        let (mission, scaling) = run.mission(name, bytes, base)?;
         let missions = vec![with_end(mission), with_end(Course::Park.mission(base))];
         let base = base.clone();
-        Ok((Self { missions, base }, stretch))
+        Ok((Self { missions, base }, scaling))
     }
 
     /// The base as it was given.

@@ -1,4 +1,4 @@
-//! A law of time: where on the file's own time the base is.
+//! A time warp: where on the file's own time the base is.
 
 /// A knot of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,14 +15,14 @@ pub(super) struct Tick {
 /// s(t): quintic between knots, so that s, ds/dt and d²s/dt² are continuous, and with them pose,
 /// twist and acceleration of what runs under the law.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Warp {
+pub(super) struct TimeWarp {
     ticks: Vec<Tick>,
 }
 
 /// Samples of a warped trajectory are about this far apart \[s\].
 const SPACING: f64 = 0.02;
 
-impl Warp {
+impl TimeWarp {
     pub(super) fn new(ticks: Vec<Tick>) -> Self {
         Self { ticks }
     }

@@ -1,7 +1,7 @@
 //! A gentle start.
 
 use super::Trajectory;
-use super::warp::{Tick, Warp};
+use super::time_warp::{Tick, TimeWarp};
 
 /// Knots of the ramp.
 const KNOTS: usize = 32;
@@ -17,7 +17,7 @@ impl Trajectory {
     /// exceeds the file's by at most 16 %. A motion that does not start at rest, or lasts less than
     /// twice the ramp, is left as it is.
     #[must_use]
-    pub fn eased(&self, ramp: f64) -> Self {
+    pub fn ramped_in(&self, ramp: f64) -> Self {
         let first = self.at(0.0);
         let moving = first.v.abs() > REST || first.w.abs() > REST;
         let usable = ramp.is_finite() && ramp > 0.0 && self.duration() > 2.0 * ramp;
@@ -25,8 +25,8 @@ impl Trajectory {
             return self.clone();
         }
         // Laws of time that are not warped yet are s = t.
-        let law = |t: f64| match &self.warp {
-            Some(warp) => warp.at(t),
+        let law = |t: f64| match &self.time_warp {
+            Some(time_warp) => time_warp.at(t),
             None => (t, 1.0, 0.0),
         };
         let mut ticks: Vec<Tick> = (0..=KNOTS)
@@ -51,9 +51,9 @@ impl Trajectory {
                 rate_dot,
             })
         };
-        match &self.warp {
-            Some(warp) => {
-                let later = warp.ticks().iter();
+        match &self.time_warp {
+            Some(time_warp) => {
+                let later = time_warp.ticks().iter();
                 ticks.extend(later.filter_map(|k| rest(k.t, k.s, k.rate, k.rate_dot)));
             }
             None => {
@@ -61,6 +61,6 @@ impl Trajectory {
                 ticks.extend(later.filter_map(|node| rest(node.t, node.t, 1.0, 0.0)));
             }
         }
-        self.warped(Warp::new(ticks))
+        self.with_time_warp(TimeWarp::new(ticks))
     }
 }

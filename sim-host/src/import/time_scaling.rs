@@ -1,34 +1,34 @@
-//! Reference time stretched where a base could not follow.
+//! Time scaling: the reference runs more slowly where a base could not follow.
 
 use super::limits::{Bound, LimitError, Limits};
 use super::time_law::{law, smoothed};
 use super::time_optimal::{Station, fastest};
-use super::warp::Warp;
+use super::time_warp::TimeWarp;
 use super::{Sample, Trajectory};
 use std::fmt;
 
 /// A part of the trajectory that is run more slowly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretched {
+pub struct ScaledSpan {
     /// From and to, in the file's time \[s\].
     pub file_s: (f64, f64),
-    /// From and to, in the stretched time \[s\].
+    /// From and to, in the scaled time \[s\].
     pub run_s: (f64, f64),
     /// What the file exceeds most there, and by which factor; none where it only slows down
     /// towards a neighbour.
     pub exceeded: Option<(Bound, f64)>,
 }
 
-/// What was stretched.
+/// What was scaled, where and by how much.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stretch {
+pub struct TimeScaling {
     /// New duration by old.
     pub factor: f64,
     /// Largest local factor.
     pub slowest: f64,
     /// Where; empty if the file is within the limits and untouched.
-    pub places: Vec<Stretched>,
-    /// What the stretched trajectory uses of the limits, at most 1.
+    pub places: Vec<ScaledSpan>,
+    /// What the time-scaled trajectory uses of the limits, at most 1.
     pub load: f64,
 }
 
@@ -41,19 +41,19 @@ const SMOOTHING: usize = 8;
 const ROUNDS: usize = 6;
 
 impl Trajectory {
-    /// The same path, run more slowly where `limits` would be exceeded, and what was stretched.
+    /// The same path, run more slowly where `limits` would be exceeded, and what was scaled.
     ///
     /// Within the limits nothing changes. Elsewhere it is the fastest law of time that keeps them,
     /// smoothed over 0.1 s, so that jerk is finite; it ends as it began, at rest if the file does.
     ///
     /// # Errors
     /// A limit that is not positive.
-    pub fn stretched(&self, limits: &Limits) -> Result<(Self, Stretch), LimitError> {
+    pub fn time_scaled(&self, limits: &Limits) -> Result<(Self, TimeScaling), LimitError> {
         limits.validate()?;
         let own = worst(self, limits);
         let load = own.iter().fold(0.0, |worst: f64, (_, l)| worst.max(*l));
         if load <= 1.0 {
-            let untouched = Stretch {
+            let untouched = TimeScaling {
                 factor: 1.0,
                 slowest: 1.0,
                 places: Vec::new(),
@@ -64,15 +64,15 @@ impl Trajectory {
         let span = self.path_duration();
         let count = (span / SPACING).clamp(64.0, MAX_STATIONS).ceil();
         let ds = span / count;
-        // Along the path at the pace it has now, so that stretching twice is possible.
-        let plain = self.unwarped();
+        // Along the path at the pace it has now, so that scaling twice is possible.
+        let plain = self.without_time_warp();
         let points: Vec<Sample> = (0..=count as usize)
             .map(|i| plain.at((i as f64 * ds).min(span)))
             .collect();
         let pace = pace(self, &points);
         let mut tight = *limits;
         let mut factors = own.map(|(bound, _)| (bound, 1.0));
-        let mut stretched = plain.clone();
+        let mut time_scaled = plain.clone();
         for _ in 0..ROUNDS {
             let stations: Vec<Station> = points
                 .iter()
@@ -83,8 +83,8 @@ impl Trajectory {
                 })
                 .collect();
             let q = smoothed(&fastest(&stations, ds), SMOOTHING);
-            stretched = plain.warped(law(&q, ds));
-            let used = worst(&stretched, limits);
+            time_scaled = plain.with_time_warp(law(&q, ds));
+            let used = worst(&time_scaled, limits);
             if used.iter().all(|(_, load)| *load <= 1.0) {
                 break;
             }
@@ -93,14 +93,18 @@ impl Trajectory {
             }
             tight = limits.scaled(&factors);
         }
-        let used = worst(&stretched, limits);
+        let used = worst(&time_scaled, limits);
         let load = used.iter().fold(0.0, |worst: f64, (_, l)| worst.max(*l));
-        if let Some(warp) = stretched.warp.take() {
+        if let Some(time_warp) = time_scaled.time_warp.take() {
             // All loads fall at least as fast as time is slowed.
-            stretched = plain.warped(if load > 1.0 { warp.slower(load) } else { warp });
+            time_scaled = plain.with_time_warp(if load > 1.0 {
+                time_warp.slower(load)
+            } else {
+                time_warp
+            });
         }
-        let stretch = report(self, &stretched, limits, load.min(1.0));
-        Ok((stretched, stretch))
+        let scaling = report(self, &time_scaled, limits, load.min(1.0));
+        Ok((time_scaled, scaling))
     }
 }
 
@@ -112,9 +116,9 @@ fn worst(trajectory: &Trajectory, limits: &Limits) -> [(Bound, f64); 6] {
             *most = most.max(here);
         }
     };
-    match &trajectory.warp {
-        Some(warp) => {
-            for pair in warp.ticks().windows(2) {
+    match &trajectory.time_warp {
+        Some(time_warp) => {
+            for pair in time_warp.ticks().windows(2) {
                 let [from, to] = pair else { continue };
                 for i in 0..4 {
                     include(from.t + (to.t - from.t) * f64::from(i) / 4.0);
@@ -136,10 +140,10 @@ fn worst(trajectory: &Trajectory, limits: &Limits) -> [(Bound, f64); 6] {
 
 /// The squared rate of time that a trajectory has already, at points of its path.
 fn pace(trajectory: &Trajectory, points: &[Sample]) -> Vec<f64> {
-    let Some(warp) = &trajectory.warp else {
+    let Some(time_warp) = &trajectory.time_warp else {
         return vec![1.0; points.len()];
     };
-    let ticks = warp.ticks();
+    let ticks = time_warp.ticks();
     points
         .iter()
         .map(|point| {
@@ -152,23 +156,27 @@ fn pace(trajectory: &Trajectory, points: &[Sample]) -> Vec<f64> {
 }
 
 /// Where the law of time is slower than before.
-fn report(before: &Trajectory, after: &Trajectory, limits: &Limits, load: f64) -> Stretch {
-    let mut stretch = Stretch {
+fn report(before: &Trajectory, after: &Trajectory, limits: &Limits, load: f64) -> TimeScaling {
+    let mut scaling = TimeScaling {
         factor: after.duration() / before.duration(),
         slowest: 1.0,
         places: Vec::new(),
         load,
     };
-    let plain = after.unwarped();
-    let ticks = after.warp.as_ref().map(Warp::ticks).unwrap_or_default();
-    let mut open: Option<Stretched> = None;
+    let plain = after.without_time_warp();
+    let ticks = after
+        .time_warp
+        .as_ref()
+        .map(TimeWarp::ticks)
+        .unwrap_or_default();
+    let mut open: Option<ScaledSpan> = None;
     for tick in ticks {
-        stretch.slowest = stretch.slowest.max(tick.rate.recip());
+        scaling.slowest = scaling.slowest.max(tick.rate.recip());
         if tick.rate >= 1.0 - 1e-9 {
-            stretch.places.extend(open.take());
+            scaling.places.extend(open.take());
             continue;
         }
-        let here = open.get_or_insert(Stretched {
+        let here = open.get_or_insert(ScaledSpan {
             file_s: (tick.s, tick.s),
             run_s: (tick.t, tick.t),
             exceeded: None,
@@ -180,19 +188,19 @@ fn report(before: &Trajectory, after: &Trajectory, limits: &Limits, load: f64) -
             }
         }
     }
-    stretch.places.extend(open);
-    stretch
+    scaling.places.extend(open);
+    scaling
 }
 
-impl fmt::Display for Stretch {
+impl fmt::Display for TimeScaling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.places.is_empty() {
-            return f.write_str("within the limits, not stretched");
+            return f.write_str("within the limits, time not scaled");
         }
         let (factor, slowest) = (self.factor, self.slowest);
         write!(
             f,
-            "stretched by {factor:.3} in all, up to {slowest:.2} locally"
+            "time scaled by {factor:.3} in all, up to {slowest:.2} locally"
         )?;
         for place in &self.places {
             let ((from, to), (run_from, run_to)) = (place.file_s, place.run_s);
