@@ -74,7 +74,7 @@ pub struct Observed {
     /// Measured, for the back-EMF.
     pub speeds: WheelSpeeds<f32>,
     /// Commanded by the controller, for friction.
-    pub wanted: WheelSpeeds<f32>,
+    pub desired: WheelSpeeds<f32>,
     /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
     /// supply, and told: [`crate::motor::MotorCommand::limited`].
     pub supply_v: f32,
@@ -85,7 +85,7 @@ impl Default for Observed {
     fn default() -> Self {
         Self {
             speeds: WheelSpeeds::default(),
-            wanted: WheelSpeeds::default(),
+            desired: WheelSpeeds::default(),
             supply_v: f32::NAN,
         }
     }

@@ -13,7 +13,7 @@
 //! | sensors, drives | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
 //! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
 //! | safety | [`safety`]: faults and reactions, detectors, supervisor, stopping distance |
-//! | gains | [`tuning`]: from wishes, with margins; [`stability`] |
+//! | gains | [`tuning`]: from a design specification, with margins; [`stability`] |
 //! | the paper's law | [`paper`]: Cao, Zhao and Wang, equation by equation |
 //!
 //! Numbers in parentheses are the equations of that paper.

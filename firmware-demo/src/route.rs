@@ -92,7 +92,7 @@ pub struct Driven {
     pub handed_over: u32,
     /// The first tick of the last stay at the goal; 0 if it is not parked.
     pub parked: u32,
-    /// A checksum over the bits of every torque, command and wish of every tick (FNV-1a).
+    /// A checksum over the bits of every torque, command and desired twist of every tick (FNV-1a).
     pub checksum: u32,
     /// How far from the goal the robot is in the end \[m\].
     pub off_m: f32,
@@ -178,8 +178,8 @@ pub fn drive(
             report.torques.left,
             report.command.linear,
             report.command.angular,
-            report.wanted.linear,
-            report.wanted.angular,
+            report.desired.linear,
+            report.desired.angular,
         ] {
             driven.sum(value);
         }

@@ -73,9 +73,9 @@ pub struct BaseTick {
     /// See [`tick_flags`].
     pub flags: u16,
     /// Faults found in this tick: bit n − 1 for the kind with the code n.
-    pub findings: u32,
-    /// Faults ridden out since power-on.
-    pub ridden_out: u32,
+    pub active_faults: u32,
+    /// Faults ignored since power-on.
+    pub ignored: u32,
     /// New approaches to the goal so far.
     pub retries: u8,
     /// Pose, m.

@@ -3,7 +3,7 @@
 use crate::scenario::{Law, Scenario};
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
-    max_stable_speed, parking_is_stable, tracking_along_is_stable,
+    longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
 };
 
 /// Warnings about gains and speeds, each one sentence.
@@ -28,7 +28,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
                 .to_owned(),
         ),
     }
-    if !tracking_along_is_stable(params) {
+    if !longitudinal_tracking_is_stable(params) {
         warnings.push(
             "with these gains tracking is unstable along the path: lower k1, or raise A or kd1"
                 .to_owned(),

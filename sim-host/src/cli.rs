@@ -2,17 +2,16 @@
 
 mod board;
 mod identify;
-mod seed;
 
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
-use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
+use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
+use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 pub use board::{Chip, Link, MonitorArgs};
 pub use identify::IdentifyArgs;
-pub use seed::SeedArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,7 +27,7 @@ Examples:
   sim-host robustness                       what the laws stand: noise, latency, friction, ...
   sim-host faults                           everything that can fail, in every state
   sim-host tune robot.toml                  gains for your own robot, searched on bad floors
-  sim-host prove robot.toml                 whether it does its courses there
+  sim-host verify robot.toml                whether it does its courses there
   sim-host constants robot.toml             the same robot as constants for a firmware
   sim-host monitor /dev/ttyACM0             live numbers of a real board
   sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
@@ -186,17 +185,20 @@ Examples:
   sim-host tune mine.toml
   sim-host tune mine.toml --trajectory slalom.json --evaluations 600 --write")]
     Tune(TuneArgs),
-    /// Prove in simulation that a robot does its courses on bad floors
+    /// Verify in simulation that a robot does its courses on bad floors
     ///
     /// The paper's line and curve and a park, in worlds drawn around the robot of the file and at their
     /// corners. Every run has to park within 5 mm and 10 mrad of the true goal and be quiet there: if not,
-    /// the exit code is 1. Writes NAME-prove.csv, .json, and the worst run as .svg, .png and -worst.csv.
+    /// the exit code is 1. Writes NAME-verify.csv, .json, and the worst run as .svg, .png and -worst.csv.
     #[command(after_help = "\
 Examples:
-  sim-host prove mine.toml
-  sim-host prove lab-10kg --seeds 50 --out results
-  sim-host prove lab-10kg --seeds 556 --fresh      10,008 runs that nobody has seen")]
-    Prove(ProveArgs),
+  sim-host verify mine.toml
+  sim-host verify lab-10kg --seeds 50 --out results
+  sim-host verify lab-10kg --seeds 556 --fresh      10,008 runs that nobody has seen")]
+    Verify(VerifyArgs),
+    /// The old name of `verify`, for one release more
+    #[command(hide = true)]
+    Prove(VerifyArgs),
     /// Write a robot's constants for a firmware
     ///
     /// NAME.rs has every parameter of the base, gains included, as the simulator uses them, bit for bit.
@@ -214,13 +216,13 @@ Examples:
     Monitor(MonitorArgs),
     /// Say whether files can be driven, without running anything
     ///
-    /// Prints format, figures, repairs with their places, and what the base stretches; or why a file
+    /// Prints format, figures, repairs with their places, and how its time is scaled for the base; or why a file
     /// is refused. Exit code 0 if all can be driven, 1 if not.
     Check(TrajectoryArgs),
     /// Compile trajectory files for a chip
     ///
     /// Writes NAME.rs, a table for flash, and NAME.bin, the same as little-endian f32 for streaming:
-    /// as few samples as the core's interpolation needs, stretched to the base's limits.
+    /// as few samples as the core's interpolation needs, time-scaled to the base's limits.
     Compile(TrajectoryArgs),
     /// Identify a robot from a log: lengths, mass, inertia, friction, motor constants
     ///

@@ -1,9 +1,10 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
 use controller_core::motion::Limits;
-use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, drive};
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun, drive};
 use sim_host::import::{Options, import};
-use sim_host::scenario::Precision;
+use sim_host::mission::Base;
+use sim_host::precision::Precision;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -15,8 +16,8 @@ fn fixture(name: &str) -> Result<Vec<u8>, Box<dyn Error>> {
 }
 
 fn metrics(name: &str, run: &FileRun, base: &Base) -> Result<DriveMetrics, Box<dyn Error>> {
-    let (mission, stretch) = run.mission(name, &fixture(name)?, base)?;
-    assert!(stretch.load <= 1.0, "{name}: {stretch}");
+    let (mission, scaling) = run.mission(name, &fixture(name)?, base)?;
+    assert!(scaling.load <= 1.0, "{name}: {scaling}");
     let trace = drive(&mission)?;
     Ok(DriveMetrics::of(&mission, &trace).ok_or("no rows")?)
 }

@@ -1,4 +1,4 @@
-//! Stretched trajectories keep every limit on the same path; compact ones keep their tolerance.
+//! Time-scaled trajectories keep every limit on the same path; compact ones keep their tolerance.
 
 use proptest::prelude::*;
 use sim_host::import::{
@@ -87,9 +87,9 @@ proptest! {
     fn stretched_keeps_every_limit_and_the_path(index in 0..NAMES.len(), limits in limits()) {
         let name = NAMES.get(index).copied().unwrap_or_default();
         let file = load(name).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        let (run, stretch) = file.stretched(&limits).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        prop_assert!(stretch.factor >= 1.0 - 1e-9 && stretch.load <= 1.0);
-        prop_assert_eq!(stretch.places.is_empty(), run.duration() == file.duration());
+        let (run, scaling) = file.time_scaled(&limits).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert!(scaling.factor >= 1.0 - 1e-9 && scaling.load <= 1.0);
+        prop_assert_eq!(scaling.places.is_empty(), run.duration() == file.duration());
         let steps = 20_000;
         let h = run.duration() / f64::from(steps);
         let (mut v, mut w) = (run.at(0.0).v, run.at(0.0).w);
@@ -122,11 +122,11 @@ fn file_within_limits_is_untouched() -> Result<(), Box<dyn Error>> {
             max_angular_accel: 1.01 * figures.angular_accel,
             ..Limits::default()
         };
-        let (run, stretch) = file.stretched(&limits)?;
+        let (run, scaling) = file.time_scaled(&limits)?;
         assert_eq!(
-            (stretch.factor, stretch.places.len()),
+            (scaling.factor, scaling.places.len()),
             (1.0, 0),
-            "{name}: {stretch}"
+            "{name}: {scaling}"
         );
         assert_eq!(run.samples(), file.samples(), "{name}");
     }
@@ -141,10 +141,10 @@ fn stretch_is_local_and_names_what_was_exceeded() -> Result<(), Box<dyn Error>> 
         max_turn_rate: 2.0,
         ..Limits::default()
     };
-    let (run, stretch) = file.stretched(&limits)?;
-    assert_eq!(stretch.places.len(), 1, "{stretch}");
-    let place = stretch.places.first().ok_or("no place")?;
-    assert!(place.file_s.0 > 3.3 && place.file_s.1 < 4.0, "{stretch}");
+    let (run, scaling) = file.time_scaled(&limits)?;
+    assert_eq!(scaling.places.len(), 1, "{scaling}");
+    let place = scaling.places.first().ok_or("no place")?;
+    assert!(place.file_s.0 > 3.3 && place.file_s.1 < 4.0, "{scaling}");
     assert!(
         place
             .exceeded
@@ -179,9 +179,9 @@ fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
         max_decel: 0.5,
         ..Limits::default()
     };
-    let (run, stretch) = file.stretched(&limits)?;
-    assert!(run.duration() > 4.0 && run.duration() < 4.4, "{stretch}");
-    let (again, nothing) = run.stretched(&limits)?;
+    let (run, scaling) = file.time_scaled(&limits)?;
+    assert!(run.duration() > 4.0 && run.duration() < 4.4, "{scaling}");
+    let (again, nothing) = run.time_scaled(&limits)?;
     assert!(
         nothing.places.is_empty() && again.duration() == run.duration(),
         "{nothing}"
@@ -191,7 +191,7 @@ fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
         max_decel: 0.2,
         ..limits
     };
-    let (slower, _) = run.stretched(&tighter)?;
+    let (slower, _) = run.time_scaled(&tighter)?;
     assert!(
         slower.duration() > 6.3 && slower.duration() < 7.0,
         "{}",
@@ -209,7 +209,7 @@ fn limits_that_are_not_positive_are_named() -> Result<(), Box<dyn Error>> {
             ..Limits::default()
         };
         assert_eq!(
-            file.stretched(&limits).err().map(|e| e.field),
+            file.time_scaled(&limits).err().map(|e| e.field),
             Some("max_decel")
         );
     }

@@ -10,7 +10,7 @@ use controller_core::paper::params::Params;
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques};
-use sim_host::rig::PlantHal;
+use sim_host::closed_loop::PlantHal;
 use sim_host::world::{self, Actuation, World, WorldKeys};
 
 /// Largest torque of either wheel \[N m\].

@@ -102,7 +102,7 @@ fn wish(error: &PoseError<f64>) -> [f64; 2] {
 /// Parks at the origin for `end_s`; from a moving start the neurons begin with its twist.
 pub fn park(base: Base, body: Body, dt: f64, end_s: f64) -> Parking {
     let mut law = Aicardi::default();
-    // A neuron's value is its output, the wanted twist itself.
+    // A neuron's value is its output, the desired twist itself.
     law.pose[0].value = body.twist.linear;
     law.pose[1].value = body.twist.angular;
     let goal = home()(0.0);

@@ -90,10 +90,10 @@ fn check_hand_over<T: Scalar>(scenario: &Scenario, tick: &Tick<T>) -> Result<(),
     prop_assert!(found.amax() <= small, "{found} above {small:e}");
     prop_assert!((tick.command() - old_tick.command()).amax() <= small);
 
-    let wanted = old_tick.command();
-    let ahead = fits(p, wanted.x / p.k4);
-    let largest = if wanted.y > 0.0 { p.b } else { p.d }.min(FRAC_PI_2).sin();
-    let margin = p.k5 * largest - wanted.y.abs();
+    let desired = old_tick.command();
+    let ahead = fits(p, desired.x / p.k4);
+    let largest = if desired.y > 0.0 { p.b } else { p.d }.min(FRAC_PI_2).sin();
+    let margin = p.k5 * largest - desired.y.abs();
     let turn = (margin.abs() > NEAR_BOUND * p.k5).then_some(margin > 0.0);
     if let (Some(ahead), Some(turn)) = (ahead, turn) {
         prop_assert_eq!(

@@ -1,8 +1,8 @@
-//! The supervisor under any sequence of events, findings and ticks.
+//! The supervisor under any sequence of events, active faults and ticks.
 
 use controller_core::safety::supervisor::{Event, State, SupervisorParams};
 use controller_core::safety::{
-    Fault, FaultKind, Findings, OutputMode, Policy, Reaction, Side, Supervisor,
+    ActiveFaults, Fault, FaultKind, OutputMode, Policy, Reaction, Side, Supervisor,
 };
 use proptest::prelude::*;
 
@@ -50,9 +50,9 @@ proptest! {
             match step {
                 Step::On(event) => { supervisor.on(event); }
                 Step::Found(fault) => {
-                    let mut findings = Findings::NONE;
-                    findings.add(fault);
-                    supervisor.on_findings(&findings, &policy);
+                    let mut active_faults = ActiveFaults::NONE;
+                    active_faults.add(fault);
+                    supervisor.on_active_faults(&active_faults, &policy);
                 }
                 Step::Tick(us, rests) => { supervisor.tick(us, rests); }
                 Step::Button => { supervisor.emergency_stop(); }

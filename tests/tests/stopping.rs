@@ -9,9 +9,9 @@ use controller_core::reference::Reference;
 use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Measured, Pose, Twist};
+use sim_host::closed_loop;
 use sim_host::constants::period_us;
-use sim_host::drive::Base as FileBase;
-use sim_host::rig;
+use sim_host::mission::Base as FileBase;
 use sim_host::scenario::BASES;
 use tests::motion_base::{Base, Body};
 use tests::random::Random;
@@ -211,7 +211,7 @@ fn stopping_distances_from_top_speed_are_those_stated() {
         let motion = file.motion().validate().expect("valid");
         let controlled = controlled_stop_distance::<f64, Libm>(&motion, v);
 
-        let params = rig::params(&file, period_us(&file)).expect("in range");
+        let params = closed_loop::params(&file, period_us(&file)).expect("in range");
         let motor = params.motor.expect("motors").validate();
         let slowing = electrical_brake(&motor.expect("in range"), &params.motion.robot);
         let slowing = slowing.expect("a robot").linear;

@@ -182,7 +182,7 @@ fn drive<T: Scalar>(
 ) -> WheelAction<T> {
     WheelAction::Drive(Drive {
         torques: report.torques,
-        wanted: motion.wheels().wheel_speeds(&report.command),
+        desired: motion.wheels().wheel_speeds(&report.command),
         speeds,
     })
 }

@@ -76,7 +76,7 @@ pub struct Drive<T = f32> {
     /// Within ± `wheel_torque_nm` \[N m\].
     pub torques: WheelTorques<T>,
     /// Speeds that are commanded, for the compensation of friction \[rad/s\].
-    pub wanted: WheelSpeeds<T>,
+    pub desired: WheelSpeeds<T>,
     /// Speeds that are measured, for the back-EMF \[rad/s\].
     pub speeds: WheelSpeeds<T>,
 }

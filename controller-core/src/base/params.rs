@@ -9,7 +9,10 @@ use crate::motion::{Limits, Motion, MotionParams};
 use crate::motor::{Motor, MotorParams};
 use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisor};
-use crate::safety::{Policy, PolicyError, PolicyParams, SupplyWatch, Timeout, Watch, WatchParams};
+use crate::safety::{
+    DetectorParams, Policy, PolicyError, PolicyParams, SupplyDetectorParams, Timeout,
+    ValidDetectorParams,
+};
 use crate::scalar::Scalar;
 
 /// Parameters of all parts of a base.
@@ -22,7 +25,7 @@ pub struct BaseParams<T = f32> {
     /// Motors on bridges; `None` where the driver takes torques itself.
     pub motor: Option<MotorParams<T>>,
     /// Thresholds and timeouts.
-    pub watch: WatchParams<T>,
+    pub detectors: DetectorParams<T>,
     /// What is done about each kind of fault.
     pub policy: PolicyParams,
     /// How stops end.
@@ -78,34 +81,34 @@ impl<T: Scalar> BaseParams<T> {
             ..motion
         };
         let counts_per_turn = localiser.odometry.counts_per_turn;
-        let mut watch = WatchParams::for_base(&motion, counts_per_turn, period_us);
+        let mut detectors = DetectorParams::for_base(&motion, counts_per_turn, period_us);
         if let Some(motor) = &motor {
-            watch.supply = SupplyWatch {
+            detectors.supply = SupplyDetectorParams {
                 low_v: T::from_f64(LOW_SUPPLY.0) * motor.supply_v,
                 recovered_v: T::from_f64(LOW_SUPPLY.1) * motor.supply_v,
                 // Longer than the current of a start from rest.
                 after: Timeout::AfterUs(500_000),
             };
             // A controller limits the current by itself; a tenth more is a driver that does not.
-            watch.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
-            watch.current.after = Timeout::AfterUs(200_000);
+            detectors.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
+            detectors.current.after = Timeout::AfterUs(200_000);
             // What breaks a wheel loose is up to twice its friction while it turns, and only that is fed
             // forward: the rest is no sign of a wheel that is stuck. Nor may feeble motors be asked for more
             // than they have.
             let most = T::from_f64(0.9) * limits.wheel_torque_nm;
-            let loose = watch.wheels.stuck.torque_nm + motor.friction.coulomb_nm;
-            watch.wheels.stuck.torque_nm = if loose < most { loose } else { most };
+            let loose = detectors.wheels.stuck.torque_nm + motor.friction.coulomb_nm;
+            detectors.wheels.stuck.torque_nm = if loose < most { loose } else { most };
         }
         if let Some(fusion) = &localiser.fusion {
             // Ten fixes; odometry alone is worth a second.
             let us = fusion.stale_s * T::from_f64(1.0e6);
-            watch.pose = Timeout::AfterUs(larger_us(us, 1_000_000));
+            detectors.pose = Timeout::AfterUs(larger_us(us, 1_000_000));
         }
         Ok(Self {
             motion,
             localiser,
             motor,
-            watch,
+            detectors,
             policy: PolicyParams::DEFAULT,
             supervisor: SupervisorParams {
                 parked: motion.arrival.at_rest,
@@ -136,7 +139,7 @@ impl<T: Scalar> BaseParams<T> {
             motion: self.motion.validate()?,
             localisation: self.localiser.validate_with::<M>()?,
             motor,
-            watch: self.watch.validate()?,
+            detectors: self.detectors.validate()?,
             policy: self.policy.validate()?,
             supervisor: self.supervisor.validate()?,
         })
@@ -159,7 +162,7 @@ pub struct Base<T = f32> {
     pub(super) motion: Motion<T>,
     pub(super) localisation: Localisation<T>,
     pub(super) motor: Option<Motor<T>>,
-    pub(super) watch: Watch<T>,
+    pub(super) detectors: ValidDetectorParams<T>,
     pub(super) policy: Policy,
     pub(super) supervisor: ValidSupervisor,
 }
@@ -186,8 +189,8 @@ impl<T: Scalar> Base<T> {
     }
 
     /// The monitor's thresholds.
-    pub const fn watch(&self) -> &Watch<T> {
-        &self.watch
+    pub const fn detectors(&self) -> &ValidDetectorParams<T> {
+        &self.detectors
     }
 }
 

@@ -99,13 +99,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             dt: T::ZERO,
             two_per_dt: None,
         };
-        let wanted = pose_law.advance::<U, M>(motion, task, &view, moving, step);
+        let desired = pose_law.advance::<U, M>(motion, task, &view, moving, step);
         let state = State {
             task: *task,
             pose_law,
             stall: Stall::default(),
             observer: Observer::start(&measured.twist),
-            bridges: Bridges::between(&command, &wanted.setpoint, T::ONE, T::ZERO),
+            bridges: Bridges::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
             declared: false,
             released: false,
@@ -118,7 +118,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         };
         let found = Found {
             error: view.error,
-            setpoint: wanted.setpoint,
+            setpoint: desired.setpoint,
             limited: Limited::default(),
             jumped: true,
         };
@@ -172,13 +172,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             twist: &measured.twist,
             command: &state.command,
         };
-        let wanted = state
+        let desired = state
             .pose_law
             .advance::<U, M>(motion, task, &view, moving, step);
         let resting = state.pose_law.is_resting();
-        state.bridges = if jumped || wanted.rebase {
+        state.bridges = if jumped || desired.rebase {
             let kept = self.kept(jumped, dt);
-            Bridges::between(&state.command, &wanted.setpoint, kept, dt)
+            Bridges::between(&state.command, &desired.setpoint, kept, dt)
         } else {
             let decay = if resting {
                 T::from_f64(STOPPING_DECAY)
@@ -192,7 +192,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let mut limited = if state.released {
             Limited::default()
         } else {
-            let setpoint = state.bridges.added_to(&wanted.setpoint);
+            let setpoint = state.bridges.added_to(&desired.setpoint);
             let (command, limited) = state.command.advance(motion, &setpoint, dt);
             state.command = command;
             limited
@@ -208,7 +208,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         state.stall = state.stall.advance(motion, &pushing, dt);
         let found = Found {
             error: view.error,
-            setpoint: wanted.setpoint,
+            setpoint: desired.setpoint,
             limited,
             jumped,
         };
@@ -307,8 +307,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             },
             outcome: state.outcome(motion),
             error: found.error,
-            wanted: found.setpoint.twist,
-            wanted_rate: found.setpoint.rate,
+            desired: found.setpoint.twist,
+            desired_rate: found.setpoint.rate,
             bridge: state.bridges.twist(),
             command: command.twist,
             command_rate: command.rate,

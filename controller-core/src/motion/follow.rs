@@ -59,11 +59,11 @@ impl<T: Scalar> Follower<T> {
         let (reference, accel) = (now.reference.twist(), now.reference.accel());
         let (sine, cosine) = now.heading;
         let v = reference.linear;
-        let slope = gains.across / gains.heading * v / (v * v + gains.slow * gains.slow);
+        let slope = gains.lateral / gains.heading * v / (v * v + gains.slow * gains.slow);
         let ahead = slope * now.error.x;
         let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
         let wishes = (
-            gains.along * now.error.x,
+            gains.longitudinal * now.error.x,
             clamp(across, T::from_f64(1.3)),
             self.turn_around(now.error.theta, sine),
         );

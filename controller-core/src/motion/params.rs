@@ -80,7 +80,7 @@ impl<T: Scalar> MotionParams<T> {
         let larger = |a: T, b: T| if b > a { b } else { a };
         let (mut gains, mut arrival) = (self.gains, self.arrival);
         if sigma_m > T::ZERO {
-            let slow = gains.across * sigma_m / (f(0.06) * gains.heading);
+            let slow = gains.lateral * sigma_m / (f(0.06) * gains.heading);
             gains.slow = larger(gains.slow, slow);
             arrival.distance_m = larger(arrival.distance_m, f(8.0) * sigma_m);
             arrival.heading_rad = larger(arrival.heading_rad, f(0.02));
@@ -128,7 +128,7 @@ impl<T: Scalar> MotionParams<T> {
             },
             near: if noisy { noise_radius } else { least },
             noisy,
-            along: Lag::new(gains.decay, gains.along_bound)?,
+            along: Lag::new(gains.decay, gains.longitudinal_bound)?,
             // 1.3 leaves room for the largest demand, A/(A + A) of it, and a start on the move.
             across: Lag::new(gains.decay, f(1.3))?,
             around: Lag::new(gains.decay, f(1.5))?,

@@ -54,9 +54,9 @@ pub struct MotionReport<T = f32> {
     /// Pose error in the body frame, Eq. (8).
     pub error: PoseError<T>,
     /// What the pose law wants.
-    pub wanted: Twist<T>,
+    pub desired: Twist<T>,
     /// Its exact rate.
-    pub wanted_rate: Accel<T>,
+    pub desired_rate: Accel<T>,
     /// What past jumps still add to it.
     pub bridge: Twist<T>,
     /// What is asked of the velocity loop, within all limits.
@@ -84,8 +84,8 @@ pub struct MotionReport<T = f32> {
 cast!(
     MotionReport {
         error,
-        wanted,
-        wanted_rate,
+        desired,
+        desired_rate,
         bridge,
         command,
         command_rate,

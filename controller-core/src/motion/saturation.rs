@@ -5,28 +5,28 @@ use crate::scalar::Scalar;
 use crate::types::{WheelTorques, Wrench};
 use crate::wheels::WheelMap;
 
-/// The wrench nearest to `wanted`, in the sense of `policy`, whose wheel torques stay within
+/// The wrench nearest to `desired`, in the sense of `policy`, whose wheel torques stay within
 /// ±`limit`, and whether it differs.
 ///
 /// `limit` > 0. The torques of the result may exceed the limit by rounding only; whoever sends them
 /// clips those last bits.
 pub fn share<T: Scalar>(
     wheels: &WheelMap<T>,
-    wanted: &Wrench<T>,
+    desired: &Wrench<T>,
     limit: T,
     policy: Policy,
 ) -> (Wrench<T>, bool) {
-    let asked = wheels.torques(wanted);
+    let asked = wheels.torques(desired);
     if largest(&asked) <= limit {
-        return (*wanted, false);
+        return (*desired, false);
     }
     let force = Wrench {
-        force: wanted.force,
+        force: desired.force,
         moment: T::ZERO,
     };
     let moment = Wrench {
         force: T::ZERO,
-        moment: wanted.moment,
+        moment: desired.moment,
     };
     let (drive, turn) = match policy {
         Policy::KeepCurvature => {
@@ -45,8 +45,8 @@ pub fn share<T: Scalar>(
         }
     };
     let shared = Wrench {
-        force: drive * wanted.force,
-        moment: turn * wanted.moment,
+        force: drive * desired.force,
+        moment: turn * desired.moment,
     };
     (shared, true)
 }

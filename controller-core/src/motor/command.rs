@@ -10,7 +10,7 @@ pub struct WheelDemand<T> {
     /// τ \[N m\] that is to accelerate the base; friction comes on top.
     pub torque_nm: T,
     /// ω* \[rad/s\]: the speed that the controller commands. For friction and gear only.
-    pub wanted_speed_rad_s: T,
+    pub desired_speed_rad_s: T,
     /// ω \[rad/s\], measured. For the back-EMF only.
     pub speed_rad_s: T,
 }
@@ -85,25 +85,25 @@ impl<T: Scalar> Motor<T> {
     /// [`MAX_SUPPLY_SHARE`](crate::motor::MAX_SUPPLY_SHARE) of the nominal one, the nominal one is taken and that
     /// is told.
     ///
-    /// The duty is odd in (torque, wanted speed, speed), rises with the torque and is continuous. Its Lipschitz
+    /// The duty is odd in (torque, desired speed, speed), rises with the torque and is continuous. Its Lipschitz
     /// constants, with s = 5 − d₀, or 1 without a dead band:
     ///
     /// | per | constant |
     /// | --- | --- |
     /// | torque | s R/(η g k_t U) |
     /// | speed | s (g k_t + R τ_s/(10 ω_b η g k_t))/U |
-    /// | wanted speed | s R/U · (((τ_c + τ_s)/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
+    /// | desired speed | s R/U · (((τ_c + τ_s)/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
     ///
     /// All inputs zero give exactly zero.
     #[inline]
     pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
         let (supply, supply_unknown) = self.believed(supply_v);
-        let sense = clamp(demand.wanted_speed_rad_s * self.per_blend, T::ONE);
+        let sense = clamp(demand.desired_speed_rad_s * self.per_blend, T::ONE);
         let level = self.coulomb + self.stiction * self.standing(demand.speed_rad_s);
-        let friction = level * sense + self.viscous * demand.wanted_speed_rad_s;
+        let friction = level * sense + self.viscous * demand.desired_speed_rad_s;
         let torque = demand.torque_nm + friction;
-        let wish = self.gear.current(torque, sense);
-        let allowed = clamp(wish, self.max_current);
+        let current = self.gear.current(torque, sense);
+        let allowed = clamp(current, self.max_current);
         let back_emf = self.gear.constant * demand.speed_rad_s;
         let needed = self.resistance * allowed + back_emf;
         if !(torque.is_finite() && needed.is_finite()) {
@@ -119,7 +119,7 @@ impl<T: Scalar> Motor<T> {
         let voltage = clamp(needed, supply);
         let runaway = supply + self.resistance * self.max_current;
         let limited = MotorLimited {
-            current: wish.abs() > self.max_current,
+            current: current.abs() > self.max_current,
             voltage: needed.abs() > supply,
             overspeed: back_emf.abs() > runaway,
             supply_unknown,

@@ -19,20 +19,20 @@ impl Motor<f32> {
     pub fn commands(&self, torques: &WheelTorques<f32>, observed: &Observed) -> WheelCommands {
         let Observed {
             speeds,
-            wanted,
+            desired,
             supply_v,
         } = observed;
-        let command = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
+        let command = |torque_nm, desired_speed_rad_s, speed_rad_s| {
             let demand = WheelDemand {
                 torque_nm,
-                wanted_speed_rad_s,
+                desired_speed_rad_s,
                 speed_rad_s,
             };
             self.command(&demand, *supply_v)
         };
         WheelCommands {
-            right: command(torques.right, wanted.right, speeds.right),
-            left: command(torques.left, wanted.left, speeds.left),
+            right: command(torques.right, desired.right, speeds.right),
+            left: command(torques.left, desired.left, speeds.left),
         }
     }
 }

@@ -38,11 +38,11 @@ pub struct WheelFriction<T> {
     pub stiction_nm: T,
     /// b \[N m s/rad\], 0 to 1e6.
     pub viscous_nm_s: T,
-    /// ω_b \[rad/s\]: up to this wanted speed of the wheel the Coulomb part, and the gear's loss, rise in
+    /// ω_b \[rad/s\]: up to this desired speed of the wheel the Coulomb part, and the gear's loss, rise in
     /// proportion. 1e-3 to 1e3; 0 is accepted where there is nothing to blend.
     ///
     /// A tenth of the slowest speed at which the wheel is to be exact is good: narrower gains nothing, for the
-    /// wanted speed passes through it in a few ticks, and wider leaves friction uncompensated there.
+    /// desired speed passes through it in a few ticks, and wider leaves friction uncompensated there.
     pub blend_rad_s: T,
 }
 

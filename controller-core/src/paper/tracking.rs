@@ -110,18 +110,18 @@ pub fn start<T: Scalar>(
     Start { s1, s2, bridge }
 }
 
-/// Splits `wanted` into gain · s with s in [−D, B], and a rest that is zero if s could carry it all.
+/// Splits `desired` into gain · s with s in [−D, B], and a rest that is zero if s could carry it all.
 #[inline(always)]
-pub(crate) fn carry<T: Scalar>(shunting: &Shunting<T>, wanted: T, gain: T) -> (T, T) {
+pub(crate) fn carry<T: Scalar>(shunting: &Shunting<T>, desired: T, gain: T) -> (T, T) {
     if gain == T::ZERO {
-        return (T::ZERO, wanted);
+        return (T::ZERO, desired);
     }
     // May be infinite for a tiny gain; the clip is by comparison, so that is fine.
-    let ideal = wanted / gain;
+    let ideal = desired / gain;
     if shunting.contains(ideal) {
         (ideal, T::ZERO)
     } else {
         let state = shunting.clip(ideal);
-        (state, wanted - gain * state)
+        (state, desired - gain * state)
     }
 }

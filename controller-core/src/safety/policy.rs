@@ -26,7 +26,8 @@ pub struct PolicyParams {
     pub under_voltage: Response,
     pub step_refused: Response,
     pub stalled: Response,
-    pub gave_up: Response,
+    #[cfg_attr(feature = "serde", serde(alias = "gave_up"))]
+    pub goal_unreachable: Response,
 }
 
 impl PolicyParams {
@@ -45,14 +46,14 @@ impl PolicyParams {
         // The loop was blind once, and is not any more.
         tick_too_long: Response::latched(Reaction::ControlledStop),
         // The motion law takes jumps without a step of torque.
-        pose_jump: Response::RIDE_OUT,
+        pose_jump: Response::IGNORE,
         // Half of the twist is wrong, so a velocity loop would push on.
         encoder_stuck: Response::latched(Reaction::Brake),
         // The velocity loop drives the error up; an electrical brake has no sign to get wrong.
         encoder_reversed: Response::latched(Reaction::Brake),
         // Grip comes back with less torque; odometry is off by then, so the way is not driven on.
         wheel_slip: Response::passing(Reaction::ControlledStop),
-        // After an error the wheels' state is unknown, and the driver has to be told to let go.
+        // After an error the wheels' state is unknown, and the driver has to release.
         driver: Response::latched(Reaction::Release),
         // A brake would add the current of the motor's own voltage.
         over_current: Response::latched(Reaction::Release),
@@ -63,7 +64,7 @@ impl PolicyParams {
         // Nothing moves anyhow; free of the obstacle it may be armed again.
         stalled: Response::passing(Reaction::ControlledStop),
         // The goal is not reached, everything else works.
-        gave_up: Response::passing(Reaction::ControlledStop),
+        goal_unreachable: Response::passing(Reaction::ControlledStop),
     };
 
     /// The response to a kind.
@@ -84,7 +85,7 @@ impl PolicyParams {
             FaultKind::UnderVoltage => self.under_voltage,
             FaultKind::StepRefused => self.step_refused,
             FaultKind::Stalled => self.stalled,
-            FaultKind::GaveUp => self.gave_up,
+            FaultKind::GoalUnreachable => self.goal_unreachable,
         }
     }
 
@@ -107,7 +108,7 @@ impl PolicyParams {
             FaultKind::UnderVoltage => &mut self.under_voltage,
             FaultKind::StepRefused => &mut self.step_refused,
             FaultKind::Stalled => &mut self.stalled,
-            FaultKind::GaveUp => &mut self.gave_up,
+            FaultKind::GoalUnreachable => &mut self.goal_unreachable,
         };
         *place = response;
         self
@@ -124,14 +125,14 @@ impl PolicyParams {
                 (Some(Broken::Driver), reaction) if reaction < Reaction::Release => {
                     PolicyProblem::NeedsDriver
                 }
-                (Some(_), Reaction::RideOut) => PolicyProblem::MayNotBeRiddenOut,
+                (Some(_), Reaction::Ignore) => PolicyProblem::MayNotBeIgnored,
                 (Some(Broken::Measurement), Reaction::ControlledStop) => {
                     PolicyProblem::NeedsMeasurement
                 }
                 (Some(Broken::Controller), Reaction::ControlledStop) => {
                     PolicyProblem::NeedsController
                 }
-                (_, Reaction::RideOut) if latch => PolicyProblem::RiddenOutLatched,
+                (_, Reaction::Ignore) if latch => PolicyProblem::IgnoredLatched,
                 _ => continue,
             };
             return Err(PolicyError { kind, problem });
@@ -155,7 +156,7 @@ enum Broken {
 }
 
 impl FaultKind {
-    /// The measured twist cannot be relied upon, not even to tell that the base rests.
+    /// The measured twist cannot be relied upon, not even to see that the base rests.
     pub const fn breaks_measurement(self) -> bool {
         matches!(self.broken(), Some(Broken::Measurement))
     }
@@ -177,7 +178,7 @@ impl FaultKind {
             | Self::OverCurrent
             | Self::UnderVoltage
             | Self::Stalled
-            | Self::GaveUp => None,
+            | Self::GoalUnreachable => None,
         }
     }
 }
@@ -210,15 +211,15 @@ impl Default for Policy {
 #[non_exhaustive]
 pub enum PolicyProblem {
     /// Driving on would be blind.
-    MayNotBeRiddenOut,
+    MayNotBeIgnored,
     /// A controlled stop goes by the measurement that is broken.
     NeedsMeasurement,
     /// A controlled stop goes by the controller that refuses to work.
     NeedsController,
     /// The driver that failed cannot be relied upon: only releasing is left.
     NeedsDriver,
-    /// What is ridden out has no end to be latched.
-    RiddenOutLatched,
+    /// A fault that is ignored has no end to be latched.
+    IgnoredLatched,
 }
 
 /// A response that `validate` refuses.
@@ -233,11 +234,11 @@ pub struct PolicyError {
 impl fmt::Display for PolicyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let why = match self.problem {
-            PolicyProblem::MayNotBeRiddenOut => "may not be ridden out",
+            PolicyProblem::MayNotBeIgnored => "may not be ignored",
             PolicyProblem::NeedsMeasurement => "leaves no measurement for a controlled stop",
             PolicyProblem::NeedsController => "leaves no controller for a controlled stop",
             PolicyProblem::NeedsDriver => "leaves nothing but to release the wheels",
-            PolicyProblem::RiddenOutLatched => "is ridden out and cannot be latched",
+            PolicyProblem::IgnoredLatched => "is ignored and cannot be latched",
         };
         write!(f, "{} {why}", self.kind)
     }

@@ -94,10 +94,10 @@ impl<T: Scalar> StopPlan<T> {
         )
     }
 
-    /// What the controller is told in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
+    /// The reference of the controller in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
     pub fn task<M: Maths<T>>(&self, t: T, dt: T, pose: &Pose<T>) -> Task<T> {
         let (twist, _) = self.at(t);
-        // Held for a tick: that of its middle. In the first tick none, as it was: a step of it would be bridged
+        // Debounce for a tick: that of its middle. In the first tick none, as it was: a step of it would be bridged
         // like an acceleration under way, and lengthen the stop.
         let middle = if t > T::ZERO { t + T::HALF * dt } else { t };
         let (_, accel) = self.at(middle);

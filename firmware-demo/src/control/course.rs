@@ -12,7 +12,7 @@ use controller_core::types::{Pose, Twist};
 
 use super::ControlTask;
 
-/// Where the base is told to go.
+/// Where the base is commanded to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Course {
     /// Nowhere.

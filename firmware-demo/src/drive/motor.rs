@@ -18,7 +18,7 @@ pub struct MotorPair<P, D, E = NoPin> {
     bridges: Bridges<E>,
     motor: Motor<f32>,
     observed: Observed,
-    told: WheelCommands,
+    applied: WheelCommands,
     backward: Option<[bool; 2]>,
 }
 
@@ -36,14 +36,14 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
             bridges,
             motor,
             observed: Observed::default(),
-            told: WheelCommands::default(),
+            applied: WheelCommands::default(),
             backward: None,
         }
     }
 
-    /// What both motors were told last, and what was limited; zero after a release or a brake.
-    pub const fn told(&self) -> &WheelCommands {
-        &self.told
+    /// What was applied to both motors last, and what was limited; zero after a release or a brake.
+    pub const fn applied(&self) -> &WheelCommands {
+        &self.applied
     }
 
     /// What the bridges can do.
@@ -58,7 +58,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
 
     /// No duty on either side, tried on both.
     fn off(&mut self) -> Result<(), MotorError> {
-        self.told = WheelCommands::default();
+        self.applied = WheelCommands::default();
         let (right, left) = (self.right.off(), self.left.off());
         right.and(left)
     }
@@ -79,7 +79,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
 
     /// By the motors' equations: torque at the wheel less its friction, where current or supply limited it.
     fn exerted(&self) -> Option<WheelTorques<f32>> {
-        self.told.exerted()
+        self.applied.exerted()
     }
 
     /// Directions first, each with its bridge off while it changes, then both duty cycles, then enable.
@@ -96,10 +96,10 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         if commands.is_invalid() {
             return Err(MotorError::Observation);
         }
-        let wanted = [right.duty < 0.0, left.duty < 0.0];
+        let desired = [right.duty < 0.0, left.duty < 0.0];
         let now = self.backward.take();
-        if now != Some(wanted) {
-            let [to_right, to_left] = wanted;
+        if now != Some(desired) {
+            let [to_right, to_left] = desired;
             let (from_right, from_left) = match now {
                 Some([right, left]) => (Some(right), Some(left)),
                 None => (None, None),
@@ -117,8 +117,8 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         self.left.push(left.duty)?;
         self.bridges.switch(true)?;
         // Known only now: after an error the directions are set anew.
-        self.backward = Some(wanted);
-        self.told = commands;
+        self.backward = Some(desired);
+        self.applied = commands;
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use controller_core::localiser::LocaliserParams;
 use controller_core::motion::MotionParams;
 use controller_core::motor::MotorParams;
 use controller_core::safety::supervisor::SupervisorParams;
-use controller_core::safety::{PolicyParams, WatchParams};
+use controller_core::safety::{DetectorParams, PolicyParams};
 use controller_core::types::Pose;
 use serde::{Deserialize, Serialize};
 
@@ -63,7 +63,7 @@ pub enum BasePart {
     /// Motors, if the base has bridges.
     Motor(Option<MotorParams<f32>>),
     /// Thresholds and timeouts.
-    Watch(WatchParams<f32>),
+    Detectors(DetectorParams<f32>),
     /// Reactions to faults.
     Policy(PolicyParams),
     /// How stops end.
@@ -77,7 +77,7 @@ impl BasePart {
             Self::Motion(params.motion),
             Self::Localiser(params.localiser),
             Self::Motor(params.motor),
-            Self::Watch(params.watch),
+            Self::Detectors(params.detectors),
             Self::Policy(params.policy),
             Self::Supervisor(params.supervisor),
         ]
@@ -89,7 +89,7 @@ impl BasePart {
             Self::Motion(motion) => params.motion = *motion,
             Self::Localiser(localiser) => params.localiser = *localiser,
             Self::Motor(motor) => params.motor = *motor,
-            Self::Watch(watch) => params.watch = *watch,
+            Self::Detectors(detectors) => params.detectors = *detectors,
             Self::Policy(policy) => params.policy = *policy,
             Self::Supervisor(supervisor) => params.supervisor = *supervisor,
         }

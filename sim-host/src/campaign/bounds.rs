@@ -23,9 +23,9 @@
 //! **Release.** Friction of both wheels takes from the kinetic energy E at least τ (|v_R| + |v_L|) ≥ 2 τ |v|, also
 //! while one of them stands: the way is at most E/(2 τ). It holds for brakes too, with c beside τ.
 
-use crate::drive::Base;
-use crate::rig::Place;
+use crate::mission::Base;
 use crate::world::GRAVITY;
+use crate::world::WorldSetup;
 use controller_core::base::{Base as Core, BaseReport};
 use controller_core::maths::Single;
 use controller_core::motor::electrical_brake;
@@ -71,9 +71,9 @@ pub(super) struct Wheels {
 }
 
 impl Bounds {
-    pub fn new(base: &Base, place: &Place, core: &Core<f32>) -> Self {
+    pub fn new(base: &Base, setup: &WorldSetup, core: &Core<f32>) -> Self {
         let robot = &base.robot;
-        let body = &place.world.body;
+        let body = &setup.world.body;
         let wheels = &robot.wheels;
         let radius = wheels.radius_right_m.min(wheels.radius_left_m);
         let half_track = 0.5 * wheels.track_m;
@@ -97,9 +97,9 @@ impl Bounds {
             current_n: motor.map_or(f64::INFINITY, |m| {
                 m.gear_ratio * m.kt_nm_per_a * m.current_limit_a / radius
             }),
-            grip: place.world.floor.mu,
+            grip: setup.world.floor.mu,
             load: 0.5 * robot.mass_kg * body.mass_factor * GRAVITY,
-            dry_n: place.world.friction.coulomb_nm / radius,
+            dry_n: setup.world.friction.coulomb_nm / radius,
             odometry: {
                 let (right, left) = (body.radius_right_factor, body.radius_left_factor);
                 (

@@ -13,7 +13,7 @@ pub(super) fn severity(report: &BaseReport<f32>) -> Reaction {
         (_, WheelAction::Release) => Reaction::Release,
         (_, WheelAction::Brake) => Reaction::Brake,
         (State::Stopping(_), WheelAction::Drive(_)) => Reaction::ControlledStop,
-        (_, WheelAction::Drive(_)) => Reaction::RideOut,
+        (_, WheelAction::Drive(_)) => Reaction::Ignore,
     }
 }
 
@@ -110,9 +110,9 @@ pub(super) fn reacted(before: State, report: &BaseReport<f32>) -> Result<(), Str
     if !before.is_live() {
         return Ok(());
     }
-    for fault in report.findings.iter() {
+    for fault in report.active_faults.iter() {
         let least = expected::least(fault.kind());
-        if least.reaction == Reaction::RideOut {
+        if least.reaction == Reaction::Ignore {
             continue;
         }
         if severity(report) < least.reaction {

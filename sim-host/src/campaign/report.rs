@@ -31,12 +31,12 @@ pub fn table(cells: &[Cell]) -> Table {
     table.load_preset(UTF8_FULL_CONDENSED).set_header(HEADER);
     let mut last = None;
     for cell in cells {
-        let name = if last == Some(cell.upset) {
+        let name = if last == Some(cell.injection) {
             ""
         } else {
-            cell.upset.name()
+            cell.injection.name()
         };
-        last = Some(cell.upset);
+        last = Some(cell.injection);
         let found = |value: f64| match cell.found {
             0 => String::new(),
             _ => format!("{value:.2}"),
@@ -80,7 +80,7 @@ pub fn violation(outcome: &Outcome) -> Option<String> {
         "run {}: {}, {} in {} at {:.2} s{second}: at {:.2} s {}",
         outcome.run,
         BASES[outcome.base].name,
-        outcome.upset.name(),
+        outcome.injection.name(),
         outcome.target.name(),
         outcome.at_s,
         violation.at_s,
@@ -130,7 +130,7 @@ pub fn write_runs(outcomes: &[Outcome], out: impl Write) -> csv::Result<()> {
             outcome.run.to_string().as_str(),
             BASES[outcome.base].name,
             outcome.target.name(),
-            outcome.upset.name(),
+            outcome.injection.name(),
             outcome.second.map_or("", |second| second.name()),
             outcome.at_s.to_string().as_str(),
             end,
@@ -225,7 +225,7 @@ impl<W: Write> TraceWriter<W> {
         let report = tick.board.report();
         let Measured { pose, twist } = tick.board.world().truth();
         let measured = report.measured.unwrap_or_default();
-        let findings: Vec<_> = report.findings.iter().map(|f| f.to_string()).collect();
+        let active_faults: Vec<_> = report.active_faults.iter().map(|f| f.to_string()).collect();
         let action = match &report.action {
             WheelAction::Release => "release",
             WheelAction::Brake => "brake",
@@ -237,9 +237,9 @@ impl<W: Write> TraceWriter<W> {
             tick.t.to_string(),
             format!("{:?}", report.state),
             format!("{:?}", report.cause),
-            findings.join("; "),
+            active_faults.join("; "),
             action.to_owned(),
-            u8::from(tick.upset).to_string(),
+            u8::from(tick.injection).to_string(),
         ] {
             writer.write_field(text)?;
         }

@@ -3,7 +3,7 @@
 use super::outcome::{Outcome, Violation};
 use super::plan::{Bases, Plan};
 use super::run::{Mutation, run};
-use crate::rig::RigError;
+use crate::closed_loop::ClosedLoopError;
 use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -20,7 +20,7 @@ pub fn study(
     runs: impl IntoParallelIterator<Item = u64>,
     mutation: &Mutation,
     done: impl Fn() + Sync,
-) -> Result<Vec<Outcome>, RigError> {
+) -> Result<Vec<Outcome>, ClosedLoopError> {
     let one = |number| {
         let plan = Plan::draw(bases, seed, number);
         let outcome = catch_unwind(AssertUnwindSafe(|| run(bases, &plan, mutation, |_| {})));

@@ -2,17 +2,15 @@
 
 use super::error::CommandError;
 use super::job::{Content, Job};
-use super::pil::ChipRecord;
-use super::say;
-use super::write::Writer;
+use super::write::{ChipRecord, Writer};
+use super::{note, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
-use sim_host::drive::{
-    Base, ChipTable, DriveMetrics, DriveTrace, FileRun, Mission, drive, summary, verdict,
-};
+use sim_host::drive::{ChipTable, DriveMetrics, DriveTrace, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
-use sim_host::import::{Stretch, Verdict};
+use sim_host::import::{TimeScaling, Verdict};
+use sim_host::mission::{Base, Mission};
 use sim_host::pil::BaseCost;
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
@@ -24,7 +22,7 @@ struct DriveRecord<'a> {
     description: &'a str,
     base: &'a str,
     controller: &'static str,
-    precision: sim_host::scenario::Precision,
+    precision: sim_host::precision::Precision,
     period_s: f64,
     duration_s: f64,
     /// Of a trajectory file.
@@ -42,7 +40,11 @@ pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
     match file {
         Some(file) => match file.to_str().and_then(BuiltInBase::find) {
             Some(built_in) if !file.exists() => Ok(built_in.base()?),
-            _ => Ok(Base::load(file)?),
+            _ => {
+                let base = Base::load(file)?;
+                note(&base);
+                Ok(base)
+            }
         },
         None => Ok(Base::default()),
     }
@@ -51,7 +53,7 @@ pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
 /// Runs a mission and writes its results.
 pub fn run(
     mission: &Mission,
-    file: Option<(&Stretch, &Verdict)>,
+    file: Option<(&TimeScaling, &Verdict)>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
@@ -74,13 +76,18 @@ pub struct Done {
 }
 
 /// What is about to be run.
-pub fn announce(mission: &Mission, file: Option<(&Stretch, &Verdict)>) -> Result<(), CommandError> {
+pub fn announce(
+    mission: &Mission,
+    file: Option<(&TimeScaling, &Verdict)>,
+) -> Result<(), CommandError> {
     say(&format!("{}: {}\n", mission.name, mission.description))?;
-    if let Some((stretch, verdict)) = file {
+    if let Some((scaling, verdict)) = file {
         say(&format!(
-            "{verdict}\nbase       {}: {stretch}\n",
+            "{verdict}\nbase       {}: {scaling}\n",
             mission.base.name
         ))?;
+    } else {
+        note(&mission.base);
     }
     Ok(())
 }
@@ -88,7 +95,7 @@ pub fn announce(mission: &Mission, file: Option<(&Stretch, &Verdict)>) -> Result
 /// Prints and writes what came of a mission.
 pub fn results(
     mission: &Mission,
-    file: Option<(&Stretch, &Verdict)>,
+    file: Option<(&TimeScaling, &Verdict)>,
     done: &Done,
     csv: bool,
     writer: &Writer<'_>,
@@ -120,7 +127,7 @@ pub fn results(
         precision: mission.precision,
         period_s: mission.period_s,
         duration_s: trace.rows.last().map_or(0.0, |row| row.t),
-        stretched_by: file.map(|(stretch, _)| stretch.factor),
+        stretched_by: file.map(|(scaling, _)| scaling.factor),
         repairs,
         metrics: &metrics,
         chip: chip.as_ref(),
@@ -165,9 +172,9 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         say(&format!("{verdict}\n"))?;
         match &verdict {
             Verdict::Drivable { trajectory, .. } => {
-                let stretched = trajectory.stretched(&base.reference_limits());
-                let (_, stretch) = stretched.map_err(CommandError::Limits)?;
-                say(&format!("base       {}: {stretch}\n", base.name))?;
+                let time_scaled = trajectory.time_scaled(&base.reference_limits());
+                let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
+                say(&format!("base       {}: {scaling}\n", base.name))?;
             }
             Verdict::Refused(_) => refused += 1,
         }

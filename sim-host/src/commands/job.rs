@@ -1,8 +1,9 @@
 //! What a file on the command line is, told by its content.
 
 use super::error::CommandError;
-use sim_host::drive::{Base, FileRun, Mission, verdict};
-use sim_host::import::{Stretch, Verdict};
+use sim_host::drive::{FileRun, verdict};
+use sim_host::import::{TimeScaling, Verdict};
+use sim_host::mission::{Base, Mission};
 use sim_host::scenario::{BuiltIn, Scenario};
 use std::path::Path;
 
@@ -15,7 +16,7 @@ pub enum Job {
     /// The same, along a trajectory file.
     File {
         mission: Box<Mission>,
-        stretch: Stretch,
+        scaling: TimeScaling,
         verdict: Verdict,
     },
 }
@@ -43,10 +44,10 @@ impl Job {
                     path: file.to_owned(),
                     cause,
                 };
-                let (mission, stretch) = run.mission(&name, &bytes, base).map_err(failed)?;
+                let (mission, scaling) = run.mission(&name, &bytes, base).map_err(failed)?;
                 Ok(Self::File {
                     mission: Box::new(mission),
-                    stretch,
+                    scaling,
                     verdict: verdict(&bytes),
                 })
             }

@@ -10,17 +10,18 @@ mod job;
 mod list;
 mod monitor;
 mod pil;
-mod prove;
 mod robot;
 mod robustness;
 mod run;
 mod tune;
+mod verify;
 mod write;
 
 use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
+use sim_host::mission::Base;
 use sim_host::scenario::{BuiltIn, PAPER, Scenario};
 use sim_host::trace::Trace;
 use std::io::{ErrorKind, Write as _};
@@ -63,7 +64,13 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             only,
             run,
         } => faults::all(*runs, seed.draw()?, only, *run, output),
-        Command::Prove(arguments) => prove::robot(arguments, output),
+        Command::Verify(arguments) => verify::robot(arguments, output),
+        Command::Prove(arguments) => {
+            // Nobody to tell is no reason to stop.
+            let note = "note: `prove` is `verify` now; the old name is there for one release more";
+            let _ = writeln!(std::io::stderr(), "{note}");
+            verify::robot(arguments, output)
+        }
         Command::Constants(arguments) => constants::write(arguments, output),
         Command::Tune(arguments) => tune::robot(arguments, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
@@ -118,6 +125,13 @@ fn say(text: &str) -> Result<(), CommandError> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CommandError::Print(error)),
         _ => Ok(()),
+    }
+}
+
+/// Prints what the owner of a base's file should change in it, to standard error as well.
+fn note(base: &Base) {
+    for note in &base.notes {
+        let _ = writeln!(std::io::stderr(), "note: {note}");
     }
 }
 

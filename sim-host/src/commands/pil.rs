@@ -3,11 +3,10 @@
 use super::drive::{self, Done};
 use super::error::CommandError;
 use super::job::Job;
-use super::write::{Record, Writer};
+use super::write::{ChipRecord, Record, Writer};
 use super::{Finished, say, warn};
 use crate::cli::Output;
 use firmware_demo::host::{LinkKind, Machine};
-use serde::Serialize;
 use sim_host::figure::Labelled;
 use sim_host::metrics::Metrics;
 use sim_host::pil::{BaseBench, Bench, Cost, FIRMWARE, Flight, Footprint, Parity, Spread};
@@ -15,20 +14,6 @@ use sim_host::scenario::{Controller, Scenario};
 use sim_host::table::{Column, side_by_side};
 use std::io::Write as _;
 use std::time::Duration;
-
-/// What the JSON file says of the chip.
-#[derive(Clone, Copy, Serialize)]
-pub struct ChipRecord<C = Cost> {
-    machine: &'static str,
-    link: &'static str,
-    parity: Parity,
-    /// Executed instructions of the controller's step, or of the control task's tick.
-    instructions: C,
-    /// High-water mark since the firmware was started.
-    stack_bytes: u32,
-    image: Footprint,
-    ticks_per_second: f64,
-}
 
 /// The chip, and the way to it.
 #[derive(Clone, Copy)]
@@ -68,9 +53,9 @@ fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, Command
             Job::Mission(mission) => (mission, None),
             Job::File {
                 mission,
-                stretch,
+                scaling,
                 verdict,
-            } => (mission, Some((stretch, verdict))),
+            } => (mission, Some((scaling, verdict))),
         };
         drive::announce(mission, file)?;
         let flight = bench.fly(mission)?;

@@ -22,10 +22,10 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
             }
             Job::File {
                 mission,
-                stretch,
+                scaling,
                 verdict,
             } => {
-                match drive::run(mission, Some((stretch, verdict)), csv, &writer) {
+                match drive::run(mission, Some((scaling, verdict)), csv, &writer) {
                     Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
                     other => other?,
                 }

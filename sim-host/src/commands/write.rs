@@ -6,6 +6,7 @@ use serde::Serialize;
 use sim_host::drive::{DriveTrace, write_csv};
 use sim_host::figure::{Labelled, five_panels, png};
 use sim_host::metrics::Metrics;
+use sim_host::pil::{Cost, Footprint, Parity};
 use sim_host::scenario::Controller;
 use sim_host::trace::Trace;
 use std::fs::{self, File};
@@ -23,7 +24,7 @@ pub struct Record<'a> {
     pub metrics: &'a Metrics,
     /// Only of a run with the controller on a chip.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub chip: Option<super::pil::ChipRecord>,
+    pub chip: Option<ChipRecord>,
 }
 
 impl<'a> From<&'a super::Finished> for Record<'a> {
@@ -38,6 +39,20 @@ impl<'a> From<&'a super::Finished> for Record<'a> {
             chip: None,
         }
     }
+}
+
+/// What the JSON file says of the chip.
+#[derive(Clone, Copy, Serialize)]
+pub struct ChipRecord<C = Cost> {
+    pub machine: &'static str,
+    pub link: &'static str,
+    pub parity: Parity,
+    /// Executed instructions of the controller's step, or of the control task's tick.
+    pub instructions: C,
+    /// High-water mark since the firmware was started.
+    pub stack_bytes: u32,
+    pub image: Footprint,
+    pub ticks_per_second: f64,
 }
 
 /// Writes results and remembers what it wrote.

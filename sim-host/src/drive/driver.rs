@@ -1,7 +1,7 @@
 //! The controller, in the precision that a mission asks for.
 
-use super::Base;
-use crate::scenario::Precision;
+use crate::mission::Base;
+use crate::precision::Precision;
 use controller_core::angle::wrap;
 use controller_core::error::{ParamError, StepFault};
 use controller_core::maths::{Libm, Maths, Single};

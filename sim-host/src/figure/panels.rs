@@ -3,17 +3,14 @@
 use super::Labelled;
 use super::corner::Corner;
 use super::limits::Span;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, PALE, STRONG};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, Panel, STRONG, entry};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
 use crate::trace::Row;
-use kuva::plot::legend::{LegendEntry, LegendShape};
+use kuva::plot::legend::LegendShape;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, LineStyle, ScatterPlot};
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-
-pub(super) type Panel = (Vec<Plot>, Layout);
 
 /// (a): the plane, both axes to one scale.
 pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
@@ -116,20 +113,6 @@ fn reference_point(row: &Row) -> (f64, f64) {
     (row.reference.pose().x, row.reference.pose().y)
 }
 
-pub(super) fn entry(
-    label: &str,
-    color: &str,
-    shape: LegendShape,
-    dashes: Option<&str>,
-) -> LegendEntry {
-    LegendEntry {
-        label: label.to_owned(),
-        color: color.to_owned(),
-        shape,
-        dasharray: dashes.map(str::to_owned),
-    }
-}
-
 /// (b).
 pub(super) fn errors(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
     TimePanel {
@@ -207,9 +190,4 @@ fn signal(name: &'static str, ink: Ink, value: fn(&Row) -> f64) -> Signal {
         dashed: false,
         from_zero: false,
     }
-}
-
-/// The stroke of the main run and of the one below it.
-pub(super) fn stroke(main: bool) -> f64 {
-    if main { STRONG } else { PALE }
 }

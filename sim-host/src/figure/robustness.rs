@@ -1,8 +1,8 @@
 //! The study of robustness: a row per condition, a mark per law and case.
 
 use super::FigureError;
-use super::panels::{Panel, entry};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE};
+use super::style::{Panel, entry};
 use super::typeset;
 use crate::robustness::{Case, Law, Outcome, Row, Verdict};
 use kuva::backend::svg::SvgBackend;

@@ -5,8 +5,7 @@
 //! more than their intervals.
 
 use super::fit::Fit;
-use super::verdict::{VAGUE, entry};
-use super::{Entry, SIDES, Verdict};
+use super::{Entry, SIDES, VAGUE, Verdict};
 use nalgebra::{DMatrix, DVector};
 
 /// Right, left; the last parameters of the motion.
@@ -122,7 +121,7 @@ impl Lags {
             let meaning = "from command to torque: winding and driver";
             let name = format!("lag_{}", SIDES[i]);
             (!self.early() && half_width <= VAGUE * BEFORE_S)
-                .then(|| entry(&name, "s", meaning, verdict))
+                .then(|| Entry::new(&name, "s", meaning, verdict))
         };
         (0..LAGS).filter_map(shown).collect()
     }

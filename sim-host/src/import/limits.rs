@@ -1,7 +1,7 @@
 //! What a base can do.
 
 use super::Sample;
-use super::stretch::Bound;
+use std::fmt;
 use thiserror::Error;
 
 /// The wheels' torque limit, and what the wheels move.
@@ -59,6 +59,37 @@ impl Default for Limits {
 pub struct LimitError {
     /// Name of the field.
     pub field: &'static str,
+}
+
+/// What limits the pace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Bound {
+    /// Speed.
+    Speed,
+    /// Turn rate.
+    TurnRate,
+    /// Acceleration across the path.
+    Lateral,
+    /// Acceleration or deceleration.
+    Acceleration,
+    /// Angular acceleration.
+    AngularAcceleration,
+    /// Torque of a wheel.
+    WheelTorque,
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Speed => "speed",
+            Self::TurnRate => "turn rate",
+            Self::Lateral => "lateral acceleration",
+            Self::Acceleration => "acceleration",
+            Self::AngularAcceleration => "angular acceleration",
+            Self::WheelTorque => "wheel torque",
+        })
+    }
 }
 
 /// One bound on c q + d q′, where q is the squared rate of time: value, coefficients, bounds.

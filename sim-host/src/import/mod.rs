@@ -21,8 +21,8 @@
 //!
 //! # Limits
 //!
-//! [`Trajectory::stretched`] runs the same path more slowly where a base's [`Limits`] would be
-//! exceeded, [`Trajectory::eased`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
+//! [`Trajectory::time_scaled`] runs the same path more slowly where a base's [`Limits`] would be
+//! exceeded, [`Trajectory::ramped_in`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
 //!
 //! # Bounds
 //!
@@ -32,34 +32,35 @@
 mod choreo;
 mod columns;
 mod compact;
-mod ease;
+mod detect;
 mod figures;
 mod fit;
 mod format;
 mod json;
 mod limits;
 mod options;
+mod ramp_in;
 mod raw;
 mod refusal;
 mod repair;
-mod stretch;
 mod table;
 mod time_law;
 mod time_optimal;
+mod time_scaling;
+mod time_warp;
 mod trajectory;
 mod tum;
 mod verdict;
-mod warp;
 mod wpilib;
 
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
 pub use format::Format;
-pub use limits::{Drive, LimitError, Limits};
+pub use limits::{Bound, Drive, LimitError, Limits};
 pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
-pub use stretch::{Bound, Stretch, Stretched};
+pub use time_scaling::{ScaledSpan, TimeScaling};
 pub use trajectory::{Closeness, Sample, Trajectory};
 pub use verdict::{Verdict, check};
 
@@ -111,7 +112,7 @@ fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
         refuse(Place::line(line), Reason::NotText { offset })
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    match format::detect(text)? {
+    match detect::detect(text)? {
         Format::WpilibJson => wpilib::read(text),
         Format::ChoreoTraj => choreo::read(text),
         Format::TumPoses => tum::read(text),

@@ -3,9 +3,10 @@
 use super::bench::ChipBench;
 use super::cost::Spread;
 use super::{Parity, PilError};
-use crate::drive::{DriveTrace, Mission};
-use crate::rig::{self, Mirror, MirrorError, Place};
-use crate::world::WorldKeys;
+use crate::closed_loop::{Mirror, MirrorError};
+use crate::drive::{DriveTrace, fly};
+use crate::mission::Mission;
+use crate::world::{WorldKeys, WorldSetup};
 use controller_core::base::BaseParams;
 use controller_core::safety::supervisor::State;
 use controller_core::types::Pose;
@@ -76,18 +77,18 @@ impl BaseBench {
     /// # Errors
     /// Parameters that the base refuses, or a failed link.
     pub fn fly(&mut self, mission: &Mission) -> Result<BaseFlight, PilError> {
-        let perfect = || Place {
+        let perfect = || WorldSetup {
             world: WorldKeys::default(),
             seed: 1,
         };
-        let place = mission.place.clone().unwrap_or_else(perfect);
+        let setup = mission.setup.clone().unwrap_or_else(perfect);
         let mut mirror = ChipMirror {
             chip: self.chip_mut(),
             parity: Parity::default(),
             cost: BaseCost::default(),
         };
         let start = Instant::now();
-        let trace = rig::fly(mission, &place, &mut mirror).map_err(|cause| PilError::Base {
+        let trace = fly(mission, &setup, &mut mirror).map_err(|cause| PilError::Base {
             name: mission.name.clone(),
             cause,
         })?;
@@ -176,8 +177,8 @@ fn signals(ticked: &BaseTicked) -> Vec<(&'static str, f32)> {
         action,
         outcome,
         flags,
-        findings,
-        ridden_out,
+        active_faults,
+        ignored,
         retries,
         x,
         y,
@@ -219,9 +220,9 @@ fn signals(ticked: &BaseTicked) -> Vec<(&'static str, f32)> {
         ("action", name(format!("{action:?}"))),
         ("outcome", name(format!("{outcome:?}"))),
         ("flags", f32::from(flags)),
-        ("faults_low", half(findings, 0)),
-        ("faults_high", half(findings, 16)),
-        ("ridden_out", half(ridden_out, 0)),
+        ("faults_low", half(active_faults, 0)),
+        ("faults_high", half(active_faults, 16)),
+        ("ignored", half(ignored, 0)),
         ("retries", f32::from(retries)),
         ("x", x),
         ("y", y),

@@ -136,13 +136,13 @@ impl Bench {
             cause,
         })?;
         self.chip.configure(&params)?;
-        let mut pilot = OnChip::new(&mut self.chip, validated);
+        let mut controller = OnChip::new(&mut self.chip, validated);
         let start = Instant::now();
-        let trace = run_with(scenario, &mut pilot)?;
+        let trace = run_with(scenario, &mut controller)?;
         Ok(Flight {
             trace,
-            parity: *pilot.parity(),
-            cost: *pilot.cost(),
+            parity: *controller.parity(),
+            cost: *controller.cost(),
             elapsed: start.elapsed(),
         })
     }

@@ -21,7 +21,8 @@ pub use on_chip::OnChip;
 pub use parity::{Difference, Parity};
 pub use setup::PilError;
 
-use crate::scenario::{Controller, Law, MathsBackEnd, ParkingLaw, Precision, Update};
+use crate::precision::Precision;
+use crate::scenario::{Controller, Law, MathsBackEnd, ParkingLaw, Update};
 
 /// The controller that the firmware has.
 pub const FIRMWARE: Controller = Controller {

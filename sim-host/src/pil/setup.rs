@@ -1,6 +1,6 @@
 //! What has to be installed, said so that it can be.
 
-use crate::rig::RigError;
+use crate::closed_loop::ClosedLoopError;
 use crate::run::RunError;
 use controller_core::error::ParamError;
 use firmware_demo::host::{BuildError, ChipError, EmulatorError, Machine};
@@ -46,7 +46,7 @@ pub enum PilError {
         /// The mission.
         name: String,
         /// Why.
-        cause: RigError,
+        cause: ClosedLoopError,
     },
     /// The run ended early.
     #[error(transparent)]

@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::condition::Disturbance;
+use super::default_law;
 use super::law::{self, Brain, Law, PaperLaw};
 use super::sensor::Sensor;
 use super::{Case, StudyError};
@@ -76,7 +77,7 @@ pub fn run(disturbance: &Disturbance, case: Case, law: Law, seed: u64) -> Result
     let brain: Box<dyn Brain> = match law {
         Law::Neural => Box::new(PaperLaw::new(&scenario, scenario::Law::Neural)?),
         Law::Plain => Box::new(PaperLaw::new(&scenario, scenario::Law::Plain)?),
-        Law::Default => law::default_law(&mission, disturbance)?,
+        Law::Default => default_law::default_law(&mission, disturbance)?,
     };
     let body = Body::new(&mission.base.robot, &scenario.start, disturbance)?;
     let sensor = Sensor::new(disturbance, seed);

@@ -1,6 +1,6 @@
 //! What is wrong with the world, and with the controller's idea of it.
 
-use crate::scenario::Precision;
+use crate::precision::Precision;
 use controller_core::types::Wrench;
 
 /// Everything that may differ from the nominal loop.

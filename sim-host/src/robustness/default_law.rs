@@ -1,10 +1,12 @@
 //! The default law, told of the noise that it works with.
 
+use super::StudyError;
 use super::condition::Disturbance;
 use super::law::{Brain, Move};
-use crate::drive::{Guide, Mission};
+use crate::mission::{Mission, Sequencer};
+use crate::precision::Precision;
 use controller_core::error::ParamError;
-use controller_core::maths::Maths;
+use controller_core::maths::{Libm, Maths, Single};
 use controller_core::motion::{Motion, MotionController, MotionParams, Task};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
@@ -13,7 +15,7 @@ use controller_core::types::{Measured, Twist};
 /// A [`MotionController`] on a mission.
 pub(super) struct DefaultLaw<'a, T, M> {
     period_s: f64,
-    guide: Guide<'a>,
+    sequencer: Sequencer<'a>,
     motion: Motion<T>,
     controller: Option<MotionController<T, M, RationalMean>>,
 }
@@ -27,7 +29,7 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
         let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
         Ok(Self {
             period_s: mission.period_s,
-            guide: Guide::new(mission),
+            sequencer: Sequencer::new(mission),
             motion: params.validate()?,
             controller: None,
         })
@@ -44,7 +46,7 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
         let motion = &self.motion;
         let distance = |speed| motion.hand_over_distance(T::from_f64(speed)).to_f64();
         let orders = self
-            .guide
+            .sequencer
             .at(tick, tick as f64 * dt, measured, &command, distance);
         let task = orders.task.cast_with::<T, M>();
         let told = orders.measured.cast();
@@ -61,4 +63,15 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
             parking: matches!(task, Task::Park(_)),
         })
     }
+}
+
+/// The default law, in the precision asked for.
+pub(super) fn default_law<'a>(
+    mission: &'a Mission,
+    disturbance: &Disturbance,
+) -> Result<Box<dyn Brain + 'a>, StudyError> {
+    Ok(match disturbance.precision {
+        Precision::F64 => Box::new(DefaultLaw::<f64, Libm>::new(mission, disturbance)?),
+        Precision::F32 => Box::new(DefaultLaw::<f32, Single>::new(mission, disturbance)?),
+    })
 }

@@ -1,13 +1,12 @@
 //! The laws that are compared, behind one call per tick.
 
 use super::condition::Disturbance;
-use super::default_law::DefaultLaw;
 use super::{Case, StudyError};
-use crate::drive::{Base, Course, End, HandOverRule, Mission, Route, When};
-use crate::pilot::{self, Pilot};
-use crate::run::Guide;
-use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Precision, Scenario};
-use controller_core::maths::{Libm, Single};
+use crate::controller_port::{self, ControllerPort};
+use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
+use crate::precision::Precision;
+use crate::run::Sequencer;
+use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
 use controller_core::paper::demand::Demand;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, WheelTorques};
@@ -89,7 +88,7 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
         events: Vec::new(),
         period_s: disturbance.period_s,
         end: End::At(disturbance.duration_s),
-        place: None,
+        setup: None,
     }
 }
 
@@ -127,8 +126,8 @@ const COMMANDED: f64 = 0.85;
 /// A law of the paper.
 pub(super) struct PaperLaw {
     period_s: f64,
-    guide: Guide,
-    pilot: Box<dyn Pilot>,
+    sequencer: Sequencer,
+    controller: Box<dyn ControllerPort>,
     parking: bool,
 }
 
@@ -136,8 +135,8 @@ impl PaperLaw {
     pub(super) fn new(scenario: &Scenario, law: scenario::Law) -> Result<Self, StudyError> {
         Ok(Self {
             period_s: scenario.period_s,
-            guide: Guide::new(scenario),
-            pilot: pilot::for_scenario(&scenario.with_law(law))?,
+            sequencer: Sequencer::new(scenario),
+            controller: controller_port::for_scenario(&scenario.with_law(law))?,
             parking: false,
         })
     }
@@ -146,10 +145,10 @@ impl PaperLaw {
 impl Brain for PaperLaw {
     fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move> {
         let dt = self.period_s;
-        let (demand, target) = self.guide.at(tick, tick as f64 * dt);
+        let (demand, target) = self.sequencer.at(tick, tick as f64 * dt);
         let answer = match (tick, &demand) {
-            (0, Demand::Track(reference)) => self.pilot.start(reference, measured),
-            _ => self.pilot.step(dt, &demand, measured),
+            (0, Demand::Track(reference)) => self.controller.start(reference, measured),
+            _ => self.controller.step(dt, &demand, measured),
         };
         self.parking |= matches!(demand, Demand::HandOver { .. });
         Some(Move {
@@ -158,15 +157,4 @@ impl Brain for PaperLaw {
             parking: self.parking,
         })
     }
-}
-
-/// The default law, in the precision asked for.
-pub(super) fn default_law<'a>(
-    mission: &'a Mission,
-    disturbance: &Disturbance,
-) -> Result<Box<dyn Brain + 'a>, StudyError> {
-    Ok(match disturbance.precision {
-        Precision::F64 => Box::new(DefaultLaw::<f64, Libm>::new(mission, disturbance)?),
-        Precision::F32 => Box::new(DefaultLaw::<f32, Single>::new(mission, disturbance)?),
-    })
 }

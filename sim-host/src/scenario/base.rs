@@ -2,9 +2,9 @@
 
 use super::file::PoseKeys;
 use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
-use super::source::{self, Source};
-use super::{ScenarioError, check::Checked};
-use crate::drive::Base;
+use super::source::{self, Checked, Source};
+use super::{ScenarioError, renamed};
+use crate::mission::Base;
 use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, Policy};
@@ -115,6 +115,7 @@ impl Base {
             return Err(place.error(&format!("policy.{}", error.kind.name()), error));
         }
         base.policy = keys.policy;
+        base.notes = renamed::notes(file, text);
         Ok(base)
     }
 }

@@ -1,7 +1,7 @@
 //! The base files that travel inside the program.
 
 use super::ScenarioError;
-use crate::drive::Base;
+use crate::mission::Base;
 
 /// A base file built into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

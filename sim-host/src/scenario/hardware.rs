@@ -1,8 +1,7 @@
 //! Keys of a base file beside its body and its limits.
 
-use super::check::Checked;
-use super::source::Source;
-use crate::drive::{Base, Hardware};
+use super::source::{Checked, Source};
+use crate::mission::{Base, Hardware};
 use crate::world::{BatteryParams, FrictionParams, MotorParams, PoseSourceParams};
 use controller_core::motion::MotionGains;
 use serde::Deserialize;
@@ -41,10 +40,13 @@ pub(super) struct ControlKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct GainKeys {
     decay: Option<f64>,
-    along: Option<f64>,
-    along_bound: Option<f64>,
+    #[serde(alias = "along")]
+    longitudinal: Option<f64>,
+    #[serde(alias = "along_bound")]
+    longitudinal_bound: Option<f64>,
     heading: Option<f64>,
-    across: Option<f64>,
+    #[serde(alias = "across")]
+    lateral: Option<f64>,
     slow: Option<f64>,
     approach: Option<f64>,
     approach_brake: Option<f64>,
@@ -126,10 +128,10 @@ impl GainKeys {
         let mut any = false;
         for (field, key) in [
             (&mut tuned.decay, self.decay),
-            (&mut tuned.along, self.along),
-            (&mut tuned.along_bound, self.along_bound),
+            (&mut tuned.longitudinal, self.longitudinal),
+            (&mut tuned.longitudinal_bound, self.longitudinal_bound),
             (&mut tuned.heading, self.heading),
-            (&mut tuned.across, self.across),
+            (&mut tuned.lateral, self.lateral),
             (&mut tuned.slow, self.slow),
             (&mut tuned.approach, self.approach),
             (&mut tuned.approach_brake, self.approach_brake),

@@ -1,14 +1,15 @@
 //! Scenario files with `controller.kind = "motion"`: the law for a real base.
 
 use super::base::{LimitKeys, RobotKeys, base, pose};
-use super::check::{Checked, motion, timing};
+use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
-use super::source::Source;
-use super::{BuiltInBase, Precision, ScenarioError, belief, ranges};
-use crate::drive::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
+use super::source::{Checked, Source};
+use super::{BuiltInBase, ScenarioError, belief, ranges};
+use crate::mission::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
 use crate::motion::Motion;
-use crate::rig::Place;
+use crate::precision::Precision;
 use crate::world::WorldKeys;
+use crate::world::WorldSetup;
 use controller_core::types::{Measured, Pose, Twist};
 use serde::Deserialize;
 use std::path::Path;
@@ -124,7 +125,7 @@ impl Mission {
             },
             period_s,
             end: End::At(duration),
-            place: place_of(keys.world, keys.seed, &place)?,
+            setup: world_setup(keys.world, keys.seed, &place)?,
         })
     }
 }
@@ -141,15 +142,15 @@ fn named_base(file: &str, named: &str) -> Checked<Base> {
     }
 }
 
-fn place_of(
+fn world_setup(
     world: Option<WorldKeys>,
     seed: Option<u64>,
     place: &Source<'_>,
-) -> Checked<Option<Place>> {
+) -> Checked<Option<WorldSetup>> {
     match (world, seed) {
         (None, Some(_)) => Err(place.error("seed", "needs a [world] whose noise it settles")),
         (None, None) => Ok(None),
-        (Some(world), seed) => Ok(Some(Place {
+        (Some(world), seed) => Ok(Some(WorldSetup {
             world,
             seed: seed.unwrap_or(1),
         })),

@@ -1,8 +1,7 @@
 //! Ranges of what the core leaves open: poses and motions.
 
-use super::check::Checked;
 use super::file::{File, Motion, PoseKeys, Profile, Start};
-use super::source::Source;
+use super::source::{Checked, Source};
 
 /// Largest coordinate \[m, rad\]: beyond, even double precision gets coarse.
 const FAR: f64 = 1.0e6;

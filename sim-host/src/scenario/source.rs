@@ -162,3 +162,6 @@ pub(super) fn unreadable(file: &str, error: &std::io::Error) -> ScenarioError {
         excerpt: String::new(),
     }
 }
+
+/// What a key was read as, or what is wrong with it.
+pub(super) type Checked<T> = Result<T, ScenarioError>;

@@ -1,8 +1,8 @@
 //! The courses: the paper's two cases, and a park.
 
-use crate::drive::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
+use crate::mission::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
 use crate::motion::Motion;
-use crate::scenario::Precision;
+use crate::precision::Precision;
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -40,7 +40,7 @@ impl Course {
         }
     }
 
-    /// The mission of a base, still without a place.
+    /// The mission of a base, still without a world.
     pub fn mission(self, base: &Base) -> Mission {
         let (aside, course, end_s) = match self {
             Self::Line => follow(base, 0.0),
@@ -61,7 +61,7 @@ impl Course {
             events: Vec::new(),
             period_s: base.period_s(),
             end: End::Parked(end_s + PARKING_S),
-            place: None,
+            setup: None,
         }
     }
 }

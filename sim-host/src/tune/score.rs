@@ -115,7 +115,7 @@ pub fn health(gains: &MotionGains<f64>, period_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::health;
-    use crate::drive::Base;
+    use crate::mission::Base;
     use controller_core::motion::MotionGains;
 
     #[test]
@@ -123,7 +123,7 @@ mod tests {
         let good = Base::default().motion().gains;
         assert_eq!(health(&good, 0.01), 0.0);
         let stiff = MotionGains {
-            across: 10.0 * good.across,
+            lateral: 10.0 * good.lateral,
             ..good
         };
         assert!(health(&stiff, 0.01) > 20.0);

@@ -170,3 +170,12 @@ impl BodyKeys {
         }
     }
 }
+
+/// The world of a mission, if it is not the ideal plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldSetup {
+    /// The true plant; `body` are factors on the robot that the controller believes in.
+    pub world: WorldKeys,
+    /// Settles all noise.
+    pub seed: u64,
+}

@@ -11,10 +11,10 @@
 //!
 //! With s = 0 this is the textbook's m u' = F_x + m d w², (I + m d²) w' = M − m d u w.
 
-use super::contact::{Frame, Solved, Task};
 use super::electric::Drive;
 use super::floor;
 use super::params::{FloorParams, FrictionParams, PushParams, WorldParams};
+use super::substep::{Frame, Solved, Task};
 use controller_core::maths::{Libm, Maths};
 use controller_core::types::{Measured, Pose, Twist};
 

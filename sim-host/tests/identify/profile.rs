@@ -2,9 +2,9 @@
 
 use crate::round_trip::LAB;
 use Quantity as Q;
-use sim_host::drive::Base;
 use sim_host::identify::profile::{ProfileError, Updated, update};
 use sim_host::identify::{Entry, Identified, Quantity, Verdict};
+use sim_host::mission::Base;
 
 fn found(entries: &[(Quantity, f64, f64)]) -> Identified {
     let entry = |&(quantity, value, half_width): &(Quantity, f64, f64)| Entry {

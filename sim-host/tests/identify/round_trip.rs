@@ -3,9 +3,9 @@
 use crate::plant::record;
 use crate::robot::recommended;
 use Quantity as Q;
-use sim_host::drive::Base;
 use sim_host::identify::profile::{Updated, update};
 use sim_host::identify::{Identified, Options, Quantity, Verdict, identify};
+use sim_host::mission::Base;
 
 pub const LAB: &str = include_str!("../../../bases/lab-10kg.toml");
 

@@ -26,9 +26,9 @@ fn reactions_that_need_what_is_broken_are_refused_by_name() {
     for kind in FaultKind::ALL {
         for (reaction, blind, refused, driver) in [
             (
-                Reaction::RideOut,
-                Some(P::MayNotBeRiddenOut),
-                Some(P::MayNotBeRiddenOut),
+                Reaction::Ignore,
+                Some(P::MayNotBeIgnored),
+                Some(P::MayNotBeIgnored),
                 Some(P::NeedsDriver),
             ),
             (
@@ -61,12 +61,12 @@ fn reactions_that_need_what_is_broken_are_refused_by_name() {
 }
 
 #[test]
-fn ridden_out_is_never_latched() {
-    let odd = Response::latched(Reaction::RideOut);
+fn what_is_ignored_is_never_latched() {
+    let odd = Response::latched(Reaction::Ignore);
     let error = PolicyParams::DEFAULT
         .with(FaultKind::PoseJump, odd)
         .validate();
-    let problem = PolicyProblem::RiddenOutLatched;
+    let problem = PolicyProblem::IgnoredLatched;
     let kind = FaultKind::PoseJump;
     assert_eq!(error, Err(PolicyError { kind, problem }));
 }

@@ -3,7 +3,7 @@
 use crate::error::{Field, ParamError};
 use crate::motion::AtRest;
 use crate::range::within;
-use crate::safety::watch::{Timeout, time};
+use crate::safety::detector_params::{Timeout, time};
 
 /// What an emergency stop does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -21,7 +21,7 @@ pub enum Emergency {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Standing {
+pub enum IdleOutput {
     /// Free: the base can be pushed by hand, and rolls on a slope.
     #[default]
     Release,
@@ -58,7 +58,7 @@ pub struct SupervisorParams {
     /// What the wheels do while parked.
     pub parked: AtRest,
     /// What they do in Idle, Stopped and Fault.
-    pub standing: Standing,
+    pub idle_output: IdleOutput,
 }
 
 impl SupervisorParams {
@@ -74,7 +74,7 @@ impl SupervisorParams {
         },
         emergency: Emergency::Brake,
         parked: AtRest::Hold,
-        standing: Standing::Release,
+        idle_output: IdleOutput::Release,
     };
 
     /// Checks every field.

@@ -70,10 +70,10 @@ fn limits(out: &mut Writer, limits: &Limits<f32>) {
 fn gains(out: &mut Writer, gains: &MotionGains<f32>) {
     let MotionGains {
         decay,
-        along,
-        along_bound,
+        longitudinal,
+        longitudinal_bound,
         heading,
-        across,
+        lateral,
         slow,
         approach,
         approach_brake,
@@ -84,18 +84,18 @@ fn gains(out: &mut Writer, gains: &MotionGains<f32>) {
     } = gains;
     out.open("gains: motion::MotionGains {");
     out.number("decay", *decay, "Of pose neurons and bridges [1/s].");
-    out.number("along", *along, "Along the path [1/s].");
+    out.number("longitudinal", *longitudinal, "Along the path [1/s].");
     out.number(
-        "along_bound",
-        *along_bound,
+        "longitudinal_bound",
+        *longitudinal_bound,
         "Largest speed that it adds [m/s].",
     );
     out.number("heading", *heading, "[1/s]");
-    out.number("across", *across, "Across the path [1/s^2].");
+    out.number("lateral", *lateral, "Across the path [1/s^2].");
     out.number(
         "slow",
         *slow,
-        "Below this correction across fades out [m/s].",
+        "Below this speed the lateral correction fades out [m/s].",
     );
     out.number("approach", *approach, "Towards the goal [1/s].");
     out.number(
