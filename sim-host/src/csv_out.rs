@@ -1,6 +1,6 @@
 //! Traces as CSV: full precision, one row per control tick.
 
-use crate::trace::{Row, Trace};
+use crate::trace::{Trace, TraceRow};
 use controller_core::paper::report::Phase;
 use std::io::Write;
 
@@ -102,14 +102,14 @@ pub fn write(trace: &Trace, every: usize, out: impl Write) -> csv::Result<()> {
     Ok(())
 }
 
-fn phase(row: &Row) -> &'static str {
+fn phase(row: &TraceRow) -> &'static str {
     match row.report.phase {
         Phase::Tracking => "tracking",
         Phase::Parking => "parking",
     }
 }
 
-fn numbers(row: &Row) -> [f64; 31] {
+fn numbers(row: &TraceRow) -> [f64; 31] {
     let (pose, twist) = (row.truth.pose, row.truth.twist);
     let reference = row.reference;
     let report = &row.report;

@@ -7,7 +7,7 @@ use controller_core::types::{Measured, Pose, WheelTorques, Wrench};
 
 /// One control tick. Torques hold from this tick to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct TraceRow {
     /// Time \[s\].
     pub t: f64,
     /// The robot as it truly is.
@@ -40,7 +40,7 @@ pub struct HandOver {
     pub torque_step: Wrench<f64>,
 }
 
-impl Row {
+impl TraceRow {
     /// A bridge term above [`BRIDGE_THRESHOLD`] is part of the command.
     pub fn is_bridging(&self) -> bool {
         self.report.is_bridging(BRIDGE_THRESHOLD)
@@ -57,7 +57,7 @@ pub struct Trace {
     /// Control period \[s\].
     pub period_s: f64,
     /// All ticks, t = 0 first.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TraceRow>,
     /// The hand-over, if there was one.
     pub hand_over: Option<HandOver>,
 }

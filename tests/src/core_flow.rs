@@ -4,7 +4,7 @@ use controller_core::maths::Libm;
 use controller_core::paper::backstepping;
 use controller_core::paper::handover::{TorqueBefore, acceleration_neurons, pose_neurons};
 use controller_core::paper::neural_law::{LawOutput, NeuralState, parking_law, tracking_law};
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::tracking;
 use controller_core::pose_error::pose_error;
 use controller_core::torque;
@@ -31,7 +31,7 @@ pub struct Snapshot {
 /// A closed loop of the core in continuous time.
 pub struct Flow<'a> {
     scenario: &'a Scenario,
-    params: Validated<f64>,
+    params: ValidParams<f64>,
 }
 
 fn neural(state: &State) -> NeuralState<f64> {

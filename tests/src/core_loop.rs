@@ -4,7 +4,7 @@ use controller_core::error::StepFault;
 use controller_core::maths::{Libm, Maths};
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::plain::PlainController;
 use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference as Sample;
@@ -21,7 +21,7 @@ use crate::plant::{Body, MovingReference};
 pub trait Controller<T: Scalar>: Copy + PartialEq + std::fmt::Debug {
     /// Starts tracking.
     fn begin(
-        params: &Validated<T>,
+        params: &ValidParams<T>,
         reference: &Sample<T>,
         measured: &Measured<T>,
     ) -> Result<(Self, StepReport<T>), StepFault>;
@@ -47,7 +47,7 @@ pub type Exact = NeuralController<f64, Libm, ExactMean>;
 macro_rules! forward {
     () => {
         fn begin(
-            params: &Validated<T>,
+            params: &ValidParams<T>,
             reference: &Sample<T>,
             measured: &Measured<T>,
         ) -> Result<(Self, StepReport<T>), StepFault> {

@@ -1,6 +1,6 @@
 //! Wheels that are not as large as stated: odometry learns to bend its way from the headings of fixes.
 
-use controller_core::localiser::{Estimate, Localisation};
+use controller_core::localiser::{Estimate, ValidLocaliserParams};
 use controller_core::maths::Libm;
 use controller_core::types::{Pose, Twist};
 use tests::check::assert_within;
@@ -14,14 +14,14 @@ const DT: f64 = 0.01;
 const TRACK_M: f64 = 0.35;
 
 /// The lab base with a right wheel that is larger than believed by the share `wrong`, led by fixes.
-fn led(localisation: &Localisation<f64>, wrong: f64) -> Led<f64, 64> {
+fn led(localisation: &ValidLocaliserParams<f64>, wrong: f64) -> Led<f64, 64> {
     let mut robot = Encoded::new(&bases()[1].1, Pose::default());
     robot.wheels.radius_right_m *= 1.0 + wrong;
     Led::start(localisation, robot)
 }
 
 /// With fixes of 5 mm and 5 mrad, and odometry that may be wrong by the share `drift`.
-fn fused(drift: f64) -> Localisation<f64> {
+fn fused(drift: f64) -> ValidLocaliserParams<f64> {
     let mut params = *localisation(&bases()[1].1, 5e-3, 5e-3).params();
     if let Some(fusion) = &mut params.fusion {
         fusion.drift = drift;
@@ -46,7 +46,7 @@ fn lead(
 }
 
 /// Largest error across and last bend of 15 s at 0.4 m/s; of the former those of the last 3 s.
-fn straight(localisation: &Localisation<f64>, wrong: f64, seed: u64) -> (f64, f64) {
+fn straight(localisation: &ValidLocaliserParams<f64>, wrong: f64, seed: u64) -> (f64, f64) {
     let mut led = led(localisation, wrong);
     let mut source = Source::camera(seed);
     let (mut worst, mut bend) = (0.0_f64, 0.0);

@@ -48,7 +48,7 @@ mod params;
 mod parking;
 
 pub use noise::filtered_share;
-pub use params::{FusionParams, Localisation, LocaliserParams};
+pub use params::{FusionParams, LocaliserParams, ValidLocaliserParams};
 
 use crate::error::{Input, StepFault};
 use crate::hal::WheelCounts;
@@ -125,7 +125,7 @@ pub struct Estimate<T> {
 /// walk through at most N poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Localiser<T, const N: usize> {
-    localisation: Localisation<T>,
+    localisation: ValidLocaliserParams<T>,
     odometry: Odometry<T>,
     history: History<T, N>,
     correction: Correction<T>,
@@ -137,7 +137,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     /// # Errors
     /// A pose that is not finite.
     pub fn start(
-        localisation: &Localisation<T>,
+        localisation: &ValidLocaliserParams<T>,
         pose: Pose<T>,
         counts: WheelCounts,
     ) -> Result<Self, StepFault> {
@@ -274,7 +274,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     }
 
     /// The parameters in use.
-    pub fn localisation(&self) -> &Localisation<T> {
+    pub fn localisation(&self) -> &ValidLocaliserParams<T> {
         &self.localisation
     }
 }

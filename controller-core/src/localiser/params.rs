@@ -105,7 +105,7 @@ impl<T: Usual> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range.
-    pub fn validate(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.validate_with::<T::Maths>()
     }
 }
@@ -115,7 +115,7 @@ impl<T: Scalar> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate_with<M: Maths<T>>(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.odometry.check()?;
         let fusion = match &self.fusion {
             Some(params) => {
@@ -127,7 +127,7 @@ impl<T: Scalar> LocaliserParams<T> {
         let filtered = fusion
             .as_ref()
             .map_or(T::ZERO, |fusion: &Fusion<T>| fusion.position.filtered);
-        Ok(Localisation {
+        Ok(ValidLocaliserParams {
             pose_noise: pose_noise::<T, M>(&self.odometry, filtered),
             params: self,
             fusion,
@@ -137,13 +137,13 @@ impl<T: Scalar> LocaliserParams<T> {
 
 /// [`LocaliserParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Localisation<T = f32> {
+pub struct ValidLocaliserParams<T = f32> {
     params: LocaliserParams<T>,
     pub(super) fusion: Option<Fusion<T>>,
     pub(super) pose_noise: T,
 }
 
-impl<T: Scalar> Localisation<T> {
+impl<T: Scalar> ValidLocaliserParams<T> {
     /// The parameters as they were given.
     pub fn params(&self) -> &LocaliserParams<T> {
         &self.params

@@ -6,7 +6,7 @@ use crate::maths::{Maths, Single};
 use crate::paper::demand::Demand;
 use crate::paper::neural_law::{LawOutput, NeuralState, park, track};
 use crate::paper::output::{check_rate, wheel_torques};
-use crate::paper::params::Validated;
+use crate::paper::params::ValidParams;
 use crate::paper::report::{Phase, StepReport};
 use crate::paper::tracking::start;
 use crate::pose_error::{PoseError, pose_error, tracking_error};
@@ -48,7 +48,7 @@ mod switch;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeuralController<T = f32, M = Single, U = RationalMean> {
-    params: Validated<T>,
+    params: ValidParams<T>,
     /// Where to park; unused while tracking.
     goal: Pose<T>,
     /// The last report is the controller's memory: neurons, bridge terms, and the inputs that the
@@ -69,7 +69,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
     /// # Errors
     /// An input that is not finite, or so large that a torque is not.
     pub fn start(
-        params: &Validated<T>,
+        params: &ValidParams<T>,
         reference: &Reference<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {

@@ -2,7 +2,7 @@
 //! integrates them in continuous time. Eqs. (15)-(17) and (20)-(22).
 
 use crate::maths::Maths;
-use crate::paper::params::Validated;
+use crate::paper::params::ValidParams;
 use crate::paper::{parking, tracking};
 use crate::pose_error::{PoseError, pose_error, tracking_error};
 use crate::reference::Reference;
@@ -40,7 +40,7 @@ pub struct LawOutput<T> {
 
 impl<T: Scalar> LawOutput<T> {
     /// Eqs. (17) and (22): rates of change of all states.
-    pub fn state_rate(&self, params: &Validated<T>, state: &NeuralState<T>) -> NeuralState<T> {
+    pub fn state_rate(&self, params: &ValidParams<T>, state: &NeuralState<T>) -> NeuralState<T> {
         let neuron = &params.shunting;
         NeuralState {
             s1: neuron.rate(state.s1, self.drives.0),
@@ -58,7 +58,7 @@ impl<T: Scalar> LawOutput<T> {
 
     /// Eq. (16): the wrench while tracking.
     #[inline(always)]
-    pub fn tracking_wrench(&self, params: &Validated<T>, accel: &Accel<T>) -> Wrench<T> {
+    pub fn tracking_wrench(&self, params: &ValidParams<T>, accel: &Accel<T>) -> Wrench<T> {
         let gains = &params.params.tracking;
         let gain = (gains.k_d1, gains.k_d2);
         torque::wrench(&params.params.robot, gain, &self.velocity_error, accel)
@@ -66,7 +66,7 @@ impl<T: Scalar> LawOutput<T> {
 
     /// Eq. (21): the wrench while parking.
     #[inline(always)]
-    pub fn parking_wrench(&self, params: &Validated<T>, accel: &Accel<T>) -> Wrench<T> {
+    pub fn parking_wrench(&self, params: &ValidParams<T>, accel: &Accel<T>) -> Wrench<T> {
         let gains = &params.params.parking;
         let gain = (gains.k_c1, gains.k_c2);
         torque::wrench(&params.params.robot, gain, &self.velocity_error, accel)
@@ -76,7 +76,7 @@ impl<T: Scalar> LawOutput<T> {
 /// The tracking law at one instant. Eq. (15) and its rate.
 #[inline(always)]
 pub fn tracking_law<T: Scalar, M: Maths<T>>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     reference: &Reference<T>,
     measured: &Measured<T>,
@@ -88,7 +88,7 @@ pub fn tracking_law<T: Scalar, M: Maths<T>>(
 /// [`tracking_law`] with the pose error at hand.
 #[inline(always)]
 pub(crate) fn track<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     reference: &Reference<T>,
     measured: &Measured<T>,
@@ -113,7 +113,7 @@ pub(crate) fn track<T: Scalar>(
 /// The parking law at one instant. Eq. (20) and its rate.
 #[inline(always)]
 pub fn parking_law<T: Scalar, M: Maths<T>>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     goal: &Pose<T>,
     measured: &Measured<T>,
@@ -125,7 +125,7 @@ pub fn parking_law<T: Scalar, M: Maths<T>>(
 /// [`parking_law`] with the pose error at hand.
 #[inline(always)]
 pub(crate) fn park<T: Scalar, M: Maths<T>>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     measured: &Measured<T>,
     error: PoseError<T>,
@@ -147,7 +147,7 @@ pub(crate) fn park<T: Scalar, M: Maths<T>>(
 
 #[inline(always)]
 fn neuron_rates<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     drives: (T, T),
 ) -> (T, T) {
@@ -161,7 +161,7 @@ fn neuron_rates<T: Scalar>(
 /// Adds the bridge terms, which fade as db/dt = −A b, and forms the velocity error.
 #[inline(always)]
 fn assemble<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     measured: &Measured<T>,
     error: PoseError<T>,

@@ -9,7 +9,7 @@ use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
-use sim_host::import::{TimeScaling, Verdict};
+use sim_host::import::{FileVerdict, TimeScaling};
 use sim_host::mission::{Base, Mission};
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
@@ -50,7 +50,7 @@ pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
 /// Runs a mission and writes its results.
 pub fn run(
     mission: &Mission,
-    file: Option<(&TimeScaling, &Verdict)>,
+    file: Option<(&TimeScaling, &FileVerdict)>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
@@ -62,7 +62,7 @@ pub fn run(
             "{verdict}\nbase       {}: {scaling}\n",
             mission.base.name
         ))?;
-        if let Verdict::Drivable { repairs: list, .. } = verdict {
+        if let FileVerdict::Drivable { repairs: list, .. } = verdict {
             repairs.extend(list.iter().map(ToString::to_string));
         }
     }
@@ -132,12 +132,12 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         };
         say(&format!("{verdict}\n"))?;
         match &verdict {
-            Verdict::Drivable { trajectory, .. } => {
+            FileVerdict::Drivable { trajectory, .. } => {
                 let time_scaled = trajectory.time_scaled(&base.reference_limits());
                 let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
                 say(&format!("base       {}: {scaling}\n", base.name))?;
             }
-            Verdict::Refused(_) => refused += 1,
+            FileVerdict::Refused(_) => refused += 1,
         }
         say("\n")?;
     }
