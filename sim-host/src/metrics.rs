@@ -87,7 +87,7 @@ pub struct Metrics {
     pub start_torque_step: WrenchStep,
     /// Ticks in which torques were scaled down to the limit.
     pub saturated_ticks: usize,
-    /// Ticks in which a bridge term was at work.
+    /// Ticks in which a transition offset was at work.
     pub bridged_ticks: usize,
 }
 
@@ -142,7 +142,7 @@ impl Metrics {
                 moment_nm: wrench.moment,
             },
             saturated_ticks: count(rows, |row| row.report.saturated),
-            bridged_ticks: count(rows, TraceRow::is_bridging),
+            bridged_ticks: count(rows, TraceRow::has_transition_offset),
         })
     }
 }

@@ -41,15 +41,16 @@ pub struct HandOver {
 }
 
 impl TraceRow {
-    /// A bridge term above [`BRIDGE_THRESHOLD`] is part of the command.
-    pub fn is_bridging(&self) -> bool {
-        self.report.is_bridging(BRIDGE_THRESHOLD)
+    /// A transition offset above [`TRANSITION_OFFSET_THRESHOLD`] is part of the command.
+    pub fn has_transition_offset(&self) -> bool {
+        self.report
+            .has_transition_offset(TRANSITION_OFFSET_THRESHOLD)
     }
 }
 
-/// A bridge term of this size \[m/s, rad/s\] is worth telling: it moves a torque by 1e-7 N or N m
+/// A transition offset of this size \[m/s, rad/s\] is worth telling: it moves a torque by 1e-7 N or N m
 /// with gains of 100, and is above the rounding of single precision.
-pub const BRIDGE_THRESHOLD: f64 = 1.0e-9;
+pub const TRANSITION_OFFSET_THRESHOLD: f64 = 1.0e-9;
 
 /// A closed-loop run.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -201,7 +201,7 @@ fn single_precision_stays_within_ten_micrometres() {
 }
 
 #[test]
-fn the_standing_reference_is_bridged_and_starts_without_torque() {
+fn the_standing_reference_needs_a_transition_offset_and_starts_without_torque() {
     let metrics = metrics(&scenario("standing-reference"));
     assert!(
         metrics.bridged_ticks > 100 && metrics.settling_s.is_some(),

@@ -141,8 +141,8 @@ impl<T: Scalar> Tick<T> {
         let n = &self.report.neurons;
         let [s1, s2, s3] = [n.s1, n.s2, n.s3].map(T::to_f64);
         let [vs, ws] = [n.accel.linear, n.accel.angular].map(T::to_f64);
-        let bridge = &self.report.bridge;
-        let [bv, bw] = [bridge.linear, bridge.angular].map(T::to_f64);
+        let transition_offset = &self.report.transition_offset;
+        let [bv, bw] = [transition_offset.linear, transition_offset.angular].map(T::to_f64);
         [
             self.t, q.x, q.y, q.z, twist.x, twist.y, e.x, e.y, e.z, s1, s2, s3, vs, ws, c.x, c.y,
             tau.x, tau.y, bv, bw,

@@ -82,7 +82,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 cause: supervisor.cause(),
                 measured: None,
                 blind: false,
-                bend: T::ZERO,
+                curvature_bias: T::ZERO,
                 fix: FixOutcome::Absent,
                 active_faults: ActiveFaults::NONE,
                 refused: false,
@@ -107,7 +107,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                     fix_age_s: None,
                     jumped: false,
                     blind: true,
-                    bend: self.report.bend,
+                    curvature_bias: self.report.curvature_bias,
                 }
             }
         };
@@ -138,7 +138,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             cause: self.supervisor.cause(),
             measured: located.measured,
             blind: located.blind,
-            bend: located.bend,
+            curvature_bias: located.curvature_bias,
             fix: located.fix,
             active_faults,
             refused,

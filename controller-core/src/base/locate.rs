@@ -30,7 +30,7 @@ pub(super) struct Located<T> {
     pub(super) fix_age_s: Option<T>,
     pub(super) jumped: bool,
     pub(super) blind: bool,
-    pub(super) bend: T,
+    pub(super) curvature_bias: T,
 }
 
 impl<T: Scalar, const N: usize> Locator<T, N> {
@@ -127,7 +127,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             fix_age_s,
             jumped,
             blind,
-            bend: self.localiser.as_ref().map_or(T::ZERO, Localiser::bend),
+            curvature_bias: self
+                .localiser
+                .as_ref()
+                .map_or(T::ZERO, Localiser::curvature_bias),
         }
     }
 }

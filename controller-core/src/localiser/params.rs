@@ -1,6 +1,6 @@
 //! Parameters of the localiser: plain data, validated once.
 
-use super::bend::Learning;
+use super::curvature_bias::Learning;
 use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
@@ -26,7 +26,7 @@ pub struct FusionParams<T = f32> {
     /// Outliers in a row that agree with each other and so are right, 2 to 100.
     pub relocalise_after: u8,
     /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate, and bounds
-    /// the bend that is learnt: [`Estimate::bend`](super::Estimate::bend).
+    /// the curvature bias that is learnt: [`Estimate::curvature_bias`](super::Estimate::curvature_bias).
     pub drift: T,
     /// How fast a wheel may slide over the floor \[m/s\], 0 (never) to 100: outliers may move by that
     /// beside odometry and still agree.

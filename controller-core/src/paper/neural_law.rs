@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::torque;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
 
-/// The controller's memory: four neurons and two bridge terms.
+/// The controller's memory: four neurons and two transition offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NeuralState<T> {
     /// s₁, of e_x.
@@ -20,7 +20,7 @@ pub struct NeuralState<T> {
     /// (v̇_s, ẇ_s).
     pub accel: Accel<T>,
     /// (b_v, b_w).
-    pub bridge: Twist<T>,
+    pub transition_offset: Twist<T>,
 }
 
 /// What a law makes of a state and a measurement.
@@ -49,9 +49,9 @@ impl<T: Scalar> LawOutput<T> {
                 linear: neuron.rate(state.accel.linear, self.command_rate.linear),
                 angular: neuron.rate(state.accel.angular, self.command_rate.angular),
             },
-            bridge: Twist {
-                linear: neuron.rate(state.bridge.linear, T::ZERO),
-                angular: neuron.rate(state.bridge.angular, T::ZERO),
+            transition_offset: Twist {
+                linear: neuron.rate(state.transition_offset.linear, T::ZERO),
+                angular: neuron.rate(state.transition_offset.angular, T::ZERO),
             },
         }
     }
@@ -158,7 +158,7 @@ fn neuron_rates<T: Scalar>(
     )
 }
 
-/// Adds the bridge terms, which fade as db/dt = −A b, and forms the velocity error.
+/// Adds the transition offsets, which fade as db/dt = −A b, and forms the velocity error.
 #[inline(always)]
 fn assemble<T: Scalar>(
     params: &ValidParams<T>,
@@ -171,12 +171,12 @@ fn assemble<T: Scalar>(
 ) -> LawOutput<T> {
     let decay = params.shunting.decay();
     let command = Twist {
-        linear: shaped.linear + state.bridge.linear,
-        angular: shaped.angular + state.bridge.angular,
+        linear: shaped.linear + state.transition_offset.linear,
+        angular: shaped.angular + state.transition_offset.angular,
     };
     let command_rate = Accel {
-        linear: shaped_rate.linear - decay * state.bridge.linear,
-        angular: shaped_rate.angular - decay * state.bridge.angular,
+        linear: shaped_rate.linear - decay * state.transition_offset.linear,
+        angular: shaped_rate.angular - decay * state.transition_offset.angular,
     };
     let velocity_error = measured.twist.minus(&command);
     LawOutput {

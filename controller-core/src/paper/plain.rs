@@ -7,7 +7,7 @@ use crate::paper::backstepping::{
     parking_command, parking_command_rate, tracking_command, tracking_command_rate,
 };
 use crate::paper::demand::Demand;
-use crate::paper::handover::wrench_step;
+use crate::paper::hand_over::wrench_step;
 use crate::paper::output::{check_rate, wheel_torques};
 use crate::paper::params::ValidParams;
 use crate::paper::report::{Phase, StepReport};

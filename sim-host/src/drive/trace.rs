@@ -105,7 +105,7 @@ fn common(row: &DriveRow) -> TraceRow {
             command: report.command,
             command_rate: report.command_rate,
             velocity_error: report.velocity_error,
-            bridge: report.bridge,
+            transition_offset: report.transition_offset,
             wrench: report.wrench,
             torques: report.torques,
             saturated: report.limited.torque,
