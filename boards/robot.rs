@@ -47,7 +47,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             policy: motion::Policy::KeepCurvature,
         },
         gains: motion::MotionGains {
-            // Of pose neurons and bridges [1/s].
+            // Of pose neurons and transition offsets [1/s].
             decay: 5.0,
             // Along the path [1/s].
             longitudinal: 1.2,

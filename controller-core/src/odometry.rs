@@ -108,7 +108,7 @@ pub struct Odometry<T> {
     left: Wheel<T>,
     pose: Pose<T>,
     /// Turn to add per way \[rad/m\], as a localiser has learnt it.
-    bend: T,
+    curvature_bias: T,
     /// Way of the last call \[m\].
     travel: T,
     /// Angle that a wheel turns per travel of its rim \[rad/m\]: right, left.
@@ -149,7 +149,7 @@ impl<T: Scalar> Odometry<T> {
             right: Wheel::default(),
             left: Wheel::default(),
             pose,
-            bend: T::ZERO,
+            curvature_bias: T::ZERO,
             travel: T::ZERO,
         }
     }
@@ -182,7 +182,7 @@ impl<T: Scalar> Odometry<T> {
         let right = T::from_i32(moved.0) * self.right_per_count;
         let left = T::from_i32(moved.1) * self.left_per_count;
         let travel = T::HALF * (right + left);
-        let turn = (right - left) / self.track + self.bend * travel;
+        let turn = (right - left) / self.track + self.curvature_bias * travel;
         self.travel = travel;
         let half_turn = T::HALF * turn;
         let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
@@ -212,14 +212,14 @@ impl<T: Scalar> Odometry<T> {
             pose: self.pose,
             twist: Twist {
                 linear,
-                angular: (right - left) / self.track + self.bend * linear,
+                angular: (right - left) / self.track + self.curvature_bias * linear,
             },
         }
     }
 
     /// From now on adds so much turn per way \[rad/m\].
-    pub(crate) const fn bend(&mut self, bend: T) {
-        self.bend = bend;
+    pub(crate) const fn set_curvature_bias(&mut self, curvature_bias: T) {
+        self.curvature_bias = curvature_bias;
     }
 
     /// Way of the last call, backward negative \[m\].
@@ -227,7 +227,7 @@ impl<T: Scalar> Odometry<T> {
         self.travel
     }
 
-    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt bend adds to the turn rate is
+    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt curvature bias adds to the turn rate is
     /// no turning of a motor.
     pub fn wheel_speeds(&self) -> WheelSpeeds<T> {
         WheelSpeeds {

@@ -5,13 +5,13 @@
 
 use controller_core::base::WheelAction;
 use controller_core::maths::{Maths, Single};
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::types::{Measured, WheelSpeeds, WheelTorques};
 
 /// The robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
-    params: Validated<f32>,
+    params: ValidParams<f32>,
     state: Measured<f32>,
     /// Share of the speed that rolling resistance takes in a second.
     drag_per_s: f32,
@@ -19,7 +19,7 @@ pub struct Model {
 
 impl Model {
     /// At `state`, with mass, inertia and wheels of `params`.
-    pub const fn new(params: Validated<f32>, state: Measured<f32>) -> Self {
+    pub const fn new(params: ValidParams<f32>, state: Measured<f32>) -> Self {
         Self {
             params,
             state,

@@ -9,7 +9,7 @@ pub use base::BasePil;
 
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::types::Measured;
 use embedded_io::{Read, Write};
 use serde::Serialize;
@@ -74,14 +74,14 @@ pub enum End {
 /// The controller on behalf of a host.
 #[derive(Clone, Copy, Debug)]
 pub struct Pil {
-    params: Validated<f32>,
+    params: ValidParams<f32>,
     controller: Option<NeuralController>,
     tick: u32,
 }
 
 impl Pil {
     /// No controller is running; the next one is started with `params` unless the host sends others.
-    pub const fn new(params: Validated<f32>) -> Self {
+    pub const fn new(params: ValidParams<f32>) -> Self {
         Self {
             params,
             controller: None,

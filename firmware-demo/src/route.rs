@@ -5,7 +5,7 @@ use controller_core::maths::Single;
 use controller_core::motion::{
     Limits, Motion, MotionController, MotionParams, Outcome, Policy, Remaining, Task,
 };
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -62,7 +62,7 @@ fn timed(sample: &[f32; 8]) -> TimedReference<f32> {
 }
 
 /// The 30 kg base that [`BEND`] was made for.
-pub fn base() -> Result<(Motion<f32>, Validated<f32>), ParamError> {
+pub fn base() -> Result<(Motion<f32>, ValidParams<f32>), ParamError> {
     let params = Params::<f32>::paper();
     let motion = MotionParams::new(params.robot, limits()).validate()?;
     Ok((motion, params.validate()?))
@@ -131,7 +131,7 @@ impl Driven {
 /// The first fault of the controller.
 pub fn drive(
     route: &Route,
-    (motion, params): &(Motion<f32>, Validated<f32>),
+    (motion, params): &(Motion<f32>, ValidParams<f32>),
     ticks: u32,
     mut step: impl FnMut(
         &mut MotionController,

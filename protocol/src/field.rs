@@ -26,7 +26,7 @@ pub struct FieldParams {
 /// As [`controller_core::motion::MotionGains`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WireGains {
-    /// A: decay of pose neurons and bridges, 1/s.
+    /// A: decay of pose neurons and transition offsets, 1/s.
     #[serde(deserialize_with = "real")]
     pub decay: f32,
     /// Along the path, 1/s.

@@ -1,6 +1,6 @@
 //! What a user should know of a scenario before the robot finds out.
 
-use crate::scenario::{Law, Scenario};
+use crate::scenario::{ControlLaw, Scenario};
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
     longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
@@ -11,7 +11,7 @@ use controller_core::paper::stability::{
 /// They come from the linearised loop of the neural law; plain backstepping has no such limits.
 pub fn warnings(scenario: &Scenario) -> Vec<String> {
     let mut warnings = Vec::new();
-    if scenario.controller.kind == Law::Plain {
+    if scenario.controller.kind == ControlLaw::Plain {
         return warnings;
     }
     let params = &scenario.params;

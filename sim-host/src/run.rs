@@ -4,7 +4,7 @@ use crate::controller_port::{self, ControllerPort, ControllerPortError};
 use crate::motion::Walker;
 use crate::plant::Plant;
 use crate::scenario::Scenario;
-use crate::trace::{HandOver, Row, Trace};
+use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
 use controller_core::paper::demand::Demand;
@@ -90,7 +90,7 @@ pub fn run_with(
             });
         }
         let torques = answer.report.torques;
-        trace.rows.push(Row {
+        trace.rows.push(TraceRow {
             t,
             truth,
             reference: target,

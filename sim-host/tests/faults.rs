@@ -2,7 +2,7 @@
 
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
-    Bases, End, FaultInjectionKind, Mutation, Outcome, Plan, RULES, Target, Why, cells, known,
+    Bases, End, FaultInjectionKind, Mutation, Plan, RULES, RunOutcome, Target, Why, cells, known,
     study, violation,
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,7 +17,7 @@ fn bases() -> Bases {
     Bases::built_in().expect("built in")
 }
 
-fn broken(outcomes: &[Outcome]) -> Vec<String> {
+fn broken(outcomes: &[RunOutcome]) -> Vec<String> {
     outcomes.iter().filter_map(violation).collect()
 }
 
@@ -66,7 +66,7 @@ const HEAD: &str =
     "| trouble | runs | parked | held | stopped by | found | latest | stop/bound | parked off |";
 
 /// The results of a campaign, a row for each trouble.
-fn results(outcomes: &[Outcome]) -> String {
+fn results(outcomes: &[RunOutcome]) -> String {
     let mut table = format!("{HEAD}\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for injection in FaultInjectionKind::ALL {
         let runs: Vec<_> = outcomes

@@ -2,9 +2,9 @@
 
 use controller_core::maths::Libm;
 use controller_core::paper::backstepping;
-use controller_core::paper::handover::{TorqueBefore, acceleration_neurons, pose_neurons};
+use controller_core::paper::hand_over::{TorqueBefore, acceleration_neurons, pose_neurons};
 use controller_core::paper::neural_law::{LawOutput, NeuralState, parking_law, tracking_law};
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::tracking;
 use controller_core::pose_error::pose_error;
 use controller_core::torque;
@@ -31,7 +31,7 @@ pub struct Snapshot {
 /// A closed loop of the core in continuous time.
 pub struct Flow<'a> {
     scenario: &'a Scenario,
-    params: Validated<f64>,
+    params: ValidParams<f64>,
 }
 
 fn neural(state: &State) -> NeuralState<f64> {
@@ -39,7 +39,7 @@ fn neural(state: &State) -> NeuralState<f64> {
         s1: state[8],
         s_turn: state[9],
         accel: Accel::new(state[10], state[11]),
-        bridge: Twist::new(state[12], state[13]),
+        transition_offset: Twist::new(state[12], state[13]),
     }
 }
 
@@ -48,15 +48,15 @@ fn set_neural(state: &mut State, neural: &NeuralState<f64>) {
         s1,
         s_turn,
         accel,
-        bridge,
+        transition_offset,
     } = neural;
     let values = [
         *s1,
         *s_turn,
         accel.linear,
         accel.angular,
-        bridge.linear,
-        bridge.angular,
+        transition_offset.linear,
+        transition_offset.angular,
     ];
     state.fixed_rows_mut::<6>(8).copy_from_slice(&values);
 }
@@ -107,7 +107,7 @@ impl<'a> Flow<'a> {
                 s1: first.s1,
                 s_turn: first.s2,
                 accel: Accel::default(),
-                bridge: first.bridge,
+                transition_offset: first.transition_offset,
             };
             set_neural(&mut state, &first);
         }
@@ -226,7 +226,7 @@ impl<'a> Flow<'a> {
                 s1: neurons.s1,
                 s_turn: neurons.s3,
                 accel: acceleration_neurons(params.reset, &params.robot, &params.parking, &torque),
-                bridge: neurons.bridge,
+                transition_offset: neurons.transition_offset,
             };
             set_neural(&mut after, &first);
         }
@@ -245,7 +245,7 @@ impl<'a> Flow<'a> {
         let columns = [
             t, state[0], state[1], state[2], state[3], state[4], e.x, e.y, e.theta, n.s1, s2, s3,
             n.accel.linear, n.accel.angular, c.linear, c.angular, wrench.force, wrench.moment,
-            n.bridge.linear, n.bridge.angular,
+            n.transition_offset.linear, n.transition_offset.angular,
         ];
         columns
     }

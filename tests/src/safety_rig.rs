@@ -6,8 +6,8 @@ use controller_core::motion::{Motion, MotionController, Task};
 use controller_core::odometry::{Odometry, OdometryParams};
 use controller_core::safety::supervisor::{Event, SupervisorParams};
 use controller_core::safety::{
-    DetectorInputs, DetectorParams, Fault, FaultKind, Monitor, OutputMode, Policy, StopPlan,
-    Supervisor, ValidDetectorParams,
+    DetectorInputs, DetectorParams, Fault, FaultKind, Monitor, OutputMode, StopPlan, Supervisor,
+    ValidDetectorParams, ValidPolicyParams,
 };
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Measured, Twist, WheelTorques, Wrench};
@@ -158,7 +158,8 @@ impl Rig {
                 self.found.push((self.t, fault));
             }
         }
-        self.supervisor.on_active_faults(&found, &Policy::default());
+        self.supervisor
+            .on_active_faults(&found, &ValidPolicyParams::default());
         let Twist { linear, angular } = measured.twist;
         let rests = self.supervisor.rests(linear as f32, angular as f32);
         self.supervisor.tick(inputs.dt_us, rests);

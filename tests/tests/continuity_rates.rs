@@ -32,7 +32,7 @@ fn reset_jump(mut scenario: Scenario, reset: Reset) -> (Vector2<f64>, Tick<f64>)
     (Vector2::new(step.force, step.moment), old)
 }
 
-/// A state anywhere: neurons inside their bounds, bridges at work.
+/// A state anywhere: neurons inside their bounds, transition offsets at work.
 fn states() -> impl Strategy<Value = ([f64; 8], [f64; 6])> {
     (
         prop::array::uniform8(-2.0..2.0_f64),

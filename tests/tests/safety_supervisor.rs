@@ -2,7 +2,7 @@
 
 use controller_core::safety::supervisor::{Event, State, SupervisorParams};
 use controller_core::safety::{
-    ActiveFaults, Fault, FaultKind, OutputMode, Policy, Reaction, Side, Supervisor,
+    ActiveFaults, Fault, FaultKind, OutputMode, Reaction, Side, Supervisor, ValidPolicyParams,
 };
 use proptest::prelude::*;
 
@@ -42,7 +42,7 @@ proptest! {
     /// milder; Fault is left by a reset only; a stop ends within its two limits.
     #[test]
     fn walks_keep_the_rules(steps in prop::collection::vec(step(), 1..200)) {
-        let policy = Policy::default();
+        let policy = ValidPolicyParams::default();
         let mut supervisor = Supervisor::new(&SupervisorParams::DEFAULT.validate().expect("valid"));
         let mut stopping_us = 0_u64;
         for step in steps {

@@ -171,7 +171,7 @@ fn bounds_hold_for_random_twists_and_accelerations() {
                     drive.advance(|measured| anew(measured, twist, accel));
                 }
                 let (way, turn, _, bound) = drive.stop();
-                // Two ticks at no more than the speeds reached by then, and the bridge's begin.
+                // Two ticks at no more than the speeds reached by then, and the transition offset's begin.
                 let ticks = |speed: f64, accel: f64| {
                     let decay = motion.gains().decay;
                     0.02 * (speed.abs() + 0.32 * accel.abs()) + 0.02 * accel.abs() / decay

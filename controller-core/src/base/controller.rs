@@ -4,7 +4,7 @@ use super::driving::{Driven, Driving};
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
 use super::orders;
-use super::params::Base;
+use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use crate::error::{Input, StepFault};
 use crate::localiser::FixOutcome;
@@ -54,7 +54,7 @@ pub const REMEMBERED: usize = 32;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize = REMEMBERED> {
-    base: Base<T>,
+    base: ValidBaseParams<T>,
     locator: Locator<T, N>,
     monitor: Monitor<T>,
     supervisor: Supervisor,
@@ -67,7 +67,7 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<T, M, U, N> {
     /// Disarmed, at `start` with the first reading of the encoders.
-    pub fn new(base: &Base<T>, start: Pose<T>) -> Self {
+    pub fn new(base: &ValidBaseParams<T>, start: Pose<T>) -> Self {
         let supervisor = Supervisor::new(&base.supervisor);
         Self {
             base: *base,
@@ -82,7 +82,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 cause: supervisor.cause(),
                 measured: None,
                 blind: false,
-                bend: T::ZERO,
+                curvature_bias: T::ZERO,
                 fix: FixOutcome::Absent,
                 active_faults: ActiveFaults::NONE,
                 refused: false,
@@ -107,7 +107,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                     fix_age_s: None,
                     jumped: false,
                     blind: true,
-                    bend: self.report.bend,
+                    curvature_bias: self.report.curvature_bias,
                 }
             }
         };
@@ -138,7 +138,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             cause: self.supervisor.cause(),
             measured: located.measured,
             blind: located.blind,
-            bend: located.bend,
+            curvature_bias: located.curvature_bias,
             fix: located.fix,
             active_faults,
             refused,
@@ -153,7 +153,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// The parameters in use.
-    pub const fn base(&self) -> &Base<T> {
+    pub const fn base(&self) -> &ValidBaseParams<T> {
         &self.base
     }
 
@@ -306,7 +306,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     ///
     /// # Errors
     /// [`StepFault::WrongPhase`] while the base is live: only Idle, Stopped and Fault are left alone by new gains.
-    pub fn reconfigure(&mut self, base: &Base<T>) -> Result<(), StepFault> {
+    pub fn reconfigure(&mut self, base: &ValidBaseParams<T>) -> Result<(), StepFault> {
         if self.supervisor.state().is_live() {
             return Err(StepFault::WrongPhase);
         }

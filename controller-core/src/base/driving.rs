@@ -1,6 +1,6 @@
 //! From the supervisor's output to what the wheels are to do: the motion law, the stop plan, or neither.
 
-use super::io::{Drive, WheelAction};
+use super::io::{DriveCommand, WheelAction};
 use super::locate::Located;
 use crate::error::StepFault;
 use crate::maths::Maths;
@@ -143,7 +143,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// Enabled, with no law at work.
     fn without_torque(&mut self) -> Driven<T> {
         self.motion = None;
-        Driven::only(WheelAction::Drive(Drive::default()))
+        Driven::only(WheelAction::Drive(DriveCommand::default()))
     }
 
     fn let_go(&mut self) {
@@ -180,7 +180,7 @@ fn drive<T: Scalar>(
     report: &MotionReport<T>,
     speeds: WheelSpeeds<T>,
 ) -> WheelAction<T> {
-    WheelAction::Drive(Drive {
+    WheelAction::Drive(DriveCommand {
         torques: report.torques,
         desired: motion.wheels().wheel_speeds(&report.command),
         speeds,

@@ -57,7 +57,7 @@ pub enum WheelAction<T = f32> {
     /// Windings shorted.
     Brake,
     /// These torques.
-    Drive(Drive<T>),
+    Drive(DriveCommand<T>),
 }
 
 impl<T: Copy> WheelAction<T> {
@@ -72,7 +72,7 @@ impl<T: Copy> WheelAction<T> {
 
 /// Torques, and what a motor driver needs beside them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Drive<T = f32> {
+pub struct DriveCommand<T = f32> {
     /// Within ± `wheel_torque_nm` \[N m\].
     pub torques: WheelTorques<T>,
     /// Speeds that are commanded, for the compensation of friction \[rad/s\].

@@ -3,15 +3,15 @@
 use core::fmt;
 
 use crate::error::{Field, ParamError, Problem};
-use crate::localiser::{Localisation, LocaliserParams};
+use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
 use crate::motion::{Limits, Motion, MotionParams};
 use crate::motor::{Motor, MotorParams};
 use crate::robot::Robot;
-use crate::safety::supervisor::{SupervisorParams, ValidSupervisor};
+use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
 use crate::safety::{
-    DetectorParams, Policy, PolicyError, PolicyParams, SupplyDetectorParams, Timeout,
-    ValidDetectorParams,
+    DetectorParams, PolicyError, PolicyParams, SupplyDetectorParams, Timeout, ValidDetectorParams,
+    ValidPolicyParams,
 };
 use crate::scalar::Scalar;
 
@@ -55,7 +55,7 @@ impl<T: Usual> BaseParams<T> {
     ///
     /// # Errors
     /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
-    pub fn validate(self) -> Result<Base<T>, BaseError> {
+    pub fn validate(self) -> Result<ValidBaseParams<T>, BaseError> {
         self.validate_with::<T::Maths>()
     }
 }
@@ -121,7 +121,7 @@ impl<T: Scalar> BaseParams<T> {
     ///
     /// # Errors
     /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
-    pub fn validate_with<M: Maths<T>>(self) -> Result<Base<T>, BaseError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<ValidBaseParams<T>, BaseError> {
         let motor = match self.motor {
             Some(params) => Some(params.validate()?),
             None => None,
@@ -135,7 +135,7 @@ impl<T: Scalar> BaseParams<T> {
                 }));
             }
         }
-        Ok(Base {
+        Ok(ValidBaseParams {
             motion: self.motion.validate()?,
             localisation: self.localiser.validate_with::<M>()?,
             motor,
@@ -158,23 +158,23 @@ fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
 
 /// [`BaseParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Base<T = f32> {
+pub struct ValidBaseParams<T = f32> {
     pub(super) motion: Motion<T>,
-    pub(super) localisation: Localisation<T>,
+    pub(super) localisation: ValidLocaliserParams<T>,
     pub(super) motor: Option<Motor<T>>,
     pub(super) detectors: ValidDetectorParams<T>,
-    pub(super) policy: Policy,
-    pub(super) supervisor: ValidSupervisor,
+    pub(super) policy: ValidPolicyParams,
+    pub(super) supervisor: ValidSupervisorParams,
 }
 
-impl<T: Scalar> Base<T> {
+impl<T: Scalar> ValidBaseParams<T> {
     /// The motion law's parameters.
     pub const fn motion(&self) -> &Motion<T> {
         &self.motion
     }
 
     /// The localiser's.
-    pub const fn localisation(&self) -> &Localisation<T> {
+    pub const fn localisation(&self) -> &ValidLocaliserParams<T> {
         &self.localisation
     }
 
@@ -184,7 +184,7 @@ impl<T: Scalar> Base<T> {
     }
 
     /// The responses to faults.
-    pub const fn policy(&self) -> &Policy {
+    pub const fn policy(&self) -> &ValidPolicyParams {
         &self.policy
     }
 

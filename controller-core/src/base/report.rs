@@ -21,8 +21,8 @@ pub struct BaseReport<T = f32> {
     /// They are extrapolated: the encoders gave nothing in this tick.
     pub blind: bool,
     /// Turn that odometry adds per way, as external poses taught it \[rad/m\]: wheels of other radii than stated. See
-    /// [`Estimate::bend`](crate::localiser::Estimate::bend).
-    pub bend: T,
+    /// [`Estimate::curvature_bias`](crate::localiser::Estimate::curvature_bias).
+    pub curvature_bias: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
     /// Faults found in this tick, ignored or not.

@@ -1,6 +1,6 @@
 //! Parameters of the localiser: plain data, validated once.
 
-use super::bend::Learning;
+use super::curvature_bias::Learning;
 use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
@@ -27,7 +27,7 @@ pub struct FusionParams<T = f32> {
     /// Outliers in a row that agree with each other and so are right, 2 to 100.
     pub relocalise_after: u8,
     /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate, and bounds
-    /// the bend that is learnt: [`Estimate::bend`](super::Estimate::bend).
+    /// the curvature bias that is learnt: [`Estimate::curvature_bias`](super::Estimate::curvature_bias).
     pub drift: T,
     /// How fast a wheel may slide over the floor \[m/s\], 0 (never) to 100: outliers may move by that
     /// beside odometry and still agree.
@@ -107,7 +107,7 @@ impl<T: Usual> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range.
-    pub fn validate(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.validate_with::<T::Maths>()
     }
 }
@@ -117,7 +117,7 @@ impl<T: Scalar> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate_with<M: Maths<T>>(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.odometry.check()?;
         let fusion = match &self.fusion {
             Some(params) => {
@@ -129,7 +129,7 @@ impl<T: Scalar> LocaliserParams<T> {
         let filtered = fusion
             .as_ref()
             .map_or(T::ZERO, |fusion: &Fusion<T>| fusion.position.filtered);
-        Ok(Localisation {
+        Ok(ValidLocaliserParams {
             pose_noise: pose_noise::<T, M>(&self.odometry, filtered),
             params: self,
             fusion,
@@ -139,13 +139,13 @@ impl<T: Scalar> LocaliserParams<T> {
 
 /// [`LocaliserParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Localisation<T = f32> {
+pub struct ValidLocaliserParams<T = f32> {
     params: LocaliserParams<T>,
     pub(super) fusion: Option<Fusion<T>>,
     pub(super) pose_noise: T,
 }
 
-impl<T: Scalar> Localisation<T> {
+impl<T: Scalar> ValidLocaliserParams<T> {
     /// The parameters as they were given.
     pub fn params(&self) -> &LocaliserParams<T> {
         &self.params

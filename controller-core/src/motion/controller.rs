@@ -309,7 +309,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             error: found.error,
             desired: found.setpoint.twist,
             desired_rate: found.setpoint.rate,
-            bridge: state.bridges.twist(),
+            transition_offset: state.bridges.twist(),
             command: command.twist,
             command_rate: command.rate,
             velocity_error,

@@ -58,7 +58,7 @@ pub struct MotionReport<T = f32> {
     /// Its exact rate.
     pub desired_rate: Accel<T>,
     /// What past jumps still add to it.
-    pub bridge: Twist<T>,
+    pub transition_offset: Twist<T>,
     /// What is asked of the velocity loop, within all limits.
     pub command: Twist<T>,
     /// Fed forward, within all limits.
@@ -86,7 +86,7 @@ cast!(
         error,
         desired,
         desired_rate,
-        bridge,
+        transition_offset,
         command,
         command_rate,
         velocity_error,

@@ -1,7 +1,7 @@
 //! Inputs of the detectors, and the faults that they find.
 
 use super::fault::{Fault, FaultKind};
-use super::policy::Policy;
+use super::policy::ValidPolicyParams;
 use super::reaction::{Reaction, Response};
 use crate::hal::{ErrorKind, WheelCounts};
 use crate::types::{Measured, Twist, WheelTorques};
@@ -93,7 +93,7 @@ impl ActiveFaults {
 
     /// The fault with the most severe response (of equal reactions one that latches; the lowest code among equals), and
     /// the response to all of them together. `None` if nothing is to be done.
-    pub fn worst(&self, policy: &Policy) -> Option<(Fault, Response)> {
+    pub fn worst(&self, policy: &ValidPolicyParams) -> Option<(Fault, Response)> {
         let acted = self
             .iter()
             .map(|fault| (fault, policy.response(fault)))
@@ -108,7 +108,7 @@ impl ActiveFaults {
     }
 
     /// Those that the policy ignores.
-    pub fn ignored(&self, policy: &Policy) -> impl Iterator<Item = Fault> + '_ {
+    pub fn ignored(&self, policy: &ValidPolicyParams) -> impl Iterator<Item = Fault> + '_ {
         let policy = *policy;
         self.iter()
             .filter(move |fault| policy.response(*fault).reaction == Reaction::Ignore)
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_most_severe_reaction_wins_and_any_latch_latches() {
-        let policy = Policy::default();
+        let policy = ValidPolicyParams::default();
         let mut active_faults = ActiveFaults::NONE;
         assert_eq!(active_faults.worst(&policy), None);
         active_faults.add(Fault::PoseJump);

@@ -9,7 +9,7 @@
 //! | part | what it is |
 //! | --- | --- |
 //! | [`Fault`], [`FaultKind`] | what went wrong, typed, with a stable code |
-//! | [`Reaction`], [`Response`], [`Policy`] | what is done about each kind, checked against what it leaves working |
+//! | [`Reaction`], [`Response`], [`ValidPolicyParams`] | what is done about each kind, checked against what it leaves working |
 //! | [`DetectorParams`], [`Timeout`] | thresholds and times; off only where it says so |
 //! | [`Monitor`] | detectors: one call a tick, plain values in, [`ActiveFaults`] out |
 //! | [`supervisor`] | states and events: a table without a wildcard |
@@ -33,7 +33,7 @@ pub use detector_params::{
 pub use fault::{Fault, FaultKind, Side};
 pub use inputs::{ActiveFaults, Currents, DetectorInputs};
 pub use monitor::Monitor;
-pub use policy::{Policy, PolicyError, PolicyParams, PolicyProblem};
+pub use policy::{PolicyError, PolicyParams, PolicyProblem, ValidPolicyParams};
 pub use reaction::{Reaction, Response};
 pub use stopping::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 pub use supervisor::{OutputMode, Supervisor};

@@ -31,7 +31,7 @@ pub struct PolicyParams {
 }
 
 impl PolicyParams {
-    /// The default of [`Policy`].
+    /// The default of [`ValidPolicyParams`].
     pub const DEFAULT: Self = Self {
         // Blind: what is left needs no speed to work.
         measurement_stale: Response::latched(Reaction::Brake),
@@ -118,7 +118,7 @@ impl PolicyParams {
     ///
     /// # Errors
     /// The first kind, by its code, whose response cannot work.
-    pub fn validate(self) -> Result<Policy, PolicyError> {
+    pub fn validate(self) -> Result<ValidPolicyParams, PolicyError> {
         for kind in FaultKind::ALL {
             let Response { reaction, latch } = self.get(kind);
             let problem = match (kind.broken(), reaction) {
@@ -137,7 +137,7 @@ impl PolicyParams {
             };
             return Err(PolicyError { kind, problem });
         }
-        Ok(Policy(self))
+        Ok(ValidPolicyParams(self))
     }
 }
 
@@ -185,9 +185,9 @@ impl FaultKind {
 
 /// [`PolicyParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Policy(PolicyParams);
+pub struct ValidPolicyParams(PolicyParams);
 
-impl Policy {
+impl ValidPolicyParams {
     /// The response to a fault.
     pub const fn response(&self, fault: Fault) -> Response {
         self.0.get(fault.kind())
@@ -199,7 +199,7 @@ impl Policy {
     }
 }
 
-impl Default for Policy {
+impl Default for ValidPolicyParams {
     /// [`PolicyParams::DEFAULT`], which a test holds to be valid.
     fn default() -> Self {
         Self(PolicyParams::DEFAULT)

@@ -27,7 +27,7 @@ use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
 
 /// Share of braking and turning acceleration that the plan uses. An acceleration a under way fades by the
-/// bridge as a (1 − A t) e^(−A t), which falls to −0.135 a: that much has to be left, or the governor would
+/// transition offset as a (1 − A t) e^(−A t), which falls to −0.135 a: that much has to be left, or the governor would
 /// hold the command back and the stop would go further than planned.
 const RATE_SHARE: f64 = 0.85;
 /// The same share of the 0.75 of the wheels' torque that the governor leaves to a command.
@@ -97,7 +97,7 @@ impl<T: Scalar> StopPlan<T> {
     /// The reference of the controller in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
     pub fn task<M: Maths<T>>(&self, t: T, dt: T, pose: &Pose<T>) -> Task<T> {
         let (twist, _) = self.at(t);
-        // Debounce for a tick: that of its middle. In the first tick none, as it was: a step of it would be bridged
+        // Held for a tick: that of its middle. In the first tick none, as it was: a step of it would get a transition offset
         // like an acceleration under way, and lengthen the stop.
         let middle = if t > T::ZERO { t + T::HALF * dt } else { t };
         let (_, accel) = self.at(middle);
@@ -148,11 +148,11 @@ pub struct Stopping<T> {
 /// | term | what |
 /// | --- | --- |
 /// | v₀ T/2 | the plan |
-/// | a/A² | the acceleration under way when the stop begins fades by the bridge of decay A |
+/// | a/A² | the acceleration under way when the stop begins fades with the transition offset, of decay A |
 /// | δ/κ | the velocity loop takes the error away as e^(−κt) |
 ///
 /// For ticks without length; for those of dt there come v₀ 2 dt + 2 a dt/A (and the same of w₀, α): the torque of
-/// the last tick still acts, the plan begins with the next, and the bridge begins with what a adds meanwhile.
+/// the last tick still acts, the plan begins with the next, and the transition offset begins with what a adds meanwhile.
 pub fn controlled_stop<T: Scalar, M: Maths<T>>(
     motion: &Motion<T>,
     command: &Twist<T>,
@@ -168,7 +168,7 @@ pub fn controlled_stop<T: Scalar, M: Maths<T>>(
     } else {
         gains.turn_loop
     };
-    // e^(-4.6) is a hundredth; 7 of the bridge, whose pole is double.
+    // e^(-4.6) is a hundredth; 7 of the transition offset, whose pole is double.
     let fading = T::from_f64(7.0) / gains.decay + T::from_f64(4.6) / slowest;
     Stopping {
         distance_m: command.linear.abs() * half

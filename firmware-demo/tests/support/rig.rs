@@ -4,7 +4,7 @@
 use controller_core::base::{BaseParams, Sensed, WheelAction};
 use controller_core::hal::WheelCounts;
 use controller_core::maths::Single;
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::queue::{ReferenceProducer, ReferenceQueue, TimedReference};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::safety::supervisor::{Cause, State};
@@ -34,7 +34,7 @@ pub fn params() -> BaseParams<f32> {
     mission::params(MAX_TORQUE, false).unwrap()
 }
 
-pub fn body() -> Validated<f32> {
+pub fn body() -> ValidParams<f32> {
     Params::paper().validate().unwrap()
 }
 

@@ -26,7 +26,7 @@
 use crate::mission::Base;
 use crate::world::GRAVITY;
 use crate::world::WorldSetup;
-use controller_core::base::{Base as Core, BaseReport};
+use controller_core::base::{BaseReport, ValidBaseParams as Core};
 use controller_core::maths::Single;
 use controller_core::motor::electrical_brake;
 use controller_core::safety::controlled_stop;

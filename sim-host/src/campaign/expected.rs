@@ -1,7 +1,7 @@
 //! The rules: for each trouble the name it has to be found by, the time that counts, and how much of it there may be.
 
 use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
-use super::outcome::{End, Failing, Outcome, Why};
+use super::outcome::{End, Failing, RunOutcome, Why};
 use super::plan::{Bases, Target};
 use crate::closed_loop::{self, ClosedLoopError};
 use crate::rate::Rate;
@@ -304,10 +304,10 @@ pub const KNOWN: [Known; 2] = [
 ];
 
 /// How often each of [`KNOWN`] happened, where its trouble was there.
-pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
+pub fn known(outcomes: &[RunOutcome]) -> Vec<(Known, Rate)> {
     let rate = |known: &Known| {
-        let has = |outcome: &&Outcome| outcome.injection == known.injection;
-        let failed = |outcome: &&Outcome| outcome.end == Ok(End::Known(known.failing));
+        let has = |outcome: &&RunOutcome| outcome.injection == known.injection;
+        let failed = |outcome: &&RunOutcome| outcome.end == Ok(End::Known(known.failing));
         Rate {
             failed: outcomes.iter().filter(has).filter(failed).count(),
             runs: outcomes.iter().filter(has).count(),

@@ -128,7 +128,7 @@ pub struct Detection {
 
 /// A run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// Number.
     pub run: u64,
     /// Which base.
@@ -157,7 +157,7 @@ pub struct Outcome {
     pub end: Result<End, Violation>,
 }
 
-impl Outcome {
+impl RunOutcome {
     pub(super) fn begin(plan: &Plan) -> Self {
         Self {
             run: plan.run,

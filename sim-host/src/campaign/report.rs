@@ -1,6 +1,6 @@
 //! The campaign for people and for spreadsheets.
 
-use super::outcome::Outcome;
+use super::outcome::RunOutcome;
 use super::run::Tick;
 use super::summary::{Cell, CellRecord};
 use crate::csv_out::write_numbers;
@@ -71,7 +71,7 @@ fn off((m, rad): (f64, f64)) -> String {
 }
 
 /// What one has to know to run a violation again.
-pub fn violation(outcome: &Outcome) -> Option<String> {
+pub fn violation(outcome: &RunOutcome) -> Option<String> {
     let violation = outcome.end.as_ref().err()?;
     let second = outcome
         .second
@@ -114,7 +114,7 @@ pub const COLUMNS: [&str; 18] = [
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_runs(outcomes: &[Outcome], out: impl Write) -> csv::Result<()> {
+pub fn write_runs(outcomes: &[RunOutcome], out: impl Write) -> csv::Result<()> {
     use super::outcome::End;
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS)?;
@@ -169,7 +169,7 @@ pub struct Record {
 
 impl Record {
     /// Of all runs.
-    pub fn of(seed: u64, outcomes: &[Outcome], cells: &[Cell]) -> Self {
+    pub fn of(seed: u64, outcomes: &[RunOutcome], cells: &[Cell]) -> Self {
         Self {
             seed,
             runs: outcomes.len(),

@@ -5,7 +5,7 @@ use super::check;
 use super::expected::{self, Rule};
 use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
 use super::host::{Answered, Host, Manner, park, stops};
-use super::outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
+use super::outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
 use crate::closed_loop::{Board, ClosedLoopError};
 use crate::mission::Base;
@@ -72,13 +72,13 @@ pub struct Tick<'a, 'queue> {
 ///
 /// # Errors
 /// Parameters out of their range, of a policy that is not valid for example. What the base does wrong is in
-/// [`Outcome::end`].
+/// [`RunOutcome::end`].
 pub fn run(
     bases: &Bases,
     plan: &Plan,
     mutation: &Mutation,
     mut watch: impl FnMut(&Tick<'_, '_>),
-) -> Result<Outcome, ClosedLoopError> {
+) -> Result<RunOutcome, ClosedLoopError> {
     let mut queues = Queues::default();
     let mut runner = Runner::new(&mut queues, bases, plan, *mutation)?;
     let end = runner.whole(&mut watch);
@@ -159,7 +159,7 @@ struct Runner<'a, 'queue> {
     torque: Actuation,
     rest_s: f64,
     way_m: f64,
-    outcome: Outcome,
+    outcome: RunOutcome,
 }
 
 type Checked<T> = Result<T, String>;
@@ -211,7 +211,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
             torque: Actuation::Release,
             rest_s: 0.0,
             way_m: 0.0,
-            outcome: Outcome::begin(plan),
+            outcome: RunOutcome::begin(plan),
         })
     }
 

@@ -1,7 +1,7 @@
 //! Outcomes put together: a cell for each trouble and state.
 
 use super::fault_injection::FaultInjectionKind;
-use super::outcome::{End, Failing, Outcome, Stop, Why};
+use super::outcome::{End, Failing, RunOutcome, Stop, Why};
 use super::plan::Target;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -62,7 +62,7 @@ impl Cell {
         }
     }
 
-    fn take(&mut self, outcome: &Outcome) {
+    fn take(&mut self, outcome: &RunOutcome) {
         self.runs += 1;
         self.again += usize::from(outcome.again);
         match &outcome.end {
@@ -102,7 +102,7 @@ impl Cell {
 }
 
 /// A cell for each trouble and state that occurred, in their order; `base` leaves out all others.
-pub fn cells(outcomes: &[Outcome], base: Option<usize>) -> Vec<Cell> {
+pub fn cells(outcomes: &[RunOutcome], base: Option<usize>) -> Vec<Cell> {
     let mut cells = BTreeMap::new();
     for outcome in outcomes {
         if base.is_some_and(|base| base != outcome.base) {

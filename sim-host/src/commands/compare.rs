@@ -6,7 +6,7 @@ use super::write::{Record, Writer};
 use super::{Finished, say, simulate, warn};
 use crate::cli::Output;
 use sim_host::figure::Labelled;
-use sim_host::scenario::{BuiltIn, Law, Scenario};
+use sim_host::scenario::{BuiltIn, ControlLaw, Scenario};
 use sim_host::table::{Column, side_by_side};
 
 /// Built-in scenarios, neural beside plain, with traces.
@@ -33,11 +33,11 @@ pub fn scenarios(scenarios: &[Scenario], csv: bool, output: &Output) -> Result<(
 }
 
 fn both_laws(scenario: &Scenario, csv: bool, writer: &Writer<'_>) -> Result<(), CommandError> {
-    let neural = scenario.with_law(Law::Neural);
+    let neural = scenario.with_law(ControlLaw::Neural);
     warn(&neural);
     let runs = [
         simulate(&neural)?,
-        simulate(&scenario.with_law(Law::Plain))?,
+        simulate(&scenario.with_law(ControlLaw::Plain))?,
     ];
     let name = &scenario.name;
     say(&format!("{name}: {}\n", scenario.description))?;

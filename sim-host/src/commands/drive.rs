@@ -9,7 +9,7 @@ use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
 use sim_host::drive::{ChipTable, DriveMetrics, DriveTrace, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
-use sim_host::import::{TimeScaling, Verdict};
+use sim_host::import::{FileVerdict, TimeScaling};
 use sim_host::mission::{Base, Mission};
 use sim_host::pil::BaseCost;
 use sim_host::scenario::{BuiltInBase, Scenario};
@@ -53,7 +53,7 @@ pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
 /// Runs a mission and writes its results.
 pub fn run(
     mission: &Mission,
-    file: Option<(&TimeScaling, &Verdict)>,
+    file: Option<(&TimeScaling, &FileVerdict)>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
@@ -78,7 +78,7 @@ pub struct Done {
 /// What is about to be run.
 pub fn announce(
     mission: &Mission,
-    file: Option<(&TimeScaling, &Verdict)>,
+    file: Option<(&TimeScaling, &FileVerdict)>,
 ) -> Result<(), CommandError> {
     say(&format!("{}: {}\n", mission.name, mission.description))?;
     if let Some((scaling, verdict)) = file {
@@ -95,7 +95,7 @@ pub fn announce(
 /// Prints and writes what came of a mission.
 pub fn results(
     mission: &Mission,
-    file: Option<(&TimeScaling, &Verdict)>,
+    file: Option<(&TimeScaling, &FileVerdict)>,
     done: &Done,
     csv: bool,
     writer: &Writer<'_>,
@@ -106,7 +106,7 @@ pub fn results(
         Some(_) => format!("{}-pil", mission.name),
     };
     let mut repairs = Vec::new();
-    if let Some((_, Verdict::Drivable { repairs: list, .. })) = file {
+    if let Some((_, FileVerdict::Drivable { repairs: list, .. })) = file {
         repairs.extend(list.iter().map(ToString::to_string));
     }
     let metrics = DriveMetrics::of(mission, trace).ok_or(CommandError::NoRows)?;
@@ -171,12 +171,12 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         };
         say(&format!("{verdict}\n"))?;
         match &verdict {
-            Verdict::Drivable { trajectory, .. } => {
+            FileVerdict::Drivable { trajectory, .. } => {
                 let time_scaled = trajectory.time_scaled(&base.reference_limits());
                 let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
                 say(&format!("base       {}: {scaling}\n", base.name))?;
             }
-            Verdict::Refused(_) => refused += 1,
+            FileVerdict::Refused(_) => refused += 1,
         }
         say("\n")?;
     }

@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use sim_host::drive::{FileRun, verdict};
-use sim_host::import::{TimeScaling, Verdict};
+use sim_host::import::{FileVerdict, TimeScaling};
 use sim_host::mission::{Base, Mission};
 use sim_host::scenario::{BuiltIn, Scenario};
 use std::path::Path;
@@ -17,7 +17,7 @@ pub enum Job {
     File {
         mission: Box<Mission>,
         scaling: TimeScaling,
-        verdict: Verdict,
+        verdict: FileVerdict,
     },
 }
 

@@ -6,7 +6,7 @@ use super::write::{Record, Writer};
 use super::{drive, say, simulate, warn};
 use crate::cli::Output;
 use sim_host::figure::Labelled;
-use sim_host::scenario::{Law, Scenario};
+use sim_host::scenario::{ControlLaw, Scenario};
 use sim_host::table::{Column, side_by_side};
 
 pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError> {
@@ -54,7 +54,7 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
 /// The law's name in tables and legends.
 pub fn law(scenario: &Scenario) -> &'static str {
     match scenario.controller.kind {
-        Law::Neural => "neural",
-        Law::Plain => "plain",
+        ControlLaw::Neural => "neural",
+        ControlLaw::Plain => "plain",
     }
 }

@@ -2,11 +2,11 @@
 
 use super::{ControllerPort, InProcess};
 use crate::precision::Precision;
-use crate::scenario::{Law, MathsBackEnd, Scenario, Update};
+use crate::scenario::{ControlLaw, MathsBackEnd, Scenario, Update};
 use controller_core::error::ParamError;
 use controller_core::maths::{Libm, Maths, Micromath, Single};
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::plain::PlainController;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactHeld, ExactMean, RationalMean};
@@ -31,14 +31,16 @@ pub fn for_scenario(scenario: &Scenario) -> Result<Box<dyn ControllerPort>, Para
 
 fn with_maths<T: Scalar, M: Maths<T>>(
     scenario: &Scenario,
-    params: Validated<T>,
+    params: ValidParams<T>,
 ) -> Box<dyn ControllerPort> {
     type Neural<T, M, U> = InProcess<T, M, NeuralController<T, M, U>>;
     let controller = &scenario.controller;
     match (controller.kind, controller.neurons) {
-        (Law::Plain, _) => Box::new(InProcess::<T, M, PlainController<T, M>>::new(params)),
-        (Law::Neural, Update::ExactHeld) => Box::new(Neural::<T, M, ExactHeld>::new(params)),
-        (Law::Neural, Update::ExactMean) => Box::new(Neural::<T, M, ExactMean>::new(params)),
-        (Law::Neural, Update::RationalMean) => Box::new(Neural::<T, M, RationalMean>::new(params)),
+        (ControlLaw::Plain, _) => Box::new(InProcess::<T, M, PlainController<T, M>>::new(params)),
+        (ControlLaw::Neural, Update::ExactHeld) => Box::new(Neural::<T, M, ExactHeld>::new(params)),
+        (ControlLaw::Neural, Update::ExactMean) => Box::new(Neural::<T, M, ExactMean>::new(params)),
+        (ControlLaw::Neural, Update::RationalMean) => {
+            Box::new(Neural::<T, M, RationalMean>::new(params))
+        }
     }
 }

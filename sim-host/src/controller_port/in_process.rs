@@ -5,7 +5,7 @@ use controller_core::error::StepFault;
 use controller_core::maths::Maths;
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::plain::PlainController;
 use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference;
@@ -18,7 +18,7 @@ use std::marker::PhantomData;
 #[allow(missing_docs, clippy::missing_errors_doc)]
 pub trait Control<T: Scalar>: Sized {
     fn start(
-        params: &Validated<T>,
+        params: &ValidParams<T>,
         reference: &Reference<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault>;
@@ -31,7 +31,7 @@ pub trait Control<T: Scalar>: Sized {
 macro_rules! forward {
     () => {
         fn start(
-            params: &Validated<T>,
+            params: &ValidParams<T>,
             reference: &Reference<T>,
             measured: &Measured<T>,
         ) -> Result<Self, StepFault> {
@@ -71,14 +71,14 @@ impl<T: Scalar, M: Maths<T>> Control<T> for PlainController<T, M> {
 /// A [`ControllerPort`] that runs the controller `C` in this process.
 #[derive(Clone, Debug)]
 pub struct InProcess<T, M, C> {
-    params: Validated<T>,
+    params: ValidParams<T>,
     controller: Option<C>,
     back_end: PhantomData<M>,
 }
 
 impl<T: Scalar, M: Maths<T>, C: Control<T>> InProcess<T, M, C> {
     /// A controller port that is not started yet.
-    pub fn new(params: Validated<T>) -> Self {
+    pub fn new(params: ValidParams<T>) -> Self {
         Self {
             params,
             controller: None,

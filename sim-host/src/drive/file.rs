@@ -1,7 +1,7 @@
 //! Missions from trajectory files.
 
 use crate::import::{
-    Figures, Format, LimitError, Options, Refusal, TimeScaling, Tolerance, Trajectory, Verdict,
+    Figures, FileVerdict, Format, LimitError, Options, Refusal, TimeScaling, Tolerance, Trajectory,
     check,
 };
 use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
@@ -150,14 +150,14 @@ pub fn fitted(bytes: &[u8], base: &Base) -> Result<(Trajectory, TimeScaling), Fi
 
 /// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are
 /// noisy, within the importer's own.
-pub fn verdict(bytes: &[u8]) -> Verdict {
+pub fn verdict(bytes: &[u8]) -> FileVerdict {
     let planned = Options {
         tolerance: Some(TOLERANCE),
     };
     let verdict = check(bytes, &planned);
     let format = match &verdict {
-        Verdict::Drivable { format, .. } => Some(*format),
-        Verdict::Refused(refusal) => refusal.format,
+        FileVerdict::Drivable { format, .. } => Some(*format),
+        FileVerdict::Refused(refusal) => refusal.format,
     };
     match format {
         Some(Format::TumPoses) => check(bytes, &Options::default()),
@@ -171,7 +171,7 @@ pub fn verdict(bytes: &[u8]) -> Verdict {
 /// A file that cannot be driven.
 pub fn trajectory(bytes: &[u8]) -> Result<Trajectory, Refusal> {
     match verdict(bytes) {
-        Verdict::Drivable { trajectory, .. } => Ok(*trajectory),
-        Verdict::Refused(refusal) => Err(refusal),
+        FileVerdict::Drivable { trajectory, .. } => Ok(*trajectory),
+        FileVerdict::Refused(refusal) => Err(refusal),
     }
 }

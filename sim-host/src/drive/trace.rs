@@ -1,7 +1,7 @@
 //! What a run leaves behind: one row per control tick.
 
 use super::note::BaseNote;
-use crate::trace::{HandOver, Row, Trace};
+use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::motion::{Mode, MotionReport};
 use controller_core::paper::report::{Phase, StepReport};
 use controller_core::pose_error::PoseError;
@@ -89,9 +89,9 @@ impl DriveTrace {
     }
 }
 
-fn common(row: &DriveRow) -> Row {
+fn common(row: &DriveRow) -> TraceRow {
     let report = &row.report;
-    Row {
+    TraceRow {
         t: row.t,
         truth: row.truth,
         reference: row.reference,
@@ -105,7 +105,7 @@ fn common(row: &DriveRow) -> Row {
             command: report.command,
             command_rate: report.command_rate,
             velocity_error: report.velocity_error,
-            bridge: report.bridge,
+            transition_offset: report.transition_offset,
             wrench: report.wrench,
             torques: report.torques,
             saturated: report.limited.torque,

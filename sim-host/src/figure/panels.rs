@@ -6,7 +6,7 @@ use super::limits::Span;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, Panel, STRONG, entry};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
-use crate::trace::Row;
+use crate::trace::TraceRow;
 use kuva::plot::legend::LegendShape;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, LineStyle, ScatterPlot};
@@ -105,11 +105,11 @@ fn equal_aspect(x: (f64, f64), y: (f64, f64), plot: (f64, f64)) -> ((f64, f64), 
     (widened(x, plot.0), widened(y, plot.1))
 }
 
-fn point(row: &Row) -> (f64, f64) {
+fn point(row: &TraceRow) -> (f64, f64) {
     (row.truth.pose.x, row.truth.pose.y)
 }
 
-fn reference_point(row: &Row) -> (f64, f64) {
+fn reference_point(row: &TraceRow) -> (f64, f64) {
     (row.reference.pose().x, row.reference.pose().y)
 }
 
@@ -182,7 +182,7 @@ pub(super) fn torques(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel 
     .draw(main, other)
 }
 
-fn signal(name: &'static str, ink: Ink, value: fn(&Row) -> f64) -> Signal {
+fn signal(name: &'static str, ink: Ink, value: fn(&TraceRow) -> f64) -> Signal {
     Signal {
         name,
         ink,

@@ -1,7 +1,7 @@
 //! Trajectory files that people have, as references that a wheeled base can follow.
 //!
 //! [`import`] reads a file of any [`Format`], told by its content, and returns a [`Trajectory`]
-//! or a [`Refusal`] with line, field and reason; [`check()`] gives the same as a [`Verdict`] to
+//! or a [`Refusal`] with line, field and reason; [`check()`] gives the same as a [`FileVerdict`] to
 //! print. Files are dirty; what was repaired is listed with its place.
 //!
 //! # How a reference is made
@@ -21,7 +21,7 @@
 //!
 //! # Limits
 //!
-//! [`Trajectory::time_scaled`] runs the same path more slowly where a base's [`Limits`] would be
+//! [`Trajectory::time_scaled`] runs the same path more slowly where a base's [`ReferenceLimits`] would be
 //! exceeded, [`Trajectory::ramped_in`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
 //!
 //! # Bounds
@@ -56,13 +56,13 @@ mod wpilib;
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
 pub use format::Format;
-pub use limits::{Bound, Drive, LimitError, Limits};
+pub use limits::{Bound, DriveLimits, LimitError, ReferenceLimits};
 pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
 pub use time_scaling::{ScaledSpan, TimeScaling};
 pub use trajectory::{Closeness, Sample, Trajectory};
-pub use verdict::{Verdict, check};
+pub use verdict::{FileVerdict, check};
 
 use raw::Raw;
 

@@ -5,7 +5,7 @@
 //! standstill is no singular point. Backwards, the largest q from which the end can be reached
 //! within limits; forwards, the largest step that stays below it.
 
-use super::limits::Row;
+use super::limits::BoundRow;
 
 /// The path at one of its points, evenly spaced in s.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub(super) struct Station {
     /// Largest q by the limits on speeds.
     pub(super) ceiling: f64,
     /// Limits on accelerations.
-    pub(super) rows: [Row; 4],
+    pub(super) rows: [BoundRow; 4],
 }
 
 const BISECTIONS: usize = 48;

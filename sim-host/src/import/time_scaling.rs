@@ -1,6 +1,6 @@
 //! Time scaling: the reference runs more slowly where a base could not follow.
 
-use super::limits::{Bound, LimitError, Limits};
+use super::limits::{Bound, LimitError, ReferenceLimits};
 use super::time_law::{law, smoothed};
 use super::time_optimal::{Station, fastest};
 use super::time_warp::TimeWarp;
@@ -48,7 +48,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// A limit that is not positive.
-    pub fn time_scaled(&self, limits: &Limits) -> Result<(Self, TimeScaling), LimitError> {
+    pub fn time_scaled(&self, limits: &ReferenceLimits) -> Result<(Self, TimeScaling), LimitError> {
         limits.validate()?;
         let own = worst(self, limits);
         let load = own.iter().fold(0.0, |worst: f64, (_, l)| worst.max(*l));
@@ -109,7 +109,7 @@ impl Trajectory {
 }
 
 /// The largest loads of a trajectory.
-fn worst(trajectory: &Trajectory, limits: &Limits) -> [(Bound, f64); 6] {
+fn worst(trajectory: &Trajectory, limits: &ReferenceLimits) -> [(Bound, f64); 6] {
     let mut worst = limits.load(&Sample::default());
     let mut include = |t| {
         for ((_, most), (_, here)) in worst.iter_mut().zip(limits.load(&trajectory.at(t))) {
@@ -156,7 +156,12 @@ fn pace(trajectory: &Trajectory, points: &[Sample]) -> Vec<f64> {
 }
 
 /// Where the law of time is slower than before.
-fn report(before: &Trajectory, after: &Trajectory, limits: &Limits, load: f64) -> TimeScaling {
+fn report(
+    before: &Trajectory,
+    after: &Trajectory,
+    limits: &ReferenceLimits,
+    load: f64,
+) -> TimeScaling {
     let mut scaling = TimeScaling {
         factor: after.duration() / before.duration(),
         slowest: 1.0,

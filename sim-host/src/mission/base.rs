@@ -82,18 +82,18 @@ impl Base {
     }
 
     /// Limits for a reference, with room for feedback.
-    pub fn reference_limits(&self) -> import::Limits {
+    pub fn reference_limits(&self) -> import::ReferenceLimits {
         let (speed, push, turn) = SHARE;
         let (robot, limits) = (&self.robot, &self.limits);
         let wheels = &robot.wheels;
-        import::Limits {
+        import::ReferenceLimits {
             max_speed: speed * limits.speed,
             max_turn_rate: speed * limits.turn_rate,
             max_accel: push * limits.accel,
             max_decel: push * limits.brake,
             max_angular_accel: turn * limits.turn_accel,
             max_lateral: f64::INFINITY,
-            drive: Some(import::Drive {
+            drive: Some(import::DriveLimits {
                 wheel_torque: push * limits.wheel_torque_nm,
                 // The larger wheel needs more torque for the same push.
                 wheel_radius: wheels.radius_right_m.max(wheels.radius_left_m),

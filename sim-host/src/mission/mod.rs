@@ -12,7 +12,7 @@ pub use hardware::Hardware;
 pub(crate) use sequencer::{Orders, Sequencer};
 
 use crate::import::Trajectory;
-use crate::motion::Motion;
+use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use crate::world::WorldSetup;
 use controller_core::robot::Robot;
@@ -65,7 +65,7 @@ pub enum Route {
     /// Of a file.
     File(Box<Trajectory>),
     /// By Eq. (6).
-    Motion(Motion),
+    Motion(ReferenceMotion),
 }
 
 /// When to leave a route, and where to park.

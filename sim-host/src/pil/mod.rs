@@ -22,11 +22,11 @@ pub use parity::{Difference, Parity};
 pub use setup::PilError;
 
 use crate::precision::Precision;
-use crate::scenario::{Controller, Law, MathsBackEnd, ParkingLaw, Update};
+use crate::scenario::{ControlLaw, Controller, MathsBackEnd, ParkingLaw, Update};
 
 /// The controller that the firmware has.
 pub const FIRMWARE: Controller = Controller {
-    kind: Law::Neural,
+    kind: ControlLaw::Neural,
     precision: Precision::F32,
     maths: MathsBackEnd::Single,
     neurons: Update::RationalMean,

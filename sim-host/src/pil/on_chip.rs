@@ -6,7 +6,7 @@ use crate::controller_port::{Answer, ControllerPort, ControllerPortError, InProc
 use controller_core::maths::Single;
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Wrench};
 use firmware_demo::host::{Chip, ChipError};
@@ -49,7 +49,7 @@ pub enum Disagreement {
 
 impl<'a> OnChip<'a> {
     /// A chip that was configured with `params`.
-    pub fn new(chip: &'a mut Chip, params: Validated<f32>) -> Self {
+    pub fn new(chip: &'a mut Chip, params: ValidParams<f32>) -> Self {
         Self {
             chip,
             shadow: InProcess::new(params),

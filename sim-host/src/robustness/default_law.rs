@@ -2,7 +2,7 @@
 
 use super::StudyError;
 use super::condition::Disturbance;
-use super::law::{Brain, Move};
+use super::law::{LawOutput, LawUnderTest};
 use crate::mission::{Mission, Sequencer};
 use crate::precision::Precision;
 use controller_core::error::ParamError;
@@ -36,8 +36,8 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
     }
 }
 
-impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move> {
+impl<T: Scalar, M: Maths<T>> LawUnderTest for DefaultLaw<'_, T, M> {
+    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput> {
         let dt = self.period_s;
         let command = self
             .controller
@@ -57,7 +57,7 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
             }
             Some(controller) => *controller.step(T::from_f64(dt), &task, &told).ok()?,
         };
-        Some(Move {
+        Some(LawOutput {
             torques: report.torques.cast(),
             target: orders.target,
             parking: matches!(task, Task::Park(_)),
@@ -69,7 +69,7 @@ impl<T: Scalar, M: Maths<T>> Brain for DefaultLaw<'_, T, M> {
 pub(super) fn default_law<'a>(
     mission: &'a Mission,
     disturbance: &Disturbance,
-) -> Result<Box<dyn Brain + 'a>, StudyError> {
+) -> Result<Box<dyn LawUnderTest + 'a>, StudyError> {
     Ok(match disturbance.precision {
         Precision::F64 => Box::new(DefaultLaw::<f64, Libm>::new(mission, disturbance)?),
         Precision::F32 => Box::new(DefaultLaw::<f32, Single>::new(mission, disturbance)?),

@@ -13,7 +13,7 @@ use controller_core::types::{Measured, WheelTorques};
 
 /// Who drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Law {
+pub enum ComparedLaw {
     /// The paper's, Eqs. (15)-(23).
     Neural,
     /// Backstepping without neurons, Eqs. (10)-(14).
@@ -22,7 +22,7 @@ pub enum Law {
     Default,
 }
 
-impl Law {
+impl ComparedLaw {
     /// All of them, in the order of the table.
     pub const ALL: [Self; 3] = [Self::Neural, Self::Plain, Self::Default];
 
@@ -37,7 +37,7 @@ impl Law {
 }
 
 /// What a law makes of a tick.
-pub(super) struct Move {
+pub(super) struct LawOutput {
     pub(super) torques: WheelTorques<f64>,
     /// Where the robot is to be: the moving reference, then the goal.
     pub(super) target: Reference<f64>,
@@ -46,8 +46,8 @@ pub(super) struct Move {
 }
 
 /// A law at work, once a tick, beginning at tick 0. `None`: the controller refuses to go on.
-pub(super) trait Brain {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move>;
+pub(super) trait LawUnderTest {
+    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput>;
 }
 
 /// A case as a scenario for the paper's laws.
@@ -132,7 +132,7 @@ pub(super) struct PaperLaw {
 }
 
 impl PaperLaw {
-    pub(super) fn new(scenario: &Scenario, law: scenario::Law) -> Result<Self, StudyError> {
+    pub(super) fn new(scenario: &Scenario, law: scenario::ControlLaw) -> Result<Self, StudyError> {
         Ok(Self {
             period_s: scenario.period_s,
             sequencer: Sequencer::new(scenario),
@@ -142,8 +142,8 @@ impl PaperLaw {
     }
 }
 
-impl Brain for PaperLaw {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move> {
+impl LawUnderTest for PaperLaw {
+    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput> {
         let dt = self.period_s;
         let (demand, target) = self.sequencer.at(tick, tick as f64 * dt);
         let answer = match (tick, &demand) {
@@ -151,7 +151,7 @@ impl Brain for PaperLaw {
             _ => self.controller.step(dt, &demand, measured),
         };
         self.parking |= matches!(demand, Demand::HandOver { .. });
-        Some(Move {
+        Some(LawOutput {
             torques: answer.ok()?.report.torques,
             target,
             parking: self.parking,

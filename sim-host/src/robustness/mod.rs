@@ -27,11 +27,11 @@ mod study;
 mod table;
 
 pub use catalogue::catalogue;
-pub use closed_loop::{LOST, Run, Verdict, run};
+pub use closed_loop::{LOST, Run, RunVerdict, run};
 pub use condition::{Condition, Disturbance, Expected, Group, Range};
 pub use csv::{COLUMNS, write as write_csv};
-pub use law::{Law, told_limits};
-pub use study::{Outcome, Row, Spread, runs, study};
+pub use law::{ComparedLaw, told_limits};
+pub use study::{Spread, StudyOutcome, StudyRow, runs, study};
 pub use table::{tables, three_digits};
 
 use crate::scenario::ScenarioError;

@@ -36,7 +36,7 @@ pub(super) struct Run {
 #[serde(deny_unknown_fields)]
 pub(super) struct Controller {
     #[serde(default)]
-    pub kind: super::Law,
+    pub kind: super::ControlLaw,
     #[serde(default)]
     pub precision: super::Precision,
     #[serde(default)]

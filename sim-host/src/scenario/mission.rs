@@ -6,7 +6,7 @@ use super::file::{self, PoseKeys, Run, Start};
 use super::source::{Checked, Source};
 use super::{BuiltInBase, ScenarioError, belief, ranges};
 use crate::mission::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
-use crate::motion::Motion;
+use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use crate::world::WorldKeys;
 use crate::world::WorldSetup;
@@ -182,7 +182,7 @@ fn course(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Course> {
 
 fn hand_over_rule(
     keys: &HandOver,
-    motion: &Motion,
+    motion: &ReferenceMotion,
     duration: f64,
     place: &Source<'_>,
 ) -> Checked<HandOverRule> {

@@ -22,7 +22,7 @@ pub use built_in_base::{BASES, BuiltInBase};
 pub use renamed::RENAMED_KEYS;
 pub use source::ScenarioError;
 
-use crate::motion::Motion;
+use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use controller_core::paper::params::Params;
 use controller_core::paper::params::Reset;
@@ -35,7 +35,7 @@ use std::path::Path;
 /// The control law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Law {
+pub enum ControlLaw {
     /// Backstepping through shunting neurons, Eqs. (15)-(23).
     #[default]
     Neural,
@@ -105,12 +105,12 @@ impl From<ResetRule> for Reset {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub struct Controller {
     /// The law.
-    pub kind: Law,
+    pub kind: ControlLaw,
     /// Its number type.
     pub precision: Precision,
     /// Its mathematical functions.
     pub maths: MathsBackEnd,
-    /// Its neurons' update; without meaning for [`Law::Plain`].
+    /// Its neurons' update; without meaning for [`ControlLaw::Plain`].
     pub neurons: Update,
     /// Its parking law.
     pub parking: ParkingLaw,
@@ -132,7 +132,7 @@ pub struct Scenario {
     /// Where the robot is at t = 0 and how it moves.
     pub start: Measured<f64>,
     /// The reference, Eq. (6).
-    pub motion: Motion,
+    pub motion: ReferenceMotion,
     /// When to stop tracking and where to park; `None` tracks to the end.
     pub hand_over: Option<ParkingPlan<f64>>,
     /// Length of the run \[s\].
@@ -171,7 +171,7 @@ impl Scenario {
     }
 
     /// The same scenario flown by another law.
-    pub fn with_law(&self, kind: Law) -> Self {
+    pub fn with_law(&self, kind: ControlLaw) -> Self {
         let mut other = self.clone();
         other.controller.kind = kind;
         other

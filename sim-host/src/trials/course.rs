@@ -1,7 +1,7 @@
 //! The courses: the paper's two cases, and a park.
 
 use crate::mission::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
-use crate::motion::Motion;
+use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Measured, Pose, Twist};
@@ -74,7 +74,7 @@ fn follow(base: &Base, turn: f64) -> (f64, Way, f64) {
     } else {
         1.0
     });
-    let motion = Motion::Constant(ConstantTwist {
+    let motion = ReferenceMotion::Constant(ConstantTwist {
         start: Pose::default(),
         twist: Twist::new(pace * PAPER.0, pace * turn),
     });

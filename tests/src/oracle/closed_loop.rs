@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use serde::Deserialize;
 
 use super::laws::{self, Target};
-use super::{Params, Reference, Reset, Row, State, handover, neuron, posture, robot};
+use super::{Params, Reference, Reset, Row, State, hand_over, neuron, posture, robot};
 
 /// Which control law closes the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -182,8 +182,8 @@ impl Scenario {
         let p = &self.params;
         let (s, accel) = match self.law {
             Law::Neural => (
-                handover::pose_neurons(p, &before.command),
-                handover::accel_neurons(
+                hand_over::pose_neurons(p, &before.command),
+                hand_over::accel_neurons(
                     p,
                     switch.reset,
                     &before.command,

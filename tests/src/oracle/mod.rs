@@ -7,7 +7,7 @@
 
 pub mod closed_loop;
 pub mod continuous;
-pub mod handover;
+pub mod hand_over;
 pub mod laws;
 pub mod lyapunov;
 pub mod neuron;
@@ -19,7 +19,7 @@ pub mod sampled;
 pub mod trace;
 
 pub use closed_loop::{Law, Phase, Scenario, Switch};
-pub use handover::Reset;
+pub use hand_over::Reset;
 pub use laws::Command;
 pub use params::Params;
 pub use reference::Reference;

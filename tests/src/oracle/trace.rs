@@ -61,7 +61,7 @@ impl Row {
         self.twist - self.command.velocity
     }
 
-    /// The golden files' columns; the oracle has no bridge terms, so the last two are 0.
+    /// The golden files' columns; the oracle has no transition offsets, so the last two are 0.
     pub fn columns(&self) -> [f64; 20] {
         let (q, e, s, c) = (&self.q, &self.e, &self.s, &self.command.velocity);
         let (twist, accel, tau) = (&self.twist, &self.accel, &self.tau);

@@ -4,7 +4,10 @@ use super::*;
 
 #[test]
 fn default_is_valid_and_with_changes_just_one_kind() {
-    assert_eq!(PolicyParams::DEFAULT.validate(), Ok(Policy::default()));
+    assert_eq!(
+        PolicyParams::DEFAULT.validate(),
+        Ok(ValidPolicyParams::default())
+    );
     let odd = Response::latched(Reaction::Release);
     for kind in FaultKind::ALL {
         let changed = PolicyParams::DEFAULT.with(kind, odd);

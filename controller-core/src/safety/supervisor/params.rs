@@ -82,7 +82,7 @@ impl SupervisorParams {
     /// # Errors
     /// The first field out of range, with the limit it passed; times are in µs and have to be longer than
     /// the dwell.
-    pub fn validate(self) -> Result<ValidSupervisor, ParamError> {
+    pub fn validate(self) -> Result<ValidSupervisorParams, ParamError> {
         let rest = &self.rest;
         within(Field::RestSpeed, rest.speed_m_s, 1.0e-4, 1.0)?;
         within(Field::RestTurnRate, rest.turn_rad_s, 1.0e-4, 10.0)?;
@@ -90,7 +90,7 @@ impl SupervisorParams {
         within(Field::RestTime, dwell, 0.0, 1.0e7)?;
         time(Field::StopLimit, self.stop_limit, dwell + 1.0)?;
         time(Field::BrakeLimit, self.brake_limit, dwell + 1.0)?;
-        Ok(ValidSupervisor(self))
+        Ok(ValidSupervisorParams(self))
     }
 }
 
@@ -102,9 +102,9 @@ impl Default for SupervisorParams {
 
 /// [`SupervisorParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ValidSupervisor(pub(super) SupervisorParams);
+pub struct ValidSupervisorParams(pub(super) SupervisorParams);
 
-impl Default for ValidSupervisor {
+impl Default for ValidSupervisorParams {
     /// [`SupervisorParams::DEFAULT`], which a test holds to be valid.
     fn default() -> Self {
         Self(SupervisorParams::DEFAULT)

@@ -1,6 +1,6 @@
 //! The supervisor: the table, and what a tick needs beside it.
 
-use super::params::{Emergency, IdleOutput, SupervisorParams, ValidSupervisor};
+use super::params::{Emergency, IdleOutput, SupervisorParams, ValidSupervisorParams};
 use super::state::{Action, Event, OutputMode, State, Then};
 use super::table::next;
 use crate::motion::AtRest;
@@ -8,7 +8,7 @@ use crate::safety::detector_params::Timeout;
 use crate::safety::fault::{Fault, FaultKind};
 use crate::safety::inputs::ActiveFaults;
 use crate::safety::monitor::Debounce;
-use crate::safety::policy::Policy;
+use crate::safety::policy::ValidPolicyParams;
 use crate::safety::reaction::{Reaction, Response};
 
 /// Why the state is what it is.
@@ -66,7 +66,7 @@ pub struct Supervisor {
 
 impl Supervisor {
     /// In [`State::Idle`].
-    pub const fn new(params: &ValidSupervisor) -> Self {
+    pub const fn new(params: &ValidSupervisorParams) -> Self {
         Self {
             params: params.0,
             state: State::Idle,
@@ -83,7 +83,7 @@ impl Supervisor {
     }
 
     /// Other parameters for what is to come; state and cause stay.
-    pub(crate) const fn reconfigure(&mut self, params: &ValidSupervisor) {
+    pub(crate) const fn reconfigure(&mut self, params: &ValidSupervisorParams) {
         self.params = params.0;
     }
 
@@ -115,7 +115,11 @@ impl Supervisor {
     ///
     /// Where nothing can move (Idle, Stopped, Fault) only a driver's fault changes the state: an idle base
     /// needs no host and no pose. Arming such a base shows within the same tick what is wrong with it.
-    pub fn on_active_faults(&mut self, active_faults: &ActiveFaults, policy: &Policy) -> Action {
+    pub fn on_active_faults(
+        &mut self,
+        active_faults: &ActiveFaults,
+        policy: &ValidPolicyParams,
+    ) -> Action {
         for fault in active_faults.ignored(policy) {
             self.ignored = self.ignored.saturating_add(1);
             self.last_ignored = Some(fault);

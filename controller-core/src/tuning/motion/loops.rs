@@ -88,17 +88,17 @@ pub(super) fn bearing<T: Scalar>(approach: T, a: T, bandwidth: T) -> Feedback<T>
     }
 }
 
-/// [`lateral`] for the right inertia from an offset at rest, with the bridge that starts it smoothly,
+/// [`lateral`] for the right inertia from an offset at rest, with the transition offset that starts it smoothly,
 /// (λ + A)², and the push that its highest derivative starts with.
 pub(super) fn lateral_start<T: Scalar>(heading: T, stiffness: T, a: T) -> (Polynomial<T>, T) {
-    let bridge = lag(a).times(&lag(a));
+    let transition_offset = lag(a).times(&lag(a));
     let pair = Polynomial::new([a * stiffness, a * heading, a + heading, T::ONE]);
-    (bridge.times(&pair), stiffness * a * a)
+    (transition_offset.times(&pair), stiffness * a * a)
 }
 
 /// The same for [`longitudinal`].
 pub(super) fn longitudinal_start<T: Scalar>(gain: T, a: T) -> (Polynomial<T>, T) {
-    let bridge = lag(a).times(&lag(a));
+    let transition_offset = lag(a).times(&lag(a));
     let pair = Polynomial::new([gain * a, a, T::ONE]);
-    (bridge.times(&pair), gain * a * a)
+    (transition_offset.times(&pair), gain * a * a)
 }

@@ -77,7 +77,7 @@ const DECAY: f64 = 5.0;
 /// k₃ = 2ζω + ω²/(A − 2ζω)      c = ω² (1 + ω²/(A (A − 2ζω)))
 /// ```
 ///
-/// exactly. ω, k₁ and k₄ are found by bisection such that the loop's response, the bridge at its
+/// exactly. ω, k₁ and k₄ are found by bisection such that the loop's response, the transition offset at its
 /// start included, has a tenth left at the specified time. The limits are those that
 /// [`MotionGains::for_limits`] respects: 2 k₃²/9 · 1 rad/s² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
 /// both accelerations with three quarters of the wheels' torque;

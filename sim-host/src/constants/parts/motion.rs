@@ -83,7 +83,11 @@ fn gains(out: &mut Writer, gains: &MotionGains<f32>) {
         disturbance_share,
     } = gains;
     out.open("gains: motion::MotionGains {");
-    out.number("decay", *decay, "Of pose neurons and bridges [1/s].");
+    out.number(
+        "decay",
+        *decay,
+        "Of pose neurons and transition offsets [1/s].",
+    );
     out.number("longitudinal", *longitudinal, "Along the path [1/s].");
     out.number(
         "longitudinal_bound",

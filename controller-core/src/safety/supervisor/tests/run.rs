@@ -3,7 +3,9 @@
 use super::*;
 use crate::error::{Field, Problem};
 use crate::hal::ErrorKind;
-use crate::safety::{ActiveFaults, Fault, FaultKind, Policy, PolicyParams, Side, Timeout};
+use crate::safety::{
+    ActiveFaults, Fault, FaultKind, PolicyParams, Side, Timeout, ValidPolicyParams,
+};
 
 #[test]
 fn a_stop_ends_when_the_base_rests_for_the_dwell() {
@@ -46,7 +48,7 @@ fn stops_are_bounded_in_time() {
 /// A milder fault during a stop latches it without giving it more time.
 #[test]
 fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
-    let policy = Policy::default();
+    let policy = ValidPolicyParams::default();
     let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
     supervisor.on(Event::Stop);
     for _ in 0..400 {
@@ -84,7 +86,7 @@ fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
 
 #[test]
 fn ignored_faults_are_counted_and_reported() {
-    let policy = Policy::default();
+    let policy = ValidPolicyParams::default();
     let mut supervisor = supervisor_in(State::Parking, SupervisorParams::DEFAULT);
     let changes = supervisor.changes();
     let mut active_faults = ActiveFaults::NONE;
@@ -102,7 +104,7 @@ fn ignored_faults_are_counted_and_reported() {
 /// An idle base needs no host; its driver has to work all the same.
 #[test]
 fn only_the_driver_fails_what_stands() {
-    let policy = Policy::default();
+    let policy = ValidPolicyParams::default();
     for state in [State::Idle, State::Stopped, State::Fault] {
         for kind in FaultKind::ALL {
             let fault = match kind {
@@ -169,7 +171,7 @@ fn the_button_does_what_is_set_up_and_latches() {
 #[test]
 fn parameters_out_of_range_are_named() {
     let default = SupervisorParams::DEFAULT;
-    assert_eq!(default.validate(), Ok(ValidSupervisor::default()));
+    assert_eq!(default.validate(), Ok(ValidSupervisorParams::default()));
     let short = SupervisorParams {
         stop_limit: Timeout::AfterUs(100_000),
         ..default
@@ -193,7 +195,7 @@ fn rest_is_not_believed_from_a_broken_measurement() {
     let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
     let mut active_faults = ActiveFaults::NONE;
     active_faults.add(Fault::EncoderStuck(Side::Both));
-    supervisor.on_active_faults(&active_faults, &Policy::default());
+    supervisor.on_active_faults(&active_faults, &ValidPolicyParams::default());
     for _ in 0..499 {
         assert_eq!(supervisor.tick(10_000, true), Action::Continue);
         assert_eq!(supervisor.output(), OutputMode::Brake);

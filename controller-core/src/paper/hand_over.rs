@@ -16,7 +16,7 @@ pub struct PoseNeurons<T> {
     /// s₃(P), in [−D, B] and [−π/2, π/2].
     pub s3: T,
     /// b(P): added to the command and faded out as exp(−A t). Zero if (23) could be met.
-    pub bridge: Twist<T>,
+    pub transition_offset: Twist<T>,
 }
 
 /// Pose neurons with which Eq. (20) commands what Eq. (15) did. Eq. (23), first two lines.
@@ -30,7 +30,7 @@ pub struct PoseNeurons<T> {
 /// | v_c, w_c | `command` of the tracking law in this very tick | m/s, rad/s |
 ///
 /// Not in the paper: where a state would leave [−D, B], or |w_c| > k₅ leaves the arcsine without
-/// a value, the state is clipped and a bridge term carries the rest.
+/// a value, the state is clipped and a transition offset carries the rest.
 #[inline]
 pub fn pose_neurons<T: Scalar, M: Maths<T>>(
     gains: &ParkingGains<T>,
@@ -56,11 +56,15 @@ pub fn pose_neurons<T: Scalar, M: Maths<T>>(
     } else {
         rest
     };
-    let bridge = Twist {
+    let transition_offset = Twist {
         linear: bridge_linear,
         angular: bridge_angular,
     };
-    PoseNeurons { s1, s3, bridge }
+    PoseNeurons {
+        s1,
+        s3,
+        transition_offset,
+    }
 }
 
 /// What the acceleration neurons are reset from, all of it of the tick of the hand-over.

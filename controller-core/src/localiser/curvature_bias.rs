@@ -3,7 +3,7 @@
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// How fast the bend is learnt from fixes, and how far it is believed.
+/// How fast the curvature bias is learnt from fixes, and how far it is believed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Learning<T> {
     /// β.
@@ -19,8 +19,8 @@ impl<T: Scalar> Learning<T> {
     ///
     /// | symbol | what |
     /// | --- | --- |
-    /// | b_max = 2 d/l | bend of radii that are wrong by the share d, each its way, at the track l |
-    /// | β = α²/4 | heading and bend are one critically damped filter then, with both poles at half of the heading's bandwidth |
+    /// | b_max = 2 d/l | curvature bias of radii that are wrong by the share d, each its way, at the track l |
+    /// | β = α²/4 | heading and curvature bias are one critically damped filter then, with both poles at half of the heading's bandwidth |
     /// | s₀ = 1.8 σ α^1.5/b_max | way between fixes below which it is learnt more slowly, so that noise never shakes it by more than b_max/5 |
     ///
     /// The last by the steady variance: for s far above s₀ that of such a filter, 2 β² σ²/(s² α (4 − 2 α − β)), so a
@@ -44,15 +44,15 @@ impl<T: Scalar> Learning<T> {
     }
 }
 
-/// The bend: turn that odometry has to add per way \[rad/m\].
+/// The curvature bias: turn that odometry has to add per way \[rad/m\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Bend<T> {
+pub(super) struct CurvatureBias<T> {
     pub(super) value: T,
     /// Way since the last good fix, backward negative \[m\].
     way: T,
 }
 
-impl<T: Scalar> Bend<T> {
+impl<T: Scalar> CurvatureBias<T> {
     /// A tick's way.
     pub(super) fn drive(&mut self, travel: T) {
         self.way += travel;
