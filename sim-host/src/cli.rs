@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
-pub use board::{Chip, Link, MonitorArgs};
+pub use board::{Chip, LawArg, Link, MonitorArgs};
 pub use identify::IdentifyArgs;
 
 const EXAMPLES: &str = "\
@@ -86,21 +86,28 @@ Examples:
         #[command(flatten)]
         drive: DriveArgs,
     },
-    /// Run one scenario with both laws, or several scenarios, and put them side by side
+    /// Run one scenario with several laws, or several files, and put them side by side
     ///
-    /// With several files each runs with its own controller, and the first is compared with each
-    /// of the others.
+    /// One scenario of the paper runs with both of its laws, or with those of --law; the default law hands over to
+    /// parking when the paper's do. Several files run each with its own controller, or each with each of --law. The
+    /// first run is compared with each of the others.
     #[command(after_help = "\
 Examples:
   sim-host compare scenarios/paper-curve.toml
-  sim-host compare standing-reference weaving --out results")]
+  sim-host compare paper-line --law neural --law motion
+  sim-host compare standing-reference weaving slalom.json --out results")]
     Compare {
-        /// Scenario files, or names from `sim-host list`
+        /// Scenario or trajectory files, or names from `sim-host list`
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+        /// A law to compare; may be given several times
+        #[arg(long = "law", value_enum, value_name = "LAW")]
+        laws: Vec<LawArg>,
         /// Write the trace of each run as CSV
         #[arg(long)]
         csv: bool,
+        #[command(flatten)]
+        drive: DriveArgs,
     },
     /// Processor in the loop: the controller on an emulated chip, the plant here
     ///

@@ -112,7 +112,7 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
             ripples.push(100.0 * rattle);
         }
         readme.exactly(
-            At::Row("Your own robot", row),
+            At::Row("From a robot's file to flash", row),
             &[ends, times, ripples].concat(),
         );
     }

@@ -50,6 +50,8 @@ pub enum CommandError {
     },
     #[error("two scenarios are named {0}: their results would overwrite each other")]
     SameName(String),
+    #[error("{0}: is for the default law: no other can run it")]
+    OnlyMotion(String),
     #[error("no built-in scenario is named {0}: see `sim-host list`")]
     NoSuchName(String),
     #[error(transparent)]

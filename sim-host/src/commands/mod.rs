@@ -21,11 +21,12 @@ use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
-use sim_host::mission::Base;
-use sim_host::scenario::{BuiltIn, PAPER, Scenario};
+use sim_host::mission::{Base, Mission};
+use sim_host::scenario::{PAPER, Scenario};
 use sim_host::trace::Trace;
 use std::io::{ErrorKind, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use write::ControllerRecord;
 
 /// Does what the arguments say.
 pub fn execute(cli: &Cli) -> Result<(), CommandError> {
@@ -39,7 +40,17 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         }
         Command::Check(arguments) => drive::check(arguments),
         Command::Compile(arguments) => drive::compile(arguments, output),
-        Command::Compare { files, csv } => compare::scenarios(&load_all(files)?, *csv, output),
+        Command::Compare {
+            files,
+            laws,
+            csv,
+            drive,
+        } => {
+            let base = drive::base(drive.base.as_deref())?;
+            let jobs = drive::load_all(files, &drive.file_run(), &base)?;
+            let chosen = drive.base.as_ref().map(|_| &base);
+            compare::jobs(&jobs, laws, chosen, *csv, output)
+        }
         Command::Pil {
             files,
             machine,
@@ -80,43 +91,48 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
     }
 }
 
-/// A scenario that has been run.
+/// A scenario or a mission that has been run.
 struct Finished {
-    scenario: Scenario,
+    name: String,
+    description: String,
+    controller: ControllerRecord,
+    duration_s: f64,
     trace: Trace,
     metrics: Metrics,
 }
 
-fn load_all(files: &[PathBuf]) -> Result<Vec<Scenario>, CommandError> {
-    let mut scenarios: Vec<Scenario> = Vec::new();
-    for file in files {
-        let scenario = load(file)?;
-        // Results are named after the file: a second one would overwrite the first one's.
-        if scenarios.iter().any(|other| other.name == scenario.name) {
-            return Err(CommandError::SameName(scenario.name));
-        }
-        scenarios.push(scenario);
+impl Finished {
+    /// A run of a scenario, with its metrics.
+    fn scenario(scenario: &Scenario, trace: Trace) -> Result<Self, CommandError> {
+        Ok(Self {
+            name: scenario.name.clone(),
+            description: scenario.description.clone(),
+            controller: ControllerRecord::Paper(scenario.controller),
+            duration_s: scenario.duration_s,
+            metrics: Metrics::of(&trace).ok_or(CommandError::NoRows)?,
+            trace,
+        })
     }
-    Ok(scenarios)
-}
 
-/// A file if there is one, else a built-in scenario of that name.
-fn load(file: &Path) -> Result<Scenario, CommandError> {
-    let built_in = file.to_str().and_then(BuiltIn::find);
-    match built_in {
-        Some(built_in) if !file.exists() => Ok(built_in.scenario()?),
-        _ => Ok(Scenario::load(file)?),
+    /// A run of a mission, as far as all laws have it in common.
+    fn mission(mission: &Mission) -> Result<Self, CommandError> {
+        let trace = sim_host::drive::drive(mission)?.common();
+        Ok(Self {
+            name: mission.name.clone(),
+            description: mission.description.clone(),
+            controller: ControllerRecord::Motion {
+                kind: "motion",
+                precision: mission.precision,
+            },
+            duration_s: trace.rows.last().map_or(0.0, |row| row.t),
+            metrics: Metrics::of(&trace).ok_or(CommandError::NoRows)?,
+            trace,
+        })
     }
 }
 
 fn simulate(scenario: &Scenario) -> Result<Finished, CommandError> {
-    let trace = sim_host::run::run(scenario)?;
-    let metrics = Metrics::of(&trace).ok_or(CommandError::NoRows)?;
-    Ok(Finished {
-        scenario: scenario.clone(),
-        trace,
-        metrics,
-    })
+    Finished::scenario(scenario, sim_host::run::run(scenario)?)
 }
 
 /// Prints to standard output. A reader that has seen enough (`| head`) does not keep the results

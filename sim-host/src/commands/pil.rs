@@ -8,7 +8,6 @@ use super::{Finished, say, warn};
 use crate::cli::Output;
 use firmware_demo::host::{LinkKind, Machine};
 use sim_host::figure::Labelled;
-use sim_host::metrics::Metrics;
 use sim_host::pil::{BaseBench, Bench, Cost, FIRMWARE, Flight, Footprint, Parity, Spread};
 use sim_host::scenario::{Controller, Scenario};
 use sim_host::table::{Column, side_by_side};
@@ -185,14 +184,9 @@ fn write(
     chip: ChipRecord,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let metrics = Metrics::of(&flight.trace).ok_or(CommandError::NoRows)?;
     let mut flown = scenario.clone();
     flown.controller = FIRMWARE;
-    let run = Finished {
-        scenario: flown,
-        trace: flight.trace,
-        metrics,
-    };
+    let run = Finished::scenario(&flown, flight.trace)?;
     let (name, label) = (&scenario.name, chip.machine);
     say(&format!("{name}: {}\n", scenario.description))?;
     let metrics = &run.metrics;

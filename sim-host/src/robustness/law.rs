@@ -3,7 +3,7 @@
 use super::condition::Disturbance;
 use super::{Case, StudyError};
 use crate::controller_port::{self, ControllerPort};
-use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
+use crate::mission::{Base, Course, Mission, When};
 use crate::precision::Precision;
 use crate::run::Sequencer;
 use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
@@ -70,26 +70,16 @@ pub(super) fn scenario(case: Case, disturbance: &Disturbance) -> Result<Scenario
 
 /// The same case for the default law, which hands over by its own rule.
 pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission {
-    Mission {
-        name: scenario.name.clone(),
-        description: String::new(),
-        base: told_limits(disturbance),
-        robot: scenario.robot,
-        precision: disturbance.precision,
-        start: scenario.start,
-        course: Course::Follow {
-            route: Route::Motion(scenario.motion),
-            hand_over: scenario.hand_over.map(|plan| HandOverRule {
-                goal: plan.goal,
-                end_s: TARGET_AT_S,
-                when: When::Distance,
-            }),
-        },
-        events: Vec::new(),
-        period_s: disturbance.period_s,
-        end: End::At(disturbance.duration_s),
-        setup: None,
+    let mut mission = scenario.mission(told_limits(disturbance));
+    if let Course::Follow {
+        hand_over: Some(rule),
+        ..
+    } = &mut mission.course
+    {
+        rule.end_s = TARGET_AT_S;
+        rule.when = When::Distance;
     }
+    mission
 }
 
 /// N of both cases \[s\].

@@ -4,7 +4,7 @@ use super::base::{LimitKeys, RobotKeys, base, pose};
 use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
 use super::source::{Checked, Source};
-use super::{BuiltInBase, ScenarioError, belief, ranges};
+use super::{BuiltInBase, Scenario, ScenarioError, belief, ranges};
 use crate::mission::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
@@ -127,6 +127,32 @@ impl Mission {
             end: End::At(duration),
             setup: world_setup(keys.world, keys.seed, &place)?,
         })
+    }
+}
+
+impl Scenario {
+    /// The same course for the default law on `base`, which parks from when the paper's laws do.
+    pub fn mission(&self, base: Base) -> Mission {
+        Mission {
+            name: self.name.clone(),
+            description: self.description.clone(),
+            base,
+            robot: self.robot,
+            precision: self.controller.precision,
+            start: self.start,
+            course: Course::Follow {
+                route: Route::Motion(self.motion),
+                hand_over: self.hand_over.map(|plan| HandOverRule {
+                    goal: plan.goal,
+                    end_s: plan.hand_over_s,
+                    when: When::Time(plan.hand_over_s),
+                }),
+            },
+            events: Vec::new(),
+            period_s: self.period_s,
+            end: End::At(self.duration_s),
+            setup: None,
+        }
     }
 }
 
