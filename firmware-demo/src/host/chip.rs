@@ -12,8 +12,8 @@ use controller_core::reference::Reference;
 use controller_core::types::Measured;
 
 use super::{
-    AnyLink, BuildError, Emulator, EmulatorError, Image, Options, Outcome, Session, SessionError,
-    build_image,
+    AnyLink, BuildError, Emulator, EmulatorError, EmulatorOutcome, Image, Options, Session,
+    SessionError, build_image,
 };
 use protocol::pil::{Answer, Question, Refusal, Ticked};
 use protocol::{Counters, RejectReason};
@@ -212,7 +212,7 @@ impl Chip {
     /// # Errors
     ///
     /// A failed link, or an emulator that does not end.
-    pub fn finish(mut self) -> Result<Outcome, ChipError> {
+    pub fn finish(mut self) -> Result<EmulatorOutcome, ChipError> {
         match self.ask(&Question::Stop)? {
             Answer::Ack => Ok(self.emulator.finish(self.patience)?),
             other => Err(unexpected(other)),

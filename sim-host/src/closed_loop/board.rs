@@ -2,7 +2,7 @@
 
 use super::PlantHal;
 use super::by_orders::{ClosedLoopError, Parts};
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::world::{Actuation, World, WorldSetup};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
 use controller_core::hal::Clock;
@@ -30,7 +30,7 @@ impl<'queue> Board<'queue> {
     /// Parameters out of their range.
     pub fn new(
         queues: &'queue mut Queues,
-        base: &Base,
+        base: &BaseSpec,
         setup: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, ClosedLoopError> {

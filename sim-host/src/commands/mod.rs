@@ -21,7 +21,7 @@ use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
-use sim_host::mission::Base;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::{BuiltIn, PAPER, Scenario};
 use sim_host::trace::Trace;
 use std::io::{ErrorKind, Write as _};
@@ -123,7 +123,7 @@ fn say(text: &str) -> Result<(), CommandError> {
 }
 
 /// Prints what the owner of a base's file should change in it, to standard error as well.
-fn note(base: &Base) {
+fn note(base: &BaseSpec) {
     for note in &base.notes {
         let _ = writeln!(std::io::stderr(), "note: {note}");
     }

@@ -14,8 +14,8 @@ use controller_core::safety::supervisor::State;
 use controller_core::types::{Twist, Wrench};
 use protocol::Command;
 
-/// For how long a base is watched after it parked \[s\].
-const WATCH_S: f64 = 1.0;
+/// For how long a base is observed after it parked \[s\].
+const OBSERVE_S: f64 = 1.0;
 
 /// Runs a mission in a world: arms, follows, hands over, parks.
 ///
@@ -27,17 +27,17 @@ pub fn drive_in_world(
     mission: &Mission,
     setup: &WorldSetup,
 ) -> Result<DriveTrace, ClosedLoopError> {
-    watch(mission, setup, WATCH_S)
+    drive_and_observe(mission, setup, OBSERVE_S)
 }
 
-/// The same, but a base that parked is watched for `watch_s` \[s\].
+/// The same, but a base that parked is observed for `observe_s` \[s\].
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn watch(
+pub fn drive_and_observe(
     mission: &Mission,
     setup: &WorldSetup,
-    watch_s: f64,
+    observe_s: f64,
 ) -> Result<DriveTrace, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let (_, references) = queue.split();
@@ -79,7 +79,7 @@ pub fn watch(
             _ => None,
         };
         let done = matches!(state, State::Stopped | State::Fault)
-            || parked_since.is_some_and(|since| t >= since.max(last_event) + watch_s);
+            || parked_since.is_some_and(|since| t >= since.max(last_event) + observe_s);
         if done {
             break;
         }

@@ -7,7 +7,7 @@ mod hardware;
 mod reference_sampler;
 mod sequencer;
 
-pub use base::Base;
+pub use base::BaseSpec;
 pub use hardware::Hardware;
 pub(crate) use sequencer::{Orders, Sequencer};
 
@@ -26,7 +26,7 @@ pub struct Mission {
     /// One line for people.
     pub description: String,
     /// What the controller believes of the robot.
-    pub base: Base,
+    pub base: BaseSpec,
     /// What the robot really is.
     pub robot: Robot<f64>,
     /// Number type of the controller.

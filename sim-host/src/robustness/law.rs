@@ -3,7 +3,7 @@
 use super::condition::Disturbance;
 use super::{Case, StudyError};
 use crate::controller_port::{self, ControllerPort};
-use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
+use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
 use crate::precision::Precision;
 use crate::run::Sequencer;
 use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
@@ -95,14 +95,14 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
 /// N of both cases \[s\].
 const TARGET_AT_S: f64 = 10.0;
 
-/// The base that the default law is told of: [`Base::default`], within the saturation if there is
+/// The base that the default law is told of: [`BaseSpec::default`], within the saturation if there is
 /// one.
 ///
 /// Wheels that can exert force and moment at the same time need r (F/2 + N/l) each, which is the
 /// limit told. 85 % of force and moment go into the accelerations, as for every base here; the rest
 /// is for feedback. A jerk of 20 times the acceleration is below what the base has without limit.
-pub fn told_limits(disturbance: &Disturbance) -> Base {
-    let mut base = Base::default();
+pub fn told_limits(disturbance: &Disturbance) -> BaseSpec {
+    let mut base = BaseSpec::default();
     let Some(saturation) = disturbance.saturation else {
         return base;
     };

@@ -115,12 +115,12 @@ pub fn health(gains: &MotionGains<f64>, period_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::health;
-    use crate::mission::Base;
+    use crate::mission::BaseSpec;
     use controller_core::motion::MotionGains;
 
     #[test]
     fn gains_for_limits_are_healthy_and_stiffer_ones_are_not() {
-        let good = Base::default().motion().gains;
+        let good = BaseSpec::default().motion().gains;
         assert_eq!(health(&good, 0.01), 0.0);
         let stiff = MotionGains {
             lateral: 10.0 * good.lateral,

@@ -7,7 +7,7 @@ use controller_core::maths::{Libm, Maths};
 /// What the motors do to the wheels for one substep: τ = `torque` − `slope` · ω, and the gear
 /// holds back `loss` against the motion, all at the wheel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Drive {
+pub(super) struct MotorDrives {
     pub torque: [f64; 2],
     pub slope: [f64; 2],
     pub loss: [f64; 2],
@@ -82,7 +82,7 @@ impl Electric {
         omega: [f64; 2],
         h: f64,
         (sag, extra_a): (Option<f64>, f64),
-    ) -> Drive {
+    ) -> MotorDrives {
         let Some(motor) = self.motor else {
             return self.ideal(command, omega, h);
         };
@@ -100,7 +100,7 @@ impl Electric {
         }
         self.feeds = limited;
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
-        let mut drive = Drive::default();
+        let mut drive = MotorDrives::default();
         for (i, omega) in omega.into_iter().enumerate() {
             let (at_rest, per_speed) = self.mean_current(&motor, i, h);
             let current = at_rest - per_speed * omega;
@@ -131,8 +131,8 @@ impl Electric {
     }
 
     /// Torques without motors.
-    fn ideal(&mut self, command: &Actuation, omega: [f64; 2], h: f64) -> Drive {
-        let mut drive = Drive::default();
+    fn ideal(&mut self, command: &Actuation, omega: [f64; 2], h: f64) -> MotorDrives {
+        let mut drive = MotorDrives::default();
         match *command {
             Actuation::Torque { right, left } => drive.torque = [right, left],
             Actuation::Speed { right, left } => {
