@@ -6,10 +6,10 @@
 //! calculation, where there are some.
 //!
 //! ```
-//! use sim_host::robustness::{Case, Disturbance, Law, run};
+//! use sim_host::robustness::{Case, ComparedLaw, Disturbance, run};
 //!
 //! let late = Disturbance { pose_latency_s: 0.1, ..Disturbance::NOMINAL };
-//! let figures = run(&late, Case::Line, Law::Neural, 0)?;
+//! let figures = run(&late, Case::Line, ComparedLaw::Neural, 0)?;
 //! assert!((figures.settling_s.ok_or("never settled")? - 5.28).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
