@@ -18,7 +18,7 @@ use super::{
 use protocol::pil::{Answer, Question, Refusal, Ticked};
 use protocol::{Counters, RejectReason};
 
-/// Why the chip did not do what it was asked.
+/// Why the chip did not answer as it should.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum ChipError {

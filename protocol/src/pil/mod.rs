@@ -1,4 +1,4 @@
-//! What a processor in the loop is asked, and answers: the paper's law, one tick at a time.
+//! Questions to a processor in the loop, and its answers: the paper's law, one tick at a time.
 
 mod convert;
 mod parameters;
@@ -77,7 +77,7 @@ pub struct WireMeasured {
     pub twist: WireTwist,
 }
 
-/// What a tick of the processor in the loop is asked to do.
+/// The demand of a tick of the processor in the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WireDemand {
     /// Follow the reference of this instant.

@@ -16,7 +16,7 @@
 //! pass: d̂/(m̂ κ ω) comes to the way. What breaks standing wheels loose, a_s, is seen after two ticks at the latest, and
 //! the loop takes away the speed that they gave: a_s 2 dt (dt + 1/κ).
 //!
-//! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current v₀ asks for is
+//! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current that v₀ needs is
 //! below the driver's limit; beyond it the base slows down by 2 c/m at least when both wheels roll forward,
 //! hence v₀²/(2 · 2c/m), and by half of that while it also turns, for at most |w₀| I/(c l/2).
 //!

@@ -1,4 +1,4 @@
-//! What a file on the command line is, told by its content.
+//! What a file on the command line is, by its content.
 
 use super::error::CommandError;
 use sim_host::drive::{FileRun, verdict};

@@ -60,7 +60,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         } => faults::all(*runs, seed.draw()?, only, *run, output),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {
-            // Nobody to tell is no reason to stop.
+            // Nobody to read it is no reason to stop.
             let note = "note: `prove` is `verify` now; the old name is there for one release more";
             let _ = writeln!(std::io::stderr(), "{note}");
             verify::robot(arguments, output)

@@ -1,4 +1,4 @@
-//! The controller, in the precision that a mission asks for.
+//! The controller, in the precision of a mission.
 
 use crate::mission::BaseSpec;
 use crate::precision::Precision;

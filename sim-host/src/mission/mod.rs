@@ -105,7 +105,7 @@ pub enum Change {
     /// Back to the route.
     Follow,
     /// The localisation corrects itself by this much, and is right from then on (but for later
-    /// jumps). The controller is told.
+    /// jumps). It is declared to the controller.
     Jump(Pose<f64>),
 }
 

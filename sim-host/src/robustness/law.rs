@@ -73,7 +73,7 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
     Mission {
         name: scenario.name.clone(),
         description: String::new(),
-        base: told_limits(disturbance),
+        base: base_with_limits(disturbance),
         robot: scenario.robot,
         precision: disturbance.precision,
         start: scenario.start,
@@ -95,13 +95,13 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
 /// N of both cases \[s\].
 const TARGET_AT_S: f64 = 10.0;
 
-/// The base that the default law is told of: [`BaseSpec::default`], within the saturation if there is
+/// The base as the default law knows it: [`BaseSpec::default`], within the saturation if there is
 /// one.
 ///
 /// Wheels that can exert force and moment at the same time need r (F/2 + N/l) each, which is the
-/// limit told. 85 % of force and moment go into the accelerations, as for every base here; the rest
+/// limit given. 85 % of force and moment go into the accelerations, as for every base here; the rest
 /// is for feedback. A jerk of 20 times the acceleration is below what the base has without limit.
-pub fn told_limits(disturbance: &Disturbance) -> BaseSpec {
+pub fn base_with_limits(disturbance: &Disturbance) -> BaseSpec {
     let mut base = BaseSpec::default();
     let Some(saturation) = disturbance.saturation else {
         return base;

@@ -20,7 +20,7 @@ pub(super) struct HardwareKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct EncoderKeys {
     counts_per_turn: f64,
-    /// 50 rad/s: tells accelerations that no torque explains 40 ms late.
+    /// 50 rad/s: shows accelerations that no torque explains 40 ms late.
     #[serde(default = "speed_bandwidth")]
     bandwidth: f64,
 }

@@ -14,7 +14,7 @@ pub struct Score {
     pub time: f64,
     /// True error at the end: half a point for each 5 mm and for each 10 mrad, at most 5.
     pub error: f64,
-    /// Root mean square distance to the reference: half a point for 10 mm, at most 2.5; so much also if the
+    /// Root mean square distance to the reference: half a point for 10 mm, at most 2.5; that much also if the
     /// robot never came onto it.
     pub tracking: f64,
     /// Torque ripple at rest: half a point for 1 % of the wheels' limit, at most 2.5.

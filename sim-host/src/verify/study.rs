@@ -181,7 +181,7 @@ impl Case {
         let first = runs.first()?;
         let all = || runs.iter().map(|run| &run.figures);
         let parked = all().filter(|figures| figures.parked).count();
-        // Where none parked, how far they came still tells something.
+        // Where none parked, how far they came still says something.
         let counted = || all().filter(|figures| figures.parked || parked == 0);
         let largest = |figure: fn(&Figures) -> f64| counted().map(figure).fold(0.0, f64::max);
         let peaks = all().filter_map(|figures| figures.peak);

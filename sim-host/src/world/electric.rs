@@ -20,7 +20,7 @@ enum Feed {
     Voltage(f64),
     /// A current source \[A\].
     Current(f64),
-    /// Speed loop that asks for `at_rest` − `per_speed` ω \[A\].
+    /// Speed loop that demands `at_rest` − `per_speed` ω \[A\].
     Loop {
         at_rest: f64,
         per_speed: f64,
@@ -90,7 +90,7 @@ impl Electric {
         self.feeds = [0, 1].map(|i| self.desired(command, i, omega[i], h, &motor));
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
         let limited = [0, 1].map(|i| self.limited(&motor, i, omega[i], h));
-        // A loop that gets what it asks for integrates; at a limit it would only wind up.
+        // A loop that gets what it demands integrates; at a limit it would only wind up.
         if let Actuation::Speed { .. } = command {
             for (i, feed) in limited.iter().enumerate() {
                 if matches!(feed, Feed::Loop { .. }) {
