@@ -54,7 +54,7 @@ pub struct OdometryParams<T = f32> {
 }
 
 impl<T: Scalar> OdometryParams<T> {
-    /// Delay of the speed estimate for accelerations that it was not told of \[s\]: 2/bandwidth.
+    /// Delay of the speed estimate for accelerations that it does not know of \[s\]: 2/bandwidth.
     pub fn delay_s(&self) -> T {
         (T::ONE + T::ONE) / self.bandwidth
     }
@@ -93,7 +93,7 @@ impl<T: Scalar> OdometryParams<T> {
 ///
 /// The pose error of one step is zero for wheels that turn at constant rates in between. The speed
 /// estimate has no steady error at constant speed and no ripple either, at a count in many ticks as
-/// well as at many in one. Changes of speed that no acceleration told of arrive 2/bandwidth late, or
+/// well as at many in one. Changes of speed that no known acceleration explains arrive 2/bandwidth late, or
 /// 1.3 times the time between counts, where that is longer; a wheel that has stopped reads at
 /// most one count per time since the next was due, and soon exactly 0. A torque that friction holds moves nothing:
 /// an acceleration that a missing count refutes is not believed until the wheel rolls.
@@ -217,7 +217,7 @@ impl<T: Scalar> Odometry<T> {
         }
     }
 
-    /// From now on adds so much turn per way \[rad/m\].
+    /// From now on adds this turn per distance \[rad/m\].
     pub(crate) const fn set_curvature_bias(&mut self, curvature_bias: T) {
         self.curvature_bias = curvature_bias;
     }

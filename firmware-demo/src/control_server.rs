@@ -65,7 +65,7 @@ struct Request {
 
 type Answer = Frame<Telemetry>;
 
-/// Sequence number of telemetry that nobody asked for.
+/// Sequence number of unsolicited telemetry.
 pub const UNASKED: u16 = u16::MAX;
 
 /// What both sides look at; each field has one writer.

@@ -22,7 +22,7 @@ use protocol::{Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, Reje
 /// Bytes asked of the link at once; a whole question fits.
 const CHUNK: usize = 128;
 
-/// What a board can tell about a tick; the defaults are those of a board that cannot.
+/// What a board can measure of a tick; the defaults are those of a board that cannot.
 pub trait Probe {
     /// Runs `work` and counts its executed instructions.
     fn count<R>(&mut self, work: impl FnOnce() -> R) -> (R, u32) {
@@ -35,7 +35,7 @@ pub trait Probe {
     }
 }
 
-/// The probe of a board that can tell nothing.
+/// The probe of a board that can measure nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct NoProbe;
 

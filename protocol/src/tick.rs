@@ -33,7 +33,7 @@ pub mod tick_flags {
     pub const FIX_REFUSED: u16 = 1 << 11;
 }
 
-/// What the wheels are told.
+/// The output to the wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WireAction {
     /// Released.
@@ -66,7 +66,7 @@ pub struct BaseTick {
     pub tick: u32,
     /// The supervisor's state.
     pub state: State,
-    /// What the wheels are told.
+    /// The output to the wheels.
     pub action: WireAction,
     /// What came of it.
     pub outcome: WireOutcome,

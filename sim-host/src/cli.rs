@@ -215,7 +215,7 @@ Examples:
     Constants(ConstantsArgs),
     /// Show and log what a board sends over its serial port
     ///
-    /// Only listens, unless told to poll. Ends with the line, after --seconds, or with Ctrl-C.
+    /// Only listens, unless it is to poll. Ends with the line, after --seconds, or with Ctrl-C.
     #[command(after_help = "\
 Examples:
   sim-host monitor /dev/ttyACM0

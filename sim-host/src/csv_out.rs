@@ -10,7 +10,7 @@ use std::io::Write;
 /// * x_r … w_r: the moving reference; from the hand-over on the resting target.
 /// * e_x … wdot_c: what the controller computed; states without a part in the phase are 0.
 /// * b_v, b_w: transition offsets within v_c and w_c.
-/// * tau1, tau2: force \[N\] and moment \[N m\] that the law asks for.
+/// * tau1, tau2: force \[N\] and moment \[N m\] that the law demands.
 /// * tau_right, tau_left: what acts on the wheels until the next row.
 /// * phase: `tracking` or `parking`; then flags, 0 or 1.
 pub const COLUMNS: [&str; 37] = [

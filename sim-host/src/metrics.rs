@@ -75,9 +75,9 @@ pub struct Metrics {
     pub speed_m_s: Extremes,
     /// w.
     pub turn_rate_rad_s: Extremes,
-    /// τ₁, as the law asks for it.
+    /// τ₁, as the law demands it.
     pub force_n: Extremes,
-    /// τ₂, as the law asks for it.
+    /// τ₂, as the law demands it.
     pub moment_nm: Extremes,
     /// τ_right, as it acts.
     pub torque_right_nm: Extremes,

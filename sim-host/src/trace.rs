@@ -36,7 +36,7 @@ pub struct HandOver {
     /// Pose error with respect to the virtual target point: the last of tracking. The row holds
     /// the first of parking.
     pub error_before: PoseError<f64>,
-    /// What parking asks for minus what tracking would have, at that instant.
+    /// What parking demands minus what tracking would have, at that instant.
     pub torque_step: Wrench<f64>,
 }
 
@@ -48,7 +48,7 @@ impl TraceRow {
     }
 }
 
-/// A transition offset of this size \[m/s, rad/s\] is worth telling: it moves a torque by 1e-7 N or N m
+/// A transition offset of this size \[m/s, rad/s\] is worth reporting: it moves a torque by 1e-7 N or N m
 /// with gains of 100, and is above the rounding of single precision.
 pub const TRANSITION_OFFSET_THRESHOLD: f64 = 1.0e-9;
 

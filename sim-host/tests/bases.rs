@@ -3,7 +3,7 @@
 
 use controller_core::motion::Outcome;
 use controller_core::safety::supervisor::State;
-use sim_host::drive::watch;
+use sim_host::drive::drive_and_observe;
 use sim_host::drive::{DriveRow, DriveTrace, drive};
 use sim_host::mission::Mission;
 use sim_host::scenario::{BASES, BuiltInBase};
@@ -79,7 +79,7 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
                     let seed = 100 * number as u64 + seed;
                     let mission = mission(base, turn_rate, body, seed)?;
                     let setup = mission.setup.as_ref().ok_or("no world")?;
-                    let trace = watch(&mission, setup, 3.0)?;
+                    let trace = drive_and_observe(&mission, setup, 3.0)?;
                     let what = format!("{} w {turn_rate} {body:?} seed {seed}", base.name);
                     let last = trace.rows.last().ok_or("no rows")?;
                     let note = last.base.ok_or("no base")?;

@@ -3,12 +3,12 @@
 
 use controller_core::motion::Outcome;
 use sim_host::drive::drive;
-use sim_host::mission::{Base, Course, Mission, Route};
+use sim_host::mission::{BaseSpec, Course, Mission, Route};
 use sim_host::scenario::{BASES, MISSIONS};
 use std::error::Error;
 
 /// A scenario on another base; none if its reference is faster than the base, with a tenth for feedback.
-fn mission(name: &str, text: &str, base: &Base) -> Result<Option<Mission>, Box<dyn Error>> {
+fn mission(name: &str, text: &str, base: &BaseSpec) -> Result<Option<Mission>, Box<dyn Error>> {
     let mut mission = Mission::parse(&format!("{name}.toml"), text)?;
     if let Course::Follow {
         route: Route::Motion(motion),

@@ -2,7 +2,7 @@
 
 use firmware_demo::robots;
 use sim_host::constants::{module_name, period_us, rust};
-use sim_host::mission::Base;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::BuiltInBase;
 use sim_host::trials::Course;
 use sim_host::tune::{KNOBS, update};
@@ -15,7 +15,7 @@ use tests::stated::{At, Stated};
 
 const NAMES: [&str; 3] = ["paper-30kg", "lab-10kg", "hobby-1kg"];
 
-fn base(name: &str) -> Result<Base, Box<dyn Error>> {
+fn base(name: &str) -> Result<BaseSpec, Box<dyn Error>> {
     Ok(BuiltInBase::find(name).ok_or("not built in")?.base()?)
 }
 
@@ -69,7 +69,7 @@ fn a_board_drives_the_robot_of_a_file() -> Result<(), Box<dyn Error>> {
 fn constants_in_the_firmware_are_those_of_the_files() -> Result<(), Box<dyn Error>> {
     let boards = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards");
     let text = std::fs::read_to_string(boards.join("robot.toml"))?;
-    let robot = Base::parse("robot.toml", &text)?;
+    let robot = BaseSpec::parse("robot.toml", &text)?;
     let made = rust("robot.toml", &robot).map_err(|e| e.to_string())?;
     assert_eq!(
         made,
@@ -101,7 +101,7 @@ fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
     let built_in = BuiltInBase::find("lab-10kg").ok_or("not built in")?;
     let with = |lines: &str| format!("{}\n[policy]\n{lines}\n", built_in.text);
     let text = with("pose_stale = { reaction = \"brake\", latch = true }");
-    let base = Base::parse("mine.toml", &text)?;
+    let base = BaseSpec::parse("mine.toml", &text)?;
     let response = Response::latched(Reaction::Brake);
     let wanted = PolicyParams::DEFAULT.with(FaultKind::PoseStale, response);
     let params =
@@ -111,7 +111,9 @@ fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
     assert!(constants.contains("pose_stale: Response::latched(Reaction::Brake)"));
     // Nothing is left to stop by.
     let text = with("encoder_stuck = { reaction = \"controlled-stop\", latch = true }");
-    let refused = Base::parse("mine.toml", &text).err().ok_or("was taken")?;
+    let refused = BaseSpec::parse("mine.toml", &text)
+        .err()
+        .ok_or("was taken")?;
     let line = text.lines().count();
     assert_eq!(
         (refused.key.as_str(), refused.line),
@@ -121,7 +123,7 @@ fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
         refused.message.contains("leaves no measurement"),
         "{refused}"
     );
-    let refused = Base::parse("mine.toml", &with("pose_gone = 1"));
+    let refused = BaseSpec::parse("mine.toml", &with("pose_gone = 1"));
     assert!(refused.is_err_and(|error| error.to_string().contains("pose_gone")));
     Ok(())
 }
@@ -192,7 +194,7 @@ fn the_readme_states_the_verification() -> Result<(), Box<dyn Error>> {
     let (mut times, mut amiss) = (Vec::new(), [0; 2]);
     for name in NAMES {
         let base = base(name)?;
-        let plain = Base {
+        let plain = BaseSpec {
             gains: None,
             ..base.clone()
         };
@@ -243,7 +245,7 @@ fn the_page_shows_what_the_programs_print() -> Result<(), Box<dyn Error>> {
     };
     shown("3. Verify", &["verify", "robot.toml", "--seeds", "5"])?;
     // All gains at 0.4 of theirs.
-    let mut gains = Base::parse("robot.toml", &text)?.motion().gains;
+    let mut gains = BaseSpec::parse("robot.toml", &text)?.motion().gains;
     for knob in KNOBS {
         let slower = 0.4 * knob.of(&gains);
         knob.put(&mut gains, slower);

@@ -4,7 +4,7 @@ use controller_core::motion::MotionGains;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use sim_host::mission::Base;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::BASES;
 use sim_host::tune::{KNOBS, Search, Seeds, TuningProblem, search};
 use std::error::Error;
@@ -31,7 +31,7 @@ const fn small(seed: u64) -> Search {
 
 /// The base with gains that do badly: those of the file, each times e^(n/2) with a standard normal n, drawn until the
 /// score is in [`BAD`].
-fn badly_set(base: &Base, random: &mut Pcg64Mcg) -> Result<Base, Box<dyn Error>> {
+fn badly_set(base: &BaseSpec, random: &mut Pcg64Mcg) -> Result<BaseSpec, Box<dyn Error>> {
     // The searches below have other seeds.
     let seeds = Seeds::Unseen.draw(0, 4);
     let own = base.motion().gains;
@@ -43,7 +43,7 @@ fn badly_set(base: &Base, random: &mut Pcg64Mcg) -> Result<Base, Box<dyn Error>>
             knob.put(&mut gains, knob.of(&own) * libm::exp(0.5 * normal));
         }
         if BAD.contains(&problem.score(&gains, &seeds)?.total()) {
-            return Ok(Base {
+            return Ok(BaseSpec {
                 gains: Some(gains),
                 ..base.clone()
             });

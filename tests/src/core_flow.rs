@@ -12,7 +12,7 @@ use controller_core::types::{Accel, Measured, Twist, Wrench};
 use nalgebra::{SVector, Vector2, Vector3};
 
 use crate::core_params::{measured, sample, validated};
-use crate::oracle::{Law, Phase, Reset, Scenario, robot};
+use crate::oracle::{OracleLaw, Phase, Reset, Scenario, robot};
 
 /// (q, v, w, q_r, s₁, s₂ or s₃, v̇_s, ẇ_s, b_v, b_w).
 pub type State = SVector<f64, 14>;
@@ -91,7 +91,7 @@ impl<'a> Flow<'a> {
         state.fixed_rows_mut::<3>(0).copy_from(&scenario.q0);
         state.fixed_rows_mut::<2>(3).copy_from(&scenario.twist0);
         state.fixed_rows_mut::<3>(5).copy_from(&q_r);
-        if scenario.law == Law::Neural {
+        if scenario.law == OracleLaw::Neural {
             let reference = sample::<f64>(&q_r, &scenario.target(Phase::Tracking, 0.0));
             let now: Measured<f64> = measured(&scenario.q0, &scenario.twist0);
             let error = pose_error::<f64, Libm>(reference.pose(), &now.pose);
@@ -121,15 +121,15 @@ impl<'a> Flow<'a> {
         let memory = neural(state);
         let params = &self.params;
         let (output, wrench) = match (self.scenario.law, phase) {
-            (Law::Neural, Phase::Tracking) => {
+            (OracleLaw::Neural, Phase::Tracking) => {
                 let output = tracking_law::<f64, Libm>(params, &memory, &reference, &now);
                 (output, output.tracking_wrench(params, &memory.accel))
             }
-            (Law::Neural, Phase::Parking) => {
+            (OracleLaw::Neural, Phase::Parking) => {
                 let output = parking_law::<f64, Libm>(params, &memory, reference.pose(), &now);
                 (output, output.parking_wrench(params, &memory.accel))
             }
-            (Law::Plain, _) => {
+            (OracleLaw::Plain, _) => {
                 let all = params.params();
                 let error = pose_error::<f64, Libm>(reference.pose(), &now.pose);
                 let heading = error.theta.sin_cos();
@@ -164,8 +164,8 @@ impl<'a> Flow<'a> {
             }
         };
         let rate = match self.scenario.law {
-            Law::Neural => output.state_rate(params, &memory),
-            Law::Plain => NeuralState::default(),
+            OracleLaw::Neural => output.state_rate(params, &memory),
+            OracleLaw::Plain => NeuralState::default(),
         };
         Snapshot {
             output,
@@ -211,7 +211,7 @@ impl<'a> Flow<'a> {
     pub fn switched(&self, t: f64, state: &State, target: &Vector3<f64>) -> State {
         let mut after = *state;
         after.fixed_rows_mut::<3>(5).copy_from(target);
-        if self.scenario.law == Law::Neural {
+        if self.scenario.law == OracleLaw::Neural {
             let before = self.snapshot(Phase::Tracking, t, state).output;
             let params = self.params.params();
             let neurons =

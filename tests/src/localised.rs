@@ -8,7 +8,7 @@ use controller_core::motion::{Motion, MotionController, Outcome};
 use controller_core::pose_error::{PoseError, pose_error};
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Pose};
-use sim_host::mission::Base as File;
+use sim_host::mission::BaseSpec as File;
 
 use crate::encoded::{Encoded, odometry};
 use crate::fixes::Source;

@@ -8,7 +8,7 @@ use controller_core::motion::{Motion, MotionController, MotionParams};
 use controller_core::paper::params::Params as CoreParams;
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Pose, Wrench};
-use sim_host::mission::Base as DriveBase;
+use sim_host::mission::BaseSpec as DriveBase;
 
 use crate::motion_base::{Base, Body};
 use crate::motion_loop::{Order, goal};

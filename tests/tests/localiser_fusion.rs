@@ -3,7 +3,7 @@
 use controller_core::localiser::{FusionParams, LocaliserParams, ValidLocaliserParams};
 use controller_core::maths::{Libm, Single};
 use controller_core::types::{Pose, Twist};
-use sim_host::mission::Base as File;
+use sim_host::mission::BaseSpec as File;
 use tests::check::assert_within;
 use tests::encoded::{Encoded, bases, odometry};
 use tests::fixes::Source;

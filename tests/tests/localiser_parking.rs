@@ -5,7 +5,7 @@ use controller_core::localiser::{FusionParams, LocaliserParams, ValidLocaliserPa
 use controller_core::maths::Libm;
 use controller_core::motion::Motion;
 use controller_core::types::Pose;
-use sim_host::mission::Base as File;
+use sim_host::mission::BaseSpec as File;
 use tests::encoded::{bases, odometry};
 use tests::fixes::Source;
 use tests::localised::{End, SPEED, localisation, mission, park};

@@ -11,7 +11,7 @@ use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use sim_host::closed_loop;
 use sim_host::constants::period_us;
-use sim_host::mission::Base as FileBase;
+use sim_host::mission::BaseSpec as FileBase;
 use sim_host::scenario::BASES;
 use tests::motion_base::{Base, Body};
 use tests::random::Random;

@@ -52,14 +52,14 @@ impl Display for StartError {
 impl core::error::Error for StartError {}
 
 /// Everything that happens once a tick.
-pub struct Base<'queue, P, D, N, E, C> {
+pub struct BoardBase<'queue, P, D, N, E, C> {
     server: ControlServer<'queue, MotorPair<P, D, N>>,
     encoders: E,
     clock: C,
 }
 
 /// The two halves of a board: for the timer's interrupt, and for the background.
-pub type Halves<'queue, P, D, N, E, C> = (Base<'queue, P, D, N, E, C>, Line<'queue>);
+pub type Halves<'queue, P, D, N, E, C> = (BoardBase<'queue, P, D, N, E, C>, Line<'queue>);
 
 /// Makes the outputs safe and puts a robot together from its parts.
 ///
@@ -97,7 +97,7 @@ where
     let (references, ends, receiver) = queues.split(config::DECIMATE);
     let task = ControlTask::new(motors, references, robot::BASE, Pose::default())
         .map_err(|_| StartError::Config)?;
-    let base = Base {
+    let base = BoardBase {
         server: ControlServer::new(task, ends),
         encoders,
         clock,
@@ -105,7 +105,7 @@ where
     Ok((base, Line::new(receiver)))
 }
 
-impl<'queue, P, D, N, E, C> Base<'queue, P, D, N, E, C>
+impl<'queue, P, D, N, E, C> BoardBase<'queue, P, D, N, E, C>
 where
     P: SetDutyCycle,
     D: OutputPin,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! receive interrupt -> Bytes -> Line (background) -> CommandReceiver ─┐
-//! timer interrupt   -> Base::tick: encoders, ControlServer, base    ─┴─> motors, enable pin
+//! timer interrupt   -> BoardBase::tick: encoders, ControlServer, base    ─┴─> motors, enable pin
 //! ```
 //!
 //! A board brings a clock, two encoders, two PWM outputs, two direction pins, one enable pin and a line; [`start`]
@@ -19,7 +19,7 @@ pub mod robot {
     include!(concat!(env!("OUT_DIR"), "/robot.rs"));
 }
 
-pub use base::{Base, Halves, Parts, StartError, start};
+pub use base::{BoardBase, Halves, Parts, StartError, start};
 pub use bytes::Bytes;
 pub use line::{BAUD, Line};
 

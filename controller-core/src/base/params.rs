@@ -93,7 +93,7 @@ impl<T: Scalar> BaseParams<T> {
             detectors.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
             detectors.current.after = Timeout::AfterUs(200_000);
             // What breaks a wheel loose is up to twice its friction while it turns, and only that is fed
-            // forward: the rest is no sign of a wheel that is stuck. Nor may feeble motors be asked for more
+            // forward: the rest is no sign of a wheel that is stuck. Nor may feeble motors be commanded more
             // than they have.
             let most = T::from_f64(0.9) * limits.wheel_torque_nm;
             let loose = detectors.wheels.stuck.torque_nm + motor.friction.coulomb_nm;

@@ -9,8 +9,8 @@
 //!   map of today: neither its age nor corrections since then are mistaken for errors.
 //! * A share of the innovation is taken, by the stated bandwidth, and spread over the time between
 //!   fixes. A heading correction turns the robot where it stands, and not the world about its origin.
-//! * Headings that are off on the way, always to the same side, tell that the wheels are not as large as stated:
-//!   odometry learns to bend its way by so much, and keeps it where no fix comes.
+//! * Headings that are off on the way, always to the same side, show that the wheels are not as large as stated:
+//!   odometry learns this curvature bias, and keeps it where no fix comes.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -112,7 +112,7 @@ pub struct Estimate<T> {
     /// Turn that odometry adds per way, learnt from the headings of fixes \[rad/m\]: wheels of other radii than
     /// stated. At most 2 `drift`/track, where it stays if odometry is worse than that; 0 without fusion.
     pub curvature_bias: T,
-    /// The pose was set: the caller tells the controller by `declare_jump`.
+    /// The pose was set: the caller has to `declare_jump` to the controller.
     pub jumped: bool,
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
     pub fix_age_s: T,

@@ -42,7 +42,7 @@ impl<T: Scalar> FusionParams<T> {
     /// The bandwidths leave a seventh of the noise, 1/50 of its variance, but are at most 1 rad/s:
     /// faster noise keeps a parking robot busy. Odometry that is 2 % wrong leaves the pose behind by
     /// 2 % of speed over bandwidth. 5 standard deviations reject one good fix in half a million; 3
-    /// outliers that agree are no chance. A base that is asked for more than the floor holds has been
+    /// outliers that agree are no chance. A base that is commanded more than the floor holds has been
     /// seen to turn at 1 to 2 rad/s while its wheels say otherwise: a slide of half a metre per second
     /// at half a metre of track. Stale after ten fixes.
     pub fn for_source(noise_m: T, noise_rad: T, rate_hz: T) -> Self {

@@ -4,7 +4,7 @@ use crate::motor::{Motor, MotorParams};
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// What is asked of one wheel, and how it turns.
+/// The demand on one wheel, and how it turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelDemand<T> {
     /// τ \[N m\] that is to accelerate the base; friction comes on top.
@@ -15,7 +15,7 @@ pub struct WheelDemand<T> {
     pub speed_rad_s: T,
 }
 
-/// What kept a wheel command from being what was asked.
+/// What limited a wheel command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MotorLimited {
     /// The current was limited.
@@ -33,7 +33,7 @@ pub struct MotorLimited {
 }
 
 impl MotorLimited {
-    /// The wheel gets another torque than asked.
+    /// The wheel gets another torque than demanded.
     pub const fn torque(&self) -> bool {
         self.current || self.voltage || self.invalid
     }
@@ -62,8 +62,8 @@ impl<T: Scalar> Motor<T> {
         &self.params
     }
 
-    /// Largest torque that may be asked \[N m\]: η g k_t i_max − τ_c, what the current limit leaves
-    /// while driving. Viscous friction and back-EMF take more at speed; then that is told.
+    /// Largest torque that may be demanded \[N m\]: η g k_t i_max − τ_c, what the current limit leaves
+    /// while driving. Viscous friction and back-EMF take more at speed; then that is reported.
     pub const fn max_torque_nm(&self) -> T {
         self.max_torque
     }
@@ -83,7 +83,7 @@ impl<T: Scalar> Motor<T> {
     /// `supply_v` is the supply as measured. If it is not finite, below
     /// [`MIN_SUPPLY_SHARE`](crate::motor::MIN_SUPPLY_SHARE) or above
     /// [`MAX_SUPPLY_SHARE`](crate::motor::MAX_SUPPLY_SHARE) of the nominal one, the nominal one is taken and that
-    /// is told.
+    /// is reported.
     ///
     /// The duty is odd in (torque, desired speed, speed), rises with the torque and is continuous. Its Lipschitz
     /// constants, with s = 5 − d₀, or 1 without a dead band:

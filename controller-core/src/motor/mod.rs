@@ -16,7 +16,7 @@
 //!
 //! | symbol | name | unit |
 //! | --- | --- | --- |
-//! | τ, τ′ | torque asked of the wheel; with its friction | N m |
+//! | τ, τ′ | torque demanded of the wheel; with its friction | N m |
 //! | ω, ω* | speed of the wheel, measured and desired | rad/s |
 //! | τ_c, b, ω_b | Coulomb and viscous friction at the wheel, half width of the blend | N m, N m s, rad/s |
 //! | g, η | motor turns per wheel turn; efficiency of the gear | |

@@ -63,7 +63,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
     /// [`report`](Self::report). Eqs. (18), (19).
     ///
     /// `reference` is where the reference is now. Any pose error, any measured twist and any
-    /// reference speed will do; [`StepReport::has_transition_offset`] tells when (18) could not be met as
+    /// reference speed will do; [`StepReport::has_transition_offset`] says when (18) could not be met as
     /// printed.
     ///
     /// # Errors
@@ -137,7 +137,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         &self.report
     }
 
-    /// The step of the wrench at the hand-over: what parking asked for minus what tracking would
+    /// The step of the wrench at the hand-over: what parking demanded minus what tracking would
     /// have, at the same instant. `None` before; 0 up to rounding with the default reset.
     pub fn hand_over_step(&self) -> Option<Wrench<T>> {
         self.wrench_step

@@ -90,7 +90,7 @@ impl<T: Scalar, M: Maths<T>> PlainController<T, M> {
         &self.report
     }
 
-    /// The step of the wrench at the hand-over: what parking asked for minus what tracking would
+    /// The step of the wrench at the hand-over: what parking demanded minus what tracking would
     /// have, at the same instant. `None` before.
     pub fn hand_over_step(&self) -> Option<Wrench<T>> {
         self.wrench_step

@@ -47,11 +47,11 @@ pub struct StepReport<T> {
     pub velocity_error: Twist<T>,
     /// Transition offsets (b_v, b_w) within the command; see [`StepReport::has_transition_offset`].
     pub transition_offset: Twist<T>,
-    /// (τ₁, τ₂) that the law asks for.
+    /// (τ₁, τ₂) that the law demands.
     pub wrench: Wrench<T>,
-    /// What the wheels are to be told \[N m\]: the wrench through B̄⁻¹, limited.
+    /// Torques for the wheels \[N m\]: the wrench through B̄⁻¹, limited.
     pub torques: WheelTorques<T>,
-    /// Both wheel torques were scaled down to the limit; `wrench` is what was asked for.
+    /// Both wheel torques were scaled down to the limit; `wrench` is what was demanded.
     pub saturated: bool,
 }
 
@@ -73,7 +73,7 @@ impl<T: Scalar> StepReport<T> {
     /// for more than the neurons hold.
     ///
     /// Transition offsets fade as exp(−A t) and become exactly 0 only when they underflow; with a threshold of
-    /// 0 the answer tells whether one was needed at all.
+    /// 0 the answer says whether one was needed at all.
     pub fn has_transition_offset(&self, threshold: T) -> bool {
         self.transition_offset.linear.abs() > threshold
             || self.transition_offset.angular.abs() > threshold

@@ -14,7 +14,7 @@ mod suited;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Timeout {
-    /// A fault from so many microseconds on.
+    /// A fault from this many microseconds on.
     AfterUs(u32),
     /// Not watched.
     Off,

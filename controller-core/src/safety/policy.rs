@@ -37,7 +37,7 @@ impl PolicyParams {
         measurement_stale: Response::latched(Reaction::Brake),
         // Odometry drifts by a few per cent of the way: good enough for the way of a stop.
         pose_stale: Response::passing(Reaction::ControlledStop),
-        // Nobody tells where to go; the base itself is sound, and may go on when the host is back.
+        // There is no target; the base itself is sound, and may go on when the host is back.
         command_stale: Response::passing(Reaction::ControlledStop),
         // What is not a number says nothing of the next one.
         not_finite: Response::latched(Reaction::Brake),

@@ -1,4 +1,4 @@
-//! What a host asks for.
+//! Commands of a host.
 
 use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;

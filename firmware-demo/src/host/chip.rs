@@ -16,15 +16,15 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::{
-    AnyLink, BuildError, Emulator, EmulatorError, Image, Options, Outcome, Session, SessionError,
-    build_image,
+    AnyLink, BuildError, Emulator, EmulatorError, EmulatorOutcome, Image, Options, Session,
+    SessionError, build_image,
 };
 use protocol::pil::{
     Answer, BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, Question, Refusal, Ticked,
 };
 use protocol::{Command, Counters, RejectReason};
 
-/// Why the chip did not do what it was asked.
+/// Why the chip did not answer as it should.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum ChipError {
@@ -242,7 +242,7 @@ impl Chip {
     /// # Errors
     ///
     /// A failed link, or an emulator that does not end.
-    pub fn finish(mut self) -> Result<Outcome, ChipError> {
+    pub fn finish(mut self) -> Result<EmulatorOutcome, ChipError> {
         match self.ask(&Question::Stop)? {
             Answer::Ack => Ok(self.emulator.finish(self.patience)?),
             other => Err(unexpected(other)),
@@ -321,7 +321,7 @@ impl BaseChip {
     /// # Errors
     ///
     /// A failed link, or an emulator that does not end.
-    pub fn finish(mut self) -> Result<Outcome, ChipError> {
+    pub fn finish(mut self) -> Result<EmulatorOutcome, ChipError> {
         self.done(&BaseQuestion::Stop)?;
         Ok(self.emulator.finish(self.patience)?)
     }

@@ -80,7 +80,7 @@ pub struct WireMeasured {
     pub twist: WireTwist,
 }
 
-/// What a tick of the processor in the loop is asked to do.
+/// The demand of a tick of the processor in the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WireDemand {
     /// Follow the reference of this instant.

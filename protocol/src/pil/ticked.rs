@@ -7,7 +7,7 @@ use controller_core::types::{Accel, Twist, WheelTorques, Wrench};
 
 use super::{Report, report_flags};
 
-/// Everything a controller tells of one tick.
+/// Everything a controller reports of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ticked {
     /// Ticks since the controller was started.

@@ -7,7 +7,7 @@ use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::Reaction;
 use controller_core::safety::supervisor::{State, Then};
 
-/// What the wheels are told, by severity.
+/// The output to the wheels, by severity.
 pub(super) fn severity(report: &BaseReport<f32>) -> Reaction {
     match (report.state, &report.action) {
         (_, WheelAction::Release) => Reaction::Release,
@@ -41,7 +41,7 @@ pub(super) fn outputs(
             ));
         }
     }
-    let told = match (&report.action, actuation) {
+    let applied = match (&report.action, actuation) {
         (WheelAction::Release, Actuation::Release) | (WheelAction::Brake, Actuation::Brake) => true,
         (WheelAction::Drive(_), Actuation::Duty { right, left }) => {
             right.abs() <= 1.0 && left.abs() <= 1.0
@@ -51,7 +51,7 @@ pub(super) fn outputs(
         }
         _ => false,
     };
-    if !told {
+    if !applied {
         return Err(format!("{:?} became {actuation:?}", report.action));
     }
     let measured = report
@@ -117,7 +117,7 @@ pub(super) fn reacted(before: State, report: &BaseReport<f32>) -> Result<(), Str
         }
         if severity(report) < least.reaction {
             return Err(format!(
-                "{fault} was found, {:?} is told in {:?}",
+                "{fault} was found, {:?} is applied in {:?}",
                 severity(report),
                 report.state
             ));

@@ -17,7 +17,7 @@ pub struct Rule {
     pub injection: FaultInjectionKind,
     /// What it is found as; nothing where there is nothing to be found.
     pub name: Option<Why>,
-    /// Other names that are right too, where physics cannot tell, each with the reason.
+    /// Other names that are right too, where physics cannot distinguish, each with the reason.
     pub also: &'static [(Why, &'static str)],
     /// What time counts.
     pub clock: Clock,
@@ -221,7 +221,7 @@ impl Rule {
         Ok(row)
     }
 
-    /// At most so much of the time that counts may pass before it is found \[s\], for a base with these parameters; for
+    /// Longest time, of the time that counts, before it is found \[s\], for a base with these parameters; for
     /// the longest tick of the trouble and the tick in which it is found half a period of jitter and lateness each comes
     /// to it.
     pub fn within_s(

@@ -3,7 +3,7 @@
 use super::host::Manner;
 use super::line::LineFault;
 use super::random::Random;
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::world::{PlantFault, Side, World};
 
 /// Kinds of trouble: every [`PlantFault`] of a world, and what host and links can do.
@@ -116,7 +116,7 @@ impl FaultInjectionKind {
     }
 
     /// One of this kind on a base.
-    pub(super) fn draw(self, base: &Base, random: &mut Random) -> FaultInjection {
+    pub(super) fn draw(self, base: &BaseSpec, random: &mut Random) -> FaultInjection {
         let side = if random.chance(0.5) {
             Side::Right
         } else {

@@ -3,7 +3,7 @@
 use super::fault_injection::{FaultInjection, FaultInjectionKind};
 use super::path::Path;
 use super::random::Random;
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::scenario::{BASES, ScenarioError};
 use crate::world::WorldSetup;
 use crate::world::{BodyKeys, FloorParams, FrictionParams, NoiseParams, TickParams, WorldKeys};
@@ -121,25 +121,25 @@ pub struct Plan {
 
 /// Bases, read once for all runs.
 #[derive(Clone, Debug)]
-pub struct Bases(Vec<Base>);
+pub struct Bases(Vec<BaseSpec>);
 
 impl Bases {
     /// Those built in.
     ///
     /// # Errors
-    /// As [`Base::parse`]; a test reads them all.
+    /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn built_in() -> Result<Self, ScenarioError> {
         let bases = BASES.iter().map(crate::scenario::BuiltInBase::base);
         Ok(Self(bases.collect::<Result<_, _>>()?))
     }
 
     /// All of them.
-    pub fn all(&self) -> &[Base] {
+    pub fn all(&self) -> &[BaseSpec] {
         &self.0
     }
 
     /// Of a plan.
-    pub fn of(&self, plan: &Plan) -> &Base {
+    pub fn of(&self, plan: &Plan) -> &BaseSpec {
         &self.0[plan.base]
     }
 }
@@ -219,7 +219,7 @@ impl Plan {
 }
 
 /// Mild imperfections: what is left after a robot was identified.
-fn world(base: &Base, random: &mut Random) -> WorldKeys {
+fn world(base: &BaseSpec, random: &mut Random) -> WorldKeys {
     let mut keys = base.hardware.map_or_else(WorldKeys::default, |h| h.world());
     keys.body = BodyKeys {
         // A payload of a tenth.

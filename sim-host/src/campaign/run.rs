@@ -8,7 +8,7 @@ use super::host::{Answered, Host, Manner, park, stops};
 use super::outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
 use crate::closed_loop::{Board, ClosedLoopError};
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::world::Actuation;
 use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::supervisor::{Cause, State};
@@ -46,7 +46,7 @@ pub enum Mutation {
     /// Nothing.
     #[default]
     None,
-    /// The driver goes on with the last torque when it is told to release or to brake.
+    /// The driver goes on with the last torque when it should release or to brake.
     KeepsTorque,
     /// The brake is not connected: wheels coast.
     BrakeCoasts,
@@ -115,7 +115,7 @@ struct Received {
 
 struct Runner<'a, 'queue> {
     plan: &'a Plan,
-    base: &'a Base,
+    base: &'a BaseSpec,
     mutation: Mutation,
     board: Board<'queue>,
     host: Host,

@@ -2,7 +2,7 @@
 
 use super::PlantHal;
 use super::by_orders::{ClosedLoopError, Parts};
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::world::{Actuation, World, WorldSetup};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
 use controller_core::hal::Clock;
@@ -10,7 +10,7 @@ use firmware_demo::control::ControlTask;
 use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues};
 use protocol::{Frame, Telemetry};
 
-/// Of so many reports of a tick one is sent: a line of 115,200 baud holds ten frames of 60 bytes in 0.05 s.
+/// Decimation of reports: of this many ticks one is sent: a line of 115,200 baud holds ten frames of 60 bytes in 0.05 s.
 const DECIMATE: u16 = 10;
 
 /// The firmware's control server over a [`PlantHal`]: bytes in, frames out, ticks in between.
@@ -30,7 +30,7 @@ impl<'queue> Board<'queue> {
     /// Parameters out of their range.
     pub fn new(
         queues: &'queue mut Queues,
-        base: &Base,
+        base: &BaseSpec,
         setup: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, ClosedLoopError> {

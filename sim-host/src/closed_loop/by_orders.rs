@@ -2,7 +2,7 @@
 
 use super::mirror::{Mirror, MirrorError};
 use super::{PlantHal, convert};
-use crate::mission::{Base, Mission};
+use crate::mission::{BaseSpec, Mission};
 use crate::world::{ActuationError, World, WorldError, WorldSetup};
 use controller_core::base::{BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
@@ -52,7 +52,7 @@ impl Parts {
     /// # Errors
     /// Parameters out of their range.
     pub fn of_base(
-        base: &Base,
+        base: &BaseSpec,
         setup: &WorldSetup,
         edit: impl FnOnce(&mut BaseParams<f32>),
     ) -> Result<Self, ClosedLoopError> {
@@ -67,7 +67,7 @@ impl Parts {
     }
 
     fn with(
-        (base, period_s): (&Base, f64),
+        (base, period_s): (&BaseSpec, f64),
         robot: &Robot<f64>,
         start: &Measured<f64>,
         setup: &WorldSetup,

@@ -12,7 +12,7 @@ use controller_core::safety::Currents;
 use controller_core::wheels::WheelGeometry;
 use protocol::pil::WheelOutput;
 
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::world::{Actuation, World};
 
 /// Counts per turn and bandwidth of a base that says nothing about its encoders.
@@ -23,7 +23,7 @@ const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
 ///
 /// # Errors
 /// The localiser's parameters, on whose noise the others depend.
-pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
+pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
     let robot: Robot = base.robot.cast();
     let limits = base.limits.cast();
     let (localiser, motor) = match &base.hardware {
@@ -46,7 +46,7 @@ pub fn params(base: &Base, period_us: u32) -> Result<BaseParams<f32>, ParamError
     Ok(params)
 }
 
-fn smaller_radius(base: &Base) -> f64 {
+fn smaller_radius(base: &BaseSpec) -> f64 {
     let wheels = &base.robot.wheels;
     wheels.radius_right_m.min(wheels.radius_left_m)
 }

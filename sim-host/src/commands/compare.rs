@@ -6,7 +6,7 @@ use super::write::{Record, Writer};
 use super::{Finished, say, simulate, warn};
 use crate::cli::{LawArg, Output};
 use sim_host::figure::Labelled;
-use sim_host::mission::Base;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::{BuiltIn, ControlLaw, Scenario};
 use sim_host::table::{Column, side_by_side};
 
@@ -32,7 +32,7 @@ const BOTH: [LawArg; 2] = [LawArg::Neural, LawArg::Plain];
 pub fn jobs(
     jobs: &[Job],
     laws: &[LawArg],
-    base: Option<&Base>,
+    base: Option<&BaseSpec>,
     csv: bool,
     output: &Output,
 ) -> Result<(), CommandError> {
@@ -52,7 +52,11 @@ pub fn jobs(
 }
 
 /// A job under its own law, or under each of `laws`.
-fn runs_of(job: &Job, laws: &[LawArg], base: Option<&Base>) -> Result<Vec<Finished>, CommandError> {
+fn runs_of(
+    job: &Job,
+    laws: &[LawArg],
+    base: Option<&BaseSpec>,
+) -> Result<Vec<Finished>, CommandError> {
     match job {
         Job::Scenario(scenario) if laws.is_empty() => {
             warn(scenario);
@@ -70,14 +74,18 @@ fn runs_of(job: &Job, laws: &[LawArg], base: Option<&Base>) -> Result<Vec<Finish
 }
 
 /// A scenario of the paper's laws under any law.
-fn under(scenario: &Scenario, law: LawArg, base: Option<&Base>) -> Result<Finished, CommandError> {
+fn under(
+    scenario: &Scenario,
+    law: LawArg,
+    base: Option<&BaseSpec>,
+) -> Result<Finished, CommandError> {
     let kind = match law {
         LawArg::Neural => ControlLaw::Neural,
         LawArg::Plain => ControlLaw::Plain,
         LawArg::Motion => {
-            let believed = || Base {
+            let believed = || BaseSpec {
                 robot: scenario.params.robot,
-                ..Base::default()
+                ..BaseSpec::default()
             };
             let base = base.cloned().unwrap_or_else(believed);
             return Finished::mission(&scenario.mission(base));
@@ -93,7 +101,7 @@ fn under(scenario: &Scenario, law: LawArg, base: Option<&Base>) -> Result<Finish
 fn one_by_law(
     scenario: &Scenario,
     laws: &[LawArg],
-    base: Option<&Base>,
+    base: Option<&BaseSpec>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {

@@ -10,7 +10,7 @@ use serde::Serialize;
 use sim_host::drive::{ChipTable, DriveMetrics, DriveTrace, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
 use sim_host::import::{FileVerdict, TimeScaling};
-use sim_host::mission::{Base, Mission};
+use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
@@ -36,17 +36,17 @@ struct DriveRecord<'a> {
 }
 
 /// A base's file, a built-in base, or the default one.
-pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
+pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
     match file {
         Some(file) => match file.to_str().and_then(BuiltInBase::find) {
             Some(built_in) if !file.exists() => Ok(built_in.base()?),
             _ => {
-                let base = Base::load(file)?;
+                let base = BaseSpec::load(file)?;
                 note(&base);
                 Ok(base)
             }
         },
-        None => Ok(Base::default()),
+        None => Ok(BaseSpec::default()),
     }
 }
 
@@ -219,7 +219,7 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
 pub fn load_all(
     files: &[std::path::PathBuf],
     run: &FileRun,
-    base: &Base,
+    base: &BaseSpec,
 ) -> Result<Vec<Job>, CommandError> {
     let mut jobs: Vec<Job> = Vec::new();
     for file in files {

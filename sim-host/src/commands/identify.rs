@@ -6,7 +6,7 @@ use super::write::Writer;
 use crate::cli::{IdentifyArgs, Output};
 use sim_host::identify::profile::{self, Updated};
 use sim_host::identify::{Identified, Known, Log, Options, identify, report};
-use sim_host::mission::Base;
+use sim_host::mission::BaseSpec;
 use std::fs::{self, File};
 use std::io::{BufReader, ErrorKind};
 use std::path::Path;
@@ -60,7 +60,7 @@ fn update(path: &Path, found: &Identified, gear: Option<f64>) -> Result<(), Comm
         say(&format!("note: {note}\n"))?;
     }
     // The numbers are the robot's all the same; what contradicts them is for its owner to change.
-    match Base::load(path) {
+    match BaseSpec::load(path) {
         Ok(_) => Ok(()),
         Err(error) => say(&format!("note: this is not a whole base yet: {error}\n")),
     }

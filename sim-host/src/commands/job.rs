@@ -1,9 +1,9 @@
-//! What a file on the command line is, told by its content.
+//! What a file on the command line is, by its content.
 
 use super::error::CommandError;
 use sim_host::drive::{FileRun, verdict};
 use sim_host::import::{FileVerdict, TimeScaling};
-use sim_host::mission::{Base, Mission};
+use sim_host::mission::{BaseSpec, Mission};
 use sim_host::scenario::{BuiltIn, Scenario};
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub enum Content {
 
 impl Job {
     /// A file if there is one, else a built-in scenario of that name.
-    pub fn load(file: &Path, run: &FileRun, base: &Base) -> Result<Self, CommandError> {
+    pub fn load(file: &Path, run: &FileRun, base: &BaseSpec) -> Result<Self, CommandError> {
         match Content::read(file)? {
             Content::Scenario { file, text } if Mission::is_motion(&text) => {
                 Ok(Self::Mission(Box::new(Mission::parse(&file, &text)?)))

@@ -21,7 +21,7 @@ use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
-use sim_host::mission::{Base, Mission};
+use sim_host::mission::{BaseSpec, Mission};
 use sim_host::scenario::{PAPER, Scenario};
 use sim_host::trace::Trace;
 use std::io::{ErrorKind, Write as _};
@@ -77,7 +77,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         } => faults::all(*runs, seed.draw()?, only, *run, output),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {
-            // Nobody to tell is no reason to stop.
+            // Nobody to read it is no reason to stop.
             let note = "note: `prove` is `verify` now; the old name is there for one release more";
             let _ = writeln!(std::io::stderr(), "{note}");
             verify::robot(arguments, output)
@@ -145,7 +145,7 @@ fn say(text: &str) -> Result<(), CommandError> {
 }
 
 /// Prints what the owner of a base's file should change in it, to standard error as well.
-fn note(base: &Base) {
+fn note(base: &BaseSpec) {
     for note in &base.notes {
         let _ = writeln!(std::io::stderr(), "note: {note}");
     }

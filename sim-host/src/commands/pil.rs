@@ -153,7 +153,7 @@ impl Total {
 fn note(scenario: &Scenario) {
     let asked = scenario.controller;
     if asked != FIRMWARE {
-        // Nobody to tell is no reason to stop.
+        // Nobody to read it is no reason to stop.
         let _ = writeln!(
             std::io::stderr(),
             "note: {}: the chip runs {}; the file says {}",

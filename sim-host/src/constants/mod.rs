@@ -15,7 +15,7 @@ mod parts;
 mod writer;
 
 use crate::closed_loop;
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use controller_core::error::ParamError;
 use writer::Writer;
 
@@ -34,7 +34,7 @@ pub fn module_name(name: &str) -> String {
 }
 
 /// The control period \[µs\].
-pub fn period_us(base: &Base) -> u32 {
+pub fn period_us(base: &BaseSpec) -> u32 {
     (1.0e6 * base.period_s()).round() as u32
 }
 
@@ -42,7 +42,7 @@ pub fn period_us(base: &Base) -> u32 {
 ///
 /// # Errors
 /// Parameters that the core refuses.
-pub fn rust(source: &str, base: &Base) -> Result<String, ParamError> {
+pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ParamError> {
     let period_us = period_us(base);
     let params = closed_loop::params(base, period_us)?;
     let mut out = Writer::new();

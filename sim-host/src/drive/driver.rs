@@ -1,6 +1,6 @@
-//! The controller, in the precision that a mission asks for.
+//! The controller, in the precision of a mission.
 
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::precision::Precision;
 use controller_core::angle::wrap;
 use controller_core::error::{ParamError, StepFault};
@@ -38,7 +38,7 @@ impl Driver {
     /// # Errors
     /// Parameters that are out of range in the precision asked for, or inputs that are not finite.
     pub fn start(
-        base: &Base,
+        base: &BaseSpec,
         precision: Precision,
         task: &Task<f64>,
         measured: &Measured<f64>,
@@ -111,7 +111,7 @@ pub enum StartError {
 type Controller<T, M> = MotionController<T, M, RationalMean>;
 
 fn start<T: Scalar, M: Maths<T>>(
-    base: &Base,
+    base: &BaseSpec,
     origin: (f64, f64),
     task: &Task<f64>,
     measured: &Measured<f64>,

@@ -4,7 +4,7 @@ use crate::import::{
     Figures, FileVerdict, Format, LimitError, Options, Refusal, TimeScaling, Tolerance, Trajectory,
     check,
 };
-use crate::mission::{Base, Course, End, HandOverRule, Mission, Route, When};
+use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
 use crate::precision::Precision;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -84,7 +84,7 @@ impl FileRun {
         &self,
         name: &str,
         bytes: &[u8],
-        base: &Base,
+        base: &BaseSpec,
     ) -> Result<(Mission, TimeScaling), FileError> {
         let offset = self.offset_m.unwrap_or_default();
         if !(-10.0..=10.0).contains(&offset) {
@@ -143,7 +143,7 @@ const RAMP_S: f64 = 0.3;
 ///
 /// # Errors
 /// A file that is refused, or a base whose limits are not positive.
-pub fn fitted(bytes: &[u8], base: &Base) -> Result<(Trajectory, TimeScaling), FileError> {
+pub fn fitted(bytes: &[u8], base: &BaseSpec) -> Result<(Trajectory, TimeScaling), FileError> {
     let (trajectory, scaling) = trajectory(bytes)?.time_scaled(&base.reference_limits())?;
     Ok((trajectory.ramped_in(RAMP_S), scaling))
 }

@@ -14,8 +14,8 @@ use controller_core::safety::supervisor::State;
 use controller_core::types::{Twist, Wrench};
 use protocol::Command;
 
-/// For how long a base is watched after it parked \[s\].
-const WATCH_S: f64 = 1.0;
+/// For how long a base is observed after it parked \[s\].
+const OBSERVE_S: f64 = 1.0;
 
 /// Runs a mission in a world: arms, follows, hands over, parks.
 ///
@@ -27,21 +27,21 @@ pub fn drive_in_world(
     mission: &Mission,
     setup: &WorldSetup,
 ) -> Result<DriveTrace, ClosedLoopError> {
-    watch(mission, setup, WATCH_S)
+    drive_and_observe(mission, setup, OBSERVE_S)
 }
 
-/// The same, but a base that parked is watched for `watch_s` \[s\].
+/// The same, but a base that parked is observed for `observe_s` \[s\].
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn watch(
+pub fn drive_and_observe(
     mission: &Mission,
     setup: &WorldSetup,
-    watch_s: f64,
+    observe_s: f64,
 ) -> Result<DriveTrace, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let closed_loop = ClosedLoop::new(queue.split().1, mission, setup)?;
-    run(mission, closed_loop, watch_s)
+    run(mission, closed_loop, observe_s)
 }
 
 /// As [`drive`], with the same base somewhere else whose motors move the plant.
@@ -55,13 +55,13 @@ pub fn fly(
 ) -> Result<DriveTrace, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let closed_loop = ClosedLoop::new(queue.split().1, mission, setup)?;
-    run(mission, closed_loop.mirrored(mirror)?, WATCH_S)
+    run(mission, closed_loop.mirrored(mirror)?, OBSERVE_S)
 }
 
 fn run(
     mission: &Mission,
     mut closed_loop: ClosedLoop<'_>,
-    watch_s: f64,
+    observe_s: f64,
 ) -> Result<DriveTrace, ClosedLoopError> {
     let mut sequencer = Sequencer::new(mission);
     let mut trace = DriveTrace {
@@ -100,7 +100,7 @@ fn run(
             _ => None,
         };
         let done = matches!(state, State::Stopped | State::Fault)
-            || parked_since.is_some_and(|since| t >= since.max(last_event) + watch_s);
+            || parked_since.is_some_and(|since| t >= since.max(last_event) + observe_s);
         if done {
             break;
         }

@@ -7,10 +7,10 @@
 //!
 //! ```
 //! use sim_host::drive::{DriveMetrics, FileRun, drive};
-//! use sim_host::mission::Base;
+//! use sim_host::mission::BaseSpec;
 //!
 //! let file = "t,x,y,theta\n0,0,0,0\n2,0.5,0,0\n4,1.5,0,0\n6,2,0,0\n";
-//! let (mission, stretch) = FileRun::default().mission("straight", file.as_bytes(), &Base::default())?;
+//! let (mission, stretch) = FileRun::default().mission("straight", file.as_bytes(), &BaseSpec::default())?;
 //! assert!(stretch.factor < 1.5);
 //! let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
 //! assert!(metrics.parked_s.is_some() && metrics.run.final_error.position_m < 1e-3);
@@ -31,7 +31,7 @@ mod trace;
 pub use csv::{COLUMNS, write as write_csv};
 pub use driver::{Driver, StartError};
 pub use file::{FileError, FileRun, TOLERANCE, fitted, trajectory, verdict};
-pub use in_world::{drive_in_world, fly, watch};
+pub use in_world::{drive_and_observe, drive_in_world, fly};
 pub use metrics::{DriveMetrics, LimitUse, LimitedTicks, ON_PATH, StopFigures, TrackingFigures};
 pub use note::{BaseNote, cause, fix_name, state_name};
 pub use run::{DriveError, drive};

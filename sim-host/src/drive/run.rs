@@ -44,8 +44,8 @@ pub enum DriveError {
     },
 }
 
-/// For how long a robot is watched after it parked \[s\].
-const WATCH_S: f64 = 1.0;
+/// For how long a robot is observed after it parked \[s\].
+const OBSERVE_S: f64 = 1.0;
 
 /// Runs a mission.
 ///
@@ -125,7 +125,7 @@ pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
             Outcome::Parked => parked_since.or(Some(t)),
             _ => None,
         };
-        let watched = parked_since.is_some_and(|since| t >= since.max(last_event) + WATCH_S);
+        let watched = parked_since.is_some_and(|since| t >= since.max(last_event) + OBSERVE_S);
         if watched && matches!(mission.end, End::Parked(_)) {
             break;
         }

@@ -33,7 +33,7 @@ impl ChipTable {
     pub fn of(
         name: &str,
         bytes: &[u8],
-        base: &crate::mission::Base,
+        base: &crate::mission::BaseSpec,
     ) -> Result<Self, super::FileError> {
         let (run, _) = fitted(bytes, base)?;
         let upper = name.chars().map(|c| {

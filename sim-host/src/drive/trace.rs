@@ -15,7 +15,7 @@ pub struct DriveRow {
     pub t: f64,
     /// The robot as it truly is.
     pub truth: Measured<f64>,
-    /// The pose that the controller was told.
+    /// The pose that the controller got.
     pub measured: Pose<f64>,
     /// Where the robot is to be; while parking the goal.
     pub reference: Reference<f64>,
@@ -38,7 +38,7 @@ pub struct DriveHandOver {
     pub distance_m: f64,
     /// Pose error with respect to the reference, the last of following.
     pub error_before: PoseError<f64>,
-    /// What parking asks for minus what following would have, at that instant.
+    /// What parking demands minus what following would have, at that instant.
     pub torque_step: Wrench<f64>,
 }
 

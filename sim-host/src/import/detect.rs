@@ -1,4 +1,4 @@
-//! Which format a text is in, told from its content.
+//! Which format a text is in, by its content.
 
 use super::format::Format;
 use super::refusal::{Place, Reason, Refusal, Untimed};
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
-/// The names that tell one JSON object from another.
+/// The names that distinguish JSON objects.
 #[derive(Deserialize)]
 struct Names<'a> {
     trajectory: Option<IgnoredAny>,

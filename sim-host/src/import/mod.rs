@@ -1,6 +1,6 @@
 //! Trajectory files that people have, as references that a wheeled base can follow.
 //!
-//! [`import`] reads a file of any [`Format`], told by its content, and returns a [`Trajectory`]
+//! [`import`] reads a file of any [`Format`], recognised by its content, and returns a [`Trajectory`]
 //! or a [`Refusal`] with line, field and reason; [`check()`] gives the same as a [`FileVerdict`] to
 //! print. Files are dirty; what was repaired is listed with its place.
 //!
@@ -16,7 +16,7 @@
 //! (v cos θ, v sin θ, w) holds within 1e-9, there is no interpolation besides. First and last pose
 //! are passed a hundred times closer than the others, and at rest where the file says so.
 //!
-//! Speeds of a file still serve: to tell a turn from the turn the other way round when samples are
+//! Speeds of a file still serve: to distinguish a turn from the turn the other way round when samples are
 //! far apart, to know rest, and for the verdict, which lists columns that contradict the poses.
 //!
 //! # Limits

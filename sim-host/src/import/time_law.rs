@@ -3,7 +3,7 @@
 use super::time_warp::{Tick, TimeWarp};
 
 /// Smooths q without ever raising it: the least of a window, then two means over half of it each.
-/// Accelerations that jumped with q′ then take `2 half` stations to change.
+/// Accelerations that jumped with q′ then take `2 half` grid points to change.
 pub(super) fn smoothed(q: &[f64], half: usize) -> Vec<f64> {
     let least = least_within(q, 2 * half);
     mean_within(&mean_within(&least, half), half)
@@ -53,7 +53,7 @@ fn mean_within(values: &[f64], radius: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The law of time with q at stations `ds` apart.
+/// The law of time with q at grid points `ds` apart.
 pub(super) fn law(q: &[f64], ds: f64) -> TimeWarp {
     let last = q.len().saturating_sub(1);
     let mut ticks: Vec<Tick> = Vec::with_capacity(q.len());

@@ -2,7 +2,7 @@
 
 use super::limits::{Bound, LimitError, ReferenceLimits};
 use super::time_law::{law, smoothed};
-use super::time_optimal::{Station, fastest};
+use super::time_optimal::{GridPoint, fastest};
 use super::time_warp::TimeWarp;
 use super::{Sample, Trajectory};
 use std::fmt;
@@ -32,10 +32,10 @@ pub struct TimeScaling {
     pub load: f64,
 }
 
-/// Distance of stations in the file's time \[s\], unless there would be too many.
+/// Distance of grid points in the file's time \[s\], unless there would be too many.
 const SPACING: f64 = 0.004;
-const MAX_STATIONS: f64 = 1e6;
-/// Accelerations change over twice this many stations, not at once.
+const MAX_GRID_POINTS: f64 = 1e6;
+/// Accelerations change over twice this many grid points, not at once.
 const SMOOTHING: usize = 8;
 /// Rounds of tightening before everything is slowed by what is left.
 const ROUNDS: usize = 6;
@@ -62,7 +62,7 @@ impl Trajectory {
             return Ok((self.clone(), untouched));
         }
         let span = self.path_duration();
-        let count = (span / SPACING).clamp(64.0, MAX_STATIONS).ceil();
+        let count = (span / SPACING).clamp(64.0, MAX_GRID_POINTS).ceil();
         let ds = span / count;
         // Along the path at the pace it has now, so that scaling twice is possible.
         let plain = self.without_time_warp();
@@ -74,15 +74,15 @@ impl Trajectory {
         let mut factors = own.map(|(bound, _)| (bound, 1.0));
         let mut time_scaled = plain.clone();
         for _ in 0..ROUNDS {
-            let stations: Vec<Station> = points
+            let grid: Vec<GridPoint> = points
                 .iter()
                 .zip(&pace)
-                .map(|(point, pace)| Station {
+                .map(|(point, pace)| GridPoint {
                     ceiling: tight.ceiling(point).0.min(*pace),
                     rows: tight.rows(point),
                 })
                 .collect();
-            let q = smoothed(&fastest(&stations, ds), SMOOTHING);
+            let q = smoothed(&fastest(&grid, ds), SMOOTHING);
             time_scaled = plain.with_time_warp(law(&q, ds));
             let used = worst(&time_scaled, limits);
             if used.iter().all(|(_, load)| *load <= 1.0) {

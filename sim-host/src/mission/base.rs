@@ -10,7 +10,7 @@ use controller_core::safety::PolicyParams;
 
 /// A base: what it is, and what it can do.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Base {
+pub struct BaseSpec {
     /// For people.
     pub name: String,
     /// Mass, inertia, wheels.
@@ -27,7 +27,7 @@ pub struct Base {
     pub notes: Vec<String>,
 }
 
-impl Default for Base {
+impl Default for BaseSpec {
     /// `30 kg base`: the paper's robot with motors of 15 N m at each wheel, on wheels that never slip.
     /// `bases/paper-30kg.toml` gives the reasons for each limit; it turns more gently, since its floor holds less.
     fn default() -> Self {
@@ -58,7 +58,7 @@ impl Default for Base {
 /// reaches 0.7 of the angular acceleration (`docs/motion.md`), seldom where the path turns hardest.
 const SHARE: (f64, f64, f64) = (0.9, 0.75, 0.45);
 
-impl Base {
+impl BaseSpec {
     /// The controller's parameters.
     pub fn motion(&self) -> MotionParams<f64> {
         let params = MotionParams::new_with::<Libm>(self.robot, self.limits);

@@ -38,8 +38,8 @@ const BLEND_SHARE: f64 = 0.001;
 
 /// Torque to break a standing wheel loose, as a share of what the file says.
 ///
-/// Bearings differ by a third with load, wear and cold. A wheel that is told too little stands until the
-/// disturbance estimate has gathered the rest, tens of seconds on a light base; one that is told too much
+/// Bearings differ by a third with load, wear and cold. A wheel with too little compensation stands until the
+/// disturbance estimate has gathered the rest, tens of seconds on a light base; one with too much
 /// turns, and within a few ticks its encoder takes the excess away. At ±30 % of friction 8 of 90 runs of the 1 kg
 /// base ended beside the goal with 1.0, none with 1.15 to 1.5.
 const BREAK_LOOSE: f64 = 1.3;

@@ -7,7 +7,7 @@ mod hardware;
 mod reference_sampler;
 mod sequencer;
 
-pub use base::Base;
+pub use base::BaseSpec;
 pub use hardware::Hardware;
 pub(crate) use sequencer::{Orders, Sequencer};
 
@@ -26,7 +26,7 @@ pub struct Mission {
     /// One line for people.
     pub description: String,
     /// What the controller believes of the robot.
-    pub base: Base,
+    pub base: BaseSpec,
     /// What the robot really is.
     pub robot: Robot<f64>,
     /// Number type of the controller.
@@ -105,7 +105,7 @@ pub enum Change {
     /// Back to the route.
     Follow,
     /// The localisation corrects itself by this much, and is right from then on (but for later
-    /// jumps). The controller is told.
+    /// jumps). It is declared to the controller.
     Jump(Pose<f64>),
 }
 

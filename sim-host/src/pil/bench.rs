@@ -5,7 +5,7 @@ use super::{Cost, FIRMWARE, Footprint, OnChip, Parity, PilError};
 use crate::run::run_with;
 use crate::scenario::Scenario;
 use crate::trace::Trace;
-use firmware_demo::host::{Chip, ChipError, ChipLink, LinkKind, Machine, Options, Outcome};
+use firmware_demo::host::{Chip, ChipError, ChipLink, EmulatorOutcome, LinkKind, Machine, Options};
 use protocol::pil::Answer;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
@@ -97,7 +97,7 @@ impl<A: DeserializeOwned + Debug> ChipBench<A> {
         self.machine
     }
 
-    pub(super) fn ended(outcome: Outcome) -> Result<(), PilError> {
+    pub(super) fn ended(outcome: EmulatorOutcome) -> Result<(), PilError> {
         match outcome.code {
             Some(0) => Ok(()),
             code => Err(PilError::Ended {

@@ -1,4 +1,4 @@
-//! The default law, told of the noise that it works with.
+//! The default law, which knows the noise of its poses.
 
 use super::StudyError;
 use super::condition::Disturbance;
@@ -24,7 +24,7 @@ impl<'a, T: Scalar, M: Maths<T>> DefaultLaw<'a, T, M> {
     pub(super) fn new(mission: &'a Mission, disturbance: &Disturbance) -> Result<Self, ParamError> {
         let robot = mission.base.robot.cast();
         let limits = mission.base.limits.cast();
-        // Told what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
+        // It knows what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
         let sigma = T::from_f64(disturbance.position_noise_m);
         let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
         Ok(Self {
@@ -49,13 +49,13 @@ impl<T: Scalar, M: Maths<T>> LawUnderTest for DefaultLaw<'_, T, M> {
             .sequencer
             .at(tick, tick as f64 * dt, measured, &command, distance);
         let task = orders.task.cast_with::<T, M>();
-        let told = orders.measured.cast();
+        let measured = orders.measured.cast();
         let report = match &mut self.controller {
             None => {
-                let started = MotionController::start(motion, &task, &told).ok()?;
+                let started = MotionController::start(motion, &task, &measured).ok()?;
                 *self.controller.insert(started).report()
             }
-            Some(controller) => *controller.step(T::from_f64(dt), &task, &told).ok()?,
+            Some(controller) => *controller.step(T::from_f64(dt), &task, &measured).ok()?,
         };
         Some(LawOutput {
             torques: report.torques.cast(),

@@ -3,7 +3,7 @@
 use super::condition::Disturbance;
 use super::{Case, StudyError};
 use crate::controller_port::{self, ControllerPort};
-use crate::mission::{Base, Course, Mission, When};
+use crate::mission::{BaseSpec, Course, Mission, When};
 use crate::precision::Precision;
 use crate::run::Sequencer;
 use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
@@ -70,7 +70,7 @@ pub(super) fn scenario(case: Case, disturbance: &Disturbance) -> Result<Scenario
 
 /// The same case for the default law, which hands over by its own rule.
 pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission {
-    let mut mission = scenario.mission(told_limits(disturbance));
+    let mut mission = scenario.mission(base_with_limits(disturbance));
     if let Course::Follow {
         hand_over: Some(rule),
         ..
@@ -85,14 +85,14 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
 /// N of both cases \[s\].
 const TARGET_AT_S: f64 = 10.0;
 
-/// The base that the default law is told of: [`Base::default`], within the saturation if there is
+/// The base as the default law knows it: [`BaseSpec::default`], within the saturation if there is
 /// one.
 ///
 /// Wheels that can exert force and moment at the same time need r (F/2 + N/l) each, which is the
-/// limit told. 85 % of force and moment go into the accelerations, as for every base here; the rest
+/// limit given. 85 % of force and moment go into the accelerations, as for every base here; the rest
 /// is for feedback. A jerk of 20 times the acceleration is below what the base has without limit.
-pub fn told_limits(disturbance: &Disturbance) -> Base {
-    let mut base = Base::default();
+pub fn base_with_limits(disturbance: &Disturbance) -> BaseSpec {
+    let mut base = BaseSpec::default();
     let Some(saturation) = disturbance.saturation else {
         return base;
     };

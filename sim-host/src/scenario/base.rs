@@ -4,7 +4,7 @@ use super::file::PoseKeys;
 use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
 use super::source::{self, Checked, Source};
 use super::{ScenarioError, renamed};
-use crate::mission::Base;
+use crate::mission::BaseSpec;
 use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, Policy};
@@ -71,11 +71,11 @@ enum PolicyKey {
     DriveFirst,
 }
 
-impl Base {
+impl BaseSpec {
     /// Reads a file with `[robot]` and `[limits]`.
     ///
     /// # Errors
-    /// A file that cannot be read, or [`Base::parse`]'s.
+    /// A file that cannot be read, or [`BaseSpec::parse`]'s.
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let file = path.display().to_string();
         let text =
@@ -126,10 +126,10 @@ pub(super) fn base(
     robot: Option<&RobotKeys>,
     limits: Option<&LimitKeys>,
     place: &Source<'_>,
-) -> Checked<Base> {
-    let mut base = Base {
+) -> Checked<BaseSpec> {
+    let mut base = BaseSpec {
         name,
-        ..Base::default()
+        ..BaseSpec::default()
     };
     if let Some(keys) = robot {
         base.robot = keys.robot(place)?;

@@ -54,7 +54,7 @@ fn controller(keys: &file::Controller, place: &Source<'_>) -> Checked<Controller
     })
 }
 
-pub(super) fn motion(keys: &file::Motion) -> ReferenceMotion {
+pub(super) fn motion(keys: &file::MotionKeys) -> ReferenceMotion {
     let start = Pose::new(keys.start.x, keys.start.y, keys.start.theta);
     let profile = |keys: &file::Profile| {
         let (amplitude, frequency, phase) = keys.sine.unwrap_or_default();

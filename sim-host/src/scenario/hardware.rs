@@ -1,7 +1,7 @@
 //! Keys of a base file beside its body and its limits.
 
 use super::source::{Checked, Source};
-use crate::mission::{Base, Hardware};
+use crate::mission::{BaseSpec, Hardware};
 use crate::world::{BatteryParams, FrictionParams, MotorParams, PoseSourceParams};
 use controller_core::motion::MotionGains;
 use serde::Deserialize;
@@ -20,7 +20,7 @@ pub(super) struct HardwareKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct EncoderKeys {
     counts_per_turn: f64,
-    /// 50 rad/s: tells accelerations that no torque explains 40 ms late.
+    /// 50 rad/s: shows accelerations that no torque explains 40 ms late.
     #[serde(default = "speed_bandwidth")]
     bandwidth: f64,
 }
@@ -58,7 +58,7 @@ pub(super) struct GainKeys {
 
 impl HardwareKeys {
     /// The hardware, if any of it is described.
-    pub fn hardware(&self, base: &Base, place: &Source<'_>) -> Checked<Option<Hardware>> {
+    pub fn hardware(&self, base: &BaseSpec, place: &Source<'_>) -> Checked<Option<Hardware>> {
         let Some(motor) = self.motor else {
             let given = [
                 ("battery", self.battery.is_some()),
@@ -91,7 +91,7 @@ impl HardwareKeys {
 }
 
 /// The core's own checks, and that the motors give what the limits promise.
-fn check(hardware: &Hardware, base: &Base, place: &Source<'_>) -> Checked<()> {
+fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()> {
     let wheels = &base.robot.wheels;
     let radius = wheels.radius_right_m.min(wheels.radius_left_m);
     let motor = hardware

@@ -5,7 +5,7 @@ use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
 use super::source::{Checked, Source};
 use super::{BuiltInBase, Scenario, ScenarioError, belief, ranges};
-use crate::mission::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
+use crate::mission::{BaseSpec, Change, Course, End, Event, HandOverRule, Mission, Route, When};
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use crate::world::WorldKeys;
@@ -27,7 +27,7 @@ struct File {
     plant: file::Plant,
     #[serde(default)]
     start: Start,
-    reference: Option<file::Motion>,
+    reference: Option<file::MotionKeys>,
     hand_over: Option<HandOver>,
     goal: Option<PoseKeys>,
     #[serde(default)]
@@ -132,7 +132,7 @@ impl Mission {
 
 impl Scenario {
     /// The same course for the default law on `base`, which parks from when the paper's laws do.
-    pub fn mission(&self, base: Base) -> Mission {
+    pub fn mission(&self, base: BaseSpec) -> Mission {
         Mission {
             name: self.name.clone(),
             description: self.description.clone(),
@@ -157,14 +157,14 @@ impl Scenario {
 }
 
 /// A base's file beside the scenario's, or one of the built-in bases.
-fn named_base(file: &str, named: &str) -> Checked<Base> {
+fn named_base(file: &str, named: &str) -> Checked<BaseSpec> {
     let beside = Path::new(file)
         .parent()
         .unwrap_or(Path::new(""))
         .join(named);
     match BuiltInBase::find(named) {
         Some(base) if !beside.exists() => base.base(),
-        _ => Base::load(&beside),
+        _ => BaseSpec::load(&beside),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Ranges of what the core leaves open: poses and motions.
 
-use super::file::{File, Motion, PoseKeys, Profile, Start};
+use super::file::{File, MotionKeys, PoseKeys, Profile, Start};
 use super::source::{Checked, Source};
 
 /// Largest coordinate \[m, rad\]: beyond, even double precision gets coarse.
@@ -42,7 +42,7 @@ pub(super) fn start(start: &Start) -> Vec<Value> {
 }
 
 /// How a reference moves.
-pub(super) fn reference(keys: &Motion) -> Vec<Value> {
+pub(super) fn reference(keys: &MotionKeys) -> Vec<Value> {
     let PoseKeys { x, y, theta } = keys.start;
     let mut values = pose("reference.start", x, y, theta);
     values.extend(profile("v", &keys.v));

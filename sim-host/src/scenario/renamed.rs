@@ -33,7 +33,7 @@ pub(super) fn notes(file: &str, text: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::mission::Base;
+    use crate::mission::BaseSpec;
     use crate::scenario::BuiltInBase;
 
     /// The old names mean what the new ones do; each old one gives a note that has both.
@@ -41,7 +41,7 @@ mod tests {
     fn old_names_are_read_and_noted() {
         let text = BuiltInBase::find("hobby-1kg").expect("built in").text;
         let parse = |policy: &str| {
-            Base::parse("mine.toml", &format!("{text}\n[policy]\n{policy}\n")).expect("a base")
+            BaseSpec::parse("mine.toml", &format!("{text}\n[policy]\n{policy}\n")).expect("a base")
         };
         let old = parse(
             "gave_up = { reaction = \"brake\", latch = true }\npose_jump = { reaction = \"ride-out\", latch = false }",
@@ -61,7 +61,7 @@ mod tests {
         let gains = text
             .replace("longitudinal =", "along =")
             .replace("lateral =", "across =");
-        let gains = Base::parse("mine.toml", &gains).expect("a base");
+        let gains = BaseSpec::parse("mine.toml", &gains).expect("a base");
         assert_eq!(gains.gains, new.gains);
         assert_eq!(gains.notes.len(), 2);
     }

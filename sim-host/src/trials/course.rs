@@ -1,6 +1,6 @@
 //! The courses: the paper's two cases, and a park.
 
-use crate::mission::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
+use crate::mission::{BaseSpec, Course as Way, End, HandOverRule, Mission, Route, When};
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use controller_core::reference::ConstantTwist;
@@ -41,7 +41,7 @@ impl Course {
     }
 
     /// The mission of a base, still without a world.
-    pub fn mission(self, base: &Base) -> Mission {
+    pub fn mission(self, base: &BaseSpec) -> Mission {
         let (aside, course, end_s) = match self {
             Self::Line => follow(base, 0.0),
             Self::Curve => follow(base, PAPER.1),
@@ -66,7 +66,7 @@ impl Course {
     }
 }
 
-fn follow(base: &Base, turn: f64) -> (f64, Way, f64) {
+fn follow(base: &BaseSpec, turn: f64) -> (f64, Way, f64) {
     let limits = &base.limits;
     let slower = |share: f64, limit: f64| (SHARE * limit / share).min(1.0);
     let pace = slower(PAPER.0, limits.speed).min(if turn > 0.0 {

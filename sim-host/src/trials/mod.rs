@@ -13,11 +13,11 @@ pub use floor::{Condition, setup};
 
 use crate::closed_loop::ClosedLoopError;
 use crate::drive::DriveTrace;
-use crate::drive::watch;
+use crate::drive::drive_and_observe;
 use crate::mission::Mission;
 use crate::world::WorldSetup;
 
-/// Runs a mission in a world and watches the base at rest for [`REST_S`].
+/// Runs a mission in a world and observes the base at rest for [`REST_S`].
 ///
 /// # Errors
 /// Parameters out of their range.
@@ -25,7 +25,7 @@ pub fn run(
     mission: &Mission,
     setup: &WorldSetup,
 ) -> Result<(DriveTrace, Figures), ClosedLoopError> {
-    let trace = watch(mission, setup, REST_S)?;
+    let trace = drive_and_observe(mission, setup, REST_S)?;
     let figures = Figures::of(mission, &trace);
     Ok((trace, figures))
 }

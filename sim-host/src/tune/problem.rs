@@ -4,7 +4,7 @@ use super::score::{Score, health};
 use crate::closed_loop::ClosedLoopError;
 use crate::drive::{DriveTrace, FileError, FileRun};
 use crate::import::TimeScaling;
-use crate::mission::{Base, Course as Way, Mission};
+use crate::mission::{BaseSpec, Course as Way, Mission};
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::motion::MotionGains;
 use rayon::prelude::*;
@@ -41,12 +41,12 @@ impl Seeds {
 #[derive(Clone, Debug)]
 pub struct TuningProblem {
     missions: Vec<(Mission, Option<f64>)>,
-    base: Base,
+    base: BaseSpec,
 }
 
 impl TuningProblem {
     /// The paper's line and curve and a park.
-    pub fn courses(base: &Base) -> Self {
+    pub fn courses(base: &BaseSpec) -> Self {
         let missions = Course::ALL
             .iter()
             .map(|course| with_end(course.mission(base)));
@@ -61,7 +61,7 @@ impl TuningProblem {
     /// # Errors
     /// A file that cannot be driven.
     pub fn trajectory(
-        base: &Base,
+        base: &BaseSpec,
         name: &str,
         bytes: &[u8],
     ) -> Result<(Self, TimeScaling), FileError> {
@@ -76,7 +76,7 @@ impl TuningProblem {
     }
 
     /// The base as it was given.
-    pub fn base(&self) -> &Base {
+    pub fn base(&self) -> &BaseSpec {
         &self.base
     }
 

@@ -40,7 +40,7 @@ pub fn update(text: &str, gains: &MotionGains<f64>) -> Result<String, TomlError>
 #[cfg(test)]
 mod tests {
     use super::update;
-    use crate::mission::Base;
+    use crate::mission::BaseSpec;
     use crate::scenario::BuiltInBase;
 
     #[test]
@@ -49,14 +49,14 @@ mod tests {
         // `[gains]` is the last table of the file; here it is somebody's own.
         let (before, _) = text.split_once("[gains]").expect("has gains");
         let with = format!("{before}[gains]\nalong = 9.0   # by ear\nslow = 0.05\n");
-        let mut gains = Base::default().motion().gains;
+        let mut gains = BaseSpec::default().motion().gains;
         gains.longitudinal = 1.25;
         let updated = update(&with, &gains).expect("TOML");
         assert!(
             updated.contains("longitudinal = 1.25   # by ear")
                 && updated.contains("# two lead batteries")
         );
-        let read = Base::parse("mine.toml", &updated).expect("a base");
+        let read = BaseSpec::parse("mine.toml", &updated).expect("a base");
         let read = read.gains.expect("gains");
         assert_eq!(
             (read.longitudinal, read.heading, read.slow),

@@ -60,7 +60,7 @@ const SPREAD: f64 = 0.5;
 /// Share of the evaluations that the first look takes.
 const LOOK: u64 = 3;
 /// Factors on the velocity loops and the disturbance estimate in the first look. Those that follow from the
-/// limits suit a base without friction; stiction asks for several times more, noise for less.
+/// limits suit a base without friction; stiction needs several times more, noise for less.
 const LOOPS: [f64; 4] = [0.5, 2.0, 4.0, 6.0];
 /// Gains stay within a factor of 10 of their start (ln 10); each natural logarithm beyond it costs a point.
 const REACH: f64 = 2.303;

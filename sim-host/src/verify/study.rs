@@ -3,7 +3,7 @@
 use super::{badness, grid, shortcoming};
 use crate::closed_loop::ClosedLoopError;
 use crate::drive::DriveTrace;
-use crate::mission::{Base, Mission};
+use crate::mission::{BaseSpec, Mission};
 use crate::rate::Rate;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ pub const fn runs(seeds: NonZeroU32) -> u64 {
 /// # Errors
 /// A base or a world out of range.
 pub fn verify(
-    base: &Base,
+    base: &BaseSpec,
     first: u64,
     seeds: NonZeroU32,
     done: impl Fn() + Sync,
@@ -170,7 +170,7 @@ impl Run {
     ///
     /// # Errors
     /// None that the run itself did not have.
-    pub fn again(&self, base: &Base) -> Result<DriveTrace, VerifyError> {
+    pub fn again(&self, base: &BaseSpec) -> Result<DriveTrace, VerifyError> {
         let mission = self.course.mission(base);
         run(&mission, self.course, self.condition, self.seed).map(|(trace, _)| trace)
     }
@@ -181,7 +181,7 @@ impl Case {
         let first = runs.first()?;
         let all = || runs.iter().map(|run| &run.figures);
         let parked = all().filter(|figures| figures.parked).count();
-        // Where none parked, how far they came still tells something.
+        // Where none parked, how far they came still says something.
         let counted = || all().filter(|figures| figures.parked || parked == 0);
         let largest = |figure: fn(&Figures) -> f64| counted().map(figure).fold(0.0, f64::max);
         let peaks = all().filter_map(|figures| figures.peak);

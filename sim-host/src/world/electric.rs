@@ -7,7 +7,7 @@ use controller_core::maths::{Libm, Maths};
 /// What the motors do to the wheels for one substep: τ = `torque` − `slope` · ω, and the gear
 /// holds back `loss` against the motion, all at the wheel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Drive {
+pub(super) struct MotorDrives {
     pub torque: [f64; 2],
     pub slope: [f64; 2],
     pub loss: [f64; 2],
@@ -20,7 +20,7 @@ enum Feed {
     Voltage(f64),
     /// A current source \[A\].
     Current(f64),
-    /// Speed loop that asks for `at_rest` − `per_speed` ω \[A\].
+    /// Speed loop that demands `at_rest` − `per_speed` ω \[A\].
     Loop {
         at_rest: f64,
         per_speed: f64,
@@ -82,7 +82,7 @@ impl Electric {
         omega: [f64; 2],
         h: f64,
         (sag, extra_a): (Option<f64>, f64),
-    ) -> Drive {
+    ) -> MotorDrives {
         let Some(motor) = self.motor else {
             return self.ideal(command, omega, h);
         };
@@ -90,7 +90,7 @@ impl Electric {
         self.feeds = [0, 1].map(|i| self.desired(command, i, omega[i], h, &motor));
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
         let limited = [0, 1].map(|i| self.limited(&motor, i, omega[i], h));
-        // A loop that gets what it asks for integrates; at a limit it would only wind up.
+        // A loop that gets what it demands integrates; at a limit it would only wind up.
         if let Actuation::Speed { .. } = command {
             for (i, feed) in limited.iter().enumerate() {
                 if matches!(feed, Feed::Loop { .. }) {
@@ -100,7 +100,7 @@ impl Electric {
         }
         self.feeds = limited;
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
-        let mut drive = Drive::default();
+        let mut drive = MotorDrives::default();
         for (i, omega) in omega.into_iter().enumerate() {
             let (at_rest, per_speed) = self.mean_current(&motor, i, h);
             let current = at_rest - per_speed * omega;
@@ -131,8 +131,8 @@ impl Electric {
     }
 
     /// Torques without motors.
-    fn ideal(&mut self, command: &Actuation, omega: [f64; 2], h: f64) -> Drive {
-        let mut drive = Drive::default();
+    fn ideal(&mut self, command: &Actuation, omega: [f64; 2], h: f64) -> MotorDrives {
+        let mut drive = MotorDrives::default();
         match *command {
             Actuation::Torque { right, left } => drive.torque = [right, left],
             Actuation::Speed { right, left } => {

@@ -12,7 +12,7 @@ use serde::Deserialize;
 /// [`World::new`](super::World::new).
 ///
 /// ```
-/// use controller_core::{paper::params::Params, types::Measured};
+/// use controller_core::{robot::Robot, types::Measured};
 /// use sim_host::world::{World, WorldKeys};
 ///
 /// let keys: WorldKeys = toml::from_str(

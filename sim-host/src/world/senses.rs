@@ -114,7 +114,7 @@ impl Senses {
                 break;
             }
             self.on_the_way.pop_front();
-            // Of several the newest is told: it makes the others worthless.
+            // Of several the newest is used: it makes the others worthless.
             self.fix = Some((pose, 1.0e-6 * (now_us - moment) as f64));
         }
         self.supply_v = supply_v + self.noise.supply_v * self.random.supply.normal();

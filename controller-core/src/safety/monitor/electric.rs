@@ -53,7 +53,7 @@ impl UnderVoltage {
         self.found
     }
 
-    /// Whether it is too low, or on the way to be found so: motors then need not exert what was asked of them.
+    /// Whether it is too low, or on the way to be found so: motors then need not exert the command.
     /// Not for longer than the fault takes to be found, and never where it is not watched.
     pub(super) fn suspected(&self, settings: &SupplyDetectorParams<impl Scalar>) -> bool {
         self.found || (self.low != Debounce::NONE && settings.after != Timeout::Off)

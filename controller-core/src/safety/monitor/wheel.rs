@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 /// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
 /// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
 const WINDOW: f64 = 10.0;
-/// Below so many counts of expected travel nothing is said: each of the two high-passes may double the one
+/// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.
 const LEAST_COUNTS: f64 = 8.0;
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
@@ -30,7 +30,7 @@ pub(super) struct WheelInputs<T> {
     pub(super) moved: Option<i32>,
     /// `None` where torques are not known.
     pub(super) effort: Option<Effort<T>>,
-    /// Speed that is asked for, and by an outside twist \[rad/s\].
+    /// Speed commanded, and by an outside twist \[rad/s\].
     pub(super) command: T,
     pub(super) outside: Option<T>,
     /// Speed by the encoders less that by the outside twist \[m/s\].
@@ -172,7 +172,7 @@ impl<T: Scalar> Wheel<T> {
     /// Pushed, and at least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
     ///
     /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
-    /// speed, and no acceleration tells. A sound wheel is turned back only by more than it is pushed with, three times the
+    /// speed, and no acceleration shows it. A sound wheel is turned back only by more than it is pushed with, three times the
     /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
     fn turns_back(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
         let way = Self::pushed(settings, now);

@@ -44,7 +44,7 @@ pub enum Cause {
 /// State, cause and timers. One for a base.
 ///
 /// A tick calls [`on`](Self::on) for what came in, [`on_active_faults`](Self::on_active_faults) for what the monitor
-/// found, [`tick`](Self::tick) for the time, and tells the wheels what [`output`](Self::output) says: all in
+/// found, [`tick`](Self::tick) for the time, and applies [`output`](Self::output) to the wheels: all in
 /// one tick, so that what stops the base stops it in the tick in which it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {

@@ -15,7 +15,7 @@ fn integrator<T: Scalar>() -> Polynomial<T> {
     lag(T::ZERO)
 }
 
-/// A loop with the disturbance estimate of bandwidth ω, which knows the torque asked for and not when
+/// A loop with the disturbance estimate of bandwidth ω, which knows the torque demanded and not when
 /// it comes: ḋ = ω (λv − u − d) and u = x − d give u = (λ + ω)/λ x − ω v, and so
 ///
 /// ```text

@@ -45,7 +45,7 @@ impl Runner<'_, '_> {
         self.outcome.counted_s = self.outcome.counted_s.max(self.counted_s);
     }
 
-    /// Which way a wheel in trouble is pushed hard enough to tell: 1, −1, or 0 if it is not.
+    /// Which way a wheel in trouble is pushed hard enough to be found: 1, −1, or 0 if it is not.
     fn pushed(&self, before: &BaseReport<f32>, acting: Option<WheelTorques<f32>>) -> f64 {
         let What::PlantFault(
             PlantFault::EncoderStuck(side)

@@ -46,7 +46,7 @@ impl Runner<'_, '_> {
         self.within()
     }
 
-    /// The report of the last tick, with what the wheels really were told: after a driver's error they are released.
+    /// The report of the last tick, with what was really applied to the wheels: after a driver's error they are released.
     fn report(&self) -> BaseReport<f32> {
         BaseReport {
             action: *self.board.task().output(),

@@ -4,7 +4,7 @@ use super::*;
 use core::f64::consts::TAU;
 
 /// Driven up with 4 N m for half a second, then held back by twice what those give, though they are still
-/// asked for, and `change` says of that what it will, given the counts at which this began and ticks
+/// commanded, and `change` says of that what it will, given the counts at which this began and ticks
 /// since: all that is found.
 fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> ActiveFaults {
     let mut watched = params();
@@ -116,12 +116,12 @@ fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
     let stuck = Some(Fault::EncoderStuck(Side::Right));
     assert_eq!(found.get(FaultKind::EncoderStuck), stuck);
     assert_eq!(found.get(FaultKind::EncoderReversed), None);
-    // Where it is not told to turn it may well stand, and the other one is what it seems.
+    // Where it is not commanded to turn it may well stand, and the other one is what it seems.
     let reversed = Some(Fault::EncoderReversed(Side::Left));
     assert_eq!(pulled(0.0).get(FaultKind::EncoderReversed), reversed);
 }
 
-/// At a steady speed no acceleration tells; that it turns the other way than it is commanded and pushed, all the while, does.
+/// At a steady speed no acceleration shows it; that it turns the other way than it is commanded and pushed, all the while, does.
 #[test]
 fn a_wheel_that_turns_back_under_its_torque_is_reversed() {
     let back = |k: i32| pushing(k, -1, 1);

@@ -71,7 +71,7 @@ fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
     active_faults.add(stuck);
     supervisor.on_active_faults(&active_faults, &policy);
     assert_eq!(supervisor.latched(), Some(Fault::UnderVoltage));
-    // The whole time of the brake, since encoders cannot tell any more that the base rests.
+    // The whole time of the brake, since encoders cannot show any more that the base rests.
     for _ in 0..500 {
         supervisor.tick(10_000, true);
     }
