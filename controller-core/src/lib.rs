@@ -21,13 +21,13 @@
 //! The root has the names of a first program; `examples/` has such programs.
 //!
 //! ```
-//! use controller_core::motion::Policy;
+//! use controller_core::motion::SaturationPolicy;
 //! use controller_core::{Limits, Measured, MotionController, MotionParams, Pose, Robot, Task};
 //!
 //! // Robot and limits are yours; gains follow from them.
 //! let limits = Limits {
 //!     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-//!     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+//!     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 //! };
 //! let motion = MotionParams::new(Robot::paper(), limits).validate()?;
 //! let (task, measured) = (Task::Park(Pose::new(1.0, 0.5, 0.0)), Measured::default());

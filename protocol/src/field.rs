@@ -95,7 +95,7 @@ pub struct WireLimits {
     pub policy: WireYield,
 }
 
-/// As [`controller_core::motion::Policy`].
+/// As [`controller_core::motion::SaturationPolicy`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WireYield {
     /// Both, by one factor.

@@ -4,7 +4,7 @@ use controller_core::localiser::{
     Estimate, FusionParams, Localiser, LocaliserParams, ValidLocaliserParams,
 };
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionController, Outcome};
+use controller_core::motion::{MotionController, Outcome, ValidMotionParams};
 use controller_core::pose_error::{PoseError, pose_error};
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Pose};
@@ -48,7 +48,7 @@ pub struct Loop {
 impl Loop {
     /// At rest where `robot` is, and known to be.
     pub fn start(
-        motion: &Motion<f64>,
+        motion: &ValidMotionParams<f64>,
         localisation: &ValidLocaliserParams<f64>,
         robot: Encoded,
         order: &Order,
@@ -162,7 +162,7 @@ impl End {
 
 /// The paper's curve at 0.4 m/s and 0.15 rad/s from 0.3 m beside it, then parking at its end.
 pub fn mission(
-    motion: &Motion<f64>,
+    motion: &ValidMotionParams<f64>,
     localisation: &ValidLocaliserParams<f64>,
     file: &File,
     source: &mut Source,
@@ -186,7 +186,7 @@ pub fn mission(
 
 /// Parking at the origin from rest at `start` for 20 s.
 pub fn park(
-    motion: &Motion<f64>,
+    motion: &ValidMotionParams<f64>,
     localisation: &ValidLocaliserParams<f64>,
     file: &File,
     start: Pose<f64>,

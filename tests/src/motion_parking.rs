@@ -1,7 +1,7 @@
 //! Figures of parking, one run and many.
 
 use controller_core::maths::Maths;
-use controller_core::motion::{Motion, Outcome};
+use controller_core::motion::{Outcome, ValidMotionParams};
 use controller_core::pose_error::PoseError;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
@@ -115,7 +115,7 @@ impl ParkingObserver {
 
 /// Parks at the origin for `end_s`.
 pub fn park<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     plant: Base,
     body: Body,
     dt: f64,
@@ -188,7 +188,7 @@ pub fn print(name: &str, runs: &[Parking]) -> Parking {
 
 /// All starts, on two threads.
 pub fn park_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     plant: Base,
     starts: &[Body],
     dt: f64,

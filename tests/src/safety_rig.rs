@@ -2,7 +2,7 @@
 
 use controller_core::hal::WheelCounts;
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionController, Task};
+use controller_core::motion::{MotionController, Task, ValidMotionParams};
 use controller_core::odometry::{Odometry, OdometryParams};
 use controller_core::safety::supervisor::{Event, SupervisorParams};
 use controller_core::safety::{
@@ -116,7 +116,7 @@ impl Rig {
     }
 
     /// The parameters that the controller has.
-    pub fn motion(&self) -> &Motion<f64> {
+    pub fn motion(&self) -> &ValidMotionParams<f64> {
         self.controller.motion()
     }
 

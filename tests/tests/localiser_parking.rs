@@ -3,7 +3,7 @@
 
 use controller_core::localiser::{FusionParams, LocaliserParams, ValidLocaliserParams};
 use controller_core::maths::Libm;
-use controller_core::motion::Motion;
+use controller_core::motion::ValidMotionParams;
 use controller_core::types::Pose;
 use sim_host::mission::BaseSpec as File;
 use tests::encoded::{bases, odometry};
@@ -12,7 +12,7 @@ use tests::localised::{End, SPEED, localisation, mission, park};
 use tests::motion_loop::both_cores;
 
 /// The base with what its localisation says of noise and arrival.
-fn suited(file: &File, localisation: &ValidLocaliserParams<f64>) -> Motion<f64> {
+fn suited(file: &File, localisation: &ValidLocaliserParams<f64>) -> ValidMotionParams<f64> {
     let mut params = file.motion();
     params.pose_noise_m = localisation.pose_noise_m();
     params.arrival = localisation.arrival();

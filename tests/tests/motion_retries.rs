@@ -1,7 +1,7 @@
 //! Stuck beside the goal: a bounded number of new approaches, then a typed outcome and rest.
 
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionParams, Outcome, Task};
+use controller_core::motion::{MotionParams, Outcome, Task, ValidMotionParams};
 use controller_core::shunting::ExactMean;
 use controller_core::types::Pose;
 use tests::motion_base::{Base, Body};
@@ -15,7 +15,7 @@ const HOME: Order = Task::Park(Pose::new(0.0, 0.0, 0.0));
 /// Standard deviation of noisy poses \[m\].
 const SIGMA: f64 = 2e-3;
 
-fn noisy_base(tolerance_m: f64, retries: u8) -> Motion<f64> {
+fn noisy_base(tolerance_m: f64, retries: u8) -> ValidMotionParams<f64> {
     let mut params = BASE.exact().with_pose_noise(SIGMA);
     params.arrival.distance_m = tolerance_m;
     params.arrival.retries = retries;

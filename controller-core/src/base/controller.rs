@@ -26,7 +26,7 @@ pub const REMEMBERED: usize = 32;
 /// use controller_core::hal::WheelCounts;
 /// use controller_core::localiser::LocaliserParams;
 /// use controller_core::maths::Single;
-/// use controller_core::motion::{Limits, Policy};
+/// use controller_core::motion::{Limits, SaturationPolicy};
 /// use controller_core::odometry::{Calibration, OdometryParams};
 /// use controller_core::robot::Robot;
 /// use controller_core::safety::supervisor::{Event, State};
@@ -35,7 +35,7 @@ pub const REMEMBERED: usize = 32;
 /// let robot = Robot::<f32>::paper();
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let localiser = LocaliserParams {
 ///     odometry: OdometryParams {

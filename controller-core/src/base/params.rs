@@ -5,7 +5,7 @@ use core::fmt;
 use crate::error::{Field, ParamError, Problem};
 use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
-use crate::motion::{Limits, Motion, MotionParams};
+use crate::motion::{Limits, MotionParams, ValidMotionParams};
 use crate::motor::{Motor, MotorParams};
 use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
@@ -159,7 +159,7 @@ fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
 /// [`BaseParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValidBaseParams<T = f32> {
-    pub(super) motion: Motion<T>,
+    pub(super) motion: ValidMotionParams<T>,
     pub(super) localisation: ValidLocaliserParams<T>,
     pub(super) motor: Option<Motor<T>>,
     pub(super) detectors: ValidDetectorParams<T>,
@@ -169,7 +169,7 @@ pub struct ValidBaseParams<T = f32> {
 
 impl<T: Scalar> ValidBaseParams<T> {
     /// The motion law's parameters.
-    pub const fn motion(&self) -> &Motion<T> {
+    pub const fn motion(&self) -> &ValidMotionParams<T> {
         &self.motion
     }
 

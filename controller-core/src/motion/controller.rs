@@ -6,7 +6,7 @@ use super::disturbance::{Observer, Watch};
 use super::error_view::ErrorView;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::pose_law::{Moving, PoseLaw, Step};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
@@ -50,13 +50,13 @@ struct Found<T> {
 ///
 /// ```
 /// use controller_core::maths::Single;
-/// use controller_core::motion::{Limits, MotionController, MotionParams, Policy, Task};
+/// use controller_core::motion::{Limits, MotionController, MotionParams, SaturationPolicy, Task};
 /// use controller_core::robot::Robot;
 /// use controller_core::types::{Measured, Pose};
 ///
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let motion = MotionParams::new(Robot::paper(), limits).validate()?;
 /// let here = Measured::default();
@@ -69,7 +69,7 @@ struct Found<T> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionController<T = f32, M = Single, U = RationalMean> {
-    motion: Motion<T>,
+    motion: ValidMotionParams<T>,
     state: State<T>,
     report: MotionReport<T>,
     back_ends: PhantomData<(M, U)>,
@@ -82,7 +82,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// # Errors
     /// An input that is not finite, or so large that a torque is not.
     pub fn start(
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {
@@ -247,7 +247,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     }
 
     /// The parameters in use.
-    pub fn motion(&self) -> &Motion<T> {
+    pub fn motion(&self) -> &ValidMotionParams<T> {
         &self.motion
     }
 
@@ -330,7 +330,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
 }
 
 impl<T: Scalar> State<T> {
-    fn outcome(&self, motion: &Motion<T>) -> Outcome {
+    fn outcome(&self, motion: &ValidMotionParams<T>) -> Outcome {
         if self.pose_law.is_parked() {
             Outcome::Parked
         } else if self.pose_law.has_given_up() {
@@ -357,7 +357,7 @@ impl<T: Scalar> Found<T> {
     }
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// Once parked the wheels exert nothing.
     fn releases(&self) -> bool {
         self.params().arrival.at_rest == AtRest::Release

@@ -1,7 +1,7 @@
 //! Following a moving reference, at any speed and from any heading.
 
 use super::lag::LagState;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -50,7 +50,7 @@ impl<T: Scalar> Follower<T> {
     /// needed. The heading asked for by s₂ is at most some 0.65 rad for any offset.
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         now: &Instant<'_, T>,
         command: &Twist<T>,
         two_per_dt: Option<T>,

@@ -1,7 +1,7 @@
 //! Keeps the command within what the base can do, and says so.
 
 use super::limits::{COMMAND_SHARE, Limits};
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::report::Limited;
 use super::saturation::share;
 use super::setpoint::Setpoint;
@@ -18,7 +18,7 @@ pub(crate) struct Command<T> {
 
 impl<T: Scalar> Command<T> {
     /// The command that asks a robot for what it does already, as far as the limits allow.
-    pub(crate) fn of_robot(motion: &Motion<T>, twist: &Twist<T>) -> Self {
+    pub(crate) fn of_robot(motion: &ValidMotionParams<T>, twist: &Twist<T>) -> Self {
         let limits = &motion.params().limits;
         Self {
             twist: Twist {
@@ -37,7 +37,7 @@ impl<T: Scalar> Command<T> {
     /// integrated into the former: noise in it would become an error of the command.
     pub(crate) fn advance(
         &self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         setpoint: &Setpoint<T>,
         dt: T,
     ) -> (Self, Limited) {
@@ -85,7 +85,7 @@ impl<T: Scalar> Command<T> {
     }
 
     /// `needed` within acceleration, braking and the wheels' share for the command.
-    fn slew(&self, motion: &Motion<T>, needed: &Accel<T>) -> Accel<T> {
+    fn slew(&self, motion: &ValidMotionParams<T>, needed: &Accel<T>) -> Accel<T> {
         let params = motion.params();
         let limits = &params.limits;
         let desired = self.within_accel(limits, needed);

@@ -29,7 +29,7 @@ pub struct Limits<T = f32> {
     /// Largest torque of either wheel \[N m\], 1e-6 to 1e6.
     pub wheel_torque_nm: T,
     /// Who yields where both wheels cannot be served.
-    pub policy: Policy,
+    pub policy: SaturationPolicy,
 }
 
 cast!(
@@ -48,7 +48,7 @@ cast!(
 /// Who yields when force and moment together ask too much of a wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Policy {
+pub enum SaturationPolicy {
     /// Both, by one factor: the ratio of force to moment, and so the curvature, is kept.
     #[default]
     KeepCurvature,

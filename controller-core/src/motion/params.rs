@@ -97,7 +97,7 @@ impl<T: Scalar> MotionParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate(self) -> Result<Motion<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidMotionParams<T>, ParamError> {
         let f = T::from_f64;
         within(Field::Mass, self.robot.mass_kg, 1.0e-3, 1.0e5)?;
         within(Field::Inertia, self.robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
@@ -119,7 +119,7 @@ impl<T: Scalar> MotionParams<T> {
         let noisy = noise_radius > least;
         let force = largest_force(&self);
         let bound = gains.disturbance_share * force;
-        Ok(Motion {
+        Ok(ValidMotionParams {
             params: self,
             wheels,
             disturbance: Wrench {
@@ -164,7 +164,7 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
 
 /// [`MotionParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<T = f32> {
+pub struct ValidMotionParams<T = f32> {
     params: MotionParams<T>,
     pub(crate) wheels: WheelMap<T>,
     /// Distance to the goal below which its direction is noise \[m\].
@@ -185,7 +185,7 @@ pub struct Motion<T = f32> {
     pub(crate) turn: Lag<T>,
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// The parameters as they were given.
     pub fn params(&self) -> &MotionParams<T> {
         &self.params
@@ -217,7 +217,7 @@ impl<T: Scalar> Motion<T> {
             + self.gains().disturbance * self.disturbance.force
     }
 
-    /// L of the moment \[N m/s\]; see [`Motion::force_rate_limit`].
+    /// L of the moment \[N m/s\]; see [`ValidMotionParams::force_rate_limit`].
     pub fn moment_rate_limit(&self) -> T {
         let limits = &self.params.limits;
         let inertia = self.params.robot.inertia_kg_m2;

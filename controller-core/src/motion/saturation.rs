@@ -1,6 +1,6 @@
 //! A wrench that the wheels can exert.
 
-use super::limits::Policy;
+use super::limits::SaturationPolicy;
 use crate::scalar::Scalar;
 use crate::types::{WheelTorques, Wrench};
 use crate::wheels::WheelMap;
@@ -14,7 +14,7 @@ pub fn share<T: Scalar>(
     wheels: &WheelMap<T>,
     desired: &Wrench<T>,
     limit: T,
-    policy: Policy,
+    policy: SaturationPolicy,
 ) -> (Wrench<T>, bool) {
     let asked = wheels.torques(desired);
     if largest(&asked) <= limit {
@@ -29,16 +29,16 @@ pub fn share<T: Scalar>(
         moment: desired.moment,
     };
     let (drive, turn) = match policy {
-        Policy::KeepCurvature => {
+        SaturationPolicy::KeepCurvature => {
             let scale = limit / largest(&asked);
             (scale, scale)
         }
-        Policy::TurnFirst => {
+        SaturationPolicy::TurnFirst => {
             let first = scale_within(&wheels.torques(&moment), limit);
             let rest = room(wheels, &moment, first, &force, limit);
             (rest, first)
         }
-        Policy::DriveFirst => {
+        SaturationPolicy::DriveFirst => {
             let first = scale_within(&wheels.torques(&force), limit);
             let rest = room(wheels, &force, first, &moment, limit);
             (first, rest)

@@ -21,7 +21,7 @@
 //! To each of them comes v₀ times the time in which the fault is found ([`crate::safety::Monitor`]) and one tick.
 
 use crate::maths::Maths;
-use crate::motion::{Motion, Task};
+use crate::motion::{Task, ValidMotionParams};
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
@@ -50,7 +50,7 @@ pub struct StopPlan<T> {
 
 impl<T: Scalar> StopPlan<T> {
     /// The plan from a commanded twist. A twist that is not finite gives a plan that is at rest at once.
-    pub fn new<M: Maths<T>>(motion: &Motion<T>, command: &Twist<T>) -> Self {
+    pub fn new<M: Maths<T>>(motion: &ValidMotionParams<T>, command: &Twist<T>) -> Self {
         let params = motion.params();
         let limits = &params.limits;
         let (v, w) = (command.linear.abs(), command.angular.abs());
@@ -154,7 +154,7 @@ pub struct Stopping<T> {
 /// For ticks without length; for those of dt there come v₀ 2 dt + 2 a dt/A (and the same of w₀, α): the torque of
 /// the last tick still acts, the plan begins with the next, and the transition offset begins with what a adds meanwhile.
 pub fn controlled_stop<T: Scalar, M: Maths<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     command: &Twist<T>,
     rate: &Accel<T>,
     error: &Twist<T>,
@@ -183,7 +183,10 @@ pub fn controlled_stop<T: Scalar, M: Maths<T>>(
 
 /// How far a controlled stop goes at most straight on from `speed` \[m\], if the base was speeding up as hard as
 /// it may: [`controlled_stop`] without turning and without a velocity error.
-pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(motion: &Motion<T>, speed: T) -> T {
+pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(
+    motion: &ValidMotionParams<T>,
+    speed: T,
+) -> T {
     let limits = &motion.params().limits;
     let command = Twist::new(speed, T::ZERO);
     let rate = Accel::new(larger(limits.accel, limits.brake), T::ZERO);
@@ -198,10 +201,10 @@ fn larger<T: Scalar>(a: T, b: T) -> T {
 mod tests {
     use super::*;
     use crate::maths::Libm;
-    use crate::motion::{Limits, MotionParams, Policy};
+    use crate::motion::{Limits, MotionParams, SaturationPolicy};
     use crate::paper::params::Params;
 
-    fn motion(wheel_torque_nm: f64) -> Motion<f64> {
+    fn motion(wheel_torque_nm: f64) -> ValidMotionParams<f64> {
         let limits = Limits {
             speed: 2.5,
             turn_rate: 3.0,
@@ -211,7 +214,7 @@ mod tests {
             jerk: 20.0,
             turn_jerk: 40.0,
             wheel_torque_nm,
-            policy: Policy::KeepCurvature,
+            policy: SaturationPolicy::KeepCurvature,
         };
         let params = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
         params.validate().expect("valid")

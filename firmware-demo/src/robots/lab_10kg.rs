@@ -44,7 +44,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Of each wheel [N m].
             wheel_torque_nm: 2.0,
             // Who yields at the torque limit.
-            policy: motion::Policy::KeepCurvature,
+            policy: motion::SaturationPolicy::KeepCurvature,
         },
         gains: motion::MotionGains {
             // Of pose neurons and transition offsets [1/s].

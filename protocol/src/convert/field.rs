@@ -2,7 +2,7 @@
 
 use controller_core::base::BaseParams;
 use controller_core::localiser::LocaliserParams;
-use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
+use controller_core::motion::{Limits, MotionGains, MotionParams, SaturationPolicy};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::safety::DetectorParams;
 
@@ -38,9 +38,9 @@ impl From<&BaseParams<f32>> for FieldParams {
                 turn_jerk: limits.turn_jerk,
                 wheel_torque_nm: limits.wheel_torque_nm,
                 policy: match limits.policy {
-                    Policy::KeepCurvature => WireYield::KeepCurvature,
-                    Policy::TurnFirst => WireYield::TurnFirst,
-                    Policy::DriveFirst => WireYield::DriveFirst,
+                    SaturationPolicy::KeepCurvature => WireYield::KeepCurvature,
+                    SaturationPolicy::TurnFirst => WireYield::TurnFirst,
+                    SaturationPolicy::DriveFirst => WireYield::DriveFirst,
                 },
             },
             calibration: WireCalibration {
@@ -94,9 +94,9 @@ impl FieldParams {
                     turn_jerk: limits.turn_jerk,
                     wheel_torque_nm: limits.wheel_torque_nm,
                     policy: match limits.policy {
-                        WireYield::KeepCurvature => Policy::KeepCurvature,
-                        WireYield::TurnFirst => Policy::TurnFirst,
-                        WireYield::DriveFirst => Policy::DriveFirst,
+                        WireYield::KeepCurvature => SaturationPolicy::KeepCurvature,
+                        WireYield::TurnFirst => SaturationPolicy::TurnFirst,
+                        WireYield::DriveFirst => SaturationPolicy::DriveFirst,
                     },
                 },
                 ..base.motion

@@ -4,7 +4,7 @@ use super::hardware::Hardware;
 use crate::import;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
-use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
+use controller_core::motion::{Limits, MotionGains, MotionParams, SaturationPolicy};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 
@@ -43,7 +43,7 @@ impl Default for BaseSpec {
                 jerk: 20.0,
                 turn_jerk: 40.0,
                 wheel_torque_nm: 15.0,
-                policy: Policy::KeepCurvature,
+                policy: SaturationPolicy::KeepCurvature,
             },
             gains: None,
             hardware: None,

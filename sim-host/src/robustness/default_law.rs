@@ -7,7 +7,7 @@ use crate::mission::{Mission, Sequencer};
 use crate::precision::Precision;
 use controller_core::error::ParamError;
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{Motion, MotionController, MotionParams, Task};
+use controller_core::motion::{MotionController, MotionParams, Task, ValidMotionParams};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::RationalMean;
 use controller_core::types::{Measured, Twist};
@@ -16,7 +16,7 @@ use controller_core::types::{Measured, Twist};
 pub(super) struct DefaultLaw<'a, T, M> {
     period_s: f64,
     sequencer: Sequencer<'a>,
-    motion: Motion<T>,
+    motion: ValidMotionParams<T>,
     controller: Option<MotionController<T, M, RationalMean>>,
 }
 

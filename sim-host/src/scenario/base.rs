@@ -7,7 +7,7 @@ use super::{ScenarioError, renamed};
 use crate::mission::BaseSpec;
 use crate::world;
 use controller_core::error::{Field, ParamError};
-use controller_core::motion::{Limits, Policy};
+use controller_core::motion::{Limits, SaturationPolicy};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 use controller_core::types::Pose;
@@ -177,9 +177,9 @@ impl LimitKeys {
             turn_jerk: self.turn_jerk,
             wheel_torque_nm: self.wheel_torque,
             policy: match self.policy {
-                PolicyKey::KeepCurvature => Policy::KeepCurvature,
-                PolicyKey::TurnFirst => Policy::TurnFirst,
-                PolicyKey::DriveFirst => Policy::DriveFirst,
+                PolicyKey::KeepCurvature => SaturationPolicy::KeepCurvature,
+                PolicyKey::TurnFirst => SaturationPolicy::TurnFirst,
+                PolicyKey::DriveFirst => SaturationPolicy::DriveFirst,
             },
         }
     }

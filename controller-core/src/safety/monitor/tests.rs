@@ -4,7 +4,7 @@ use super::*;
 use crate::error::Field;
 use crate::hal::ErrorKind;
 use crate::maths::Libm;
-use crate::motion::{Limits, MotionParams, Policy};
+use crate::motion::{Limits, MotionParams, SaturationPolicy};
 use crate::paper::params::Params;
 use crate::safety::{Currents, DetectorParams, FaultKind, Timeout};
 use crate::types::WheelTorques;
@@ -22,7 +22,7 @@ fn params() -> DetectorParams<f64> {
         jerk: 20.0,
         turn_jerk: 40.0,
         wheel_torque_nm: 15.0,
-        policy: Policy::KeepCurvature,
+        policy: SaturationPolicy::KeepCurvature,
     };
     let motion = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
     DetectorParams::for_base(&motion, 4096.0, 10_000)

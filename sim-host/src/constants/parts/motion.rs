@@ -1,7 +1,7 @@
 //! The motion law: limits, gains, arrival.
 
 use super::{Writer, at_rest, robot};
-use controller_core::motion::{Arrival, Limits, MotionGains, MotionParams, Policy};
+use controller_core::motion::{Arrival, Limits, MotionGains, MotionParams, SaturationPolicy};
 
 pub(super) fn motion(out: &mut Writer, params: &MotionParams<f32>) {
     let MotionParams {
@@ -58,12 +58,16 @@ fn limits(out: &mut Writer, limits: &Limits<f32>) {
     out.number("turn_jerk", *turn_jerk, "[rad/s^3]");
     out.number("wheel_torque_nm", *wheel_torque_nm, "Of each wheel [N m].");
     let policy = match policy {
-        Policy::KeepCurvature => "KeepCurvature",
-        Policy::TurnFirst => "TurnFirst",
-        Policy::DriveFirst => "DriveFirst",
+        SaturationPolicy::KeepCurvature => "KeepCurvature",
+        SaturationPolicy::TurnFirst => "TurnFirst",
+        SaturationPolicy::DriveFirst => "DriveFirst",
     };
     let about = "Who yields at the torque limit.";
-    out.field("policy", &format!("motion::Policy::{policy}"), about);
+    out.field(
+        "policy",
+        &format!("motion::SaturationPolicy::{policy}"),
+        about,
+    );
     out.close("},");
 }
 
