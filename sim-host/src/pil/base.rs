@@ -251,7 +251,8 @@ mod tests {
     #[test]
     fn every_difference_is_found() {
         let host = BaseTicked::default();
-        let changes: [(&str, fn(&mut BaseTicked)); 4] = [
+        type Change = fn(&mut BaseTicked);
+        let changes: [(&str, Change); 4] = [
             ("output_left", |t| {
                 t.output = WheelOutput::Duty {
                     right: 0.0,
