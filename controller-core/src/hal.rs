@@ -4,7 +4,7 @@
 //! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
 //! else; they come from [`crate::motion::MotionReport::torques`].
 //!
-//! Wheels are stopped in two ways, and hardware that can does them separately: *released* they are free to coast, *braked*
+//! Wheels are stopped in two ways, and hardware that can distinguishes them: *released* they are free to coast, *braked*
 //! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].
 
 use crate::types::{WheelSpeeds, WheelTorques};

@@ -223,7 +223,7 @@ Examples:
     Monitor(MonitorArgs),
     /// Say whether files can be driven, without running anything
     ///
-    /// Prints format, figures, repairs with their places, and how its time is scaled for the base; or why a file
+    /// Prints format, figures, repairs with their places, and how time is scaled for the base; or why a file
     /// is refused. Exit code 0 if all can be driven, 1 if not.
     Check(TrajectoryArgs),
     /// Compile trajectory files for a chip

@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::types::{Accel, Measured};
 
 /// Takes an order into the task, as far as the supervisor's state allows; whether it was refused. Without
-/// an order a reference moves on by `dt` with its twist.
+/// an order a reference moves on by `dt`, at its twist.
 pub(super) fn take<T: Scalar, M: Maths<T>>(
     order: &Order<T>,
     task: &mut Option<Task<T>>,

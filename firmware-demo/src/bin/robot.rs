@@ -27,7 +27,7 @@ mod chip {
     use firmware_demo::storage::{RamFlash, Slots};
 
     const MAX_TORQUE_NM: f32 = 15.0;
-    /// Decimation of reports: of this many one is sent: 50 a second.
+    /// Decimation of reports: one of this many is sent, 50 a second.
     const DECIMATE: u16 = 20;
 
     /// Returns only when the line fails.

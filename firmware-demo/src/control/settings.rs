@@ -41,7 +41,7 @@ pub enum SetError {
     Setting(SettingError),
 }
 
-/// The controller limits torques by itself, so that it knows of the limit; so its limit has to be one that the driver takes.
+/// The controller limits torques by itself, to know when it does; so its limit has to be one that the driver takes.
 pub(super) fn check<D: WheelDrive>(
     params: &BaseParams<f32>,
     drive: &D,

@@ -36,7 +36,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             None
         };
         if let Some(exerted) = exerted {
-            // What is no number is not noted: the estimates go on with the applied torques.
+            // What is no number is not noted: the estimates go on with the commanded torques.
             let _ = self.controller.note_exerted(&exerted);
         }
     }

@@ -46,7 +46,7 @@ pub enum Mutation {
     /// Nothing.
     #[default]
     None,
-    /// The driver goes on with the last torque when it should release or to brake.
+    /// The driver goes on with the last torque when it should release or brake.
     KeepsTorque,
     /// The brake is not connected: wheels coast.
     BrakeCoasts,

@@ -10,7 +10,7 @@ use firmware_demo::control::ControlTask;
 use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues};
 use protocol::{Frame, Telemetry};
 
-/// Decimation of reports: of this many ticks one is sent: a line of 115,200 baud holds ten frames of 60 bytes in 0.05 s.
+/// Decimation of reports: that of one in this many ticks is sent. A line of 115,200 baud holds ten frames of 60 bytes in 0.05 s.
 const DECIMATE: u16 = 10;
 
 /// The firmware's control server over a [`PlantHal`]: bytes in, frames out, ticks in between.

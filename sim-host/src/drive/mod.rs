@@ -10,8 +10,8 @@
 //! use sim_host::mission::BaseSpec;
 //!
 //! let file = "t,x,y,theta\n0,0,0,0\n2,0.5,0,0\n4,1.5,0,0\n6,2,0,0\n";
-//! let (mission, stretch) = FileRun::default().mission("straight", file.as_bytes(), &BaseSpec::default())?;
-//! assert!(stretch.factor < 1.5);
+//! let (mission, scaling) = FileRun::default().mission("straight", file.as_bytes(), &BaseSpec::default())?;
+//! assert!(scaling.factor < 1.5);
 //! let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
 //! assert!(metrics.parked_s.is_some() && metrics.run.final_error.position_m < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -3,8 +3,8 @@
 use super::*;
 use core::f64::consts::TAU;
 
-/// Driven up with 4 N m for half a second, then held back by twice what those give, though they are still
-/// commanded, and `change` says of that what it will, given the counts at which this began and ticks
+/// Driven up with 4 N m for half a second, then held back by twice what those give, though these are still
+/// commanded, and `change` edits the inputs, given the counts at which this began and ticks
 /// since: all that is found.
 fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> ActiveFaults {
     let mut watched = params();
