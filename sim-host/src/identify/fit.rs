@@ -142,7 +142,8 @@ fn descend(
             h[(i, i)] += weight * scale[i] * scale[i];
             b[i] += weight * scale[i] * value[i];
         }
-        let floor = 1.0e-9 * h.diagonal().amax();
+        // Far below what any parameter's own information is: only directions that nothing shows need it.
+        let floor = 1.0e-12 * h.diagonal().amax();
         let mut gain = None;
         while damping < 1.0e9 {
             let mut damped = h.clone();

@@ -75,6 +75,26 @@ fn intervals_hold_with_windings() {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
+/// Beside that what the bases have: gears that lose, drivers with a dead band, a battery that sags.
+#[test]
+fn intervals_hold_with_losses() {
+    const LOGS: usize = 60;
+    let lossy: Unkind = |p| {
+        p.battery.internal_ohm = 0.1;
+        motor(p, |m| {
+            m.gear_efficiency = 0.9;
+            m.dead_band = 0.02;
+        });
+    };
+    let tallies = tally::all(LOGS, |seed| one(seed, lossy));
+    tally::print(
+        "world, gear 0.9, dead band of 2 %, battery of 0.1 ohm",
+        &tallies,
+    );
+    let failures = misses(&tallies, told(), LOGS);
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
 #[test]
 fn the_lag_of_windings_is_told() {
     let (found, _) = identified(0, |_| {});
@@ -100,34 +120,19 @@ fn the_lag_of_windings_is_told() {
 /// Coulomb friction, the worse side of each \[%\]: the table in `docs/identify.md`.
 type Shift = (&'static str, Unkind, [f64; 5]);
 
-const SHIFTS: [Shift; 6] = [
-    (
-        "battery of 0.1 ohm, supply measured",
-        |p| p.battery.internal_ohm = 0.1,
-        [0.3, 0.0, 0.0, 0.2, 0.1],
-    ),
-    (
-        "dead band of 2 %",
-        |p| motor(p, |m| m.dead_band = 0.02),
-        [1.8, 3.6, 2.4, 40.0, 52.0],
-    ),
-    (
-        "gear efficiency 0.9",
-        |p| motor(p, |m| m.gear_efficiency = 0.9),
-        [7.0, 0.2, 0.4, 23.0, 19.0],
-    ),
+const SHIFTS: [Shift; 3] = [
     (
         "tyres that slip a little",
         |p| {
             p.floor.mu = 0.8;
             p.floor.slip_stiffness = 20.0;
         },
-        [0.5, 0.2, 0.7, 7.0, 6.0],
+        [0.1, 0.1, 0.6, 5.0, 3.0],
     ),
     (
         "slope of 1:200",
         |p| p.floor.slope_rad = 0.005,
-        [0.9, 0.1, 0.9, 8.0, 9.0],
+        [0.7, 0.2, 0.3, 3.0, 11.0],
     ),
     (
         "ticks 0.2 ms uneven",
