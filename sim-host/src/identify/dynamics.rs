@@ -9,9 +9,11 @@ use super::quantity::Known;
 use super::source::{Feed, source};
 use super::start::guess;
 use super::stretches::Stretch;
-use super::wheels::{Carried, DYNAMIC, Ride, State, Wheels};
+use super::wheels::{Carried, Course, DYNAMIC, Ride, State, Wheels};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
+/// Step of a one-sided difference, as a share of the parameter's size.
+const STEP: f64 = 1.0e-5;
 /// Time over which residuals may be correlated \[s\].
 const CORRELATED_S: f64 = 0.2;
 
@@ -96,21 +98,6 @@ fn scale(p: &DVector<f64>) -> DVector<f64> {
 }
 
 impl Motion<'_> {
-    /// Step of a one-sided difference, as a share of the parameter's size.
-    ///
-    /// Where a motor turns from driving to braking, prediction jumps by the share of the lag that gear losses make:
-    /// far below noise, but not below a difference over next to nothing. So steps move the prediction by about its
-    /// noise: they are the standard errors that good drives leave each parameter if all others were known. A
-    /// derivative is off by about as large a share of itself, which intervals do not see.
-    fn step(&self, i: usize, count: usize) -> f64 {
-        match i {
-            // Damping is shown best, by angles of a hundred radians to a count.
-            4 | 5 => 1.0e-5,
-            _ if i + drivetrain::COUNT >= count => 1.0e-2,
-            _ => 1.0e-4,
-        }
-    }
-
     fn per_sample(&self) -> usize {
         if self.log.current.is_some() { 4 } else { 2 }
     }
@@ -137,20 +124,17 @@ impl Motion<'_> {
         global: &[f64],
         stretch: &Stretch,
         local: &DVector<f64>,
+        course: &mut Vec<Course>,
         mut at: impl FnMut(usize, &Sample),
     ) -> Option<()> {
         let (wheels, emf) = self.wheels(global)?;
-        let mut ride = Ride::new(&wheels, stretch.sign);
+        let mut ride = Ride::new(&wheels, stretch.sign, course);
         let (angle, speed) = (Vector2::new(local[0], local[1]), Vector2::new(local[2], local[3]));
         // No stretch begins at the first row; jumps before it are forgotten within a row or two.
-        let (state, torque) = ride.settled(angle, speed, &self.feeds[stretch.first - 1])?;
+        let (state, carried) = ride.settled(angle, speed, &self.feeds[stretch.first - 1])?;
         let mut sample = Sample {
             state,
-            carried: Carried {
-                angle: Matrix2::zeros(),
-                speed: Matrix2::identity(),
-                torque,
-            },
+            carried,
             current: [0.0; 2],
             current_by_speed: Matrix2::zeros(),
         };
@@ -182,10 +166,16 @@ impl Motion<'_> {
     }
 
     /// Predicted angles and currents, sample by sample.
-    fn simulated(&self, global: &[f64], stretch: &Stretch, local: &DVector<f64>) -> DVector<f64> {
+    fn simulated(
+        &self,
+        global: &[f64],
+        stretch: &Stretch,
+        local: &DVector<f64>,
+        course: &mut Vec<Course>,
+    ) -> DVector<f64> {
         let samples = stretch.last - stretch.first + 1;
         let mut rows = Vec::with_capacity(self.per_sample() * samples);
-        let whole = self.along(global, stretch, local, |_, sample| {
+        let whole = self.along(global, stretch, local, course, |_, sample| {
             rows.extend(sample.state.angle.iter());
             if self.log.current.is_some() {
                 rows.extend(sample.current);
@@ -209,10 +199,16 @@ impl Motion<'_> {
 
     /// Derivatives by the start state. What a jump of the command does at once counts as free of it, which is good to
     /// some permille.
-    fn by_start(&self, global: &[f64], stretch: &Stretch, local: &DVector<f64>) -> DMatrix<f64> {
+    fn by_start(
+        &self,
+        global: &[f64],
+        stretch: &Stretch,
+        local: &DVector<f64>,
+        course: &mut Vec<Course>,
+    ) -> DMatrix<f64> {
         let per = self.per_sample();
         let mut rows = DMatrix::zeros(per * (stretch.last - stretch.first + 1), 4);
-        let _: Option<()> = self.along(global, stretch, local, |n, sample| {
+        let _: Option<()> = self.along(global, stretch, local, course, |n, sample| {
             let current = sample.current_by_speed;
             for i in 0..2 {
                 let at = per * n + i;
@@ -271,25 +267,28 @@ impl Model for Motion<'_> {
 
     fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> DVector<f64> {
         let stretch = &self.stretches[window];
-        self.simulated(global.as_slice(), stretch, local) - self.measured(stretch)
+        self.simulated(global.as_slice(), stretch, local, &mut Vec::new()) - self.measured(stretch)
     }
 
     fn linear(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> Linear {
         let stretch = &self.stretches[window];
-        let here = self.simulated(global.as_slice(), stretch, local);
+        // Where motors turn from driving to braking moves nothing, for there v is 0; so derivatives hold that, and have
+        // no jumps.
+        let mut course = Vec::new();
+        let here = self.simulated(global.as_slice(), stretch, local, &mut course);
         let mut by_global = DMatrix::zeros(here.len(), global.len());
         let mut moved = global.clone();
         for i in 0..global.len() {
-            let step = self.step(i, global.len()) * self.scale[i];
+            let step = STEP * self.scale[i];
             moved[i] = global[i] + step;
-            let there = self.simulated(moved.as_slice(), stretch, local);
+            let there = self.simulated(moved.as_slice(), stretch, local, &mut course);
             by_global.set_column(i, &((there - &here) / step));
             moved[i] = global[i];
         }
         Linear {
             residual: here - self.measured(stretch),
             global: by_global,
-            local: self.by_start(global.as_slice(), stretch, local),
+            local: self.by_start(global.as_slice(), stretch, local, &mut course),
         }
     }
 }

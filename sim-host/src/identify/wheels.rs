@@ -40,8 +40,8 @@ use nalgebra::{Matrix2, Vector2};
 
 /// Names and order of the parameters of [`Wheels`].
 pub(super) const DYNAMIC: usize = 8;
-/// Steps to M and N, each of which leaves a share tau/T of what the one before did: 0.05^6 is 2e-8.
-const TURNS: usize = 6;
+/// Steps to M and N, each of which leaves a share tau/T of what the one before did: 0.05^4 is 6e-6.
+const TURNS: usize = 4;
 
 /// Parameters of the system.
 #[derive(Clone, Copy, Debug)]
@@ -208,7 +208,7 @@ impl Mode {
             once += term / (n + 1.0);
             twice += term / ((n + 1.0) * (n + 2.0));
             term = term * a / (n + 1.0);
-            if term.amax() < 1.0e-17 {
+            if term.amax() < 1.0e-15 {
                 break;
             }
         }
@@ -218,6 +218,14 @@ impl Mode {
             twice: twice * h * h,
         }
     }
+}
+
+/// What the motors of a row do: whether each drives its wheel at the start, and which one turns to the other after which
+/// share of what is left of the row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
+    drives: [bool; 2],
+    turns: [Option<(usize, f64)>; 2],
 }
 
 /// A ride along the rows of a stretch, which keeps what rows have in common.
@@ -231,10 +239,13 @@ pub(super) struct Ride<'a> {
     h: f64,
     modes: [Option<Mode>; 4],
     steps: [Option<Step>; 4],
+    course: &'a mut Vec<Course>,
+    at: usize,
 }
 
 impl<'a> Ride<'a> {
-    pub(super) fn new(wheels: &'a Wheels, sign: [f64; 2]) -> Self {
+    /// A ride that decides on the rows of which `course` does not know yet.
+    pub(super) fn new(wheels: &'a Wheels, sign: [f64; 2], course: &'a mut Vec<Course>) -> Self {
         let sign = Vector2::from(sign);
         Self {
             wheels,
@@ -244,6 +255,8 @@ impl<'a> Ride<'a> {
             h: 0.0,
             modes: [None; 4],
             steps: [None; 4],
+            course,
+            at: 0,
         }
     }
 
@@ -276,13 +289,24 @@ impl<'a> Ride<'a> {
         *self.steps[index(drives)].get_or_insert_with(|| mode.step(h))
     }
 
-    /// What each motor does once v follows, and the mode.
-    fn follows(&mut self, feed: &Feed, motors: &Motors, speed: &Vector2<f64>) -> Option<([bool; 2], Mode)> {
+    /// Feeds of the next row, what each motor does there once v follows, and the mode.
+    fn follows(&mut self, feed: &Feed, speed: &Vector2<f64>) -> Option<(Motors, Course, Mode)> {
+        let motors = self.wheels.motors(feed);
+        let known = self.course.get(self.at).copied();
+        self.at += 1;
+        if let Some(course) = known {
+            return Some((motors, course, self.mode(feed, &motors, course.drives)?));
+        }
         let drives = self.drives(&motors.settled(speed));
-        let mode = self.mode(feed, motors, drives)?;
+        let mode = self.mode(feed, &motors, drives)?;
         // Not as if tau were 0, for v that is near to it.
-        let drives = self.drives(&(mode.held * speed + mode.offset(motors, &self.slowed)));
-        Some((drives, self.mode(feed, motors, drives)?))
+        let drives = self.drives(&(mode.held * speed + mode.offset(&motors, &self.slowed)));
+        let course = Course {
+            drives,
+            turns: [None; 2],
+        };
+        self.course.push(course);
+        Some((motors, course, self.mode(feed, &motors, drives)?))
     }
 
     /// The state at `speed` under `feed` once v follows, with its derivative by that speed.
@@ -291,29 +315,39 @@ impl<'a> Ride<'a> {
         angle: Vector2<f64>,
         speed: Vector2<f64>,
         feed: &Feed,
-    ) -> Option<(State, Matrix2<f64>)> {
-        let motors = self.wheels.motors(feed);
-        let (_, mode) = self.follows(feed, &motors, &speed)?;
+    ) -> Option<(State, Carried)> {
+        let (motors, _, mode) = self.follows(feed, &speed)?;
         let torque = mode.held * speed + mode.offset(&motors, &self.slowed);
-        let state = State { angle, speed, torque };
-        Some((state, mode.held))
+        let state = State {
+            angle,
+            speed,
+            torque,
+        };
+        let carried = Carried {
+            angle: Matrix2::zeros(),
+            speed: Matrix2::identity(),
+            torque: mode.held,
+        };
+        Some((state, carried))
     }
 
     /// The state after a row of `h` \[s\] under `feed`.
     pub(super) fn row(&mut self, mut state: State, feed: &Feed, h: f64) -> Option<(State, Carried)> {
         let wheels = self.wheels;
-        let motors = wheels.motors(feed);
-        let (mut drives, mut mode) = self.follows(feed, &motors, &state.speed)?;
+        let decided = self.at < self.course.len();
+        let (motors, mut course, mut mode) = self.follows(feed, &state.speed)?;
+        let mut drives = course.drives;
         let mut offset = mode.offset(&motors, &self.slowed);
         let new = mode.held * state.speed + offset;
         let fast = state.torque - new;
         let left = fast.component_mul(&wheels.lag.map(|lag| left(lag, h)));
         state.angle -= mode.late * (mode.ahead * (motors.late * (fast - left)));
-        state.speed += mode.late * fast;
         let extra = Vector2::from_fn(|i, _| {
-            -wheels.loss[i] * self.sign[i] * wheels.lag[i] * other_way(state.torque[i], new[i])
+            let ahead = if drives[i] { self.sign[i] } else { -self.sign[i] };
+            let other = other_way(-ahead * state.torque[i], ahead * new[i]);
+            -wheels.loss[i] * self.sign[i] * wheels.lag[i] * other
         });
-        state.speed += wheels.per_inertia * extra;
+        state.speed += mode.late * fast + wheels.per_inertia * extra;
         let mut carried = Carried {
             angle: Matrix2::zeros(),
             speed: Matrix2::identity(),
@@ -323,31 +357,33 @@ impl<'a> Ride<'a> {
         let mut rest = h;
         for piece in 0..3 {
             let push = mode.pull * offset - self.slowed;
-            let mut step = if rest == h {
+            let whole = if rest == h {
                 self.step(&mode, drives, h)
             } else {
                 mode.step(rest)
             };
-            let end = step.speed * state.speed + step.once * push;
-            let (from, to) = (mode.held * state.speed + offset, mode.held * end + offset);
-            let turned = (0..2).filter(|&i| piece < 2 && self.drives(&to)[i] != drives[i]);
-            // Where v is 0, as if it fell evenly: it is small all about there.
-            let first = turned
-                .map(|i| (i, zero(from[i], to[i])))
-                .min_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((_, part)) = first {
-                step = mode.step(part * rest);
-                rest -= part * rest;
+            if let (false, Some(turn)) = (decided, course.turns.get_mut(piece)) {
+                let end = whole.speed * state.speed + whole.once * push;
+                let (from, to) = (mode.held * state.speed + offset, mode.held * end + offset);
+                // Where v is 0, as if it fell evenly: it is small all about there.
+                *turn = (0..2)
+                    .filter(|&i| self.drives(&to)[i] != drives[i])
+                    .map(|i| (i, zero(from[i], to[i])))
+                    .min_by(|a, b| a.1.total_cmp(&b.1));
             }
+            let turn = course.turns.get(piece).copied().flatten();
+            let step = turn.map_or(whole, |(_, part)| mode.step(part * rest));
             state.angle += step.once * state.speed + step.twice * push;
             state.speed = step.speed * state.speed + step.once * push;
             carried.angle += step.once * carried.speed;
             carried.speed = step.speed * carried.speed;
-            let Some((i, _)) = first else { break };
+            let Some((i, part)) = turn else { break };
+            rest -= part * rest;
             drives[i] = !drives[i];
             mode = self.mode(feed, &motors, drives)?;
             offset = mode.offset(&motors, &self.slowed);
         }
+        self.course[self.at - 1] = course;
         state.speed -= mode.late * left;
         state.torque = mode.held * state.speed + offset + left;
         carried.torque = mode.held * carried.speed;
@@ -365,13 +401,12 @@ fn index(drives: [bool; 2]) -> usize {
     usize::from(drives[0]) + 2 * usize::from(drives[1])
 }
 
-/// While v goes from `old` to `new` of another sign, v = new + (old - new) exp(-t/tau): the integral of |v| less that of v in
-/// the new direction, over tau.
+/// While v goes to `new` from `old` the other way, v = new - (old + new) exp(-t/tau): the integral of |v| less that of v,
+/// over tau; 0 for one that goes no other way.
 fn other_way(old: f64, new: f64) -> f64 {
-    if old * new >= 0.0 {
-        return 0.0;
-    }
-    2.0 * (old.abs() - new.abs() * (old / new).abs().ln_1p())
+    let (old, new) = (old.max(0.0), new.max(0.0));
+    let until = if new > 0.0 { (old / new).ln_1p() } else { 0.0 };
+    2.0 * (old - new * until)
 }
 
 /// exp(-h/tau). Where tau is 0 this is 0 with all its derivatives, and so it is below.
