@@ -241,7 +241,7 @@ Examples:
   sim-host identify drive.csv --counts-per-turn 2048
   sim-host identify drive.csv --counts-per-turn 2048 --latency 0.03 --known mass=9.8,gear=20
   sim-host identify drive.csv --known radius=0.08 --known track=0.35 --profile robot.toml
-  sim-host identify --coverage bases/lab-10kg.toml"
+  sim-host identify --coverage bases/lab-10kg.toml --fresh     drives that nobody has seen"
     )]
     Identify(IdentifyArgs),
     /// List scenarios with their descriptions

@@ -1,5 +1,6 @@
 //! Arguments for a log.
 
+use super::SeedArgs;
 use clap::Args;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -34,9 +35,8 @@ pub struct IdentifyArgs {
     /// Drives of the coverage
     #[arg(long, value_name = "N", default_value = "200", requires = "coverage")]
     pub runs: NonZeroUsize,
-    /// First seed of the coverage, the others follow; drawn and printed if left out
-    #[arg(long, value_name = "N", requires = "coverage")]
-    pub seed: Option<u64>,
+    #[command(flatten)]
+    pub seed: SeedArgs,
 }
 
 fn positive(text: &str) -> Result<f64, String> {

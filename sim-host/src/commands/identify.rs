@@ -9,9 +9,7 @@ use sim_host::drive::Base;
 use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
 use sim_host::identify::{Identified, Known, Log, Options, identify, report};
-use std::collections::hash_map::RandomState;
 use std::fs::{self, File};
-use std::hash::{BuildHasher, Hasher};
 use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 
@@ -36,9 +34,7 @@ struct Record<'a> {
 fn covered(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
     let base = Base::load(path)?;
     let runs = arguments.runs.get();
-    // The standard library's hashes are keyed by the operating system's random numbers; 32 bits are easier to copy.
-    let drawn = || RandomState::new().build_hasher().finish() >> 32;
-    let seed = arguments.seed.unwrap_or_else(drawn);
+    let seed = arguments.seed.draw()?;
     say(&format!(
         "{}: {runs} drives, seeds {seed} to {}\n",
         base.name,

@@ -53,10 +53,6 @@ const fn exactly(value: f64) -> Stated {
 }
 /// Angles may be sampled this much after their row's time \[s\], so that motors seem early.
 const SAMPLED_S: f64 = 1.0e-4;
-/// What the solution itself leaves of lag and loss, which it has to tau^2: with the bases' lags of tau = 0.5 ms and
-/// wheels that settle in T = 20 ms, tau^2/T \[s\] and (tau/T)^2. A gear is not linear to that, either.
-const SOLVED_LAG_S: f64 = 0.0;
-const SOLVED_LOSS: f64 = 0.0;
 /// An interval above this share of what was known before is no finding.
 const SHOWN: f64 = 0.5;
 
@@ -218,6 +214,14 @@ impl Found {
         (0..2).any(|i| self.value[i] + SAMPLED_S + 3.0 * self.deviation[i] < 0.0)
     }
 
+    /// Whether voltages sag within their rows, and not by chance. How, only duties and the supply tell.
+    pub(super) fn sags(&self, log: &Log) -> Option<&'static str> {
+        let sags = self.value[6].abs() > 3.0 * self.deviation[6];
+        (log.supply.is_none() && sags && !self.early()).then_some(
+            "the voltages sag while currents rise, and by how much within a row only duties with the supply tell",
+        )
+    }
+
     /// These, with lags that turned out to be none.
     pub(super) fn but_for_lag(mut self, early: &Self) -> Self {
         self.value[..2].copy_from_slice(&early.value[..2]);
@@ -254,12 +258,7 @@ impl Found {
 
     /// Half of the interval.
     fn half_width(&self, i: usize, quantile: f64) -> f64 {
-        let solved = match i {
-            0 | 1 => SOLVED_LAG_S,
-            2 | 3 => SOLVED_LOSS,
-            _ => 0.0,
-        };
-        quantile * self.deviation[i].hypot(solved)
+        quantile * self.deviation[i]
     }
 
     fn shown(&self, i: usize, half_width: f64) -> bool {

@@ -2,7 +2,7 @@
 //! stretch and laid on the measured angles, which are never differentiated.
 
 use super::drivetrain::{self, Before, Found};
-use super::fit::{Fit, Linear, Model, fit};
+use super::fit::{Fit, Linear, Model, ROUNDS, fit};
 use super::log::Log;
 use super::motor;
 use super::quantity::Known;
@@ -65,21 +65,30 @@ pub(super) fn dynamics(
         Some(_) => vec![angle, current],
         None => vec![angle],
     };
-    let mut whole = fit(&model, start.clone(), &scale, sigma.clone(), correlated)?;
+    // The last round is that with the battery.
+    let rounds = ROUNDS - usize::from(log.supply.is_some());
+    let mut whole = fit(
+        &model,
+        start.clone(),
+        &scale,
+        sigma.clone(),
+        correlated,
+        rounds,
+    )?;
     if let (Some(_), &[_, noise]) = (&log.supply, whole.sigma.as_slice()) {
         // Again with what the battery's regression lacked: dead band and noise.
         let band = model.before.of(whole.value.as_slice()).band;
         let again = source(log, limited, band, noise);
         model.before = Before::new(log, known, &again);
         model.feeds = again.feeds;
-        whole = fit(&model, whole.value, &scale, whole.sigma, correlated)?;
+        whole = fit(&model, whole.value, &scale, whole.sigma, correlated, 1)?;
     }
     let (found, train) = model.before.set_apart(whole);
     if train.early() {
         // No lag but something else that would pull mass and resistance along.
         let early = train;
         model.before = model.before.without_lag();
-        let without = fit(&model, start, &scale, sigma, correlated)?;
+        let without = fit(&model, start, &scale, sigma, correlated, ROUNDS)?;
         let (found, train) = model.before.set_apart(without);
         return Some((found, train.but_for_lag(&early)));
     }
@@ -129,7 +138,10 @@ impl Motion<'_> {
     ) -> Option<()> {
         let (wheels, emf) = self.wheels(global)?;
         let mut ride = Ride::new(&wheels, stretch.sign, course);
-        let (angle, speed) = (Vector2::new(local[0], local[1]), Vector2::new(local[2], local[3]));
+        let (angle, speed) = (
+            Vector2::new(local[0], local[1]),
+            Vector2::new(local[2], local[3]),
+        );
         // No stretch begins at the first row; jumps before it are forgotten within a row or two.
         let (state, carried) = ride.settled(angle, speed, &self.feeds[stretch.first - 1])?;
         let mut sample = Sample {
@@ -145,8 +157,10 @@ impl Motion<'_> {
                     let [alpha, beta] = motor::alpha_beta(global, i);
                     // A back-EMF that is not that of the current: stated, or held within the damping.
                     let other = alpha * emf[i] - beta;
-                    sample.current[i] = alpha * sample.state.torque[i] + other * sample.state.speed[i];
-                    let by_speed = alpha * sample.carried.torque.row(i) + other * sample.carried.speed.row(i);
+                    sample.current[i] =
+                        alpha * sample.state.torque[i] + other * sample.state.speed[i];
+                    let by_speed =
+                        alpha * sample.carried.torque.row(i) + other * sample.carried.speed.row(i);
                     sample.current_by_speed.set_row(i, &by_speed);
                 }
             }

@@ -59,7 +59,7 @@ const STEPS: usize = 40;
 /// standard error of one parameter among 1e4 residuals lowers it by 1e-8.
 const ENOUGH: f64 = 1.0e-9;
 /// Weights from residuals, twice: the first fit's weights are guesses.
-const ROUNDS: usize = 3;
+pub(super) const ROUNDS: usize = 3;
 
 /// A window whose start state is projected out.
 struct Reduced {
@@ -71,19 +71,20 @@ struct Reduced {
 }
 
 /// Fits. `scale` holds typical sizes of the parameters, `sigma` first guesses of the noise, `lags`
-/// the samples over which residuals may be correlated.
+/// the samples over which residuals may be correlated, `rounds` how often weights are new.
 pub(super) fn fit(
     model: &impl Model,
     start: DVector<f64>,
     scale: &DVector<f64>,
     mut sigma: Vec<f64>,
     lags: usize,
+    rounds: usize,
 ) -> Option<Fit> {
     let (mut value, mut damping) = (start, 1.0e-4);
     let mut local: Vec<_> = (0..model.windows()).map(|w| model.start(w)).collect();
-    for round in 0..ROUNDS {
+    for round in 0..rounds {
         descend(model, &mut value, &mut local, scale, &sigma, &mut damping);
-        if round + 1 < ROUNDS {
+        if round + 1 < rounds {
             sigma = spread(model, &value, &local)?;
         }
     }

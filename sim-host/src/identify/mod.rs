@@ -178,6 +178,9 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
             }
         }
     }
+    // Of voltages that are not those that acted, motion tells nothing.
+    let spoilt = train.as_ref().and_then(|train| train.sags(log));
+    let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {
         drive: log.drive,
         poses: !log.fixes.is_empty(),
@@ -185,7 +188,7 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         known: options.known.clone(),
     };
     let combined = combine::combine(&given, poses.as_ref(), motion.as_ref());
-    let driven = verdict::Driven::new(log, options, &speeds, &used);
+    let driven = verdict::Driven::new(log, options, &speeds, &used, spoilt);
     Ok(verdict::judge(
         &given,
         &combined,

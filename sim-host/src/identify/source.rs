@@ -1,6 +1,6 @@
 //! The battery behind a logged supply.
 
-use super::log::Log;
+use super::log::{Drive, Log};
 use super::quantity::Stated;
 
 /// What feeds the motors from a row to the next: shares of a voltage.
@@ -37,25 +37,41 @@ const STIFF: Stated = Stated {
     deviation: 0.0,
 };
 
+/// Batteries have 0.02 to 0.5 ohm: standard deviation about 0 of one behind logged voltages \[ohm\].
+const SOFT_OHM: f64 = 0.3;
+
 /// A driver draws its duty a, less the dead band, times its motor's current, so a battery of resistance R_b gives
 /// V = V_0 - R_b (a_R i_R + a_L i_L). The log has all but V_0 and R_b at the end of each row, and both are their
 /// regression, with a V_0 that drains evenly. Row by row the supply would be too noisy: wheels turn a hundred
 /// radians within a stretch, and a count is 1e-3. Between rows the current moves, and V with it, which the motion's
 /// fit takes into account.
 ///
+/// Voltages without a supply are those at the end of their rows. With them as shares of 1 V all is the same, and R_b is
+/// per square of the supply, of which the motion tells what it can.
+///
 /// Rows that are `limited` tell nothing, for a driver that holds a current draws another duty than it is asked for.
 /// `noise` is the standard deviation of the currents, which would make R_b too small by its share of their variance.
 pub(super) fn source(log: &Log, limited: &[bool], band: [f64; 2], noise: f64) -> Source {
-    let plain = |share: &[f64; 2]| Feed {
-        share: *share,
-        supply: 1.0,
-        drawn: 0.0,
-        time: 0.0,
-    };
     let Some(supply) = &log.supply else {
+        // Of a row later than the end, for the noise of that is what is left of the fit. Of the last rows nobody knows.
+        let ends = log.current.iter().flat_map(|all| all.iter().skip(2));
+        let ends = ends.copied().map(Some).chain(std::iter::repeat(None));
+        let plain = |(share, end): (&[f64; 2], Option<[f64; 2]>)| Feed {
+            share: *share,
+            supply: 1.0,
+            drawn: end.map_or(0.0, |end| share[0] * end[0] + share[1] * end[1]),
+            time: 0.0,
+        };
+        let largest = log.command.iter().flatten();
+        let largest = largest.fold(0.0_f64, |most, volts| most.max(volts.abs()));
+        let soft = Stated {
+            value: 0.0,
+            deviation: SOFT_OHM / largest.powi(2),
+        };
+        let told = log.drive == Drive::Voltage && log.current.is_some() && largest > 0.0;
         return Source {
-            feeds: log.command.iter().map(plain).collect(),
-            ohm: STIFF,
+            feeds: log.command.iter().zip(ends).map(plain).collect(),
+            ohm: if told { soft } else { STIFF },
             drain: STIFF,
         };
     };

@@ -30,10 +30,18 @@ pub(super) struct Driven {
     slow_rad_s: f64,
     stretches: usize,
     step_rad: Option<f64>,
+    /// Why the motion tells nothing.
+    spoilt: Option<&'static str>,
 }
 
 impl Driven {
-    pub(super) fn new(log: &Log, options: &Options, speeds: &[[f64; 2]], used: &[Stretch]) -> Self {
+    pub(super) fn new(
+        log: &Log,
+        options: &Options,
+        speeds: &[[f64; 2]],
+        used: &[Stretch],
+        spoilt: Option<&'static str>,
+    ) -> Self {
         let mean = |of: fn(&[f64; 2]) -> f64| {
             (speeds.iter().map(|s| of(s).powi(2)).sum::<f64>() / speeds.len() as f64).sqrt()
         };
@@ -43,6 +51,7 @@ impl Driven {
             slow_rad_s: options.slow_rad_s,
             stretches: used.len(),
             step_rad: log.step_rad,
+            spoilt,
         }
     }
 
@@ -93,6 +102,7 @@ pub(super) fn judge(
     let quantile = quantile(freedom.fold(1.0e6, |least, f| if f < least { f } else { least }));
     let determined = given.determined();
     let hidden = train.and_then(|train| train.hidden(quantile));
+    let hidden = driven.spoilt.or(hidden);
     let mut quantities = Vec::new();
     for quantity in Quantity::ALL {
         let verdict = match given.known.get(quantity) {

@@ -16,7 +16,8 @@
 //! | loss | share of the torque that the gear's teeth hold back: 1 - efficiency | 0 | 1 |
 //!
 //! **Gear.** While a motor drives its wheel 1 - loss of its torque arrives, while it brakes 1 + loss: either is
-//! linear, and v is near 0 where one becomes the other. So a row is solved in pieces, each with its own [`Mode`].
+//! linear, and v is near 0 where one becomes the other. So a row is solved in pieces, each with its own [`Mode`]. A v
+//! that passes 0 while it is fast is taken to first order of tau.
 //!
 //! **Battery.** Duties a of a battery of V_0 behind R_b give u = a V with V = V_0 - R_b (a_R i_R + a_L i_L) and
 //! i = alpha v: with q = 1/(1 + R_b sum a^2 alpha), v settles at a q V_0 - H w,
@@ -25,10 +26,17 @@
 //! H = diag(D_e) - q R_b a (a alpha D_e)^T,   lag matrix T = (1 - q R_b a (a alpha)^T) diag(tau)
 //! ```
 //!
-//! tau is far below the time in which wheels settle. So after a jump of u, v soon follows w, and what
-//! it does before moves w by a little that is done at once, where the row begins. What is left is a
-//! system in w alone, which is solved exactly. It has v to tau^2 and is smooth in tau: an estimate of
-//! a lag of 0 is free to be a little below.
+//! tau is far below the time in which wheels settle. So what is slow, y, and what is fast, z, are taken apart, P being
+//! E^-1 (1 -+ loss):
+//!
+//! ```text
+//! w = y - N z, v = M w + c + z:   dy/dt = A y + P c - E^-1 s sign(w),   dz/dt = -(T^-1 + M P) z
+//! M = -H - T M A,   A = P M - E^-1 (D - D_e),   N = (P - A N) F T,   F = (1 + T M P)^-1
+//! c = F (a q V_0 + T M E^-1 s sign(w))
+//! ```
+//!
+//! M and N follow by iteration. z fades within a row, and while it does, w moves by N z, which is done at once. All
+//! of that is smooth in tau: an estimate of a lag of 0 is free to be a little below.
 //!
 //! The motor current is i = alpha v: alpha = 1/R for voltages, 1/k for torques (k torque per ampere
 //! at the wheel, which is also its back-EMF constant; R resistance). beta = alpha D_e is k/R, and 0
@@ -332,7 +340,12 @@ impl<'a> Ride<'a> {
     }
 
     /// The state after a row of `h` \[s\] under `feed`.
-    pub(super) fn row(&mut self, mut state: State, feed: &Feed, h: f64) -> Option<(State, Carried)> {
+    pub(super) fn row(
+        &mut self,
+        mut state: State,
+        feed: &Feed,
+        h: f64,
+    ) -> Option<(State, Carried)> {
         let wheels = self.wheels;
         let decided = self.at < self.course.len();
         let (motors, mut course, mut mode) = self.follows(feed, &state.speed)?;
@@ -343,7 +356,11 @@ impl<'a> Ride<'a> {
         let left = fast.component_mul(&wheels.lag.map(|lag| left(lag, h)));
         state.angle -= mode.late * (mode.ahead * (motors.late * (fast - left)));
         let extra = Vector2::from_fn(|i, _| {
-            let ahead = if drives[i] { self.sign[i] } else { -self.sign[i] };
+            let ahead = if drives[i] {
+                self.sign[i]
+            } else {
+                -self.sign[i]
+            };
             let other = other_way(-ahead * state.torque[i], ahead * new[i]);
             -wheels.loss[i] * self.sign[i] * wheels.lag[i] * other
         });
@@ -393,7 +410,11 @@ impl<'a> Ride<'a> {
 
 /// Where a line from `from` to `to` is 0, 0 to 1; 0 of one that is not.
 fn zero(from: f64, to: f64) -> f64 {
-    if from * to < 0.0 { from / (from - to) } else { 0.0 }
+    if from * to < 0.0 {
+        from / (from - to)
+    } else {
+        0.0
+    }
 }
 
 /// Place of a mode.
