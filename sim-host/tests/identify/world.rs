@@ -155,12 +155,12 @@ const SHIFTS: [Shift; 3] = [
             p.floor.mu = 0.8;
             p.floor.slip_stiffness = 20.0;
         },
-        [0.5, 0.2, 0.7, 7.0, 6.0],
+        [0.4, 0.1, 0.6, 6.0, 6.0],
     ),
     (
         "windings, slope of 1:200",
         |p| p.floor.slope_rad = 0.005,
-        [0.9, 0.1, 0.9, 8.0, 9.0],
+        [1.0, 0.1, 0.1, 8.0, 8.0],
     ),
     (
         "windings, ticks 0.2 ms uneven",
