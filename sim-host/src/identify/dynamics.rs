@@ -153,10 +153,10 @@ impl Motion<'_> {
         for row in stretch.first..=stretch.last {
             if self.log.current.is_some() {
                 // Measured with the angles, before the row's own command.
-                for i in 0..2 {
+                for (i, emf) in emf.into_iter().enumerate() {
                     let [alpha, beta] = motor::alpha_beta(global, i);
                     // A back-EMF that is not that of the current: stated, or held within the damping.
-                    let other = alpha * emf[i] - beta;
+                    let other = alpha * emf - beta;
                     sample.current[i] =
                         alpha * sample.state.torque[i] + other * sample.state.speed[i];
                     let by_speed =
