@@ -85,7 +85,7 @@ fn intervals_hold_on_the_paper_base() {
 fn voltages_behind_a_battery_that_sags_tell_no_motion() {
     const LOGS: u64 = 5;
     let base = base("lab-10kg");
-    let mut hardware = base.hardware.clone().expect("motors");
+    let mut hardware = base.hardware.expect("motors");
     let mut told = |ohm: f64| {
         hardware.battery.internal_ohm = ohm;
         let of = |seed: u64| {
