@@ -44,20 +44,20 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // Of each wheel [N m].
             wheel_torque_nm: 0.25,
             // Who yields at the torque limit.
-            policy: motion::Policy::KeepCurvature,
+            policy: motion::SaturationPolicy::KeepCurvature,
         },
         gains: motion::MotionGains {
-            // Of pose neurons and bridges [1/s].
+            // Of pose neurons and transition offsets [1/s].
             decay: 5.0,
             // Along the path [1/s].
-            along: 1.2,
+            longitudinal: 1.2,
             // Largest speed that it adds [m/s].
-            along_bound: 1.5,
+            longitudinal_bound: 1.5,
             // [1/s]
             heading: 3.0,
             // Across the path [1/s^2].
-            across: 2.5,
-            // Below this correction across fades out [m/s].
+            lateral: 2.5,
+            // Below this speed the lateral correction fades out [m/s].
             slow: 0.03,
             // Towards the goal [1/s].
             approach: 1.2,
@@ -142,7 +142,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         // Share of the duty.
         dead_band: 0.0,
     }),
-    watch: safety::WatchParams {
+    detectors: safety::DetectorParams {
         // [us]
         period_us: 1_000,
         robot: robot::Robot {
@@ -165,7 +165,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         pose: Timeout::Off,
         // Host or reference silent [us].
         command: Timeout::AfterUs(100_000),
-        ticks: safety::TickWatch {
+        ticks: safety::TickDetectorParams {
             // [us]
             late: Timeout::AfterUs(1_500),
             row: 5,
@@ -173,12 +173,12 @@ pub const BASE: BaseParams<f32> = BaseParams {
             // [us]
             long: Timeout::AfterUs(10_000),
         },
-        wheels: safety::WheelWatch {
+        wheels: safety::WheelDetectorParams {
             // Of a wheel.
             counts_per_turn: 1920.0,
             // From outside, at each wheel [N m].
             load_nm: 0.011955937,
-            stuck: safety::StuckWatch {
+            stuck: safety::StuckDetectorParams {
                 // [N m]
                 torque_nm: 0.03586781,
                 // [rad/s]
@@ -188,7 +188,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             },
             // [us]
             reversed: Timeout::AfterUs(30_000),
-            slip: safety::SlipWatch {
+            slip: safety::SlipDetectorParams {
                 // [rad/s^2]
                 accel_rad_s2: 92.30769,
                 // [m/s]
@@ -197,13 +197,13 @@ pub const BASE: BaseParams<f32> = BaseParams {
                 after: Timeout::AfterUs(50_000),
             },
         },
-        current: safety::CurrentWatch {
+        current: safety::CurrentDetectorParams {
             // [A]
             limit_a: 1.1,
             // [us]
             after: Timeout::AfterUs(200_000),
         },
-        supply: safety::SupplyWatch {
+        supply: safety::SupplyDetectorParams {
             // [V]
             low_v: 8.4,
             // [V]
@@ -220,7 +220,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         not_finite: Response::latched(Reaction::Brake),
         tick_jitter: Response::latched(Reaction::ControlledStop),
         tick_too_long: Response::latched(Reaction::ControlledStop),
-        pose_jump: Response::passing(Reaction::RideOut),
+        pose_jump: Response::passing(Reaction::Ignore),
         encoder_stuck: Response::latched(Reaction::Brake),
         encoder_reversed: Response::latched(Reaction::Brake),
         wheel_slip: Response::passing(Reaction::ControlledStop),
@@ -229,7 +229,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         under_voltage: Response::latched(Reaction::ControlledStop),
         step_refused: Response::latched(Reaction::Brake),
         stalled: Response::passing(Reaction::ControlledStop),
-        gave_up: Response::passing(Reaction::ControlledStop),
+        goal_unreachable: Response::passing(Reaction::ControlledStop),
     },
     supervisor: safety::supervisor::SupervisorParams {
         // [us]
@@ -246,6 +246,6 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         emergency: safety::supervisor::Emergency::Brake,
         parked: motion::AtRest::Hold,
-        standing: safety::supervisor::Standing::Release,
+        idle_output: safety::supervisor::IdleOutput::Release,
     },
 };

@@ -58,7 +58,7 @@ pub enum Input {
     Goal,
     /// The measured time since the last tick.
     Tick,
-    /// The acceleration that odometry is told of.
+    /// The acceleration given to odometry.
     Accel,
     /// The wheel torques that were really exerted.
     Applied,

@@ -4,7 +4,7 @@
 //! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
 //! else; they come from [`crate::motion::MotionReport::torques`].
 //!
-//! Wheels are stopped in two ways, and hardware that can tells them apart: *released* they are free to coast, *braked*
+//! Wheels are stopped in two ways, and hardware that can distinguishes them: *released* they are free to coast, *braked*
 //! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].
 
 use crate::types::{WheelSpeeds, WheelTorques};
@@ -74,9 +74,9 @@ pub struct Observed {
     /// Measured, for the back-EMF.
     pub speeds: WheelSpeeds<f32>,
     /// Commanded by the controller, for friction.
-    pub wanted: WheelSpeeds<f32>,
+    pub desired: WheelSpeeds<f32>,
     /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
-    /// supply, and told: [`crate::motor::MotorCommand::limited`].
+    /// supply, and reported: [`crate::motor::MotorCommand::limited`].
     pub supply_v: f32,
 }
 
@@ -85,7 +85,7 @@ impl Default for Observed {
     fn default() -> Self {
         Self {
             speeds: WheelSpeeds::default(),
-            wanted: WheelSpeeds::default(),
+            desired: WheelSpeeds::default(),
             supply_v: f32::NAN,
         }
     }
@@ -100,8 +100,8 @@ pub trait WheelDrive: ErrorType {
     /// A driver that controls its current by itself need not know.
     fn observe(&mut self, _observed: &Observed) {}
 
-    /// What the wheels exert since the last [`set_torques`](Self::set_torques) if that is less than was asked, because current or supply did
-    /// not suffice; `None` where it is what was asked, or not known.
+    /// What the wheels exert since the last [`set_torques`](Self::set_torques) if that is less than the command, because current or supply did
+    /// not suffice; `None` where it is the command, or not known.
     fn exerted(&self) -> Option<WheelTorques<f32>> {
         None
     }
@@ -111,7 +111,7 @@ pub trait WheelDrive: ErrorType {
     /// # Errors
     /// A torque that is NaN, infinite or above [`max_torque_nm`](Self::max_torque_nm) in magnitude is
     /// refused with [`ErrorKind::OutOfRange`] and leaves both wheels as they were: limiting is the
-    /// controller's business, where it is told. Otherwise what the hardware reports; the wheels'
+    /// controller's business, which then knows of it. Otherwise what the hardware reports; the wheels'
     /// state is then unknown, and the caller calls [`release`](Self::release).
     fn set_torques(&mut self, torques: WheelTorques<f32>) -> Result<(), Self::Error>;
 
@@ -207,6 +207,7 @@ pub fn accepts_speeds(speeds: &WheelSpeeds<f32>, max_speed_rad_s: f32) -> bool {
 /// Positions of both wheels in counts; positive counts drive forward, and both wrap around at the
 /// ends of `i32`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelCounts {
     /// Right wheel.
     pub right: i32,

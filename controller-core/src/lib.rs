@@ -13,7 +13,7 @@
 //! | sensors, drives | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
 //! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
 //! | safety | [`safety`]: faults and reactions, detectors, supervisor, stopping distance |
-//! | gains | [`tuning`]: from wishes, with margins; [`stability`] |
+//! | gains | [`tuning`]: from a design specification, with margins; [`stability`] |
 //! | the paper's law | [`paper`]: Cao, Zhao and Wang, equation by equation |
 //!
 //! Numbers in parentheses are the equations of that paper.
@@ -21,13 +21,13 @@
 //! The root has the names of a first program; `examples/` has such programs.
 //!
 //! ```
-//! use controller_core::motion::Policy;
+//! use controller_core::motion::SaturationPolicy;
 //! use controller_core::{Limits, Measured, MotionController, MotionParams, Pose, Robot, Task};
 //!
 //! // Robot and limits are yours; gains follow from them.
 //! let limits = Limits {
 //!     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-//!     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+//!     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 //! };
 //! let motion = MotionParams::new(Robot::paper(), limits).validate()?;
 //! let (task, measured) = (Task::Park(Pose::new(1.0, 0.5, 0.0)), Measured::default());

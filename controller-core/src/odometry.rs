@@ -14,6 +14,7 @@ use speed::{Turned, Wheel};
 
 /// What a calibration run found, as factors on the nominal lengths; 1 where it found nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Calibration<T = f32> {
     /// On the right wheel's radius, 0.5 to 2.
     pub right: T,
@@ -40,6 +41,7 @@ impl<T: Scalar> Default for Calibration<T> {
 
 /// What odometry needs to know of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OdometryParams<T = f32> {
     /// Nominal radii and distance of the wheels.
     pub wheels: WheelGeometry<T>,
@@ -52,7 +54,7 @@ pub struct OdometryParams<T = f32> {
 }
 
 impl<T: Scalar> OdometryParams<T> {
-    /// Delay of the speed estimate for accelerations that it was not told of \[s\]: 2/bandwidth.
+    /// Delay of the speed estimate for accelerations that it does not know of \[s\]: 2/bandwidth.
     pub fn delay_s(&self) -> T {
         (T::ONE + T::ONE) / self.bandwidth
     }
@@ -91,7 +93,7 @@ impl<T: Scalar> OdometryParams<T> {
 ///
 /// The pose error of one step is zero for wheels that turn at constant rates in between. The speed
 /// estimate has no steady error at constant speed and no ripple either, at a count in many ticks as
-/// well as at many in one. Changes of speed that no acceleration told of arrive 2/bandwidth late, or
+/// well as at many in one. Changes of speed that no known acceleration explains arrive 2/bandwidth late, or
 /// 1.3 times the time between counts, where that is longer; a wheel that has stopped reads at
 /// most one count per time since the next was due, and soon exactly 0. A torque that friction holds moves nothing:
 /// an acceleration that a missing count refutes is not believed until the wheel rolls.
@@ -106,7 +108,7 @@ pub struct Odometry<T> {
     left: Wheel<T>,
     pose: Pose<T>,
     /// Turn to add per way \[rad/m\], as a localiser has learnt it.
-    bend: T,
+    curvature_bias: T,
     /// Way of the last call \[m\].
     travel: T,
     /// Angle that a wheel turns per travel of its rim \[rad/m\]: right, left.
@@ -147,7 +149,7 @@ impl<T: Scalar> Odometry<T> {
             right: Wheel::default(),
             left: Wheel::default(),
             pose,
-            bend: T::ZERO,
+            curvature_bias: T::ZERO,
             travel: T::ZERO,
         }
     }
@@ -180,7 +182,7 @@ impl<T: Scalar> Odometry<T> {
         let right = T::from_i32(moved.0) * self.right_per_count;
         let left = T::from_i32(moved.1) * self.left_per_count;
         let travel = T::HALF * (right + left);
-        let turn = (right - left) / self.track + self.bend * travel;
+        let turn = (right - left) / self.track + self.curvature_bias * travel;
         self.travel = travel;
         let half_turn = T::HALF * turn;
         let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
@@ -210,14 +212,14 @@ impl<T: Scalar> Odometry<T> {
             pose: self.pose,
             twist: Twist {
                 linear,
-                angular: (right - left) / self.track + self.bend * linear,
+                angular: (right - left) / self.track + self.curvature_bias * linear,
             },
         }
     }
 
-    /// From now on adds so much turn per way \[rad/m\].
-    pub(crate) const fn bend(&mut self, bend: T) {
-        self.bend = bend;
+    /// From now on adds this turn per distance \[rad/m\].
+    pub(crate) const fn set_curvature_bias(&mut self, curvature_bias: T) {
+        self.curvature_bias = curvature_bias;
     }
 
     /// Way of the last call, backward negative \[m\].
@@ -225,7 +227,7 @@ impl<T: Scalar> Odometry<T> {
         self.travel
     }
 
-    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt bend adds to the turn rate is
+    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt curvature bias adds to the turn rate is
     /// no turning of a motor.
     pub fn wheel_speeds(&self) -> WheelSpeeds<T> {
         WheelSpeeds {

@@ -1,7 +1,7 @@
 //! Timed reference samples between a producer (radio, flash, planner) and the control tick.
 //!
 //! One side pushes, the other asks for the reference at an instant; neither ever waits. Between
-//! samples the reference is interpolated; running dry and running over are told, not repaired.
+//! samples the reference is interpolated; underrun and overrun are reported, not repaired.
 
 use crate::angle::wrap;
 use crate::maths::Maths;

@@ -8,6 +8,7 @@ use crate::wheels::WheelGeometry;
 
 /// The body: M̄ = diag(m, I) of Eq. (3), and its wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Robot<T = f32> {
     /// m \[kg\], 1e-3 to 1e5.
     pub mass_kg: T,

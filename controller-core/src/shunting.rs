@@ -253,7 +253,7 @@ impl<T: Scalar> Shunting<T> {
         )
     }
 
-    /// The share of a bridge term that fades over a tick: that of a neuron without input.
+    /// The share of a transition offset that fades over a tick: that of a neuron without input.
     #[inline(always)]
     pub(crate) fn fading<U: NeuronUpdate<T>, M: Maths<T>>(&self, two_per_dt: T) -> T {
         U::share::<M>(self.half_time * two_per_dt)

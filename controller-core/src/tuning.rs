@@ -1,12 +1,12 @@
-//! Gains from wishes that a person understands, and how far any gains are from trouble.
+//! Gains from a design specification that a person understands, and how far any gains are from trouble.
 //!
-//! | wanted | the law for a real base | the paper's law |
+//! | | the law for a real base | the paper's law |
 //! | --- | --- | --- |
-//! | gains from wishes | [`motion::gains`] of [`motion::MotionWishes`] | [`paper::tuning::gains`](crate::paper::tuning::gains) of [`paper::tuning::Wishes`](crate::paper::tuning::Wishes) |
-//! | wishes from a tolerance | | [`paper::tuning::Wishes::for_tolerance`](crate::paper::tuning::Wishes::for_tolerance) |
+//! | gains from a design specification | [`motion::gains`] of [`motion::MotionDesignSpec`] | [`paper::tuning::gains`](crate::paper::tuning::gains) of [`paper::tuning::DesignSpec`](crate::paper::tuning::DesignSpec) |
+//! | specifications from a tolerance | | [`paper::tuning::DesignSpec::for_tolerance`](crate::paper::tuning::DesignSpec::for_tolerance) |
 //! | margins of any gains | [`motion::margins`] | [`paper::tuning::margins`](crate::paper::tuning::margins) |
 //!
-//! A wish that the base cannot fulfil is refused by a [`WishError`] that names the wish, the nearest
+//! A specification that the base cannot meet is refused by a [`DesignError`] that names the parameter, the nearest
 //! value that can be had and what stands against it; nothing is repaired silently.
 //!
 //! Everything here is linear: small errors, a straight reference, constant speed, the robot that the
@@ -18,7 +18,7 @@ pub mod motion;
 pub(crate) mod response;
 
 pub use crate::stability::LoopMargins;
-pub use error::{Why, Wish, WishError};
+pub use error::{DesignError, DesignParameter, Why};
 
 use crate::maths::Maths;
 use crate::scalar::Scalar;
@@ -29,9 +29,9 @@ use core::fmt;
 #[non_exhaustive]
 pub enum Channel {
     /// Error along the path while following.
-    Along,
+    Longitudinal,
     /// Error across the path, and heading, while following.
-    Across,
+    Lateral,
     /// Distance to the goal while parking.
     Approach,
     /// Bearing of the goal while parking.
@@ -68,8 +68,8 @@ pub struct Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let channel = match self.channel {
-            Channel::Along => "along the path",
-            Channel::Across => "across the path",
+            Channel::Longitudinal => "along the path",
+            Channel::Lateral => "across the path",
             Channel::Approach => "towards the goal",
             Channel::Bearing => "turning to the goal",
             Channel::Heading => "heading at the goal",

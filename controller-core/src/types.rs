@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 
 /// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose<T = f32> {
     /// Position \[m\].
     pub x: T,
@@ -21,6 +22,7 @@ cast!(Pose { x, y, theta });
 
 /// Forward speed and turn rate: the v̄ = (v, w)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Twist<T = f32> {
     /// Speed along the heading \[m/s\]; negative backs up.
     pub linear: T,
@@ -32,6 +34,7 @@ cast!(Twist { linear, angular });
 
 /// Rate of change of a [`Twist`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Accel<T = f32> {
     /// \[m/s²\].
     pub linear: T,
@@ -56,6 +59,7 @@ cast!(Wrench { force, moment });
 
 /// Torques at the two wheels \[N m\]; positive drives the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelTorques<T = f32> {
     /// Right wheel.
     pub right: T,
@@ -67,6 +71,7 @@ cast!(WheelTorques { right, left });
 
 /// Angular speeds of the two wheels \[rad/s\]; positive drives the robot forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelSpeeds<T = f32> {
     /// Right wheel.
     pub right: T,
@@ -78,6 +83,7 @@ cast!(WheelSpeeds { right, left });
 
 /// What the base knows of itself at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measured<T = f32> {
     /// Pose in the world frame.
     pub pose: Pose<T>,

@@ -8,6 +8,7 @@ use crate::types::{Twist, WheelSpeeds, WheelTorques, Wrench};
 
 /// Two wheels on one axle. Radii may differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelGeometry<T = f32> {
     /// Radius of the right wheel \[m\], 1e-3 to 10.
     pub radius_right_m: T,
@@ -138,9 +139,9 @@ impl<T: Scalar> WheelMap<T> {
     }
 }
 
-/// Scales both torques by one factor so that neither exceeds `limit`; tells whether it had to.
+/// Scales both torques by one factor so that neither exceeds `limit`; returns whether it had to.
 ///
-/// One factor keeps the ratio of force to moment, and with it the curvature that the law asked
+/// One factor keeps the ratio of force to moment, and with it the curvature that the law demanded
 /// for. `limit` > 0.
 #[inline(always)]
 pub fn limit_torques<T: Scalar>(torques: WheelTorques<T>, limit: T) -> (WheelTorques<T>, bool) {

@@ -8,6 +8,7 @@
 extern crate std;
 
 pub mod control;
+pub mod control_server;
 pub mod drive;
 pub mod line;
 pub mod mission;
@@ -17,7 +18,6 @@ pub mod queue;
 #[cfg(feature = "robots")]
 pub mod robots;
 pub mod route;
-pub mod station;
 pub mod storage;
 pub mod telemetry;
 

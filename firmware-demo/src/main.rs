@@ -1,4 +1,4 @@
-//! The control task on the host, with wheels that only remember: what they are told, phase by phase.
+//! The control task on the host, with wheels that only remember: what is applied to them, phase by phase.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 // Nothing to show on a chip: `robot` is the program for that.
@@ -24,13 +24,13 @@ mod demo {
     use controller_core::reference::{ConstantTwist, Reference};
     use controller_core::types::{Accel, Measured, Pose, Twist};
     use firmware_demo::control::ControlTask;
+    use firmware_demo::control_server::Queues;
     use firmware_demo::drive::{MockDrive, Script};
     use firmware_demo::mission::{Encoders, PERIOD_US, params};
     use firmware_demo::model::Model;
-    use firmware_demo::station::Queues;
     use protocol::{Command, RejectReason, WirePose};
 
-    /// The task, its wheels and a robot model that moves as the wheels are told.
+    /// The task, its wheels and a robot model that moves with the torques applied.
     struct Bench<'queue> {
         task: ControlTask<'queue, MockDrive>,
         references: ReferenceProducer<'queue, f32>,
@@ -62,7 +62,7 @@ mod demo {
 
         bench.title("armed, a curve with its end at rest, then parking");
         bench.run(5)?;
-        bench.tell(Command::Arm)?;
+        bench.send(Command::Arm)?;
         bench.run(100)?;
         bench.curve(36, true)?;
         bench.run(9000)?;
@@ -74,31 +74,31 @@ mod demo {
             y: y + theta.sin(),
             theta,
         };
-        bench.tell(Command::Park { goal })?;
+        bench.send(Command::Park { goal })?;
         bench.run(9000)?;
 
         bench.title("a trajectory that is cut off: controlled stop");
-        bench.tell(Command::Arm)?;
+        bench.send(Command::Arm)?;
         bench.curve(12, false)?;
         bench.run(4500)?;
 
         bench.title("a host that falls silent: a controlled stop within 100 ms");
-        bench.tell(Command::Arm)?;
+        bench.send(Command::Arm)?;
         bench.curve(60, false)?;
         bench.run(600)?;
         bench.silence(3000);
 
         bench.title("the button: braked at once, until it is reset");
-        bench.tell(Command::Arm)?;
+        bench.send(Command::Arm)?;
         bench.curve(60, false)?;
         bench.run(600)?;
-        bench.tell(Command::EmergencyStop { brake: true })?;
+        bench.send(Command::EmergencyStop { brake: true })?;
         bench.run(6000)?;
-        bench.tell(Command::ResetFault)?;
+        bench.send(Command::ResetFault)?;
         bench.run(5)?;
 
         bench.title("a driver that fails: released at once, until the fault is reset");
-        bench.tell(Command::Arm)?;
+        bench.send(Command::Arm)?;
         bench.curve(60, false)?;
         bench.run(400)?;
         let script = Script {
@@ -108,7 +108,7 @@ mod demo {
         };
         bench.task.drive_mut().fail(script);
         bench.run(200)?;
-        bench.tell(Command::ResetFault)?;
+        bench.send(Command::ResetFault)?;
         bench.run(5)?;
         sizes();
         Ok(())
@@ -119,7 +119,7 @@ mod demo {
             println!("\n{title}");
         }
 
-        fn tell(&mut self, command: Command) -> Result<(), RejectReason> {
+        fn send(&mut self, command: Command) -> Result<(), RejectReason> {
             self.task.command(&command)
         }
 
@@ -157,7 +157,7 @@ mod demo {
         fn run(&mut self, ticks: u32) -> Result<(), RejectReason> {
             for tick in 0..ticks {
                 if tick % 20 == 0 {
-                    self.tell(Command::Heartbeat)?;
+                    self.send(Command::Heartbeat)?;
                 }
                 self.tick();
             }
@@ -173,7 +173,7 @@ mod demo {
         fn tick(&mut self) {
             self.now_us = self.now_us.wrapping_add(PERIOD_US);
             let dt = PERIOD_US as f32 * 1e-6;
-            self.model.act(dt, self.task.doing());
+            self.model.act(dt, self.task.output());
             let counts = self.encoders.advance(dt, &self.model);
             self.task.tick(self.now_us, &Sensed::of_counts(counts));
             let changed = self.task.changes() != self.changes;
@@ -187,10 +187,10 @@ mod demo {
         fn print(&mut self, changed: bool) {
             let Measured { pose, twist } = *self.model.measured();
             let state = format!("{:?}", self.task.state());
-            let wheels = match self.task.doing() {
+            let wheels = match self.task.output() {
                 WheelAction::Drive(drive) => {
-                    let told = &drive.torques;
-                    format!("{:9.3} {:9.3}", told.right, told.left)
+                    let applied = &drive.torques;
+                    format!("{:9.3} {:9.3}", applied.right, applied.left)
                 }
                 WheelAction::Brake => format!("{:>19}", "braked"),
                 WheelAction::Release => format!("{:>19}", "released"),

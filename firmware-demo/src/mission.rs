@@ -1,13 +1,15 @@
 //! A trajectory in flash, followed and parked at by a whole base: from encoder counts to wheel torques.
 
-use controller_core::base::{Base, BaseController, BaseError, BaseParams, Order, Sensed};
+use controller_core::base::{
+    BaseController, BaseError, BaseParams, Order, Sensed, ValidBaseParams,
+};
 use controller_core::error::StepFault;
 use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FusionParams, LocaliserParams};
 use controller_core::maths::{Maths, Single};
 use controller_core::motion::{Limits, Remaining};
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{Action, Event, State};
 use controller_core::types::{Measured, Pose};
@@ -79,7 +81,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
 ///
 /// # Errors
 /// Those of [`params`].
-pub fn base(fixes: bool) -> Result<(Base<f32>, Validated<f32>), BaseError> {
+pub fn base(fixes: bool) -> Result<(ValidBaseParams<f32>, ValidParams<f32>), BaseError> {
     let base = params(limits().wheel_torque_nm, fixes)?.validate()?;
     Ok((base, Params::<f32>::paper().validate()?))
 }
@@ -102,7 +104,7 @@ pub struct Tick {
 /// [`StepFault::WrongPhase`] if the base refuses to be armed or an order: its state does not fit.
 pub fn drive(
     route: &Route,
-    (base, body): &(Base<f32>, Validated<f32>),
+    (base, body): &(ValidBaseParams<f32>, ValidParams<f32>),
     ticks: u32,
     mut step: impl FnMut(&mut BaseController, &Tick),
 ) -> Result<Driven, StepFault> {

@@ -1,17 +1,17 @@
-//! A small robot that does what its wheels are told: for the demonstration, the emulated robot and tests.
+//! A small robot that moves with the torques applied to its wheels: for the demonstration, the emulated robot and tests.
 //!
 //! Rigid body on two wheels, no slip, a little rolling resistance; Eqs. (1) to (3) by semi-implicit Euler
 //! steps. The simulator of the project has the accurate one.
 
 use controller_core::base::WheelAction;
 use controller_core::maths::{Maths, Single};
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::types::{Measured, WheelSpeeds, WheelTorques};
 
 /// The robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
-    params: Validated<f32>,
+    params: ValidParams<f32>,
     state: Measured<f32>,
     /// Share of the speed that rolling resistance takes in a second.
     drag_per_s: f32,
@@ -19,7 +19,7 @@ pub struct Model {
 
 impl Model {
     /// At `state`, with mass, inertia and wheels of `params`.
-    pub const fn new(params: Validated<f32>, state: Measured<f32>) -> Self {
+    pub const fn new(params: ValidParams<f32>, state: Measured<f32>) -> Self {
         Self {
             params,
             state,
@@ -37,7 +37,7 @@ impl Model {
         self.params.wheels().wheel_speeds(&self.state.twist)
     }
 
-    /// Lets `dt` \[s\] pass with the wheels doing `action`; shorted motors take the speed away with a time constant of 0.2 s.
+    /// Lets `dt` \[s\] pass with `action` applied to the wheels; shorted motors take the speed away with a time constant of 0.2 s.
     pub fn act(&mut self, dt: f32, action: &WheelAction<f32>) {
         self.advance(dt, action.torques());
         if *action == WheelAction::Brake {
@@ -48,7 +48,7 @@ impl Model {
         }
     }
 
-    /// Lets `dt` \[s\] pass with the wheels told `torques`; `None` lets them coast.
+    /// Lets `dt` \[s\] pass with `torques` at the wheels; `None` lets them coast.
     pub fn advance(&mut self, dt: f32, torques: Option<WheelTorques<f32>>) {
         let wrench = self.params.wheels().wrench(&torques.unwrap_or_default());
         let robot = &self.params.params().robot;

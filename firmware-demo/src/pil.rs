@@ -1,13 +1,19 @@
 //! Processor in the loop: the host owns the plant, this side owns the controller.
 //!
 //! One question, one answer, in lock step, over any byte link. The loop is the same on every board and, with
-//! links in memory, in the host's tests.
+//! links in memory, in the host's tests; it serves the paper's law ([`Pil`]) or the whole base ([`BasePil`]).
+
+mod base;
+
+pub use base::BasePil;
 
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::types::Measured;
 use embedded_io::{Read, Write};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::line::send;
 use protocol::pil::{Answer, Question, Ticked, WireDemand};
@@ -16,7 +22,7 @@ use protocol::{Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, Reje
 /// Bytes asked of the link at once; a whole question fits.
 const CHUNK: usize = 128;
 
-/// What a board can tell about a tick; the defaults are those of a board that cannot.
+/// What a board can measure of a tick; the defaults are those of a board that cannot.
 pub trait Probe {
     /// Runs `work` and counts its executed instructions.
     fn count<R>(&mut self, work: impl FnOnce() -> R) -> (R, u32) {
@@ -29,11 +35,30 @@ pub trait Probe {
     }
 }
 
-/// The probe of a board that can tell nothing.
+/// The probe of a board that can measure nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct NoProbe;
 
 impl Probe for NoProbe {}
+
+/// What answers a host's questions.
+pub trait Responder {
+    /// What is asked.
+    type Question: DeserializeOwned;
+    /// What is answered.
+    type Answer: Serialize;
+
+    /// The answer to one question; `frames` is what the link's decoder has seen.
+    fn answer<P: Probe>(
+        &mut self,
+        question: &Self::Question,
+        frames: FrameCounters,
+        probe: &mut P,
+    ) -> Self::Answer;
+
+    /// Nothing comes after this question.
+    fn is_last(question: &Self::Question) -> bool;
+}
 
 /// Why the loop ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,14 +74,14 @@ pub enum End {
 /// The controller on behalf of a host.
 #[derive(Clone, Copy, Debug)]
 pub struct Pil {
-    params: Validated<f32>,
+    params: ValidParams<f32>,
     controller: Option<NeuralController>,
     tick: u32,
 }
 
 impl Pil {
     /// No controller is running; the next one is started with `params` unless the host sends others.
-    pub const fn new(params: Validated<f32>) -> Self {
+    pub const fn new(params: ValidParams<f32>) -> Self {
         Self {
             params,
             controller: None,
@@ -64,11 +89,34 @@ impl Pil {
         }
     }
 
-    /// The answer to one question; `frames` is what the link's decoder has seen.
-    ///
+    fn tick<P: Probe>(
+        &mut self,
+        dt: f32,
+        demand: &WireDemand,
+        measured: &Measured<f32>,
+        probe: &mut P,
+    ) -> Answer {
+        let Some(controller) = &mut self.controller else {
+            return Answer::Nack(RejectReason::State);
+        };
+        let demand: Demand<f32> = demand.into();
+        let (outcome, instructions) = probe.count(|| controller.step(dt, &demand, measured));
+        if let Err(fault) = outcome {
+            return Answer::Refused(fault.into());
+        }
+        self.tick = self.tick.wrapping_add(1);
+        let handed_over = matches!(demand, Demand::HandOver { .. });
+        report(Ticked::of(controller, handed_over), self.tick, instructions)
+    }
+}
+
+impl Responder for Pil {
+    type Question = Question;
+    type Answer = Answer;
+
     /// The instructions in a report are those of the core's `step` (or `start`) alone, its report included;
     /// reading the question and writing the answer come on top.
-    pub fn answer<P: Probe>(
+    fn answer<P: Probe>(
         &mut self,
         question: &Question,
         frames: FrameCounters,
@@ -104,35 +152,24 @@ impl Pil {
                 }
                 Err(_) => Answer::Nack(RejectReason::Value),
             },
-            Question::GetCounters => Answer::Counters(Counters {
-                frames_good: frames.good,
-                frames_rejected: frames.rejected(),
-                stack_bytes: probe.stack_bytes(),
-                ..Counters::default()
-            }),
+            Question::GetCounters => Answer::Counters(counters(frames, probe)),
             Question::Hello => Answer::Hello(Hello::OURS),
             Question::Stop => Answer::Ack,
         }
     }
 
-    fn tick<P: Probe>(
-        &mut self,
-        dt: f32,
-        demand: &WireDemand,
-        measured: &Measured<f32>,
-        probe: &mut P,
-    ) -> Answer {
-        let Some(controller) = &mut self.controller else {
-            return Answer::Nack(RejectReason::State);
-        };
-        let demand: Demand<f32> = demand.into();
-        let (outcome, instructions) = probe.count(|| controller.step(dt, &demand, measured));
-        if let Err(fault) = outcome {
-            return Answer::Refused(fault.into());
-        }
-        self.tick = self.tick.wrapping_add(1);
-        let handed_over = matches!(demand, Demand::HandOver { .. });
-        report(Ticked::of(controller, handed_over), self.tick, instructions)
+    fn is_last(question: &Question) -> bool {
+        *question == Question::Stop
+    }
+}
+
+/// What a link and its board have counted.
+fn counters<P: Probe>(frames: FrameCounters, probe: &P) -> Counters {
+    Counters {
+        frames_good: frames.good,
+        frames_rejected: frames.rejected(),
+        stack_bytes: probe.stack_bytes(),
+        ..Counters::default()
     }
 }
 
@@ -148,8 +185,12 @@ fn report(ticked: Ticked, tick: u32, instructions: u32) -> Answer {
 /// Answers the host until it stops, closes or breaks the link.
 ///
 /// Each answer carries the sequence number of its question. Damaged frames are counted and not answered.
-pub fn serve<L: Read + Write, P: Probe>(link: &mut L, probe: &mut P, pil: &mut Pil) -> End {
-    let mut decoder = Decoder::<Question, MAX_CONTENT>::new();
+pub fn serve<L: Read + Write, P: Probe, R: Responder>(
+    link: &mut L,
+    probe: &mut P,
+    responder: &mut R,
+) -> End {
+    let mut decoder = Decoder::<R::Question, MAX_CONTENT>::new();
     let mut chunk = [0; CHUNK];
     loop {
         let received = match link.read(&mut chunk) {
@@ -163,12 +204,12 @@ pub fn serve<L: Read + Write, P: Probe>(link: &mut L, probe: &mut P, pil: &mut P
             };
             let answer = Frame {
                 sequence: frame.sequence,
-                message: pil.answer(&frame.message, decoder.counters(), probe),
+                message: responder.answer(&frame.message, decoder.counters(), probe),
             };
             if !send(link, &answer) {
                 return End::Broken;
             }
-            if frame.message == Question::Stop {
+            if R::is_last(&frame.message) {
                 return End::Stopped;
             }
         }

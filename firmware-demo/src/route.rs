@@ -3,9 +3,10 @@
 use controller_core::error::{ParamError, StepFault};
 use controller_core::maths::Single;
 use controller_core::motion::{
-    Limits, Motion, MotionController, MotionParams, Outcome, Policy, Remaining, Task,
+    Limits, MotionController, MotionParams, Outcome, Remaining, SaturationPolicy, Task,
+    ValidMotionParams,
 };
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -62,7 +63,7 @@ fn timed(sample: &[f32; 8]) -> TimedReference<f32> {
 }
 
 /// The 30 kg base that [`BEND`] was made for.
-pub fn base() -> Result<(Motion<f32>, Validated<f32>), ParamError> {
+pub fn base() -> Result<(ValidMotionParams<f32>, ValidParams<f32>), ParamError> {
     let params = Params::<f32>::paper();
     let motion = MotionParams::new(params.robot, limits()).validate()?;
     Ok((motion, params.validate()?))
@@ -79,7 +80,7 @@ pub(crate) const fn limits() -> Limits<f32> {
         jerk: 20.0,
         turn_jerk: 40.0,
         wheel_torque_nm: 15.0,
-        policy: Policy::KeepCurvature,
+        policy: SaturationPolicy::KeepCurvature,
     }
 }
 
@@ -92,7 +93,7 @@ pub struct Driven {
     pub handed_over: u32,
     /// The first tick of the last stay at the goal; 0 if it is not parked.
     pub parked: u32,
-    /// A checksum over the bits of every torque, command and wish of every tick (FNV-1a).
+    /// A checksum over the bits of every torque, command and desired twist of every tick (FNV-1a).
     pub checksum: u32,
     /// How far from the goal the robot is in the end \[m\].
     pub off_m: f32,
@@ -131,7 +132,7 @@ impl Driven {
 /// The first fault of the controller.
 pub fn drive(
     route: &Route,
-    (motion, params): &(Motion<f32>, Validated<f32>),
+    (motion, params): &(ValidMotionParams<f32>, ValidParams<f32>),
     ticks: u32,
     mut step: impl FnMut(
         &mut MotionController,
@@ -178,8 +179,8 @@ pub fn drive(
             report.torques.left,
             report.command.linear,
             report.command.angular,
-            report.wanted.linear,
-            report.wanted.angular,
+            report.desired.linear,
+            report.desired.angular,
         ] {
             driven.sum(value);
         }

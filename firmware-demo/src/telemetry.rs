@@ -5,14 +5,14 @@ use heapless::spsc::Queue;
 use crate::queue::{self, Receiver, Sender};
 
 /// The tick's end of the telemetry queue. It never waits; what finds no room is dropped and counted.
-pub struct Outbox<'queue, T, const N: usize> {
+pub struct TelemetryQueue<'queue, T, const N: usize> {
     sender: Sender<'queue, T, N>,
     every: u16,
     until_next: u16,
     dropped: u32,
 }
 
-impl<'queue, T, const N: usize> Outbox<'queue, T, N> {
+impl<'queue, T, const N: usize> TelemetryQueue<'queue, T, N> {
     /// Splits `queue`; of `every` offers one is kept (0 and 1: all).
     pub fn split(queue: &'queue mut Queue<T, N>, every: u16) -> (Self, Receiver<'queue, T, N>) {
         let (sender, receiver) = queue::split(queue);
@@ -60,29 +60,29 @@ mod tests {
     #[test]
     fn decimation_keeps_the_first_and_every_nth() {
         let mut queue = Queue::<u32, 8>::new();
-        let (mut outbox, mut inbox) = Outbox::split(&mut queue, 3);
+        let (mut telemetry, mut inbox) = TelemetryQueue::split(&mut queue, 3);
         for tick in 0..9 {
-            outbox.offer(|| tick);
+            telemetry.offer(|| tick);
         }
         for expected in [0, 3, 6] {
             assert_eq!(inbox.receive(), Some(expected));
         }
         assert_eq!(inbox.receive(), None);
-        assert_eq!(outbox.dropped(), 0);
+        assert_eq!(telemetry.dropped(), 0);
     }
 
     #[test]
     fn every_dropped_value_is_counted() {
         // A queue of N slots holds N - 1 values.
         let mut queue = Queue::<u32, 4>::new();
-        let (mut outbox, mut inbox) = Outbox::split(&mut queue, 0);
+        let (mut telemetry, mut inbox) = TelemetryQueue::split(&mut queue, 0);
         for tick in 0..10 {
-            outbox.offer(|| tick);
+            telemetry.offer(|| tick);
         }
-        assert_eq!(outbox.dropped(), 7);
+        assert_eq!(telemetry.dropped(), 7);
         assert_eq!(inbox.receive(), Some(0));
-        assert!(outbox.push(10));
-        assert_eq!(outbox.dropped(), 7);
+        assert!(telemetry.push(10));
+        assert_eq!(telemetry.dropped(), 7);
         for expected in [1, 2, 10] {
             assert_eq!(inbox.receive(), Some(expected));
         }

@@ -20,7 +20,7 @@ fn complete_trajectory_ends_parked_at_its_last_reference() {
     rig.command(Command::Arm).unwrap();
     rig.run(10);
     assert_eq!(
-        rig.task.told(),
+        rig.task.applied(),
         Some(Default::default()),
         "armed: zero torque"
     );
@@ -60,7 +60,7 @@ fn underrun_ends_in_a_smooth_stop_that_does_not_back_up() {
         before = rig.speed();
         rig.task.state() == State::Stopped
     });
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
+    assert_eq!(rig.task.drive_mut().output(), Call::Release);
     // Back by less than 1 cm/s, which counts as standing. The limit of 1.5 m/s^2, and as much again for the loop's own error.
     assert!(slowest > -0.01, "{slowest}");
     assert!(hardest < 3.0e-3, "{hardest}");
@@ -128,12 +128,12 @@ fn parks_from_standstill_and_changes_its_goal_on_the_way() {
 #[test]
 fn leaves_a_trajectory_for_a_goal_without_a_torque_step() {
     let mut rig = Rig::tracking();
-    let before = rig.task.told().unwrap();
+    let before = rig.task.applied().unwrap();
     rig.park(1.5, 0.0, 0.0).unwrap();
     rig.tick();
     assert_eq!(rig.is(), (State::Parking, Cause::Host));
     assert!(rig.task.report().motion.unwrap().jumped);
-    let after = rig.task.told().unwrap();
+    let after = rig.task.applied().unwrap();
     // L dt of the law's guarantee is 1 % of the limit in a tick of 1 ms.
     assert!((after.right - before.right).abs() < 0.02 * MAX_TORQUE);
     rig.run_until(15_000, |rig| rig.task.state() == State::Parked);
@@ -145,10 +145,13 @@ fn stops_on_request_and_runs_the_next_trajectory() {
     rig.command(Command::Stop).unwrap();
     rig.tick();
     assert_eq!(rig.is(), (State::Stopping(Then::Stopped), Cause::Host));
-    assert!(rig.task.told().is_some(), "within the limits, by the law");
+    assert!(
+        rig.task.applied().is_some(),
+        "within the limits, by the law"
+    );
     assert_eq!(rig.command(Command::Arm), Err(RejectReason::State));
     rig.run_until(2000, |rig| rig.task.state() == State::Stopped);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
+    assert_eq!(rig.task.drive_mut().output(), Call::Release);
     assert!(rig.speed().abs() < 0.02);
     // What is left of the first trajectory is gone, and times begin again.
     rig.run(10);
@@ -185,15 +188,18 @@ fn silent_host_begins_a_stop_within_100_ms() {
 
 #[test]
 fn the_link_is_not_watched_only_when_told_so() {
-    assert!(matches!(params().watch.command, Timeout::AfterUs(100_000)));
+    assert!(matches!(
+        params().detectors.command,
+        Timeout::AfterUs(100_000)
+    ));
     let mut free = params();
-    free.watch.command = Timeout::Off;
+    free.detectors.command = Timeout::Off;
     let mut rig = Rig::with(free, Pose::default());
     rig.host_alive = false;
     rig.command(Command::Arm).unwrap();
     rig.park(0.5, 0.0, 0.0).unwrap();
     rig.run_until(8000, |rig| rig.task.state() == State::Parked);
-    free.watch.command = Timeout::AfterUs(0);
+    free.detectors.command = Timeout::AfterUs(0);
     let queue = Box::leak(Box::new(
         controller_core::queue::ReferenceQueue::<f32, 4>::new(),
     ));
@@ -214,9 +220,9 @@ fn the_button_reaches_the_wheels_in_the_same_call() {
             rig.command(Command::EmergencyStop { brake }).unwrap();
             // Idle wheels are released, and stay so.
             let call = if idle { Call::Release } else { call };
-            assert_eq!(rig.task.drive_mut().doing(), call, "before any tick");
+            assert_eq!(rig.task.drive_mut().output(), call, "before any tick");
             rig.tick();
-            assert_eq!(rig.task.drive_mut().doing(), call);
+            assert_eq!(rig.task.drive_mut().output(), call);
             assert_eq!(rig.task.cause(), Cause::EmergencyStop);
             rig.run_until(6000, |rig| rig.task.state() == State::Fault);
             assert_eq!(rig.command(Command::Arm), Err(RejectReason::State));

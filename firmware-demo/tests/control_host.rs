@@ -1,4 +1,4 @@
-//! What a host and a driver tell the control task beside missions: parameters, poses, the supply.
+//! What a host and a driver report to the control task besides missions: parameters, poses, the supply.
 
 #[path = "support/rig.rs"]
 mod rig;
@@ -36,7 +36,7 @@ fn parameters_change_while_disarmed_only_and_within_the_driver() {
     let mut most = 0.0_f32;
     for _ in 0..1500 {
         rig.tick();
-        most = most.max(rig.task.told().unwrap_or_default().right);
+        most = most.max(rig.task.applied().unwrap_or_default().right);
     }
     // Commands take three quarters of it; the rest is for what disturbs.
     assert!(most > 1.4 && most <= 2.0, "{most}");
@@ -68,7 +68,7 @@ fn parameters_change_while_disarmed_only_and_within_the_driver() {
 #[test]
 fn a_pose_is_set_and_a_fix_fused_without_a_torque_step() {
     let mut rig = Rig::parking();
-    let before = rig.task.told().unwrap();
+    let before = rig.task.applied().unwrap();
     let pose = WirePose {
         x: 1.0,
         y: 1.0,
@@ -80,13 +80,13 @@ fn a_pose_is_set_and_a_fix_fused_without_a_torque_step() {
     rig.tick();
     let report = rig.task.report();
     assert_eq!(
-        report.findings.get(FaultKind::PoseJump),
+        report.active_faults.get(FaultKind::PoseJump),
         Some(Fault::PoseJump)
     );
     assert!((report.measured.unwrap().pose.y - 1.0).abs() < 1.0e-3);
-    assert_eq!(rig.task.controller().supervisor().ridden_out().0, 1);
-    assert_eq!(rig.task.state(), State::Parking, "ridden out");
-    let after = rig.task.told().unwrap();
+    assert_eq!(rig.task.controller().supervisor().ignored().0, 1);
+    assert_eq!(rig.task.state(), State::Parking, "ignored");
+    let after = rig.task.applied().unwrap();
     assert!((after.right - before.right).abs() < 0.02 * MAX_TORQUE);
 
     let mut rig = Rig::with(mission::params(MAX_TORQUE, true).unwrap(), Pose::default());
@@ -115,11 +115,11 @@ fn a_pose_is_set_and_a_fix_fused_without_a_torque_step() {
 fn torques_and_what_a_driver_needs_come_together() {
     let mut rig = Rig::tracking();
     rig.tick_with(PERIOD_US, |sensed| sensed.supply_v = Some(11.5));
-    let WheelAction::Drive(drive) = *rig.task.doing() else {
+    let WheelAction::Drive(drive) = *rig.task.output() else {
         panic!("tracking")
     };
     // 0.4 m/s on wheels of 0.1 m, and what catches up with the reference after the start.
-    for speed in [drive.speeds.right, drive.wanted.left] {
+    for speed in [drive.speeds.right, drive.desired.left] {
         assert!((speed - 4.5).abs() < 0.7, "{drive:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Every kind of fault on the task: in the tick in which it is found the wheels are told what the policy says, and what latches stays
+//! Every kind of fault on the task: in the tick in which it is found the output is what the policy says, and what latches stays
 //! until it is reset.
 
 #[path = "support/reaches.rs"]
@@ -75,13 +75,13 @@ fn references_that_overflow_brake() {
     let mut found = None;
     for _ in 0..600 {
         rig.tick();
-        found = rig.task.report().findings.iter().next();
+        found = rig.task.report().active_faults.iter().next();
         if found.is_some() {
             break;
         }
     }
     assert_eq!(found.unwrap().kind(), FaultKind::NotFinite);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Brake);
+    assert_eq!(rig.task.drive_mut().output(), Call::Brake);
     assert_eq!(rig.task.state(), State::Braking(Then::Fault));
 }
 
@@ -111,12 +111,12 @@ fn one_long_tick_stops() {
     // Beyond what the law steps over there is no torque that could stop the base.
     let mut rig = Rig::tracking();
     rig.tick_with(600_000, |_| {});
-    assert_eq!(rig.task.told(), None);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
+    assert_eq!(rig.task.applied(), None);
+    assert_eq!(rig.task.drive_mut().output(), Call::Release);
 }
 
 #[test]
-fn jump_of_the_pose_is_ridden_out() {
+fn jump_of_the_pose_is_ignored() {
     reaches(FaultKind::PoseJump, 1, Rig::tracking(), |rig, _| {
         let pose = WirePose {
             x: 0.1,
@@ -156,7 +156,7 @@ fn stuck_encoders_brake() {
             assert!(ticks < 4000);
         }
         println!("both {both}: {ticks} ticks, {:?}", rig.is());
-        assert_eq!(rig.task.drive_mut().doing(), Call::Brake);
+        assert_eq!(rig.task.drive_mut().output(), Call::Brake);
     }
 }
 
@@ -205,8 +205,8 @@ fn goal_beyond_all_numbers_brakes() {
 #[test]
 fn wall_stops() {
     let rig = with(|params| {
-        params.watch.wheels.stuck.after = Timeout::Off;
-        params.watch.wheels.reversed = Timeout::Off;
+        params.detectors.wheels.stuck.after = Timeout::Off;
+        params.detectors.wheels.reversed = Timeout::Off;
     });
     let there = rig.counts;
     reaches(FaultKind::Stalled, 4000, rig, |rig, _| {
@@ -222,5 +222,5 @@ fn goal_out_of_reach_stops() {
         params.motion.arrival.heading_rad = 1.0e-5;
         params.motion.arrival.retries = 0;
     });
-    reaches(FaultKind::GaveUp, 60_000, rig, |rig, _| rig.tick());
+    reaches(FaultKind::GoalUnreachable, 60_000, rig, |rig, _| rig.tick());
 }

@@ -8,7 +8,9 @@ mod rig;
 use controller_core::base::WheelAction;
 use controller_core::hal::ErrorKind;
 use controller_core::safety::supervisor::{Cause, State};
-use controller_core::safety::{CurrentWatch, Currents, Fault, FaultKind, SupplyWatch, Timeout};
+use controller_core::safety::{
+    CurrentDetectorParams, Currents, Fault, FaultKind, SupplyDetectorParams, Timeout,
+};
 use firmware_demo::drive::{Call, Script};
 use reaches::{reaches, with};
 use rig::{PERIOD_US, Rig};
@@ -28,8 +30,8 @@ fn driver_error_releases_in_the_same_tick() {
         };
         rig.task.drive_mut().fail(script);
         rig.tick();
-        assert_eq!(rig.task.drive_mut().doing(), Call::Release, "at once");
-        assert_eq!(*rig.task.doing(), WheelAction::Release);
+        assert_eq!(rig.task.drive_mut().output(), Call::Release, "at once");
+        assert_eq!(*rig.task.output(), WheelAction::Release);
         reaches(FaultKind::Driver, 1, rig, |rig, _| rig.tick());
     }
 }
@@ -45,7 +47,7 @@ fn release_is_tried_again_until_the_driver_obeys() {
     rig.task.drive_mut().fail(script);
     rig.tick();
     assert!(
-        rig.task.drive_mut().told().is_some(),
+        rig.task.drive_mut().applied().is_some(),
         "the driver did not obey"
     );
     rig.tick();
@@ -54,13 +56,13 @@ fn release_is_tried_again_until_the_driver_obeys() {
         (State::Fault, Cause::Fault(Fault::Driver(ErrorKind::Bus)))
     );
     rig.run(3);
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release);
+    assert_eq!(rig.task.drive_mut().output(), Call::Release);
 }
 
 #[test]
 fn current_above_its_limit_releases() {
     let rig = with(|params| {
-        params.watch.current = CurrentWatch {
+        params.detectors.current = CurrentDetectorParams {
             limit_a: 10.0,
             after: Timeout::AfterUs(10_000),
         };
@@ -77,7 +79,7 @@ fn current_above_its_limit_releases() {
 #[test]
 fn empty_battery_stops() {
     let rig = with(|params| {
-        params.watch.supply = SupplyWatch {
+        params.detectors.supply = SupplyDetectorParams {
             low_v: 10.0,
             recovered_v: 11.0,
             after: Timeout::AfterUs(10_000),

@@ -112,16 +112,18 @@ fn speed_contract<D: WheelSpeedDrive>(mut drive: D, does: impl Fn(&D) -> Does) {
 #[test]
 fn mocks_keep_the_contract() {
     contract(MockDrive::<4>::new(2.5), BOTH, |drive| {
-        match drive.doing() {
-            Call::Set(told) => Does::Drives([told.right > 0.0, told.left > 0.0]),
+        match drive.output() {
+            Call::Set(applied) => Does::Drives([applied.right > 0.0, applied.left > 0.0]),
             Call::Release => Does::Coasts,
             Call::Brake => Does::Brakes,
         }
     });
-    speed_contract(MockSpeedDrive::<4>::new(9.0), |drive| match drive.doing() {
-        Call::Set(told) => Does::Drives([told.right > 0.0, told.left > 0.0]),
-        Call::Release => Does::Coasts,
-        Call::Brake => Does::Brakes,
+    speed_contract(MockSpeedDrive::<4>::new(9.0), |drive| {
+        match drive.output() {
+            Call::Set(applied) => Does::Drives([applied.right > 0.0, applied.left > 0.0]),
+            Call::Release => Does::Coasts,
+            Call::Brake => Does::Brakes,
+        }
     });
 }
 
@@ -136,7 +138,7 @@ fn a_mock_counts_brakes_and_fails_them_on_demand() {
     });
     assert_eq!(drive.brake(), Err(ErrorKind::OverCurrent));
     assert_eq!((drive.brakes(), drive.calls()), (2, 2));
-    assert_eq!(drive.told(), None);
+    assert_eq!(drive.applied(), None);
     assert!(drive.last_calls().all(|call| *call == Call::Brake));
 }
 

@@ -57,15 +57,15 @@ fn motor_pair_makes_these_calls_and_no_others() {
         ..Observed::default()
     });
     pair.set_torques(torques(1.0, -2.0)).unwrap();
-    assert!(pair.told().right.limited.supply_unknown, "not measured");
+    assert!(pair.applied().right.limited.supply_unknown, "not measured");
     pair.observe(&Observed {
         speeds: speeds(1.0, 0.0),
         supply_v: 16.0,
         ..Observed::default()
     });
     pair.set_torques(torques(1.0, 0.5)).unwrap();
-    assert_eq!(pair.told().right.limited, Default::default());
-    assert_eq!(pair.told().left.current_a, 0.5);
+    assert_eq!(pair.applied().right.limited, Default::default());
+    assert_eq!(pair.applied().left.current_a, 0.5);
     // Not a number: refused, and nothing is touched.
     pair.observe(&Observed {
         speeds: speeds(1.0, f32::NAN),
@@ -74,7 +74,7 @@ fn motor_pair_makes_these_calls_and_no_others() {
     let refused = pair.set_torques(torques(1.0, 0.5));
     assert_eq!(refused, Err(MotorError::Observation));
     pair.brake().unwrap();
-    assert_eq!(*pair.told(), Default::default());
+    assert_eq!(*pair.applied(), Default::default());
     pair.release().unwrap();
     done(pair);
 }

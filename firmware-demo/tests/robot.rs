@@ -10,8 +10,8 @@ use controller_core::reference::ConstantTwist;
 use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::types::{Pose, Twist};
+use firmware_demo::control_server::UNASKED;
 use firmware_demo::host::{AnyLink, Emulator, LinkKind, Machine, Session};
-use firmware_demo::station::UNASKED;
 use firmware_demo::storage::NotLoaded;
 use protocol::{BaseTick, Command, Origin, RejectReason, Telemetry, WirePose};
 use support::{LIMIT, MACHINES, image, options};
@@ -29,8 +29,9 @@ struct Remote {
 impl Remote {
     fn start(machine: Machine) -> Self {
         let options = options(machine, LinkKind::Uart, false);
-        // 16 ns an instruction, whatever else the host has to do: no tick is late because the host is busy.
-        let pace = ["-icount", "shift=4"];
+        // 16 ns an instruction, whatever else the host has to do: no tick is late because the host is busy. Never ahead of
+        // the host's clock: 100 ms without a word from this side are no less here.
+        let pace = ["-icount", "shift=4,align=on"];
         let image = image(machine, "robot");
         let (emulator, link) = Emulator::start_with(&image, &options, &pace).unwrap();
         Self {
@@ -53,7 +54,7 @@ impl Remote {
         }
     }
 
-    fn tell(&mut self, command: &Command) {
+    fn send(&mut self, command: &Command) {
         assert_eq!(self.ask(command), Telemetry::Ack, "{command:?}");
     }
 
@@ -96,7 +97,7 @@ impl Remote {
         for number in 0..samples {
             let t = f32::from(number) * 0.1;
             let reference = line.at::<Single>(t);
-            self.tell(&Command::Sample((&TimedReference { t, reference }).into()));
+            self.send(&Command::Sample((&TimedReference { t, reference }).into()));
         }
     }
 }
@@ -116,13 +117,13 @@ fn short_mission_over_the_serial_port() {
             panic!("no parameters")
         };
         field.limits.speed = 2.0;
-        remote.tell(&Command::SetParameters(field));
-        remote.tell(&Command::SaveParameters);
+        remote.send(&Command::SetParameters(field));
+        remote.send(&Command::SaveParameters);
         let field_now = remote.ask(&Command::GetParameters);
         assert_eq!(field_now, Telemetry::Parameters(field));
 
         // A trajectory that is cut off ends in a controlled stop.
-        remote.tell(&Command::Arm);
+        remote.send(&Command::Arm);
         remote.line(Pose::default(), 12);
         assert_eq!(
             remote.ask(&Command::SetParameters(field)),
@@ -155,7 +156,7 @@ fn short_mission_over_the_serial_port() {
         }
 
         // The next trajectory, and a host that falls silent in it.
-        remote.tell(&Command::Arm);
+        remote.send(&Command::Arm);
         remote.line(Pose::new(0.7, 0.0, 0.0), 30);
         remote.states.clear();
         let hello = remote.ask(&Command::Heartbeat);
@@ -173,17 +174,17 @@ fn short_mission_over_the_serial_port() {
         assert!(moved_on.is_some_and(|ticks| ticks <= 1200), "{moved_on:?}");
 
         // From standstill to a pose.
-        remote.tell(&Command::Arm);
+        remote.send(&Command::Arm);
         let goal = WirePose {
             x: 1.2,
             y: 0.0,
             theta: 0.0,
         };
-        remote.tell(&Command::Park { goal });
+        remote.send(&Command::Park { goal });
         remote.states.clear();
         let (_, cause) = remote.wait_for(State::Parked, true);
         assert_eq!(cause, Cause::Reached);
-        remote.tell(&Command::Stop);
+        remote.send(&Command::Stop);
         let Telemetry::Counters(counters) = remote.ask(&Command::GetCounters) else {
             panic!("no counters")
         };

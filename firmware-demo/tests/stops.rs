@@ -9,9 +9,9 @@ use controller_core::hal::WheelCounts;
 use controller_core::safety::supervisor::{State, Then};
 use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
+use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues, REPORTS, UNASKED};
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::station::{Queues, REPORTS, Reception, Station, UNASKED};
 use firmware_demo::storage::{RamFlash, Slots};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -47,10 +47,10 @@ const FROM: [State; 10] = [
     State::Fault,
 ];
 
-/// A station whose wheels stand still; nobody reads its telemetry unless a test does.
+/// A control server whose wheels stand still; nobody reads its telemetry unless a test does.
 struct Rig {
-    station: Station<'static, MockDrive<0>, Slots<RamFlash>>,
-    reception: Reception<'static>,
+    server: ControlServer<'static, MockDrive<0>, Slots<RamFlash>>,
+    receiver: CommandReceiver<'static>,
     now_us: u32,
     sequence: u16,
 }
@@ -58,13 +58,13 @@ struct Rig {
 impl Rig {
     fn new() -> Self {
         let queues = Box::leak(Box::new(Queues::default()));
-        let (references, ends, reception) = queues.split(1);
+        let (references, ends, receiver) = queues.split(1);
         let defaults = mission::params(TORQUE, false).unwrap();
         let wheels = MockDrive::new(TORQUE);
         let task = ControlTask::new(wheels, references, defaults, Pose::default()).unwrap();
         Self {
-            station: Station::with_memory(task, ends, Slots::new(RamFlash::default())),
-            reception,
+            server: ControlServer::with_memory(task, ends, Slots::new(RamFlash::default())),
+            receiver,
             now_us: 0,
             sequence: 0,
         }
@@ -107,8 +107,8 @@ impl Rig {
     }
 
     fn bytes(&mut self, bytes: &[u8]) -> Option<Frame<Telemetry>> {
-        let reception = &mut self.reception;
-        bytes.iter().find_map(|&byte| reception.push(byte, || 0))
+        let receiver = &mut self.receiver;
+        bytes.iter().find_map(|&byte| receiver.push(byte, || 0))
     }
 
     fn say(&mut self, command: &Command) -> Option<Frame<Telemetry>> {
@@ -132,7 +132,7 @@ impl Rig {
     fn tick(&mut self) {
         self.now_us = self.now_us.wrapping_add(1000);
         let standing = Sensed::of_counts(WheelCounts::default());
-        self.station.tick(self.now_us, &standing);
+        self.server.tick(self.now_us, &standing);
     }
 
     fn run_until(&mut self, state: State) {
@@ -146,7 +146,7 @@ impl Rig {
     }
 
     fn state(&self) -> State {
-        self.station.task().state()
+        self.server.task().state()
     }
 
     fn assert_stopped_by(&self, stop: &Command) {
@@ -164,7 +164,7 @@ impl Rig {
                 matches!(state, State::Braking(Then::Fault) | State::Fault),
                 "{state:?}"
             );
-            assert_eq!(self.station.task().told(), None);
+            assert_eq!(self.server.task().applied(), None);
         }
     }
 }
@@ -274,7 +274,7 @@ fn commands_after_a_stop_come_after_it() {
     }
 }
 
-/// The host does not read: answers are dropped and counted, stops obeyed, and the state is told once there is room.
+/// The host does not read: answers are dropped and counted, stops obeyed, and the state is reported once there is room.
 #[test]
 fn a_full_line_to_the_host_stops_no_stop() {
     for stop in &STOPS {
@@ -287,15 +287,15 @@ fn a_full_line_to_the_host_stops_no_stop() {
         rig.tick();
         rig.assert_stopped_by(stop);
         let state = rig.state();
-        while rig.reception.pending().is_some() {}
+        while rig.receiver.pending().is_some() {}
         rig.tick();
-        let mut told = None;
-        while let Some(Frame { message, .. }) = rig.reception.pending() {
+        let mut reported = None;
+        while let Some(Frame { message, .. }) = rig.receiver.pending() {
             if let Telemetry::State { state, .. } = message {
-                told = Some(state);
+                reported = Some(state);
             }
         }
-        assert_eq!(told, Some(state));
+        assert_eq!(reported, Some(state));
         let counters = rig.say(&Command::GetCounters).unwrap().message;
         assert!(matches!(counters, Telemetry::Counters(counters) if counters.reports_dropped > 0));
     }

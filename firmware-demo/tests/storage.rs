@@ -1,4 +1,4 @@
-//! Parameters in flash: whole, or told why not.
+//! Parameters in flash: whole, or the reason is reported.
 
 #[path = "support/commands.rs"]
 #[allow(dead_code)]
@@ -8,9 +8,9 @@ use controller_core::base::Sensed;
 use controller_core::hal::WheelCounts;
 use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
+use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues, UNASKED};
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
-use firmware_demo::station::{Queues, Reception, Station, UNASKED};
 use firmware_demo::storage::{
     Memory, NotLoaded, RECORD, RECORD_VERSION, RamFlash, Record, RecordError, SaveError, Slots,
 };
@@ -178,7 +178,7 @@ fn wear_alternates_and_numbers_wrap_around() {
 }
 
 #[test]
-fn worn_out_flash_is_told() {
+fn worn_out_flash_is_reported() {
     let mut slots = Slots::new(RamFlash::default());
     slots.save(&field(1.0)).unwrap();
     let mut flash = slots.into_flash();
@@ -191,21 +191,21 @@ fn worn_out_flash_is_told() {
 }
 
 struct Robot {
-    station: Station<'static, MockDrive<0>, Slots<RamFlash>>,
-    reception: Reception<'static>,
+    server: ControlServer<'static, MockDrive<0>, Slots<RamFlash>>,
+    receiver: CommandReceiver<'static>,
     now_us: u32,
 }
 
 impl Robot {
     fn start(flash: RamFlash) -> Self {
         let queues = Box::leak(Box::new(Queues::default()));
-        let (references, ends, reception) = queues.split(1);
+        let (references, ends, receiver) = queues.split(1);
         let defaults = mission::params(TORQUE, false).unwrap();
         let wheels = MockDrive::new(TORQUE);
         let task = ControlTask::new(wheels, references, defaults, Pose::default()).unwrap();
         Self {
-            station: Station::with_memory(task, ends, Slots::new(flash)),
-            reception,
+            server: ControlServer::with_memory(task, ends, Slots::new(flash)),
+            receiver,
             now_us: 0,
         }
     }
@@ -214,13 +214,13 @@ impl Robot {
     fn ask(&mut self, command: &Command) -> (Telemetry, Vec<Telemetry>) {
         let mut frame = [0; MAX_FRAME];
         for &byte in encode(5, command, &mut frame).unwrap() {
-            assert_eq!(self.reception.push(byte, || 0), None);
+            assert_eq!(self.receiver.push(byte, || 0), None);
         }
         self.now_us += 1000;
         let sensed = Sensed::of_counts(WheelCounts::default());
-        self.station.tick(self.now_us, &sensed);
+        self.server.tick(self.now_us, &sensed);
         let (mut answer, mut unasked) = (None, Vec::new());
-        while let Some(Frame { sequence, message }) = self.reception.pending() {
+        while let Some(Frame { sequence, message }) = self.receiver.pending() {
             if sequence == UNASKED {
                 unasked.push(message);
             } else {
@@ -231,7 +231,7 @@ impl Robot {
     }
 
     fn speed(&self) -> f32 {
-        self.station.task().params().motion.limits.speed
+        self.server.task().params().motion.limits.speed
     }
 }
 
@@ -246,7 +246,7 @@ fn what_is_saved_is_in_force_after_the_next_power_on() {
     assert_eq!(answer, Telemetry::Ack);
     assert!(unasked.contains(&Telemetry::Origin(Origin::Host)));
     assert_eq!(robot.ask(&Command::SaveParameters).0, Telemetry::Ack);
-    assert_eq!(robot.station.origin(), Origin::Stored { sequence: 0 });
+    assert_eq!(robot.server.origin(), Origin::Stored { sequence: 0 });
 
     // Armed, nothing of all that.
     assert_eq!(robot.ask(&Command::Arm).0, Telemetry::Ack);
@@ -263,7 +263,7 @@ fn what_is_saved_is_in_force_after_the_next_power_on() {
     assert_eq!(robot.ask(&Command::LoadDefaults).0, Telemetry::Ack);
     assert_eq!(robot.speed(), 2.5);
     let asked = Origin::Defaults(NotLoaded::Asked);
-    assert_eq!(robot.station.origin(), asked);
+    assert_eq!(robot.server.origin(), asked);
 }
 
 #[test]
@@ -282,8 +282,8 @@ fn what_is_stored_and_out_of_range_leaves_the_defaults() {
         let mut robot = Robot::start(flash);
         assert_eq!(robot.speed(), 2.5);
         let (_, unasked) = robot.ask(&Command::GetParameters);
-        let told = Telemetry::Origin(Origin::Defaults(why));
-        assert!(unasked.contains(&told), "{unasked:?}");
+        let applied = Telemetry::Origin(Origin::Defaults(why));
+        assert!(unasked.contains(&applied), "{unasked:?}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a host tells the robot.
+//! Commands from a host to the robot.
 
 use serde::{Deserialize, Serialize};
 

@@ -26,21 +26,21 @@ pub struct FieldParams {
 /// As [`controller_core::motion::MotionGains`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WireGains {
-    /// A: decay of pose neurons and bridges, 1/s.
+    /// A: decay of pose neurons and transition offsets, 1/s.
     #[serde(deserialize_with = "real")]
     pub decay: f32,
     /// Along the path, 1/s.
     #[serde(deserialize_with = "real")]
-    pub along: f32,
+    pub longitudinal: f32,
     /// Largest speed that an error along the path adds, m/s.
     #[serde(deserialize_with = "real")]
-    pub along_bound: f32,
+    pub longitudinal_bound: f32,
     /// Heading, 1/s.
     #[serde(deserialize_with = "real")]
     pub heading: f32,
     /// Across the path, 1/s^2.
     #[serde(deserialize_with = "real")]
-    pub across: f32,
+    pub lateral: f32,
     /// Reference speed below which lateral correction fades out, m/s.
     #[serde(deserialize_with = "real")]
     pub slow: f32,
@@ -95,7 +95,7 @@ pub struct WireLimits {
     pub policy: WireYield,
 }
 
-/// As [`controller_core::motion::Policy`].
+/// As [`controller_core::motion::SaturationPolicy`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WireYield {
     /// Both, by one factor.
@@ -120,7 +120,7 @@ pub struct WireCalibration {
     pub track: f32,
 }
 
-/// As those of [`controller_core::safety::WatchParams`], in microseconds.
+/// As those of [`controller_core::safety::DetectorParams`], in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WireTimeouts {
     /// Encoders without a reading.

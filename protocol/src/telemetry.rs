@@ -1,4 +1,4 @@
-//! What the robot tells a host.
+//! Telemetry from the robot to a host.
 
 use core::error::Error;
 use core::fmt::{self, Display, Formatter};

@@ -33,7 +33,7 @@ pub mod tick_flags {
     pub const FIX_REFUSED: u16 = 1 << 11;
 }
 
-/// What the wheels are told.
+/// The output to the wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WireAction {
     /// Released.
@@ -66,16 +66,16 @@ pub struct BaseTick {
     pub tick: u32,
     /// The supervisor's state.
     pub state: State,
-    /// What the wheels are told.
+    /// The output to the wheels.
     pub action: WireAction,
     /// What came of it.
     pub outcome: WireOutcome,
     /// See [`tick_flags`].
     pub flags: u16,
     /// Faults found in this tick: bit n − 1 for the kind with the code n.
-    pub findings: u32,
-    /// Faults ridden out since power-on.
-    pub ridden_out: u32,
+    pub active_faults: u32,
+    /// Faults ignored since power-on.
+    pub ignored: u32,
     /// New approaches to the goal so far.
     pub retries: u8,
     /// Pose, m.

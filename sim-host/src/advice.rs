@@ -1,9 +1,9 @@
 //! What a user should know of a scenario before the robot finds out.
 
-use crate::scenario::{Law, Scenario};
+use crate::scenario::{ControlLaw, Scenario};
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
-    max_stable_speed, parking_is_stable, tracking_along_is_stable,
+    longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
 };
 
 /// Warnings about gains and speeds, each one sentence.
@@ -11,7 +11,7 @@ use controller_core::paper::stability::{
 /// They come from the linearised loop of the neural law; plain backstepping has no such limits.
 pub fn warnings(scenario: &Scenario) -> Vec<String> {
     let mut warnings = Vec::new();
-    if scenario.controller.kind == Law::Plain {
+    if scenario.controller.kind == ControlLaw::Plain {
         return warnings;
     }
     let params = &scenario.params;
@@ -28,7 +28,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
                 .to_owned(),
         ),
     }
-    if !tracking_along_is_stable(params) {
+    if !longitudinal_tracking_is_stable(params) {
         warnings.push(
             "with these gains tracking is unstable along the path: lower k1, or raise A or kd1"
                 .to_owned(),

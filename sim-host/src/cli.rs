@@ -2,17 +2,16 @@
 
 mod board;
 mod identify;
-mod seed;
 
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
-use crate::robot_args::{ConstantsArgs, ProveArgs, TuneArgs};
+use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
+use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
-pub use board::{Chip, Link, MonitorArgs};
+pub use board::{Chip, LawArg, Link, MonitorArgs};
 pub use identify::IdentifyArgs;
-pub use seed::SeedArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,7 +27,7 @@ Examples:
   sim-host robustness                       what the laws stand: noise, latency, friction, ...
   sim-host faults                           everything that can fail, in every state
   sim-host tune robot.toml                  gains for your own robot, searched on bad floors
-  sim-host prove robot.toml                 whether it does its courses there
+  sim-host verify robot.toml                whether it does its courses there
   sim-host constants robot.toml             the same robot as constants for a firmware
   sim-host monitor /dev/ttyACM0             live numbers of a real board
   sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
@@ -87,35 +86,45 @@ Examples:
         #[command(flatten)]
         drive: DriveArgs,
     },
-    /// Run one scenario with both laws, or several scenarios, and put them side by side
+    /// Run one scenario with several laws, or several files, and put them side by side
     ///
-    /// With several files each runs with its own controller, and the first is compared with each
-    /// of the others.
+    /// One scenario of the paper runs with both of its laws, or with those of --law; the default law hands over to
+    /// parking when the paper's do. Several files run each with its own controller, or each with each of --law. The
+    /// first run is compared with each of the others.
     #[command(after_help = "\
 Examples:
   sim-host compare scenarios/paper-curve.toml
-  sim-host compare standing-reference weaving --out results")]
+  sim-host compare paper-line --law neural --law motion
+  sim-host compare standing-reference weaving slalom.json --out results")]
     Compare {
-        /// Scenario files, or names from `sim-host list`
+        /// Scenario or trajectory files, or names from `sim-host list`
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+        /// A law to compare; may be given several times
+        #[arg(long = "law", value_enum, value_name = "LAW")]
+        laws: Vec<LawArg>,
         /// Write the trace of each run as CSV
         #[arg(long)]
         csv: bool,
+        #[command(flatten)]
+        drive: DriveArgs,
     },
     /// Processor in the loop: the controller on an emulated chip, the plant here
     ///
-    /// Builds the firmware, starts the emulator, and closes the loop. Writes NAME-pil.svg, .png,
-    /// .json and .csv, and says whether every torque, velocity command and neuron state was
-    /// bit-equal to the same controller run here in lock step; if not, the exit code is 1. Also
+    /// Builds the firmware, starts the emulator, and closes the loop. Scenarios of the paper's law run with a
+    /// firmware of that law; those of the default law and trajectory files with the whole base: the control task
+    /// with localiser, supervisor and motors, on the realistic plant. Writes NAME-pil.svg, .png,
+    /// .json and .csv, and says whether every number of every tick was bit-equal to the same
+    /// controller run here in lock step; if not, the exit code is 1. Also
     /// instructions per tick, stack, flash and RAM.
     #[command(after_help = "\
 Examples:
   sim-host pil                              both cases of the paper
   sim-host pil mine.toml --machine riscv32 --every 10
-  sim-host pil mine.toml --link uart        over the emulated serial port: slow and real")]
+  sim-host pil mine.toml --link uart        over the emulated serial port: slow and real
+  sim-host pil slalom.json --base bases/lab-10kg.toml      the whole base along a trajectory")]
     Pil {
-        /// Scenario files, or names from `sim-host list`; none: both cases of the paper
+        /// Scenario or trajectory files, or names from `sim-host list`; none: both cases of the paper
         #[arg(value_name = "FILE")]
         files: Vec<PathBuf>,
         /// The emulated chip
@@ -124,6 +133,8 @@ Examples:
         /// The way to it
         #[arg(long, value_enum, default_value_t = Link::Fifo)]
         link: Link,
+        #[command(flatten)]
+        drive: DriveArgs,
     },
     /// Both cases of the paper under everything that is wrong with a real robot
     ///
@@ -181,17 +192,20 @@ Examples:
   sim-host tune mine.toml
   sim-host tune mine.toml --trajectory slalom.json --evaluations 600 --write")]
     Tune(TuneArgs),
-    /// Prove in simulation that a robot does its courses on bad floors
+    /// Verify in simulation that a robot does its courses on bad floors
     ///
     /// The paper's line and curve and a park, in worlds drawn around the robot of the file and at their
     /// corners. Every run has to park within 5 mm and 10 mrad of the true goal and be quiet there: if not,
-    /// the exit code is 1. Writes NAME-prove.csv, .json, and the worst run as .svg, .png and -worst.csv.
+    /// the exit code is 1. Writes NAME-verify.csv, .json, and the worst run as .svg, .png and -worst.csv.
     #[command(after_help = "\
 Examples:
-  sim-host prove mine.toml
-  sim-host prove lab-10kg --seeds 50 --out results
-  sim-host prove lab-10kg --seeds 556 --fresh      10,008 runs that nobody has seen")]
-    Prove(ProveArgs),
+  sim-host verify mine.toml
+  sim-host verify lab-10kg --seeds 50 --out results
+  sim-host verify lab-10kg --seeds 556 --fresh      10,008 runs that nobody has seen")]
+    Verify(VerifyArgs),
+    /// The old name of `verify`, for one release more
+    #[command(hide = true)]
+    Prove(VerifyArgs),
     /// Write a robot's constants for a firmware
     ///
     /// NAME.rs has every parameter of the base, gains included, as the simulator uses them, bit for bit.
@@ -201,7 +215,7 @@ Examples:
     Constants(ConstantsArgs),
     /// Show and log what a board sends over its serial port
     ///
-    /// Only listens, unless told to poll. Ends with the line, after --seconds, or with Ctrl-C.
+    /// Only listens, unless it is to poll. Ends with the line, after --seconds, or with Ctrl-C.
     #[command(after_help = "\
 Examples:
   sim-host monitor /dev/ttyACM0
@@ -209,13 +223,13 @@ Examples:
     Monitor(MonitorArgs),
     /// Say whether files can be driven, without running anything
     ///
-    /// Prints format, figures, repairs with their places, and what the base stretches; or why a file
+    /// Prints format, figures, repairs with their places, and how time is scaled for the base; or why a file
     /// is refused. Exit code 0 if all can be driven, 1 if not.
     Check(TrajectoryArgs),
     /// Compile trajectory files for a chip
     ///
     /// Writes NAME.rs, a table for flash, and NAME.bin, the same as little-endian f32 for streaming:
-    /// as few samples as the core's interpolation needs, stretched to the base's limits.
+    /// as few samples as the core's interpolation needs, time-scaled to the base's limits.
     Compile(TrajectoryArgs),
     /// Identify a robot from a log: lengths, mass, inertia, friction, motor constants
     ///

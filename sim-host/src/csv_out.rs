@@ -1,6 +1,6 @@
 //! Traces as CSV: full precision, one row per control tick.
 
-use crate::trace::{Row, Trace};
+use crate::trace::{Trace, TraceRow};
 use controller_core::paper::report::Phase;
 use std::io::Write;
 
@@ -9,8 +9,8 @@ use std::io::Write;
 /// * x … w: the robot as it truly is.
 /// * x_r … w_r: the moving reference; from the hand-over on the resting target.
 /// * e_x … wdot_c: what the controller computed; states without a part in the phase are 0.
-/// * b_v, b_w: bridge terms within v_c and w_c.
-/// * tau1, tau2: force \[N\] and moment \[N m\] that the law asks for.
+/// * b_v, b_w: transition offsets within v_c and w_c.
+/// * tau1, tau2: force \[N\] and moment \[N m\] that the law demands.
 /// * tau_right, tau_left: what acts on the wheels until the next row.
 /// * phase: `tracking` or `parking`; then flags, 0 or 1.
 pub const COLUMNS: [&str; 37] = [
@@ -89,7 +89,7 @@ pub fn write(trace: &Trace, every: usize, out: impl Write) -> csv::Result<()> {
         writer.write_field(phase(row))?;
         for flag in [
             Some(tick) == hand_over,
-            row.is_bridging(),
+            row.has_transition_offset(),
             row.relaxing,
             row.report.saturated,
         ] {
@@ -102,14 +102,14 @@ pub fn write(trace: &Trace, every: usize, out: impl Write) -> csv::Result<()> {
     Ok(())
 }
 
-fn phase(row: &Row) -> &'static str {
+fn phase(row: &TraceRow) -> &'static str {
     match row.report.phase {
         Phase::Tracking => "tracking",
         Phase::Parking => "parking",
     }
 }
 
-fn numbers(row: &Row) -> [f64; 31] {
+fn numbers(row: &TraceRow) -> [f64; 31] {
     let (pose, twist) = (row.truth.pose, row.truth.twist);
     let reference = row.reference;
     let report = &row.report;
@@ -140,8 +140,8 @@ fn numbers(row: &Row) -> [f64; 31] {
         report.command.angular,
         report.command_rate.linear,
         report.command_rate.angular,
-        report.bridge.linear,
-        report.bridge.angular,
+        report.transition_offset.linear,
+        report.transition_offset.angular,
         report.wrench.force,
         report.wrench.moment,
         row.torques.right,

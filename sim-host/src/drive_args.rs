@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use sim_host::drive::FileRun;
-use sim_host::scenario::Precision;
+use sim_host::precision::Precision;
 use std::path::PathBuf;
 
 /// How trajectory files are run. Scenario files say it themselves.

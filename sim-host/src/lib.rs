@@ -1,19 +1,19 @@
 //! A closed-loop simulator around `controller-core`.
 //!
 //! Scenario files go in, figures, tables and traces come out. The controller is the one that runs
-//! on the chip, the same source called through a [`pilot::Pilot`]; the [`plant`] is independent of
+//! on the chip, the same source called through a [`controller_port::ControllerPort`]; the [`plant`] is independent of
 //! it and in double precision. Time is k times the control period, never a clock, so a scenario
 //! gives the same numbers every time.
 //!
 //! | step | modules |
 //! | --- | --- |
-//! | read | [`scenario`], [`motion`], [`advice`] |
-//! | whole base | [`rig`] in a [`world`] |
+//! | read | [`scenario`], [`motion`], [`advice`]; a [`mission`] is what they ask of a base |
+//! | whole base | [`closed_loop`] in a [`world`] |
 //! | faults, by the thousand | [`campaign`] |
-//! | run | [`plant`], [`world`], [`pilot`], [`mod@run`], [`trace`] |
-//! | on a chip | [`pil`], [`monitor`], [`sim_robot`] |
+//! | run | [`plant`], [`world`], [`controller_port`], [`mod@run`], [`trace`]; [`drive`] with the default law |
+//! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
-//! | for a robot of one's own | [`tune`], [`prove`], [`constants`]; [`trials`] on bad floors |
+//! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
 //! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
 //!
 //! ```
@@ -30,7 +30,9 @@
 
 pub mod advice;
 pub mod campaign;
+pub mod closed_loop;
 pub mod constants;
+pub mod controller_port;
 pub mod csv_out;
 pub mod drive;
 #[cfg(feature = "cli")]
@@ -38,20 +40,19 @@ pub mod figure;
 pub mod identify;
 pub mod import;
 pub mod metrics;
+pub mod mission;
 pub mod monitor;
 pub mod motion;
 pub mod pil;
-pub mod pilot;
 pub mod plant;
-pub mod prove;
+pub mod precision;
 pub mod rate;
-pub mod rig;
 pub mod robustness;
 pub mod run;
 pub mod scenario;
-pub mod sim_robot;
 pub mod table;
 pub mod trace;
 pub mod trials;
 pub mod tune;
+pub mod verify;
 pub mod world;

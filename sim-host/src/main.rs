@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod drive_args;
 mod robot_args;
+mod seed_args;
 
 use clap::Parser;
 use std::error::Error as _;

@@ -1,6 +1,6 @@
 //! Figures of merit of a run. Times in s, lengths in m, angles in rad; errors are the true ones.
 
-use crate::trace::{HandOver, Row, Trace};
+use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::maths::{Libm, Maths};
 use controller_core::pose_error::PoseError;
 use serde::Serialize;
@@ -75,9 +75,9 @@ pub struct Metrics {
     pub speed_m_s: Extremes,
     /// w.
     pub turn_rate_rad_s: Extremes,
-    /// τ₁, as the law asks for it.
+    /// τ₁, as the law demands it.
     pub force_n: Extremes,
-    /// τ₂, as the law asks for it.
+    /// τ₂, as the law demands it.
     pub moment_nm: Extremes,
     /// τ_right, as it acts.
     pub torque_right_nm: Extremes,
@@ -87,7 +87,7 @@ pub struct Metrics {
     pub start_torque_step: WrenchStep,
     /// Ticks in which torques were scaled down to the limit.
     pub saturated_ticks: usize,
-    /// Ticks in which a bridge term was at work.
+    /// Ticks in which a transition offset was at work.
     pub bridged_ticks: usize,
 }
 
@@ -105,7 +105,7 @@ impl PoseFigures {
 
 impl Extremes {
     /// Of `signal`, which is at `before` ahead of the first row.
-    fn of(rows: &[Row], before: Option<f64>, signal: impl Fn(&Row) -> f64) -> Self {
+    fn of(rows: &[TraceRow], before: Option<f64>, signal: impl Fn(&TraceRow) -> f64) -> Self {
         let mut extremes = Self::default();
         let mut last = before;
         for row in rows {
@@ -142,12 +142,12 @@ impl Metrics {
                 moment_nm: wrench.moment,
             },
             saturated_ticks: count(rows, |row| row.report.saturated),
-            bridged_ticks: count(rows, Row::is_bridging),
+            bridged_ticks: count(rows, TraceRow::has_transition_offset),
         })
     }
 }
 
-fn count(rows: &[Row], condition: impl Fn(&Row) -> bool) -> usize {
+fn count(rows: &[TraceRow], condition: impl Fn(&TraceRow) -> bool) -> usize {
     rows.iter().filter(|row| condition(row)).count()
 }
 
@@ -164,7 +164,7 @@ fn stays_below(
 
 fn settling(trace: &Trace) -> Option<f64> {
     let rows = &trace.rows;
-    let norm = |row: &Row| row.error.norm::<Libm>();
+    let norm = |row: &TraceRow| row.error.norm::<Libm>();
     let index = match &trace.hand_over {
         None => stays_below(rows.iter().map(norm), SETTLED)?,
         Some(hand_over) => {
@@ -179,7 +179,7 @@ fn settling(trace: &Trace) -> Option<f64> {
     Some(rows[index].t)
 }
 
-fn at_hand_over(rows: &[Row], hand_over: &HandOver) -> HandOverFigures {
+fn at_hand_over(rows: &[TraceRow], hand_over: &HandOver) -> HandOverFigures {
     let parking = &rows[hand_over.row..];
     let row = &parking[0];
     let norms = parking.iter().map(|row| row.error.norm::<Libm>());
@@ -198,14 +198,14 @@ fn at_hand_over(rows: &[Row], hand_over: &HandOver) -> HandOverFigures {
 }
 
 /// Along the target's heading, on the side that the robot does not come from.
-fn overshoot(parking: &[Row], hand_over: &HandOver) -> f64 {
+fn overshoot(parking: &[TraceRow], hand_over: &HandOver) -> f64 {
     let goal = hand_over.goal;
     let (sine, cosine) = Libm::sin_cos(goal.theta);
-    let to_go = |row: &Row| {
+    let to_go = |row: &TraceRow| {
         let pose = row.truth.pose;
         (goal.x - pose.x) * cosine + (goal.y - pose.y) * sine
     };
     let side = if to_go(&parking[0]) < 0.0 { -1.0 } else { 1.0 };
-    let past = |row: &Row| -side * to_go(row);
+    let past = |row: &TraceRow| -side * to_go(row);
     parking.iter().map(past).fold(0.0, f64::max)
 }

@@ -54,7 +54,7 @@ impl Profile {
 
 /// How the reference moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Motion {
+pub enum ReferenceMotion {
     /// A line, an arc or a turn in place, in closed form.
     Constant(ConstantTwist<f64>),
     /// v_r(t) and w_r(t) each a constant plus a sine.
@@ -68,8 +68,8 @@ pub enum Motion {
     },
 }
 
-impl Motion {
-    /// The reference at time `t` ≥ 0 \[s\]. For many times in order, [`Motion::walk`] is cheaper.
+impl ReferenceMotion {
+    /// The reference at time `t` ≥ 0 \[s\]. For many times in order, [`ReferenceMotion::walk`] is cheaper.
     pub fn at(&self, t: f64) -> Reference<f64> {
         self.walk().advance_to(t)
     }
@@ -92,7 +92,7 @@ impl Motion {
     }
 }
 
-/// Samples a [`Motion`] at rising times, integrating only from one to the next.
+/// Samples a [`ReferenceMotion`] at rising times, integrating only from one to the next.
 ///
 /// Heading and its rates are exact. Position is the integral of v_r (cos θ_r, sin θ_r), by
 /// five-point Gauss-Legendre panels over which neither the sine of the speed nor the heading
@@ -100,7 +100,7 @@ impl Motion {
 /// then below 1e-20 of the way: what is left is the rounding of the sum.
 #[derive(Clone, Debug)]
 pub struct Walker {
-    motion: Motion,
+    motion: ReferenceMotion,
     t: f64,
     travel: (f64, f64),
 }
@@ -121,8 +121,8 @@ impl Walker {
     /// The reference at `t`, not before the time of the last call.
     pub fn advance_to(&mut self, t: f64) -> Reference<f64> {
         match self.motion {
-            Motion::Constant(path) => path.at::<Libm>(t),
-            Motion::Modulated {
+            ReferenceMotion::Constant(path) => path.at::<Libm>(t),
+            ReferenceMotion::Modulated {
                 start,
                 speed,
                 turn_rate,

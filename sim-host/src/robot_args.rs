@@ -1,6 +1,6 @@
 //! Arguments for a robot of one's own.
 
-use crate::cli::SeedArgs;
+use crate::seed_args::SeedArgs;
 use clap::Args;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::PathBuf;
@@ -25,9 +25,9 @@ pub struct TuneArgs {
     pub write: bool,
 }
 
-/// What is proven.
+/// What is verified.
 #[derive(Clone, Debug, Args)]
-pub struct ProveArgs {
+pub struct VerifyArgs {
     /// The robot's file, as in bases/, or one of paper-30kg, lab-10kg, hobby-1kg
     #[arg(value_name = "ROBOT.toml")]
     pub robot: PathBuf,

@@ -1,10 +1,10 @@
 //! The closed loop: measure, demand, step, hold the torque to the next tick.
 
+use crate::controller_port::{self, ControllerPort, ControllerPortError};
 use crate::motion::Walker;
-use crate::pilot::{self, Pilot, PilotError};
 use crate::plant::Plant;
 use crate::scenario::Scenario;
-use crate::trace::{HandOver, Row, Trace};
+use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
 use controller_core::paper::demand::Demand;
@@ -15,16 +15,16 @@ use controller_core::reference::{ParkingPlan, Reference};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The pilot gave up.
+    /// The controller refused a tick, or cannot be reached.
     #[error("{name}: stopped at t = {time_s} s: {cause}")]
-    Pilot {
+    ControllerPort {
         /// The scenario.
         name: String,
         /// When \[s\].
         time_s: f64,
         /// Why.
         #[source]
-        cause: PilotError,
+        cause: ControllerPortError,
     },
     /// Parameters that the core refuses.
     #[error("{name}: {cause}")]
@@ -41,22 +41,26 @@ pub enum RunError {
 /// # Errors
 /// The first fault of the controller, with its time.
 pub fn run(scenario: &Scenario) -> Result<Trace, RunError> {
-    let mut pilot = pilot::for_scenario(scenario).map_err(|cause| RunError::Params {
-        name: scenario.name.clone(),
-        cause,
-    })?;
-    run_with(scenario, pilot.as_mut())
+    let mut controller =
+        controller_port::for_scenario(scenario).map_err(|cause| RunError::Params {
+            name: scenario.name.clone(),
+            cause,
+        })?;
+    run_with(scenario, controller.as_mut())
 }
 
-/// Runs a scenario with any pilot.
+/// Runs a scenario with any controller.
 ///
 /// # Errors
-/// The first fault of the pilot, with its time.
-pub fn run_with(scenario: &Scenario, pilot: &mut dyn Pilot) -> Result<Trace, RunError> {
+/// The first fault of the controller, with its time.
+pub fn run_with(
+    scenario: &Scenario,
+    controller: &mut dyn ControllerPort,
+) -> Result<Trace, RunError> {
     let dt = scenario.period_s;
     let ticks = scenario.ticks();
     let mut plant = Plant::new(scenario.robot, &scenario.start);
-    let mut guide = Guide::new(scenario);
+    let mut sequencer = Sequencer::new(scenario);
     let mut trace = Trace {
         period_s: dt,
         rows: Vec::with_capacity(ticks + 1),
@@ -66,12 +70,12 @@ pub fn run_with(scenario: &Scenario, pilot: &mut dyn Pilot) -> Result<Trace, Run
         // The product, not a running sum: times do not drift.
         let t = tick as f64 * dt;
         let truth = plant.truth();
-        let (demand, target) = guide.at(tick, t);
+        let (demand, target) = sequencer.at(tick, t);
         let answer = match (tick, &demand) {
-            (0, Demand::Track(reference)) => pilot.start(reference, &truth),
-            _ => pilot.step(dt, &demand, &truth),
+            (0, Demand::Track(reference)) => controller.start(reference, &truth),
+            _ => controller.step(dt, &demand, &truth),
         };
-        let answer = answer.map_err(|cause| RunError::Pilot {
+        let answer = answer.map_err(|cause| RunError::ControllerPort {
             name: scenario.name.clone(),
             time_s: t,
             cause,
@@ -86,7 +90,7 @@ pub fn run_with(scenario: &Scenario, pilot: &mut dyn Pilot) -> Result<Trace, Run
             });
         }
         let torques = answer.report.torques;
-        trace.rows.push(Row {
+        trace.rows.push(TraceRow {
             t,
             truth,
             reference: target,
@@ -101,13 +105,13 @@ pub fn run_with(scenario: &Scenario, pilot: &mut dyn Pilot) -> Result<Trace, Run
 }
 
 /// Decides what each tick is to do.
-pub(crate) struct Guide {
+pub(crate) struct Sequencer {
     walker: Walker,
     plan: Option<ParkingPlan<f64>>,
     parking: bool,
 }
 
-impl Guide {
+impl Sequencer {
     pub(crate) fn new(scenario: &Scenario) -> Self {
         Self {
             walker: scenario.motion.walk(),

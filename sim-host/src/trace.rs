@@ -7,7 +7,7 @@ use controller_core::types::{Measured, Pose, WheelTorques, Wrench};
 
 /// One control tick. Torques hold from this tick to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct TraceRow {
     /// Time \[s\].
     pub t: f64,
     /// The robot as it truly is.
@@ -36,20 +36,21 @@ pub struct HandOver {
     /// Pose error with respect to the virtual target point: the last of tracking. The row holds
     /// the first of parking.
     pub error_before: PoseError<f64>,
-    /// What parking asks for minus what tracking would have, at that instant.
+    /// What parking demands minus what tracking would have, at that instant.
     pub torque_step: Wrench<f64>,
 }
 
-impl Row {
-    /// A bridge term above [`BRIDGE_THRESHOLD`] is part of the command.
-    pub fn is_bridging(&self) -> bool {
-        self.report.is_bridging(BRIDGE_THRESHOLD)
+impl TraceRow {
+    /// A transition offset above [`TRANSITION_OFFSET_THRESHOLD`] is part of the command.
+    pub fn has_transition_offset(&self) -> bool {
+        self.report
+            .has_transition_offset(TRANSITION_OFFSET_THRESHOLD)
     }
 }
 
-/// A bridge term of this size \[m/s, rad/s\] is worth telling: it moves a torque by 1e-7 N or N m
+/// A transition offset of this size \[m/s, rad/s\] is worth reporting: it moves a torque by 1e-7 N or N m
 /// with gains of 100, and is above the rounding of single precision.
-pub const BRIDGE_THRESHOLD: f64 = 1.0e-9;
+pub const TRANSITION_OFFSET_THRESHOLD: f64 = 1.0e-9;
 
 /// A closed-loop run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,7 +58,7 @@ pub struct Trace {
     /// Control period \[s\].
     pub period_s: f64,
     /// All ticks, t = 0 first.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TraceRow>,
     /// The hand-over, if there was one.
     pub hand_over: Option<HandOver>,
 }

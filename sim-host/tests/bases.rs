@@ -3,8 +3,9 @@
 
 use controller_core::motion::Outcome;
 use controller_core::safety::supervisor::State;
-use sim_host::drive::{DriveRow, DriveTrace, Mission, drive};
-use sim_host::rig::watch;
+use sim_host::drive::drive_and_observe;
+use sim_host::drive::{DriveRow, DriveTrace, drive};
+use sim_host::mission::Mission;
 use sim_host::scenario::{BASES, BuiltInBase};
 use std::error::Error;
 use tests::stated::{At, Stated};
@@ -77,8 +78,8 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
                 for seed in 0..SEEDS {
                     let seed = 100 * number as u64 + seed;
                     let mission = mission(base, turn_rate, body, seed)?;
-                    let place = mission.place.as_ref().ok_or("no world")?;
-                    let trace = watch(&mission, place, 3.0)?;
+                    let setup = mission.setup.as_ref().ok_or("no world")?;
+                    let trace = drive_and_observe(&mission, setup, 3.0)?;
                     let what = format!("{} w {turn_rate} {body:?} seed {seed}", base.name);
                     let last = trace.rows.last().ok_or("no rows")?;
                     let note = last.base.ok_or("no base")?;
@@ -111,7 +112,7 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
             ripples.push(100.0 * rattle);
         }
         readme.exactly(
-            At::Row("Your own robot", row),
+            At::Row("From a robot's file to flash", row),
             &[ends, times, ripples].concat(),
         );
     }

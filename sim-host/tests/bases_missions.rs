@@ -2,12 +2,13 @@
 //! allow: on the ideal plant, and the bad floors on a bad floor.
 
 use controller_core::motion::Outcome;
-use sim_host::drive::{Base, Course, Mission, Route, drive};
+use sim_host::drive::drive;
+use sim_host::mission::{BaseSpec, Course, Mission, Route};
 use sim_host::scenario::{BASES, MISSIONS};
 use std::error::Error;
 
 /// A scenario on another base; none if its reference is faster than the base, with a tenth for feedback.
-fn mission(name: &str, text: &str, base: &Base) -> Result<Option<Mission>, Box<dyn Error>> {
+fn mission(name: &str, text: &str, base: &BaseSpec) -> Result<Option<Mission>, Box<dyn Error>> {
     let mut mission = Mission::parse(&format!("{name}.toml"), text)?;
     if let Course::Follow {
         route: Route::Motion(motion),
@@ -19,10 +20,10 @@ fn mission(name: &str, text: &str, base: &Base) -> Result<Option<Mission>, Box<d
     }
     mission.base = base.clone();
     mission.robot = base.robot;
-    if let Some(place) = &mut mission.place {
+    if let Some(setup) = &mut mission.setup {
         let hardware = base.hardware.ok_or("no hardware")?;
-        place.world.battery = hardware.battery;
-        place.world.battery.open_circuit_v = Some(0.9 * hardware.battery.nominal_v);
+        setup.world.battery = hardware.battery;
+        setup.world.battery.open_circuit_v = Some(0.9 * hardware.battery.nominal_v);
         mission.period_s = base.period_s();
     }
     Ok(Some(mission))
@@ -41,8 +42,8 @@ fn all_robots_do_all_scenarios() -> Result<(), Box<dyn Error>> {
             let trace = drive(&mission)?;
             let last = trace.rows.last().ok_or("no rows")?;
             let (distance, heading) = (last.error.x.hypot(last.error.y), last.error.theta.abs());
-            // On the ideal plant within half a millimetre and 0.9 mrad; on a floor as `prove` asks.
-            let (mm, mrad) = match mission.place {
+            // On the ideal plant within half a millimetre and 0.9 mrad; on a floor as `verify` asks.
+            let (mm, mrad) = match mission.setup {
                 Some(_) => (5.0, 10.0),
                 None => (0.5, 0.9),
             };

@@ -209,6 +209,41 @@ fn scenarios_are_compared_with_each_other_or_by_law() {
     );
 }
 
+/// The default law beside the paper's, on the same course; and what no other law can run is said.
+#[test]
+fn any_laws_are_compared() {
+    let here = directory();
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    let arguments = [
+        "compare",
+        "mine.toml",
+        "--law",
+        "motion",
+        "--law",
+        "neural",
+        "--csv",
+    ];
+    let shown = succeeds(here.path(), &arguments);
+    assert!(shown.contains("neural : motion"), "{shown}");
+    let records = fs::read_to_string(here.path().join("out/mine.json")).expect("metrics");
+    let records: serde_json::Value = serde_json::from_str(&records).expect("JSON");
+    assert_eq!(records[0]["controller"]["kind"], "motion");
+    assert_eq!(records[1]["controller"]["kind"], "neural");
+    let rows = |law| fs::read_to_string(here.path().join(format!("out/mine-{law}.csv")));
+    let (motion, neural) = (rows("motion").expect("CSV"), rows("neural").expect("CSV"));
+    assert_eq!(motion.lines().count(), neural.lines().count());
+    assert!(motion != neural);
+    // Several files, one of them of the default law.
+    let shown = succeeds(
+        here.path(),
+        &["compare", "mine.toml", "park-beside", "--out", "both"],
+    );
+    assert!(shown.contains("park-beside : mine"), "{shown}");
+    let refused = sim_host(here.path(), &["compare", "park-beside", "--law", "plain"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("is for the default law"));
+}
+
 #[test]
 fn scenarios_are_listed_and_shown() {
     let here = directory();

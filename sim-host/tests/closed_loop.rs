@@ -3,7 +3,7 @@
 use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
 use sim_host::run::run;
-use sim_host::scenario::{BuiltIn, Law, Scenario};
+use sim_host::scenario::{BuiltIn, ControlLaw, Scenario};
 use tests::stated::{At, Stated};
 
 fn scenario(name: &str) -> Scenario {
@@ -51,7 +51,10 @@ fn the_papers_errors_are_corrected_in_time() {
 fn the_document_states_both_cases() {
     let all = ["paper-line", "paper-curve"].map(|name| {
         let scenario = scenario(name);
-        [metrics(&scenario), metrics(&scenario.with_law(Law::Plain))]
+        [
+            metrics(&scenario),
+            metrics(&scenario.with_law(ControlLaw::Plain)),
+        ]
     });
     let all: Vec<&Metrics> = all.iter().flatten().collect();
     let each = |of: fn(&Metrics) -> Vec<f64>| -> Vec<f64> {
@@ -157,7 +160,7 @@ fn a_switch_at_the_target_overshoots() {
 fn plain_backstepping_steps_a_hundred_times_harder() {
     for (name, force, moment) in [("paper-line", 33.1, -63.8), ("paper-curve", 46.8, -164.3)] {
         let neural = metrics(&scenario(name));
-        let plain = metrics(&scenario(name).with_law(Law::Plain));
+        let plain = metrics(&scenario(name).with_law(ControlLaw::Plain));
         let start = plain.start_torque_step;
         assert!(near(start.force_n, force, 0.05) && near(start.moment_nm, moment, 0.05));
         for (plain, neural) in [
@@ -198,7 +201,7 @@ fn single_precision_stays_within_ten_micrometres() {
 }
 
 #[test]
-fn the_standing_reference_is_bridged_and_starts_without_torque() {
+fn the_standing_reference_needs_a_transition_offset_and_starts_without_torque() {
     let metrics = metrics(&scenario("standing-reference"));
     assert!(
         metrics.bridged_ticks > 100 && metrics.settling_s.is_some(),
@@ -262,7 +265,7 @@ fn weaving_is_warned_of_and_happens_and_can_be_cured() {
 fn hopeless_parking_gains_are_warned_of_only_if_they_are_used() {
     let hopeless = changed("paper-line", "k4 = 1.2 ", "k4 = 50.0 ");
     assert!(warnings(&hopeless).iter().any(|w| w.contains("parking")));
-    assert!(warnings(&hopeless.with_law(Law::Plain)).is_empty());
+    assert!(warnings(&hopeless.with_law(ControlLaw::Plain)).is_empty());
     let mut tracking_only = hopeless;
     tracking_only.hand_over = None;
     assert!(warnings(&tracking_only).is_empty());

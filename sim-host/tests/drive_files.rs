@@ -1,9 +1,10 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
 use controller_core::motion::Limits;
-use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, drive};
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun, drive};
 use sim_host::import::{Options, import};
-use sim_host::scenario::Precision;
+use sim_host::mission::BaseSpec;
+use sim_host::precision::Precision;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -14,9 +15,9 @@ fn fixture(name: &str) -> Result<Vec<u8>, Box<dyn Error>> {
     Ok(fs::read(path.join(name))?)
 }
 
-fn metrics(name: &str, run: &FileRun, base: &Base) -> Result<DriveMetrics, Box<dyn Error>> {
-    let (mission, stretch) = run.mission(name, &fixture(name)?, base)?;
-    assert!(stretch.load <= 1.0, "{name}: {stretch}");
+fn metrics(name: &str, run: &FileRun, base: &BaseSpec) -> Result<DriveMetrics, Box<dyn Error>> {
+    let (mission, scaling) = run.mission(name, &fixture(name)?, base)?;
+    assert!(scaling.load <= 1.0, "{name}: {scaling}");
     let trace = drive(&mission)?;
     Ok(DriveMetrics::of(&mission, &trace).ok_or("no rows")?)
 }
@@ -52,7 +53,7 @@ const DRIVABLE: [&str; 14] = [
 #[test]
 fn every_format_is_driven_to_parked() -> Result<(), Box<dyn Error>> {
     for name in DRIVABLE {
-        let metrics = metrics(name, &FileRun::default(), &Base::default())?;
+        let metrics = metrics(name, &FileRun::default(), &BaseSpec::default())?;
         assert_parked(name, &metrics);
     }
     Ok(())
@@ -82,7 +83,7 @@ fn references_are_as_the_document_says() -> Result<(), Box<dyn Error>> {
         At::Phrase("(recorded ones within # mm and # mrad)"),
         &recorded,
     );
-    let base = Base::default();
+    let base = BaseSpec::default();
     let (limits, may) = (&base.limits, base.reference_limits());
     page.exactly(
         At::Phrase(
@@ -111,7 +112,7 @@ fn clean_files_are_tracked_within_millimetres() -> Result<(), Box<dyn Error>> {
                 precision,
                 ..FileRun::default()
             };
-            let metrics = metrics(name, &run, &Base::default())?;
+            let metrics = metrics(name, &run, &BaseSpec::default())?;
             let tracking = metrics.tracking.ok_or(name)?;
             assert!(
                 tracking.rms_m < 5e-3 && tracking.peak_m < 2e-2,
@@ -129,7 +130,7 @@ fn clean_files_are_tracked_within_millimetres() -> Result<(), Box<dyn Error>> {
 fn any_side_and_any_base() -> Result<(), Box<dyn Error>> {
     let bases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
     for file in ["paper-30kg.toml", "lab-10kg.toml", "hobby-1kg.toml"] {
-        let base = Base::load(&bases.join(file))?;
+        let base = BaseSpec::load(&bases.join(file))?;
         for offset in [-0.3, 0.0, 0.3] {
             let run = FileRun {
                 offset_m: Some(offset),
@@ -139,18 +140,18 @@ fn any_side_and_any_base() -> Result<(), Box<dyn Error>> {
         }
     }
     // The default base is the same without hardware, for ideal torques on wheels that never slip.
-    let file = Base::load(&bases.join("paper-30kg.toml"))?;
+    let file = BaseSpec::load(&bases.join("paper-30kg.toml"))?;
     let limits = Limits {
         turn_accel: 3.0,
         ..file.limits
     };
-    let ideal = Base {
+    let ideal = BaseSpec {
         limits,
         gains: None,
         hardware: None,
         ..file
     };
-    assert_eq!(ideal, Base::default());
+    assert_eq!(ideal, BaseSpec::default());
     Ok(())
 }
 
@@ -162,7 +163,7 @@ fn far_from_the_origin_single_precision_parks_as_well() -> Result<(), Box<dyn Er
         format!("{},{},{},0\n", 10.0 * s, 500_000.0 + x, 5_400_000.0)
     });
     let text = format!("t,x,y,theta\n{}", rows.collect::<String>());
-    let (mission, _) = FileRun::default().mission("utm", text.as_bytes(), &Base::default())?;
+    let (mission, _) = FileRun::default().mission("utm", text.as_bytes(), &BaseSpec::default())?;
     let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
     assert_parked("utm", &metrics);
     Ok(())
@@ -195,7 +196,7 @@ fn options_out_of_range_are_named() -> Result<(), Box<dyn Error>> {
         ),
     ] {
         let error = run
-            .mission("x", &bytes, &Base::default())
+            .mission("x", &bytes, &BaseSpec::default())
             .err()
             .ok_or(name)?;
         assert!(error.to_string().starts_with(name), "{error}");
@@ -220,7 +221,7 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
         ),
     ] {
         let text = good.replacen(from, to, 1);
-        let error = Base::parse("b.toml", &text).err().ok_or(key)?;
+        let error = BaseSpec::parse("b.toml", &text).err().ok_or(key)?;
         assert_eq!(error.key, key, "{error}");
         assert!(error.line.is_some(), "{error}");
     }
@@ -229,7 +230,7 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
-    let table = ChipTable::of("table", &fixture("table.csv")?, &Base::default())?;
+    let table = ChipTable::of("table", &fixture("table.csv")?, &BaseSpec::default())?;
     let samples = &table.compact.samples;
     assert!(table.compact.position_error_m < 1e-4 && samples.len() > 3);
     let rust = table.rust();

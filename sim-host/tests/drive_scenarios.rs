@@ -1,6 +1,7 @@
 //! Scenario files with the law for a real base.
 
-use sim_host::drive::{Course, DriveMetrics, DriveTrace, Mission, drive};
+use sim_host::drive::{DriveMetrics, DriveTrace, drive};
+use sim_host::mission::{Course, Mission};
 use sim_host::scenario::{MISSIONS, Scenario};
 use std::error::Error;
 use tests::stated::{At, Stated};
@@ -19,7 +20,7 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
     for built_in in MISSIONS {
         let name = built_in.name;
         let (mission, trace, metrics) = run(built_in.text, name)?;
-        if mission.place.is_some() {
+        if mission.setup.is_some() {
             // Not the ideal plant: below.
             continue;
         }
@@ -70,7 +71,7 @@ fn all_of_them_park_within_limits_and_without_jumps() -> Result<(), Box<dyn Erro
     Ok(())
 }
 
-/// The scenarios with a `[world]`: what `sim-host prove` asks, and that limits hold for what is commanded.
+/// The scenarios with a `[world]`: what `sim-host verify` asks, and that limits hold for what is commanded.
 #[test]
 fn bad_floors_are_parked_on() -> Result<(), Box<dyn Error>> {
     let mut floors = 0;

@@ -3,10 +3,10 @@
 mod bases;
 mod bases_missions;
 mod closed_loop;
+mod controller_port;
 mod drive_files;
 mod drive_scenarios;
 mod metrics;
 mod motion;
-mod pilot;
 mod plant;
-mod sim_robot;
+mod plant_hal;

@@ -2,14 +2,14 @@
 
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
-    Bases, End, Mutation, Outcome, Plan, RULES, Target, UpsetKind, Why, cells, known, study,
-    violation,
+    Bases, End, FaultInjectionKind, Mutation, Plan, RULES, RunOutcome, Target, Why, cells, known,
+    study, violation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use tests::stated::{At, Stated};
 
 /// Every trouble in every state on every base, once.
-const ALL: u64 = (UpsetKind::ALL.len() * Target::ALL.len() * 3) as u64;
+const ALL: u64 = (FaultInjectionKind::ALL.len() * Target::ALL.len() * 3) as u64;
 /// Seeds from here on are kept for tests: nothing was developed with them.
 const KEPT: u64 = 171_694_030_814_732;
 
@@ -17,18 +17,18 @@ fn bases() -> Bases {
     Bases::built_in().expect("built in")
 }
 
-fn broken(outcomes: &[Outcome]) -> Vec<String> {
+fn broken(outcomes: &[RunOutcome]) -> Vec<String> {
     outcomes.iter().filter_map(violation).collect()
 }
 
 #[test]
-fn every_trouble_in_every_state_is_ridden_out_or_stopped_in_time() {
+fn every_fault_in_every_state_is_ignored_or_stopped_in_time() {
     let outcomes = study(&bases(), KEPT, 0..ALL, &Mutation::None, || {}).expect("valid");
     assert!(outcomes.len() >= 500);
     let violations = broken(&outcomes);
     assert!(violations.is_empty(), "{}", violations.join("\n"));
-    let hit: BTreeSet<_> = outcomes.iter().map(|o| (o.upset, o.target)).collect();
-    assert_eq!(hit.len(), UpsetKind::ALL.len() * Target::ALL.len());
+    let hit: BTreeSet<_> = outcomes.iter().map(|o| (o.injection, o.target)).collect();
+    assert_eq!(hit.len(), FaultInjectionKind::ALL.len() * Target::ALL.len());
     // The bounds are about what happens, not beyond it: some stop uses more than half of its own.
     let cells = cells(&outcomes, None);
     let most = cells
@@ -44,12 +44,16 @@ fn every_trouble_in_every_state_is_ridden_out_or_stopped_in_time() {
     for rule in &RULES {
         let found = outcomes
             .iter()
-            .filter(|outcome| outcome.upset == rule.upset && outcome.found.is_some())
+            .filter(|outcome| outcome.injection == rule.injection && outcome.found.is_some())
             .count();
         // Ice has no deadline, and a damaged line need not lose so many frames in a row.
-        let rare = [UpsetKind::WheelOnIce, UpsetKind::LineDamaged].contains(&rule.upset);
+        let rare = [
+            FaultInjectionKind::WheelOnIce,
+            FaultInjectionKind::LineDamaged,
+        ]
+        .contains(&rule.injection);
         let told = rule.name.is_some() && !rare;
-        assert!(found > 0 || !told, "{:?} is never found", rule.upset);
+        assert!(found > 0 || !told, "{:?} is never found", rule.injection);
     }
     let mut page = Stated::of("docs/faults.md");
     page.table(HEAD, &results(&outcomes));
@@ -62,10 +66,13 @@ const HEAD: &str =
     "| trouble | runs | parked | held | stopped by | found | latest | stop/bound | parked off |";
 
 /// The results of a campaign, a row for each trouble.
-fn results(outcomes: &[Outcome]) -> String {
+fn results(outcomes: &[RunOutcome]) -> String {
     let mut table = format!("{HEAD}\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-    for upset in UpsetKind::ALL {
-        let runs: Vec<_> = outcomes.iter().filter(|o| o.upset == upset).collect();
+    for injection in FaultInjectionKind::ALL {
+        let runs: Vec<_> = outcomes
+            .iter()
+            .filter(|o| o.injection == injection)
+            .collect();
         let ended = |end: &End| runs.iter().filter(|o| o.end.as_ref() == Ok(end)).count();
         let mut causes = BTreeMap::new();
         for outcome in &runs {
@@ -94,7 +101,7 @@ fn results(outcomes: &[Outcome]) -> String {
         let (m, rad) = off.fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
         table += &format!(
             "| {} | {} | {} | {} | {} | {} | {latest} | {share:.2} | {:.1} mm, {:.1} mrad |\n",
-            upset.name(),
+            injection.name(),
             runs.len(),
             ended(&End::Parked),
             ended(&End::Held),
@@ -111,7 +118,7 @@ fn results(outcomes: &[Outcome]) -> String {
 /// wait, or stops because the host says so.
 #[test]
 fn with_nothing_wrong_only_the_host_stops_a_base() {
-    let quiet = [UpsetKind::Nothing, UpsetKind::LineFull];
+    let quiet = [FaultInjectionKind::Nothing, FaultInjectionKind::LineFull];
     let numbers: Vec<u64> = (0..12 * ALL)
         .filter(|number| quiet.contains(&Plan::trouble(*number)))
         .collect();
@@ -126,7 +133,7 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
         }
         // Where nothing stops it, it gets there.
         let goes = matches!(outcome.target, Target::Tracking | Target::Parking);
-        if outcome.upset == UpsetKind::Nothing && goes {
+        if outcome.injection == FaultInjectionKind::Nothing && goes {
             assert_eq!(outcome.end, Ok(End::Parked), "{outcome:?}");
         }
     }
@@ -137,7 +144,7 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
 #[test]
 fn what_fails_on_ice_is_no_worse_than_stated() {
     let numbers: Vec<u64> = (0..17 * ALL)
-        .filter(|number| Plan::trouble(*number) == UpsetKind::WheelOnIce)
+        .filter(|number| Plan::trouble(*number) == FaultInjectionKind::WheelOnIce)
         .collect();
     assert!(numbers.len() > 400);
     let outcomes = study(&bases(), KEPT + 2, numbers, &Mutation::None, || {}).expect("valid");
@@ -161,7 +168,11 @@ fn the_document_has_the_rules_of_the_campaign() {
         println!("{row}");
         missing += usize::from(!document.contains(&row));
         for (why, reason) in rule.also {
-            let line = format!("| {} | `{}` | {reason} |", rule.upset.name(), why.name());
+            let line = format!(
+                "| {} | `{}` | {reason} |",
+                rule.injection.name(),
+                why.name()
+            );
             println!("{line}");
             missing += usize::from(!document.contains(&line));
         }
@@ -177,10 +188,10 @@ fn stops_that_are_lost_are_found_out() {
     let lost: BTreeSet<_> = outcomes
         .iter()
         .filter(|outcome| violation(outcome).is_some_and(|text| text.contains("stop came")))
-        .map(|outcome| (outcome.upset, outcome.target))
+        .map(|outcome| (outcome.injection, outcome.target))
         .collect();
     // All states that are reached by a stop are, and the button is on every line.
-    let button = UpsetKind::EmergencyStop;
+    let button = FaultInjectionKind::EmergencyStop;
     for target in [
         Target::Armed,
         Target::Tracking,
@@ -192,7 +203,7 @@ fn stops_that_are_lost_are_found_out() {
     let stopped = lost
         .iter()
         .filter(|(_, target)| *target == Target::Stopping);
-    assert_eq!(stopped.count(), UpsetKind::ALL.len());
+    assert_eq!(stopped.count(), FaultInjectionKind::ALL.len());
 }
 
 #[test]
@@ -222,23 +233,23 @@ fn drivers_that_do_not_do_what_they_are_told_are_found_out() {
 
 /// What a policy may leave out but should not: the campaign has its own list.
 #[test]
-fn a_policy_that_rides_out_missing_poses_is_found_out() {
-    let policy = PolicyParams::DEFAULT.with(FaultKind::PoseStale, Response::RIDE_OUT);
+fn a_policy_that_ignores_missing_poses_is_detected() {
+    let policy = PolicyParams::DEFAULT.with(FaultKind::PoseStale, Response::IGNORE);
     let mutation = Mutation::Policy(policy);
     let outcomes = study(&bases(), KEPT, 0..ALL / 3, &mutation, || {}).expect("valid");
-    let ridden = broken(&outcomes)
+    let ignored = broken(&outcomes)
         .iter()
         .filter(|text| text.contains("pose_stale was found"))
         .count();
     // Armed, tracking, parking and parked.
-    assert!(ridden >= 4, "{ridden}");
+    assert!(ignored >= 4, "{ignored}");
 }
 
 #[test]
-fn a_policy_that_rides_out_a_stuck_encoder_is_refused() {
+fn a_policy_that_ignores_a_stuck_encoder_is_refused() {
     let stuck = FaultKind::EncoderStuck;
     let policy = PolicyParams::DEFAULT;
-    for reaction in [Reaction::RideOut, Reaction::ControlledStop] {
+    for reaction in [Reaction::Ignore, Reaction::ControlledStop] {
         let policy = policy.with(stuck, Response::passing(reaction));
         let mutation = Mutation::Policy(policy);
         assert!(study(&bases(), KEPT, 0..1, &mutation, || {}).is_err());
@@ -251,7 +262,7 @@ fn the_document_has_the_stopping_distances_of_the_core() {
     use controller_core::maths::Single;
     use controller_core::motor::{coast, electrical_brake};
     use controller_core::safety::controlled_stop_distance;
-    use sim_host::rig::params;
+    use sim_host::closed_loop::params;
     use sim_host::scenario::BASES;
 
     let document = include_str!("../../docs/faults.md");

@@ -1,6 +1,6 @@
 //! Fixture files of every format become references that are continuous and consistent.
 
-use sim_host::import::{Fix, Format, Options, Trajectory, Verdict, check, import};
+use sim_host::import::{FileVerdict, Fix, Format, Options, Trajectory, check, import};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -236,7 +236,7 @@ fn verdict_reads_well() -> Outcome {
     }
     assert!(matches!(
         check(b"", &Options::default()),
-        Verdict::Refused(_)
+        FileVerdict::Refused(_)
     ));
     Ok(())
 }

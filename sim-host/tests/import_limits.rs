@@ -1,8 +1,8 @@
-//! Stretched trajectories keep every limit on the same path; compact ones keep their tolerance.
+//! Time-scaled trajectories keep every limit on the same path; compact ones keep their tolerance.
 
 use proptest::prelude::*;
 use sim_host::import::{
-    Bound, Drive, Limits, Options, Sample, Tolerance, Trajectory, compact, import,
+    Bound, DriveLimits, Options, ReferenceLimits, Sample, Tolerance, Trajectory, compact, import,
 };
 use std::error::Error;
 use std::fs;
@@ -22,7 +22,7 @@ const NAMES: [&str; 5] = [
 ];
 
 /// By how much a sample exceeds its limits, written down a second time.
-fn excess(s: &Sample, l: &Limits) -> f64 {
+fn excess(s: &Sample, l: &ReferenceLimits) -> f64 {
     let along = if s.a * s.v >= 0.0 {
         l.max_accel
     } else {
@@ -53,8 +53,8 @@ fn excess(s: &Sample, l: &Limits) -> f64 {
 /// Between the instants that were checked a limit may be passed by this part of it.
 const BETWEEN: f64 = 1.01;
 
-fn limits() -> impl Strategy<Value = Limits> {
-    let drive = (0.2..5.0f64, 0.2..3.0f64).prop_map(|(wheel_torque, inertia)| Drive {
+fn limits() -> impl Strategy<Value = ReferenceLimits> {
+    let drive = (0.2..5.0f64, 0.2..3.0f64).prop_map(|(wheel_torque, inertia)| DriveLimits {
         wheel_torque,
         wheel_radius: 0.08,
         track: 0.4,
@@ -69,14 +69,16 @@ fn limits() -> impl Strategy<Value = Limits> {
         0.5..20.0f64,
         0.1..2.0f64,
     );
-    (rates, prop::option::of(drive)).prop_map(|((v, a, d, w, alpha, lateral), drive)| Limits {
-        max_speed: v,
-        max_accel: a,
-        max_decel: d,
-        max_turn_rate: w,
-        max_angular_accel: alpha,
-        max_lateral: lateral,
-        drive,
+    (rates, prop::option::of(drive)).prop_map(|((v, a, d, w, alpha, lateral), drive)| {
+        ReferenceLimits {
+            max_speed: v,
+            max_accel: a,
+            max_decel: d,
+            max_turn_rate: w,
+            max_angular_accel: alpha,
+            max_lateral: lateral,
+            drive,
+        }
     })
 }
 
@@ -87,9 +89,9 @@ proptest! {
     fn stretched_keeps_every_limit_and_the_path(index in 0..NAMES.len(), limits in limits()) {
         let name = NAMES.get(index).copied().unwrap_or_default();
         let file = load(name).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        let (run, stretch) = file.stretched(&limits).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        prop_assert!(stretch.factor >= 1.0 - 1e-9 && stretch.load <= 1.0);
-        prop_assert_eq!(stretch.places.is_empty(), run.duration() == file.duration());
+        let (run, scaling) = file.time_scaled(&limits).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert!(scaling.factor >= 1.0 - 1e-9 && scaling.load <= 1.0);
+        prop_assert_eq!(scaling.places.is_empty(), run.duration() == file.duration());
         let steps = 20_000;
         let h = run.duration() / f64::from(steps);
         let (mut v, mut w) = (run.at(0.0).v, run.at(0.0).w);
@@ -114,19 +116,19 @@ fn file_within_limits_is_untouched() -> Result<(), Box<dyn Error>> {
     for name in NAMES {
         let file = load(name)?;
         let figures = file.figures();
-        let limits = Limits {
+        let limits = ReferenceLimits {
             max_speed: 1.01 * figures.speed_m_s.0.max(-figures.speed_m_s.1).max(1.0),
             max_turn_rate: 1.01 * figures.turn_rate,
             max_accel: 1.01 * figures.accel.max(0.1),
             max_decel: 1.01 * figures.accel.max(0.1),
             max_angular_accel: 1.01 * figures.angular_accel,
-            ..Limits::default()
+            ..ReferenceLimits::default()
         };
-        let (run, stretch) = file.stretched(&limits)?;
+        let (run, scaling) = file.time_scaled(&limits)?;
         assert_eq!(
-            (stretch.factor, stretch.places.len()),
+            (scaling.factor, scaling.places.len()),
             (1.0, 0),
-            "{name}: {stretch}"
+            "{name}: {scaling}"
         );
         assert_eq!(run.samples(), file.samples(), "{name}");
     }
@@ -137,14 +139,14 @@ fn file_within_limits_is_untouched() -> Result<(), Box<dyn Error>> {
 fn stretch_is_local_and_names_what_was_exceeded() -> Result<(), Box<dyn Error>> {
     // The step of the turn rate, 2 s into the motion after 1.6 s of rest.
     let file = load("wpilib_dirty.json")?;
-    let limits = Limits {
+    let limits = ReferenceLimits {
         max_turn_rate: 2.0,
-        ..Limits::default()
+        ..ReferenceLimits::default()
     };
-    let (run, stretch) = file.stretched(&limits)?;
-    assert_eq!(stretch.places.len(), 1, "{stretch}");
-    let place = stretch.places.first().ok_or("no place")?;
-    assert!(place.file_s.0 > 3.3 && place.file_s.1 < 4.0, "{stretch}");
+    let (run, scaling) = file.time_scaled(&limits)?;
+    assert_eq!(scaling.places.len(), 1, "{scaling}");
+    let place = scaling.places.first().ok_or("no place")?;
+    assert!(place.file_s.0 > 3.3 && place.file_s.1 < 4.0, "{scaling}");
     assert!(
         place
             .exceeded
@@ -174,24 +176,24 @@ fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
         format!("t,x,y,theta,v\n{text}").as_bytes(),
         &Options::default(),
     )?;
-    let limits = Limits {
+    let limits = ReferenceLimits {
         max_accel: 0.5,
         max_decel: 0.5,
-        ..Limits::default()
+        ..ReferenceLimits::default()
     };
-    let (run, stretch) = file.stretched(&limits)?;
-    assert!(run.duration() > 4.0 && run.duration() < 4.4, "{stretch}");
-    let (again, nothing) = run.stretched(&limits)?;
+    let (run, scaling) = file.time_scaled(&limits)?;
+    assert!(run.duration() > 4.0 && run.duration() < 4.4, "{scaling}");
+    let (again, nothing) = run.time_scaled(&limits)?;
     assert!(
         nothing.places.is_empty() && again.duration() == run.duration(),
         "{nothing}"
     );
-    let tighter = Limits {
+    let tighter = ReferenceLimits {
         max_accel: 0.2,
         max_decel: 0.2,
         ..limits
     };
-    let (slower, _) = run.stretched(&tighter)?;
+    let (slower, _) = run.time_scaled(&tighter)?;
     assert!(
         slower.duration() > 6.3 && slower.duration() < 7.0,
         "{}",
@@ -204,12 +206,12 @@ fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
 fn limits_that_are_not_positive_are_named() -> Result<(), Box<dyn Error>> {
     let file = load("table.csv")?;
     for bad in [0.0, -1.0, f64::NAN] {
-        let limits = Limits {
+        let limits = ReferenceLimits {
             max_decel: bad,
-            ..Limits::default()
+            ..ReferenceLimits::default()
         };
         assert_eq!(
-            file.stretched(&limits).err().map(|e| e.field),
+            file.time_scaled(&limits).err().map(|e| e.field),
             Some("max_decel")
         );
     }

@@ -6,16 +6,16 @@ use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques, Wrench};
 use sim_host::metrics::Metrics;
-use sim_host::trace::{HandOver, Row, Trace};
+use sim_host::trace::{HandOver, Trace, TraceRow};
 
 /// A row of a robot on the x axis, `ahead` behind its reference.
-fn row(tick: usize, x: f64, ahead: f64) -> Row {
+fn row(tick: usize, x: f64, ahead: f64) -> TraceRow {
     let error = PoseError {
         x: ahead,
         y: 0.0,
         theta: 0.0,
     };
-    Row {
+    TraceRow {
         relaxing: false,
         t: tick as f64 * 0.1,
         truth: Measured {

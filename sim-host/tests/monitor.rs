@@ -31,8 +31,9 @@ fn report(tick: u32) -> BaseTick {
         tau_right: -0.0,
         v_c: 1.0e-30,
         flags: tick_flags::LAW | tick_flags::TORQUE_LIMITED | parking,
-        findings: 1 << (FaultKind::PoseJump.code() - 1) | 1 << (FaultKind::WheelSlip.code() - 1),
-        ridden_out: 4,
+        active_faults: 1 << (FaultKind::PoseJump.code() - 1)
+            | 1 << (FaultKind::WheelSlip.code() - 1),
+        ignored: 4,
         ..BaseTick::default()
     }
 }
@@ -86,13 +87,13 @@ fn reports_are_told_from_damage_whatever_the_chunks() {
         assert_eq!(monitor.reports(), 3);
         let frames = monitor.frames();
         assert_eq!((frames.good, frames.rejected()), (6, 2));
-        assert_eq!(monitor.heard().state, Some((State::Tracking, Cause::Host)));
+        assert_eq!(monitor.latest().state, Some((State::Tracking, Cause::Host)));
         let line = monitor.line();
         for part in [
             "Tracking (Host)",
             "parking tick 3",
             "pose_jump wheel_slip",
-            "4 faults ridden out",
+            "4 faults ignored",
             "defaults (Damaged)",
             "bad",
             "7 bad",
@@ -109,8 +110,8 @@ fn log_reads_back_bit_for_bit() {
     let mut bytes = Vec::new();
     let mut log = Log::new(&mut bytes).expect("written");
     let mut monitor = Monitor::default();
-    monitor.take(&script(), |report, heard| {
-        log.add(0.25, report, heard).expect("written");
+    monitor.take(&script(), |report, latest| {
+        log.add(0.25, report, latest).expect("written");
     });
     log.flush().expect("written");
     drop(log);

@@ -3,7 +3,7 @@
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Pose, Twist};
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
-use sim_host::motion::{Motion, Profile};
+use sim_host::motion::{Profile, ReferenceMotion};
 
 fn constant(mean: f64) -> Profile {
     Profile {
@@ -16,11 +16,11 @@ const START: Pose<f64> = Pose::new(0.5, -1.0, 0.7);
 
 #[test]
 fn without_amplitude_a_modulated_motion_is_the_closed_form() {
-    let closed = Motion::Constant(ConstantTwist {
+    let closed = ReferenceMotion::Constant(ConstantTwist {
         start: START,
         twist: Twist::new(0.4, 0.15),
     });
-    let modulated = Motion::Modulated {
+    let modulated = ReferenceMotion::Modulated {
         start: START,
         speed: constant(0.4),
         turn_rate: constant(0.15),
@@ -82,7 +82,7 @@ impl ODE<f64, [f64; 3]> for Oracle {
 
 #[test]
 fn an_adaptive_order_eight_solver_finds_the_same_reference() {
-    let motion = Motion::Modulated {
+    let motion = ReferenceMotion::Modulated {
         start: START,
         speed: Profile {
             mean: 0.3,

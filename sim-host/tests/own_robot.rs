@@ -1,12 +1,12 @@
-//! A robot's file to gains, a proof and constants.
+//! A robot's file to gains, a verification and constants.
 
 use firmware_demo::robots;
 use sim_host::constants::{module_name, period_us, rust};
-use sim_host::drive::Base;
-use sim_host::prove::{prove, shortcoming};
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::BuiltInBase;
 use sim_host::trials::Course;
 use sim_host::tune::{KNOBS, update};
+use sim_host::verify::{shortcoming, verify};
 use std::error::Error;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use tests::stated::{At, Stated};
 
 const NAMES: [&str; 3] = ["paper-30kg", "lab-10kg", "hobby-1kg"];
 
-fn base(name: &str) -> Result<Base, Box<dyn Error>> {
+fn base(name: &str) -> Result<BaseSpec, Box<dyn Error>> {
     Ok(BuiltInBase::find(name).ok_or("not built in")?.base()?)
 }
 
@@ -69,7 +69,7 @@ fn a_board_drives_the_robot_of_a_file() -> Result<(), Box<dyn Error>> {
 fn constants_in_the_firmware_are_those_of_the_files() -> Result<(), Box<dyn Error>> {
     let boards = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards");
     let text = std::fs::read_to_string(boards.join("robot.toml"))?;
-    let robot = Base::parse("robot.toml", &text)?;
+    let robot = BaseSpec::parse("robot.toml", &text)?;
     let made = rust("robot.toml", &robot).map_err(|e| e.to_string())?;
     assert_eq!(
         made,
@@ -101,16 +101,19 @@ fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
     let built_in = BuiltInBase::find("lab-10kg").ok_or("not built in")?;
     let with = |lines: &str| format!("{}\n[policy]\n{lines}\n", built_in.text);
     let text = with("pose_stale = { reaction = \"brake\", latch = true }");
-    let base = Base::parse("mine.toml", &text)?;
+    let base = BaseSpec::parse("mine.toml", &text)?;
     let response = Response::latched(Reaction::Brake);
     let wanted = PolicyParams::DEFAULT.with(FaultKind::PoseStale, response);
-    let params = sim_host::rig::params(&base, period_us(&base)).map_err(|e| e.to_string())?;
+    let params =
+        sim_host::closed_loop::params(&base, period_us(&base)).map_err(|e| e.to_string())?;
     assert_eq!(params.policy, wanted);
     let constants = rust("mine.toml", &base).map_err(|e| e.to_string())?;
     assert!(constants.contains("pose_stale: Response::latched(Reaction::Brake)"));
     // Nothing is left to stop by.
     let text = with("encoder_stuck = { reaction = \"controlled-stop\", latch = true }");
-    let refused = Base::parse("mine.toml", &text).err().ok_or("was taken")?;
+    let refused = BaseSpec::parse("mine.toml", &text)
+        .err()
+        .ok_or("was taken")?;
     let line = text.lines().count();
     assert_eq!(
         (refused.key.as_str(), refused.line),
@@ -120,7 +123,7 @@ fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
         refused.message.contains("leaves no measurement"),
         "{refused}"
     );
-    let refused = Base::parse("mine.toml", &with("pose_gone = 1"));
+    let refused = BaseSpec::parse("mine.toml", &with("pose_gone = 1"));
     assert!(refused.is_err_and(|error| error.to_string().contains("pose_gone")));
     Ok(())
 }
@@ -131,7 +134,8 @@ fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
     for (name, robot) in NAMES.into_iter().zip(robots) {
         let base = base(name)?;
         assert_eq!(robot.period_us, period_us(&base));
-        let simulated = sim_host::rig::params(&base, robot.period_us).map_err(|e| e.to_string())?;
+        let simulated =
+            sim_host::closed_loop::params(&base, robot.period_us).map_err(|e| e.to_string())?;
         // The text has the shortest digits that give the same bits back, and the sign of a zero.
         assert_eq!(
             format!("{simulated:?}"),
@@ -150,25 +154,32 @@ fn simulator_and_firmware_have_the_same_bits() -> Result<(), Box<dyn Error>> {
 }
 
 #[test]
-fn a_proof_is_the_same_every_time_and_tells_what_fails() -> Result<(), Box<dyn Error>> {
+fn a_verification_is_the_same_every_time_and_names_what_fails() -> Result<(), Box<dyn Error>> {
     let base = base("hobby-1kg")?;
     let seeds = NonZeroU32::MIN;
-    let (proof, again) = (
-        prove(&base, 0, seeds, || {})?,
-        prove(&base, 0, seeds, || {})?,
+    let (verification, again) = (
+        verify(&base, 0, seeds, || {})?,
+        verify(&base, 0, seeds, || {})?,
     );
-    assert_eq!(proof, again);
-    assert_eq!((proof.runs.len(), proof.cases.len()), (18, 18));
-    let good = proof
+    assert_eq!(verification, again);
+    assert_eq!(
+        (verification.runs.len(), verification.cases.len()),
+        (18, 18)
+    );
+    let good = verification
         .runs
         .iter()
         .filter(|run| shortcoming(&run.figures).is_none());
     assert_eq!(
         good.count(),
-        proof.cases.iter().map(|case| case.good).sum::<usize>()
+        verification
+            .cases
+            .iter()
+            .map(|case| case.good)
+            .sum::<usize>()
     );
-    let worst = proof.worst().ok_or("no runs")?;
-    assert_eq!(proof.holds(), shortcoming(&worst.figures).is_none());
+    let worst = verification.worst().ok_or("no runs")?;
+    assert_eq!(verification.holds(), shortcoming(&worst.figures).is_none());
     Ok(())
 }
 
@@ -178,18 +189,18 @@ const KEPT_SEED: u64 = 162_447_189;
 
 /// What README says of the three bases as shipped, and of gains that follow from their limits.
 #[test]
-fn the_readme_states_the_proof() -> Result<(), Box<dyn Error>> {
+fn the_readme_states_the_verification() -> Result<(), Box<dyn Error>> {
     let seeds = NonZeroU32::new(10).ok_or("0")?;
     let (mut times, mut amiss) = (Vec::new(), [0; 2]);
     for name in NAMES {
         let base = base(name)?;
-        let plain = Base {
+        let plain = BaseSpec {
             gains: None,
             ..base.clone()
         };
         for (base, amiss) in [base, plain].iter().zip(&mut amiss) {
-            let proof = prove(base, KEPT_SEED, seeds, || {})?;
-            let runs = proof.runs.iter().map(|run| &run.figures);
+            let verification = verify(base, KEPT_SEED, seeds, || {})?;
+            let runs = verification.runs.iter().map(|run| &run.figures);
             *amiss += runs
                 .clone()
                 .filter(|run| shortcoming(run).is_some())
@@ -212,7 +223,7 @@ fn the_readme_states_the_proof() -> Result<(), Box<dyn Error>> {
         ],
     );
     readme.exactly(
-        At::Phrase("or otherwise amiss, in # of `prove`'s # runs"),
+        At::Phrase("or otherwise amiss, in # of `verify`'s # runs"),
         &[plain, runs],
     );
     Ok(())
@@ -232,9 +243,9 @@ fn the_page_shows_what_the_programs_print() -> Result<(), Box<dyn Error>> {
         page.block(heading, printed);
         Ok(())
     };
-    shown("3. Prove", &["prove", "robot.toml", "--seeds", "5"])?;
+    shown("3. Verify", &["verify", "robot.toml", "--seeds", "5"])?;
     // All gains at 0.4 of theirs.
-    let mut gains = Base::parse("robot.toml", &text)?.motion().gains;
+    let mut gains = BaseSpec::parse("robot.toml", &text)?.motion().gains;
     for knob in KNOBS {
         let slower = 0.4 * knob.of(&gains);
         knob.put(&mut gains, slower);
@@ -249,9 +260,12 @@ fn the_page_shows_what_the_programs_print() -> Result<(), Box<dyn Error>> {
 fn a_robot_that_does_not_know_where_it_is_fails() -> Result<(), Box<dyn Error>> {
     let mut base = base("hobby-1kg")?;
     base.hardware.as_mut().ok_or("no hardware")?.pose_source = None;
-    let proof = prove(&base, 0, NonZeroU32::MIN, || {})?;
-    let far = proof.runs.iter().filter(|run| run.course != Course::Park);
-    assert!(!proof.holds());
+    let verification = verify(&base, 0, NonZeroU32::MIN, || {})?;
+    let far = verification
+        .runs
+        .iter()
+        .filter(|run| run.course != Course::Park);
+    assert!(!verification.holds());
     for run in far {
         assert!(shortcoming(&run.figures).is_some(), "{run:?}");
     }
@@ -280,25 +294,36 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
     );
     let written = std::fs::read_to_string(here.path().join("My Robot.toml"))?;
     assert!(written.contains("# a small dual driver") && written.contains("approach = "));
-    let proof = sim_host(here.path(), &["prove", "My Robot.toml", "--seeds", "1"])?;
-    let said = String::from_utf8(proof.stdout)?;
+    let verification = sim_host(here.path(), &["verify", "My Robot.toml", "--seeds", "1"])?;
+    let said = String::from_utf8(verification.stdout)?;
     let passed = said.contains("PASS:");
     assert!(passed != said.contains("FAIL:"), "{said}");
-    assert_eq!(proof.status.code(), Some(i32::from(!passed)), "{said}");
+    assert_eq!(
+        verification.status.code(),
+        Some(i32::from(!passed)),
+        "{said}"
+    );
     let constants = sim_host(here.path(), &["constants", "My Robot.toml"])?;
     assert!(constants.status.success(), "{constants:?}");
     for name in [
         "My Robot-tune.svg",
         "My Robot-tune.png",
         "My Robot-tune.json",
-        "My Robot-prove.svg",
-        "My Robot-prove.csv",
-        "My Robot-prove.json",
-        "My Robot-prove-worst.csv",
+        "My Robot-verify.svg",
+        "My Robot-verify.csv",
+        "My Robot-verify.json",
+        "My Robot-verify-worst.csv",
         "my_robot.rs",
     ] {
         assert!(here.path().join("out").join(name).exists(), "{name}");
     }
+    // The old name of `verify` is there for one release more, and says so.
+    let old = sim_host(here.path(), &["prove", "no robot.toml"])?;
+    let said = String::from_utf8(old.stderr)?;
+    assert!(
+        said.starts_with("note: `prove` is `verify`") && said.contains("no robot.toml"),
+        "{said}"
+    );
     // Built-in robots are known by name, but are nobody's to write to.
     let refused = sim_host(here.path(), &["tune", "lab-10kg", "--write"])?;
     assert_eq!(refused.status.code(), Some(1));

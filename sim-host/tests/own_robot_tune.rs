@@ -4,9 +4,9 @@ use controller_core::motion::MotionGains;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use sim_host::drive::Base;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::BASES;
-use sim_host::tune::{KNOBS, Search, Seeds, Wish, search};
+use sim_host::tune::{KNOBS, Search, Seeds, TuningProblem, search};
 use std::error::Error;
 
 /// Searches for each of the example bases, each from a start and with a seed of its own.
@@ -31,19 +31,19 @@ const fn small(seed: u64) -> Search {
 
 /// The base with gains that do badly: those of the file, each times e^(n/2) with a standard normal n, drawn until the
 /// score is in [`BAD`].
-fn badly_set(base: &Base, random: &mut Pcg64Mcg) -> Result<Base, Box<dyn Error>> {
+fn badly_set(base: &BaseSpec, random: &mut Pcg64Mcg) -> Result<BaseSpec, Box<dyn Error>> {
     // The searches below have other seeds.
     let seeds = Seeds::Unseen.draw(0, 4);
     let own = base.motion().gains;
-    let wish = Wish::courses(base);
+    let problem = TuningProblem::courses(base);
     for _ in 0..100 {
         let mut gains: MotionGains<f64> = own;
         for knob in KNOBS {
             let normal: f64 = StandardNormal.sample(random);
             knob.put(&mut gains, knob.of(&own) * libm::exp(0.5 * normal));
         }
-        if BAD.contains(&wish.score(&gains, &seeds)?.total()) {
-            return Ok(Base {
+        if BAD.contains(&problem.score(&gains, &seeds)?.total()) {
+            return Ok(BaseSpec {
                 gains: Some(gains),
                 ..base.clone()
             });
@@ -61,7 +61,7 @@ fn gains_that_do_badly_are_improved_by_a_fifth_and_most_by_much_more() -> Result
         let mut random = Pcg64Mcg::seed_from_u64(0);
         for seed in 1..=SEARCHES {
             let start = badly_set(&base, &mut random)?;
-            let tuned = search(&Wish::courses(&start), &small(seed), || {})?;
+            let tuned = search(&TuningProblem::courses(&start), &small(seed), || {})?;
             let [before, after] = tuned.unseen.map(|score| score.total());
             println!("{} {seed}: {before:.2} to {after:.2} points", built_in.name);
             saved.push(1.0 - after / before);

@@ -163,3 +163,79 @@ fn a_missing_emulator_is_named_with_its_package() {
         "{said}"
     );
 }
+
+/// A base on a floor with friction, late noisy poses and uneven ticks; the numbers are of no importance, only that each acts.
+const FLOOR: &str = "\
+description = \"a base on a floor\"
+base = \"hobby-1kg\"
+[run]
+duration = 4.0
+period = 0.005
+[controller]
+kind = \"motion\"
+[start]
+y = 0.05
+[goal]
+x = 0.3
+[world]
+[world.body]
+mass_factor = 1.2
+[world.floor]
+mu = 0.7
+[world.pose_source]
+rate_hz = 20.0
+latency_s = 0.05
+noise_m = 0.002
+noise_rad = 0.003
+";
+
+/// The control task on the chip and the one here do the same in every bit, and what the chip drove is what `run` shows.
+#[test]
+fn the_whole_base_is_flown_bit_for_bit() {
+    let here = tempfile::tempdir().expect("a directory");
+    fs::write(here.path().join("floor.toml"), FLOOR).expect("written");
+    for machine in ["cortex-m4f", "riscv32"] {
+        let output = pil(here.path(), &["floor.toml", "--machine", machine]);
+        let shown = text(&output.stdout);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(shown.contains("bit-equal to the host: 0 of"), "{shown}");
+        let record = json(&here.path().join("out/floor-pil.json"));
+        let chip = &record["chip"];
+        // 4 s of 5 ms, first and last included; 28 numbers of each.
+        assert_eq!(chip["parity"]["ticks"], 801);
+        assert_eq!(chip["parity"]["numbers"], 801 * 28);
+        assert_eq!(chip["parity"]["numbers_apart"], 0);
+        let ticks = |state: &str| chip["instructions"][state]["ticks"].as_u64();
+        assert_eq!((ticks("parking"), ticks("other")), (Some(800), Some(1)));
+        let least = chip["instructions"]["parking"]["least"].as_u64();
+        assert!(least.is_some_and(|count| (1_000..20_000).contains(&count)));
+    }
+    let flown = fs::read_to_string(here.path().join("out/floor-pil.csv")).expect("CSV");
+    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(["run", "floor.toml", "--csv", "--out", "here"])
+        .current_dir(here.path())
+        .output()
+        .expect("the program runs");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let simulated = fs::read_to_string(here.path().join("here/floor.csv")).expect("CSV");
+    assert!(flown == simulated, "the chip's run is not that of `run`");
+}
+
+/// A trajectory file with a base's file, and a scenario of the paper's law, in one call.
+#[test]
+fn files_and_laws_are_flown_together() {
+    let here = tempfile::tempdir().expect("a directory");
+    let mine = MINE.replace("duration = 1.0", "duration = 0.6");
+    fs::write(here.path().join("mine.toml"), mine).expect("written");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/small_wpilib.json");
+    let file = file.to_str().expect("a path");
+    let output = pil(here.path(), &["mine.toml", file, "--base", "lab-10kg"]);
+    let shown = text(&output.stdout);
+    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
+    assert_eq!(shown.matches("bit-equal to the host: 0 of").count(), 2);
+    let record = json(&here.path().join("out/small_wpilib-pil.json"));
+    assert_eq!(record["base"], "10 kg lab base");
+    assert_eq!(record["chip"]["parity"]["bits_apart"], 0);
+    let following = &record["chip"]["instructions"]["following"]["ticks"];
+    assert!(following.as_u64().is_some_and(|ticks| ticks > 100));
+}

@@ -1,8 +1,8 @@
 //! The study of robustness: against an independent calculation, and as a program.
 
 use sim_host::robustness::{
-    COLUMNS, Case, Condition, Expected, Group, Law, Outcome, Row, Spread, Verdict, catalogue,
-    study, three_digits, write_csv,
+    COLUMNS, Case, ComparedLaw, Condition, Expected, Group, RunVerdict, Spread, StudyOutcome,
+    StudyRow, catalogue, study, three_digits, write_csv,
 };
 use std::num::NonZeroU32;
 use std::process::Command;
@@ -18,19 +18,19 @@ fn some(keep: impl Fn(&Condition) -> bool) -> Vec<Condition> {
     conditions
 }
 
-fn all<'a>(conditions: &'a [Condition]) -> Vec<Row<'a>> {
+fn all<'a>(conditions: &'a [Condition]) -> Vec<StudyRow<'a>> {
     study(conditions, SEEDS, || {}).expect("the built-in cases are in order")
 }
 
 /// The whole study, run once.
-fn whole() -> &'static [Row<'static>] {
+fn whole() -> &'static [StudyRow<'static>] {
     static CONDITIONS: OnceLock<Vec<Condition>> = OnceLock::new();
-    static ROWS: OnceLock<Vec<Row<'static>>> = OnceLock::new();
+    static ROWS: OnceLock<Vec<StudyRow<'static>>> = OnceLock::new();
     ROWS.get_or_init(|| all(CONDITIONS.get_or_init(catalogue)))
 }
 
 /// The rows of one condition and case after the other.
-fn cases() -> impl Iterator<Item = &'static [Row<'static>]> {
+fn cases() -> impl Iterator<Item = &'static [StudyRow<'static>]> {
     whole().chunk_by(|a, b| a.condition == b.condition && a.case == b.case)
 }
 
@@ -39,9 +39,9 @@ fn or_dash(time: Option<Spread>, decimals: usize) -> String {
 }
 
 /// Settling time and end, as the table of `docs/robustness.md` has them.
-fn time_and_end(outcome: &Outcome) -> String {
+fn time_and_end(outcome: &StudyOutcome) -> String {
     let end = match outcome.verdict {
-        Verdict::Arrived | Verdict::Missed if outcome.runs == outcome.arrived.max(1) => {
+        RunVerdict::Arrived | RunVerdict::Missed if outcome.runs == outcome.arrived.max(1) => {
             let Spread { mean, worst } = outcome.final_m;
             let (mean, worst) = (three_digits(1e3 * mean), three_digits(1e3 * worst));
             if mean == worst {
@@ -50,7 +50,7 @@ fn time_and_end(outcome: &Outcome) -> String {
                 format!("{mean} / {worst}")
             }
         }
-        Verdict::Missed => format!(
+        RunVerdict::Missed => format!(
             "beside: {} of {}",
             outcome.runs - outcome.arrived,
             outcome.runs
@@ -108,7 +108,7 @@ fn documents_state_the_study_as_it_is() {
 
     let head = "| condition, line | expected (following) | neural | plain | default | at rest: neural | plain | default |";
     let mut table = format!("{head}\n| --- | --- | --- | --- | --- | --- | --- | --- |\n");
-    let random = |laws: &&[Row]| laws[0].condition.disturbance.is_random();
+    let random = |laws: &&[StudyRow]| laws[0].condition.disturbance.is_random();
     for laws in cases().filter(random) {
         let first = &laws[0];
         if first.case != Case::Line {
@@ -127,13 +127,13 @@ fn documents_state_the_study_as_it_is() {
     }
     page.table(head, &table);
 
-    let of = |name: &str, case: Case, law: Law| -> &Outcome {
+    let of = |name: &str, case: Case, law: ComparedLaw| -> &StudyOutcome {
         let row = whole()
             .iter()
             .find(|row| row.condition.name == name && row.case == case && row.law == law);
         &row.expect("a row of the study").outcome
     };
-    let peaks: Vec<f64> = Law::ALL
+    let peaks: Vec<f64> = ComparedLaw::ALL
         .iter()
         .flat_map(|law| Case::ALL.map(|case| of("nominal, 10 ms", case, *law)))
         .flat_map(|run| [run.peak_force_n, run.peak_moment_nm])
@@ -146,7 +146,7 @@ fn documents_state_the_study_as_it_is() {
         &peaks,
     );
     let without_noise =
-        |row: &&Row| row.law == Law::Default && !row.condition.disturbance.is_random();
+        |row: &&StudyRow| row.law == ComparedLaw::Default && !row.condition.disturbance.is_random();
     let far = |heavy: bool| {
         let rows = whole().iter().filter(without_noise);
         let rows = rows.filter(|row| row.condition.name.starts_with("m × 4") == heavy);
@@ -158,17 +158,17 @@ fn documents_state_the_study_as_it_is() {
         &[far(false), far(true)],
     );
     let forces = ["5 N against", "wheel friction 0.2 N m"];
-    let left = |law: Law| -> Vec<f64> {
+    let left = |law: ComparedLaw| -> Vec<f64> {
         let runs = forces
             .iter()
             .flat_map(|name| Case::ALL.map(|case| of(name, case, law)));
         runs.map(|run| 1e3 * run.final_m.worst).collect()
     };
-    let both = [left(Law::Neural), left(Law::Plain)].concat();
+    let both = [left(ComparedLaw::Neural), left(ComparedLaw::Plain)].concat();
     page.exactly(
         At::Phrase("are estimated and leave # mm, where the paper's laws, which have no integral, leave # to # mm"),
         &[
-            left(Law::Default).into_iter().fold(0.0, f64::max),
+            left(ComparedLaw::Default).into_iter().fold(0.0, f64::max),
             both.iter().copied().fold(f64::INFINITY, f64::min),
             both.iter().copied().fold(0.0, f64::max),
         ],
@@ -184,14 +184,17 @@ fn documents_state_the_study_as_it_is() {
     );
     readme.exactly(
         At::Phrase("friction | 5 N leave # mm"),
-        &[1e3 * of("5 N against", Case::Line, Law::Neural).final_m.mean],
+        &[1e3
+            * of("5 N against", Case::Line, ComparedLaw::Neural)
+                .final_m
+                .mean],
     );
 }
 
 #[test]
 fn the_papers_law_stands_what_an_independent_calculation_says() {
     let (mut times, mut ends, mut moments) = (0, 0, 0);
-    for row in whole().iter().filter(|row| row.law == Law::Neural) {
+    for row in whole().iter().filter(|row| row.law == ComparedLaw::Neural) {
         let (outcome, disturbance) = (&row.outcome, &row.condition.disturbance);
         let expected = row.case.expected(row.condition);
         let what = format!("{}, {}: {outcome:?}", row.condition.name, row.case.name());
@@ -240,8 +243,8 @@ fn ten_newtons_lose_the_papers_law_and_not_the_default() {
         .iter()
         .filter(|row| row.case == Case::Curve)
     {
-        let lost = row.outcome.verdict == Verdict::LostFollowing;
-        assert_eq!(lost, row.law != Law::Default, "{row:?}");
+        let lost = row.outcome.verdict == RunVerdict::LostFollowing;
+        assert_eq!(lost, row.law != ComparedLaw::Default, "{row:?}");
     }
 }
 
@@ -252,7 +255,7 @@ fn the_default_law_parks_exactly_without_noise_and_unknown_forces() {
     let conditions = some(|c| known(c) && !c.name.starts_with("m × 4"));
     for row in all(&conditions)
         .iter()
-        .filter(|row| row.law == Law::Default)
+        .filter(|row| row.law == ComparedLaw::Default)
     {
         // The latch's tolerance of 0.5 mm, and what the robot rolls on after it.
         assert!(row.outcome.final_m.worst < 1.0e-3, "{row:?}");
@@ -270,7 +273,7 @@ fn single_precision_changes_nothing_that_matters() {
         let apart = (a.final_m.mean - b.final_m.mean).abs();
         // The paper's laws differ by the rounding of 5 m, some 1e-6. The default law stops where its
         // latch catches, which may be a tick, and so some 10 µm, apart.
-        let limit = if single.law == Law::Default {
+        let limit = if single.law == ComparedLaw::Default {
             1.0e-4
         } else {
             1.0e-5

@@ -1,7 +1,7 @@
 //! Battery, drivers and motors of `world` against closed forms.
 
 use crate::world_common::*;
-use sim_host::world::{Actuation, ActuationError, Defect};
+use sim_host::world::{Actuation, ActuationError, PlantFault};
 
 /// Torque per current at the wheel.
 const K: f64 = 1.5;
@@ -113,16 +113,16 @@ fn the_speed_loop_is_a_first_order_lag_and_integrates_a_load_away() {
 fn faults_of_the_drive_act_and_are_told() {
     let mut world = at_rest(&with_motor());
     run(&mut world, torque(1.0, 1.0), 0.5);
-    world.inject(Defect::DriveFails { coast: false });
+    world.inject(PlantFault::DriveFails { coast: false });
     run(&mut world, torque(-1.0, -1.0), 0.5);
     near(world.truth().twist.linear, 0.1 / HALF, 1.0e-9);
     assert!(world.drive_answer().is_err());
-    world.inject(Defect::DriveFails { coast: true });
+    world.inject(PlantFault::DriveFails { coast: true });
     run(&mut world, torque(-1.0, -1.0), 0.5);
     near(world.truth().twist.linear, 0.1 / HALF, 1.0e-9);
     world.heal_all();
     assert!(world.drive_answer().is_ok());
-    world.inject(Defect::BatterySag { volts: 9.0 });
+    world.inject(PlantFault::BatterySag { volts: 9.0 });
     run(&mut world, Actuation::Release, 0.01);
     near(world.supply_v(), 9.0, 1.0e-12);
 }

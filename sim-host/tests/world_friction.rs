@@ -1,7 +1,7 @@
 //! Dry and viscous friction of `world` against closed forms.
 
 use crate::world_common::*;
-use sim_host::world::{Actuation, Defect, GRAVITY, Side, World, WorldParams, presets};
+use sim_host::world::{Actuation, GRAVITY, PlantFault, Side, World, WorldParams, presets};
 
 /// Coulomb 0.4 N m and viscous 0.05 N m s a wheel: 40 kg feel 8 N and 10 N s/m.
 fn rough() -> WorldParams {
@@ -100,7 +100,7 @@ fn a_robot_rests_on_a_slope_that_stiction_holds_and_rolls_on_a_steeper_one() {
 #[test]
 fn a_blocked_wheel_is_a_pivot() {
     let mut world = at_rest(&perfect());
-    world.inject(Defect::WheelBlocked(Side::Left));
+    world.inject(PlantFault::WheelBlocked(Side::Left));
     run(&mut world, torque(1.0, 1.0), 1.0);
     let twist = world.truth().twist;
     // 10 N at 0.5 m from the pivot, on I + m (l/2)² + J l²/r².
@@ -110,7 +110,7 @@ fn a_blocked_wheel_is_a_pivot() {
         1.0e-9,
     );
     near(twist.linear, 0.25 * twist.angular, 1.0e-9);
-    world.heal(Defect::WheelBlocked(Side::Left));
+    world.heal(PlantFault::WheelBlocked(Side::Left));
     run(&mut world, torque(1.0, 1.0), 0.5);
     assert!(world.wheel_speeds().left > 0.0);
 }

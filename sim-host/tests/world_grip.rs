@@ -1,7 +1,7 @@
 //! The friction circle of `world`: where wheels let go, and what they do then.
 
 use crate::world_common::*;
-use sim_host::world::{Actuation, Defect, GRAVITY, PatchParams, Side, WorldParams};
+use sim_host::world::{Actuation, GRAVITY, PatchParams, PlantFault, Side, WorldParams};
 
 fn grip(mu: f64) -> WorldParams {
     let mut params = perfect();
@@ -81,8 +81,8 @@ fn forces_stay_on_the_circle_and_against_the_slip() {
 fn a_braked_robot_slides_by_mu_g_and_then_rests() {
     let mu = 0.4;
     let mut world = moving(&grip(mu), 1.0, 0.0);
-    world.inject(Defect::WheelBlocked(Side::Right));
-    world.inject(Defect::WheelBlocked(Side::Left));
+    world.inject(PlantFault::WheelBlocked(Side::Right));
+    world.inject(PlantFault::WheelBlocked(Side::Left));
     run(&mut world, Actuation::Release, 0.1);
     near(world.truth().twist.linear, 1.0 - mu * GRAVITY * 0.1, 1.0e-9);
     run(&mut world, Actuation::Release, 1.0);
@@ -111,7 +111,7 @@ fn across_a_slope_it_slides_where_the_tangent_is_above_mu() {
 #[test]
 fn one_wheel_on_ice_turns_the_robot() {
     let mut world = at_rest(&grip(0.8));
-    world.inject(Defect::WheelOnIce {
+    world.inject(PlantFault::WheelOnIce {
         side: Side::Left,
         mu: 0.01,
     });
@@ -170,8 +170,8 @@ fn a_soft_tyre_creeps_by_force_over_stiffness() {
     near(slip, force / (20.0 * load), 1.0e-6);
     // And at rest a tyre holds: no creep on a slope with the wheels blocked.
     let mut world = at_rest(&params);
-    world.inject(Defect::WheelBlocked(Side::Right));
-    world.inject(Defect::WheelBlocked(Side::Left));
+    world.inject(PlantFault::WheelBlocked(Side::Right));
+    world.inject(PlantFault::WheelBlocked(Side::Left));
     run(&mut world, Actuation::Release, 30.0);
     let there = world.truth().pose.x;
     run(&mut world, Actuation::Release, 30.0);

@@ -2,7 +2,7 @@
 
 use crate::world_common::*;
 use controller_core::types::Measured;
-use sim_host::world::{Actuation, Defect, PoseSourceParams, Side, World, WorldKeys, presets};
+use sim_host::world::{Actuation, PlantFault, PoseSourceParams, Side, World, WorldKeys, presets};
 use std::f64::consts::TAU;
 
 #[test]
@@ -11,13 +11,13 @@ fn counts_are_the_floor_of_the_angle_and_show_faults() {
     run(&mut world, Actuation::Release, 1.0);
     let counts = (3.7 / TAU * 4096.0_f64).floor() as i32;
     assert_eq!(world.counts().expect("read").right, counts);
-    world.inject(Defect::EncoderStuck(Side::Right));
-    world.inject(Defect::EncoderReversed(Side::Left));
+    world.inject(PlantFault::EncoderStuck(Side::Right));
+    world.inject(PlantFault::EncoderReversed(Side::Left));
     run(&mut world, Actuation::Release, 1.0);
     let twice = (7.4 / TAU * 4096.0_f64).floor() as i32;
     let read = world.counts().expect("read");
     assert_eq!((read.right, read.left), (counts, counts - (twice - counts)));
-    world.inject(Defect::EncoderFails);
+    world.inject(PlantFault::EncoderFails);
     assert!(world.counts().is_err());
 }
 
@@ -135,7 +135,7 @@ fn each_noise_has_its_own_stream() {
 #[test]
 fn a_late_tick_comes_once() {
     let mut world = at_rest(&perfect());
-    world.inject(Defect::LateTick { us: 700 });
+    world.inject(PlantFault::LateTick { us: 700 });
     assert_eq!(world.next_tick_us(TICK_US), 10_700);
     assert_eq!(world.next_tick_us(TICK_US), 10_000);
 }

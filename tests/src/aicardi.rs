@@ -8,7 +8,7 @@ use controller_core::types::{Twist, Wrench};
 
 use crate::motion_base::{Base, Body};
 use crate::motion_loop::home;
-use crate::motion_parking::{Parking, Watch};
+use crate::motion_parking::{Parking, ParkingObserver};
 
 /// Decay and bounds of its neurons.
 const A: f64 = 4.0;
@@ -102,7 +102,7 @@ fn wish(error: &PoseError<f64>) -> [f64; 2] {
 /// Parks at the origin for `end_s`; from a moving start the neurons begin with its twist.
 pub fn park(base: Base, body: Body, dt: f64, end_s: f64) -> Parking {
     let mut law = Aicardi::default();
-    // A neuron's value is its output, the wanted twist itself.
+    // A neuron's value is its output, the desired twist itself.
     law.pose[0].value = body.twist.linear;
     law.pose[1].value = body.twist.angular;
     let goal = home()(0.0);
@@ -114,13 +114,13 @@ pub fn park(base: Base, body: Body, dt: f64, end_s: f64) -> Parking {
         )
     };
     let mut wrench = law.tick(&base, &error(&body), &body.twist, 0.0);
-    let mut watch = Watch::start(&wrench);
+    let mut observer = ParkingObserver::start(&wrench);
     let ticks = (end_s / dt).round() as u32;
     for k in 1..=ticks {
         body = body.after(&base, &wrench, dt);
         wrench = law.tick(&base, &error(&body), &body.twist, dt);
-        watch.tick(f64::from(k) * dt, dt, &error(&body), &wrench);
+        observer.tick(f64::from(k) * dt, dt, &error(&body), &wrench);
     }
     let left = error(&body);
-    watch.end(left.x.hypot(left.y) < 1e-3 && left.theta.abs() < 1e-3)
+    observer.end(left.x.hypot(left.y) < 1e-3 && left.theta.abs() < 1e-3)
 }

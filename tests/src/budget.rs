@@ -50,7 +50,7 @@ pub fn print(table: &Table) -> String {
 
 /// What the comparison says.
 #[derive(Debug, Default)]
-pub struct Verdict {
+pub struct BudgetVerdict {
     /// Worse than its budget, without a budget, or not measured: each fails.
     pub failures: Vec<String>,
     /// So much better that the budget can be lowered.
@@ -58,8 +58,8 @@ pub struct Verdict {
 }
 
 /// Compares every number with its budget; a smaller one is better.
-pub fn compare(budgets: &Table, measured: &Table) -> Verdict {
-    let mut verdict = Verdict::default();
+pub fn compare(budgets: &Table, measured: &Table) -> BudgetVerdict {
+    let mut verdict = BudgetVerdict::default();
     let find = |table: &Table, section: &str, key: &str| -> Option<u64> {
         table.get(section)?.get(key).copied()
     };

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-use crate::oracle::{Law, Params, Reference, Reset, Scenario, Switch};
+use crate::oracle::{OracleLaw, Params, Reference, Reset, Scenario, Switch};
 
 /// Every gain and constant within a factor of three of the recommended ones, k_c apart from k_d, B from D.
 pub fn params() -> impl Strategy<Value = Params> {
@@ -73,7 +73,7 @@ pub fn scenario() -> impl Strategy<Value = Scenario> {
     )
         .prop_map(|(params, reference, q0, twist0, at, target)| Scenario {
             params,
-            law: Law::Neural,
+            law: OracleLaw::Neural,
             reference,
             q0,
             twist0,

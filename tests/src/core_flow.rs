@@ -2,9 +2,9 @@
 
 use controller_core::maths::Libm;
 use controller_core::paper::backstepping;
-use controller_core::paper::handover::{TorqueBefore, acceleration_neurons, pose_neurons};
+use controller_core::paper::hand_over::{TorqueBefore, acceleration_neurons, pose_neurons};
 use controller_core::paper::neural_law::{LawOutput, NeuralState, parking_law, tracking_law};
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::tracking;
 use controller_core::pose_error::pose_error;
 use controller_core::torque;
@@ -12,7 +12,7 @@ use controller_core::types::{Accel, Measured, Twist, Wrench};
 use nalgebra::{SVector, Vector2, Vector3};
 
 use crate::core_params::{measured, sample, validated};
-use crate::oracle::{Law, Phase, Reset, Scenario, robot};
+use crate::oracle::{OracleLaw, Phase, Reset, Scenario, robot};
 
 /// (q, v, w, q_r, s₁, s₂ or s₃, v̇_s, ẇ_s, b_v, b_w).
 pub type State = SVector<f64, 14>;
@@ -31,7 +31,7 @@ pub struct Snapshot {
 /// A closed loop of the core in continuous time.
 pub struct Flow<'a> {
     scenario: &'a Scenario,
-    params: Validated<f64>,
+    params: ValidParams<f64>,
 }
 
 fn neural(state: &State) -> NeuralState<f64> {
@@ -39,7 +39,7 @@ fn neural(state: &State) -> NeuralState<f64> {
         s1: state[8],
         s_turn: state[9],
         accel: Accel::new(state[10], state[11]),
-        bridge: Twist::new(state[12], state[13]),
+        transition_offset: Twist::new(state[12], state[13]),
     }
 }
 
@@ -48,15 +48,15 @@ fn set_neural(state: &mut State, neural: &NeuralState<f64>) {
         s1,
         s_turn,
         accel,
-        bridge,
+        transition_offset,
     } = neural;
     let values = [
         *s1,
         *s_turn,
         accel.linear,
         accel.angular,
-        bridge.linear,
-        bridge.angular,
+        transition_offset.linear,
+        transition_offset.angular,
     ];
     state.fixed_rows_mut::<6>(8).copy_from_slice(&values);
 }
@@ -91,7 +91,7 @@ impl<'a> Flow<'a> {
         state.fixed_rows_mut::<3>(0).copy_from(&scenario.q0);
         state.fixed_rows_mut::<2>(3).copy_from(&scenario.twist0);
         state.fixed_rows_mut::<3>(5).copy_from(&q_r);
-        if scenario.law == Law::Neural {
+        if scenario.law == OracleLaw::Neural {
             let reference = sample::<f64>(&q_r, &scenario.target(Phase::Tracking, 0.0));
             let now: Measured<f64> = measured(&scenario.q0, &scenario.twist0);
             let error = pose_error::<f64, Libm>(reference.pose(), &now.pose);
@@ -107,7 +107,7 @@ impl<'a> Flow<'a> {
                 s1: first.s1,
                 s_turn: first.s2,
                 accel: Accel::default(),
-                bridge: first.bridge,
+                transition_offset: first.transition_offset,
             };
             set_neural(&mut state, &first);
         }
@@ -121,15 +121,15 @@ impl<'a> Flow<'a> {
         let memory = neural(state);
         let params = &self.params;
         let (output, wrench) = match (self.scenario.law, phase) {
-            (Law::Neural, Phase::Tracking) => {
+            (OracleLaw::Neural, Phase::Tracking) => {
                 let output = tracking_law::<f64, Libm>(params, &memory, &reference, &now);
                 (output, output.tracking_wrench(params, &memory.accel))
             }
-            (Law::Neural, Phase::Parking) => {
+            (OracleLaw::Neural, Phase::Parking) => {
                 let output = parking_law::<f64, Libm>(params, &memory, reference.pose(), &now);
                 (output, output.parking_wrench(params, &memory.accel))
             }
-            (Law::Plain, _) => {
+            (OracleLaw::Plain, _) => {
                 let all = params.params();
                 let error = pose_error::<f64, Libm>(reference.pose(), &now.pose);
                 let heading = error.theta.sin_cos();
@@ -164,8 +164,8 @@ impl<'a> Flow<'a> {
             }
         };
         let rate = match self.scenario.law {
-            Law::Neural => output.state_rate(params, &memory),
-            Law::Plain => NeuralState::default(),
+            OracleLaw::Neural => output.state_rate(params, &memory),
+            OracleLaw::Plain => NeuralState::default(),
         };
         Snapshot {
             output,
@@ -211,7 +211,7 @@ impl<'a> Flow<'a> {
     pub fn switched(&self, t: f64, state: &State, target: &Vector3<f64>) -> State {
         let mut after = *state;
         after.fixed_rows_mut::<3>(5).copy_from(target);
-        if self.scenario.law == Law::Neural {
+        if self.scenario.law == OracleLaw::Neural {
             let before = self.snapshot(Phase::Tracking, t, state).output;
             let params = self.params.params();
             let neurons =
@@ -226,7 +226,7 @@ impl<'a> Flow<'a> {
                 s1: neurons.s1,
                 s_turn: neurons.s3,
                 accel: acceleration_neurons(params.reset, &params.robot, &params.parking, &torque),
-                bridge: neurons.bridge,
+                transition_offset: neurons.transition_offset,
             };
             set_neural(&mut after, &first);
         }
@@ -245,7 +245,7 @@ impl<'a> Flow<'a> {
         let columns = [
             t, state[0], state[1], state[2], state[3], state[4], e.x, e.y, e.theta, n.s1, s2, s3,
             n.accel.linear, n.accel.angular, c.linear, c.angular, wrench.force, wrench.moment,
-            n.bridge.linear, n.bridge.angular,
+            n.transition_offset.linear, n.transition_offset.angular,
         ];
         columns
     }

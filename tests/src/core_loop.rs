@@ -4,7 +4,7 @@ use controller_core::error::StepFault;
 use controller_core::maths::{Libm, Maths};
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::plain::PlainController;
 use controller_core::paper::report::StepReport;
 use controller_core::reference::Reference as Sample;
@@ -21,7 +21,7 @@ use crate::plant::{Body, MovingReference};
 pub trait Controller<T: Scalar>: Copy + PartialEq + std::fmt::Debug {
     /// Starts tracking.
     fn begin(
-        params: &Validated<T>,
+        params: &ValidParams<T>,
         reference: &Sample<T>,
         measured: &Measured<T>,
     ) -> Result<(Self, StepReport<T>), StepFault>;
@@ -47,7 +47,7 @@ pub type Exact = NeuralController<f64, Libm, ExactMean>;
 macro_rules! forward {
     () => {
         fn begin(
-            params: &Validated<T>,
+            params: &ValidParams<T>,
             reference: &Sample<T>,
             measured: &Measured<T>,
         ) -> Result<(Self, StepReport<T>), StepFault> {
@@ -141,8 +141,8 @@ impl<T: Scalar> Tick<T> {
         let n = &self.report.neurons;
         let [s1, s2, s3] = [n.s1, n.s2, n.s3].map(T::to_f64);
         let [vs, ws] = [n.accel.linear, n.accel.angular].map(T::to_f64);
-        let bridge = &self.report.bridge;
-        let [bv, bw] = [bridge.linear, bridge.angular].map(T::to_f64);
+        let transition_offset = &self.report.transition_offset;
+        let [bv, bw] = [transition_offset.linear, transition_offset.angular].map(T::to_f64);
         [
             self.t, q.x, q.y, q.z, twist.x, twist.y, e.x, e.y, e.z, s1, s2, s3, vs, ws, c.x, c.y,
             tau.x, tau.y, bv, bw,

@@ -3,7 +3,7 @@
 use controller_core::maths::{Libm, Maths};
 use controller_core::paper::params::Reset as CoreReset;
 use controller_core::paper::params::{
-    Params as CoreParams, ParkingGains, TrackingGains, Validated,
+    Params as CoreParams, ParkingGains, TrackingGains, ValidParams,
 };
 use controller_core::reference::Reference as Sample;
 use controller_core::robot::Robot;
@@ -61,7 +61,7 @@ pub fn core_params<T: Scalar>(p: &Params, reset: Reset) -> CoreParams<T> {
 }
 
 /// [`core_params`], accepted.
-pub fn validated<T: Scalar>(p: &Params, reset: Reset) -> Validated<T> {
+pub fn validated<T: Scalar>(p: &Params, reset: Reset) -> ValidParams<T> {
     core_params(p, reset)
         .validate()
         .expect("the oracle's constants are in the core's ranges")

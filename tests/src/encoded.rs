@@ -8,7 +8,7 @@ use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::scalar::Scalar;
 use controller_core::types::{Pose, WheelTorques, Wrench};
 use controller_core::wheels::WheelGeometry;
-use sim_host::drive::Base as File;
+use sim_host::mission::BaseSpec as File;
 
 use crate::motion_base::{Base, Body};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use serde::Deserialize;
 
-use crate::oracle::{Law, Params, Reference, Reset, Scenario, Switch};
+use crate::oracle::{OracleLaw, Params, Reference, Reset, Scenario, Switch};
 
 /// Column names every file must have, in this order.
 pub const COLUMNS: [&str; 20] = [
@@ -35,7 +35,7 @@ pub struct Golden {
     /// Sample time of a sampled loop \[s\].
     pub dt: Option<f64>,
     /// Control law.
-    pub controller: Law,
+    pub controller: OracleLaw,
     /// Constants of robot and law.
     pub params: Params,
     /// Reference motion.

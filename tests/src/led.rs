@@ -1,6 +1,6 @@
 //! A localiser on a robot that is led along a known way, without a controller.
 
-use controller_core::localiser::{Estimate, Localisation, Localiser};
+use controller_core::localiser::{Estimate, Localiser, ValidLocaliserParams};
 use controller_core::maths::Maths;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Pose, Twist, WheelTorques};
@@ -22,7 +22,7 @@ pub struct Led<T, const N: usize> {
 
 impl<T: Scalar, const N: usize> Led<T, N> {
     /// The localiser believes the robot where it is.
-    pub fn start(localisation: &Localisation<T>, robot: Encoded) -> Self {
+    pub fn start(localisation: &ValidLocaliserParams<T>, robot: Encoded) -> Self {
         let localiser = Localiser::start(localisation, pose(&robot.body.pose), robot.counts());
         Self {
             robot,

@@ -1,14 +1,14 @@
 //! The motion controller in closed loop with a localiser, on a robot with encoders.
 
 use controller_core::localiser::{
-    Estimate, FusionParams, Localisation, Localiser, LocaliserParams,
+    Estimate, FusionParams, Localiser, LocaliserParams, ValidLocaliserParams,
 };
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionController, Outcome};
+use controller_core::motion::{MotionController, Outcome, ValidMotionParams};
 use controller_core::pose_error::{PoseError, pose_error};
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Pose};
-use sim_host::drive::Base as File;
+use sim_host::mission::BaseSpec as File;
 
 use crate::encoded::{Encoded, odometry};
 use crate::fixes::Source;
@@ -20,7 +20,7 @@ type Controller = MotionController<f64, Libm, ExactMean>;
 pub const SPEED: f64 = 50.0;
 
 /// A base with fixes of this noise, 20 a second.
-pub fn localisation(file: &File, noise_m: f64, noise_rad: f64) -> Localisation<f64> {
+pub fn localisation(file: &File, noise_m: f64, noise_rad: f64) -> ValidLocaliserParams<f64> {
     let params = LocaliserParams {
         odometry: odometry(file, SPEED),
         fusion: Some(FusionParams::for_source(noise_m, noise_rad, 20.0)),
@@ -48,8 +48,8 @@ pub struct Loop {
 impl Loop {
     /// At rest where `robot` is, and known to be.
     pub fn start(
-        motion: &Motion<f64>,
-        localisation: &Localisation<f64>,
+        motion: &ValidMotionParams<f64>,
+        localisation: &ValidLocaliserParams<f64>,
         robot: Encoded,
         order: &Order,
         dt: f64,
@@ -162,8 +162,8 @@ impl End {
 
 /// The paper's curve at 0.4 m/s and 0.15 rad/s from 0.3 m beside it, then parking at its end.
 pub fn mission(
-    motion: &Motion<f64>,
-    localisation: &Localisation<f64>,
+    motion: &ValidMotionParams<f64>,
+    localisation: &ValidLocaliserParams<f64>,
     file: &File,
     source: &mut Source,
     dt: f64,
@@ -186,8 +186,8 @@ pub fn mission(
 
 /// Parking at the origin from rest at `start` for 20 s.
 pub fn park(
-    motion: &Motion<f64>,
-    localisation: &Localisation<f64>,
+    motion: &ValidMotionParams<f64>,
+    localisation: &ValidLocaliserParams<f64>,
     file: &File,
     start: Pose<f64>,
     source: &mut Source,

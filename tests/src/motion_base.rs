@@ -1,7 +1,7 @@
 //! Bases that the motion tests drive, and a robot of each as exact as its held torque allows.
 
 use controller_core::maths::{Libm, Maths};
-use controller_core::motion::{Limits, MotionParams, Policy};
+use controller_core::motion::{Limits, MotionParams, SaturationPolicy};
 use controller_core::robot::Robot;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Measured, Pose, Twist, Wrench};
@@ -45,7 +45,7 @@ impl Base {
             jerk: 20.0,
             turn_jerk: 40.0,
             wheel_torque_nm: 15.0,
-            policy: Policy::KeepCurvature,
+            policy: SaturationPolicy::KeepCurvature,
         },
     };
 
@@ -96,7 +96,7 @@ impl Base {
     }
 
     /// With another policy.
-    pub fn with_policy(self, policy: Policy) -> Self {
+    pub fn with_policy(self, policy: SaturationPolicy) -> Self {
         let limits = Limits {
             policy,
             ..self.limits

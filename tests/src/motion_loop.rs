@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::thread;
 
 use controller_core::maths::{Libm, Maths};
-use controller_core::motion::{Motion, MotionController, MotionReport, Task};
+use controller_core::motion::{MotionController, MotionReport, Task, ValidMotionParams};
 use controller_core::pose_error::{PoseError, pose_error};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::scalar::Scalar;
@@ -35,7 +35,13 @@ pub struct Drive<T, M, U> {
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
     /// At t = 0.
-    pub fn start(motion: &Motion<T>, plant: Base, body: Body, order: &Order, dt: f64) -> Self {
+    pub fn start(
+        motion: &ValidMotionParams<T>,
+        plant: Base,
+        body: Body,
+        order: &Order,
+        dt: f64,
+    ) -> Self {
         let task = convert::<T, M>(order);
         let controller =
             MotionController::start(motion, &task, &body.measured()).expect("the start is finite");

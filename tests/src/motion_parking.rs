@@ -1,7 +1,7 @@
 //! Figures of parking, one run and many.
 
 use controller_core::maths::Maths;
-use controller_core::motion::{Motion, Outcome};
+use controller_core::motion::{Outcome, ValidMotionParams};
 use controller_core::pose_error::PoseError;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
@@ -42,7 +42,7 @@ pub struct Parking {
 
 /// Collects the figures tick by tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Watch {
+pub struct ParkingObserver {
     figures: Parking,
     sign: f64,
     changed_s: f64,
@@ -50,7 +50,7 @@ pub struct Watch {
     ticks: u32,
 }
 
-impl Watch {
+impl ParkingObserver {
     /// Before the first tick; `wrench` is what the start asks for.
     pub fn start(wrench: &Wrench<f64>) -> Self {
         let figures = Parking {
@@ -115,21 +115,21 @@ impl Watch {
 
 /// Parks at the origin for `end_s`.
 pub fn park<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     plant: Base,
     body: Body,
     dt: f64,
     end_s: f64,
 ) -> Parking {
     let mut drive = Drive::<T, M, U>::start(motion, plant, body, &home()(0.0), dt);
-    let mut watch = Watch::start(&drive.applied());
-    watch.tick(0.0, dt, &drive.error(&home()(0.0)), &drive.applied());
-    watch.ticks = 0;
+    let mut observer = ParkingObserver::start(&drive.applied());
+    observer.tick(0.0, dt, &drive.error(&home()(0.0)), &drive.applied());
+    observer.ticks = 0;
     while drive.t < end_s {
         drive.advance(home());
-        watch.tick(drive.t, dt, &drive.error(&home()(0.0)), &drive.applied());
+        observer.tick(drive.t, dt, &drive.error(&home()(0.0)), &drive.applied());
     }
-    watch.end(drive.report().outcome == Outcome::Parked)
+    observer.end(drive.report().outcome == Outcome::Parked)
 }
 
 /// The largest of every figure, and the mean of `near_s` and `arrived_s`.
@@ -188,7 +188,7 @@ pub fn print(name: &str, runs: &[Parking]) -> Parking {
 
 /// All starts, on two threads.
 pub fn park_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     plant: Base,
     starts: &[Body],
     dt: f64,

@@ -1,7 +1,7 @@
 //! Parks against dry friction, and watches whether torque or robot hunt once it stands.
 
 use controller_core::maths::Maths;
-use controller_core::motion::{Motion, Outcome};
+use controller_core::motion::{Outcome, ValidMotionParams};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
 use controller_core::types::Wrench;
@@ -49,7 +49,7 @@ impl Signs {
 
 /// Parks at the origin for `end_s`, of which the last ten seconds are to be rest.
 pub fn rest<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     base: Base,
     friction: &impl Friction,
     body: &Body,
@@ -119,7 +119,7 @@ pub struct Worst {
 /// [`rest`] from every start, on two threads; one line is printed.
 pub fn rest_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     name: &str,
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     (base, friction): (Base, &impl Friction),
     starts: &[Body],
     times: (f64, f64),

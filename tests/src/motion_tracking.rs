@@ -1,7 +1,7 @@
 //! Figures of following a reference.
 
 use controller_core::maths::Libm;
-use controller_core::motion::Motion;
+use controller_core::motion::ValidMotionParams;
 use controller_core::pose_error::PoseError;
 use controller_core::shunting::ExactMean;
 use controller_core::types::Wrench;
@@ -35,7 +35,7 @@ pub struct Tracking {
 
 /// Follows `order` for `end_s`.
 pub fn follow(
-    motion: &Motion<f64>,
+    motion: &ValidMotionParams<f64>,
     plant: Base,
     body: Body,
     dt: f64,

@@ -6,8 +6,8 @@ use controller_core::queue::{Gap, PushError, ReferenceConsumer, ReferenceProduce
 use controller_core::reference::Reference;
 use protocol::{Command, Frame, Telemetry};
 use firmware_demo::queue::{Receiver, Sender, split};
-use firmware_demo::station::{Queues, Reception};
-use firmware_demo::telemetry::Outbox;
+use firmware_demo::control_server::{Queues, CommandReceiver};
+use firmware_demo::telemetry::TelemetryQueue;
 use heapless::spsc::Queue;
 
 fn split_of<T, const N: usize>(q: &'static mut Queue<T, N>) -> (Sender<'static, T, N>, Receiver<'static, T, N>) { split(q) }
@@ -18,9 +18,9 @@ fn handles<T: 'static, const N: usize>() {
     black_box(send::<T, N> as fn(_, _) -> _);
     black_box(receive::<T, N> as fn(_) -> _);
 }
-fn offer(o: &mut Outbox<'static, u32, 4>, v: u32) { o.offer(|| v) }
-fn push_out(o: &mut Outbox<'static, u32, 4>, v: u32) -> bool { o.push(v) }
-fn osplit(q: &'static mut Queue<u32, 4>, every: u16) -> (Outbox<'static, u32, 4>, Receiver<'static, u32, 4>) { Outbox::split(q, every) }
+fn offer(o: &mut TelemetryQueue<'static, u32, 4>, v: u32) { o.offer(|| v) }
+fn push_out(o: &mut TelemetryQueue<'static, u32, 4>, v: u32) -> bool { o.push(v) }
+fn osplit(q: &'static mut Queue<u32, 4>, every: u16) -> (TelemetryQueue<'static, u32, 4>, Receiver<'static, u32, 4>) { TelemetryQueue::split(q, every) }
 
 fn rsplit<const N: usize>(q: &'static mut ReferenceQueue<f32, N>) -> (ReferenceProducer<'static, f32>, ReferenceConsumer<'static, f32>) { q.split() }
 fn push(p: &mut ReferenceProducer<'static, f32>, s: TimedReference<f32>) -> Result<(), PushError> { p.push(s) }
@@ -30,8 +30,8 @@ fn at(c: &mut ReferenceConsumer<'static, f32>, t: f32) -> Result<Reference<f32>,
 fn end(c: &ReferenceConsumer<'static, f32>) -> Option<(TimedReference<f32>, TimedReference<f32>)> { c.end() }
 fn waiting(c: &ReferenceConsumer<'static, f32>) -> usize { c.waiting() }
 fn clear(c: &mut ReferenceConsumer<'static, f32>) { c.clear() }
-fn hear(r: &mut Reception<'static>, b: u8) -> Option<Frame<Telemetry>> { r.push(b, || 0) }
-fn pending(r: &mut Reception<'static>) -> Option<Frame<Telemetry>> { r.pending() }
+fn hear(r: &mut CommandReceiver<'static>, b: u8) -> Option<Frame<Telemetry>> { r.push(b, || 0) }
+fn pending(r: &mut CommandReceiver<'static>) -> Option<Frame<Telemetry>> { r.pending() }
 fn run() {
     handles::<u8, 2>();
     handles::<u32, 4>();

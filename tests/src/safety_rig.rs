@@ -2,12 +2,12 @@
 
 use controller_core::hal::WheelCounts;
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionController, Task};
+use controller_core::motion::{MotionController, Task, ValidMotionParams};
 use controller_core::odometry::{Odometry, OdometryParams};
 use controller_core::safety::supervisor::{Event, SupervisorParams};
 use controller_core::safety::{
-    Evidence, Fault, FaultKind, Monitor, OutputMode, Policy, StopPlan, Supervisor, Watch,
-    WatchParams,
+    DetectorInputs, DetectorParams, Fault, FaultKind, Monitor, OutputMode, StopPlan, Supervisor,
+    ValidDetectorParams, ValidPolicyParams,
 };
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Measured, Twist, WheelTorques, Wrench};
@@ -52,7 +52,7 @@ pub struct Rig {
     /// Outside wrench.
     pub push: Wrench<f64>,
     /// Edits the evidence before the monitor gets it.
-    pub edit: fn(f64, &mut Evidence<f64>),
+    pub edit: fn(f64, &mut DetectorInputs<f64>),
     /// There is a source of the true twist.
     pub outside: bool,
     /// Supervisor.
@@ -66,7 +66,7 @@ pub struct Rig {
     monitor: Monitor<f64>,
     odometry: Odometry<f64>,
     counted: [f64; 2],
-    told: (OutputMode, WheelTorques<f64>, Twist<f64>),
+    applied: (OutputMode, WheelTorques<f64>, Twist<f64>),
     plan: Option<(StopPlan<f64>, f64)>,
     dt: f64,
     ticks: u32,
@@ -77,7 +77,7 @@ impl Rig {
     pub fn start(plant: Base, body: Body, order: &Order, dt: f64) -> Self {
         let params = plant.exact();
         let motion = params.validate().expect("valid");
-        let watch = WatchParams::for_base(&params, COUNTS, (1e6 * dt).round() as u32);
+        let settings = DetectorParams::for_base(&params, COUNTS, (1e6 * dt).round() as u32);
         let wheels = params.robot.wheels;
         let odometry = OdometryParams {
             wheels,
@@ -105,10 +105,10 @@ impl Rig {
             found: Vec::new(),
             way: 0.0,
             t: 0.0,
-            monitor: Monitor::new(&watch.validate().expect("valid")),
+            monitor: Monitor::new(&settings.validate().expect("valid")),
             odometry: Odometry::new(&odometry, body.pose, WheelCounts::default()).expect("valid"),
             counted: [0.0; 2],
-            told: (OutputMode::Drive, WheelTorques::default(), Twist::default()),
+            applied: (OutputMode::Drive, WheelTorques::default(), Twist::default()),
             plan: None,
             dt,
             ticks: 0,
@@ -116,13 +116,13 @@ impl Rig {
     }
 
     /// The parameters that the controller has.
-    pub fn motion(&self) -> &Motion<f64> {
+    pub fn motion(&self) -> &ValidMotionParams<f64> {
         self.controller.motion()
     }
 
     /// Watches by other parameters from now on.
-    pub fn watch(&mut self, watch: &Watch<f64>) {
-        self.monitor = Monitor::new(watch);
+    pub fn set_detectors(&mut self, settings: &ValidDetectorParams<f64>) {
+        self.monitor = Monitor::new(settings);
     }
 
     /// When a kind was found first.
@@ -141,28 +141,29 @@ impl Rig {
             left: self.counted[1].floor() as i32,
         };
         let measured = self.odometry.update::<Libm>(counts, self.dt);
-        let (output, torques, command) = self.told;
-        let mut evidence = Evidence {
+        let (output, torques, command) = self.applied;
+        let mut inputs = DetectorInputs {
             dt_us: (1e6 * self.dt).round() as u32,
             counts: Some(counts),
             measured,
             command,
             torques: (output != OutputMode::Brake).then_some(torques),
             outside: self.outside.then_some(self.body.twist),
-            ..Evidence::default()
+            ..DetectorInputs::default()
         };
-        (self.edit)(self.t, &mut evidence);
-        let found = self.monitor.check(&evidence);
+        (self.edit)(self.t, &mut inputs);
+        let found = self.monitor.check(&inputs);
         for fault in found.iter() {
             if self.found_at(fault.kind()).is_none() {
                 self.found.push((self.t, fault));
             }
         }
-        self.supervisor.on_findings(&found, &Policy::default());
+        self.supervisor
+            .on_active_faults(&found, &ValidPolicyParams::default());
         let Twist { linear, angular } = measured.twist;
         let rests = self.supervisor.rests(linear as f32, angular as f32);
-        self.supervisor.tick(evidence.dt_us, rests);
-        self.told = self.decide(order, &measured);
+        self.supervisor.tick(inputs.dt_us, rests);
+        self.applied = self.decide(order, &measured);
     }
 
     /// Runs to `until`.
@@ -200,7 +201,7 @@ impl Rig {
     }
 
     fn roll(&mut self) {
-        let (output, mut torques, _) = self.told;
+        let (output, mut torques, _) = self.applied;
         let map = *self.motion().wheels();
         let before = map.wheel_speeds(&self.body.twist);
         let mut slip = None;

@@ -160,11 +160,11 @@ pub const ROUNDED_END: f64 = 1e-14;
 /// reference of 2e-6, passed through gains of 6.
 pub const INTERPOLATED_ERROR: f64 = 2e-5;
 
-/// A bridge after up to 80 ticks, relative to its first value: that many roundings.
-pub const BRIDGE: f64 = 1e-13;
+/// A transition offset after up to 80 ticks, relative to its first value: that many roundings.
+pub const TRANSITION_OFFSET: f64 = 1e-13;
 
-/// Slack for a bridge that began as rounding \[m/s, rad/s\].
-pub const BRIDGE_FLOOR: f64 = 1e-15;
+/// Slack for a transition offset that began as rounding \[m/s, rad/s\].
+pub const TRANSITION_OFFSET_FLOOR: f64 = 1e-15;
 
 /// Wheel torque of a tick against the same by the oracle's B̄ \[N m\]: rounding of torques below 100 N m.
 pub const LIMITED: f64 = 1e-12;

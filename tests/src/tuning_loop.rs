@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 use std::path::Path;
 
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionController, MotionParams};
+use controller_core::motion::{MotionController, MotionParams, ValidMotionParams};
 use controller_core::paper::params::Params as CoreParams;
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Pose, Wrench};
-use sim_host::drive::Base as DriveBase;
+use sim_host::mission::BaseSpec as DriveBase;
 
 use crate::motion_base::{Base, Body};
 use crate::motion_loop::{Order, goal};
@@ -77,7 +77,7 @@ pub fn drive(
     order: impl Fn(f64) -> Order,
     end_s: f64,
 ) -> Vec<Instant> {
-    let motion: Motion<f64> = params.validate().expect("the parameters are in range");
+    let motion: ValidMotionParams<f64> = params.validate().expect("the parameters are in range");
     let robot = &params.robot;
     let plant = Base {
         mass: truth.heavier * robot.mass_kg,

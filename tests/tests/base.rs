@@ -2,28 +2,37 @@
 
 use controller_core::base::{BaseReport, Order, WheelAction};
 use controller_core::localiser::FixOutcome;
+use controller_core::queue::ReferenceQueue;
 use controller_core::reference::Reference;
-use controller_core::safety::supervisor::{Cause, Event, State, Then};
+use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::safety::{Fault, FaultKind};
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques};
-use sim_host::drive::Mission;
-use sim_host::rig::{Place, Rig};
-use sim_host::world::Defect;
+use protocol::{Command, RejectReason};
+use sim_host::closed_loop::ClosedLoop;
+use sim_host::mission::Mission;
+use sim_host::world::PlantFault;
+use sim_host::world::WorldSetup;
 
 const DT: f32 = 0.01;
 
 /// The 10 kg base on an ideal floor, with its motors, encoders and pose source, but without their noise.
-fn rig() -> Rig {
+fn closed_loop(queue: &mut ReferenceQueue<f32, 2>) -> ClosedLoop<'_> {
     let text = "base = \"lab-10kg\"\n[run]\nduration = 10.0\nperiod = 0.01\n[controller]\nkind = \"motion\"\n\
                 [goal]\nx = 1.0\n[world.pose_source]\nrate_hz = 20.0\n";
     let mission = Mission::parse("base.toml", text).expect("valid");
-    let place: Place = mission.place.clone().expect("a world");
-    Rig::new(&mission, &place).expect("valid")
+    let setup: WorldSetup = mission.setup.clone().expect("a world");
+    ClosedLoop::new(queue.split().1, &mission, &setup).expect("valid")
 }
 
-fn step(rig: &mut Rig, order: &Order<f32>) -> BaseReport<f32> {
-    rig.advance().expect("a world takes what a base commands");
-    *rig.tick(order)
+fn step(closed_loop: &mut ClosedLoop<'_>, order: &Order<f32>) -> BaseReport<f32> {
+    closed_loop
+        .advance()
+        .expect("a world takes what a base commands");
+    *closed_loop.tick(order).expect("no mirror")
+}
+
+fn command(closed_loop: &mut ClosedLoop<'_>, command: &Command) -> Result<(), RejectReason> {
+    closed_loop.command(command).expect("no mirror")
 }
 
 /// A straight reference at 0.4 m/s, at time `t`.
@@ -37,11 +46,11 @@ fn line(t: f32) -> Order<f32> {
 }
 
 /// Armed and following for `ticks`; the tick's number to go on with.
-fn following(rig: &mut Rig, ticks: u16) -> u16 {
-    step(rig, &Order::None);
-    rig.base_mut().on(Event::Arm);
+fn following(closed_loop: &mut ClosedLoop<'_>, ticks: u16) -> u16 {
+    step(closed_loop, &Order::None);
+    command(closed_loop, &Command::Arm).expect("idle");
     for tick in 0..ticks {
-        let report = step(rig, &line(DT * f32::from(tick)));
+        let report = step(closed_loop, &line(DT * f32::from(tick)));
         assert_eq!(report.state, State::Tracking);
     }
     ticks
@@ -57,9 +66,10 @@ fn an_order_that_is_not_a_number_brakes_and_latches() {
     let nowhere = Pose::new(f32::NAN, 0.0, 0.0);
     let along = Reference::new(nowhere, Twist::new(0.4, 0.0), Accel::default());
     for order in [Order::Park(nowhere), Order::Follow(along)] {
-        let mut rig = rig();
-        following(&mut rig, 100);
-        let report = step(&mut rig, &order);
+        let mut queue = ReferenceQueue::new();
+        let mut closed_loop = closed_loop(&mut queue);
+        following(&mut closed_loop, 100);
+        let report = step(&mut closed_loop, &order);
         assert_eq!(report.action, WheelAction::Brake);
         assert_eq!(report.state, State::Braking(Then::Fault));
         let Cause::Fault(fault) = report.cause else {
@@ -71,9 +81,10 @@ fn an_order_that_is_not_a_number_brakes_and_latches() {
 
 #[test]
 fn nothing_moves_before_it_is_armed() {
-    let mut rig = rig();
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
     for tick in 0..50 {
-        let report = step(&mut rig, &line(DT * tick as f32));
+        let report = step(&mut closed_loop, &line(DT * tick as f32));
         assert_eq!(report.action, WheelAction::Release);
         assert!(report.refused && report.motion.is_none());
         assert_eq!(report.state, State::Idle);
@@ -82,31 +93,33 @@ fn nothing_moves_before_it_is_armed() {
 
 #[test]
 fn arming_holds_zero_torque_and_the_first_torque_is_zero() {
-    let mut rig = rig();
-    step(&mut rig, &Order::None);
-    rig.base_mut().on(Event::Arm);
-    let armed = step(&mut rig, &Order::None);
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    step(&mut closed_loop, &Order::None);
+    command(&mut closed_loop, &Command::Arm).expect("idle");
+    let armed = step(&mut closed_loop, &Order::None);
     assert_eq!(armed.action.torques(), Some(WheelTorques::default()));
-    let first = step(&mut rig, &line(0.0));
+    let first = step(&mut closed_loop, &line(0.0));
     assert_eq!(first.state, State::Tracking);
     assert_eq!(first.action.torques(), Some(WheelTorques::default()));
 }
 
 /// Two readings lost: the pose goes on along its arc, and the counts of the gap are all there afterwards.
 #[test]
-fn lost_readings_are_ridden_out_and_made_up_for() {
-    let mut rig = rig();
-    let mut tick = following(&mut rig, 300);
-    rig.world_mut().inject(Defect::EncoderFails);
+fn lost_readings_are_ignored_and_made_up_for() {
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    let mut tick = following(&mut closed_loop, 300);
+    closed_loop.world_mut().inject(PlantFault::EncoderFails);
     for _ in 0..2 {
-        let report = step(&mut rig, &line(DT * f32::from(tick)));
-        assert!(report.blind && report.findings.is_empty());
+        let report = step(&mut closed_loop, &line(DT * f32::from(tick)));
+        assert!(report.blind && report.active_faults.is_empty());
         tick += 1;
     }
-    rig.world_mut().heal(Defect::EncoderFails);
-    let report = step(&mut rig, &line(DT * f32::from(tick)));
+    closed_loop.world_mut().heal(PlantFault::EncoderFails);
+    let report = step(&mut closed_loop, &line(DT * f32::from(tick)));
     let seen = report.measured.expect("measured").pose;
-    let truth = rig.world().truth().pose;
+    let truth = closed_loop.world().truth().pose;
     // A count is 0.23 mm; the pose source has no noise, and its corrections are slower than this.
     assert!(
         (f64::from(seen.x) - truth.x).abs() < 1e-3,
@@ -117,13 +130,14 @@ fn lost_readings_are_ridden_out_and_made_up_for() {
 
 #[test]
 fn encoders_that_stay_silent_brake_the_base_for_good() {
-    let mut rig = rig();
-    let mut tick = following(&mut rig, 300);
-    rig.world_mut().inject(Defect::EncoderFails);
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    let mut tick = following(&mut closed_loop, 300);
+    closed_loop.world_mut().inject(PlantFault::EncoderFails);
     let found = (0..20).find_map(|lost| {
-        let report = step(&mut rig, &line(DT * f32::from(tick)));
+        let report = step(&mut closed_loop, &line(DT * f32::from(tick)));
         tick += 1;
-        let stale = report.findings.get(FaultKind::MeasurementStale);
+        let stale = report.active_faults.get(FaultKind::MeasurementStale);
         stale.map(|_| (lost, report))
     });
     let (lost, report) = found.expect("found");
@@ -132,19 +146,20 @@ fn encoders_that_stay_silent_brake_the_base_for_good() {
     assert_eq!(report.action, WheelAction::Brake);
     assert_eq!(report.cause, Cause::Fault(Fault::MeasurementStale));
     for _ in 0..600 {
-        step(&mut rig, &Order::None);
+        step(&mut closed_loop, &Order::None);
     }
-    assert_eq!(rig.base().report().state, State::Fault);
-    assert!(rig.world().truth().twist.linear.abs() < 1e-3);
+    assert_eq!(closed_loop.report().state, State::Fault);
+    assert!(closed_loop.world().truth().twist.linear.abs() < 1e-3);
 }
 
 #[test]
 fn a_silent_host_stops_the_base_within_its_limits() {
-    let mut rig = rig();
-    following(&mut rig, 300);
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    following(&mut closed_loop, 300);
     let mut stopping = 0;
     for _ in 0..400 {
-        let report = step(&mut rig, &Order::None);
+        let report = step(&mut closed_loop, &Order::None);
         if let State::Stopping(_) = report.state {
             stopping += 1;
             let motion = report.motion.expect("the law brakes");
@@ -152,60 +167,70 @@ fn a_silent_host_stops_the_base_within_its_limits() {
             assert!(motion.command_rate.linear > -1.5 - 1e-4);
         }
     }
-    let report = rig.base().report();
+    let report = closed_loop.report();
     assert_eq!(report.state, State::Stopped);
     assert_eq!(report.cause, Cause::Fault(Fault::CommandStale));
-    assert!(stopping > 20 && rig.world().truth().twist.linear.abs() < 0.01);
+    assert!(stopping > 20 && closed_loop.world().truth().twist.linear.abs() < 0.01);
 }
 
 #[test]
 fn the_button_reaches_the_wheels_at_once_and_is_latched() {
-    let mut rig = rig();
-    following(&mut rig, 300);
-    assert_eq!(rig.base_mut().emergency_stop(), WheelAction::Brake);
-    let report = step(&mut rig, &line(3.0));
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    following(&mut closed_loop, 300);
+    let brake = Command::EmergencyStop { brake: true };
+    command(&mut closed_loop, &brake).expect("never refused");
+    assert_eq!(closed_loop.task().output(), &WheelAction::Brake);
+    let report = step(&mut closed_loop, &line(3.0));
     assert_eq!(report.action, WheelAction::Brake);
     assert!(report.refused);
-    rig.base_mut().on(Event::Arm);
+    // Not before it is reset.
+    assert_eq!(
+        command(&mut closed_loop, &Command::Arm),
+        Err(RejectReason::State)
+    );
     for _ in 0..600 {
-        step(&mut rig, &Order::None);
+        step(&mut closed_loop, &Order::None);
     }
-    assert_eq!(rig.base().report().state, State::Fault);
-    rig.base_mut().on(Event::Reset);
-    assert_eq!(step(&mut rig, &Order::None).state, State::Idle);
+    assert_eq!(closed_loop.report().state, State::Fault);
+    command(&mut closed_loop, &Command::ResetFault).expect("at rest");
+    assert_eq!(step(&mut closed_loop, &Order::None).state, State::Idle);
 }
 
 /// Poses that are no numbers are refused by name, and the base goes on by odometry.
 #[test]
 fn a_pose_that_is_no_number_changes_nothing() {
-    let mut rig = rig();
-    let from = following(&mut rig, 100);
-    rig.world_mut().inject(Defect::PoseNan);
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    let from = following(&mut closed_loop, 100);
+    closed_loop.world_mut().inject(PlantFault::PoseNan);
     let mut refused = 0;
     for tick in from..from + 50 {
-        let report = step(&mut rig, &line(DT * f32::from(tick)));
+        let report = step(&mut closed_loop, &line(DT * f32::from(tick)));
         refused += usize::from(matches!(report.fix, FixOutcome::Refused(_)));
         assert_eq!(report.state, State::Tracking);
         let torques = report.action.torques().expect("driven");
         assert!(largest(&torques).is_finite());
     }
-    // 20 a second for half a second, the first of them taken before the defect.
+    // 20 a second for half a second, the first of them taken before the fault.
     assert!((9..=10).contains(&refused), "{refused}");
 }
 
 /// The map is moved by half a metre: the torque goes on from where it was.
 #[test]
 fn a_pose_that_is_set_makes_no_step_of_the_torque() {
-    let mut rig = rig();
-    let mut tick = following(&mut rig, 300);
-    let before = rig.base().report().action.torques().expect("driven");
-    let Measured { pose, .. } = rig.base().report().measured.expect("measured");
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    let mut tick = following(&mut closed_loop, 300);
+    let before = closed_loop.report().action.torques().expect("driven");
+    let Measured { pose, .. } = closed_loop.report().measured.expect("measured");
     let moved = Pose::new(pose.x - 0.3, pose.y + 0.4, pose.theta);
-    rig.base_mut().set_pose(moved).expect("finite");
-    let report = step(&mut rig, &line(DT * f32::from(tick)));
+    let moved = (&moved).into();
+    command(&mut closed_loop, &Command::SetPose { pose: moved }).expect("finite");
+    let report = step(&mut closed_loop, &line(DT * f32::from(tick)));
     tick += 1;
     let after = report.action.torques().expect("driven");
-    let motion = rig.base().base().motion();
+    let motion = closed_loop.task().controller().base().motion();
     // Both wheels' share of the limits on the rates of force and moment, and a count's worth of speed.
     let wheels = motion.wheels();
     let most = wheels.torques(&controller_core::types::Wrench {
@@ -216,7 +241,7 @@ fn a_pose_that_is_set_makes_no_step_of_the_torque() {
         .abs()
         .max((after.left - before.left).abs());
     assert!(change <= largest(&most), "{change} {most:?}");
-    let motion = step(&mut rig, &line(DT * f32::from(tick))).motion;
+    let motion = step(&mut closed_loop, &line(DT * f32::from(tick))).motion;
     // The law sees the new place: 0.4 m to the left.
     assert!(motion.expect("driven").error.y < -0.3);
 }
@@ -225,22 +250,26 @@ fn a_pose_that_is_set_makes_no_step_of_the_torque() {
 /// says that too.
 #[test]
 fn a_parked_base_that_leaves_its_goal_says_so() {
-    let mut rig = rig();
-    step(&mut rig, &Order::None);
-    rig.base_mut().on(Event::Arm);
+    let mut queue = ReferenceQueue::new();
+    let mut closed_loop = closed_loop(&mut queue);
+    step(&mut closed_loop, &Order::None);
+    command(&mut closed_loop, &Command::Arm).expect("idle");
     let goal = Order::Park(Pose::default());
-    let until = |rig: &mut Rig, state: State| {
-        let mut reports = (0..2_000).map(|_| step(rig, &goal));
+    let until = |closed_loop: &mut ClosedLoop<'_>, state: State| {
+        let mut reports = (0..2_000).map(|_| step(closed_loop, &goal));
         reports.any(|report| report.state == state)
     };
-    assert!(until(&mut rig, State::Parked));
+    assert!(until(&mut closed_loop, State::Parked));
     // The first second after arrival is for settling.
     for _ in 0..150 {
-        assert_eq!(step(&mut rig, &goal).state, State::Parked);
+        assert_eq!(step(&mut closed_loop, &goal).state, State::Parked);
     }
     // 0.2 m: the pose source puts it back, but only after a while.
-    let moved = rig.base_mut().set_pose(Pose::new(0.2, 0.0, 0.0));
-    assert_eq!(moved, Ok(()));
-    assert_eq!(step(&mut rig, &goal).state, State::Parking);
-    assert!(until(&mut rig, State::Parked));
+    let moved = (&Pose::new(0.2, 0.0, 0.0)).into();
+    assert_eq!(
+        command(&mut closed_loop, &Command::SetPose { pose: moved }),
+        Ok(())
+    );
+    assert_eq!(step(&mut closed_loop, &goal).state, State::Parking);
+    assert!(until(&mut closed_loop, State::Parked));
 }

@@ -37,7 +37,7 @@ fn rounding<T: Scalar>(p: &Params, scenario: &Scenario, extra: f64) -> f64 {
     ROUNDINGS * T::EPSILON.to_f64() * (gain * (speed + turn + extra) + accel)
 }
 
-/// Eq. (18) and Eq. (19): no torque, the command is the measured twist, and the bridge is told of where (18) fails.
+/// Eq. (18) and Eq. (19): no torque, the command is the measured twist, and a transition offset is reported where (18) fails.
 fn check_start<T: Scalar>(scenario: &Scenario, first: &Tick<T>) -> Result<(), TestCaseError> {
     let p = &scenario.params;
     let small = rounding::<T>(p, scenario, 0.0);
@@ -60,7 +60,7 @@ fn check_start<T: Scalar>(scenario: &Scenario, first: &Tick<T>) -> Result<(), Te
     };
     if let (Some(ahead), Some(across)) = (ahead, across) {
         prop_assert_eq!(
-            first.report.is_bridging(T::ZERO),
+            first.report.has_transition_offset(T::ZERO),
             !(ahead && across),
             "{} {}",
             ahead,
@@ -70,7 +70,7 @@ fn check_start<T: Scalar>(scenario: &Scenario, first: &Tick<T>) -> Result<(), Te
     Ok(())
 }
 
-/// Eq. (23): command and torque of the new law are those of the old one, bridged exactly where (23) fails.
+/// Eq. (23): command and torque of the new law are those of the old one, with a transition offset exactly where (23) fails.
 fn check_hand_over<T: Scalar>(scenario: &Scenario, tick: &Tick<T>) -> Result<(), TestCaseError> {
     let p = &scenario.params;
     let old = tick.unswitched.expect("a copy went on tracking");
@@ -90,14 +90,14 @@ fn check_hand_over<T: Scalar>(scenario: &Scenario, tick: &Tick<T>) -> Result<(),
     prop_assert!(found.amax() <= small, "{found} above {small:e}");
     prop_assert!((tick.command() - old_tick.command()).amax() <= small);
 
-    let wanted = old_tick.command();
-    let ahead = fits(p, wanted.x / p.k4);
-    let largest = if wanted.y > 0.0 { p.b } else { p.d }.min(FRAC_PI_2).sin();
-    let margin = p.k5 * largest - wanted.y.abs();
+    let desired = old_tick.command();
+    let ahead = fits(p, desired.x / p.k4);
+    let largest = if desired.y > 0.0 { p.b } else { p.d }.min(FRAC_PI_2).sin();
+    let margin = p.k5 * largest - desired.y.abs();
     let turn = (margin.abs() > NEAR_BOUND * p.k5).then_some(margin > 0.0);
     if let (Some(ahead), Some(turn)) = (ahead, turn) {
         prop_assert_eq!(
-            tick.report.is_bridging(T::ZERO),
+            tick.report.has_transition_offset(T::ZERO),
             !(ahead && turn),
             "{} {}",
             ahead,
@@ -109,7 +109,7 @@ fn check_hand_over<T: Scalar>(scenario: &Scenario, tick: &Tick<T>) -> Result<(),
 
 /// Largest change of torque that a tick of `dt` can make, by the laws and by what the two ticks measured.
 ///
-/// A neuron moves at most share · (B + D) with share ≤ dt (A + |u|), a bridge at most dt A |b|, e_θ at most
+/// A neuron moves at most share · (B + D) with share ≤ dt (A + |u|), a transition offset at most dt A |b|, e_θ at most
 /// dt (|w_r| + |w|), v and w by dt M̄⁻¹ τ. Eq. (15), Eq. (20) turn that into a change of the command, Eq. (16) and
 /// Eq. (21) into one of the torque.
 fn allowed<T: Scalar>(
@@ -129,8 +129,11 @@ fn allowed<T: Scalar>(
     let (e, e_before) = (now.error(), before.error());
     let neuron = |u: f64| dt * (p.a + u) * range;
     let s1 = neuron(larger(e.x, e_before.x));
-    let bridge = Vector2::new(before.report.bridge.linear, before.report.bridge.angular)
-        .map(|b| dt * p.a * b.to_f64().abs());
+    let transition_offset = Vector2::new(
+        before.report.transition_offset.linear,
+        before.report.transition_offset.angular,
+    )
+    .map(|b| dt * p.a * b.to_f64().abs());
     let reference = &scenario.reference;
     let (v_r, w_r) = (
         reference.v0.abs() + reference.v1.abs(),
@@ -162,7 +165,7 @@ fn allowed<T: Scalar>(
     )
     .map(|a| a.to_f64().abs() + p.b.max(p.d));
     let accel_change = dt * drive.map(|u| p.a + u).component_mul(&accel);
-    gain * (body + command + bridge) + p.mass_matrix() * accel_change
+    gain * (body + command + transition_offset) + p.mass_matrix() * accel_change
 }
 
 /// The first tick whose torque changes by more than the laws allow, if any.
@@ -191,18 +194,19 @@ where
             let switched = &ticks[hand_over(&ticks)];
             check_start(&scenario, &ticks[0])?;
             check_hand_over(&scenario, switched)?;
-            starts.set(starts.get() + u32::from(ticks[0].report.is_bridging(T::ZERO)));
-            hand_overs.set(hand_overs.get() + u32::from(switched.report.is_bridging(T::ZERO)));
+            starts.set(starts.get() + u32::from(ticks[0].report.has_transition_offset(T::ZERO)));
+            hand_overs
+                .set(hand_overs.get() + u32::from(switched.report.has_transition_offset(T::ZERO)));
             let jump = jump(&scenario, &ticks, dt);
             prop_assert!(jump.is_none(), "{jump:?}");
             Ok(())
         })
         .unwrap_or_else(|error| panic!("{error}"));
-    for (what, bridged) in [("starts", starts.get()), ("hand-overs", hand_overs.get())] {
-        println!("{bridged} of {CASES} {what} bridged");
+    for (what, with_offset) in [("starts", starts.get()), ("hand-overs", hand_overs.get())] {
+        println!("{with_offset} of {CASES} {what} with a transition offset");
         assert!(
-            (CASES / 10..CASES * 9 / 10).contains(&bridged),
-            "{what}: {bridged}"
+            (CASES / 10..CASES * 9 / 10).contains(&with_offset),
+            "{what}: {with_offset}"
         );
     }
 }

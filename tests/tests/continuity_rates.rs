@@ -11,7 +11,7 @@ use tests::core_draw::cases;
 use tests::core_draw_loop::scenario;
 use tests::core_flow::{Flow, State};
 use tests::core_loop::{Controller, Exact, Tick, hand_over, largest_torque_change, run};
-use tests::oracle::{Law, Phase, Reset, Scenario};
+use tests::oracle::{OracleLaw, Phase, Reset, Scenario};
 use tests::tolerance::{COMMAND_RATE, HALVES, RESET_JUMP};
 
 /// Control period of the runs with a reset \[s\].
@@ -32,7 +32,7 @@ fn reset_jump(mut scenario: Scenario, reset: Reset) -> (Vector2<f64>, Tick<f64>)
     (Vector2::new(step.force, step.moment), old)
 }
 
-/// A state anywhere: neurons inside their bounds, bridges at work.
+/// A state anywhere: neurons inside their bounds, transition offsets at work.
 fn states() -> impl Strategy<Value = ([f64; 8], [f64; 6])> {
     (
         prop::array::uniform8(-2.0..2.0_f64),
@@ -76,7 +76,7 @@ proptest! {
     #[test]
     fn command_rates_are_the_rates_of_the_commands(mut scenario in scenario(), (plant, memory) in states()) {
         let p = scenario.params;
-        for law in [Law::Neural, Law::Plain] {
+        for law in [OracleLaw::Neural, OracleLaw::Plain] {
             scenario.law = law;
             let flow = Flow::new(&scenario);
             let mut state = State::zeros();

@@ -9,7 +9,7 @@ use tests::core_flow::Flow;
 use tests::core_loop::{Controller, Exact, Tick, hand_over, run};
 use tests::golden::{Golden, Kind, largest_difference};
 use tests::oracle::sampled::SWITCH_SLACK;
-use tests::oracle::{Law, Phase, Row, Scenario, continuous};
+use tests::oracle::{OracleLaw, OracleRow, Phase, Scenario, continuous};
 use tests::stated::{At, Stated};
 use tests::tolerance::{
     CORE_CONTINUOUS, FIRST_ORDER_HIGH, FIRST_ORDER_LOW, GOLDEN_SAMPLED, MEAN_BEATS_HELD,
@@ -55,7 +55,7 @@ fn exact_held_reproduces_the_sampled_trace_in_every_row_and_column() {
 }
 
 /// Integrates the core's rates along a continuous golden trace and compares every row.
-fn assert_continuous_trace(name: &str, law: Law) {
+fn assert_continuous_trace(name: &str, law: OracleLaw) {
     let golden = Golden::read(name);
     assert_eq!((golden.kind, golden.controller), (Kind::Continuous, law));
     let scenario = golden.scenario();
@@ -85,23 +85,23 @@ fn assert_continuous_trace(name: &str, law: Law) {
 /// Eq. (7) to Eq. (9), Eq. (15) to Eq. (23): the core's own rates on the straight line.
 #[test]
 fn continuous_rates_reproduce_the_neural_line_in_every_row_and_column() {
-    assert_continuous_trace("case1", Law::Neural);
+    assert_continuous_trace("case1", OracleLaw::Neural);
 }
 
 /// Eq. (7) to Eq. (9), Eq. (15) to Eq. (23): the core's own rates on the curve.
 #[test]
 fn continuous_rates_reproduce_the_neural_curve_in_every_row_and_column() {
-    assert_continuous_trace("case2", Law::Neural);
+    assert_continuous_trace("case2", OracleLaw::Neural);
 }
 
 /// Eq. (10) to Eq. (14): the core's backstepping on the curve.
 #[test]
 fn continuous_rates_reproduce_the_plain_curve_in_every_row_and_column() {
-    assert_continuous_trace("plain_case2", Law::Plain);
+    assert_continuous_trace("plain_case2", OracleLaw::Plain);
 }
 
 /// Largest distance of the robot's posture (m and rad alike), and of its torques, to the continuous loop, at the instants of 10 ms.
-fn distance<C: Controller<f64>>(scenario: &Scenario, rows: &[Row], dt: f64) -> (f64, f64) {
+fn distance<C: Controller<f64>>(scenario: &Scenario, rows: &[OracleRow], dt: f64) -> (f64, f64) {
     let ticks: Vec<Tick<f64>> = run::<f64, C>(scenario, dt);
     let stride = (10e-3 / dt).round() as usize;
     let mut largest = (0.0, 0.0);
@@ -115,7 +115,7 @@ fn distance<C: Controller<f64>>(scenario: &Scenario, rows: &[Row], dt: f64) -> (
 }
 
 /// The oracle's continuous loop every 10 ms, after the hand-over where it has two rows.
-fn continuous_rows(scenario: &Scenario) -> Vec<Row> {
+fn continuous_rows(scenario: &Scenario) -> Vec<OracleRow> {
     let times: Vec<f64> = (0..=2000).map(|k| f64::from(k) * 10e-3).collect();
     let mut rows = continuous::run(scenario, &times, continuous::STEP).rows;
     let at = scenario.switch.expect("a paper run has a switch").at;
@@ -128,7 +128,7 @@ fn continuous_rows(scenario: &Scenario) -> Vec<Row> {
 fn assert_first_order<C: Controller<f64>>(
     name: &str,
     scenario: &Scenario,
-    rows: &[Row],
+    rows: &[OracleRow],
 ) -> [f64; 4] {
     let distances = [10e-3, 5e-3, 2.5e-3, 1.25e-3].map(|dt| distance::<C>(scenario, rows, dt));
     for (dt, (pose, torque)) in [10.0, 5.0, 2.5, 1.25].iter().zip(distances) {

@@ -52,7 +52,7 @@ fn energies_are_the_oracles() {
             s1: s.x,
             s_turn: s.y,
             accel: Accel::new(accel.x, accel.y),
-            bridge: Twist::new(1.0, 1.0),
+            transition_offset: Twist::new(1.0, 1.0),
         };
         let pose = pose_energy::<f64, Libm>(&core.tracking, &core_error(&e));
         let velocity = velocity_energy(&core.robot, &Twist::new(delta.x, delta.y));
@@ -133,7 +133,7 @@ fn corrected_function_rises_along_both_cases() {
                 s1: report.neurons.s1,
                 s_turn: report.neurons.s2,
                 accel: report.neurons.accel,
-                bridge: report.bridge,
+                transition_offset: report.transition_offset,
             };
             let body = pose_energy::<f64, Libm>(&core.tracking, &report.error)
                 + velocity_energy(&core.robot, &report.velocity_error);

@@ -179,7 +179,9 @@ fn few_headings_start_feasibly_below_the_limit() {
         let headings = (0..1000).map(|k| PI * (f64::from(k) / 500.0 - 1.0));
         let starts = headings.filter(|&theta| {
             let scenario = follow(p, Vector3::new(0.0, 0.0, theta), (v, 0.0), 0.0);
-            !run::<f64, Exact>(&scenario, DT)[0].report.is_bridging(0.0)
+            !run::<f64, Exact>(&scenario, DT)[0]
+                .report
+                .has_transition_offset(0.0)
         });
         starts.count() as f64 / 1000.0
     };

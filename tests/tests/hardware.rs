@@ -2,7 +2,7 @@
 
 mod base;
 mod faults;
-mod localiser_bend;
+mod localiser_curvature_bias;
 mod localiser_fusion;
 mod localiser_gate;
 mod localiser_params;

@@ -1,9 +1,9 @@
 //! What fixes do to the pose: drift, noise, latency, gaps, uneven ticks, precision.
 
-use controller_core::localiser::{FusionParams, Localisation, LocaliserParams};
+use controller_core::localiser::{FusionParams, LocaliserParams, ValidLocaliserParams};
 use controller_core::maths::{Libm, Single};
 use controller_core::types::{Pose, Twist};
-use sim_host::drive::Base as File;
+use sim_host::mission::BaseSpec as File;
 use tests::check::assert_within;
 use tests::encoded::{Encoded, bases, odometry};
 use tests::fixes::Source;
@@ -34,7 +34,7 @@ fn worn(file: &File) -> Encoded {
 #[test]
 fn drift_of_a_wrong_radius_is_bounded_by_fixes() {
     let file = lab();
-    let run = |localisation: &Localisation<f64>, source: &mut Source| {
+    let run = |localisation: &ValidLocaliserParams<f64>, source: &mut Source| {
         let mut led = Led::<f64, 64>::start(localisation, worn(&file));
         let (mut last, mut worst) = (Pose::default(), 0.0_f64);
         for k in 0..1000 {

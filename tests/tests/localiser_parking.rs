@@ -1,18 +1,18 @@
 //! The paper's curve and parking at its end, by encoders of 2,048 counts and fixes of 5 mm and 5 mrad,
 //! 20 a second, 20 ms late.
 
-use controller_core::localiser::{FusionParams, Localisation, LocaliserParams};
+use controller_core::localiser::{FusionParams, LocaliserParams, ValidLocaliserParams};
 use controller_core::maths::Libm;
-use controller_core::motion::Motion;
+use controller_core::motion::ValidMotionParams;
 use controller_core::types::Pose;
-use sim_host::drive::Base as File;
+use sim_host::mission::BaseSpec as File;
 use tests::encoded::{bases, odometry};
 use tests::fixes::Source;
 use tests::localised::{End, SPEED, localisation, mission, park};
 use tests::motion_loop::both_cores;
 
 /// The base with what its localisation says of noise and arrival.
-fn suited(file: &File, localisation: &Localisation<f64>) -> Motion<f64> {
+fn suited(file: &File, localisation: &ValidLocaliserParams<f64>) -> ValidMotionParams<f64> {
     let mut params = file.motion();
     params.pose_noise_m = localisation.pose_noise_m();
     params.arrival = localisation.arrival();

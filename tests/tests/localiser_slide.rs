@@ -2,7 +2,7 @@
 
 use controller_core::hal::WheelCounts;
 use controller_core::localiser::{
-    Fix, FixOutcome, FusionParams, Localisation, Localiser, LocaliserParams,
+    Fix, FixOutcome, FusionParams, Localiser, LocaliserParams, ValidLocaliserParams,
 };
 use controller_core::maths::Libm;
 use controller_core::types::Pose;
@@ -13,7 +13,7 @@ const DT: f64 = 0.01;
 /// 20 Hz.
 const TICKS_PER_FIX: usize = 5;
 
-fn localisation(slide_m_s: f64) -> Localisation<f64> {
+fn localisation(slide_m_s: f64) -> ValidLocaliserParams<f64> {
     let (_, file) = bases()[1].clone();
     let mut fusion = FusionParams::for_source(5e-3, 5e-3, 20.0);
     fusion.slide_m_s = slide_m_s;
@@ -35,7 +35,7 @@ struct Slid {
     stale: bool,
 }
 
-fn slide(localisation: &Localisation<f64>, rate: f64, slide_s: f64, rest_s: f64) -> Slid {
+fn slide(localisation: &ValidLocaliserParams<f64>, rate: f64, slide_s: f64, rest_s: f64) -> Slid {
     let counts = WheelCounts::default();
     let mut localiser =
         Localiser::<f64, 32>::start(localisation, Pose::default(), counts).expect("finite");

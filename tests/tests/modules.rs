@@ -12,9 +12,6 @@ use std::path::Path;
 /// A module by its path from the root of its crate.
 type Module = Vec<String>;
 
-/// A circle: its crate, the modules' parent, and their names.
-type Circle = (&'static str, &'static str, &'static [&'static str]);
-
 /// Every package of the workspace and every board.
 const CRATES: [&str; 8] = [
     "controller-core",
@@ -25,20 +22,6 @@ const CRATES: [&str; 8] = [
     "boards/common",
     "boards/rp2350",
     "boards/stm32f411",
-];
-
-/// Circles that are left. This list gets shorter, never longer.
-const LEFT: &[Circle] = &[
-    ("sim-host", "", &["cli", "robot_args"]),
-    ("sim-host", "", &["drive", "rig", "scenario"]),
-    ("sim-host", "commands", &["pil", "write"]),
-    ("sim-host", "figure", &["panels", "time_panel"]),
-    ("sim-host", "identify", &["lag", "products", "verdict"]),
-    ("sim-host", "import", &["format", "refusal"]),
-    ("sim-host", "import", &["limits", "stretch", "time_optimal"]),
-    ("sim-host", "robustness", &["default_law", "law"]),
-    ("sim-host", "scenario", &["belief", "check", "ranges"]),
-    ("sim-host", "world", &["contact", "slide"]),
 ];
 
 /// The modules of a crate, each with its code.
@@ -257,18 +240,10 @@ fn circles(edges: &BTreeMap<(String, String), String>) -> BTreeSet<BTreeSet<Stri
 #[test]
 fn no_module_uses_what_uses_it() {
     let mut wrong = Vec::new();
-    let mut left: Vec<&Circle> = LEFT.iter().collect();
     for package in CRATES {
         for (parent, edges) in Graph::of(package).uses() {
             let parent = parent.join("::");
             for circle in circles(&edges) {
-                let known = left.iter().position(|(of, within, names)| {
-                    *of == package && *within == parent && names.iter().eq(circle.iter())
-                });
-                if let Some(at) = known {
-                    left.swap_remove(at);
-                    continue;
-                }
                 wrong.push(format!("{package}, in \"{parent}\": {circle:?}"));
                 for ((a, b), example) in &edges {
                     if circle.contains(a) && circle.contains(b) {
@@ -278,8 +253,7 @@ fn no_module_uses_what_uses_it() {
             }
         }
     }
-    assert!(wrong.is_empty(), "new circles:\n{}", wrong.join("\n"));
-    assert!(left.is_empty(), "gone, and still in the list: {left:?}");
+    assert!(wrong.is_empty(), "circles:\n{}", wrong.join("\n"));
 }
 
 /// The default law and the base stand on shared ground.

@@ -1,6 +1,6 @@
 //! Arrived, held or released, pushed away, stuck.
 
-use controller_core::motion::{AtRest, Motion, MotionParams, Outcome, Task};
+use controller_core::motion::{AtRest, MotionParams, Outcome, Task, ValidMotionParams};
 use controller_core::types::{Pose, Wrench};
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Order, steady};
@@ -10,7 +10,7 @@ use tests::tolerance::ARRIVED;
 const BASE: Base = Base::STANDARD;
 const HOME: Order = Task::Park(Pose::new(0.0, 0.0, 0.0));
 
-fn motion(change: impl Fn(&mut MotionParams<f64>)) -> Motion<f64> {
+fn motion(change: impl Fn(&mut MotionParams<f64>)) -> ValidMotionParams<f64> {
     let mut params = BASE.exact();
     change(&mut params);
     params.validate().expect("valid")
@@ -28,7 +28,7 @@ fn run(drive: &mut Exact, order: &Order, push: f64, until: f64) {
     }
 }
 
-fn parked(motion: &Motion<f64>) -> Exact {
+fn parked(motion: &ValidMotionParams<f64>) -> Exact {
     let mut drive = Exact::start(motion, BASE, Body::at(-0.5, 0.1, 0.2), &HOME, 0.01);
     run(&mut drive, &HOME, 0.0, 20.0);
     assert_eq!(drive.report().outcome, Outcome::Parked);

@@ -1,7 +1,7 @@
 //! A constant force and moment that no parameter knows of: parked without error, followed without lag.
 
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{Motion, Outcome, Task};
+use controller_core::motion::{Outcome, Task, ValidMotionParams};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use controller_core::types::{Pose, WheelTorques, Wrench};
@@ -14,7 +14,7 @@ use tests::tolerance::ARRIVED;
 const BASE: Base = Base::STANDARD;
 
 /// A tenth of the largest force and moment: each alone and both, either sign.
-fn pushes<T: Scalar>(motion: &Motion<T>) -> Vec<Wrench<f64>> {
+fn pushes<T: Scalar>(motion: &ValidMotionParams<T>) -> Vec<Wrench<f64>> {
     let (force, moment) = (
         0.1 * motion.largest_force().to_f64(),
         0.1 * motion.largest_moment().to_f64(),
@@ -60,7 +60,7 @@ fn parks<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     dt: f64,
     end_s: f64,
 ) -> Left {
-    let motion: Motion<T> = base.params::<T, M>().validate().expect("valid");
+    let motion: ValidMotionParams<T> = base.params::<T, M>().validate().expect("valid");
     let cases: Vec<(Body, Wrench<f64>)> = ring()
         .into_iter()
         .step_by(nth)

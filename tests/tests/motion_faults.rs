@@ -124,10 +124,15 @@ const FIELDS: [(Field, Place, f64, f64); 32] = [
         1e6,
     ),
     (Field::DecayA, |p| &mut p.gains.decay, 0.1, 100.0),
-    (Field::K1, |p| &mut p.gains.along, 1e-3, 100.0),
-    (Field::AlongBound, |p| &mut p.gains.along_bound, 1e-3, 100.0),
+    (Field::K1, |p| &mut p.gains.longitudinal, 1e-3, 100.0),
+    (
+        Field::LongitudinalBound,
+        |p| &mut p.gains.longitudinal_bound,
+        1e-3,
+        100.0,
+    ),
     (Field::K3, |p| &mut p.gains.heading, 1e-3, 100.0),
-    (Field::K2, |p| &mut p.gains.across, 1e-3, 100.0),
+    (Field::K2, |p| &mut p.gains.lateral, 1e-3, 100.0),
     (Field::SlowSpeed, |p| &mut p.gains.slow, 1e-4, 10.0),
     (Field::K4, |p| &mut p.gains.approach, 1e-3, 100.0),
     (

@@ -1,7 +1,7 @@
 //! Dry friction: arrives within a millimetre, and then neither torque nor robot hunts.
 
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{AtRest, Motion, Outcome};
+use controller_core::motion::{AtRest, Outcome, ValidMotionParams};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use controller_core::types::Wrench;
@@ -58,7 +58,7 @@ fn starts(nth: usize) -> Vec<Body> {
     ring().into_iter().step_by(nth).collect()
 }
 
-fn motion<T: Scalar, M: Maths<T>>(base: Base, at_rest: AtRest) -> Motion<T> {
+fn motion<T: Scalar, M: Maths<T>>(base: Base, at_rest: AtRest) -> ValidMotionParams<T> {
     let mut params = base.params::<T, M>();
     params.arrival.at_rest = at_rest;
     params.validate().expect("valid")

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{JumpThreshold, Motion, Policy, Task};
+use controller_core::motion::{JumpThreshold, SaturationPolicy, Task, ValidMotionParams};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
@@ -51,7 +51,7 @@ fn fuzz<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     dt: f64,
     ticks: u32,
 ) -> Shares {
-    let motion: Motion<T> = base.params::<T, M>().validate().expect("valid");
+    let motion: ValidMotionParams<T> = base.params::<T, M>().validate().expect("valid");
     let largest = (
         motion.largest_force().to_f64(),
         motion.largest_moment().to_f64(),
@@ -145,8 +145,11 @@ fn wrench_changes_by_at_most_l_dt() {
                 ("small", Base::SMALL),
                 ("weak", Base::WEAK),
                 ("keep curvature", tight),
-                ("turn first", tight.with_policy(Policy::TurnFirst)),
-                ("drive first", tight.with_policy(Policy::DriveFirst)),
+                ("turn first", tight.with_policy(SaturationPolicy::TurnFirst)),
+                (
+                    "drive first",
+                    tight.with_policy(SaturationPolicy::DriveFirst),
+                ),
             ] {
                 cases.push((name, base, declared, dt));
             }
@@ -174,7 +177,7 @@ fn wrench_changes_by_at_most_l_dt() {
         At::Phrase("# million ticks of 10 and 1 ms in each precision: at most # of L dt, and # of twice that"),
         &[cases.len() as f64 * f64::from(TICKS) / 1e6, most, saturated],
     );
-    let motion: Motion<f64> = Base::STANDARD.exact().validate().expect("valid");
+    let motion: ValidMotionParams<f64> = Base::STANDARD.exact().validate().expect("valid");
     page.exactly(
         At::Phrase("L_F = # N/s, L_N = # N m/s"),
         &[motion.force_rate_limit(), motion.moment_rate_limit()],
@@ -215,7 +218,7 @@ fn wrench_changes_by_at_most_l_dt_under_pushes() {
 }
 
 /// A parameter set with a threshold for jumps.
-fn watchful() -> Motion<f64> {
+fn watchful() -> ValidMotionParams<f64> {
     let mut params = Base::STANDARD.exact();
     params.pose_noise_m = 2e-3;
     params.jump = Some(JumpThreshold {
@@ -226,7 +229,7 @@ fn watchful() -> Motion<f64> {
 }
 
 /// Follows an arc, then parks, with poses up to `noise` off; at `jump_s` they are 0.25 m off for good.
-fn noisy(motion: &Motion<f64>, noise: f64, jump_s: f64) -> (Vec<f64>, Vec<f64>) {
+fn noisy(motion: &ValidMotionParams<f64>, noise: f64, jump_s: f64) -> (Vec<f64>, Vec<f64>) {
     let mut random = Random(0x5EED_0006);
     let path = steady(0.4, 0.15);
     let orders = |t: f64| -> Order {

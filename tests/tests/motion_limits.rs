@@ -2,7 +2,7 @@
 
 use controller_core::error::StepFault;
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{Limits, MotionController, MotionReport, Policy, Task};
+use controller_core::motion::{Limits, MotionController, MotionReport, SaturationPolicy, Task};
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
@@ -54,9 +54,9 @@ fn ticks<T: Scalar>() -> impl Strategy<Value = Vec<Tick>> {
 
 fn bases() -> impl Strategy<Value = Base> {
     let policy = prop_oneof![
-        Just(Policy::KeepCurvature),
-        Just(Policy::TurnFirst),
-        Just(Policy::DriveFirst)
+        Just(SaturationPolicy::KeepCurvature),
+        Just(SaturationPolicy::TurnFirst),
+        Just(SaturationPolicy::DriveFirst)
     ];
     let range = || decades(-1.0, 1.0);
     let accels = (

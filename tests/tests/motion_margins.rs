@@ -1,6 +1,6 @@
 //! Margins of the velocity loop with its disturbance estimate, as a PI loop with what a real base adds.
 
-use controller_core::motion::{Motion, MotionGains};
+use controller_core::motion::{MotionGains, ValidMotionParams};
 use nalgebra::Complex;
 use tests::motion_base::Base;
 
@@ -48,7 +48,7 @@ fn margins(loop_rate: f64, disturbance: f64, ratio: f64) -> (f64, f64, f64) {
 /// Half to twice the mass and inertia: at least 30°, and a factor 2 of gain within ±30 %, 1.5 beyond.
 #[test]
 fn default_bandwidth_leaves_margins() {
-    let motion: Motion<f64> = Base::STANDARD.exact().validate().expect("valid");
+    let motion: ValidMotionParams<f64> = Base::STANDARD.exact().validate().expect("valid");
     let gains: &MotionGains<f64> = motion.gains();
     for (name, loop_rate) in [("speed", gains.speed_loop), ("turn rate", gains.turn_loop)] {
         for ratio in [0.5, 1.0 / 1.3, 1.0, 1.0 / 0.7, 2.0] {

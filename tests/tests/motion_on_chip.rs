@@ -98,7 +98,7 @@ fn route_from_flash_ends_parked() {
     );
 }
 
-/// 84,000 torques, commands and wishes: one checksum. What a tick
+/// 84,000 torques, commands and desired twists: one checksum. What a tick
 /// costs is printed, and held to what a 1 kHz tick on a 100 MHz chip has to spare: 2.5 %, of which the disturbance
 /// estimate and the watch over retries take some tenths.
 #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{Motion, Outcome, Task};
+use controller_core::motion::{Outcome, Task, ValidMotionParams};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use controller_core::types::Pose;
@@ -94,7 +94,7 @@ fn grids<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     column: &str,
     dt: f64,
 ) -> Vec<Parking> {
-    let motion: Motion<T> = BASE.params::<T, M>().validate().expect("valid");
+    let motion: ValidMotionParams<T> = BASE.params::<T, M>().validate().expect("valid");
     let change = (
         motion.force_rate_limit().to_f64() * dt,
         motion.moment_rate_limit().to_f64() * dt,

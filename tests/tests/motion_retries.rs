@@ -1,7 +1,7 @@
 //! Stuck beside the goal: a bounded number of new approaches, then a typed outcome and rest.
 
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionParams, Outcome, Task};
+use controller_core::motion::{MotionParams, Outcome, Task, ValidMotionParams};
 use controller_core::shunting::ExactMean;
 use controller_core::types::Pose;
 use tests::motion_base::{Base, Body};
@@ -15,7 +15,7 @@ const HOME: Order = Task::Park(Pose::new(0.0, 0.0, 0.0));
 /// Standard deviation of noisy poses \[m\].
 const SIGMA: f64 = 2e-3;
 
-fn noisy_base(tolerance_m: f64, retries: u8) -> Motion<f64> {
+fn noisy_base(tolerance_m: f64, retries: u8) -> ValidMotionParams<f64> {
     let mut params = BASE.exact().with_pose_noise(SIGMA);
     params.arrival.distance_m = tolerance_m;
     params.arrival.retries = retries;
@@ -80,7 +80,7 @@ fn noise_ends_parked_or_told() {
                     still,
                 )
             });
-            let count = |wanted| runs.iter().filter(|run| run.0 == wanted).count();
+            let count = |desired| runs.iter().filter(|run| run.0 == desired).count();
             let (parked, told) = (count(Outcome::Parked), count(Outcome::OutOfTolerance));
             let latest = runs.iter().fold(0.0_f64, |most, run| most.max(run.1));
             let left = runs.iter().fold(0.0_f64, |most, run| most.max(run.3));
@@ -92,7 +92,7 @@ fn noise_ends_parked_or_told() {
                 1e3 * left
             );
             assert_eq!(parked + told, runs.len());
-            // Rest: nothing wanted, and no pose enters the command any more.
+            // Rest: the desired twist is zero, and no pose enters the command any more.
             assert!(still < 1e-9, "{still}");
             // Within the noise radius of 5 σ, even if not within the tolerance.
             assert!(left < 5.0 * SIGMA);
@@ -215,7 +215,7 @@ fn stated_noise_sets_what_follows_from_it() {
         let params = plain.with_pose_noise(sigma);
         let gains = &params.gains;
         // The heading that following makes of the noise: at most 0.03 rad, the same as 2 mm with plain gains.
-        let heading = gains.across * sigma / (2.0 * gains.heading * gains.slow);
+        let heading = gains.lateral * sigma / (2.0 * gains.heading * gains.slow);
         assert!(heading <= 0.03 + 1e-12, "{heading}");
         assert!(gains.slow >= plain.gains.slow);
         assert!(params.arrival.distance_m >= 8.0 * sigma);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use controller_core::maths::{Libm, Single};
-use controller_core::motion::{JumpThreshold, Limits, Outcome, Policy, Task};
+use controller_core::motion::{JumpThreshold, Limits, Outcome, SaturationPolicy, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::shunting::{ExactMean, RationalMean};
 use controller_core::types::Pose;
@@ -220,7 +220,12 @@ fn unequal_braking_does_not_overshoot() {
 /// Wheels of 4 N m that saturate in every turn: no policy loses a pose of the ring.
 #[test]
 fn every_policy_parks_the_ring() {
-    let times = [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst].map(|policy| {
+    let times = [
+        SaturationPolicy::KeepCurvature,
+        SaturationPolicy::TurnFirst,
+        SaturationPolicy::DriveFirst,
+    ]
+    .map(|policy| {
         let limits = Limits {
             wheel_torque_nm: 4.0,
             policy,

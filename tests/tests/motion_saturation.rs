@@ -1,6 +1,6 @@
 //! Wheels at their limit: nothing winds up, nothing is lost.
 
-use controller_core::motion::{Limits, Outcome, Policy, Task};
+use controller_core::motion::{Limits, Outcome, SaturationPolicy, Task};
 use controller_core::types::{Pose, Wrench};
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{goal, steady};
@@ -70,7 +70,12 @@ fn release_is_continuous_and_recovery_monotone() {
 #[test]
 fn case_2_with_weak_wheels_arrives_late() {
     let start = Body::at(0.0, 1.0, 0.0);
-    let times = [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst].map(|policy| {
+    let times = [
+        SaturationPolicy::KeepCurvature,
+        SaturationPolicy::TurnFirst,
+        SaturationPolicy::DriveFirst,
+    ]
+    .map(|policy| {
         let base = Base::WEAK.with_policy(policy);
         let motion = base.exact().validate().expect("valid");
         let run = follow(&motion, base, start, 0.01, 40.0, steady(0.4, 0.15));

@@ -2,7 +2,7 @@
 //! control periods, exact poses.
 
 use controller_core::maths::Libm;
-use controller_core::motion::Motion;
+use controller_core::motion::ValidMotionParams;
 use controller_core::shunting::ExactMean;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{ring, steady};
@@ -12,7 +12,7 @@ use tests::stated::{At, Stated};
 use tests::tolerance::MOTION_SETTLED_LATE;
 use tests::tuning_loop::{BASES, file};
 
-fn shipped(name: &str) -> (Motion<f64>, Base, f64) {
+fn shipped(name: &str) -> (ValidMotionParams<f64>, Base, f64) {
     let file = file(name);
     let params = file.motion();
     let motion = params.validate().expect("valid");

@@ -37,10 +37,10 @@ fn demand() -> impl Strategy<Value = [f64; 3]> {
     [-1.5..1.5, -1.3..1.3, -1.3..1.3]
 }
 
-fn scaled(motor: &Motor<f64>, [torque, wanted, speed]: [f64; 3]) -> WheelDemand<f64> {
+fn scaled(motor: &Motor<f64>, [torque, desired, speed]: [f64; 3]) -> WheelDemand<f64> {
     WheelDemand {
         torque_nm: torque * motor.max_torque_nm(),
-        wanted_speed_rad_s: wanted * motor.no_load_speed_rad_s(),
+        desired_speed_rad_s: desired * motor.no_load_speed_rad_s(),
         speed_rad_s: speed * motor.no_load_speed_rad_s(),
     }
 }
@@ -80,10 +80,10 @@ proptest! {
     fn a_motor_gives_back_the_torque_that_was_asked(p in params(), asked in demand(), charge in 0.8..1.15) {
         let motor = p.validate().expect("in range");
         let mut demand = scaled(&motor, asked);
-        // Both speeds on the same side, the wanted one beyond the blend and the wheel broken loose.
-        let past = demand.wanted_speed_rad_s.abs() + 10.0 * p.friction.blend_rad_s;
+        // Both speeds on the same side, the desired one beyond the blend and the wheel broken loose.
+        let past = demand.desired_speed_rad_s.abs() + 10.0 * p.friction.blend_rad_s;
         demand.speed_rad_s = past.copysign(demand.speed_rad_s);
-        demand.wanted_speed_rad_s = demand.speed_rad_s;
+        demand.desired_speed_rad_s = demand.speed_rad_s;
         let supply = charge * p.supply_v;
         let command = motor.command(&demand, supply);
         prop_assert!(!command.limited.supply_unknown);
@@ -106,19 +106,19 @@ proptest! {
         }
     }
 
-    /// A standing wheel gets its stiction on top, with the sense of the wanted speed, and none without one.
+    /// A standing wheel gets its stiction on top, with the sense of the desired speed, and none without one.
     #[test]
     fn a_standing_wheel_gets_what_breaks_it_loose(p in params(), asked in demand()) {
         let motor = p.validate().expect("in range");
         let mut demand = scaled(&motor, asked);
         demand.speed_rad_s = 0.0;
-        demand.wanted_speed_rad_s = p.friction.blend_rad_s.copysign(asked[1]);
+        demand.desired_speed_rad_s = p.friction.blend_rad_s.copysign(asked[1]);
         let friction = &p.friction;
         let all = friction.coulomb_nm + friction.stiction_nm + friction.viscous_nm_s * friction.blend_rad_s;
         let given = motor.command(&demand, p.supply_v).friction_nm;
         // Three sums and a division by the blend.
         prop_assert!((given - all.copysign(asked[1])).abs() <= 1e-14 * all, "{given} {all}");
-        demand.wanted_speed_rad_s = 0.0;
+        demand.desired_speed_rad_s = 0.0;
         prop_assert_eq!(motor.command(&demand, p.supply_v).friction_nm, 0.0);
     }
 
@@ -163,7 +163,7 @@ proptest! {
         let demand = scaled(&motor, asked);
         let opposite = WheelDemand {
             torque_nm: -demand.torque_nm,
-            wanted_speed_rad_s: -demand.wanted_speed_rad_s,
+            desired_speed_rad_s: -demand.desired_speed_rad_s,
             speed_rad_s: -demand.speed_rad_s,
         };
         let (there, back) = (motor.command(&demand, p.supply_v), motor.command(&opposite, p.supply_v));
@@ -197,7 +197,7 @@ proptest! {
                 + (1.0 / (eta * eta) - 1.0) * p.max_current_a / (2.0 * friction.blend_rad_s));
         let most = per_torque * (to.torque_nm - from.torque_nm).abs()
             + per_speed * (to.speed_rad_s - from.speed_rad_s).abs()
-            + per_wanted * (to.wanted_speed_rad_s - from.wanted_speed_rad_s).abs();
+            + per_wanted * (to.desired_speed_rad_s - from.desired_speed_rad_s).abs();
         let step = motor.command(&to, u).duty - motor.command(&from, u).duty;
         // Rounding of numbers up to the voltage asked for, some hundred times the supply.
         prop_assert!(step.abs() <= most * (1.0 + 1e-9) + 1e-11, "{step} {most}");
@@ -210,11 +210,11 @@ proptest! {
         prop_assert_eq!(rest, Default::default());
         for demand in [
             WheelDemand { torque_nm: wrong, ..WheelDemand::default() },
-            WheelDemand { wanted_speed_rad_s: wrong, ..WheelDemand::default() },
+            WheelDemand { desired_speed_rad_s: wrong, ..WheelDemand::default() },
             WheelDemand { speed_rad_s: -wrong, ..WheelDemand::default() },
         ] {
             let command = motor.command(&demand, p.supply_v);
-            // A wanted speed without end is a sense of motion like any other, unless it is a torque as well.
+            // A desired speed without end is a sense of motion like any other, unless it is a torque as well.
             let harmless = command.duty.abs() <= 1.0 && command.torque_nm.is_finite();
             prop_assert!(harmless && (command.limited.invalid || command.limited.current), "{:?}", command);
         }

@@ -1,4 +1,4 @@
-//! What a report says is unusual is so, and only then: bridges that fade, neurons that come back, torques at their limit.
+//! What a report says is unusual is so, and only then: transition offsets that fade, neurons that come back, torques at their limit.
 
 use controller_core::paper::demand::Demand;
 use nalgebra::{Vector2, Vector3};
@@ -12,7 +12,9 @@ use tests::core_loop::{Exact, hand_over, run};
 use tests::core_params::{core_params, measured, sample};
 use tests::oracle::{Params, Phase, Reference, Reset, Scenario, continuous, robot};
 use tests::plant::{Body, MovingReference};
-use tests::tolerance::{BRIDGE, BRIDGE_FLOOR, FIRST_ORDER_HIGH, FIRST_ORDER_LOW, LIMITED, SETTLED};
+use tests::tolerance::{
+    FIRST_ORDER_HIGH, FIRST_ORDER_LOW, LIMITED, SETTLED, TRANSITION_OFFSET, TRANSITION_OFFSET_FLOOR,
+};
 
 /// Control period \[s\].
 const DT: f64 = 10e-3;
@@ -33,7 +35,7 @@ fn infeasible_start() -> Scenario {
     }
 }
 
-/// Beyond Eq. (18) and Eq. (23): each bridge fades as exp(-A t), and is gone when it is too small to matter.
+/// Beyond Eq. (18) and Eq. (23): each transition offset fades as exp(-A t), and is gone when it is too small to matter.
 #[test]
 fn bridges_fade_with_the_rate_of_the_neurons() {
     TestRunner::new(cases(300))
@@ -41,19 +43,23 @@ fn bridges_fade_with_the_rate_of_the_neurons() {
             let ticks = run::<f64, Exact>(&scenario, DT);
             let (start, switch) = (&ticks[..hand_over(&ticks)], &ticks[hand_over(&ticks)..]);
             for part in [start, switch] {
-                let first = part[0].report.bridge;
+                let first = part[0].report.transition_offset;
                 for tick in part {
                     let left = (-scenario.params.a * (tick.t - part[0].t)).exp();
-                    let bridge = tick.report.bridge;
+                    let transition_offset = tick.report.transition_offset;
                     for (found, first) in [
-                        (bridge.linear, first.linear),
-                        (bridge.angular, first.angular),
+                        (transition_offset.linear, first.linear),
+                        (transition_offset.angular, first.angular),
                     ] {
                         let off = (found - first * left).abs();
-                        prop_assert!(off <= BRIDGE * first.abs() + BRIDGE_FLOOR, "{off:e}");
+                        prop_assert!(
+                            off <= TRANSITION_OFFSET * first.abs() + TRANSITION_OFFSET_FLOOR,
+                            "{off:e}"
+                        );
                     }
-                    let bridging = bridge.linear != 0.0 || bridge.angular != 0.0;
-                    prop_assert_eq!(tick.report.is_bridging(0.0), bridging);
+                    let offset =
+                        transition_offset.linear != 0.0 || transition_offset.angular != 0.0;
+                    prop_assert_eq!(tick.report.has_transition_offset(0.0), offset);
                 }
             }
             Ok(())
@@ -61,23 +67,25 @@ fn bridges_fade_with_the_rate_of_the_neurons() {
         .unwrap_or_else(|error| panic!("{error}"));
 
     let ticks = run::<f64, Exact>(&infeasible_start(), DT);
-    assert!(ticks[0].report.is_bridging(0.0));
-    /// A bridge too small to matter [m/s, rad/s]: 1e-10 N with the gains of a 30 kg base.
+    assert!(ticks[0].report.has_transition_offset(0.0));
+    /// A transition offset too small to matter [m/s, rad/s]: 1e-10 N with the gains of a 30 kg base.
     const GONE: f64 = 1e-12;
-    let gone = ticks.iter().position(|tick| !tick.report.is_bridging(GONE));
-    let gone = ticks[gone.expect("the bridge ends")].t;
-    println!("bridge gone at {gone:.2} s");
+    let gone = ticks
+        .iter()
+        .position(|tick| !tick.report.has_transition_offset(GONE));
+    let gone = ticks[gone.expect("the transition offset ends")].t;
+    println!("transition offset gone at {gone:.2} s");
     assert!(
         ticks
             .iter()
             .filter(|tick| tick.t > gone)
-            .all(|tick| !tick.report.is_bridging(GONE))
+            .all(|tick| !tick.report.has_transition_offset(GONE))
     );
 }
 
-/// A bridged start is the sampled form of the continuous law: the distance halves with the tick.
+/// A start with a transition offset is the sampled form of the continuous law: the distance halves with the tick.
 #[test]
-fn bridged_start_converges_to_the_continuous_law() {
+fn start_with_offset_converges_to_the_continuous_law() {
     let scenario = infeasible_start();
     let flow = Flow::new(&scenario);
     let mut state = flow.start();
@@ -98,7 +106,7 @@ fn bridged_start_converges_to_the_continuous_law() {
             .map(|(tick, state)| (tick.body.q - state.fixed_rows::<3>(0)).norm())
             .fold(0.0, f64::max)
     });
-    println!("bridged start: {distances:.5?} m and rad");
+    println!("start with a transition offset: {distances:.5?} m and rad");
     for pair in distances.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!(

@@ -6,7 +6,7 @@ use controller_core::motion::{MotionController, MotionParams};
 use controller_core::odometry::Odometry;
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Pose};
-use sim_host::drive::Base as File;
+use sim_host::mission::BaseSpec as File;
 use std::f64::consts::PI;
 use tests::check::assert_within;
 use tests::encoded::{COUNTS, Encoded, bases, odometry};

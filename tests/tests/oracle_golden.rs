@@ -1,13 +1,13 @@
 //! The oracle against the recorded closed loops: two independent implementations of the paper agree.
 
 use tests::golden::{Golden, Kind, largest_difference};
-use tests::oracle::{Row, continuous, sampled};
+use tests::oracle::{OracleRow, continuous, sampled};
 use tests::tolerance::{GOLDEN_CONTINUOUS, GOLDEN_SAMPLED, REFERENCE_POSTURE};
 
 const NAMES: [&str; 4] = ["case1", "case2", "plain_case2", "sampled_case1_10ms"];
 
 /// Panics with row and column where the traces differ by more than `tolerance`.
-fn assert_same(name: &str, golden: &[[f64; 20]], rows: &[Row], tolerance: f64) {
+fn assert_same(name: &str, golden: &[[f64; 20]], rows: &[OracleRow], tolerance: f64) {
     assert_eq!(rows.len(), golden.len(), "{name}: number of rows");
     let mut worst = (0.0, "t", 0.0);
     for (expected, row) in golden.iter().zip(rows) {
@@ -60,7 +60,7 @@ fn sampled_neural_line_matches_every_row_and_column() {
     assert_eq!(golden.kind, Kind::Sampled);
     let dt = golden.dt.expect("a sampled trace has a sample time");
     let trace = sampled::run(&golden.scenario(), dt);
-    let rows: Vec<Row> = golden
+    let rows: Vec<OracleRow> = golden
         .times()
         .iter()
         .map(|t| trace.rows[(t / dt).round() as usize])

@@ -91,7 +91,7 @@ fn both_cases_start_from_zero_torque_and_velocity() {
             assert!(value <= START, "{name}: {what} {value:e}");
         }
         assert!(
-            !first.report.is_bridging(0.0),
+            !first.report.has_transition_offset(0.0),
             "{name}: Eq. (18) is feasible"
         );
     }
@@ -120,7 +120,10 @@ fn hand_over_changes_no_torque_in_its_own_tick() {
                 "{name}: {what} {difference:e}"
             );
         }
-        assert!(!tick.report.is_bridging(0.0) && !tick.relaxing, "{name}");
+        assert!(
+            !tick.report.has_transition_offset(0.0) && !tick.relaxing,
+            "{name}"
+        );
     }
 }
 

@@ -5,7 +5,7 @@ use controller_core::paper::neural::NeuralController;
 use controller_core::paper::plain::PlainController;
 use controller_core::shunting::{ExactHeld, ExactMean, NeuronUpdate, RationalMean};
 use tests::core_loop::{Controller, Tick, hand_over, run};
-use tests::oracle::{Law, Scenario};
+use tests::oracle::{OracleLaw, Scenario};
 use tests::tolerance::{
     MICROMATH_HAND_OVER, MICROMATH_POSE, PARKED, SINGLE_HAND_OVER, SINGLE_POSE,
 };
@@ -79,7 +79,7 @@ fn micromath_stays_within_half_a_centimetre() {
     let difference = compare_neural::<Micromath, ExactMean>("micromath, exact mean");
     assert!(difference <= MICROMATH_POSE, "{difference:e}");
     for scenario in [Scenario::paper_line(), Scenario::paper_curve()] {
-        assert_eq!(scenario.law, Law::Neural);
+        assert_eq!(scenario.law, OracleLaw::Neural);
         let ticks = run::<f32, NeuralController<f32, Micromath>>(&scenario, DT);
         let goal = scenario.switch.expect("a paper run parks").target;
         let last = ticks.last().expect("a run has ticks");

@@ -3,7 +3,7 @@
 use controller_core::hal::WheelCounts;
 use controller_core::safety::supervisor::State;
 use controller_core::safety::{
-    Evidence, Fault, FaultKind, Monitor, Reaction, Side, Timeout, WatchParams,
+    DetectorInputs, DetectorParams, Fault, FaultKind, Monitor, Reaction, Side, Timeout,
 };
 use controller_core::types::{Twist, WheelTorques};
 use tests::motion_base::{Base, Body};
@@ -105,13 +105,13 @@ fn a_wheel_without_grip_is_found_against_the_true_twist() {
 /// A wheel that spins up under 4 N m as only its own inertia of 0.015 kg m² can: from torque and counts alone.
 #[test]
 fn a_wheel_that_spins_up_is_found_by_its_torque() {
-    let watch = WatchParams::for_base(&BASE.exact(), COUNTS, 10_000);
-    let mut monitor = Monitor::new(&watch.validate().expect("valid"));
+    let settings = DetectorParams::for_base(&BASE.exact(), COUNTS, 10_000);
+    let mut monitor = Monitor::new(&settings.validate().expect("valid"));
     let found = (0..100).find(|k| {
         let t = 0.01 * f64::from(*k);
         // The right wheel has grip and moves the base: 40 N on 30 kg, no turn to keep it simple.
         let turn = |accel: f64| (0.5 * accel * t * t * COUNTS / std::f64::consts::TAU) as i32;
-        let found = monitor.check(&Evidence {
+        let found = monitor.check(&DetectorInputs {
             dt_us: 10_000,
             counts: Some(WheelCounts {
                 right: turn(15.0),
@@ -121,7 +121,7 @@ fn a_wheel_that_spins_up_is_found_by_its_torque() {
                 right: 4.0,
                 left: 4.0,
             }),
-            ..Evidence::default()
+            ..DetectorInputs::default()
         });
         found.get(FaultKind::WheelSlip) == Some(Fault::WheelSlip(Side::Left))
     });
@@ -136,10 +136,10 @@ fn a_wheel_that_spins_up_is_found_by_its_torque() {
 fn slip_shows_against_an_outside_twist() {
     let order = steady(0.5, 0.0);
     let mut rig = Rig::start(BASE, Body::default(), &order(0.0), 0.01);
-    rig.edit = |t, evidence| {
+    rig.edit = |t, inputs| {
         let slower = if t > 5.0 { 0.25 } else { 0.0 };
-        let v = evidence.measured.twist.linear - slower;
-        evidence.outside = Some(Twist::new(v, evidence.measured.twist.angular));
+        let v = inputs.measured.twist.linear - slower;
+        inputs.outside = Some(Twist::new(v, inputs.measured.twist.angular));
     };
     rig.run(8.0, order);
     let found = rig.found_at(FaultKind::WheelSlip).expect("found");
@@ -151,7 +151,7 @@ fn slip_shows_against_an_outside_twist() {
 fn a_blocked_base_is_stalled_and_not_blind() {
     let order = steady(0.4, 0.0);
     let mut rig = Rig::start(BASE, Body::default(), &order(0.0), 0.01);
-    rig.edit = |_, evidence| evidence.outside = Some(Twist::default());
+    rig.edit = |_, inputs| inputs.outside = Some(Twist::default());
     rig.plant.mass = 1e9;
     rig.plant.inertia = 1e9;
     rig.run(10.0, order);
@@ -169,12 +169,12 @@ fn a_blocked_base_is_stalled_and_not_blind() {
 fn a_low_supply_ends_in_a_controlled_stop() {
     let order = path();
     let mut rig = Rig::start(BASE, Body::default(), &order(0.0), 0.01);
-    let mut watch = WatchParams::for_base(rig.motion().params(), COUNTS, 10_000);
-    watch.supply.after = Timeout::AfterUs(100_000);
-    rig.watch(&watch.validate().expect("valid"));
-    rig.edit = |t, evidence| {
+    let mut settings = DetectorParams::for_base(rig.motion().params(), COUNTS, 10_000);
+    settings.supply.after = Timeout::AfterUs(100_000);
+    rig.set_detectors(&settings.validate().expect("valid"));
+    rig.edit = |t, inputs| {
         let sags = (4.0..4.05).contains(&t) || t > 6.0;
-        evidence.supply_v = Some(if sags { 9.0 } else { 12.0 });
+        inputs.supply_v = Some(if sags { 9.0 } else { 12.0 });
     };
     rig.run(6.05, order);
     assert_eq!(rig.found, []);

@@ -1,13 +1,13 @@
 //! No false alarms: what sound bases do, however hard, is no finding.
 
 use controller_core::hal::WheelCounts;
-use controller_core::safety::{Evidence, Monitor, WatchParams};
+use controller_core::safety::{DetectorInputs, DetectorParams, Monitor};
 use controller_core::types::Wrench;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Order, both_cores, home, ring, steady};
 use tests::motion_tracking::Exact;
 
-/// Drives `plant` with what the controller believes to be `base`; every tick's findings have to be none.
+/// Drives `plant` with what the controller believes to be `base`; every tick's active faults have to be none.
 fn quiet(
     name: &str,
     (base, plant): (Base, Base),
@@ -20,8 +20,8 @@ fn quiet(
     let motion = params.validate().expect("valid");
     let period_us = (1e6 * dt).round() as u32;
     for counts in [256.0, 4096.0] {
-        let watch = WatchParams::for_base(&params, counts, period_us);
-        let mut monitor = Monitor::new(&watch.validate().expect("valid"));
+        let settings = DetectorParams::for_base(&params, counts, period_us);
+        let mut monitor = Monitor::new(&settings.validate().expect("valid"));
         let mut drive = Exact::start(&motion, plant, body, &order(0.0), dt);
         let mut turned = (0.0, 0.0);
         while drive.t < end_s {
@@ -33,7 +33,7 @@ fn quiet(
             turned.0 += dt * (old.right + new.right) / 2.0;
             turned.1 += dt * (old.left + new.left) / 2.0;
             let count = |angle: f64| (angle * counts / std::f64::consts::TAU).floor() as i32;
-            let found = monitor.check(&Evidence {
+            let found = monitor.check(&DetectorInputs {
                 dt_us: period_us,
                 counts: Some(WheelCounts {
                     right: count(turned.0),
@@ -42,7 +42,7 @@ fn quiet(
                 measured: drive.body.measured(),
                 command: before.command,
                 torques: Some(before.torques),
-                ..Evidence::default()
+                ..DetectorInputs::default()
             });
             let list: Vec<_> = found.iter().collect();
             assert!(

@@ -1,8 +1,8 @@
-//! The supervisor under any sequence of events, findings and ticks.
+//! The supervisor under any sequence of events, active faults and ticks.
 
 use controller_core::safety::supervisor::{Event, State, SupervisorParams};
 use controller_core::safety::{
-    Fault, FaultKind, Findings, OutputMode, Policy, Reaction, Side, Supervisor,
+    ActiveFaults, Fault, FaultKind, OutputMode, Reaction, Side, Supervisor, ValidPolicyParams,
 };
 use proptest::prelude::*;
 
@@ -42,7 +42,7 @@ proptest! {
     /// milder; Fault is left by a reset only; a stop ends within its two limits.
     #[test]
     fn walks_keep_the_rules(steps in prop::collection::vec(step(), 1..200)) {
-        let policy = Policy::default();
+        let policy = ValidPolicyParams::default();
         let mut supervisor = Supervisor::new(&SupervisorParams::DEFAULT.validate().expect("valid"));
         let mut stopping_us = 0_u64;
         for step in steps {
@@ -50,9 +50,9 @@ proptest! {
             match step {
                 Step::On(event) => { supervisor.on(event); }
                 Step::Found(fault) => {
-                    let mut findings = Findings::NONE;
-                    findings.add(fault);
-                    supervisor.on_findings(&findings, &policy);
+                    let mut active_faults = ActiveFaults::NONE;
+                    active_faults.add(fault);
+                    supervisor.on_active_faults(&active_faults, &policy);
                 }
                 Step::Tick(us, rests) => { supervisor.tick(us, rests); }
                 Step::Button => { supervisor.emergency_stop(); }

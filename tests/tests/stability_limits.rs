@@ -2,7 +2,7 @@
 
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
-    max_proven_speed, max_stable_speed, parking_is_stable, tracking_along_is_stable,
+    longitudinal_tracking_is_stable, max_proven_speed, max_stable_speed, parking_is_stable,
 };
 use nalgebra::{Complex, Matrix4, Matrix5, Vector2, Vector3};
 use proptest::prelude::*;
@@ -118,7 +118,7 @@ proptest! {
         let along = channel(p.k1, p.kd1 / p.m);
         let parking = channel(p.k4, p.kc1 / p.m).max(channel(p.k5, p.kc2 / p.inertia));
         for (told, abscissa) in [
-            (tracking_along_is_stable(&core), along),
+            (longitudinal_tracking_is_stable(&core), along),
             (parking_is_stable(&core), parking),
         ] {
             prop_assert!(abscissa.abs() < EIGENVALUE || told == (abscissa < 0.0), "{told}: {abscissa:e}");
@@ -194,7 +194,7 @@ fn gain_along_the_path_has_its_limit() {
             k1,
             ..Params::recommended()
         };
-        tracking_along_is_stable(&core_params::<f64>(&p, Reset::Corrected))
+        longitudinal_tracking_is_stable(&core_params::<f64>(&p, Reset::Corrected))
     };
     let (mut low, mut high) = (0.9, 100.0);
     assert!(stable(low) && !stable(high));

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use controller_core::maths::Libm;
-use controller_core::motion::{Motion, MotionController, Policy, Task};
+use controller_core::motion::{MotionController, SaturationPolicy, Task, ValidMotionParams};
 use controller_core::motor::electrical_brake;
 use controller_core::reference::Reference;
 use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Measured, Pose, Twist};
+use sim_host::closed_loop;
 use sim_host::constants::period_us;
-use sim_host::drive::Base as FileBase;
-use sim_host::rig;
+use sim_host::mission::BaseSpec as FileBase;
 use sim_host::scenario::BASES;
 use tests::motion_base::{Base, Body};
 use tests::random::Random;
@@ -21,7 +21,7 @@ type Exact = MotionController<f64, Libm, ExactMean>;
 
 /// Controller and robot on wheels of any size.
 struct Loop {
-    motion: Motion<f64>,
+    motion: ValidMotionParams<f64>,
     plant: Base,
     controller: Exact,
     body: Body,
@@ -29,7 +29,7 @@ struct Loop {
 }
 
 impl Loop {
-    fn start(motion: &Motion<f64>, twist: Twist<f64>, dt: f64) -> Self {
+    fn start(motion: &ValidMotionParams<f64>, twist: Twist<f64>, dt: f64) -> Self {
         let params = motion.params();
         let body = Body {
             pose: Pose::default(),
@@ -92,7 +92,7 @@ fn anew(measured: &Measured<f64>, twist: Twist<f64>, accel: Accel<f64>) -> Task<
 }
 
 /// The bases that come with the project, and a weak one.
-fn bases() -> Vec<(String, Motion<f64>)> {
+fn bases() -> Vec<(String, ValidMotionParams<f64>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
     let mut found = vec![("weak".to_owned(), Base::WEAK.exact())];
     for file in std::fs::read_dir(folder).expect("bases") {
@@ -148,7 +148,11 @@ fn bounds_hold_for_random_twists_and_accelerations() {
     let mut random = Random(0x5EED_5709);
     let mut ratio = (f64::INFINITY, 0.0_f64);
     for (name, motion) in bases() {
-        for policy in [Policy::KeepCurvature, Policy::TurnFirst, Policy::DriveFirst] {
+        for policy in [
+            SaturationPolicy::KeepCurvature,
+            SaturationPolicy::TurnFirst,
+            SaturationPolicy::DriveFirst,
+        ] {
             let mut params = *motion.params();
             params.limits.policy = policy;
             let motion = params.validate().expect("valid");
@@ -171,7 +175,7 @@ fn bounds_hold_for_random_twists_and_accelerations() {
                     drive.advance(|measured| anew(measured, twist, accel));
                 }
                 let (way, turn, _, bound) = drive.stop();
-                // Two ticks at no more than the speeds reached by then, and the bridge's begin.
+                // Two ticks at no more than the speeds reached by then, and the transition offset's begin.
                 let ticks = |speed: f64, accel: f64| {
                     let decay = motion.gains().decay;
                     0.02 * (speed.abs() + 0.32 * accel.abs()) + 0.02 * accel.abs() / decay
@@ -211,7 +215,7 @@ fn stopping_distances_from_top_speed_are_those_stated() {
         let motion = file.motion().validate().expect("valid");
         let controlled = controlled_stop_distance::<f64, Libm>(&motion, v);
 
-        let params = rig::params(&file, period_us(&file)).expect("in range");
+        let params = closed_loop::params(&file, period_us(&file)).expect("in range");
         let motor = params.motor.expect("motors").validate();
         let slowing = electrical_brake(&motor.expect("in range"), &params.motion.robot);
         let slowing = slowing.expect("a robot").linear;

@@ -4,7 +4,8 @@ use nalgebra::{Vector2, Vector3};
 use tests::check::{assert_close, assert_within};
 use tests::oracle::laws::{self, Target};
 use tests::oracle::{
-    Law, Params, Phase, Row, Scenario, State, continuous, lyapunov, neuron, posture, robot,
+    OracleLaw, OracleRow, Params, Phase, Scenario, State, continuous, lyapunov, neuron, posture,
+    robot,
 };
 use tests::random::Random;
 use tests::stated::{At, Stated};
@@ -16,7 +17,7 @@ const SEED: u64 = 0x5EED_0001;
 const STATES: usize = 20_000;
 
 /// Rows every 5 ms up to the switch.
-fn tracking_rows(scenario: &Scenario) -> Vec<Row> {
+fn tracking_rows(scenario: &Scenario) -> Vec<OracleRow> {
     let end = scenario.switch.expect("a paper run has a switch").at;
     let times: Vec<f64> = (0..)
         .map(|i| f64::from(i) * 5e-3)
@@ -72,8 +73,9 @@ fn printed_lyapunov_function_rises_in_both_cases() {
     ] {
         let p = scenario.params;
         let rows = tracking_rows(&scenario);
-        let peak_of =
-            |v: fn(&Params, &Row) -> f64| rows.iter().map(|row| v(&p, row)).fold(0.0, f64::max);
+        let peak_of = |v: fn(&Params, &OracleRow) -> f64| {
+            rows.iter().map(|row| v(&p, row)).fold(0.0, f64::max)
+        };
         let start = lyapunov::v_printed(&p, &rows[0]);
         let printed = peak_of(lyapunov::v_printed);
         let corrected = peak_of(lyapunov::v_corrected);
@@ -133,7 +135,7 @@ fn backstepping_with_weak_velocity_gain_can_rise() {
     let mut scenario = Scenario::paper_line();
     scenario.params.k1 = 0.5;
     scenario.params.kd1 = 0.1;
-    scenario.law = Law::Plain;
+    scenario.law = OracleLaw::Plain;
     let p = scenario.params;
     let target = scenario.target(Phase::Tracking, 0.0);
     let e = Vector3::new(1.0, 0.0, 0.0);

@@ -33,7 +33,7 @@ fn gains_of_every_base_are_healthy() {
             let cell = At::Cell("4. Margins", label, "`for_limits`, worst loop");
             page.exactly(cell, measured);
         };
-        let (across, along, bearing) = (&found.across, &found.along, &found.bearing);
+        let (across, along, bearing) = (&found.lateral, &found.longitudinal, &found.bearing);
         row("`decay`", &[bearing.decay]);
         row("`damping`", &[bearing.damping, across.damping]);
         row(
@@ -84,10 +84,10 @@ fn hopeless_gains_are_told() {
     for (gains, channel, concern) in [
         (
             MotionGains {
-                across: 100.0,
+                lateral: 100.0,
                 ..good
             },
-            Channel::Across,
+            Channel::Lateral,
             Concern::Unstable,
         ),
         (
@@ -103,12 +103,15 @@ fn hopeless_gains_are_told() {
                 turn_loop: 60.0,
                 ..good
             },
-            Channel::Across,
+            Channel::Lateral,
             Concern::ShortOfTorqueDelay,
         ),
         (
-            MotionGains { along: 8.0, ..good },
-            Channel::Along,
+            MotionGains {
+                longitudinal: 8.0,
+                ..good
+            },
+            Channel::Longitudinal,
             Concern::Rings,
         ),
     ] {
@@ -132,9 +135,9 @@ fn turning_a_gain_does_what_the_page_says() {
         println!(
             "{name:22} across {:.2} s damping {:.2} pose {:.2} s torque {:.2} s | arrival {:.2} s, bearing damping {:.2} pose {:.2} s",
             found.settling_s,
-            found.across.damping,
-            found.across.pose_delay_s,
-            found.across.torque_delay_s,
+            found.lateral.damping,
+            found.lateral.pose_delay_s,
+            found.lateral.torque_delay_s,
             found.arrival_s,
             found.bearing.damping,
             found.bearing.pose_delay_s,
@@ -145,14 +148,14 @@ fn turning_a_gain_does_what_the_page_says() {
     let stiff = of(
         "across x 1.5",
         MotionGains {
-            across: 1.5 * good.across,
+            lateral: 1.5 * good.lateral,
             ..good
         },
     );
     let soft = of(
         "across / 1.5",
         MotionGains {
-            across: good.across / 1.5,
+            lateral: good.lateral / 1.5,
             ..good
         },
     );
@@ -190,9 +193,9 @@ fn turning_a_gain_does_what_the_page_says() {
             "(damping # → #), or `decay` × 2 (→ #) | back on the path in # s instead of # s;",
         ),
         &[
-            plain.across.damping,
-            soft.across.damping,
-            quick.across.damping,
+            plain.lateral.damping,
+            soft.lateral.damping,
+            quick.lateral.damping,
             soft.settling_s,
             plain.settling_s,
         ],
@@ -208,27 +211,27 @@ fn turning_a_gain_does_what_the_page_says() {
     );
     page.exactly(
         At::Phrase("(`turn_loop` × 2: # s → # s)"),
-        &[plain.across.torque_delay_s, tight.across.torque_delay_s],
+        &[plain.lateral.torque_delay_s, tight.lateral.torque_delay_s],
     );
     page.exactly(
-        At::Phrase("`across` × 1.5 takes # s instead of # s"),
+        At::Phrase("`lateral` × 1.5 takes # s instead of # s"),
         &[stiff.settling_s, plain.settling_s],
     );
     // Too stiff is slow too: it overshoots by more than a tenth.
     assert!(stiff.settling_s > plain.settling_s);
     assert!(
-        stiff.across.damping < plain.across.damping
-            && stiff.across.pose_delay_s < plain.across.pose_delay_s
+        stiff.lateral.damping < plain.lateral.damping
+            && stiff.lateral.pose_delay_s < plain.lateral.pose_delay_s
     );
-    assert!(soft.across.damping > plain.across.damping && soft.settling_s > plain.settling_s);
-    assert!(firm.across.damping > plain.across.damping);
+    assert!(soft.lateral.damping > plain.lateral.damping && soft.settling_s > plain.settling_s);
+    assert!(firm.lateral.damping > plain.lateral.damping);
     assert!(
-        quick.across.damping > plain.across.damping
+        quick.lateral.damping > plain.lateral.damping
             && quick.bearing.damping > plain.bearing.damping
     );
     assert!(
         calm.bearing.pose_delay_s > plain.bearing.pose_delay_s && calm.arrival_s > plain.arrival_s
     );
     assert!(calm.bearing.damping > plain.bearing.damping);
-    assert!(tight.across.torque_delay_s < plain.across.torque_delay_s);
+    assert!(tight.lateral.torque_delay_s < plain.lateral.torque_delay_s);
 }

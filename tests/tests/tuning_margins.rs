@@ -51,7 +51,7 @@ fn delay_margins_are_where_the_loop_starts_to_grow() {
         .flat_map(|name| [(name, base(name)), (name, shipped(name))])
     {
         let found = margins::<f64, Libm>(&params.gains);
-        for (across, of) in [(false, found.along), (true, found.across)] {
+        for (across, of) in [(false, found.longitudinal), (true, found.lateral)] {
             println!(
                 "{name}, across {across}: pose {:.3} s, torque {:.3} s",
                 of.pose_delay_s, of.torque_delay_s
@@ -81,14 +81,17 @@ fn delay_margins_are_where_the_loop_starts_to_grow() {
 fn mass_margin_is_where_the_loop_starts_to_grow() {
     let params = base("paper-30kg");
     let gains = MotionGains {
-        across: 8.0,
-        along: 20.0,
+        lateral: 8.0,
+        longitudinal: 20.0,
         speed_loop: 12.0,
         ..params.gains
     };
     let params = MotionParams { gains, ..params };
     let found = margins::<f64, Libm>(&gains);
-    for (across, heavier) in [(false, found.along.heavier), (true, found.across.heavier)] {
+    for (across, heavier) in [
+        (false, found.longitudinal.heavier),
+        (true, found.lateral.heavier),
+    ] {
         println!("across {across}: {heavier:.3} times the mass");
         let truth = |share: f64| Truth {
             heavier: share * heavier,

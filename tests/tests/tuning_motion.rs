@@ -1,9 +1,11 @@
-//! Gains from wishes for the law for a real base: met in closed loop, refused where they cannot be, never larger for more time.
+//! Gains from a design specification for the law for a real base: met in closed loop, refused where they cannot be, never larger for more time.
 
 use controller_core::maths::{Libm, Single};
 use controller_core::motion::{MotionGains, MotionParams, Task};
-use controller_core::tuning::motion::{MotionWishes, gains, margins};
-use controller_core::tuning::{Why, Wish, WishError, disturbance_bandwidth, disturbance_damping};
+use controller_core::tuning::motion::{MotionDesignSpec, gains, margins};
+use controller_core::tuning::{
+    DesignError, DesignParameter, Why, disturbance_bandwidth, disturbance_damping,
+};
 use controller_core::types::{Pose, Twist};
 use proptest::prelude::*;
 use tests::core_draw::cases;
@@ -12,30 +14,30 @@ use tests::motion_loop::steady;
 use tests::stated::{At, Stated};
 use tests::tuning_loop::{AS_BELIEVED, BASES, base, drive, settled};
 
-/// Settling time found over time wished: the response is that of the linear loop; an offset of 1 cm at 0.5 m/s is answered
+/// Settling time found over time specified: the response is that of the linear loop; an offset of 1 cm at 0.5 m/s is answered
 /// by neurons with 1 % less, limits on jerk cost some hundredths of a second.
 const MET: f64 = 0.03;
 
-/// The wished gains on a base that could turn and drive as it liked.
+/// The gains of a specification on a base that could turn and drive as it liked.
 fn tuned(
-    wishes: &MotionWishes<f64>,
+    spec: &MotionDesignSpec<f64>,
     base: &MotionParams<f64>,
-) -> Result<MotionParams<f64>, WishError> {
+) -> Result<MotionParams<f64>, DesignError> {
     Ok(MotionParams {
-        gains: gains::<f64, Libm>(wishes, base)?,
+        gains: gains::<f64, Libm>(spec, base)?,
         ..*base
     })
 }
 
 /// (across, along, arrival) in closed loop \[s\].
-fn times(params: &MotionParams<f64>, wished: f64) -> (f64, f64, f64) {
+fn times(params: &MotionParams<f64>, settling_s: f64) -> (f64, f64, f64) {
     let (offset, speed) = (0.01, 0.5);
     let start = |x: f64, y: f64| {
         let mut body = Body::at(x, y, 0.0);
         body.twist = Twist::new(speed, 0.0);
         body
     };
-    let end = 4.0 * wished + 2.0;
+    let end = 4.0 * settling_s + 2.0;
     let path = steady(speed, 0.0);
     let across = drive(params, AS_BELIEVED, start(0.0, offset), path, end);
     let along = drive(params, AS_BELIEVED, start(-offset, 0.0), path, end);
@@ -48,10 +50,10 @@ fn times(params: &MotionParams<f64>, wished: f64) -> (f64, f64, f64) {
     )
 }
 
-/// Every wish on every base is met, or refused with what can be had. Only the 30 kg base refuses any: its floor holds
+/// Every specification on every base is met, or refused with what can be had. Only the 30 kg base refuses any: its floor holds
 /// 0.9 rad/s².
 #[test]
-fn wished_times_are_met() {
+fn specified_times_are_met() {
     let (mut worst, mut refused) = (0.0_f64, Vec::new());
     for name in BASES {
         let base = base(name);
@@ -62,18 +64,18 @@ fn wished_times_are_met() {
             (6.0, 0.8),
             (15.0, 0.8),
         ] {
-            let wishes = MotionWishes {
+            let spec = MotionDesignSpec {
                 damping,
-                ..MotionWishes::settling(settling_s)
+                ..MotionDesignSpec::settling(settling_s)
             };
-            let params = match tuned(&wishes, &base) {
+            let params = match tuned(&spec, &base) {
                 Ok(params) => params,
                 Err(error) => {
                     println!("{name}, {damping}: {error}");
                     assert_eq!((name, error.why), ("paper-30kg", Why::TurnAccel));
-                    let had = MotionWishes {
+                    let had = MotionDesignSpec {
                         damping,
-                        ..MotionWishes::settling(1.001 * error.limit)
+                        ..MotionDesignSpec::settling(1.001 * error.limit)
                     };
                     assert!(tuned(&had, &base).is_ok());
                     refused.extend([error.limit, damping]);
@@ -82,7 +84,7 @@ fn wished_times_are_met() {
             };
             let (across, along, arrival) = times(&params, settling_s);
             println!(
-                "{name}: wished {settling_s} s, {damping}: across {across:.2} along {along:.2} arrival {arrival:.2}"
+                "{name}: specified {settling_s} s, {damping}: across {across:.2} along {along:.2} arrival {arrival:.2}"
             );
             for found in [across, along, arrival] {
                 worst = worst.max((found / settling_s - 1.0).abs());
@@ -96,7 +98,7 @@ fn wished_times_are_met() {
                 (told.settling_s / settling_s - 1.0).abs() < 0.01,
                 "{told:?}"
             );
-            assert!((told.across.damping - damping).abs() < 0.01, "{told:?}");
+            assert!((told.lateral.damping - damping).abs() < 0.01, "{told:?}");
         }
     }
     let mut page = Stated::of("docs/tuning.md");
@@ -107,9 +109,9 @@ fn wished_times_are_met() {
     page.exactly(At::Phrase("within # % (`tuning_motion.rs"), &[1e2 * worst]);
 }
 
-/// Every refusal names wish, value, limit and reason, and the limit can be had while a bit less cannot.
+/// Every refusal names parameter, value, limit and reason, and the limit can be had while a bit less cannot.
 #[test]
-fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
+fn specifications_that_cannot_be_met_are_refused_with_the_limit() {
     let lab = base("lab-10kg");
     let weak = Base::WEAK.exact();
     let feeble = {
@@ -117,105 +119,105 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
         params.limits.wheel_torque_nm = 0.1;
         params
     };
-    let with = MotionWishes::settling;
-    for (what, base, wishes, wish, why) in [
+    let with = MotionDesignSpec::settling;
+    for (what, base, spec, parameter, why) in [
         (
             "too fast for the neurons",
             &lab,
             with(1.0),
-            Wish::Settling,
+            DesignParameter::Settling,
             Why::Neurons,
         ),
         (
             "weak base",
             &weak,
             with(3.0),
-            Wish::Settling,
+            DesignParameter::Settling,
             Why::TurnAccel,
         ),
         (
             "feeble wheels",
             &feeble,
             with(2.5),
-            Wish::Settling,
+            DesignParameter::Settling,
             Why::Torque,
         ),
         (
             "arrival",
             &lab,
-            MotionWishes {
+            MotionDesignSpec {
                 arrival_s: 1.0,
                 ..with(3.0)
             },
-            Wish::Arrival,
+            DesignParameter::Arrival,
             Why::Neurons,
         ),
         (
             "late poses",
             &lab,
-            MotionWishes {
+            MotionDesignSpec {
                 pose_delay_s: 0.6,
                 ..with(3.0)
             },
-            Wish::PoseDelay,
+            DesignParameter::PoseDelay,
             Why::Delay,
         ),
         (
             "late torque",
             &lab,
-            MotionWishes {
+            MotionDesignSpec {
                 torque_delay_s: 0.2,
                 ..with(3.0)
             },
-            Wish::TorqueDelay,
+            DesignParameter::TorqueDelay,
             Why::Delay,
         ),
         (
             "damping",
             &lab,
-            MotionWishes {
+            MotionDesignSpec {
                 damping: 0.3,
                 ..with(3.0)
             },
-            Wish::Damping,
+            DesignParameter::Damping,
             Why::Below,
         ),
         (
             "not a number",
             &lab,
             with(f64::NAN),
-            Wish::Settling,
+            DesignParameter::Settling,
             Why::Above,
         ),
     ] {
-        let error = gains::<f64, Libm>(&wishes, base).expect_err(what);
+        let error = gains::<f64, Libm>(&spec, base).expect_err(what);
         println!("{what}: {error}");
-        assert_eq!((error.wish, error.why), (wish, why), "{what}");
+        assert_eq!((error.parameter, error.why), (parameter, why), "{what}");
         let text = error.to_string();
-        assert!(text.contains(wish.name()) && text.contains(&format!("{:.4}", error.limit)));
-        let had = match wish {
+        assert!(text.contains(parameter.name()) && text.contains(&format!("{:.4}", error.limit)));
+        let had = match parameter {
             _ if error.why == Why::Above => with(error.limit),
-            Wish::Settling => MotionWishes {
+            DesignParameter::Settling => MotionDesignSpec {
                 settling_s: 1.01 * error.limit,
                 arrival_s: 60.0,
-                ..wishes
+                ..spec
             },
-            Wish::Arrival => MotionWishes {
+            DesignParameter::Arrival => MotionDesignSpec {
                 arrival_s: 1.01 * error.limit,
-                ..wishes
+                ..spec
             },
-            Wish::PoseDelay => MotionWishes {
+            DesignParameter::PoseDelay => MotionDesignSpec {
                 pose_delay_s: 0.99 * error.limit,
-                ..wishes
+                ..spec
             },
-            Wish::TorqueDelay => MotionWishes {
+            DesignParameter::TorqueDelay => MotionDesignSpec {
                 torque_delay_s: 0.99 * error.limit,
-                ..wishes
+                ..spec
             },
-            _ => MotionWishes {
+            _ => MotionDesignSpec {
                 damping: error.limit,
                 settling_s: 3.0,
-                ..wishes
+                ..spec
             },
         };
         let mut page = Stated::of("docs/tuning.md");
@@ -244,15 +246,15 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
 #[test]
 fn noise_only_raises_the_slow_speed() {
     let lab = base("lab-10kg");
-    let quiet = MotionWishes::settling(3.0);
-    let noisy = MotionWishes {
+    let quiet = MotionDesignSpec::settling(3.0);
+    let noisy = MotionDesignSpec {
         pose_noise_m: 0.01,
         ..quiet
     };
     let exact = gains::<f64, Libm>(&quiet, &lab).expect("had");
     let found = gains::<f64, Libm>(&noisy, &lab).expect("had");
     // c σ/(2 k₃ v_f) is 0.03 rad.
-    let heading_noise = found.across * 0.01 / (2.0 * found.heading * found.slow);
+    let heading_noise = found.lateral * 0.01 / (2.0 * found.heading * found.slow);
     assert!((heading_noise - 0.03).abs() < 1e-9, "{heading_noise}");
     assert!(found.slow > exact.slow);
     assert_eq!(
@@ -284,40 +286,40 @@ proptest! {
         shorter in 2.5..40.0_f64, more in 1.01..2.0_f64, damping in 0.6..0.98, lag in 0.05..0.5,
     ) {
         let lab = base("lab-10kg");
-        let wishes = |time: f64, lag: f64| MotionWishes {
+        let spec = |time: f64, lag: f64| MotionDesignSpec {
             damping,
             turn_lag_s: lag,
             speed_lag_s: lag,
-            ..MotionWishes::settling(time)
+            ..MotionDesignSpec::settling(time)
         };
         let time = (shorter * more).min(60.0);
-        let fast = gains::<f64, Libm>(&wishes(shorter, lag), &lab);
+        let fast = gains::<f64, Libm>(&spec(shorter, lag), &lab);
         prop_assume!(fast.is_ok());
         let fast = fast.expect("had");
-        let slow = gains::<f64, Libm>(&wishes(time, lag), &lab);
+        let slow = gains::<f64, Libm>(&spec(time, lag), &lab);
         // What can be had fast can be had slowly.
         let slow = slow.expect("had");
         for (slow, fast) in [
-            (slow.along, fast.along),
+            (slow.longitudinal, fast.longitudinal),
             (slow.heading, fast.heading),
-            (slow.across, fast.across),
+            (slow.lateral, fast.lateral),
             (slow.approach, fast.approach),
         ] {
             prop_assert!(slow <= fast, "{slow} {fast}");
         }
-        if let Ok(soft) = gains::<f64, Libm>(&wishes(time, 2.0 * lag), &lab) {
+        if let Ok(soft) = gains::<f64, Libm>(&spec(time, 2.0 * lag), &lab) {
             prop_assert!(soft.speed_loop < slow.speed_loop && soft.turn_loop < slow.turn_loop);
         }
         let single = Base::STANDARD.params::<f32, Single>();
-        let wished = MotionWishes {
+        let spec = MotionDesignSpec {
             damping: damping as f32,
-            ..MotionWishes::settling(time as f32)
+            ..MotionDesignSpec::settling(time as f32)
         };
-        let single = gains::<f32, Single>(&wished, &single).expect("had");
+        let single = gains::<f32, Single>(&spec, &single).expect("had");
         let double = Base::STANDARD.exact();
-        let double = gains::<f64, Libm>(&MotionWishes { damping, ..MotionWishes::settling(time) }, &double).expect("had");
+        let double = gains::<f64, Libm>(&MotionDesignSpec { damping, ..MotionDesignSpec::settling(time) }, &double).expect("had");
         // 800 steps of single precision.
-        prop_assert!((f64::from(single.across) / double.across - 1.0).abs() < 0.01);
-        prop_assert!((f64::from(single.along) / double.along - 1.0).abs() < 0.01);
+        prop_assert!((f64::from(single.lateral) / double.lateral - 1.0).abs() < 0.01);
+        prop_assert!((f64::from(single.longitudinal) / double.longitudinal - 1.0).abs() < 0.01);
     }
 }

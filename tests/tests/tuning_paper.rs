@@ -1,9 +1,9 @@
-//! Gains from wishes for the paper's law: times and tolerances met in closed loop, refusals with their limit.
+//! Gains from a design specification for the paper's law: times and tolerances met in closed loop, refusals with their limit.
 
 use controller_core::maths::Libm;
 use controller_core::paper::params::Params as CoreParams;
-use controller_core::paper::tuning::{Tolerance, Wishes, gains, margins};
-use controller_core::tuning::{Why, Wish, WishError};
+use controller_core::paper::tuning::{DesignSpec, Tolerance, gains, margins};
+use controller_core::tuning::{DesignError, DesignParameter, Why};
 use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 use tests::core_draw::cases;
@@ -12,12 +12,12 @@ use tests::oracle::{Params, Reference, Scenario};
 use tests::stated::{At, Stated};
 use tests::tuning_loop::paper_constants;
 
-/// Settling time found over time wished: the linear response, stretched by a fit for the neurons; a heading of up to
+/// Settling time found over time specified: the linear response, stretched by a fit for the neurons; a heading of up to
 /// 0.9 rad counts with its sine.
 const MET: f64 = 0.05;
 
-fn tuned(wishes: &Wishes<f64>) -> Result<CoreParams<f64>, WishError> {
-    gains::<f64, Libm>(&CoreParams::paper(), wishes)
+fn tuned(spec: &DesignSpec<f64>) -> Result<CoreParams<f64>, DesignError> {
+    gains::<f64, Libm>(&CoreParams::paper(), spec)
 }
 
 /// When 0.5 m along or across a line stay below 5 cm \[s\], and the largest force and moment on the way.
@@ -46,7 +46,7 @@ fn drive(p: &Params, speed: f64, offset: Vector2<f64>, end: f64) -> (f64, Vector
 }
 
 #[test]
-fn wished_times_are_met() {
+fn specified_times_are_met() {
     let mut worst = 0.0_f64;
     for (settling_s, speed) in [
         (3.0, 0.8),
@@ -58,12 +58,12 @@ fn wished_times_are_met() {
         (20.0, 1.0),
     ] {
         for damping in [0.7, 0.85, 0.95] {
-            let wishes = Wishes {
+            let spec = DesignSpec {
                 damping,
-                ..Wishes::settling(settling_s, speed)
+                ..DesignSpec::settling(settling_s, speed)
             };
-            let core = tuned(&wishes)
-                .unwrap_or_else(|error| panic!("{settling_s} s, {speed} m/s: {error}"));
+            let core =
+                tuned(&spec).unwrap_or_else(|error| panic!("{settling_s} s, {speed} m/s: {error}"));
             core.validate().expect("in range");
             let p = paper_constants(&core);
             let end = 3.0 * settling_s;
@@ -81,8 +81,10 @@ fn wished_times_are_met() {
                 );
             }
             let told = margins::<f64, Libm>(&core, speed);
-            assert!((told.across.damping - damping).abs() < 0.01 || told.across.damping < damping);
-            assert!(told.max_speed > 1.5 * speed && told.lyapunov_along >= 1.0);
+            assert!(
+                (told.lateral.damping - damping).abs() < 0.01 || told.lateral.damping < damping
+            );
+            assert!(told.max_speed > 1.5 * speed && told.lyapunov_longitudinal >= 1.0);
         }
     }
     Stated::of("docs/tuning.md").exactly(
@@ -93,58 +95,64 @@ fn wished_times_are_met() {
 
 /// Refused: the limit can be had, and the torque that was the reason stays within the wheels.
 #[test]
-fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
+fn specifications_that_cannot_be_met_are_refused_with_the_limit() {
     let mut weak = CoreParams::<f64>::paper();
     weak.max_wheel_torque_nm = Some(3.0);
     let strong = CoreParams::<f64>::paper();
     let mut feeble = CoreParams::<f64>::paper();
     feeble.max_wheel_torque_nm = Some(1e-6);
-    let lazy = Wishes {
+    let lazy = DesignSpec {
         speed_lag_s: 9.0,
         turn_lag_s: 9.0,
-        ..Wishes::settling(3.0, 0.5)
+        ..DesignSpec::settling(3.0, 0.5)
     };
-    for (what, base, wishes, wish, why) in [
-        ("slow loops", &strong, lazy, Wish::Settling, Why::Lag),
+    for (what, base, spec, parameter, why) in [
+        (
+            "slow loops",
+            &strong,
+            lazy,
+            DesignParameter::Settling,
+            Why::Lag,
+        ),
         (
             "weak wheels",
             &weak,
-            Wishes::settling(3.0, 0.4),
-            Wish::Settling,
+            DesignSpec::settling(3.0, 0.4),
+            DesignParameter::Settling,
             Why::Torque,
         ),
         (
             "no time",
             &feeble,
-            Wishes::settling(3.0, 0.4),
-            Wish::Settling,
+            DesignSpec::settling(3.0, 0.4),
+            DesignParameter::Settling,
             Why::NoTime,
         ),
         (
             "no speed",
             &strong,
-            Wishes::settling(3.0, 0.0),
-            Wish::Speed,
+            DesignSpec::settling(3.0, 0.0),
+            DesignParameter::Speed,
             Why::Below,
         ),
         (
             "damping",
             &strong,
-            Wishes {
+            DesignSpec {
                 damping: 1.0,
-                ..Wishes::settling(3.0, 0.4)
+                ..DesignSpec::settling(3.0, 0.4)
             },
-            Wish::Damping,
+            DesignParameter::Damping,
             Why::Above,
         ),
     ] {
-        let error = gains::<f64, Libm>(base, &wishes).expect_err(what);
+        let error = gains::<f64, Libm>(base, &spec).expect_err(what);
         println!("{what}: {error}");
-        assert_eq!((error.wish, error.why), (wish, why), "{what}");
-        if wish == Wish::Settling && why != Why::NoTime {
-            let had = Wishes {
+        assert_eq!((error.parameter, error.why), (parameter, why), "{what}");
+        if parameter == DesignParameter::Settling && why != Why::NoTime {
+            let had = DesignSpec {
                 settling_s: 1.002 * error.limit,
-                ..wishes
+                ..spec
             };
             let core =
                 gains::<f64, Libm>(base, &had).unwrap_or_else(|error| panic!("{what}: {error}"));
@@ -152,7 +160,7 @@ fn wishes_that_cannot_be_had_are_refused_with_the_limit() {
                 let end = 2.0 * had.settling_s;
                 let (_, peak) = drive(
                     &paper_constants(&core),
-                    wishes.speed,
+                    spec.speed,
                     Vector2::new(0.0, 0.5),
                     end,
                 );
@@ -172,13 +180,13 @@ fn tolerated_errors_are_met() {
     base.max_wheel_torque_nm = Some(15.0);
     for (force_n, error_m) in [(5.0, 0.046), (5.0, 0.02), (20.0, 0.1)] {
         let tolerance = Tolerance::Steady { force_n, error_m };
-        let wishes = Wishes::for_tolerance::<Libm>(&base, tolerance, 0.4).expect("had");
+        let spec = DesignSpec::for_tolerance::<Libm>(&base, tolerance, 0.4).expect("had");
         let core = gains::<f64, Libm>(
             &CoreParams {
                 max_wheel_torque_nm: None,
                 ..base
             },
-            &wishes,
+            &spec,
         )
         .expect("had");
         // At rest the velocity loop's force k_c1 v_c is the push, v_c = k₄ A e/(A + e).
@@ -189,19 +197,20 @@ fn tolerated_errors_are_met() {
         let held = a * push / (a - push);
         println!(
             "{force_n} N, {error_m} m: {:.2} s, held at {held:.4} m",
-            wishes.settling_s
+            spec.settling_s
         );
         assert!((held / error_m - 1.0).abs() < 0.03, "{held}");
     }
-    let full = Wishes::for_tolerance::<Libm>(&base, Tolerance::FullTorque { error_m: 1.0 }, 0.4)
-        .expect("had");
+    let full =
+        DesignSpec::for_tolerance::<Libm>(&base, Tolerance::FullTorque { error_m: 1.0 }, 0.4)
+            .expect("had");
     let same = Tolerance::Steady {
         force_n: 300.0,
         error_m: 1.0,
     };
-    let same = Wishes::for_tolerance::<Libm>(&base, same, 0.4).expect("had");
+    let same = DesignSpec::for_tolerance::<Libm>(&base, same, 0.4).expect("had");
     assert!((full.settling_s - same.settling_s).abs() < 1e-9);
-    let error = Wishes::for_tolerance::<Libm>(
+    let error = DesignSpec::for_tolerance::<Libm>(
         &base,
         Tolerance::Steady {
             force_n: 301.0,
@@ -212,8 +221,8 @@ fn tolerated_errors_are_met() {
     .expect_err("two wheels of 150 N");
     println!("{error}");
     assert_eq!(
-        (error.wish, error.why, error.limit.round()),
-        (Wish::SteadyForce, Why::Torque, 300.0)
+        (error.parameter, error.why, error.limit.round()),
+        (DesignParameter::SteadyForce, Why::Torque, 300.0)
     );
 }
 
@@ -223,11 +232,11 @@ proptest! {
     /// More time never makes a gain larger.
     #[test]
     fn more_time_never_gives_larger_gains(time in 2.0..40.0, more in 1.01..2.0, damping in 0.6..0.98, speed in 0.1..2.0) {
-        let wishes = |settling_s: f64| Wishes { damping, settling_s, ..Wishes::settling(time, speed) };
-        let fast = tuned(&wishes(time));
+        let spec = |settling_s: f64| DesignSpec { damping, settling_s, ..DesignSpec::settling(time, speed) };
+        let fast = tuned(&spec(time));
         prop_assume!(fast.is_ok());
         let fast = fast.expect("had");
-        let slow = tuned(&wishes(time * more)).expect("what can be had fast can be had slowly");
+        let slow = tuned(&spec(time * more)).expect("what can be had fast can be had slowly");
         for (slow, fast) in [
             (slow.tracking.k1, fast.tracking.k1),
             (slow.tracking.k2, fast.tracking.k2),

@@ -17,7 +17,7 @@ fn largest_stable_speed_is_where_the_margins_end() {
     let params = CoreParams::<f64>::paper();
     let at = |speed| tuning::margins::<f64, Libm>(&params, speed);
     let limit = at(0.4).max_speed;
-    let delays = [0.4, 0.8, 1.0].map(|speed| at(speed).across.pose_delay_s);
+    let delays = [0.4, 0.8, 1.0].map(|speed| at(speed).lateral.pose_delay_s);
     Stated::of("docs/tuning.md").exactly(
         At::Phrase(
             "lost with poses # s old at 0.4 m/s, # s at 0.8, # s at 1.0, and with fresh ones above # m/s",
@@ -27,18 +27,18 @@ fn largest_stable_speed_is_where_the_margins_end() {
     assert_within(limit, 1.215, LIMIT_SPEED, "recommended gains");
     // On both sides of a bisection's last bits.
     let (below, above) = (
-        at(limit * (1.0 - 1e-6)).across,
-        at(limit * (1.0 + 1e-6)).across,
+        at(limit * (1.0 - 1e-6)).lateral,
+        at(limit * (1.0 + 1e-6)).lateral,
     );
     assert!(below.is_stable() && !above.is_stable());
     assert!(below.pose_delay_s < 1e-3 && above.pose_delay_s == 0.0);
     // A factor g on the pose's gain is not one on the speed; their common limit is.
-    assert!((at(limit).across.gain - 1.0).abs() < 1e-4 || at(limit).across.gain == 0.0);
+    assert!((at(limit).lateral.gain - 1.0).abs() < 1e-4 || at(limit).lateral.gain == 0.0);
     // Hand-computed: 4 · 0.9 · 90 and 4 · 6 · 2 · 75.
     let found = at(0.4);
-    assert!((found.lyapunov_along - 324.0).abs() < 1e-9);
-    assert!((found.lyapunov_across - 3600.0).abs() < 1e-9);
-    println!("G at 0.4 m/s: {:.3?}", found.across);
+    assert!((found.lyapunov_longitudinal - 324.0).abs() < 1e-9);
+    assert!((found.lyapunov_lateral - 3600.0).abs() < 1e-9);
+    println!("G at 0.4 m/s: {:.3?}", found.lateral);
 }
 
 /// Latency at which the paper's law was lost in simulations by others: 740 ms at 0.4 m/s, 250 at 0.8, 100 at 1.0.
@@ -47,7 +47,7 @@ fn delay_margins_of_the_paper_are_those_simulated() {
     let params = CoreParams::<f64>::paper();
     for (speed, lost_s) in [(0.4, 0.74), (0.8, 0.25), (1.0, 0.10)] {
         let found = tuning::margins::<f64, Libm>(&params, speed)
-            .across
+            .lateral
             .pose_delay_s;
         println!("{speed} m/s: {found:.3} s, simulated {lost_s}");
         // Simulated with large errors, in steps of 10 to 20 ms, at a tick of 10 ms.
@@ -91,11 +91,11 @@ proptest! {
         let roots = roots(&p, speed);
         let decay = roots.iter().map(|root| -root.x).fold(f64::INFINITY, f64::min);
         let damping = roots.iter().map(|root| -root.x / root.norm()).fold(1.0, f64::min);
-        let found = tuning::margins::<f64, Libm>(&p, speed).across;
+        let found = tuning::margins::<f64, Libm>(&p, speed).lateral;
         // Roots that nearly coincide are known to the square root of rounding only.
         prop_assert!((found.decay - decay).abs() < 1e-6 * (1.0 + decay.abs()), "{} {decay}", found.decay);
         prop_assert!((found.damping - damping.max(0.0)).abs() < 1e-5, "{} {damping}", found.damping);
-        let single = tuning::margins::<f32, Single>(&p.cast(), speed as f32).across;
+        let single = tuning::margins::<f32, Single>(&p.cast(), speed as f32).lateral;
         let clear = found.decay.abs() > 0.01;
         let near = |a: f64, b: f32| (a - f64::from(b)).abs() < 0.02 * (0.1 + a.abs());
         let LoopMargins { decay, pose_delay_s, torque_delay_s, .. } = found;

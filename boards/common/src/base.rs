@@ -8,8 +8,8 @@ use controller_core::types::Pose;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 use firmware_demo::control::ControlTask;
+use firmware_demo::control_server::{ControlServer, Queues};
 use firmware_demo::drive::{Bridges, MotorPair, MotorSide};
-use firmware_demo::station::{Queues, Station};
 
 use crate::line::Line;
 use crate::{config, robot};
@@ -52,14 +52,14 @@ impl Display for StartError {
 impl core::error::Error for StartError {}
 
 /// Everything that happens once a tick.
-pub struct Base<'queue, P, D, N, E, C> {
-    station: Station<'queue, MotorPair<P, D, N>>,
+pub struct BoardBase<'queue, P, D, N, E, C> {
+    server: ControlServer<'queue, MotorPair<P, D, N>>,
     encoders: E,
     clock: C,
 }
 
 /// The two halves of a board: for the timer's interrupt, and for the background.
-pub type Halves<'queue, P, D, N, E, C> = (Base<'queue, P, D, N, E, C>, Line<'queue>);
+pub type Halves<'queue, P, D, N, E, C> = (BoardBase<'queue, P, D, N, E, C>, Line<'queue>);
 
 /// Makes the outputs safe and puts a robot together from its parts.
 ///
@@ -94,18 +94,18 @@ where
     let mut motors = MotorPair::new(right, left, bridges, motor);
     motors.release().map_err(|_| StartError::Motors)?;
     encoders.counts().map_err(|_| StartError::Encoders)?;
-    let (references, ends, reception) = queues.split(config::DECIMATE);
+    let (references, ends, receiver) = queues.split(config::DECIMATE);
     let task = ControlTask::new(motors, references, robot::BASE, Pose::default())
         .map_err(|_| StartError::Config)?;
-    let base = Base {
-        station: Station::new(task, ends),
+    let base = BoardBase {
+        server: ControlServer::new(task, ends),
         encoders,
         clock,
     };
-    Ok((base, Line::new(reception)))
+    Ok((base, Line::new(receiver)))
 }
 
-impl<'queue, P, D, N, E, C> Base<'queue, P, D, N, E, C>
+impl<'queue, P, D, N, E, C> BoardBase<'queue, P, D, N, E, C>
 where
     P: SetDutyCycle,
     D: OutputPin,
@@ -114,11 +114,11 @@ where
     C: Clock,
 {
     /// Control task and line, to look at.
-    pub const fn station(&self) -> &Station<'queue, MotorPair<P, D, N>> {
-        &self.station
+    pub const fn server(&self) -> &ControlServer<'queue, MotorPair<P, D, N>> {
+        &self.server
     }
 
-    /// One tick: reads, computes, drives. The bridges are on only while the wheels are told a torque, if one of 0 as when armed: enable is the
+    /// One tick: reads, computes, drives. The bridges are on only while a torque is applied to the wheels, if one of 0 as when armed: enable is the
     /// motors' own.
     pub fn tick(&mut self) {
         let now_us = self.clock.now_us();
@@ -130,6 +130,6 @@ where
             currents: None,
             driver: Ok(()),
         };
-        self.station.tick(now_us, &sensed);
+        self.server.tick(now_us, &sensed);
     }
 }

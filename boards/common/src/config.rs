@@ -2,7 +2,7 @@
 
 use firmware_demo::drive::OffPhase;
 
-/// Of so many reports one is sent.
+/// Decimation of reports: one of this many is sent.
 pub const DECIMATE: u16 = 20;
 /// The watchdog resets the chip after this long without ticks \[ms\].
 pub const WATCHDOG_MS: u32 = 50;

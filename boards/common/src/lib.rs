@@ -1,8 +1,8 @@
 //! What the real boards share: everything but the pins.
 //!
 //! ```text
-//! receive interrupt -> Bytes -> Line (background) -> Reception ─┐
-//! timer interrupt   -> Base::tick: encoders, Station, base    ─┴─> motors, enable pin
+//! receive interrupt -> Bytes -> Line (background) -> CommandReceiver ─┐
+//! timer interrupt   -> BoardBase::tick: encoders, ControlServer, base    ─┴─> motors, enable pin
 //! ```
 //!
 //! A board brings a clock, two encoders, two PWM outputs, two direction pins, one enable pin and a line; [`start`]
@@ -19,11 +19,11 @@ pub mod robot {
     include!(concat!(env!("OUT_DIR"), "/robot.rs"));
 }
 
-pub use base::{Base, Halves, Parts, StartError, start};
+pub use base::{BoardBase, Halves, Parts, StartError, start};
 pub use bytes::Bytes;
 pub use line::{BAUD, Line};
 
 // What a board needs of the workspace, so that it depends on this crate only.
 pub use controller_core::hal::{Clock, ErrorKind, ErrorType, WheelCounts, WheelEncoders, Widened};
+pub use firmware_demo::control_server::Queues;
 pub use firmware_demo::drive::MotorSide;
-pub use firmware_demo::station::Queues;

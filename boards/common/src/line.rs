@@ -1,6 +1,6 @@
 //! The background's half: bytes in, frames out.
 
-use firmware_demo::station::Reception;
+use firmware_demo::control_server::CommandReceiver;
 use heapless::Deque;
 use protocol::{Frame, MAX_FRAME, Telemetry, encode};
 
@@ -14,7 +14,7 @@ const ANSWERS: usize = 16;
 
 /// Commands to the tick, telemetry to the line.
 pub struct Line<'queue> {
-    reception: Reception<'queue>,
+    receiver: CommandReceiver<'queue>,
     answers: Deque<Frame<Telemetry>, ANSWERS>,
     frame: [u8; MAX_FRAME],
     len: usize,
@@ -22,9 +22,9 @@ pub struct Line<'queue> {
 }
 
 impl<'queue> Line<'queue> {
-    pub(crate) const fn new(reception: Reception<'queue>) -> Self {
+    pub(crate) const fn new(receiver: CommandReceiver<'queue>) -> Self {
         Self {
-            reception,
+            receiver,
             answers: Deque::new(),
             frame: [0; MAX_FRAME],
             len: 0,
@@ -34,7 +34,7 @@ impl<'queue> Line<'queue> {
 
     /// Some work, of bounded length: hears what there is to hear, then sends what there is to send.
     ///
-    /// `send` takes a byte if the transmitter has room. Nothing that is sent keeps the line from being heard: a host that
+    /// `send` takes a byte if the transmitter has room. Nothing that is sent keeps the line from being read: a host that
     /// asks for more than the line carries, or does not read, loses answers, which are counted, and delays no stop.
     /// Answers come before telemetry.
     pub fn poll(&mut self, received: &Bytes, mut send: impl FnMut(u8) -> bool) {
@@ -44,10 +44,10 @@ impl<'queue> Line<'queue> {
                 break;
             };
             // The stack is painted and looked at in the emulator only.
-            if let Some(answer) = self.reception.push(byte, || 0)
+            if let Some(answer) = self.receiver.push(byte, || 0)
                 && self.answers.push_back(answer).is_err()
             {
-                self.reception.count_dropped();
+                self.receiver.count_dropped();
             }
         }
         while let Some(&byte) = self.frame.get(self.sent).filter(|_| self.sent < self.len) {
@@ -57,7 +57,7 @@ impl<'queue> Line<'queue> {
             self.sent = self.sent.wrapping_add(1);
         }
         let next = self.answers.pop_front();
-        if let Some(next) = next.or_else(|| self.reception.pending()) {
+        if let Some(next) = next.or_else(|| self.receiver.pending()) {
             self.load(&next);
         }
     }

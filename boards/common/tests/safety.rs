@@ -174,7 +174,7 @@ impl Board {
     }
 
     fn task(&self) -> &ControlTask<'static, MotorPair<Wire, Wire, Wire>> {
-        self.halves.0.station().task()
+        self.halves.0.server().task()
     }
 
     /// Commanded speed \[m/s\].
@@ -219,7 +219,7 @@ fn an_armed_board_drives_and_a_silent_host_stops_it() {
     board.tick();
     board.send(&Command::Arm);
     board.tick();
-    assert_eq!(board.outputs(), [1, 0, 0], "armed, and told no torque");
+    assert_eq!(board.outputs(), [1, 0, 0], "armed, and no torque applied");
     board.send_trajectory();
     for _ in 0..200 {
         board.send(&Command::Heartbeat);
@@ -233,7 +233,7 @@ fn an_armed_board_drives_and_a_silent_host_stops_it() {
     );
     let speed = board.world.speed_rad_s.get();
     assert!(speed > 1.5, "{speed} rad/s");
-    // 100 ms after the host was last heard, and one tick, the stop has begun.
+    // 100 ms after the last frame of the host, and one tick, the stop has begun.
     let mut last = *board.task().report();
     let mut begin = None;
     for tick in 1..=102 {

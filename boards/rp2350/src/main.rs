@@ -22,7 +22,7 @@ mod watchdog;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{Base, Bytes, MotorSide, Parts, Queues, config, robot, start};
+use board_common::{BoardBase, Bytes, MotorSide, Parts, Queues, config, robot, start};
 use critical_section::Mutex;
 use rp_pac::interrupt;
 
@@ -33,7 +33,7 @@ use port::Port;
 use timer::{Alarm, Micros};
 use watchdog::Watchdog;
 
-type Robot = Base<'static, Duty, Output, Output, Encoders, Micros>;
+type Robot = BoardBase<'static, Duty, Output, Output, Encoders, Micros>;
 
 /// Steps of the PWM but one.
 const TOP: u16 = {

@@ -19,7 +19,7 @@ mod safe;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BAUD, Base, Bytes, MotorSide, Parts, Queues, config, robot, start};
+use board_common::{BAUD, BoardBase, Bytes, MotorSide, Parts, Queues, config, robot, start};
 use cortex_m::peripheral::NVIC;
 use critical_section::Mutex;
 use embedded_hal_nb::serial::{Read as _, Write as _};
@@ -34,7 +34,7 @@ use encoders::Encoders;
 use micros::Micros;
 
 type Direction = stm32f4xx_hal::gpio::AnyPin<Output>;
-type Robot = Base<'static, ErasedChannel<TIM1>, Direction, PB10<Output>, Encoders, Micros>;
+type Robot = BoardBase<'static, ErasedChannel<TIM1>, Direction, PB10<Output>, Encoders, Micros>;
 
 /// What the timer's interrupt takes over from `main`.
 struct Tick {

@@ -1,7 +1,7 @@
 //! What the examples drive: an ideal robot on a level floor, Eqs. (1) and (3).
 
 use controller_core::maths::Single;
-use controller_core::motion::Policy;
+use controller_core::motion::SaturationPolicy;
 use controller_core::robot::{acceleration, pose_rate};
 use controller_core::types::WheelSpeeds;
 use controller_core::wheels::WheelMap;
@@ -18,7 +18,7 @@ pub const LIMITS: Limits = Limits {
     jerk: 20.0,
     turn_jerk: 40.0,
     wheel_torque_nm: 8.0,
-    policy: Policy::KeepCurvature,
+    policy: SaturationPolicy::KeepCurvature,
 };
 
 /// A robot, and where it is.

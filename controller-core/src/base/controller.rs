@@ -4,14 +4,14 @@ use super::driving::{Driven, Driving};
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
 use super::orders;
-use super::params::Base;
+use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use crate::error::{Input, StepFault};
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
 use crate::motion::Outcome;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
-use crate::safety::{Evidence, Fault, Findings, Monitor, OutputMode};
+use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode};
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Accel, Pose, Twist, WheelTorques};
@@ -26,7 +26,7 @@ pub const REMEMBERED: usize = 32;
 /// use controller_core::hal::WheelCounts;
 /// use controller_core::localiser::LocaliserParams;
 /// use controller_core::maths::Single;
-/// use controller_core::motion::{Limits, Policy};
+/// use controller_core::motion::{Limits, SaturationPolicy};
 /// use controller_core::odometry::{Calibration, OdometryParams};
 /// use controller_core::robot::Robot;
 /// use controller_core::safety::supervisor::{Event, State};
@@ -35,7 +35,7 @@ pub const REMEMBERED: usize = 32;
 /// let robot = Robot::<f32>::paper();
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let localiser = LocaliserParams {
 ///     odometry: OdometryParams {
@@ -54,7 +54,7 @@ pub const REMEMBERED: usize = 32;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize = REMEMBERED> {
-    base: Base<T>,
+    base: ValidBaseParams<T>,
     locator: Locator<T, N>,
     monitor: Monitor<T>,
     supervisor: Supervisor,
@@ -67,12 +67,12 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<T, M, U, N> {
     /// Disarmed, at `start` with the first reading of the encoders.
-    pub fn new(base: &Base<T>, start: Pose<T>) -> Self {
+    pub fn new(base: &ValidBaseParams<T>, start: Pose<T>) -> Self {
         let supervisor = Supervisor::new(&base.supervisor);
         Self {
             base: *base,
             locator: Locator::new(&base.localisation, start),
-            monitor: Monitor::new(&base.watch),
+            monitor: Monitor::new(&base.detectors),
             driving: Driving::IDLE,
             exerted: WheelTorques::default(),
             silent_us: 0,
@@ -82,9 +82,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 cause: supervisor.cause(),
                 measured: None,
                 blind: false,
-                bend: T::ZERO,
+                curvature_bias: T::ZERO,
                 fix: FixOutcome::Absent,
-                findings: Findings::NONE,
+                active_faults: ActiveFaults::NONE,
                 refused: false,
                 motion: None,
             },
@@ -95,19 +95,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// One tick, `dt_us` after the last.
     pub fn tick(&mut self, dt_us: u32, order: &Order<T>, sensed: &Sensed<T>) -> &BaseReport<T> {
         let dt = seconds(dt_us);
-        let mut findings = Findings::NONE;
+        let mut active_faults = ActiveFaults::NONE;
         let accel = self.exerted_accel();
         let located = match self.locator.advance::<M>(dt, &accel, sensed) {
             Ok(located) => located,
             Err(fault) => {
-                findings.add(fault.into());
+                active_faults.add(fault.into());
                 Located {
                     measured: self.report.measured,
                     fix: FixOutcome::Absent,
                     fix_age_s: None,
                     jumped: false,
                     blind: true,
-                    bend: self.report.bend,
+                    curvature_bias: self.report.curvature_bias,
                 }
             }
         };
@@ -115,21 +115,22 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             Order::None => self.silent_us.saturating_add(dt_us),
             Order::Follow(_) | Order::Park(_) => 0,
         };
-        let evidence = self.evidence(dt_us, &located, sensed);
-        for fault in self.monitor.check(&evidence).iter() {
-            findings.add(fault);
+        let inputs = self.inputs(dt_us, &located, sensed);
+        for fault in self.monitor.check(&inputs).iter() {
+            active_faults.add(fault);
         }
-        findings.add_some(self.given_up());
-        self.supervisor.on_findings(&findings, &self.base.policy);
+        active_faults.add_some(self.given_up());
+        self.supervisor
+            .on_active_faults(&active_faults, &self.base.policy);
         let refused = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
         let rests = located.measured.is_some_and(|measured| {
             let Twist { linear, angular } = measured.twist;
             let single = |value: T| value.to_f64() as f32;
             self.supervisor.rests(single(linear), single(angular))
         });
-        // Whether that can be believed, the supervisor knows from the findings.
+        // Whether that can be believed, the supervisor knows from the active faults.
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, &located, &mut findings);
+        let action = self.act(dt, &located, &mut active_faults);
         self.exerted = action.torques().unwrap_or_default();
         self.report = BaseReport {
             action,
@@ -137,9 +138,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             cause: self.supervisor.cause(),
             measured: located.measured,
             blind: located.blind,
-            bend: located.bend,
+            curvature_bias: located.curvature_bias,
             fix: located.fix,
-            findings,
+            active_faults,
             refused,
             motion: self.driving.report().copied(),
         };
@@ -152,7 +153,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// The parameters in use.
-    pub const fn base(&self) -> &Base<T> {
+    pub const fn base(&self) -> &ValidBaseParams<T> {
         &self.base
     }
 
@@ -170,8 +171,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
     }
 
-    fn evidence(&self, dt_us: u32, located: &Located<T>, sensed: &Sensed<T>) -> Evidence<T> {
-        Evidence {
+    fn inputs(&self, dt_us: u32, located: &Located<T>, sensed: &Sensed<T>) -> DetectorInputs<T> {
+        DetectorInputs {
             dt_us,
             counts: sensed.counts.ok(),
             // Before the first reading: at rest, which the counts that are missing say more about.
@@ -198,14 +199,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
         match self.driving.report()?.outcome {
             Outcome::Stalled => Some(Fault::Stalled),
-            Outcome::OutOfTolerance => Some(Fault::GaveUp),
+            Outcome::OutOfTolerance => Some(Fault::GoalUnreachable),
             _ => None,
         }
     }
 
     /// What the wheels are to do. A step that the motion law refuses is a fault, whose reaction takes
     /// its place in this very tick.
-    fn act(&mut self, dt: T, located: &Located<T>, findings: &mut Findings) -> WheelAction<T> {
+    fn act(
+        &mut self,
+        dt: T,
+        located: &Located<T>,
+        active_faults: &mut ActiveFaults,
+    ) -> WheelAction<T> {
         let mode = self.supervisor.output();
         match self.act_as(mode, dt, located) {
             Ok(driven) => {
@@ -222,10 +228,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 driven.action
             }
             Err(fault) => {
-                let mut found = Findings::NONE;
+                let mut found = ActiveFaults::NONE;
                 found.add(fault.into());
-                findings.add(fault.into());
-                self.supervisor.on_findings(&found, &self.base.policy);
+                active_faults.add(fault.into());
+                self.supervisor.on_active_faults(&found, &self.base.policy);
                 // Nothing that a policy allows for a refused step steps the law again.
                 let mode = match self.supervisor.output() {
                     mode if mode.has_torque() => OutputMode::Release,
@@ -279,7 +285,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// The host is alive, though it has no order.
-    pub fn heard(&mut self) {
+    pub fn host_seen(&mut self) {
         self.silent_us = 0;
     }
 
@@ -300,13 +306,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     ///
     /// # Errors
     /// [`StepFault::WrongPhase`] while the base is live: only Idle, Stopped and Fault are left alone by new gains.
-    pub fn reconfigure(&mut self, base: &Base<T>) -> Result<(), StepFault> {
+    pub fn reconfigure(&mut self, base: &ValidBaseParams<T>) -> Result<(), StepFault> {
         if self.supervisor.state().is_live() {
             return Err(StepFault::WrongPhase);
         }
         self.base = *base;
         self.locator = self.locator.renewed(&base.localisation);
-        self.monitor = Monitor::new(&base.watch);
+        self.monitor = Monitor::new(&base.detectors);
         self.supervisor.reconfigure(&base.supervisor);
         self.driving = Driving::IDLE;
         Ok(())
@@ -318,7 +324,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// What the wheels really exert until the next tick, where the driver could not do what it was
-    /// told: for the estimates of speed and disturbance.
+    /// commanded: for the estimates of speed and disturbance.
     ///
     /// # Errors
     /// A torque that is not finite; nothing is noted then.

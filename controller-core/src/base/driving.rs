@@ -1,10 +1,10 @@
 //! From the supervisor's output to what the wheels are to do: the motion law, the stop plan, or neither.
 
-use super::io::{Drive, WheelAction};
+use super::io::{DriveCommand, WheelAction};
 use super::locate::Located;
 use crate::error::StepFault;
 use crate::maths::Maths;
-use crate::motion::{Motion, MotionController, MotionReport, Outcome, Task};
+use crate::motion::{MotionController, MotionReport, Outcome, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
@@ -51,7 +51,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// A step that the motion law refuses.
     pub(super) fn act(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         mode: OutputMode,
         located: &Located<T>,
         speeds: WheelSpeeds<T>,
@@ -96,7 +96,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// The motion law's step, or its start.
     fn step(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         task: &Task<T>,
         measured: &Measured<T>,
         jumped: bool,
@@ -119,7 +119,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// The controlled stop: the motion law along a plan that begins at its last command.
     fn brake_along_plan(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         measured: &Measured<T>,
         jumped: bool,
         dt: T,
@@ -143,7 +143,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// Enabled, with no law at work.
     fn without_torque(&mut self) -> Driven<T> {
         self.motion = None;
-        Driven::only(WheelAction::Drive(Drive::default()))
+        Driven::only(WheelAction::Drive(DriveCommand::default()))
     }
 
     fn let_go(&mut self) {
@@ -176,13 +176,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
 
 /// Torques of a step, and what a motor driver needs with them.
 fn drive<T: Scalar>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     report: &MotionReport<T>,
     speeds: WheelSpeeds<T>,
 ) -> WheelAction<T> {
-    WheelAction::Drive(Drive {
+    WheelAction::Drive(DriveCommand {
         torques: report.torques,
-        wanted: motion.wheels().wheel_speeds(&report.command),
+        desired: motion.wheels().wheel_speeds(&report.command),
         speeds,
     })
 }

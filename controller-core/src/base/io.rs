@@ -21,6 +21,7 @@ pub enum Order<T = f32> {
 
 /// What the base measured since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensed<T = f32> {
     /// Both encoders, or why they could not be read.
     pub counts: Result<WheelCounts, ErrorKind>,
@@ -56,7 +57,7 @@ pub enum WheelAction<T = f32> {
     /// Windings shorted.
     Brake,
     /// These torques.
-    Drive(Drive<T>),
+    Drive(DriveCommand<T>),
 }
 
 impl<T: Copy> WheelAction<T> {
@@ -71,11 +72,11 @@ impl<T: Copy> WheelAction<T> {
 
 /// Torques, and what a motor driver needs beside them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Drive<T = f32> {
+pub struct DriveCommand<T = f32> {
     /// Within ± `wheel_torque_nm` \[N m\].
     pub torques: WheelTorques<T>,
     /// Speeds that are commanded, for the compensation of friction \[rad/s\].
-    pub wanted: WheelSpeeds<T>,
+    pub desired: WheelSpeeds<T>,
     /// Speeds that are measured, for the back-EMF \[rad/s\].
     pub speeds: WheelSpeeds<T>,
 }

@@ -2,7 +2,7 @@
 
 use super::io::Sensed;
 use crate::error::StepFault;
-use crate::localiser::{Estimate, FixOutcome, Localisation, Localiser};
+use crate::localiser::{Estimate, FixOutcome, Localiser, ValidLocaliserParams};
 use crate::maths::Maths;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
@@ -11,7 +11,7 @@ use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 /// The localiser, and what it needs across ticks without a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
-    localisation: Localisation<T>,
+    localisation: ValidLocaliserParams<T>,
     /// `None` before the first reading.
     localiser: Option<Localiser<T, N>>,
     start: Pose<T>,
@@ -30,11 +30,11 @@ pub(super) struct Located<T> {
     pub(super) fix_age_s: Option<T>,
     pub(super) jumped: bool,
     pub(super) blind: bool,
-    pub(super) bend: T,
+    pub(super) curvature_bias: T,
 }
 
 impl<T: Scalar, const N: usize> Locator<T, N> {
-    pub(super) fn new(localisation: &Localisation<T>, start: Pose<T>) -> Self {
+    pub(super) fn new(localisation: &ValidLocaliserParams<T>, start: Pose<T>) -> Self {
         Self {
             localisation: *localisation,
             localiser: None,
@@ -52,7 +52,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     }
 
     /// With other parameters, where the last one was.
-    pub(super) fn renewed(&self, localisation: &Localisation<T>) -> Self {
+    pub(super) fn renewed(&self, localisation: &ValidLocaliserParams<T>) -> Self {
         Self::new(localisation, self.last.map_or(self.start, |last| last.pose))
     }
 
@@ -127,7 +127,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             fix_age_s,
             jumped,
             blind,
-            bend: self.localiser.as_ref().map_or(T::ZERO, Localiser::bend),
+            curvature_bias: self
+                .localiser
+                .as_ref()
+                .map_or(T::ZERO, Localiser::curvature_bias),
         }
     }
 }

@@ -25,6 +25,6 @@ mod params;
 mod report;
 
 pub use controller::{BaseController, REMEMBERED};
-pub use io::{Drive, Order, Sensed, WheelAction};
-pub use params::{Base, BaseError, BaseParams};
+pub use io::{DriveCommand, Order, Sensed, WheelAction};
+pub use params::{BaseError, BaseParams, ValidBaseParams};
 pub use report::BaseReport;

@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::types::{Accel, Measured};
 
 /// Takes an order into the task, as far as the supervisor's state allows; whether it was refused. Without
-/// an order a reference moves on by `dt`, as far as its twist tells.
+/// an order a reference moves on by `dt`, at its twist.
 pub(super) fn take<T: Scalar, M: Maths<T>>(
     order: &Order<T>,
     task: &mut Option<Task<T>>,
@@ -44,7 +44,7 @@ pub(super) fn take<T: Scalar, M: Maths<T>>(
     refused
 }
 
-/// A reference a tick on, as far as its twist tells.
+/// A reference a tick on, by its twist.
 fn onward<T: Scalar, M: Maths<T>>(reference: &Reference<T>, dt: T) -> Reference<T> {
     let from = Measured {
         pose: *reference.pose(),

@@ -3,13 +3,16 @@
 use core::fmt;
 
 use crate::error::{Field, ParamError, Problem};
-use crate::localiser::{Localisation, LocaliserParams};
+use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
-use crate::motion::{Limits, Motion, MotionParams};
+use crate::motion::{Limits, MotionParams, ValidMotionParams};
 use crate::motor::{Motor, MotorParams};
 use crate::robot::Robot;
-use crate::safety::supervisor::{SupervisorParams, ValidSupervisor};
-use crate::safety::{Policy, PolicyError, PolicyParams, SupplyWatch, Timeout, Watch, WatchParams};
+use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
+use crate::safety::{
+    DetectorParams, PolicyError, PolicyParams, SupplyDetectorParams, Timeout, ValidDetectorParams,
+    ValidPolicyParams,
+};
 use crate::scalar::Scalar;
 
 /// Parameters of all parts of a base.
@@ -22,7 +25,7 @@ pub struct BaseParams<T = f32> {
     /// Motors on bridges; `None` where the driver takes torques itself.
     pub motor: Option<MotorParams<T>>,
     /// Thresholds and timeouts.
-    pub watch: WatchParams<T>,
+    pub detectors: DetectorParams<T>,
     /// What is done about each kind of fault.
     pub policy: PolicyParams,
     /// How stops end.
@@ -52,7 +55,7 @@ impl<T: Usual> BaseParams<T> {
     ///
     /// # Errors
     /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
-    pub fn validate(self) -> Result<Base<T>, BaseError> {
+    pub fn validate(self) -> Result<ValidBaseParams<T>, BaseError> {
         self.validate_with::<T::Maths>()
     }
 }
@@ -78,34 +81,34 @@ impl<T: Scalar> BaseParams<T> {
             ..motion
         };
         let counts_per_turn = localiser.odometry.counts_per_turn;
-        let mut watch = WatchParams::for_base(&motion, counts_per_turn, period_us);
+        let mut detectors = DetectorParams::for_base(&motion, counts_per_turn, period_us);
         if let Some(motor) = &motor {
-            watch.supply = SupplyWatch {
+            detectors.supply = SupplyDetectorParams {
                 low_v: T::from_f64(LOW_SUPPLY.0) * motor.supply_v,
                 recovered_v: T::from_f64(LOW_SUPPLY.1) * motor.supply_v,
                 // Longer than the current of a start from rest.
                 after: Timeout::AfterUs(500_000),
             };
             // A controller limits the current by itself; a tenth more is a driver that does not.
-            watch.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
-            watch.current.after = Timeout::AfterUs(200_000);
+            detectors.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
+            detectors.current.after = Timeout::AfterUs(200_000);
             // What breaks a wheel loose is up to twice its friction while it turns, and only that is fed
-            // forward: the rest is no sign of a wheel that is stuck. Nor may feeble motors be asked for more
+            // forward: the rest is no sign of a wheel that is stuck. Nor may feeble motors be commanded more
             // than they have.
             let most = T::from_f64(0.9) * limits.wheel_torque_nm;
-            let loose = watch.wheels.stuck.torque_nm + motor.friction.coulomb_nm;
-            watch.wheels.stuck.torque_nm = if loose < most { loose } else { most };
+            let loose = detectors.wheels.stuck.torque_nm + motor.friction.coulomb_nm;
+            detectors.wheels.stuck.torque_nm = if loose < most { loose } else { most };
         }
         if let Some(fusion) = &localiser.fusion {
             // Ten fixes; odometry alone is worth a second.
             let us = fusion.stale_s * T::from_f64(1.0e6);
-            watch.pose = Timeout::AfterUs(larger_us(us, 1_000_000));
+            detectors.pose = Timeout::AfterUs(larger_us(us, 1_000_000));
         }
         Ok(Self {
             motion,
             localiser,
             motor,
-            watch,
+            detectors,
             policy: PolicyParams::DEFAULT,
             supervisor: SupervisorParams {
                 parked: motion.arrival.at_rest,
@@ -118,7 +121,7 @@ impl<T: Scalar> BaseParams<T> {
     ///
     /// # Errors
     /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
-    pub fn validate_with<M: Maths<T>>(self) -> Result<Base<T>, BaseError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<ValidBaseParams<T>, BaseError> {
         let motor = match self.motor {
             Some(params) => Some(params.validate()?),
             None => None,
@@ -132,11 +135,11 @@ impl<T: Scalar> BaseParams<T> {
                 }));
             }
         }
-        Ok(Base {
+        Ok(ValidBaseParams {
             motion: self.motion.validate()?,
             localisation: self.localiser.validate_with::<M>()?,
             motor,
-            watch: self.watch.validate()?,
+            detectors: self.detectors.validate()?,
             policy: self.policy.validate()?,
             supervisor: self.supervisor.validate()?,
         })
@@ -155,23 +158,23 @@ fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
 
 /// [`BaseParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Base<T = f32> {
-    pub(super) motion: Motion<T>,
-    pub(super) localisation: Localisation<T>,
+pub struct ValidBaseParams<T = f32> {
+    pub(super) motion: ValidMotionParams<T>,
+    pub(super) localisation: ValidLocaliserParams<T>,
     pub(super) motor: Option<Motor<T>>,
-    pub(super) watch: Watch<T>,
-    pub(super) policy: Policy,
-    pub(super) supervisor: ValidSupervisor,
+    pub(super) detectors: ValidDetectorParams<T>,
+    pub(super) policy: ValidPolicyParams,
+    pub(super) supervisor: ValidSupervisorParams,
 }
 
-impl<T: Scalar> Base<T> {
+impl<T: Scalar> ValidBaseParams<T> {
     /// The motion law's parameters.
-    pub const fn motion(&self) -> &Motion<T> {
+    pub const fn motion(&self) -> &ValidMotionParams<T> {
         &self.motion
     }
 
     /// The localiser's.
-    pub const fn localisation(&self) -> &Localisation<T> {
+    pub const fn localisation(&self) -> &ValidLocaliserParams<T> {
         &self.localisation
     }
 
@@ -181,13 +184,13 @@ impl<T: Scalar> Base<T> {
     }
 
     /// The responses to faults.
-    pub const fn policy(&self) -> &Policy {
+    pub const fn policy(&self) -> &ValidPolicyParams {
         &self.policy
     }
 
     /// The monitor's thresholds.
-    pub const fn watch(&self) -> &Watch<T> {
-        &self.watch
+    pub const fn detectors(&self) -> &ValidDetectorParams<T> {
+        &self.detectors
     }
 }
 

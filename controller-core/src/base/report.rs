@@ -3,7 +3,7 @@
 use super::io::WheelAction;
 use crate::localiser::FixOutcome;
 use crate::motion::MotionReport;
-use crate::safety::Findings;
+use crate::safety::ActiveFaults;
 use crate::safety::supervisor::{Cause, State};
 use crate::types::Measured;
 
@@ -21,12 +21,12 @@ pub struct BaseReport<T = f32> {
     /// They are extrapolated: the encoders gave nothing in this tick.
     pub blind: bool,
     /// Turn that odometry adds per way, as external poses taught it \[rad/m\]: wheels of other radii than stated. See
-    /// [`Estimate::bend`](crate::localiser::Estimate::bend).
-    pub bend: T,
+    /// [`Estimate::curvature_bias`](crate::localiser::Estimate::curvature_bias).
+    pub curvature_bias: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
-    /// Faults found in this tick, ridden out or not.
-    pub findings: Findings,
+    /// Faults found in this tick, ignored or not.
+    pub active_faults: ActiveFaults,
     /// The order does not fit the state; nothing came of it.
     pub refused: bool,
     /// The motion law's report, while its torque flows.

@@ -1,6 +1,6 @@
 //! The map from odometry's frame to the world's, and its correction.
 
-use super::bend::Bend;
+use super::curvature_bias::CurvatureBias;
 use super::params::Fusion;
 use super::{Fix, FixOutcome};
 use crate::angle::wrap;
@@ -52,7 +52,7 @@ pub(super) struct Correction<T> {
     candidate: Option<Candidate<T>>,
     /// Slides that good fixes have not forgiven yet.
     slides: T,
-    pub(super) bend: Bend<T>,
+    pub(super) curvature_bias: CurvatureBias<T>,
     pub(super) fix_age_s: T,
 }
 
@@ -64,16 +64,16 @@ impl<T: Scalar> Correction<T> {
             slack: Slack::default(),
             candidate: None,
             slides: T::ZERO,
-            bend: Bend::default(),
+            curvature_bias: CurvatureBias::default(),
             fix_age_s: T::ZERO,
         }
     }
 
     pub(super) fn set(&mut self, pose: Pose<T>) {
-        self.bend.forget_way();
+        self.curvature_bias.forget_way();
         *self = Self {
             slides: self.slides,
-            bend: self.bend,
+            curvature_bias: self.curvature_bias,
             fix_age_s: self.fix_age_s,
             ..Self::new(pose)
         };
@@ -130,7 +130,7 @@ impl<T: Scalar> Correction<T> {
                 theta: heading.gain * off.theta,
             };
             self.pending = sum(&self.pending, &step, T::ONE);
-            self.bend.learn(&fusion.learning, off.theta);
+            self.curvature_bias.learn(&fusion.learning, off.theta);
             self.slack.m = self.slack.m * (T::ONE - position.gain);
             self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
             self.candidate = None;

@@ -9,8 +9,8 @@
 //!   map of today: neither its age nor corrections since then are mistaken for errors.
 //! * A share of the innovation is taken, by the stated bandwidth, and spread over the time between
 //!   fixes. A heading correction turns the robot where it stands, and not the world about its origin.
-//! * Headings that are off on the way, always to the same side, tell that the wheels are not as large as stated:
-//!   odometry learns to bend its way by so much, and keeps it where no fix comes.
+//! * Headings that are off on the way, always to the same side, show that the wheels are not as large as stated:
+//!   odometry learns this curvature bias, and keeps it where no fix comes.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -40,7 +40,7 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 
-mod bend;
+mod curvature_bias;
 mod fusion;
 mod history;
 mod noise;
@@ -48,7 +48,7 @@ mod params;
 mod parking;
 
 pub use noise::filtered_share;
-pub use params::{FusionParams, Localisation, LocaliserParams};
+pub use params::{FusionParams, LocaliserParams, ValidLocaliserParams};
 
 use crate::error::{Input, StepFault};
 use crate::hal::WheelCounts;
@@ -61,6 +61,7 @@ use history::History;
 
 /// An external pose that was valid some time ago.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fix<T = f32> {
     /// In the world frame; the heading may be wrapped or not.
     pub pose: Pose<T>,
@@ -110,8 +111,8 @@ pub struct Estimate<T> {
     pub fix: FixOutcome<T>,
     /// Turn that odometry adds per way, learnt from the headings of fixes \[rad/m\]: wheels of other radii than
     /// stated. At most 2 `drift`/track, where it stays if odometry is worse than that; 0 without fusion.
-    pub bend: T,
-    /// The pose was set: the caller tells the controller by `declare_jump`.
+    pub curvature_bias: T,
+    /// The pose was set: the caller has to `declare_jump` to the controller.
     pub jumped: bool,
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
     pub fix_age_s: T,
@@ -125,7 +126,7 @@ pub struct Estimate<T> {
 /// walk through at most N poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Localiser<T, const N: usize> {
-    localisation: Localisation<T>,
+    localisation: ValidLocaliserParams<T>,
     odometry: Odometry<T>,
     history: History<T, N>,
     correction: Correction<T>,
@@ -137,7 +138,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     /// # Errors
     /// A pose that is not finite.
     pub fn start(
-        localisation: &Localisation<T>,
+        localisation: &ValidLocaliserParams<T>,
         pose: Pose<T>,
         counts: WheelCounts,
     ) -> Result<Self, StepFault> {
@@ -190,7 +191,8 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
-        self.odometry.bend(self.correction.bend.value);
+        self.odometry
+            .set_curvature_bias(self.correction.curvature_bias.value);
         let measured = self.odometry.update_with_accel::<M>(counts, dt, accel);
         let Some(fusion) = &self.localisation.fusion else {
             return Ok(Estimate {
@@ -202,7 +204,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             });
         };
         self.history.push(measured.pose, dt);
-        self.correction.bend.drive(self.odometry.travel());
+        self.correction.curvature_bias.drive(self.odometry.travel());
         self.correction
             .advance::<M>(fusion, &before, &measured.pose, dt);
         let outcome = match fix {
@@ -222,7 +224,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             },
             fix: outcome,
             jumped: outcome == FixOutcome::Relocalised,
-            bend: self.correction.bend.value,
+            curvature_bias: self.correction.curvature_bias.value,
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
         })
@@ -268,13 +270,13 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         self.correction.fix_age_s
     }
 
-    /// Turn that odometry adds per way \[rad/m\]; see [`Estimate::bend`].
-    pub const fn bend(&self) -> T {
-        self.correction.bend.value
+    /// Turn that odometry adds per way \[rad/m\]; see [`Estimate::curvature_bias`].
+    pub const fn curvature_bias(&self) -> T {
+        self.correction.curvature_bias.value
     }
 
     /// The parameters in use.
-    pub fn localisation(&self) -> &Localisation<T> {
+    pub fn localisation(&self) -> &ValidLocaliserParams<T> {
         &self.localisation
     }
 }

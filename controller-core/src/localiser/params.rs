@@ -1,6 +1,6 @@
 //! Parameters of the localiser: plain data, validated once.
 
-use super::bend::Learning;
+use super::curvature_bias::Learning;
 use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 
 /// What is known of the external pose, and how far it is trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FusionParams<T = f32> {
     /// Standard deviation of a fix in each coordinate \[m\], 1e-5 to 10.
     pub noise_m: T,
@@ -26,7 +27,7 @@ pub struct FusionParams<T = f32> {
     /// Outliers in a row that agree with each other and so are right, 2 to 100.
     pub relocalise_after: u8,
     /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate, and bounds
-    /// the bend that is learnt: [`Estimate::bend`](super::Estimate::bend).
+    /// the curvature bias that is learnt: [`Estimate::curvature_bias`](super::Estimate::curvature_bias).
     pub drift: T,
     /// How fast a wheel may slide over the floor \[m/s\], 0 (never) to 100: outliers may move by that
     /// beside odometry and still agree.
@@ -41,7 +42,7 @@ impl<T: Scalar> FusionParams<T> {
     /// The bandwidths leave a seventh of the noise, 1/50 of its variance, but are at most 1 rad/s:
     /// faster noise keeps a parking robot busy. Odometry that is 2 % wrong leaves the pose behind by
     /// 2 % of speed over bandwidth. 5 standard deviations reject one good fix in half a million; 3
-    /// outliers that agree are no chance. A base that is asked for more than the floor holds has been
+    /// outliers that agree are no chance. A base that is commanded more than the floor holds has been
     /// seen to turn at 1 to 2 rad/s while its wheels say otherwise: a slide of half a metre per second
     /// at half a metre of track. Stale after ten fixes.
     pub fn for_source(noise_m: T, noise_rad: T, rate_hz: T) -> Self {
@@ -93,6 +94,7 @@ impl<T: Scalar> FusionParams<T> {
 
 /// Everything that the localiser needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LocaliserParams<T = f32> {
     /// Wheels and encoders.
     pub odometry: OdometryParams<T>,
@@ -105,7 +107,7 @@ impl<T: Usual> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range.
-    pub fn validate(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.validate_with::<T::Maths>()
     }
 }
@@ -115,7 +117,7 @@ impl<T: Scalar> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate_with<M: Maths<T>>(self) -> Result<Localisation<T>, ParamError> {
+    pub fn validate_with<M: Maths<T>>(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.odometry.check()?;
         let fusion = match &self.fusion {
             Some(params) => {
@@ -127,7 +129,7 @@ impl<T: Scalar> LocaliserParams<T> {
         let filtered = fusion
             .as_ref()
             .map_or(T::ZERO, |fusion: &Fusion<T>| fusion.position.filtered);
-        Ok(Localisation {
+        Ok(ValidLocaliserParams {
             pose_noise: pose_noise::<T, M>(&self.odometry, filtered),
             params: self,
             fusion,
@@ -137,13 +139,13 @@ impl<T: Scalar> LocaliserParams<T> {
 
 /// [`LocaliserParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Localisation<T = f32> {
+pub struct ValidLocaliserParams<T = f32> {
     params: LocaliserParams<T>,
     pub(super) fusion: Option<Fusion<T>>,
     pub(super) pose_noise: T,
 }
 
-impl<T: Scalar> Localisation<T> {
+impl<T: Scalar> ValidLocaliserParams<T> {
     /// The parameters as they were given.
     pub fn params(&self) -> &LocaliserParams<T> {
         &self.params

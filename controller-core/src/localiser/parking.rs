@@ -1,10 +1,10 @@
 //! What encoders and filtered fixes leave of parking.
 
-use super::params::Localisation;
+use super::params::ValidLocaliserParams;
 use crate::motion::Arrival;
 use crate::scalar::Scalar;
 
-impl<T: Scalar> Localisation<T> {
+impl<T: Scalar> ValidLocaliserParams<T> {
     /// What [`MotionParams::pose_noise_m`](crate::motion::MotionParams::pose_noise_m) has to be with
     /// this pose \[m\]: 0.6 of the filtered noise of the fixes, and 0.29 of a count.
     pub fn pose_noise_m(&self) -> T {

@@ -6,6 +6,7 @@ use crate::scalar::Scalar;
 
 /// What counts as arrived, and as stuck.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arrival<T = f32> {
     /// Distance to the goal \[m\], 1e-5 to 10. With noisy poses at least the noise radius plus three
     /// standard deviations.

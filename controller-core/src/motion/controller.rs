@@ -6,7 +6,7 @@ use super::disturbance::{Observer, Watch};
 use super::error_view::ErrorView;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::pose_law::{Moving, PoseLaw, Step};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
@@ -50,13 +50,13 @@ struct Found<T> {
 ///
 /// ```
 /// use controller_core::maths::Single;
-/// use controller_core::motion::{Limits, MotionController, MotionParams, Policy, Task};
+/// use controller_core::motion::{Limits, MotionController, MotionParams, SaturationPolicy, Task};
 /// use controller_core::robot::Robot;
 /// use controller_core::types::{Measured, Pose};
 ///
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let motion = MotionParams::new(Robot::paper(), limits).validate()?;
 /// let here = Measured::default();
@@ -69,7 +69,7 @@ struct Found<T> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionController<T = f32, M = Single, U = RationalMean> {
-    motion: Motion<T>,
+    motion: ValidMotionParams<T>,
     state: State<T>,
     report: MotionReport<T>,
     back_ends: PhantomData<(M, U)>,
@@ -82,7 +82,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// # Errors
     /// An input that is not finite, or so large that a torque is not.
     pub fn start(
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {
@@ -99,13 +99,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             dt: T::ZERO,
             two_per_dt: None,
         };
-        let wanted = pose_law.advance::<U, M>(motion, task, &view, moving, step);
+        let desired = pose_law.advance::<U, M>(motion, task, &view, moving, step);
         let state = State {
             task: *task,
             pose_law,
             stall: Stall::default(),
             observer: Observer::start(&measured.twist),
-            bridges: Bridges::between(&command, &wanted.setpoint, T::ONE, T::ZERO),
+            bridges: Bridges::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
             declared: false,
             released: false,
@@ -118,7 +118,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         };
         let found = Found {
             error: view.error,
-            setpoint: wanted.setpoint,
+            setpoint: desired.setpoint,
             limited: Limited::default(),
             jumped: true,
         };
@@ -172,13 +172,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             twist: &measured.twist,
             command: &state.command,
         };
-        let wanted = state
+        let desired = state
             .pose_law
             .advance::<U, M>(motion, task, &view, moving, step);
         let resting = state.pose_law.is_resting();
-        state.bridges = if jumped || wanted.rebase {
+        state.bridges = if jumped || desired.rebase {
             let kept = self.kept(jumped, dt);
-            Bridges::between(&state.command, &wanted.setpoint, kept, dt)
+            Bridges::between(&state.command, &desired.setpoint, kept, dt)
         } else {
             let decay = if resting {
                 T::from_f64(STOPPING_DECAY)
@@ -192,7 +192,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let mut limited = if state.released {
             Limited::default()
         } else {
-            let setpoint = state.bridges.added_to(&wanted.setpoint);
+            let setpoint = state.bridges.added_to(&desired.setpoint);
             let (command, limited) = state.command.advance(motion, &setpoint, dt);
             state.command = command;
             limited
@@ -208,7 +208,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         state.stall = state.stall.advance(motion, &pushing, dt);
         let found = Found {
             error: view.error,
-            setpoint: wanted.setpoint,
+            setpoint: desired.setpoint,
             limited,
             jumped,
         };
@@ -247,7 +247,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     }
 
     /// The parameters in use.
-    pub fn motion(&self) -> &Motion<T> {
+    pub fn motion(&self) -> &ValidMotionParams<T> {
         &self.motion
     }
 
@@ -307,9 +307,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             },
             outcome: state.outcome(motion),
             error: found.error,
-            wanted: found.setpoint.twist,
-            wanted_rate: found.setpoint.rate,
-            bridge: state.bridges.twist(),
+            desired: found.setpoint.twist,
+            desired_rate: found.setpoint.rate,
+            transition_offset: state.bridges.twist(),
             command: command.twist,
             command_rate: command.rate,
             velocity_error,
@@ -330,7 +330,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
 }
 
 impl<T: Scalar> State<T> {
-    fn outcome(&self, motion: &Motion<T>) -> Outcome {
+    fn outcome(&self, motion: &ValidMotionParams<T>) -> Outcome {
         if self.pose_law.is_parked() {
             Outcome::Parked
         } else if self.pose_law.has_given_up() {
@@ -357,7 +357,7 @@ impl<T: Scalar> Found<T> {
     }
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// Once parked the wheels exert nothing.
     fn releases(&self) -> bool {
         self.params().arrival.at_rest == AtRest::Release

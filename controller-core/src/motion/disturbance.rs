@@ -1,6 +1,6 @@
 //! What pushes the robot beside its wheels: friction, a slope, a load, a mass that is not as stated.
 
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
@@ -47,7 +47,7 @@ impl<T: Scalar> Observer<T> {
     /// the tick before, which those wheels followed; see [`patient`].
     pub(crate) fn advance(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         twist: &Twist<T>,
         command_rate: &Accel<T>,
         watch: Watch,

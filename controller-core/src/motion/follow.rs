@@ -1,7 +1,7 @@
 //! Following a moving reference, at any speed and from any heading.
 
 use super::lag::LagState;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -50,7 +50,7 @@ impl<T: Scalar> Follower<T> {
     /// needed. The heading asked for by s₂ is at most some 0.65 rad for any offset.
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         now: &Instant<'_, T>,
         command: &Twist<T>,
         two_per_dt: Option<T>,
@@ -59,11 +59,11 @@ impl<T: Scalar> Follower<T> {
         let (reference, accel) = (now.reference.twist(), now.reference.accel());
         let (sine, cosine) = now.heading;
         let v = reference.linear;
-        let slope = gains.across / gains.heading * v / (v * v + gains.slow * gains.slow);
+        let slope = gains.lateral / gains.heading * v / (v * v + gains.slow * gains.slow);
         let ahead = slope * now.error.x;
         let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
         let wishes = (
-            gains.along * now.error.x,
+            gains.longitudinal * now.error.x,
             clamp(across, T::from_f64(1.3)),
             self.turn_around(now.error.theta, sine),
         );

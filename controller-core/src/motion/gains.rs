@@ -9,17 +9,18 @@ use crate::scalar::Scalar;
 
 /// Gains of following and parking. [`MotionGains::for_limits`] gives those that suit a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionGains<T = f32> {
     /// A \[1/s\]: decay of the pose neurons and of the bridges. 0.1 to 100.
     pub decay: T,
     /// k₁ \[1/s\]: along the path. 1e-3 to 100.
-    pub along: T,
+    pub longitudinal: T,
     /// Largest speed that an error along the path adds \[m/s\]. 1e-3 to 100.
-    pub along_bound: T,
+    pub longitudinal_bound: T,
     /// k₃ \[1/s\]: heading. 1e-3 to 100.
     pub heading: T,
     /// c \[1/s²\]: across the path; k₂ of the paper is c/(v_r² + v_f²). 1e-3 to 100.
-    pub across: T,
+    pub lateral: T,
     /// v_f \[m/s\]: below this reference speed lateral correction fades out. 1e-4 to 10.
     pub slow: T,
     /// k₄ \[1/s\]: towards the goal. 1e-3 to 100.
@@ -39,10 +40,10 @@ pub struct MotionGains<T = f32> {
 
 cast!(MotionGains {
     decay,
-    along,
-    along_bound,
+    longitudinal,
+    longitudinal_bound,
     heading,
-    across,
+    lateral,
     slow,
     approach,
     approach_brake,
@@ -76,10 +77,10 @@ impl<T: Scalar> MotionGains<T> {
         let at_least = |value: T, least: f64| if value < f(least) { f(least) } else { value };
         Self {
             decay: f(5.0),
-            along: f(1.2) * at_least(drive, 0.5),
-            along_bound: f(1.5) * drive,
+            longitudinal: f(1.2) * at_least(drive, 0.5),
+            longitudinal_bound: f(1.5) * drive,
             heading: f(3.0) * turn,
-            across: f(2.5) * turn * turn,
+            lateral: f(2.5) * turn * turn,
             slow: f(0.03) / at_least(turn, 0.2),
             approach: f(1.2) * smaller(turn, drive),
             approach_brake: f(0.6) * limits.brake,
@@ -93,10 +94,15 @@ impl<T: Scalar> MotionGains<T> {
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         for (field, value, low, high) in [
             (Field::DecayA, self.decay, 0.1, 100.0),
-            (Field::K1, self.along, 1.0e-3, 100.0),
-            (Field::AlongBound, self.along_bound, 1.0e-3, 100.0),
+            (Field::K1, self.longitudinal, 1.0e-3, 100.0),
+            (
+                Field::LongitudinalBound,
+                self.longitudinal_bound,
+                1.0e-3,
+                100.0,
+            ),
             (Field::K3, self.heading, 1.0e-3, 100.0),
-            (Field::K2, self.across, 1.0e-3, 100.0),
+            (Field::K2, self.lateral, 1.0e-3, 100.0),
             (Field::SlowSpeed, self.slow, 1.0e-4, 10.0),
             (Field::K4, self.approach, 1.0e-3, 100.0),
             (Field::ApproachBrake, self.approach_brake, 1.0e-4, 1.0e3),

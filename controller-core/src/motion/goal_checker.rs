@@ -1,6 +1,6 @@
 //! Parked, or stuck: whether a robot has arrived.
 
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist};
@@ -33,9 +33,9 @@ impl<T: Scalar> GoalChecker<T> {
     ///
     /// Enters when the place where the stopping bridge would end is inside the tolerance: a bridge
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
-    /// when the robot is pushed beyond [`Motion::leave_distance`] or 1.3 times the heading, but not in
+    /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or 1.3 times the heading, but not in
     /// the first second, while it still settles.
-    pub(crate) fn advance(&self, motion: &Motion<T>, at: &GoalView<T>, dt: T) -> Self {
+    pub(crate) fn advance(&self, motion: &ValidMotionParams<T>, at: &GoalView<T>, dt: T) -> Self {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
         let close = at.distance < motion.leave_distance();
@@ -84,7 +84,7 @@ fn travel<T: Scalar>(command: T, rate: T, speed: T, dt: T, bandwidth: T) -> T {
     bridge + (speed - command - dt * rate) / bandwidth
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// Distance at which a parked robot has left its goal \[m\]: twice the tolerance, and five standard
     /// deviations, so that it is never noise that ends a rest.
     pub(crate) fn leave_distance(&self) -> T {
@@ -115,7 +115,7 @@ pub(crate) struct Pushing<T> {
 }
 
 impl<T: Scalar> Stall<T> {
-    pub(crate) fn advance(&self, motion: &Motion<T>, now: &Pushing<T>, dt: T) -> Self {
+    pub(crate) fn advance(&self, motion: &ValidMotionParams<T>, now: &Pushing<T>, dt: T) -> Self {
         let tenth = T::from_f64(0.1);
         let (asked, done) = (motion.rim_speed(&now.command), motion.rim_speed(&now.twist));
         let least = motion.params().arrival.stall_speed;
@@ -129,7 +129,7 @@ impl<T: Scalar> Stall<T> {
         }
     }
 
-    pub(crate) fn is_stalled(&self, motion: &Motion<T>) -> bool {
+    pub(crate) fn is_stalled(&self, motion: &ValidMotionParams<T>) -> bool {
         self.since_s > motion.params().arrival.stall_s
     }
 }

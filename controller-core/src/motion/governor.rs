@@ -1,7 +1,7 @@
 //! Keeps the command within what the base can do, and says so.
 
 use super::limits::{COMMAND_SHARE, Limits};
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::report::Limited;
 use super::saturation::share;
 use super::setpoint::Setpoint;
@@ -18,7 +18,7 @@ pub(crate) struct Command<T> {
 
 impl<T: Scalar> Command<T> {
     /// The command that asks a robot for what it does already, as far as the limits allow.
-    pub(crate) fn of_robot(motion: &Motion<T>, twist: &Twist<T>) -> Self {
+    pub(crate) fn of_robot(motion: &ValidMotionParams<T>, twist: &Twist<T>) -> Self {
         let limits = &motion.params().limits;
         Self {
             twist: Twist {
@@ -32,12 +32,12 @@ impl<T: Scalar> Command<T> {
     /// The command one tick on: a copy of the setpoint, slewed. With no limit at work it is the setpoint,
     /// value and rate, without lag.
     ///
-    /// The speed moves towards the wanted one by at most accel (or brake) · dt; what is fed forward
-    /// is the wanted rate, or the slewed one, moved by at most jerk · dt. The latter is never
+    /// The speed moves towards the desired one by at most accel (or brake) · dt; what is fed forward
+    /// is the desired rate, or the slewed one, moved by at most jerk · dt. The latter is never
     /// integrated into the former: noise in it would become an error of the command.
     pub(crate) fn advance(
         &self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         setpoint: &Setpoint<T>,
         dt: T,
     ) -> (Self, Limited) {
@@ -85,13 +85,13 @@ impl<T: Scalar> Command<T> {
     }
 
     /// `needed` within acceleration, braking and the wheels' share for the command.
-    fn slew(&self, motion: &Motion<T>, needed: &Accel<T>) -> Accel<T> {
+    fn slew(&self, motion: &ValidMotionParams<T>, needed: &Accel<T>) -> Accel<T> {
         let params = motion.params();
         let limits = &params.limits;
-        let wanted = self.within_accel(limits, needed);
+        let desired = self.within_accel(limits, needed);
         let wrench = Wrench {
-            force: params.robot.mass_kg * wanted.linear,
-            moment: params.robot.inertia_kg_m2 * wanted.angular,
+            force: params.robot.mass_kg * desired.linear,
+            moment: params.robot.inertia_kg_m2 * desired.angular,
         };
         let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
         let (shared, limited) = share(&motion.wheels, &wrench, torque, limits.policy);
@@ -101,7 +101,7 @@ impl<T: Scalar> Command<T> {
                 angular: shared.moment / params.robot.inertia_kg_m2,
             }
         } else {
-            wanted
+            desired
         }
     }
 

@@ -1,6 +1,6 @@
 //! When to leave the path and park.
 
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::reference::Reference;
@@ -34,7 +34,7 @@ impl<T: Scalar> Remaining<T> {
     /// Both path and turn are short enough for parking. A route that ends by turning in place has no path
     /// left during the turn, and is followed until the turn is nearly done.
     ///
-    /// `distance` gives the distance that parking needs from a speed, [`Motion::hand_over_distance`]. A turn
+    /// `distance` gives the distance that parking needs from a speed, [`ValidMotionParams::hand_over_distance`]. A turn
     /// is compared by the travel of a wheel, which is `lever_m` (half the track) from the centre \[m\].
     pub fn is_short<M: Maths<T>>(
         &self,
@@ -50,7 +50,7 @@ impl<T: Scalar> Remaining<T> {
     }
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// Parking takes over from a trajectory with this path and turn `remaining` and this `command` in force.
     pub fn parking_is_due<M: Maths<T>>(
         &self,

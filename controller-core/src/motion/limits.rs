@@ -10,6 +10,7 @@ pub(crate) const COMMAND_SHARE: f64 = 0.75;
 
 /// Limits of a base, each positive and finite. The controller stays inside all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits<T = f32> {
     /// Largest speed, forward or backward \[m/s\], 1e-3 to 100.
     pub speed: T,
@@ -28,7 +29,7 @@ pub struct Limits<T = f32> {
     /// Largest torque of either wheel \[N m\], 1e-6 to 1e6.
     pub wheel_torque_nm: T,
     /// Who yields where both wheels cannot be served.
-    pub policy: Policy,
+    pub policy: SaturationPolicy,
 }
 
 cast!(
@@ -46,7 +47,8 @@ cast!(
 
 /// Who yields when force and moment together ask too much of a wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Policy {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum SaturationPolicy {
     /// Both, by one factor: the ratio of force to moment, and so the curvature, is kept.
     #[default]
     KeepCurvature,

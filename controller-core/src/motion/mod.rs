@@ -12,8 +12,8 @@
 //!
 //! * Reference accelerations are fed forward exactly; neurons shape only the feedback.
 //! * The setpoint may jump (new task, new goal, new localisation); command and torque do not:
-//!   per tick the wrench changes by at most L dt, [`Motion::force_rate_limit`] and
-//!   [`Motion::moment_rate_limit`].
+//!   per tick the wrench changes by at most L dt, [`ValidMotionParams::force_rate_limit`] and
+//!   [`ValidMotionParams::moment_rate_limit`].
 //! * Nothing winds up: a saturated torque sets the command back to what was achieved.
 //! * What pushes the robot beside its wheels is estimated, within a bound, and compensated: friction
 //!   and slopes leave no error.
@@ -47,8 +47,8 @@ pub use arrival::{Arrival, AtRest};
 pub use controller::MotionController;
 pub use gains::MotionGains;
 pub use hand_over::Remaining;
-pub use limits::{Limits, Policy};
-pub use params::{JumpThreshold, Motion, MotionParams};
+pub use limits::{Limits, SaturationPolicy};
+pub use params::{JumpThreshold, MotionParams, ValidMotionParams};
 pub use report::{Limited, Mode, MotionReport, Outcome};
 pub use saturation::share;
 pub use task::Task;

@@ -15,6 +15,7 @@ use crate::wheels::WheelMap;
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
 /// localisation, or of the reference, that nobody declared.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JumpThreshold<T = f32> {
     /// \[m\], 1e-4 to 100; above the noise of the pose.
     pub distance_m: T,
@@ -24,6 +25,7 @@ pub struct JumpThreshold<T = f32> {
 
 /// Everything that the controller needs to know of a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionParams<T = f32> {
     /// Mass, inertia, wheels.
     pub robot: Robot<T>,
@@ -78,7 +80,7 @@ impl<T: Scalar> MotionParams<T> {
         let larger = |a: T, b: T| if b > a { b } else { a };
         let (mut gains, mut arrival) = (self.gains, self.arrival);
         if sigma_m > T::ZERO {
-            let slow = gains.across * sigma_m / (f(0.06) * gains.heading);
+            let slow = gains.lateral * sigma_m / (f(0.06) * gains.heading);
             gains.slow = larger(gains.slow, slow);
             arrival.distance_m = larger(arrival.distance_m, f(8.0) * sigma_m);
             arrival.heading_rad = larger(arrival.heading_rad, f(0.02));
@@ -95,7 +97,7 @@ impl<T: Scalar> MotionParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate(self) -> Result<Motion<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidMotionParams<T>, ParamError> {
         let f = T::from_f64;
         within(Field::Mass, self.robot.mass_kg, 1.0e-3, 1.0e5)?;
         within(Field::Inertia, self.robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
@@ -117,7 +119,7 @@ impl<T: Scalar> MotionParams<T> {
         let noisy = noise_radius > least;
         let force = largest_force(&self);
         let bound = gains.disturbance_share * force;
-        Ok(Motion {
+        Ok(ValidMotionParams {
             params: self,
             wheels,
             disturbance: Wrench {
@@ -126,7 +128,7 @@ impl<T: Scalar> MotionParams<T> {
             },
             near: if noisy { noise_radius } else { least },
             noisy,
-            along: Lag::new(gains.decay, gains.along_bound)?,
+            along: Lag::new(gains.decay, gains.longitudinal_bound)?,
             // 1.3 leaves room for the largest demand, A/(A + A) of it, and a start on the move.
             across: Lag::new(gains.decay, f(1.3))?,
             around: Lag::new(gains.decay, f(1.5))?,
@@ -162,7 +164,7 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
 
 /// [`MotionParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion<T = f32> {
+pub struct ValidMotionParams<T = f32> {
     params: MotionParams<T>,
     pub(crate) wheels: WheelMap<T>,
     /// Distance to the goal below which its direction is noise \[m\].
@@ -183,7 +185,7 @@ pub struct Motion<T = f32> {
     pub(crate) turn: Lag<T>,
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// The parameters as they were given.
     pub fn params(&self) -> &MotionParams<T> {
         &self.params
@@ -215,7 +217,7 @@ impl<T: Scalar> Motion<T> {
             + self.gains().disturbance * self.disturbance.force
     }
 
-    /// L of the moment \[N m/s\]; see [`Motion::force_rate_limit`].
+    /// L of the moment \[N m/s\]; see [`ValidMotionParams::force_rate_limit`].
     pub fn moment_rate_limit(&self) -> T {
         let limits = &self.params.limits;
         let inertia = self.params.robot.inertia_kg_m2;

@@ -1,7 +1,7 @@
 //! Parking at a pose, position and heading, forward or backward.
 
 use super::lag::LagState;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use crate::angle::wrap;
 use crate::maths::Maths;
@@ -70,7 +70,7 @@ impl<T: Scalar> PoseRegulator<T> {
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
         distance: T,
         command: &Twist<T>,
@@ -128,7 +128,7 @@ impl<T: Scalar> PoseRegulator<T> {
     }
 
     /// K(ρ): what makes a run to the goal brake at p from far away and decay with k₄ near it.
-    fn distance_gain<M: Maths<T>>(&self, motion: &Motion<T>, distance: T) -> T {
+    fn distance_gain<M: Maths<T>>(&self, motion: &ValidMotionParams<T>, distance: T) -> T {
         let gains = motion.gains();
         let (k4, p) = (gains.approach, gains.approach_brake);
         let knee = p / (k4 * k4);
@@ -140,7 +140,7 @@ impl<T: Scalar> PoseRegulator<T> {
     }
 
     /// The share of the bearing in turning, 0 to 1; the rest is the heading's.
-    fn aim(&mut self, motion: &Motion<T>, distance: T) -> T {
+    fn aim(&mut self, motion: &ValidMotionParams<T>, distance: T) -> T {
         if !motion.noisy {
             return near_share(distance / motion.near);
         }

@@ -4,7 +4,7 @@ use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::retry::{Rest, Retry, distance_of};
 use super::setpoint::Setpoint;
@@ -53,7 +53,7 @@ pub(crate) struct Wanted<T> {
 impl<T: Scalar> PoseLaw<T> {
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         task: &Task<T>,
         view: &ErrorView<T>,
         moving: Moving<'_, T>,
@@ -69,7 +69,7 @@ impl<T: Scalar> PoseLaw<T> {
 
     fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         reference: &Reference<T>,
         view: &ErrorView<T>,
         moving: Moving<'_, T>,
@@ -93,7 +93,7 @@ impl<T: Scalar> PoseLaw<T> {
 
     fn park<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
         moving: Moving<'_, T>,
         step: Step<T>,
@@ -143,7 +143,7 @@ impl<T: Scalar> PoseLaw<T> {
     /// What to drive at, and how far it is: the goal, or the place that a retry drives out to.
     fn aim<M: Maths<T>>(
         &self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
         distance: T,
     ) -> (PoseError<T>, T) {

@@ -54,11 +54,11 @@ pub struct MotionReport<T = f32> {
     /// Pose error in the body frame, Eq. (8).
     pub error: PoseError<T>,
     /// What the pose law wants.
-    pub wanted: Twist<T>,
+    pub desired: Twist<T>,
     /// Its exact rate.
-    pub wanted_rate: Accel<T>,
+    pub desired_rate: Accel<T>,
     /// What past jumps still add to it.
-    pub bridge: Twist<T>,
+    pub transition_offset: Twist<T>,
     /// What is asked of the velocity loop, within all limits.
     pub command: Twist<T>,
     /// Fed forward, within all limits.
@@ -84,9 +84,9 @@ pub struct MotionReport<T = f32> {
 cast!(
     MotionReport {
         error,
-        wanted,
-        wanted_rate,
-        bridge,
+        desired,
+        desired_rate,
+        transition_offset,
         command,
         command_rate,
         velocity_error,

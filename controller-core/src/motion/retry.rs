@@ -1,7 +1,7 @@
 //! A robot that stands beside its goal: a bounded number of new approaches, then the truth.
 
 use super::goal_checker::GoalView;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
@@ -56,12 +56,12 @@ impl<T: Scalar> Retry<T> {
 
     /// The attempts after a tick of `dt`, and whether the robot has a new aim.
     ///
-    /// Stuck is who for [`Motion::patience`] is near the goal, or hardly moves, and is not parked, or for
+    /// A robot is stuck that for [`ValidMotionParams::patience`] is near the goal, or hardly moves, and is not parked, or for
     /// six times as long is closer than a retry drives out; beside the goal a quarter of the time is enough. A
     /// stall (a speed is asked for and not reached) is told as one, and is no reason to try again.
     pub(crate) fn advance<M: Maths<T>>(
         &self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         at: &GoalView<T>,
         rest: Rest,
         dt: T,
@@ -136,7 +136,7 @@ impl<T: Scalar> Retry<T> {
     }
 
     /// Takes one attempt, if there is one left; gives up if not.
-    fn spend(&mut self, motion: &Motion<T>) -> bool {
+    fn spend(&mut self, motion: &ValidMotionParams<T>) -> bool {
         if self.count < motion.params().arrival.retries {
             self.count = self.count.saturating_add(1);
             true
@@ -147,10 +147,10 @@ impl<T: Scalar> Retry<T> {
     }
 
     /// The pose error that counts: to the goal, or to the place to drive out to, which is moved by
-    /// ∓[`Motion::way_out`] along the goal's heading.
+    /// ∓[`ValidMotionParams::way_out`] along the goal's heading.
     pub(crate) fn aim<M: Maths<T>>(
         &self,
-        motion: &Motion<T>,
+        motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
     ) -> PoseError<T> {
         let moved = self.out * motion.way_out();
@@ -169,12 +169,12 @@ pub(crate) fn distance_of<T: Scalar, M: Maths<T>>(error: &PoseError<T>) -> T {
 }
 
 /// Level with the goal, but too far to the side: wheels cannot go there.
-fn is_beside<T: Scalar>(motion: &Motion<T>, at: &GoalView<T>) -> bool {
+fn is_beside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
     let tolerance = motion.params().arrival.distance_m;
     at.distance > tolerance && at.error.x.abs() < T::HALF * tolerance
 }
 
-fn is_stuck<T: Scalar>(motion: &Motion<T>, at: &GoalView<T>) -> bool {
+fn is_stuck<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
     let arrival = &motion.params().arrival;
     let ten = T::from_f64(10.0);
     let near =
@@ -186,7 +186,7 @@ fn is_stuck<T: Scalar>(motion: &Motion<T>, at: &GoalView<T>) -> bool {
     near || (creeps && asked <= arrival.stall_speed)
 }
 
-impl<T: Scalar> Motion<T> {
+impl<T: Scalar> ValidMotionParams<T> {
     /// The distance within which position means nothing: the tolerance or the noise radius \[m\].
     fn least(&self) -> T {
         let tolerance = self.params().arrival.distance_m;

@@ -1,52 +1,52 @@
 //! A wrench that the wheels can exert.
 
-use super::limits::Policy;
+use super::limits::SaturationPolicy;
 use crate::scalar::Scalar;
 use crate::types::{WheelTorques, Wrench};
 use crate::wheels::WheelMap;
 
-/// The wrench nearest to `wanted`, in the sense of `policy`, whose wheel torques stay within
+/// The wrench nearest to `desired`, in the sense of `policy`, whose wheel torques stay within
 /// ±`limit`, and whether it differs.
 ///
 /// `limit` > 0. The torques of the result may exceed the limit by rounding only; whoever sends them
 /// clips those last bits.
 pub fn share<T: Scalar>(
     wheels: &WheelMap<T>,
-    wanted: &Wrench<T>,
+    desired: &Wrench<T>,
     limit: T,
-    policy: Policy,
+    policy: SaturationPolicy,
 ) -> (Wrench<T>, bool) {
-    let asked = wheels.torques(wanted);
+    let asked = wheels.torques(desired);
     if largest(&asked) <= limit {
-        return (*wanted, false);
+        return (*desired, false);
     }
     let force = Wrench {
-        force: wanted.force,
+        force: desired.force,
         moment: T::ZERO,
     };
     let moment = Wrench {
         force: T::ZERO,
-        moment: wanted.moment,
+        moment: desired.moment,
     };
     let (drive, turn) = match policy {
-        Policy::KeepCurvature => {
+        SaturationPolicy::KeepCurvature => {
             let scale = limit / largest(&asked);
             (scale, scale)
         }
-        Policy::TurnFirst => {
+        SaturationPolicy::TurnFirst => {
             let first = scale_within(&wheels.torques(&moment), limit);
             let rest = room(wheels, &moment, first, &force, limit);
             (rest, first)
         }
-        Policy::DriveFirst => {
+        SaturationPolicy::DriveFirst => {
             let first = scale_within(&wheels.torques(&force), limit);
             let rest = room(wheels, &force, first, &moment, limit);
             (first, rest)
         }
     };
     let shared = Wrench {
-        force: drive * wanted.force,
-        moment: turn * wanted.moment,
+        force: drive * desired.force,
+        moment: turn * desired.moment,
     };
     (shared, true)
 }

@@ -1,7 +1,7 @@
 //! From command and measured twist to a wrench, and back where the wheels cannot exert it.
 
 use super::governor::Command;
-use super::params::Motion;
+use super::params::ValidMotionParams;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::torque;
@@ -10,7 +10,7 @@ use crate::types::{Accel, Twist, Wrench};
 /// The wrench that the law asks for: feed-forward, velocity loop, and the estimated `disturbance`
 /// compensated.
 pub(crate) fn wrench<T: Scalar>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     rate: &Accel<T>,
     velocity_error: &Twist<T>,
     disturbance: &Wrench<T>,
@@ -30,7 +30,7 @@ pub(crate) fn wrench<T: Scalar>(
 /// Back-calculation: the commanded twist that would have asked for just the `applied` wrench, with the
 /// twist as measured.
 pub(crate) fn achieved<T: Scalar>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     command: &Command<T>,
     twist: &Twist<T>,
     applied: &Wrench<T>,
@@ -52,7 +52,7 @@ pub(crate) fn achieved<T: Scalar>(
 
 /// The robot stands, and the torque that is left is a step of less than L dt: it may be let go.
 pub(crate) fn stands<T: Scalar>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     command: &Twist<T>,
     velocity_error: &Twist<T>,
     wrench: &Wrench<T>,

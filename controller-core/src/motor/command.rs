@@ -4,18 +4,18 @@ use crate::motor::{Motor, MotorParams};
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// What is asked of one wheel, and how it turns.
+/// The demand on one wheel, and how it turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelDemand<T> {
     /// τ \[N m\] that is to accelerate the base; friction comes on top.
     pub torque_nm: T,
     /// ω* \[rad/s\]: the speed that the controller commands. For friction and gear only.
-    pub wanted_speed_rad_s: T,
+    pub desired_speed_rad_s: T,
     /// ω \[rad/s\], measured. For the back-EMF only.
     pub speed_rad_s: T,
 }
 
-/// What kept a wheel command from being what was asked.
+/// What limited a wheel command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MotorLimited {
     /// The current was limited.
@@ -33,7 +33,7 @@ pub struct MotorLimited {
 }
 
 impl MotorLimited {
-    /// The wheel gets another torque than asked.
+    /// The wheel gets another torque than demanded.
     pub const fn torque(&self) -> bool {
         self.current || self.voltage || self.invalid
     }
@@ -62,8 +62,8 @@ impl<T: Scalar> Motor<T> {
         &self.params
     }
 
-    /// Largest torque that may be asked \[N m\]: η g k_t i_max − τ_c, what the current limit leaves
-    /// while driving. Viscous friction and back-EMF take more at speed; then that is told.
+    /// Largest torque that may be demanded \[N m\]: η g k_t i_max − τ_c, what the current limit leaves
+    /// while driving. Viscous friction and back-EMF take more at speed; then that is reported.
     pub const fn max_torque_nm(&self) -> T {
         self.max_torque
     }
@@ -83,27 +83,27 @@ impl<T: Scalar> Motor<T> {
     /// `supply_v` is the supply as measured. If it is not finite, below
     /// [`MIN_SUPPLY_SHARE`](crate::motor::MIN_SUPPLY_SHARE) or above
     /// [`MAX_SUPPLY_SHARE`](crate::motor::MAX_SUPPLY_SHARE) of the nominal one, the nominal one is taken and that
-    /// is told.
+    /// is reported.
     ///
-    /// The duty is odd in (torque, wanted speed, speed), rises with the torque and is continuous. Its Lipschitz
+    /// The duty is odd in (torque, desired speed, speed), rises with the torque and is continuous. Its Lipschitz
     /// constants, with s = 5 − d₀, or 1 without a dead band:
     ///
     /// | per | constant |
     /// | --- | --- |
     /// | torque | s R/(η g k_t U) |
     /// | speed | s (g k_t + R τ_s/(10 ω_b η g k_t))/U |
-    /// | wanted speed | s R/U · (((τ_c + τ_s)/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
+    /// | desired speed | s R/U · (((τ_c + τ_s)/ω_b + b)/(η g k_t) + (1/η² − 1) i_max/(2 ω_b)) |
     ///
     /// All inputs zero give exactly zero.
     #[inline]
     pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
         let (supply, supply_unknown) = self.believed(supply_v);
-        let sense = clamp(demand.wanted_speed_rad_s * self.per_blend, T::ONE);
+        let sense = clamp(demand.desired_speed_rad_s * self.per_blend, T::ONE);
         let level = self.coulomb + self.stiction * self.standing(demand.speed_rad_s);
-        let friction = level * sense + self.viscous * demand.wanted_speed_rad_s;
+        let friction = level * sense + self.viscous * demand.desired_speed_rad_s;
         let torque = demand.torque_nm + friction;
-        let wish = self.gear.current(torque, sense);
-        let allowed = clamp(wish, self.max_current);
+        let current = self.gear.current(torque, sense);
+        let allowed = clamp(current, self.max_current);
         let back_emf = self.gear.constant * demand.speed_rad_s;
         let needed = self.resistance * allowed + back_emf;
         if !(torque.is_finite() && needed.is_finite()) {
@@ -119,7 +119,7 @@ impl<T: Scalar> Motor<T> {
         let voltage = clamp(needed, supply);
         let runaway = supply + self.resistance * self.max_current;
         let limited = MotorLimited {
-            current: wish.abs() > self.max_current,
+            current: current.abs() > self.max_current,
             voltage: needed.abs() > supply,
             overspeed: back_emf.abs() > runaway,
             supply_unknown,

@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// does by its back-EMF.
 const RAMP: f64 = 0.25;
 
-/// Maps the duty that is wanted onto the one to set, for a bridge that turns D into
+/// Maps the desired duty onto the one to set, for a bridge that turns D into
 /// (|D| − d₀)/(1 − d₀), and into nothing up to d₀.
 ///
 /// ```text
@@ -18,7 +18,7 @@ const RAMP: f64 = 0.25;
 /// ```
 ///
 /// Both agree at |d| = β, so the map is continuous, rising and odd. The ramp stays below the inverse: the
-/// bridge gives at most what was wanted, never more, so the ramp adds no energy and feeds no oscillation
+/// bridge gives at most what was desired, never more, so the ramp adds no energy and feeds no oscillation
 /// about zero. What it gives is short by less than β.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DeadBand<T> {
@@ -39,18 +39,18 @@ impl<T: Scalar> DeadBand<T> {
         }
     }
 
-    /// The duty to set for a wanted one in [−1, 1]; in [−1, 1].
+    /// The duty to set for a desired one in [−1, 1]; in [−1, 1].
     #[inline(always)]
-    pub(super) fn beyond(&self, wanted: T) -> T {
-        let size = wanted.abs();
+    pub(super) fn beyond(&self, desired: T) -> T {
+        let size = desired.abs();
         if size < self.ramp_end {
-            return self.ramp_slope * wanted;
+            return self.ramp_slope * desired;
         }
         if size > T::ZERO {
             // The sum may round above 1 by one unit in the last place.
             let set = self.width + self.rest * size;
             let set = if set > T::ONE { T::ONE } else { set };
-            if wanted < T::ZERO { -set } else { set }
+            if desired < T::ZERO { -set } else { set }
         } else {
             T::ZERO
         }
@@ -77,8 +77,8 @@ mod tests {
     #[test]
     fn no_dead_band_changes_nothing() {
         let band = DeadBand::new(0.0_f64);
-        for wanted in [-1.0, -1.0e-9, 1.0e-30, 0.3, 1.0] {
-            assert_eq!(band.beyond(wanted), wanted);
+        for desired in [-1.0, -1.0e-9, 1.0e-30, 0.3, 1.0] {
+            assert_eq!(band.beyond(desired), desired);
         }
     }
 }

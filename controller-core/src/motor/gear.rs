@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// that is: a lossless gear with c_m, and a Coulomb friction of c_h |τ|, as large as the load makes it.
-/// Like any Coulomb friction it is blended by σ = sat(ω*/ω_b) of the wanted speed. Continuous in τ and
+/// Like any Coulomb friction it is blended by σ = sat(ω*/ω_b) of the desired speed. Continuous in τ and
 /// σ; in τ it rises everywhere, with slopes from η to 1/η, because c_m − c_h = η > 0; odd in (τ, σ).
 /// At rest the gear takes any torque between both laws, and σ = 0 the middle of them.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 //! back to the pin:
 //!
 //! ```text
-//! σ  = sat(ω*/ω_b)                             sense of motion, blended     ω* wanted, not measured
+//! σ  = sat(ω*/ω_b)                             sense of motion, blended     ω* desired, not measured
 //! τ′ = τ + τ_c σ + b ω*                        Coulomb and viscous friction
 //! i  = (c_m τ′ + c_h σ |τ′|)/(g k_t)           gear: 1/η driving, η braking; |i| ≤ i_max
 //! u  = R i + g k_t ω                           back-EMF of the measured speed; |u| ≤ U
@@ -16,8 +16,8 @@
 //!
 //! | symbol | name | unit |
 //! | --- | --- | --- |
-//! | τ, τ′ | torque asked of the wheel; with its friction | N m |
-//! | ω, ω* | speed of the wheel, measured and wanted | rad/s |
+//! | τ, τ′ | torque demanded of the wheel; with its friction | N m |
+//! | ω, ω* | speed of the wheel, measured and desired | rad/s |
 //! | τ_c, b, ω_b | Coulomb and viscous friction at the wheel, half width of the blend | N m, N m s, rad/s |
 //! | g, η | motor turns per wheel turn; efficiency of the gear | |
 //! | c_m, c_h | (1/η + η)/2 and (1/η − η)/2 | |
@@ -33,15 +33,15 @@
 //!
 //! # Which speed is used where
 //!
-//! Back-EMF is compensated from the measured speed: it is there whatever was wanted. It needs no
+//! Back-EMF is compensated from the measured speed: it is there whatever was desired. It needs no
 //! exact k_t: what is left of it after compensation is damping or a little negative damping, which
 //! the velocity loop outweighs.
 //!
-//! Friction and gear loss are compensated from the wanted speed. With the measured speed their
+//! Friction and gear loss are compensated from the desired speed. With the measured speed their
 //! compensation would be positive feedback with a slope of τ_c/ω_b: noise of the speed estimate at
 //! rest would come out as torque that moves the wheel the way of the noise, and any overestimate of
-//! τ_c would make a wheel run by itself. The wanted speed is smooth and exactly zero at rest. The price:
-//! while the wheel goes the other way than wanted, the compensation has the wrong sign; that is no more than
+//! τ_c would make a wheel run by itself. The desired speed is smooth and exactly zero at rest. The price:
+//! while the wheel goes the other way than desired, the compensation has the wrong sign; that is no more than
 //! 2 τ_c, for as long as the velocity loop needs to turn the wheel round.
 //!
 //! # Speed output
@@ -55,11 +55,13 @@
 mod command;
 mod dead_band;
 mod gear;
+mod pair;
 mod params;
 mod speed;
 mod stopping;
 
 pub use command::{MotorCommand, MotorLimited, WheelDemand};
+pub use pair::WheelCommands;
 pub use params::{MAX_SUPPLY_SHARE, MIN_SUPPLY_SHARE, Motor, MotorParams, WheelFriction};
 pub use speed::{SpeedLimited, SpeedOutput, SpeedParams, SpeedState, WheelSpeedCommand};
 pub use stopping::{Decay, Slowing, coast, electrical_brake};

@@ -28,6 +28,7 @@ pub(super) const RELEASE: f64 = 10.0;
 /// What is entered here is added to every torque, so enter what was identified or a little less: an
 /// overestimate pushes the wheel on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelFriction<T> {
     /// τ_c \[N m\], whatever the speed: 0 to 1e6.
     pub coulomb_nm: T,
@@ -37,11 +38,11 @@ pub struct WheelFriction<T> {
     pub stiction_nm: T,
     /// b \[N m s/rad\], 0 to 1e6.
     pub viscous_nm_s: T,
-    /// ω_b \[rad/s\]: up to this wanted speed of the wheel the Coulomb part, and the gear's loss, rise in
+    /// ω_b \[rad/s\]: up to this desired speed of the wheel the Coulomb part, and the gear's loss, rise in
     /// proportion. 1e-3 to 1e3; 0 is accepted where there is nothing to blend.
     ///
     /// A tenth of the slowest speed at which the wheel is to be exact is good: narrower gains nothing, for the
-    /// wanted speed passes through it in a few ticks, and wider leaves friction uncompensated there.
+    /// desired speed passes through it in a few ticks, and wider leaves friction uncompensated there.
     pub blend_rad_s: T,
 }
 
@@ -57,6 +58,7 @@ impl<T: Scalar> WheelFriction<T> {
 
 /// One motor with gear, wheel and bridge; both sides of a base have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotorParams<T = f32> {
     /// g: motor turns per wheel turn, 0.1 to 1e4.
     pub gear_ratio: T,

@@ -4,7 +4,7 @@
 //! v′ = v + T_d v̇      φ̇ = B̄ᵀ v′      φ̇ ← φ̇ · min(1, φ̇_max/max|φ̇|)      slowest speed, by wheel
 //! ```
 //!
-//! **Lead.** A driver whose speed follows its command as 1/(T_d s + 1) does what is asked if it is told the inverse,
+//! **Lead.** A driver whose speed follows its command as 1/(T_d s + 1) follows the reference if it is given the inverse,
 //! φ̇* + T_d φ̈*. The controller's command has an exact, limited rate, so nothing is differentiated. With T_d
 //! overestimated by ΔT the wheel is ahead by ΔT φ̈*, no more.
 //!
@@ -14,14 +14,14 @@
 //! both changes at φ̇_min/2; a blend cannot help, for what it would pass through is not executed, and a noisy command
 //! at the threshold would start and stop the wheel every tick. So each wheel has a hysteresis: it starts at
 //! 3/4 φ̇_min, and stops at 1/4 φ̇_min or when it is to reverse. A ripple of up to φ̇_min/2 from peak to
-//! peak does not chatter, and the speed told is off by at most 3/4 φ̇_min. A pose loop around such wheels ends with a
+//! peak does not chatter, and the commanded speed is off by at most 3/4 φ̇_min. A pose loop around such wheels ends with a
 //! limit cycle of a few ticks at φ̇_min, or at rest with a remaining error; its tolerance of arrival has to
 //! be above both.
 //!
 //! # What changes with such a driver
 //!
 //! The torque loop is inside the driver, so [`MotionReport::torques`](crate::motion::MotionReport::torques) is not what
-//! the wheels exert: limits of torque are not enforced and not told, nor are current, slip and disturbance seen. Limits
+//! the wheels exert: limits of torque are not enforced and not reported, nor are current, slip and disturbance seen. Limits
 //! of speed, acceleration, braking and jerk are enforced all the same, by the governor, on the command that
 //! is handed on here; so choose them such that the driver can follow. A torque limit of the controller below what the base needs
 //! would set its command back for a reason that does not exist: leave it far above.
@@ -55,14 +55,14 @@ pub struct SpeedOutput<T> {
     stop: T,
 }
 
-/// Which way each wheel was told to turn: −1, 0 or 1.
+/// Which way each wheel was commanded to turn: −1, 0 or 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct SpeedState {
     right: i8,
     left: i8,
 }
 
-/// What kept the wheel speeds from being what was asked.
+/// What limited the wheel speeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct SpeedLimited {
     /// Both wheels were slowed down by one factor: the curvature is kept.
@@ -71,7 +71,7 @@ pub struct SpeedLimited {
     pub slow: bool,
 }
 
-/// Wheel speeds to tell the driver.
+/// Wheel speeds for the driver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelSpeedCommand<T> {
     /// Within the largest speed; 0 or at least the slowest.
@@ -172,7 +172,7 @@ impl<T: Scalar> SpeedOutput<T> {
     }
 }
 
-/// Scales both speeds by one factor so that neither exceeds `limit` > 0; tells whether it had to.
+/// Scales both speeds by one factor so that neither exceeds `limit` > 0; returns whether it had to.
 fn limit_speeds<T: Scalar>(speeds: WheelSpeeds<T>, limit: T) -> (WheelSpeeds<T>, bool) {
     let (right, left) = (speeds.right.abs(), speeds.left.abs());
     let largest = if right > left { right } else { left };

@@ -22,7 +22,7 @@
 //! ```
 //!
 //! so v(t) = v₀ exp(−t/T_v), and the way is ∫ v dt = v₀ T_v; likewise the angle w₀ T_w. The floor is level; friction
-//! shortens both. What lengthens them: wheels that slide (the brake asks for κ v₀/r² per wheel at first;
+//! shortens both. What lengthens them: wheels that slide (the brake needs κ v₀/r² per wheel at first;
 //! beyond µ m g/2 the rubber is what stops), and a slope. Shorting does not hold a base on a slope: it creeps at
 //! m g sin(slope)/(κ s).
 //!

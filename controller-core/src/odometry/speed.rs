@@ -3,7 +3,7 @@
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// The loop's bandwidth is at most this over the time between counts \[rad\]. A count tells its speed
+/// The loop's bandwidth is at most this over the time between counts \[rad\]. A count shows its speed
 /// once; a loop that is much faster than the counts takes each for a blow and forgets it before the
 /// next. With 0.7, 1.5, 2.5, 4 a base of 30 kg that turns at a count in 20 ticks without telling its
 /// accelerations has a torque ripple of 3.2, 2.0, 2.1, 2.6 % of its limit.

@@ -1,4 +1,4 @@
-//! What a tick is asked to do, and its checks.
+//! The demand of a tick, and its checks.
 
 use crate::check::{check_measured, check_tick};
 use crate::error::{Input, StepFault};

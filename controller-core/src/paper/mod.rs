@@ -7,7 +7,7 @@
 //! | layer | modules |
 //! | --- | --- |
 //! | quantities | [`params`], [`demand`], [`report`] |
-//! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`handover`] (23), [`neural_law`] (17)(22); [`crate::torque`] (12)(14)(16)(21) |
+//! | laws | [`backstepping`] (10)(13), [`tracking`] (15)(18), [`parking`] (20), [`hand_over`] (23), [`neural_law`] (17)(22); [`crate::torque`] (12)(14)(16)(21) |
 //! | controllers | [`neural::NeuralController`], [`plain::PlainController`] |
 //! | insight | [`stability`], [`lyapunov`] (24)-(27), [`tuning`]: gains and margins |
 //!
@@ -16,7 +16,7 @@
 
 pub mod backstepping;
 pub mod demand;
-pub mod handover;
+pub mod hand_over;
 pub mod lyapunov;
 pub mod neural;
 pub mod neural_law;

@@ -6,7 +6,7 @@ use crate::maths::{Maths, Single};
 use crate::paper::demand::Demand;
 use crate::paper::neural_law::{LawOutput, NeuralState, park, track};
 use crate::paper::output::{check_rate, wheel_torques};
-use crate::paper::params::Validated;
+use crate::paper::params::ValidParams;
 use crate::paper::report::{Phase, StepReport};
 use crate::paper::tracking::start;
 use crate::pose_error::{PoseError, pose_error, tracking_error};
@@ -48,10 +48,10 @@ mod switch;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeuralController<T = f32, M = Single, U = RationalMean> {
-    params: Validated<T>,
+    params: ValidParams<T>,
     /// Where to park; unused while tracking.
     goal: Pose<T>,
-    /// The last report is the controller's memory: neurons, bridge terms, and the inputs that the
+    /// The last report is the controller's memory: neurons, transition offsets, and the inputs that the
     /// neurons had. It is written once a tick, at its end, so that a fault changes nothing.
     report: StepReport<T>,
     wrench_step: Option<Wrench<T>>,
@@ -63,13 +63,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
     /// [`report`](Self::report). Eqs. (18), (19).
     ///
     /// `reference` is where the reference is now. Any pose error, any measured twist and any
-    /// reference speed will do; [`StepReport::is_bridging`] tells when (18) could not be met as
+    /// reference speed will do; [`StepReport::has_transition_offset`] says when (18) could not be met as
     /// printed.
     ///
     /// # Errors
     /// An input that is not finite, or so large that a torque is not.
     pub fn start(
-        params: &Validated<T>,
+        params: &ValidParams<T>,
         reference: &Reference<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {
@@ -84,7 +84,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
             s1: first.s1,
             s_turn: first.s2,
             accel: Accel::default(), // Eq. (19)
-            bridge: first.bridge,
+            transition_offset: first.transition_offset,
         };
         let output = track(params, &state, reference, measured, error, heading);
         // The first torque does not depend on the errors, the next one will.
@@ -137,7 +137,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         &self.report
     }
 
-    /// The step of the wrench at the hand-over: what parking asked for minus what tracking would
+    /// The step of the wrench at the hand-over: what parking demanded minus what tracking would
     /// have, at the same instant. `None` before; 0 up to rounding with the default reset.
     pub fn hand_over_step(&self) -> Option<Wrench<T>> {
         self.wrench_step
@@ -150,12 +150,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         !(neuron.contains(accel.linear) && neuron.contains(accel.angular))
     }
 
-    /// Neurons and bridge terms as the last tick left them.
+    /// Neurons and transition offsets as the last tick left them.
     pub fn state(&self) -> NeuralState<T> {
         let StepReport {
             phase,
             neurons,
-            bridge,
+            transition_offset,
             ..
         } = self.report;
         NeuralState {
@@ -165,7 +165,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
                 Phase::Parking => neurons.s3,
             },
             accel: neurons.accel,
-            bridge,
+            transition_offset,
         }
     }
 
@@ -198,7 +198,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         (state, output)
     }
 
-    /// s₁, the turning neuron `(state, last input, input)` and the bridges over a tick.
+    /// s₁, the turning neuron `(state, last input, input)` and the transition offsets over a tick.
     #[inline(always)]
     fn advance_pose(&self, error: &PoseError<T>, turn: (T, T, T), two_per_dt: T) -> NeuralState<T> {
         let neuron = &self.params.shunting;
@@ -210,9 +210,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
             s1: neuron.advance::<U, M>(last.neurons.s1, ahead, two_per_dt),
             s_turn: neuron.advance::<U, M>(turn.0, around, two_per_dt),
             accel: last.neurons.accel,
-            bridge: Twist {
-                linear: last.bridge.linear - faded * last.bridge.linear,
-                angular: last.bridge.angular - faded * last.bridge.angular,
+            transition_offset: Twist {
+                linear: last.transition_offset.linear - faded * last.transition_offset.linear,
+                angular: last.transition_offset.angular - faded * last.transition_offset.angular,
             },
         }
     }
@@ -256,7 +256,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
         report.command = output.command;
         report.command_rate = output.command_rate;
         report.velocity_error = output.velocity_error;
-        report.bridge = state.bridge;
+        report.transition_offset = state.transition_offset;
         report.wrench = wrench;
         report.torques = torques;
         report.saturated = saturated;

@@ -2,7 +2,7 @@
 //! integrates them in continuous time. Eqs. (15)-(17) and (20)-(22).
 
 use crate::maths::Maths;
-use crate::paper::params::Validated;
+use crate::paper::params::ValidParams;
 use crate::paper::{parking, tracking};
 use crate::pose_error::{PoseError, pose_error, tracking_error};
 use crate::reference::Reference;
@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::torque;
 use crate::types::{Accel, Measured, Pose, Twist, Wrench};
 
-/// The controller's memory: four neurons and two bridge terms.
+/// The controller's memory: four neurons and two transition offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NeuralState<T> {
     /// s₁, of e_x.
@@ -20,7 +20,7 @@ pub struct NeuralState<T> {
     /// (v̇_s, ẇ_s).
     pub accel: Accel<T>,
     /// (b_v, b_w).
-    pub bridge: Twist<T>,
+    pub transition_offset: Twist<T>,
 }
 
 /// What a law makes of a state and a measurement.
@@ -40,7 +40,7 @@ pub struct LawOutput<T> {
 
 impl<T: Scalar> LawOutput<T> {
     /// Eqs. (17) and (22): rates of change of all states.
-    pub fn state_rate(&self, params: &Validated<T>, state: &NeuralState<T>) -> NeuralState<T> {
+    pub fn state_rate(&self, params: &ValidParams<T>, state: &NeuralState<T>) -> NeuralState<T> {
         let neuron = &params.shunting;
         NeuralState {
             s1: neuron.rate(state.s1, self.drives.0),
@@ -49,16 +49,16 @@ impl<T: Scalar> LawOutput<T> {
                 linear: neuron.rate(state.accel.linear, self.command_rate.linear),
                 angular: neuron.rate(state.accel.angular, self.command_rate.angular),
             },
-            bridge: Twist {
-                linear: neuron.rate(state.bridge.linear, T::ZERO),
-                angular: neuron.rate(state.bridge.angular, T::ZERO),
+            transition_offset: Twist {
+                linear: neuron.rate(state.transition_offset.linear, T::ZERO),
+                angular: neuron.rate(state.transition_offset.angular, T::ZERO),
             },
         }
     }
 
     /// Eq. (16): the wrench while tracking.
     #[inline(always)]
-    pub fn tracking_wrench(&self, params: &Validated<T>, accel: &Accel<T>) -> Wrench<T> {
+    pub fn tracking_wrench(&self, params: &ValidParams<T>, accel: &Accel<T>) -> Wrench<T> {
         let gains = &params.params.tracking;
         let gain = (gains.k_d1, gains.k_d2);
         torque::wrench(&params.params.robot, gain, &self.velocity_error, accel)
@@ -66,7 +66,7 @@ impl<T: Scalar> LawOutput<T> {
 
     /// Eq. (21): the wrench while parking.
     #[inline(always)]
-    pub fn parking_wrench(&self, params: &Validated<T>, accel: &Accel<T>) -> Wrench<T> {
+    pub fn parking_wrench(&self, params: &ValidParams<T>, accel: &Accel<T>) -> Wrench<T> {
         let gains = &params.params.parking;
         let gain = (gains.k_c1, gains.k_c2);
         torque::wrench(&params.params.robot, gain, &self.velocity_error, accel)
@@ -76,7 +76,7 @@ impl<T: Scalar> LawOutput<T> {
 /// The tracking law at one instant. Eq. (15) and its rate.
 #[inline(always)]
 pub fn tracking_law<T: Scalar, M: Maths<T>>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     reference: &Reference<T>,
     measured: &Measured<T>,
@@ -88,7 +88,7 @@ pub fn tracking_law<T: Scalar, M: Maths<T>>(
 /// [`tracking_law`] with the pose error at hand.
 #[inline(always)]
 pub(crate) fn track<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     reference: &Reference<T>,
     measured: &Measured<T>,
@@ -113,7 +113,7 @@ pub(crate) fn track<T: Scalar>(
 /// The parking law at one instant. Eq. (20) and its rate.
 #[inline(always)]
 pub fn parking_law<T: Scalar, M: Maths<T>>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     goal: &Pose<T>,
     measured: &Measured<T>,
@@ -125,7 +125,7 @@ pub fn parking_law<T: Scalar, M: Maths<T>>(
 /// [`parking_law`] with the pose error at hand.
 #[inline(always)]
 pub(crate) fn park<T: Scalar, M: Maths<T>>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     measured: &Measured<T>,
     error: PoseError<T>,
@@ -147,7 +147,7 @@ pub(crate) fn park<T: Scalar, M: Maths<T>>(
 
 #[inline(always)]
 fn neuron_rates<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     drives: (T, T),
 ) -> (T, T) {
@@ -158,10 +158,10 @@ fn neuron_rates<T: Scalar>(
     )
 }
 
-/// Adds the bridge terms, which fade as db/dt = −A b, and forms the velocity error.
+/// Adds the transition offsets, which fade as db/dt = −A b, and forms the velocity error.
 #[inline(always)]
 fn assemble<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     state: &NeuralState<T>,
     measured: &Measured<T>,
     error: PoseError<T>,
@@ -171,12 +171,12 @@ fn assemble<T: Scalar>(
 ) -> LawOutput<T> {
     let decay = params.shunting.decay();
     let command = Twist {
-        linear: shaped.linear + state.bridge.linear,
-        angular: shaped.angular + state.bridge.angular,
+        linear: shaped.linear + state.transition_offset.linear,
+        angular: shaped.angular + state.transition_offset.angular,
     };
     let command_rate = Accel {
-        linear: shaped_rate.linear - decay * state.bridge.linear,
-        angular: shaped_rate.angular - decay * state.bridge.angular,
+        linear: shaped_rate.linear - decay * state.transition_offset.linear,
+        angular: shaped_rate.angular - decay * state.transition_offset.angular,
     };
     let velocity_error = measured.twist.minus(&command);
     LawOutput {

@@ -3,7 +3,7 @@
 use crate::check::check_measured;
 use crate::error::StepFault;
 use crate::paper::demand::Demand;
-use crate::paper::params::Validated;
+use crate::paper::params::ValidParams;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, WheelTorques, Wrench};
 use crate::wheels::limit_torques;
@@ -15,7 +15,7 @@ use crate::wheels::limit_torques;
 /// input it was is found out afterwards.
 #[inline(always)]
 pub(crate) fn wheel_torques<T: Scalar>(
-    params: &Validated<T>,
+    params: &ValidParams<T>,
     wrench: &Wrench<T>,
     demand: &Demand<T>,
     measured: &Measured<T>,

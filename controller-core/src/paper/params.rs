@@ -129,7 +129,7 @@ impl<T: Scalar> Params<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
-    pub fn validate(self) -> Result<Validated<T>, ParamError> {
+    pub fn validate(self) -> Result<ValidParams<T>, ParamError> {
         const GAIN: (f64, f64) = (1.0e-6, 1.0e6);
         let robot = &self.robot;
         within(Field::Mass, robot.mass_kg, 1.0e-3, 1.0e5)?;
@@ -154,7 +154,7 @@ impl<T: Scalar> Params<T> {
             None => T::MAX,
         };
         within(Field::MaxTick, self.max_tick_s, 1.0e-6, 1.0e3)?;
-        Ok(Validated {
+        Ok(ValidParams {
             params: self,
             shunting,
             wheels,
@@ -165,14 +165,14 @@ impl<T: Scalar> Params<T> {
 
 /// [`Params`] that passed `validate`, with what follows from them worked out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Validated<T> {
+pub struct ValidParams<T> {
     pub(crate) params: Params<T>,
     pub(crate) shunting: Shunting<T>,
     pub(crate) wheels: WheelMap<T>,
     pub(crate) torque_limit: T,
 }
 
-impl<T: Scalar> Validated<T> {
+impl<T: Scalar> ValidParams<T> {
     /// The parameters as they were given.
     pub fn params(&self) -> &Params<T> {
         &self.params

@@ -7,9 +7,9 @@ use crate::paper::backstepping::{
     parking_command, parking_command_rate, tracking_command, tracking_command_rate,
 };
 use crate::paper::demand::Demand;
-use crate::paper::handover::wrench_step;
+use crate::paper::hand_over::wrench_step;
 use crate::paper::output::{check_rate, wheel_torques};
-use crate::paper::params::Validated;
+use crate::paper::params::ValidParams;
 use crate::paper::report::{Phase, StepReport};
 use crate::pose_error::{pose_error, tracking_error};
 use crate::reference::Reference;
@@ -24,7 +24,7 @@ use core::marker::PhantomData;
 /// of the report are 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlainController<T = f32, M = Single> {
-    params: Validated<T>,
+    params: ValidParams<T>,
     /// Where to park; unused while tracking.
     goal: Pose<T>,
     report: StepReport<T>,
@@ -39,7 +39,7 @@ impl<T: Scalar, M: Maths<T>> PlainController<T, M> {
     /// # Errors
     /// An input that is not finite, or so large that a torque is not.
     pub fn start(
-        params: &Validated<T>,
+        params: &ValidParams<T>,
         reference: &Reference<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {
@@ -90,7 +90,7 @@ impl<T: Scalar, M: Maths<T>> PlainController<T, M> {
         &self.report
     }
 
-    /// The step of the wrench at the hand-over: what parking asked for minus what tracking would
+    /// The step of the wrench at the hand-over: what parking demanded minus what tracking would
     /// have, at the same instant. `None` before.
     pub fn hand_over_step(&self) -> Option<Wrench<T>> {
         self.wrench_step

@@ -39,19 +39,19 @@ pub struct StepReport<T> {
     pub error: PoseError<T>,
     /// Neuron states after this tick's update.
     pub neurons: NeuronStates<T>,
-    /// (v_c, w_c), bridge included.
+    /// (v_c, w_c), transition offset included.
     pub command: Twist<T>,
-    /// (v̇_c, ẇ_c), bridge included.
+    /// (v̇_c, ẇ_c), transition offset included.
     pub command_rate: Accel<T>,
     /// δ = (v − v_c, w − w_c).
     pub velocity_error: Twist<T>,
-    /// Bridge terms (b_v, b_w) within the command; see [`StepReport::is_bridging`].
-    pub bridge: Twist<T>,
-    /// (τ₁, τ₂) that the law asks for.
+    /// Transition offsets (b_v, b_w) within the command; see [`StepReport::has_transition_offset`].
+    pub transition_offset: Twist<T>,
+    /// (τ₁, τ₂) that the law demands.
     pub wrench: Wrench<T>,
-    /// What the wheels are to be told \[N m\]: the wrench through B̄⁻¹, limited.
+    /// Torques for the wheels \[N m\]: the wrench through B̄⁻¹, limited.
     pub torques: WheelTorques<T>,
-    /// Both wheel torques were scaled down to the limit; `wrench` is what was asked for.
+    /// Both wheel torques were scaled down to the limit; `wrench` is what was demanded.
     pub saturated: bool,
 }
 
@@ -62,19 +62,20 @@ cast!(
         command,
         command_rate,
         velocity_error,
-        bridge,
+        transition_offset,
         wrench,
         torques,
     } keeps phase, saturated
 );
 
 impl<T: Scalar> StepReport<T> {
-    /// A bridge term above `threshold` \[m/s, rad/s\] is at work: the start or the hand-over asked
+    /// A transition offset above `threshold` \[m/s, rad/s\] is at work: the start or the hand-over asked
     /// for more than the neurons hold.
     ///
-    /// Bridges fade as exp(−A t) and become exactly 0 only when they underflow; with a threshold of
-    /// 0 the answer tells whether one was needed at all.
-    pub fn is_bridging(&self, threshold: T) -> bool {
-        self.bridge.linear.abs() > threshold || self.bridge.angular.abs() > threshold
+    /// Transition offsets fade as exp(−A t) and become exactly 0 only when they underflow; with a threshold of
+    /// 0 the answer says whether one was needed at all.
+    pub fn has_transition_offset(&self, threshold: T) -> bool {
+        self.transition_offset.linear.abs() > threshold
+            || self.transition_offset.angular.abs() > threshold
     }
 }

@@ -7,7 +7,7 @@
 
 mod loops;
 
-pub(crate) use loops::{PathLoop, along, lateral};
+pub(crate) use loops::{PathLoop, lateral, longitudinal};
 
 use crate::maths::Maths;
 use crate::paper::params::Params;
@@ -19,10 +19,10 @@ fn for_both_bounds<T: Scalar>(neurons: &NeuronParams<T>, check: impl Fn(T) -> bo
 }
 
 /// Tracking is stable along the path (k₁, k_d1).
-pub fn tracking_along_is_stable<T: Scalar>(params: &Params<T>) -> bool {
+pub fn longitudinal_tracking_is_stable<T: Scalar>(params: &Params<T>) -> bool {
     let bandwidth = params.tracking.k_d1 / params.robot.mass_kg;
     for_both_bounds(&params.neurons, |b| {
-        along(params.tracking.k1, bandwidth, params.neurons.a, b).is_stable()
+        longitudinal(params.tracking.k1, bandwidth, params.neurons.a, b).is_stable()
     })
 }
 
@@ -33,7 +33,8 @@ pub fn parking_is_stable<T: Scalar>(params: &Params<T>) -> bool {
     let heading = gains.k_c2 / params.robot.inertia_kg_m2;
     let a = params.neurons.a;
     for_both_bounds(&params.neurons, |b| {
-        along(gains.k4, distance, a, b).is_stable() && along(gains.k5, heading, a, b).is_stable()
+        longitudinal(gains.k4, distance, a, b).is_stable()
+            && longitudinal(gains.k5, heading, a, b).is_stable()
     })
 }
 

@@ -20,7 +20,7 @@ use crate::types::{Accel, Twist};
 /// | (sin e_θ, cos e_θ) | `heading` | |
 /// | s₁, s₂ | neurons of e_x and e_y | m with A = B = D |
 ///
-/// A bridge term may be added to each; see [`start`].
+/// A transition offset may be added to each; see [`start`].
 #[inline(always)]
 pub fn command<T: Scalar>(
     gains: &TrackingGains<T>,
@@ -76,7 +76,7 @@ pub struct Start<T> {
     /// s₂(0), in [−D, B].
     pub s2: T,
     /// b(0): added to the command and faded out as exp(−A t). Zero if (18) could be met.
-    pub bridge: Twist<T>,
+    pub transition_offset: Twist<T>,
 }
 
 /// Start without a jump: the first command equals the measured twist. Eqs. (18) and (19), for any start.
@@ -88,7 +88,7 @@ pub struct Start<T> {
 ///
 /// The paper has v(0) = w(0) = 0. Its (18) cannot be met where it leaves [−D, B] (low v_r: only
 /// 41 % of headings at 0.05 m/s with the default gains) or divides by v_r = 0. There the neurons
-/// are clipped and a bridge term per command carries the rest: a neuron without input, so it fades
+/// are clipped and a transition offset per command carries the rest: a neuron without input, so it fades
 /// with the neurons' own rate A and keeps every bound.
 #[inline(always)]
 pub fn start<T: Scalar>(
@@ -103,25 +103,29 @@ pub fn start<T: Scalar>(
     let turn = twist.angular - reference.angular - gains.k3 * sine;
     let (s1, bridge_linear) = carry(shunting, ahead, gains.k1);
     let (s2, bridge_angular) = carry(shunting, turn, gains.k2 * reference.linear);
-    let bridge = Twist {
+    let transition_offset = Twist {
         linear: bridge_linear,
         angular: bridge_angular,
     };
-    Start { s1, s2, bridge }
+    Start {
+        s1,
+        s2,
+        transition_offset,
+    }
 }
 
-/// Splits `wanted` into gain · s with s in [−D, B], and a rest that is zero if s could carry it all.
+/// Splits `desired` into gain · s with s in [−D, B], and a rest that is zero if s could carry it all.
 #[inline(always)]
-pub(crate) fn carry<T: Scalar>(shunting: &Shunting<T>, wanted: T, gain: T) -> (T, T) {
+pub(crate) fn carry<T: Scalar>(shunting: &Shunting<T>, desired: T, gain: T) -> (T, T) {
     if gain == T::ZERO {
-        return (T::ZERO, wanted);
+        return (T::ZERO, desired);
     }
     // May be infinite for a tiny gain; the clip is by comparison, so that is fine.
-    let ideal = wanted / gain;
+    let ideal = desired / gain;
     if shunting.contains(ideal) {
         (ideal, T::ZERO)
     } else {
         let state = shunting.clip(ideal);
-        (state, wanted - gain * state)
+        (state, desired - gain * state)
     }
 }

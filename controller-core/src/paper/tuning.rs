@@ -1,15 +1,15 @@
-//! Wishes and margins for the paper's law, [`crate::paper::neural`].
+//! Design specifications and margins for the paper's law, [`crate::paper::neural`].
 
 mod design;
 mod gains;
-mod wishes;
+mod spec;
 
 pub use gains::gains;
-pub use wishes::{Tolerance, Wishes};
+pub use spec::{DesignSpec, Tolerance};
 
 use crate::maths::Maths;
 use crate::paper::params::Params;
-use crate::paper::stability::{PathLoop, along, lateral, max_stable_speed};
+use crate::paper::stability::{PathLoop, lateral, longitudinal, max_stable_speed};
 use crate::scalar::Scalar;
 use crate::tuning::{Channel, LoopMargins, Warning, concern};
 
@@ -17,17 +17,17 @@ use crate::tuning::{Channel, LoopMargins, Warning, concern};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperMargins<T> {
     /// Tracking, e_x: k₁, k_d1.
-    pub along: LoopMargins<T>,
+    pub longitudinal: LoopMargins<T>,
     /// Tracking, e_y and e_θ: k₂, k₃, k_d2.
-    pub across: LoopMargins<T>,
+    pub lateral: LoopMargins<T>,
     /// Parking, distance: k₄, k_c1.
     pub approach: LoopMargins<T>,
     /// Parking, heading: k₅, k_c2.
     pub heading: LoopMargins<T>,
     /// 4 k₁ k_d1: V₁ + V₂ of Eqs. (25)-(27) never rises if this and the next are at least 1.
-    pub lyapunov_along: T,
+    pub lyapunov_longitudinal: T,
     /// 4 k₂ k₃ k_d2.
-    pub lyapunov_across: T,
+    pub lyapunov_lateral: T,
     /// Largest stable reference speed \[m/s\], [`max_stable_speed`]; 0 if there is none.
     pub max_speed: T,
 }
@@ -36,14 +36,14 @@ impl<T: Scalar> PaperMargins<T> {
     /// The worst of all loops, field by field.
     pub fn worst(&self) -> LoopMargins<T> {
         let parking = self.approach.worse(&self.heading);
-        self.along.worse(&self.across).worse(&parking)
+        self.longitudinal.worse(&self.lateral).worse(&parking)
     }
 
     /// What is not healthy, if anything.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         [
-            (Channel::Along, self.along),
-            (Channel::Across, self.across),
+            (Channel::Longitudinal, self.longitudinal),
+            (Channel::Lateral, self.lateral),
             (Channel::Approach, self.approach),
             (Channel::Heading, self.heading),
         ]
@@ -81,13 +81,14 @@ pub fn margins<T: Scalar, M: Maths<T>>(params: &Params<T>, speed: T) -> PaperMar
             upper.worse(&of(neurons.d))
         }
     };
-    let channel = |gain: T, loop_gain: T| both(&|b| along(gain, loop_gain, a, b).margins::<M>());
+    let channel =
+        |gain: T, loop_gain: T| both(&|b| longitudinal(gain, loop_gain, a, b).margins::<M>());
     let four = T::from_f64(4.0);
     PaperMargins {
-        along: channel(tracking.k1, tracking.k_d1 / m),
-        across: both(&|b| {
+        longitudinal: channel(tracking.k1, tracking.k_d1 / m),
+        lateral: both(&|b| {
             let path = PathLoop {
-                across: tracking.k2 * speed * speed,
+                lateral: tracking.k2 * speed * speed,
                 heading: tracking.k3,
                 bandwidth: tracking.k_d2 / i,
                 a,
@@ -97,8 +98,8 @@ pub fn margins<T: Scalar, M: Maths<T>>(params: &Params<T>, speed: T) -> PaperMar
         }),
         approach: channel(parking.k4, parking.k_c1 / m),
         heading: channel(parking.k5, parking.k_c2 / i),
-        lyapunov_along: four * tracking.k1 * tracking.k_d1,
-        lyapunov_across: four * tracking.k2 * tracking.k3 * tracking.k_d2,
+        lyapunov_longitudinal: four * tracking.k1 * tracking.k_d1,
+        lyapunov_lateral: four * tracking.k2 * tracking.k3 * tracking.k_d2,
         max_speed: max_stable_speed::<T, M>(params).unwrap_or(T::ZERO),
     }
 }

@@ -48,9 +48,9 @@ pub enum Fault {
     TickTooLong,
     /// The pose jumped further than the robot can have moved.
     PoseJump,
-    /// A wheel is told to turn and its counts stand still: its encoder is lost, or the wheel is blocked.
+    /// A wheel is commanded to turn and its counts stand still: its encoder is lost, or the wheel is blocked.
     /// From wheels alone the two look alike; where an external twist shows that the robot stands, the
-    /// finding is [`Fault::Stalled`] instead.
+    /// fault is [`Fault::Stalled`] instead.
     EncoderStuck(Side),
     /// Counts move against what torque and mass say: encoder or motor wired the wrong way round. The
     /// velocity loop then has positive feedback.
@@ -66,10 +66,10 @@ pub enum Fault {
     UnderVoltage,
     /// The controller refused a tick.
     StepRefused(StepFault),
-    /// The robot is told to move and stands.
+    /// The robot is commanded to move and stands.
     Stalled,
-    /// The motion law gave up reaching its goal.
-    GaveUp,
+    /// The motion law has no retry left and is still outside the tolerance of its goal.
+    GoalUnreachable,
 }
 
 /// A [`Fault`] without its details: what a policy is written for, and what a counter counts.
@@ -93,7 +93,7 @@ pub enum FaultKind {
     UnderVoltage,
     StepRefused,
     Stalled,
-    GaveUp,
+    GoalUnreachable,
 }
 
 impl FaultKind {
@@ -117,7 +117,7 @@ impl FaultKind {
         Self::UnderVoltage,
         Self::StepRefused,
         Self::Stalled,
-        Self::GaveUp,
+        Self::GoalUnreachable,
     ];
 
     /// A number that never changes its meaning: for logs, wires and blink codes. From 1; 0 is free for
@@ -139,7 +139,7 @@ impl FaultKind {
             Self::UnderVoltage => 13,
             Self::StepRefused => 14,
             Self::Stalled => 15,
-            Self::GaveUp => 16,
+            Self::GoalUnreachable => 16,
         }
     }
 
@@ -166,7 +166,7 @@ impl FaultKind {
             Self::UnderVoltage => "under_voltage",
             Self::StepRefused => "step_refused",
             Self::Stalled => "stalled",
-            Self::GaveUp => "gave_up",
+            Self::GoalUnreachable => "goal_unreachable",
         }
     }
 }
@@ -190,7 +190,7 @@ impl Fault {
             Self::UnderVoltage => FaultKind::UnderVoltage,
             Self::StepRefused(_) => FaultKind::StepRefused,
             Self::Stalled => FaultKind::Stalled,
-            Self::GaveUp => FaultKind::GaveUp,
+            Self::GoalUnreachable => FaultKind::GoalUnreachable,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What can go wrong, how it is found, what is done about it, and how far the base goes until it stands.
 //!
 //! ```text
-//! Evidence -> Monitor::check -> Findings -> Supervisor::on_findings (Policy) -> OutputMode
+//! DetectorInputs -> Monitor::check -> ActiveFaults -> Supervisor::on_active_faults (Policy) -> OutputMode
 //! commands, mission ---------> Event ----> Supervisor::on ------^                   |
 //!                                          Supervisor::tick (time, at rest)     StopPlan
 //! ```
@@ -9,31 +9,31 @@
 //! | part | what it is |
 //! | --- | --- |
 //! | [`Fault`], [`FaultKind`] | what went wrong, typed, with a stable code |
-//! | [`Reaction`], [`Response`], [`Policy`] | what is done about each kind, checked against what it leaves working |
-//! | [`WatchParams`], [`Timeout`] | thresholds and times; off only where it says so |
-//! | [`Monitor`] | detectors: one call a tick, plain values in, [`Findings`] out |
+//! | [`Reaction`], [`Response`], [`ValidPolicyParams`] | what is done about each kind, checked against what it leaves working |
+//! | [`DetectorParams`], [`Timeout`] | thresholds and times; off only where it says so |
+//! | [`Monitor`] | detectors: one call a tick, plain values in, [`ActiveFaults`] out |
 //! | [`supervisor`] | states and events: a table without a wildcard |
 //! | [`StopPlan`], [`controlled_stop`] | the controlled stop and the way it takes |
 //!
 //! Nothing here has a clock or touches hardware: time comes as microseconds since the last tick.
 
-mod evidence;
+mod detector_params;
 mod fault;
+mod inputs;
 mod monitor;
 mod policy;
 mod reaction;
 mod stopping;
 pub mod supervisor;
-mod watch;
 
-pub use evidence::{Currents, Evidence, Findings};
+pub use detector_params::{
+    CurrentDetectorParams, DetectorParams, SlipDetectorParams, StuckDetectorParams,
+    SupplyDetectorParams, TickDetectorParams, Timeout, ValidDetectorParams, WheelDetectorParams,
+};
 pub use fault::{Fault, FaultKind, Side};
+pub use inputs::{ActiveFaults, Currents, DetectorInputs};
 pub use monitor::Monitor;
-pub use policy::{Policy, PolicyError, PolicyParams, PolicyProblem};
+pub use policy::{PolicyError, PolicyParams, PolicyProblem, ValidPolicyParams};
 pub use reaction::{Reaction, Response};
 pub use stopping::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 pub use supervisor::{OutputMode, Supervisor};
-pub use watch::{
-    CurrentWatch, SlipWatch, StuckWatch, SupplyWatch, TickWatch, Timeout, Watch, WatchParams,
-    WheelWatch,
-};

@@ -26,17 +26,18 @@ pub struct PolicyParams {
     pub under_voltage: Response,
     pub step_refused: Response,
     pub stalled: Response,
-    pub gave_up: Response,
+    #[cfg_attr(feature = "serde", serde(alias = "gave_up"))]
+    pub goal_unreachable: Response,
 }
 
 impl PolicyParams {
-    /// The default of [`Policy`].
+    /// The default of [`ValidPolicyParams`].
     pub const DEFAULT: Self = Self {
         // Blind: what is left needs no speed to work.
         measurement_stale: Response::latched(Reaction::Brake),
         // Odometry drifts by a few per cent of the way: good enough for the way of a stop.
         pose_stale: Response::passing(Reaction::ControlledStop),
-        // Nobody tells where to go; the base itself is sound, and may go on when the host is back.
+        // There is no target; the base itself is sound, and may go on when the host is back.
         command_stale: Response::passing(Reaction::ControlledStop),
         // What is not a number says nothing of the next one.
         not_finite: Response::latched(Reaction::Brake),
@@ -45,14 +46,14 @@ impl PolicyParams {
         // The loop was blind once, and is not any more.
         tick_too_long: Response::latched(Reaction::ControlledStop),
         // The motion law takes jumps without a step of torque.
-        pose_jump: Response::RIDE_OUT,
+        pose_jump: Response::IGNORE,
         // Half of the twist is wrong, so a velocity loop would push on.
         encoder_stuck: Response::latched(Reaction::Brake),
         // The velocity loop drives the error up; an electrical brake has no sign to get wrong.
         encoder_reversed: Response::latched(Reaction::Brake),
         // Grip comes back with less torque; odometry is off by then, so the way is not driven on.
         wheel_slip: Response::passing(Reaction::ControlledStop),
-        // After an error the wheels' state is unknown, and the driver has to be told to let go.
+        // After an error the wheels' state is unknown, and the driver has to release.
         driver: Response::latched(Reaction::Release),
         // A brake would add the current of the motor's own voltage.
         over_current: Response::latched(Reaction::Release),
@@ -63,7 +64,7 @@ impl PolicyParams {
         // Nothing moves anyhow; free of the obstacle it may be armed again.
         stalled: Response::passing(Reaction::ControlledStop),
         // The goal is not reached, everything else works.
-        gave_up: Response::passing(Reaction::ControlledStop),
+        goal_unreachable: Response::passing(Reaction::ControlledStop),
     };
 
     /// The response to a kind.
@@ -84,7 +85,7 @@ impl PolicyParams {
             FaultKind::UnderVoltage => self.under_voltage,
             FaultKind::StepRefused => self.step_refused,
             FaultKind::Stalled => self.stalled,
-            FaultKind::GaveUp => self.gave_up,
+            FaultKind::GoalUnreachable => self.goal_unreachable,
         }
     }
 
@@ -107,7 +108,7 @@ impl PolicyParams {
             FaultKind::UnderVoltage => &mut self.under_voltage,
             FaultKind::StepRefused => &mut self.step_refused,
             FaultKind::Stalled => &mut self.stalled,
-            FaultKind::GaveUp => &mut self.gave_up,
+            FaultKind::GoalUnreachable => &mut self.goal_unreachable,
         };
         *place = response;
         self
@@ -117,26 +118,26 @@ impl PolicyParams {
     ///
     /// # Errors
     /// The first kind, by its code, whose response cannot work.
-    pub fn validate(self) -> Result<Policy, PolicyError> {
+    pub fn validate(self) -> Result<ValidPolicyParams, PolicyError> {
         for kind in FaultKind::ALL {
             let Response { reaction, latch } = self.get(kind);
             let problem = match (kind.broken(), reaction) {
                 (Some(Broken::Driver), reaction) if reaction < Reaction::Release => {
                     PolicyProblem::NeedsDriver
                 }
-                (Some(_), Reaction::RideOut) => PolicyProblem::MayNotBeRiddenOut,
+                (Some(_), Reaction::Ignore) => PolicyProblem::MayNotBeIgnored,
                 (Some(Broken::Measurement), Reaction::ControlledStop) => {
                     PolicyProblem::NeedsMeasurement
                 }
                 (Some(Broken::Controller), Reaction::ControlledStop) => {
                     PolicyProblem::NeedsController
                 }
-                (_, Reaction::RideOut) if latch => PolicyProblem::RiddenOutLatched,
+                (_, Reaction::Ignore) if latch => PolicyProblem::IgnoredLatched,
                 _ => continue,
             };
             return Err(PolicyError { kind, problem });
         }
-        Ok(Policy(self))
+        Ok(ValidPolicyParams(self))
     }
 }
 
@@ -155,7 +156,7 @@ enum Broken {
 }
 
 impl FaultKind {
-    /// The measured twist cannot be relied upon, not even to tell that the base rests.
+    /// The measured twist cannot be relied upon, not even to see that the base rests.
     pub const fn breaks_measurement(self) -> bool {
         matches!(self.broken(), Some(Broken::Measurement))
     }
@@ -177,16 +178,16 @@ impl FaultKind {
             | Self::OverCurrent
             | Self::UnderVoltage
             | Self::Stalled
-            | Self::GaveUp => None,
+            | Self::GoalUnreachable => None,
         }
     }
 }
 
 /// [`PolicyParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Policy(PolicyParams);
+pub struct ValidPolicyParams(PolicyParams);
 
-impl Policy {
+impl ValidPolicyParams {
     /// The response to a fault.
     pub const fn response(&self, fault: Fault) -> Response {
         self.0.get(fault.kind())
@@ -198,7 +199,7 @@ impl Policy {
     }
 }
 
-impl Default for Policy {
+impl Default for ValidPolicyParams {
     /// [`PolicyParams::DEFAULT`], which a test holds to be valid.
     fn default() -> Self {
         Self(PolicyParams::DEFAULT)
@@ -210,15 +211,15 @@ impl Default for Policy {
 #[non_exhaustive]
 pub enum PolicyProblem {
     /// Driving on would be blind.
-    MayNotBeRiddenOut,
+    MayNotBeIgnored,
     /// A controlled stop goes by the measurement that is broken.
     NeedsMeasurement,
     /// A controlled stop goes by the controller that refuses to work.
     NeedsController,
     /// The driver that failed cannot be relied upon: only releasing is left.
     NeedsDriver,
-    /// What is ridden out has no end to be latched.
-    RiddenOutLatched,
+    /// A fault that is ignored has no end to be latched.
+    IgnoredLatched,
 }
 
 /// A response that `validate` refuses.
@@ -233,11 +234,11 @@ pub struct PolicyError {
 impl fmt::Display for PolicyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let why = match self.problem {
-            PolicyProblem::MayNotBeRiddenOut => "may not be ridden out",
+            PolicyProblem::MayNotBeIgnored => "may not be ignored",
             PolicyProblem::NeedsMeasurement => "leaves no measurement for a controlled stop",
             PolicyProblem::NeedsController => "leaves no controller for a controlled stop",
             PolicyProblem::NeedsDriver => "leaves nothing but to release the wheels",
-            PolicyProblem::RiddenOutLatched => "is ridden out and cannot be latched",
+            PolicyProblem::IgnoredLatched => "is ignored and cannot be latched",
         };
         write!(f, "{} {why}", self.kind)
     }

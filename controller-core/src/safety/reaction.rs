@@ -2,7 +2,7 @@
 
 /// What is done about a fault, ordered by severity: a later one beats an earlier one.
 ///
-/// Each needs less to work than the one before: riding out needs everything, a controlled stop needs a
+/// Each needs less to work than the one before: ignoring needs everything, a controlled stop needs a
 /// measurement and a controller, an electrical brake only the driver, and a release nothing. So when
 /// several faults come in one tick the most severe reaction is taken, a worse one that comes during a
 /// stop takes over, and a milder one during a stop changes nothing but whether the end is latched.
@@ -10,8 +10,9 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Reaction {
-    /// Count it, tell it, go on.
-    RideOut,
+    /// Count it, report it, go on.
+    #[cfg_attr(feature = "serde", serde(alias = "ride-out"))]
+    Ignore,
     /// Decelerate within the limits by the velocity loop: [`crate::safety::StopPlan`].
     ControlledStop,
     /// Short the motors: the wheels brake themselves in proportion to their speed, whatever is measured.
@@ -27,13 +28,13 @@ pub struct Response {
     /// What is done.
     pub reaction: Reaction,
     /// Ends in the state Fault, which only a reset leaves, instead of Stopped, from which arming is
-    /// enough. Never true for what is ridden out.
+    /// enough. Never true for a fault that is ignored.
     pub latch: bool,
 }
 
 impl Response {
     /// Count and go on.
-    pub const RIDE_OUT: Self = Self::passing(Reaction::RideOut);
+    pub const IGNORE: Self = Self::passing(Reaction::Ignore);
 
     /// A reaction that needs no reset.
     pub const fn passing(reaction: Reaction) -> Self {

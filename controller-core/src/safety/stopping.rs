@@ -21,13 +21,13 @@
 //! To each of them comes v₀ times the time in which the fault is found ([`crate::safety::Monitor`]) and one tick.
 
 use crate::maths::Maths;
-use crate::motion::{Motion, Task};
+use crate::motion::{Task, ValidMotionParams};
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
 
 /// Share of braking and turning acceleration that the plan uses. An acceleration a under way fades by the
-/// bridge as a (1 − A t) e^(−A t), which falls to −0.135 a: that much has to be left, or the governor would
+/// transition offset as a (1 − A t) e^(−A t), which falls to −0.135 a: that much has to be left, or the governor would
 /// hold the command back and the stop would go further than planned.
 const RATE_SHARE: f64 = 0.85;
 /// The same share of the 0.75 of the wheels' torque that the governor leaves to a command.
@@ -50,7 +50,7 @@ pub struct StopPlan<T> {
 
 impl<T: Scalar> StopPlan<T> {
     /// The plan from a commanded twist. A twist that is not finite gives a plan that is at rest at once.
-    pub fn new<M: Maths<T>>(motion: &Motion<T>, command: &Twist<T>) -> Self {
+    pub fn new<M: Maths<T>>(motion: &ValidMotionParams<T>, command: &Twist<T>) -> Self {
         let params = motion.params();
         let limits = &params.limits;
         let (v, w) = (command.linear.abs(), command.angular.abs());
@@ -94,10 +94,10 @@ impl<T: Scalar> StopPlan<T> {
         )
     }
 
-    /// What the controller is told in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
+    /// The reference of the controller in the tick at `t` \[s\], which lasts for `dt` \[s\], at the measured pose.
     pub fn task<M: Maths<T>>(&self, t: T, dt: T, pose: &Pose<T>) -> Task<T> {
         let (twist, _) = self.at(t);
-        // Held for a tick: that of its middle. In the first tick none, as it was: a step of it would be bridged
+        // Held for a tick: that of its middle. In the first tick none, as it was: a step of it would get a transition offset
         // like an acceleration under way, and lengthen the stop.
         let middle = if t > T::ZERO { t + T::HALF * dt } else { t };
         let (_, accel) = self.at(middle);
@@ -148,13 +148,13 @@ pub struct Stopping<T> {
 /// | term | what |
 /// | --- | --- |
 /// | v₀ T/2 | the plan |
-/// | a/A² | the acceleration under way when the stop begins fades by the bridge of decay A |
+/// | a/A² | the acceleration under way when the stop begins fades with the transition offset, of decay A |
 /// | δ/κ | the velocity loop takes the error away as e^(−κt) |
 ///
 /// For ticks without length; for those of dt there come v₀ 2 dt + 2 a dt/A (and the same of w₀, α): the torque of
-/// the last tick still acts, the plan begins with the next, and the bridge begins with what a adds meanwhile.
+/// the last tick still acts, the plan begins with the next, and the transition offset begins with what a adds meanwhile.
 pub fn controlled_stop<T: Scalar, M: Maths<T>>(
-    motion: &Motion<T>,
+    motion: &ValidMotionParams<T>,
     command: &Twist<T>,
     rate: &Accel<T>,
     error: &Twist<T>,
@@ -168,7 +168,7 @@ pub fn controlled_stop<T: Scalar, M: Maths<T>>(
     } else {
         gains.turn_loop
     };
-    // e^(-4.6) is a hundredth; 7 of the bridge, whose pole is double.
+    // e^(-4.6) is a hundredth; 7 of the transition offset, whose pole is double.
     let fading = T::from_f64(7.0) / gains.decay + T::from_f64(4.6) / slowest;
     Stopping {
         distance_m: command.linear.abs() * half
@@ -183,7 +183,10 @@ pub fn controlled_stop<T: Scalar, M: Maths<T>>(
 
 /// How far a controlled stop goes at most straight on from `speed` \[m\], if the base was speeding up as hard as
 /// it may: [`controlled_stop`] without turning and without a velocity error.
-pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(motion: &Motion<T>, speed: T) -> T {
+pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(
+    motion: &ValidMotionParams<T>,
+    speed: T,
+) -> T {
     let limits = &motion.params().limits;
     let command = Twist::new(speed, T::ZERO);
     let rate = Accel::new(larger(limits.accel, limits.brake), T::ZERO);
@@ -198,10 +201,10 @@ fn larger<T: Scalar>(a: T, b: T) -> T {
 mod tests {
     use super::*;
     use crate::maths::Libm;
-    use crate::motion::{Limits, MotionParams, Policy};
+    use crate::motion::{Limits, MotionParams, SaturationPolicy};
     use crate::paper::params::Params;
 
-    fn motion(wheel_torque_nm: f64) -> Motion<f64> {
+    fn motion(wheel_torque_nm: f64) -> ValidMotionParams<f64> {
         let limits = Limits {
             speed: 2.5,
             turn_rate: 3.0,
@@ -211,7 +214,7 @@ mod tests {
             jerk: 20.0,
             turn_jerk: 40.0,
             wheel_torque_nm,
-            policy: Policy::KeepCurvature,
+            policy: SaturationPolicy::KeepCurvature,
         };
         let params = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
         params.validate().expect("valid")

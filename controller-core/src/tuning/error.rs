@@ -1,13 +1,13 @@
-//! A wish that cannot be had: which, what was wished, what the limit is, and why.
+//! A specification that cannot be met: which parameter, its value, its limit, and why.
 
 use crate::scalar::Scalar;
 use core::fmt;
 
-/// A wish, by the name of its field.
+/// A parameter of a design specification, by the name of its field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-#[allow(missing_docs)] // The names are the documentation: see `Wish::name`.
-pub enum Wish {
+#[allow(missing_docs)] // The names are the documentation: see `DesignParameter::name`.
+pub enum DesignParameter {
     Settling,
     Damping,
     Arrival,
@@ -22,7 +22,7 @@ pub enum Wish {
     FullTorqueError,
 }
 
-impl Wish {
+impl DesignParameter {
     /// The field's name.
     pub const fn name(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Wish {
     }
 }
 
-/// What stands against a wish.
+/// What stands against a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Why {
@@ -80,31 +80,36 @@ impl Why {
             Self::Neurons => "what the decay of the neurons allows",
             Self::Stability => "what keeps the loop stable",
             Self::Delay => "what leaves a factor of 2 to the delay that ends stability",
-            Self::NoTime => "and not even that is long enough with the other wishes as they are",
+            Self::NoTime => {
+                "and not even that is long enough with the other parameters as they are"
+            }
         }
     }
 }
 
-/// A wish that cannot be had.
+/// A specification that cannot be met.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WishError {
+pub struct DesignError {
     /// Which.
-    pub wish: Wish,
-    /// What was wished.
+    pub parameter: DesignParameter,
+    /// The value specified.
     pub value: f64,
-    /// The nearest that can be had, with the other wishes as they are; with [`Why::NoTime`] the longest
+    /// The nearest value that can be met, with the other parameters as they are; with [`Why::NoTime`] the longest
     /// time that was tried.
     pub limit: f64,
     /// What stands against it.
     pub why: Why,
 }
 
-impl fmt::Display for WishError {
+impl fmt::Display for DesignError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
-            wish, value, limit, ..
+            parameter,
+            value,
+            limit,
+            ..
         } = self;
-        let (name, why) = (wish.name(), self.why.text());
+        let (name, why) = (parameter.name(), self.why.text());
         write!(
             f,
             "{name} = {value:.4} cannot be had: the limit is {limit:.4}, {why}"
@@ -112,12 +117,17 @@ impl fmt::Display for WishError {
     }
 }
 
-impl core::error::Error for WishError {}
+impl core::error::Error for DesignError {}
 
 /// A refusal.
-pub(crate) fn refused<T: Scalar>(wish: Wish, value: T, limit: T, why: Why) -> WishError {
-    WishError {
-        wish,
+pub(crate) fn refused<T: Scalar>(
+    parameter: DesignParameter,
+    value: T,
+    limit: T,
+    why: Why,
+) -> DesignError {
+    DesignError {
+        parameter,
         value: value.to_f64(),
         limit: limit.to_f64(),
         why,
@@ -125,13 +135,18 @@ pub(crate) fn refused<T: Scalar>(wish: Wish, value: T, limit: T, why: Why) -> Wi
 }
 
 /// `value` if it is in [`low`, `high`].
-pub(crate) fn wished<T: Scalar>(wish: Wish, value: T, low: f64, high: f64) -> Result<T, WishError> {
+pub(crate) fn in_range<T: Scalar>(
+    parameter: DesignParameter,
+    value: T,
+    low: f64,
+    high: f64,
+) -> Result<T, DesignError> {
     let (low, high) = (T::from_f64(low), T::from_f64(high));
     if value < low {
-        Err(refused(wish, value, low, Why::Below))
+        Err(refused(parameter, value, low, Why::Below))
     } else if value <= high {
         Ok(value)
     } else {
-        Err(refused(wish, value, high, Why::Above))
+        Err(refused(parameter, value, high, Why::Above))
     }
 }

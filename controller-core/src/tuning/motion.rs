@@ -1,24 +1,24 @@
-//! Wishes and margins for the law of [`crate::motion`].
+//! Design specifications and margins for the law of [`crate::motion`].
 
 mod loops;
-mod wishes;
+mod spec;
 
-pub use wishes::{MotionWishes, gains};
+pub use spec::{MotionDesignSpec, gains};
 
 use super::{Channel, LoopMargins, Warning, concern};
 use crate::maths::Maths;
 use crate::motion::MotionGains;
 use crate::scalar::Scalar;
 use crate::tuning::response::response;
-use loops::{across, along, bearing, estimating};
+use loops::{bearing, estimating, lateral, longitudinal};
 
 /// Margins of all loops, and the times that the gains amount to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionMargins<T> {
     /// Following, e_x: k₁, A, κ₁.
-    pub along: LoopMargins<T>,
+    pub longitudinal: LoopMargins<T>,
     /// Following, e_y and e_θ: k₃, c, A, κ₂. Does not depend on the speed.
-    pub across: LoopMargins<T>,
+    pub lateral: LoopMargins<T>,
     /// Parking, distance: k₄, A, κ₁.
     pub approach: LoopMargins<T>,
     /// Parking, bearing, while the distance decays with k₄: k₄, A, κ₂. Its delay margins take that
@@ -35,7 +35,7 @@ pub struct MotionMargins<T> {
 impl<T: Scalar> MotionMargins<T> {
     /// The worst of all loops, field by field.
     pub fn worst(&self) -> LoopMargins<T> {
-        let following = self.along.worse(&self.across);
+        let following = self.longitudinal.worse(&self.lateral);
         let parking = self.approach.worse(&self.bearing).worse(&self.heading);
         following.worse(&parking)
     }
@@ -43,8 +43,8 @@ impl<T: Scalar> MotionMargins<T> {
     /// What is not healthy, if anything: unstable before fragile before ringing.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         [
-            (Channel::Along, self.along),
-            (Channel::Across, self.across),
+            (Channel::Longitudinal, self.longitudinal),
+            (Channel::Lateral, self.lateral),
             (Channel::Approach, self.approach),
             (Channel::Bearing, self.bearing),
             (Channel::Heading, self.heading),
@@ -58,18 +58,18 @@ impl<T: Scalar> MotionMargins<T> {
 ///
 /// ```
 /// use controller_core::maths::Libm;
-/// use controller_core::motion::{Limits, MotionGains, Policy};
+/// use controller_core::motion::{Limits, MotionGains, SaturationPolicy};
 /// use controller_core::tuning::motion::margins;
 ///
 /// let limits = Limits {
 ///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
-///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: Policy::KeepCurvature,
+///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let good = MotionGains::<f64>::for_limits::<Libm>(&limits);
 /// assert_eq!(margins::<f64, Libm>(&good).warnings().count(), 0);
 ///
 /// // Ten times the stiffness across the path, for a robot that weaved once too slowly.
-/// let hopeless = MotionGains { across: 10.0 * good.across, ..good };
+/// let hopeless = MotionGains { lateral: 10.0 * good.lateral, ..good };
 /// let warning = margins::<f64, Libm>(&hopeless).warnings().next().expect("one");
 /// assert_eq!(warning.to_string(), "across the path: the loop is unstable");
 /// ```
@@ -93,17 +93,17 @@ pub fn margins<T: Scalar, M: Maths<T>>(gains: &MotionGains<T>) -> MotionMargins<
             horizon
         }
     };
-    let across_margins = of(across(gains.heading, gains.across, a, turn_loop));
-    let approach_margins = of(along(approach, a, speed_loop));
-    let (side, push) = loops::across_start(gains.heading, gains.across, a);
-    let (ahead, pull) = loops::along_start(approach, a);
+    let lateral_margins = of(lateral(gains.heading, gains.lateral, a, turn_loop));
+    let approach_margins = of(longitudinal(approach, a, speed_loop));
+    let (side, push) = loops::lateral_start(gains.heading, gains.lateral, a);
+    let (ahead, pull) = loops::longitudinal_start(approach, a);
     MotionMargins {
-        along: of(along(gains.along, a, speed_loop)),
-        across: across_margins,
+        longitudinal: of(longitudinal(gains.longitudinal, a, speed_loop)),
+        lateral: lateral_margins,
         approach: approach_margins,
         bearing: of(bearing(approach, a, turn_loop)),
-        heading: of(along(approach, a, turn_loop)),
-        settling_s: settle(side, push, across_margins.decay),
+        heading: of(longitudinal(approach, a, turn_loop)),
+        settling_s: settle(side, push, lateral_margins.decay),
         arrival_s: settle(ahead, pull, approach_margins.decay),
     }
 }

@@ -102,7 +102,7 @@ mod tests {
         let found = response::<f64>(&p, 0.0, 12.0);
         // Interpolation within a step of 20 ms.
         assert!((found.tenth_s - 3.8897).abs() < 1e-3, "{found:?}");
-        // A loop that does not settle tells its horizon.
+        // A loop that does not settle gives its horizon.
         let slow = response::<f64>(&p, 0.0, 2.0);
         assert!((slow.tenth_s - 2.0).abs() < 1e-9);
     }

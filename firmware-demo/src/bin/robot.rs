@@ -19,15 +19,15 @@ mod chip {
     use controller_core::types::{Measured, Pose};
     use firmware_demo::board::{EXIT_LINK, Uart, high_water_mark, semihosting, with_ticks};
     use firmware_demo::control::ControlTask;
+    use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues};
     use firmware_demo::drive::MockDrive;
     use firmware_demo::line::send;
     use firmware_demo::mission::{Encoders, PERIOD_US, params};
     use firmware_demo::model::Model;
-    use firmware_demo::station::{Queues, Reception, Station};
     use firmware_demo::storage::{RamFlash, Slots};
 
     const MAX_TORQUE_NM: f32 = 15.0;
-    /// Of so many reports one is sent: 50 a second.
+    /// Decimation of reports: one of this many is sent, 50 a second.
     const DECIMATE: u16 = 20;
 
     /// Returns only when the line fails.
@@ -37,38 +37,38 @@ mod chip {
             semihosting::exit(EXIT_LINK)
         };
         let mut queues = Queues::default();
-        let (references, ends, mut reception) = queues.split(DECIMATE);
+        let (references, ends, mut receiver) = queues.split(DECIMATE);
         let wheels = MockDrive::<0>::new(MAX_TORQUE_NM);
         let Ok(task) = ControlTask::new(wheels, references, params, Pose::default()) else {
             semihosting::exit(EXIT_LINK)
         };
         let memory = Slots::new(RamFlash::default());
-        let mut station = Station::with_memory(task, ends, memory);
+        let mut server = ControlServer::with_memory(task, ends, memory);
         let mut model = Model::new(body, Measured::default());
         let mut encoders = Encoders::default();
         let mut last_us = 0;
         let mut tick = move |now_us: u32| {
-            // First the time that has passed, with what the wheels were told before.
+            // First the time that has passed, with what was applied to the wheels before.
             let dt = now_us.wrapping_sub(last_us) as f32 * 1e-6;
             last_us = now_us;
-            model.act(dt, station.task().doing());
+            model.act(dt, server.task().output());
             let counts = encoders.advance(dt, &model);
-            station.tick(now_us, &Sensed::of_counts(counts));
+            server.tick(now_us, &Sensed::of_counts(counts));
         };
         let mut uart = Uart::polled();
         with_ticks(PERIOD_US, &mut tick, || {
-            while serve(&mut uart, &mut reception) {}
+            while serve(&mut uart, &mut receiver) {}
         });
         semihosting::exit(EXIT_LINK);
     }
 
     /// What has arrived and what is to be sent; `false` when the line fails.
-    fn serve(uart: &mut Uart, reception: &mut Reception<'_>) -> bool {
+    fn serve(uart: &mut Uart, receiver: &mut CommandReceiver<'_>) -> bool {
         let answer = uart
             .try_read()
-            .and_then(|byte| reception.push(byte, high_water_mark));
+            .and_then(|byte| receiver.push(byte, high_water_mark));
         answer.is_none_or(|answer| send(uart, &answer))
-            && reception.pending().is_none_or(|answer| send(uart, &answer))
+            && receiver.pending().is_none_or(|answer| send(uart, &answer))
     }
 }
 

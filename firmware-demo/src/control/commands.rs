@@ -1,4 +1,4 @@
-//! What a host asks for.
+//! Commands of a host.
 
 use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;
@@ -12,13 +12,13 @@ use protocol::{Command, RejectReason};
 impl<D: WheelDrive> ControlTask<'_, D> {
     /// Takes a command; what it asks of the wheels happens in the next tick, an emergency stop in this call.
     ///
-    /// References do not come this way but by the queue, and storage is the [`Station`](crate::station::Station)'s business.
+    /// References do not come this way but by the queue, and storage is the [`ControlServer`](crate::control_server::ControlServer)'s business.
     ///
     /// # Errors
     ///
-    /// Why it is refused; nothing has changed then but that the host was heard.
+    /// Why it is refused; then nothing has changed but the time since the last command of the host.
     pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
-        self.heard();
+        self.host_seen();
         match command {
             Command::Heartbeat => Ok(()),
             Command::Arm => self.ask(Event::Arm),

@@ -12,7 +12,7 @@ use controller_core::types::{Pose, Twist};
 
 use super::ControlTask;
 
-/// Where the base is told to go.
+/// Where the base is commanded to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Course {
     /// Nowhere.
@@ -69,7 +69,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
 
     /// The first of the references that wait, as soon as two of them make a trajectory.
     fn first(&mut self) -> Option<(f32, Reference<f32>)> {
-        // Before all times, so what is waiting comes later, and tells when.
+        // Before all times, so what is waiting comes later, and says when.
         let Err(Gap::TooEarly { first_s }) = self.references.at::<Single>(f32::MIN) else {
             return None;
         };

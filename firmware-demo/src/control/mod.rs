@@ -1,4 +1,4 @@
-//! The control task: once a tick, from counts to wheels that are told a torque, braked, or released.
+//! The control task: once a tick, from counts to wheels that exert a torque, brake, or are released.
 //!
 //! It owns the base of the core (localiser, monitor, supervisor, motion law), the wheels and the queue of references, and it is the
 //! only one that talks to the wheels. What is wrong and what is done about it is decided in
@@ -12,13 +12,14 @@ mod wheels;
 
 pub use settings::{SetError, SettingError};
 
-use controller_core::base::{BaseController, BaseParams, BaseReport, Sensed, WheelAction};
+use controller_core::base::{BaseController, BaseParams, BaseReport, Order, Sensed, WheelAction};
 use controller_core::hal::{ErrorKind, WheelDrive};
 use controller_core::localiser::Fix;
 use controller_core::queue::ReferenceConsumer;
 use controller_core::safety::Timeout;
 use controller_core::safety::supervisor::{Cause, Event, State};
 use controller_core::types::{Pose, WheelTorques};
+use protocol::BaseTick;
 
 use course::Course;
 
@@ -34,9 +35,9 @@ pub struct ControlTask<'queue, D> {
     fix: Option<Fix<f32>>,
     /// What the driver answered last.
     answer: Result<(), ErrorKind>,
-    /// What the wheels do.
-    doing: WheelAction<f32>,
-    /// Since the host was last heard.
+    /// What is applied to the wheels.
+    output: WheelAction<f32>,
+    /// Time since the last sound frame of the host.
     silent_us: u32,
     last_us: Option<u32>,
     ticks: u32,
@@ -65,7 +66,7 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
             course: Course::default(),
             fix: None,
             answer: Ok(()),
-            doing: WheelAction::Release,
+            output: WheelAction::Release,
             silent_us: 0,
             last_us: None,
             ticks: 0,
@@ -74,29 +75,54 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     }
 
     /// A sound frame came from the host, or a mission without a host is alive.
-    pub const fn heard(&mut self) {
+    pub const fn host_seen(&mut self) {
         self.silent_us = 0;
     }
 
     /// One tick at `now_us`, a clock that wraps around. `sensed.driver` is not looked at: the task has the driver's answer.
     ///
-    /// The wheels are told once; only after a driver's error are they released on top, in the same tick.
+    /// One output is applied in each tick; only after a driver's error are the wheels released on top, in the same tick.
     pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) -> &BaseReport<f32> {
-        let period_us = self.params.watch.period_us;
+        let elapsed_us = self.elapsed_us(now_us);
+        self.watch_host(elapsed_us);
+        let order = self.order(elapsed_us);
+        self.run(elapsed_us, &order, sensed)
+    }
+
+    /// The same for a caller that is its own host: it gives the order of each tick, and the order is its sign of life.
+    pub fn tick_with(
+        &mut self,
+        now_us: u32,
+        order: &Order<f32>,
+        sensed: &Sensed<f32>,
+    ) -> &BaseReport<f32> {
+        let elapsed_us = self.elapsed_us(now_us);
+        self.run(elapsed_us, order, sensed)
+    }
+
+    fn elapsed_us(&mut self, now_us: u32) -> u32 {
+        let period_us = self.params.detectors.period_us;
         let elapsed_us = self
             .last_us
             .map_or(period_us, |last_us| now_us.wrapping_sub(last_us));
         self.last_us = Some(now_us);
         self.ticks = self.ticks.wrapping_add(1);
-        self.watch_host(elapsed_us, period_us);
-        let order = self.order(elapsed_us);
+        elapsed_us
+    }
+
+    fn run(
+        &mut self,
+        elapsed_us: u32,
+        order: &Order<f32>,
+        sensed: &Sensed<f32>,
+    ) -> &BaseReport<f32> {
         let sensed = Sensed {
             fix: self.fix.take().or(sensed.fix),
             driver: self.answer,
             ..*sensed
         };
-        let action = self.controller.tick(elapsed_us, &order, &sensed).action;
-        self.tell(&action, sensed.supply_v);
+        let action = self.controller.tick(elapsed_us, order, &sensed).action;
+        self.apply(&action, sensed.supply_v);
         self.tidy();
         self.controller.report()
     }
@@ -104,15 +130,16 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// The button: what it asks reaches the wheels in this call, and stays until a reset.
     pub fn emergency_stop(&mut self, brake: bool) {
         let action = self.controller.emergency_stop_by(brake);
-        self.tell(&action, None);
+        self.apply(&action, None);
         self.tidy();
     }
 
     /// Tells the base that its host is gone; an underrun of references it finds by itself.
     ///
-    /// In a tick in which the host was heard it was silent for a period at most: a longer tick says nothing of the host, only
+    /// In a tick with a frame of the host it was silent for a period at most: a longer tick says nothing of the host, only
     /// of itself, and is a fault of its own.
-    fn watch_host(&mut self, elapsed_us: u32, period_us: u32) {
+    fn watch_host(&mut self, elapsed_us: u32) {
+        let period_us = self.params.detectors.period_us;
         let silent_us = match self.silent_us {
             0 => elapsed_us.min(period_us),
             _ => elapsed_us,
@@ -120,14 +147,14 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         self.silent_us = self.silent_us.saturating_add(silent_us);
         // Whether the silence would be too long by the next tick.
         let by_next = self.silent_us.saturating_add(period_us);
-        match self.params.watch.command {
+        match self.params.detectors.command {
             Timeout::AfterUs(limit) if by_next > limit => {
                 self.controller.on(Event::LinkLost);
             }
             _ => {}
         }
         if self.state() != State::Tracking {
-            self.controller.heard();
+            self.controller.host_seen();
         }
     }
 
@@ -167,14 +194,14 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         self.ticks
     }
 
-    /// What the wheels do since the last tick or emergency stop.
-    pub const fn doing(&self) -> &WheelAction<f32> {
-        &self.doing
+    /// The output to the wheels since the last tick or emergency stop.
+    pub const fn output(&self) -> &WheelAction<f32> {
+        &self.output
     }
 
-    /// The torques that they were told; `None` when they are braked or released.
-    pub const fn told(&self) -> Option<WheelTorques<f32>> {
-        self.doing.torques()
+    /// The torques applied; `None` when the wheels are braked or released.
+    pub const fn applied(&self) -> Option<WheelTorques<f32>> {
+        self.output.torques()
     }
 
     /// Ticks that came late.
@@ -185,6 +212,17 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// Everything about the last tick.
     pub const fn report(&self) -> &BaseReport<f32> {
         self.controller.report()
+    }
+
+    /// The important terms of the last tick.
+    pub fn telemetry(&self) -> BaseTick {
+        let (ignored, _) = self.controller.supervisor().ignored();
+        BaseTick::of(self.ticks, self.report(), ignored)
+    }
+
+    /// Ends the task; the queue is free for another.
+    pub fn into_references(self) -> ReferenceConsumer<'queue, f32> {
+        self.references
     }
 
     /// The base, to look at.

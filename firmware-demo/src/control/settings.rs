@@ -3,7 +3,7 @@
 use core::error::Error;
 use core::fmt::{self, Display, Formatter};
 
-use controller_core::base::{Base, BaseError, BaseParams};
+use controller_core::base::{BaseError, BaseParams, ValidBaseParams};
 use controller_core::hal::WheelDrive;
 use controller_core::safety::supervisor::State;
 
@@ -41,11 +41,11 @@ pub enum SetError {
     Setting(SettingError),
 }
 
-/// The controller limits torques by itself, where it is told; so its limit has to be one that the driver takes.
+/// The controller limits torques by itself, to know when it does; so its limit has to be one that the driver takes.
 pub(super) fn check<D: WheelDrive>(
     params: &BaseParams<f32>,
     drive: &D,
-) -> Result<Base<f32>, SettingError> {
+) -> Result<ValidBaseParams<f32>, SettingError> {
     let base = params.validate().map_err(SettingError::Base)?;
     if params.motion.limits.wheel_torque_nm > drive.max_torque_nm() {
         return Err(SettingError::TorqueLimit);

@@ -7,13 +7,13 @@ use controller_core::types::WheelTorques;
 use super::ControlTask;
 
 impl<D: WheelDrive> ControlTask<'_, D> {
-    /// Does it; after an error the wheels' state is unknown, and they are released.
-    pub(super) fn tell(&mut self, action: &WheelAction<f32>, supply_v: Option<f32>) {
-        let told = match action {
+    /// Applies an output; after an error the wheels' state is unknown, and they are released.
+    pub(super) fn apply(&mut self, action: &WheelAction<f32>, supply_v: Option<f32>) {
+        let applied = match action {
             WheelAction::Drive(drive) => {
                 self.drive.observe(&Observed {
                     speeds: drive.speeds,
-                    wanted: drive.wanted,
+                    desired: drive.desired,
                     supply_v: supply_v.unwrap_or(f32::NAN),
                 });
                 self.drive.set_torques(drive.torques)
@@ -21,10 +21,10 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             WheelAction::Brake => self.drive.brake(),
             WheelAction::Release => self.drive.release(),
         };
-        self.doing = *action;
-        self.answer = told.map_err(|error| error.kind());
+        self.output = *action;
+        self.answer = applied.map_err(|error| error.kind());
         let exerted = if self.answer.is_err() {
-            self.doing = WheelAction::Release;
+            self.output = WheelAction::Release;
             if *action != WheelAction::Release {
                 // If this fails too there is nothing left to do now; every tick from here on tries again.
                 let _ = self.drive.release();
@@ -36,7 +36,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             None
         };
         if let Some(exerted) = exerted {
-            // What is no number is not noted: the estimates go on with what was asked.
+            // What is no number is not noted: the estimates go on with the commanded torques.
             let _ = self.controller.note_exerted(&exerted);
         }
     }

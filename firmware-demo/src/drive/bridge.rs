@@ -50,7 +50,7 @@ pub enum OffPhase {
 /// | free | yes | enable low, duty 0: coasts | as release: **coasts** |
 /// | free | no | duty 0: coasts | as release: **coasts** |
 ///
-/// In bold what hardware cannot do better; [`can_release`](Self::can_release) and [`can_brake`](Self::can_brake) tell.
+/// In bold what hardware cannot do better; [`can_release`](Self::can_release) and [`can_brake`](Self::can_brake) say which.
 #[derive(Clone, Copy, Debug)]
 pub struct Bridges<E = NoPin> {
     /// While the PWM is low. Back-EMF and torque are right with [`OffPhase::Shorted`] only; see [`controller_core::motor`].

@@ -1,11 +1,11 @@
-//! Wheels that only remember what they were told, and fail on demand.
+//! Wheels that only remember what was applied, and fail on demand.
 
 use controller_core::hal::{
     ErrorKind, ErrorType, WheelDrive, WheelSpeedDrive, accepts, accepts_speeds,
 };
 use controller_core::types::{WheelSpeeds, WheelTorques};
 
-/// One call; `V` is what wheels are told.
+/// One call; `V` is what is applied to wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Call<V = WheelTorques<f32>> {
     /// Torques or speeds were set, or would have been.
@@ -38,7 +38,7 @@ pub struct Mock<V, const N: usize = 8> {
     sets: u32,
     releases: u32,
     brakes: u32,
-    doing: Call<V>,
+    output: Call<V>,
 }
 
 /// Wheels that take torques.
@@ -62,7 +62,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
             sets: 0,
             releases: 0,
             brakes: 0,
-            doing: Call::Release,
+            output: Call::Release,
         }
     }
 
@@ -96,17 +96,17 @@ impl<V: Copy, const N: usize> Mock<V, N> {
         self.brakes
     }
 
-    /// What the wheels were told; `None` when they are free or braked.
-    pub const fn told(&self) -> Option<V> {
-        match self.doing {
-            Call::Set(told) => Some(told),
+    /// What was applied to the wheels; `None` when they are free or braked.
+    pub const fn applied(&self) -> Option<V> {
+        match self.output {
+            Call::Set(applied) => Some(applied),
             Call::Release | Call::Brake => None,
         }
     }
 
     /// What the wheels do now.
-    pub const fn doing(&self) -> Call<V> {
-        self.doing
+    pub const fn output(&self) -> Call<V> {
+        self.output
     }
 
     /// The last calls, newest first.
@@ -140,7 +140,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
             return Err(ErrorKind::OutOfRange);
         }
         answer?;
-        self.doing = Call::Set(value);
+        self.output = Call::Set(value);
         Ok(())
     }
 
@@ -148,7 +148,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
         let answer = self.record(Call::Release);
         self.releases = self.releases.saturating_add(1);
         answer?;
-        self.doing = Call::Release;
+        self.output = Call::Release;
         Ok(())
     }
 
@@ -156,7 +156,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
         let answer = self.record(Call::Brake);
         self.brakes = self.brakes.saturating_add(1);
         answer?;
-        self.doing = Call::Brake;
+        self.output = Call::Brake;
         Ok(())
     }
 }

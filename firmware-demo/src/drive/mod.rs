@@ -3,8 +3,10 @@
 mod bridge;
 mod mock;
 mod motor;
+mod simulated;
 
 pub use bridge::{Bridges, MotorError, MotorSide, NoPin, OffPhase};
 pub use controller_core::hal::Observed;
 pub use mock::{Call, Mock, MockDrive, MockSpeedDrive, Script};
-pub use motor::{MotorPair, WheelCommands};
+pub use motor::MotorPair;
+pub use simulated::SimulatedDrive;

@@ -3,21 +3,12 @@
 //! What a torque takes in current, voltage and duty is worked out by [`controller_core::motor`]; here are the pins.
 
 use controller_core::hal::{ErrorType, Observed, WheelDrive, accepts};
-use controller_core::motor::{Motor, MotorCommand, WheelDemand};
+use controller_core::motor::{Motor, WheelCommands};
 use controller_core::types::WheelTorques;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 
 use super::bridge::{Bridges, MotorError, MotorSide, NoPin};
-
-/// What both motors were told.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WheelCommands {
-    /// Right wheel.
-    pub right: MotorCommand<f32>,
-    /// Left wheel.
-    pub left: MotorCommand<f32>,
-}
 
 /// Both wheels of a base. Mirrored motors are mirrored by their wiring.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +18,7 @@ pub struct MotorPair<P, D, E = NoPin> {
     bridges: Bridges<E>,
     motor: Motor<f32>,
     observed: Observed,
-    told: WheelCommands,
+    applied: WheelCommands,
     backward: Option<[bool; 2]>,
 }
 
@@ -45,14 +36,14 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
             bridges,
             motor,
             observed: Observed::default(),
-            told: WheelCommands::default(),
+            applied: WheelCommands::default(),
             backward: None,
         }
     }
 
-    /// What both motors were told last, and what was limited; zero after a release or a brake.
-    pub const fn told(&self) -> &WheelCommands {
-        &self.told
+    /// What was applied to both motors last, and what was limited; zero after a release or a brake.
+    pub const fn applied(&self) -> &WheelCommands {
+        &self.applied
     }
 
     /// What the bridges can do.
@@ -65,29 +56,9 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
         (self.right, self.left, self.bridges)
     }
 
-    fn commands(&self, torques: &WheelTorques<f32>) -> WheelCommands {
-        let Observed {
-            speeds,
-            wanted,
-            supply_v,
-        } = &self.observed;
-        let command = |torque_nm, wanted_speed_rad_s, speed_rad_s| {
-            let demand = WheelDemand {
-                torque_nm,
-                wanted_speed_rad_s,
-                speed_rad_s,
-            };
-            self.motor.command(&demand, *supply_v)
-        };
-        WheelCommands {
-            right: command(torques.right, wanted.right, speeds.right),
-            left: command(torques.left, wanted.left, speeds.left),
-        }
-    }
-
     /// No duty on either side, tried on both.
     fn off(&mut self) -> Result<(), MotorError> {
-        self.told = WheelCommands::default();
+        self.applied = WheelCommands::default();
         let (right, left) = (self.right.off(), self.left.off());
         right.and(left)
     }
@@ -108,12 +79,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
 
     /// By the motors' equations: torque at the wheel less its friction, where current or supply limited it.
     fn exerted(&self) -> Option<WheelTorques<f32>> {
-        let WheelCommands { right, left } = &self.told;
-        let limited = right.limited.torque() || left.limited.torque();
-        limited.then_some(WheelTorques {
-            right: right.torque_nm - right.friction_nm,
-            left: left.torque_nm - left.friction_nm,
-        })
+        self.applied.exerted()
     }
 
     /// Directions first, each with its bridge off while it changes, then both duty cycles, then enable.
@@ -125,15 +91,15 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         if !accepts(&torques, self.motor.max_torque_nm()) {
             return Err(MotorError::OutOfRange);
         }
-        let commands = self.commands(&torques);
+        let commands = self.motor.commands(&torques, &self.observed);
         let WheelCommands { right, left } = &commands;
-        if right.limited.invalid || left.limited.invalid {
+        if commands.is_invalid() {
             return Err(MotorError::Observation);
         }
-        let wanted = [right.duty < 0.0, left.duty < 0.0];
+        let desired = [right.duty < 0.0, left.duty < 0.0];
         let now = self.backward.take();
-        if now != Some(wanted) {
-            let [to_right, to_left] = wanted;
+        if now != Some(desired) {
+            let [to_right, to_left] = desired;
             let (from_right, from_left) = match now {
                 Some([right, left]) => (Some(right), Some(left)),
                 None => (None, None),
@@ -151,8 +117,8 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         self.left.push(left.duty)?;
         self.bridges.switch(true)?;
         // Known only now: after an error the directions are set anew.
-        self.backward = Some(wanted);
-        self.told = commands;
+        self.backward = Some(desired);
+        self.applied = commands;
         Ok(())
     }
 

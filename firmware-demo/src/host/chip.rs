@@ -1,24 +1,30 @@
 //! A controller on an emulated chip, as if it were a local one.
 
-use std::boxed::Box;
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
+use std::format;
 use std::path::{Path, PathBuf};
+use std::string::String;
 use std::time::Duration;
 
+use controller_core::base::BaseParams;
 use controller_core::paper::demand::Demand;
 use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
-use controller_core::types::Measured;
+use controller_core::types::{Measured, Pose};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::{
-    AnyLink, BuildError, Emulator, EmulatorError, Image, Options, Outcome, Session, SessionError,
-    build_image,
+    AnyLink, BuildError, Emulator, EmulatorError, EmulatorOutcome, Image, Options, Session,
+    SessionError, build_image,
 };
-use protocol::pil::{Answer, Question, Refusal, Ticked};
-use protocol::{Counters, RejectReason};
+use protocol::pil::{
+    Answer, BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, Question, Refusal, Ticked,
+};
+use protocol::{Command, Counters, RejectReason};
 
-/// Why the chip did not do what it was asked.
+/// Why the chip did not answer as it should.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum ChipError {
@@ -35,7 +41,7 @@ pub enum ChipError {
     /// The options name no link.
     NoLink,
     /// An answer to another question than was asked.
-    Unexpected(Box<Answer>),
+    Unexpected(String),
 }
 
 impl Display for ChipError {
@@ -47,7 +53,7 @@ impl Display for ChipError {
             Self::Refused(refusal) => write!(f, "the controller on the chip refused: {refusal}"),
             Self::Rejected(reason) => write!(f, "the firmware refused the command: {reason}"),
             Self::NoLink => f.write_str("the emulator was started without a link"),
-            Self::Unexpected(answer) => write!(f, "unexpected answer of the chip: {answer:?}"),
+            Self::Unexpected(answer) => write!(f, "unexpected answer of the chip: {answer}"),
         }
     }
 }
@@ -100,26 +106,58 @@ impl From<SessionError> for ChipError {
 /// chip.finish()?;
 /// # Ok::<(), firmware_demo::host::ChipError>(())
 /// ```
-pub struct Chip {
-    session: Session<AnyLink, Answer>,
+pub struct ChipLink<A> {
+    session: Session<AnyLink, A>,
     emulator: Emulator,
     image: PathBuf,
     patience: Duration,
 }
 
+/// An emulated chip that has the paper's law.
+pub type Chip = ChipLink<Answer>;
+
+/// An emulated chip that has the whole base.
+pub type BaseChip = ChipLink<BaseAnswer>;
+
+impl<A: DeserializeOwned + fmt::Debug> ChipLink<A> {
+    /// The image that runs.
+    pub fn image(&self) -> &Path {
+        &self.image
+    }
+
+    /// Builds a program of the firmware, with the proof that it cannot panic, and starts it.
+    fn build(bin: &str, options: &Options) -> Result<Self, ChipError> {
+        let image = build_image(&Image {
+            machine: options.machine,
+            bin,
+            features: "panic-proof",
+        })?;
+        Self::launch(&image, options)
+    }
+
+    fn launch(image: &Path, options: &Options) -> Result<Self, ChipError> {
+        let (emulator, link) = Emulator::start(image, options)?;
+        Ok(Self {
+            session: Session::new(link.ok_or(ChipError::NoLink)?),
+            emulator,
+            image: image.to_path_buf(),
+            patience: options.silence,
+        })
+    }
+
+    fn ask(&mut self, question: &impl Serialize) -> Result<A, ChipError> {
+        Ok(self.session.ask(question)?)
+    }
+}
+
 impl Chip {
-    /// Builds the firmware, with the proof that it cannot panic, and starts it.
+    /// Builds the firmware of the paper's law and starts it.
     ///
     /// # Errors
     ///
     /// When the build, the emulator or the link fails.
     pub fn start(options: &Options) -> Result<Self, ChipError> {
-        let image = build_image(&Image {
-            machine: options.machine,
-            bin: "pil",
-            features: "panic-proof",
-        })?;
-        Self::start_image(&image, options)
+        Self::build("pil", options)?.greeted()
     }
 
     /// Starts an image that was built before, and greets it.
@@ -128,22 +166,14 @@ impl Chip {
     ///
     /// When the emulator or the link fails.
     pub fn start_image(image: &Path, options: &Options) -> Result<Self, ChipError> {
-        let (emulator, link) = Emulator::start(image, options)?;
-        let mut chip = Self {
-            session: Session::new(link.ok_or(ChipError::NoLink)?),
-            emulator,
-            image: image.to_path_buf(),
-            patience: options.silence,
-        };
-        match chip.ask(&Question::Hello)? {
-            Answer::Hello(_) => Ok(chip),
-            other => Err(unexpected(other)),
-        }
+        Self::launch(image, options)?.greeted()
     }
 
-    /// The image that runs.
-    pub fn image(&self) -> &Path {
-        &self.image
+    fn greeted(mut self) -> Result<Self, ChipError> {
+        match self.ask(&Question::Hello)? {
+            Answer::Hello(_) => Ok(self),
+            other => Err(unexpected(other)),
+        }
     }
 
     /// Sets the parameters of the next controller; a running one keeps its own.
@@ -212,7 +242,7 @@ impl Chip {
     /// # Errors
     ///
     /// A failed link, or an emulator that does not end.
-    pub fn finish(mut self) -> Result<Outcome, ChipError> {
+    pub fn finish(mut self) -> Result<EmulatorOutcome, ChipError> {
         match self.ask(&Question::Stop)? {
             Answer::Ack => Ok(self.emulator.finish(self.patience)?),
             other => Err(unexpected(other)),
@@ -225,9 +255,90 @@ impl Chip {
             other => Err(unexpected(other)),
         }
     }
+}
 
-    fn ask(&mut self, question: &Question) -> Result<Answer, ChipError> {
-        Ok(self.session.ask(question)?)
+impl BaseChip {
+    /// Builds the firmware of the whole base and starts it.
+    ///
+    /// # Errors
+    ///
+    /// When the build, the emulator or the link fails.
+    pub fn start(options: &Options) -> Result<Self, ChipError> {
+        let mut chip = Self::build("base_pil", options)?;
+        match chip.ask(&BaseQuestion::Hello)? {
+            BaseAnswer::Hello(_) => Ok(chip),
+            other => Err(unexpected_base(other)),
+        }
+    }
+
+    /// Puts a disarmed base with these parameters in the place of the one before.
+    ///
+    /// # Errors
+    ///
+    /// [`ChipError::Rejected`] when the chip refuses the parameters, or a failed link.
+    pub fn begin(&mut self, params: &BaseParams<f32>, start: Pose<f32>) -> Result<(), ChipError> {
+        for part in BasePart::all(params) {
+            self.done(&BaseQuestion::Configure(part))?;
+        }
+        self.done(&BaseQuestion::Begin { start })
+    }
+
+    /// A command of the field protocol.
+    ///
+    /// # Errors
+    ///
+    /// [`ChipError::Rejected`] when the base refuses it, or a failed link.
+    pub fn command(&mut self, command: &Command) -> Result<(), ChipError> {
+        self.done(&BaseQuestion::Command(*command))
+    }
+
+    /// The timer's interrupt.
+    ///
+    /// # Errors
+    ///
+    /// A failed link, or no base was begun.
+    pub fn tick(&mut self, input: &BaseInput) -> Result<BaseTicked, ChipError> {
+        match self.ask(&BaseQuestion::Tick(*input))? {
+            BaseAnswer::Ticked(ticked) => Ok(ticked),
+            other => Err(unexpected_base(other)),
+        }
+    }
+
+    /// Frames, and the stack's high-water mark.
+    ///
+    /// # Errors
+    ///
+    /// A failed link.
+    pub fn counters(&mut self) -> Result<Counters, ChipError> {
+        match self.ask(&BaseQuestion::GetCounters)? {
+            BaseAnswer::Counters(counters) => Ok(counters),
+            other => Err(unexpected_base(other)),
+        }
+    }
+
+    /// Stops the firmware and waits for the emulator's end.
+    ///
+    /// # Errors
+    ///
+    /// A failed link, or an emulator that does not end.
+    pub fn finish(mut self) -> Result<EmulatorOutcome, ChipError> {
+        self.done(&BaseQuestion::Stop)?;
+        Ok(self.emulator.finish(self.patience)?)
+    }
+
+    fn done(&mut self, question: &BaseQuestion) -> Result<(), ChipError> {
+        match self.ask(question)? {
+            BaseAnswer::Ack => Ok(()),
+            other => Err(unexpected_base(other)),
+        }
+    }
+}
+
+#[cold]
+fn unexpected_base(answer: BaseAnswer) -> ChipError {
+    match answer {
+        BaseAnswer::Nack(reason) => ChipError::Rejected(reason),
+        other => ChipError::Unexpected(format!("{other:?}")),
     }
 }
 
@@ -236,6 +347,6 @@ fn unexpected(answer: Answer) -> ChipError {
     match answer {
         Answer::Refused(refusal) => ChipError::Refused(refusal),
         Answer::Nack(reason) => ChipError::Rejected(reason),
-        other => ChipError::Unexpected(Box::new(other)),
+        other => ChipError::Unexpected(format!("{other:?}")),
     }
 }

@@ -108,7 +108,7 @@ impl Error for EmulatorError {}
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Outcome {
+pub struct EmulatorOutcome {
     /// Exit code, `None` after a signal.
     pub code: Option<i32>,
     /// What firmware and emulator printed.
@@ -188,12 +188,12 @@ impl Emulator {
     /// # Errors
     ///
     /// [`EmulatorError::Timeout`] when it is still running after `limit`.
-    pub fn finish(mut self, limit: Duration) -> Result<Outcome, EmulatorError> {
+    pub fn finish(mut self, limit: Duration) -> Result<EmulatorOutcome, EmulatorError> {
         let until = Instant::now() + limit;
         loop {
             match self.child.try_wait() {
                 Ok(Some(status)) => {
-                    return Ok(Outcome {
+                    return Ok(EmulatorOutcome {
                         code: status.code(),
                         console: self.kill(),
                     });

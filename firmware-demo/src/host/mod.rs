@@ -9,8 +9,8 @@ mod image;
 mod session;
 mod uart;
 
-pub use chip::{Chip, ChipError};
-pub use emulator::{Emulator, EmulatorError, LinkKind, Machine, Options, Outcome};
+pub use chip::{BaseChip, Chip, ChipError, ChipLink};
+pub use emulator::{Emulator, EmulatorError, EmulatorOutcome, LinkKind, Machine, Options};
 pub use fifo::FifoLink;
 pub use image::{BuildError, Image, build_image};
 pub use session::{Session, SessionError};

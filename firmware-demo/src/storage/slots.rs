@@ -120,7 +120,7 @@ fn second_is_newer(first: &Slot, second: &Slot) -> bool {
         (Ok(first), Ok(second)) => (second.sequence.wrapping_sub(first.sequence) as i32) > 0,
         (Ok(_), Err(_)) => false,
         (Err(_), Ok(_)) => true,
-        // A record of another version is what somebody wants to come back to: it is told, and written over last.
+        // A record of another version is what somebody wants to come back to: it is reported, and written over last.
         (Err(first), Err(_)) => !matches!(first, NotLoaded::Version(_)),
     }
 }

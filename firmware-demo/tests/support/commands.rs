@@ -30,7 +30,7 @@ fn timeout() -> impl Strategy<Value = Timeout> {
 
 pub fn field() -> impl Strategy<Value = FieldParams> {
     let reaction = prop_oneof![
-        Just(Reaction::RideOut),
+        Just(Reaction::Ignore),
         Just(Reaction::ControlledStop),
         Just(Reaction::Brake),
         Just(Reaction::Release),
@@ -54,10 +54,10 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
             |(gains, limits, [right, left, track], times, responses, policy)| {
                 let [
                     decay,
-                    along,
-                    along_bound,
+                    longitudinal,
+                    longitudinal_bound,
                     heading,
-                    across,
+                    lateral,
                     slow,
                     approach,
                     approach_brake,
@@ -78,10 +78,10 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
                 FieldParams {
                     gains: WireGains {
                         decay,
-                        along,
-                        along_bound,
+                        longitudinal,
+                        longitudinal_bound,
                         heading,
-                        across,
+                        lateral,
                         slow,
                         approach,
                         approach_brake,
@@ -109,7 +109,7 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
                     },
                     policy: PolicyParams {
                         measurement_stale: responses.0,
-                        gave_up: responses.1,
+                        goal_unreachable: responses.1,
                         ..PolicyParams::DEFAULT
                     },
                 }

@@ -17,7 +17,7 @@ pub fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(
         assert!(ticks < within, "{kind}: {:?} after {ticks} ticks", rig.is());
         tick(&mut rig, ticks);
         ticks += 1;
-        if let Some(fault) = rig.task.report().findings.get(kind) {
+        if let Some(fault) = rig.task.report().active_faults.get(kind) {
             break fault;
         }
     };
@@ -27,25 +27,25 @@ pub fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(
         "{kind}: {ticks} ticks, {:?} in {state:?}",
         response.reaction
     );
-    let doing = rig.task.drive_mut().doing();
+    let output = rig.task.drive_mut().output();
     let then = Then::Stopped.or(response.latch);
     match response.reaction {
-        Reaction::RideOut => {
-            assert!(state.drives() && matches!(doing, Call::Set(_)));
-            assert!(rig.task.controller().supervisor().ridden_out().0 > 0);
+        Reaction::Ignore => {
+            assert!(state.drives() && matches!(output, Call::Set(_)));
+            assert!(rig.task.controller().supervisor().ignored().0 > 0);
             return;
         }
         Reaction::ControlledStop => {
             assert_eq!(state, State::Stopping(then), "{kind}");
-            assert!(matches!(doing, Call::Set(_)), "{kind}");
+            assert!(matches!(output, Call::Set(_)), "{kind}");
         }
         Reaction::Brake => {
             assert_eq!(state, State::Braking(then), "{kind}");
-            assert_eq!(doing, Call::Brake, "{kind}");
+            assert_eq!(output, Call::Brake, "{kind}");
         }
         Reaction::Release => {
             assert_eq!(state, then.state(), "{kind}");
-            assert_eq!(doing, Call::Release, "{kind}");
+            assert_eq!(output, Call::Release, "{kind}");
         }
     }
     assert_eq!(rig.task.cause(), Cause::Fault(fault), "{kind}");
@@ -54,7 +54,7 @@ pub fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(
     rig.run_until(10_500, |rig| rig.task.state() == then.state());
     rig.run(200);
     assert_eq!(rig.task.state(), then.state(), "{kind}");
-    assert_eq!(rig.task.drive_mut().doing(), Call::Release, "{kind}");
+    assert_eq!(rig.task.drive_mut().output(), Call::Release, "{kind}");
     assert_eq!(rig.park(1.0, 0.0, 0.0), Err(RejectReason::State));
     if response.latch {
         assert_eq!(rig.command(Command::Arm), Err(RejectReason::State));

@@ -4,7 +4,7 @@
 use controller_core::base::{BaseParams, Sensed, WheelAction};
 use controller_core::hal::WheelCounts;
 use controller_core::maths::Single;
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::queue::{ReferenceProducer, ReferenceQueue, TimedReference};
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::safety::supervisor::{Cause, State};
@@ -34,7 +34,7 @@ pub fn params() -> BaseParams<f32> {
     mission::params(MAX_TORQUE, false).unwrap()
 }
 
-pub fn body() -> Validated<f32> {
+pub fn body() -> ValidParams<f32> {
     Params::paper().validate().unwrap()
 }
 
@@ -106,7 +106,7 @@ impl Rig {
     /// Time passes, then a tick with what the sensors say, changed by `change`.
     pub fn tick_with(&mut self, elapsed_us: u32, change: impl FnOnce(&mut Sensed<f32>)) {
         let dt = elapsed_us as f32 * 1e-6;
-        self.model.act(dt, self.task.doing());
+        self.model.act(dt, self.task.output());
         self.counts = self.encoders.advance(dt, &self.model);
         let mut sensed = Sensed::of_counts(self.counts);
         change(&mut sensed);
@@ -122,26 +122,26 @@ impl Rig {
         self.ticks += 1;
         let calls = self.task.drive_mut().calls();
         self.task.tick(self.now_us, sensed);
-        let doing = *self.task.doing();
+        let output = *self.task.output();
         let state = self.task.state();
         let drive = self.task.drive_mut();
         let new = drive.calls() - calls;
         if new == 1 {
-            let heard = match doing {
+            let applied = match output {
                 WheelAction::Drive(drive) => Call::Set(drive.torques),
                 WheelAction::Brake => Call::Brake,
                 WheelAction::Release => Call::Release,
             };
             // A driver that fails to release still does what it did.
-            let obeyed =
-                drive.doing() == heard || matches!(drive.last_calls().next(), Some(Call::Release));
-            assert!(obeyed, "what the task says is what the wheels heard");
+            let obeyed = drive.output() == applied
+                || matches!(drive.last_calls().next(), Some(Call::Release));
+            assert!(obeyed, "the output of the task is applied to the wheels");
         } else {
             assert_eq!(new, 2, "one call a tick, or two if the first one failed");
             assert!(matches!(drive.last_calls().next(), Some(Call::Release)));
-            assert_eq!(doing, WheelAction::Release);
+            assert_eq!(output, WheelAction::Release);
         }
-        let torque = doing.torques().is_some();
+        let torque = output.torques().is_some();
         assert!(!torque || may_have_torque(state), "torque in {state:?}");
     }
 

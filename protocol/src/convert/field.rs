@@ -2,9 +2,9 @@
 
 use controller_core::base::BaseParams;
 use controller_core::localiser::LocaliserParams;
-use controller_core::motion::{Limits, MotionGains, MotionParams, Policy};
+use controller_core::motion::{Limits, MotionGains, MotionParams, SaturationPolicy};
 use controller_core::odometry::{Calibration, OdometryParams};
-use controller_core::safety::WatchParams;
+use controller_core::safety::DetectorParams;
 
 use crate::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
 
@@ -12,14 +12,14 @@ impl From<&BaseParams<f32>> for FieldParams {
     fn from(params: &BaseParams<f32>) -> Self {
         let MotionParams { gains, limits, .. } = &params.motion;
         let calibration = &params.localiser.odometry.calibration;
-        let watch = &params.watch;
+        let detectors = &params.detectors;
         Self {
             gains: WireGains {
                 decay: gains.decay,
-                along: gains.along,
-                along_bound: gains.along_bound,
+                longitudinal: gains.longitudinal,
+                longitudinal_bound: gains.longitudinal_bound,
                 heading: gains.heading,
-                across: gains.across,
+                lateral: gains.lateral,
                 slow: gains.slow,
                 approach: gains.approach,
                 approach_brake: gains.approach_brake,
@@ -38,9 +38,9 @@ impl From<&BaseParams<f32>> for FieldParams {
                 turn_jerk: limits.turn_jerk,
                 wheel_torque_nm: limits.wheel_torque_nm,
                 policy: match limits.policy {
-                    Policy::KeepCurvature => WireYield::KeepCurvature,
-                    Policy::TurnFirst => WireYield::TurnFirst,
-                    Policy::DriveFirst => WireYield::DriveFirst,
+                    SaturationPolicy::KeepCurvature => WireYield::KeepCurvature,
+                    SaturationPolicy::TurnFirst => WireYield::TurnFirst,
+                    SaturationPolicy::DriveFirst => WireYield::DriveFirst,
                 },
             },
             calibration: WireCalibration {
@@ -49,9 +49,9 @@ impl From<&BaseParams<f32>> for FieldParams {
                 track: calibration.track,
             },
             timeouts: WireTimeouts {
-                measurement: watch.measurement,
-                pose: watch.pose,
-                command: watch.command,
+                measurement: detectors.measurement,
+                pose: detectors.pose,
+                command: detectors.command,
             },
             policy: params.policy,
         }
@@ -72,10 +72,10 @@ impl FieldParams {
             motion: MotionParams {
                 gains: MotionGains {
                     decay: gains.decay,
-                    along: gains.along,
-                    along_bound: gains.along_bound,
+                    longitudinal: gains.longitudinal,
+                    longitudinal_bound: gains.longitudinal_bound,
                     heading: gains.heading,
-                    across: gains.across,
+                    lateral: gains.lateral,
                     slow: gains.slow,
                     approach: gains.approach,
                     approach_brake: gains.approach_brake,
@@ -94,9 +94,9 @@ impl FieldParams {
                     turn_jerk: limits.turn_jerk,
                     wheel_torque_nm: limits.wheel_torque_nm,
                     policy: match limits.policy {
-                        WireYield::KeepCurvature => Policy::KeepCurvature,
-                        WireYield::TurnFirst => Policy::TurnFirst,
-                        WireYield::DriveFirst => Policy::DriveFirst,
+                        WireYield::KeepCurvature => SaturationPolicy::KeepCurvature,
+                        WireYield::TurnFirst => SaturationPolicy::TurnFirst,
+                        WireYield::DriveFirst => SaturationPolicy::DriveFirst,
                     },
                 },
                 ..base.motion
@@ -112,11 +112,11 @@ impl FieldParams {
                 },
                 ..base.localiser
             },
-            watch: WatchParams {
+            detectors: DetectorParams {
                 measurement: timeouts.measurement,
                 pose: timeouts.pose,
                 command: timeouts.command,
-                ..base.watch
+                ..base.detectors
             },
             policy: *policy,
             ..*base

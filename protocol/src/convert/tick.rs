@@ -8,7 +8,7 @@ use crate::{BaseTick, WireAction, WireOutcome, tick_flags as flags};
 
 impl BaseTick {
     /// What a base has just done.
-    pub fn of(tick: u32, report: &BaseReport<f32>, ridden_out: u32) -> Self {
+    pub fn of(tick: u32, report: &BaseReport<f32>, ignored: u32) -> Self {
         let law = report.motion.unwrap_or_default();
         let measured = report.measured.unwrap_or_default();
         let torques = report.action.torques().unwrap_or_default();
@@ -32,9 +32,9 @@ impl BaseTick {
         ] {
             bits |= if holds { bit } else { 0 };
         }
-        let mut findings = 0;
-        for fault in report.findings.iter() {
-            findings |= 1_u32.wrapping_shl(u32::from(fault.kind().code()).wrapping_sub(1));
+        let mut active_faults = 0;
+        for fault in report.active_faults.iter() {
+            active_faults |= 1_u32.wrapping_shl(u32::from(fault.kind().code()).wrapping_sub(1));
         }
         Self {
             tick,
@@ -51,8 +51,8 @@ impl BaseTick {
                 _ => WireOutcome::Driving,
             },
             flags: bits,
-            findings,
-            ridden_out,
+            active_faults,
+            ignored,
             retries: law.retries,
             x: measured.pose.x,
             y: measured.pose.y,
@@ -75,6 +75,6 @@ impl BaseTick {
 
     /// The codes of the kinds of faults found, lowest first.
     pub fn codes(&self) -> impl Iterator<Item = u8> + '_ {
-        (1..=32_u8).filter(|code| self.findings >> (code - 1) & 1 == 1)
+        (1..=32_u8).filter(|code| self.active_faults >> (code - 1) & 1 == 1)
     }
 }

@@ -1,10 +1,13 @@
-//! What a processor in the loop is asked, and answers: the paper's law, one tick at a time.
+//! What a processor in the loop is asked, and answers, one tick at a time: the paper's law ([`Question`]), or the whole
+//! base ([`BaseQuestion`]).
 
+mod base;
 mod convert;
 mod parameters;
 mod report;
 mod ticked;
 
+pub use base::{BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, WheelOutput, WireOrder};
 pub use parameters::{ParameterSet, WireReset};
 pub use report::{Report, report_flags};
 pub use ticked::Ticked;
@@ -77,7 +80,7 @@ pub struct WireMeasured {
     pub twist: WireTwist,
 }
 
-/// What a tick of the processor in the loop is asked to do.
+/// The demand of a tick of the processor in the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WireDemand {
     /// Follow the reference of this instant.

@@ -52,9 +52,9 @@ pub struct Report {
     /// Turn rate error, rad/s.
     pub e_w: f32,
     /// What the forward command carries beside the neuron, m/s.
-    pub bridge_v: f32,
+    pub offset_v: f32,
     /// What the turn command carries beside the neuron, rad/s.
-    pub bridge_w: f32,
+    pub offset_w: f32,
     /// Demanded force, N.
     pub force: f32,
     /// Demanded moment, N m.

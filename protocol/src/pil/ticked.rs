@@ -7,7 +7,7 @@ use controller_core::types::{Accel, Twist, WheelTorques, Wrench};
 
 use super::{Report, report_flags};
 
-/// Everything a controller tells of one tick.
+/// Everything a controller reports of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ticked {
     /// Ticks since the controller was started.
@@ -68,8 +68,8 @@ impl From<&Ticked> for Report {
             wdot_c: report.command_rate.angular,
             e_v: report.velocity_error.linear,
             e_w: report.velocity_error.angular,
-            bridge_v: report.bridge.linear,
-            bridge_w: report.bridge.angular,
+            offset_v: report.transition_offset.linear,
+            offset_w: report.transition_offset.angular,
             force: report.wrench.force,
             moment: report.wrench.moment,
             tau_right: report.torques.right,
@@ -106,7 +106,7 @@ impl From<&Report> for Ticked {
                 command: Twist::new(wire.v_c, wire.w_c),
                 command_rate: Accel::new(wire.vdot_c, wire.wdot_c),
                 velocity_error: Twist::new(wire.e_v, wire.e_w),
-                bridge: Twist::new(wire.bridge_v, wire.bridge_w),
+                transition_offset: Twist::new(wire.offset_v, wire.offset_w),
                 wrench: Wrench {
                     force: wire.force,
                     moment: wire.moment,

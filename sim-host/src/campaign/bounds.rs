@@ -16,17 +16,17 @@
 //! pass: d̂/(m̂ κ ω) comes to the way. What breaks standing wheels loose, a_s, is seen after two ticks at the latest, and
 //! the loop takes away the speed that they gave: a_s 2 dt (dt + 1/κ).
 //!
-//! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current v₀ asks for is
+//! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current that v₀ needs is
 //! below the driver's limit; beyond it the base slows down by 2 c/m at least when both wheels roll forward,
 //! hence v₀²/(2 · 2c/m), and by half of that while it also turns, for at most |w₀| I/(c l/2).
 //!
 //! **Release.** Friction of both wheels takes from the kinetic energy E at least τ (|v_R| + |v_L|) ≥ 2 τ |v|, also
 //! while one of them stands: the way is at most E/(2 τ). It holds for brakes too, with c beside τ.
 
-use crate::drive::Base;
-use crate::rig::Place;
+use crate::mission::BaseSpec;
 use crate::world::GRAVITY;
-use controller_core::base::{Base as Core, BaseReport};
+use crate::world::WorldSetup;
+use controller_core::base::{BaseReport, ValidBaseParams as Core};
 use controller_core::maths::Single;
 use controller_core::motor::electrical_brake;
 use controller_core::safety::controlled_stop;
@@ -71,9 +71,9 @@ pub(super) struct Wheels {
 }
 
 impl Bounds {
-    pub fn new(base: &Base, place: &Place, core: &Core<f32>) -> Self {
+    pub fn new(base: &BaseSpec, setup: &WorldSetup, core: &Core<f32>) -> Self {
         let robot = &base.robot;
-        let body = &place.world.body;
+        let body = &setup.world.body;
         let wheels = &robot.wheels;
         let radius = wheels.radius_right_m.min(wheels.radius_left_m);
         let half_track = 0.5 * wheels.track_m;
@@ -97,9 +97,9 @@ impl Bounds {
             current_n: motor.map_or(f64::INFINITY, |m| {
                 m.gear_ratio * m.kt_nm_per_a * m.current_limit_a / radius
             }),
-            grip: place.world.floor.mu,
+            grip: setup.world.floor.mu,
             load: 0.5 * robot.mass_kg * body.mass_factor * GRAVITY,
-            dry_n: place.world.friction.coulomb_nm / radius,
+            dry_n: setup.world.friction.coulomb_nm / radius,
             odometry: {
                 let (right, left) = (body.radius_right_factor, body.radius_left_factor);
                 (
@@ -219,7 +219,12 @@ impl Bounds {
     /// Fixes take an error away as e^(−bt), b by the share of them that arrives. The approach from x₀ goes as e^(−gt) until D is left, and then it rests for
     /// the dwell t_d: q(x₀) = (D/x₀)^(b/g) e^(−b t_d) is left of what there was at its beginning, and ℓ = x₀ g/(g − b) q(x₀).
     /// The farthest goal of a plan is x₀ = 2 s times the top speed away, and half a turn; the nearest one x₁ = 0.6 s. The pose source's latency is stated, and its bias is 0.
-    pub fn parked(&self, core: &Core<f32>, base: &Base, (share, late_s): (f64, f64)) -> (f64, f64) {
+    pub fn parked(
+        &self,
+        core: &Core<f32>,
+        base: &BaseSpec,
+        (share, late_s): (f64, f64),
+    ) -> (f64, f64) {
         let arrival = &core.motion().params().arrival;
         let (distance, heading) = (
             f64::from(arrival.distance_m),

@@ -7,13 +7,13 @@ use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::Reaction;
 use controller_core::safety::supervisor::{State, Then};
 
-/// What the wheels are told, by severity.
+/// The output to the wheels, by severity.
 pub(super) fn severity(report: &BaseReport<f32>) -> Reaction {
     match (report.state, &report.action) {
         (_, WheelAction::Release) => Reaction::Release,
         (_, WheelAction::Brake) => Reaction::Brake,
         (State::Stopping(_), WheelAction::Drive(_)) => Reaction::ControlledStop,
-        (_, WheelAction::Drive(_)) => Reaction::RideOut,
+        (_, WheelAction::Drive(_)) => Reaction::Ignore,
     }
 }
 
@@ -41,7 +41,7 @@ pub(super) fn outputs(
             ));
         }
     }
-    let told = match (&report.action, actuation) {
+    let applied = match (&report.action, actuation) {
         (WheelAction::Release, Actuation::Release) | (WheelAction::Brake, Actuation::Brake) => true,
         (WheelAction::Drive(_), Actuation::Duty { right, left }) => {
             right.abs() <= 1.0 && left.abs() <= 1.0
@@ -51,7 +51,7 @@ pub(super) fn outputs(
         }
         _ => false,
     };
-    if !told {
+    if !applied {
         return Err(format!("{:?} became {actuation:?}", report.action));
     }
     let measured = report
@@ -110,14 +110,14 @@ pub(super) fn reacted(before: State, report: &BaseReport<f32>) -> Result<(), Str
     if !before.is_live() {
         return Ok(());
     }
-    for fault in report.findings.iter() {
+    for fault in report.active_faults.iter() {
         let least = expected::least(fault.kind());
-        if least.reaction == Reaction::RideOut {
+        if least.reaction == Reaction::Ignore {
             continue;
         }
         if severity(report) < least.reaction {
             return Err(format!(
-                "{fault} was found, {:?} is told in {:?}",
+                "{fault} was found, {:?} is applied in {:?}",
                 severity(report),
                 report.state
             ));

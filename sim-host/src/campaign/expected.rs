@@ -1,11 +1,11 @@
 //! The rules: for each trouble the name it has to be found by, the time that counts, and how much of it there may be.
 
-use super::outcome::{End, Failing, Outcome, Why};
+use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
+use super::outcome::{End, Failing, RunOutcome, Why};
 use super::plan::{Bases, Target};
-use super::upset::{Upset, UpsetKind, What};
+use crate::closed_loop::{self, ClosedLoopError};
 use crate::rate::Rate;
-use crate::rig::{self, RigError};
-use crate::world::{Defect, PoseSourceParams};
+use crate::world::{PlantFault, PoseSourceParams};
 use controller_core::base::BaseParams;
 use controller_core::safety::{FaultKind, Reaction, Response, Timeout};
 use protocol::{Command, TimedSample, WirePose, WireReference};
@@ -14,10 +14,10 @@ use protocol::{Command, TimedSample, WirePose, WireReference};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// Trouble.
-    pub upset: UpsetKind,
+    pub injection: FaultInjectionKind,
     /// What it is found as; nothing where there is nothing to be found.
     pub name: Option<Why>,
-    /// Other names that are right too, where physics cannot tell, each with the reason.
+    /// Other names that are right too, where physics cannot distinguish, each with the reason.
     pub also: &'static [(Why, &'static str)],
     /// What time counts.
     pub clock: Clock,
@@ -36,7 +36,7 @@ pub enum Clock {
     /// All, if the tick is as long as one that counts as too long.
     Long,
     /// Since the last sound frame arrived, in a live base.
-    Unheard,
+    SinceFrame,
     /// While the wheel is commanded faster, and pushed harder that way, than the stuck detector's thresholds, without
     /// a break.
     Pushed,
@@ -50,7 +50,7 @@ impl Clock {
             Self::All => "from its beginning",
             Self::Beyond => "from its beginning, before any way, beyond twice the gate",
             Self::Long => "from its beginning, if it lasts for 10 periods",
-            Self::Unheard => "since the last sound frame, armed or on its way",
+            Self::SinceFrame => "since the last sound frame, armed or on its way",
             Self::Pushed => "commanded and pushed above `stuck`, without a break",
         }
     }
@@ -61,22 +61,22 @@ const fn fault(kind: FaultKind) -> Option<Why> {
 }
 
 const fn rule(
-    upset: UpsetKind,
+    injection: FaultInjectionKind,
     name: Option<Why>,
     also: &'static [(Why, &'static str)],
     clock: Clock,
 ) -> Rule {
     Rule {
-        upset,
+        injection,
         name,
         also,
         clock,
     }
 }
 
-/// The table, in the order of [`UpsetKind::ALL`].
-pub const RULES: [Rule; UpsetKind::ALL.len()] = {
-    use {Clock as C, FaultKind as F, UpsetKind as U};
+/// The table, in the order of [`FaultInjectionKind::ALL`].
+pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
+    use {Clock as C, FaultInjectionKind as U, FaultKind as F};
     [
         rule(U::Nothing, None, &[], C::None),
         rule(
@@ -104,7 +104,7 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
             fault(F::PoseJump),
             &[
                 (
-                    Why::Fault(F::GaveUp),
+                    Why::Fault(F::GoalUnreachable),
                     "a heading that is off against its own positions: all ways ahead look like slides, and none ends at the goal",
                 ),
                 (
@@ -144,7 +144,7 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
                     "without a gyro only poses tell that wheels slide; that do not go with odometry for long, none is left",
                 ),
                 (
-                    Why::Fault(F::GaveUp),
+                    Why::Fault(F::GoalUnreachable),
                     "without grip there are goals that are not reached",
                 ),
             ],
@@ -152,7 +152,7 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
         ),
         rule(U::LateTick, fault(F::TickTooLong), &[], C::Long),
         rule(U::LateTicks, fault(F::TickJitter), &[], C::All),
-        rule(U::HostSilent, Some(Why::Link), &[], C::Unheard),
+        rule(U::HostSilent, Some(Why::Link), &[], C::SinceFrame),
         rule(U::OrderNan, Some(Why::Refused), &[], C::All),
         rule(U::EmergencyStop, Some(Why::Button), &[], C::All),
         rule(U::LineFull, None, &[], C::None),
@@ -162,14 +162,14 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
             &[
                 (
                     Why::Fault(F::CommandStale),
-                    "the host is heard, but so many samples are lost that the trajectory ends",
+                    "frames come, but so many samples are lost that the trajectory ends",
                 ),
                 (
                     Why::Fault(F::PoseStale),
-                    "the host is heard, but so many poses are lost that they are missing",
+                    "frames come, but so many poses are lost that they are missing",
                 ),
             ],
-            C::Unheard,
+            C::SinceFrame,
         ),
         rule(
             U::LineDelayed,
@@ -185,8 +185,8 @@ pub const RULES: [Rule; UpsetKind::ALL.len()] = {
 
 impl Rule {
     /// Of a trouble.
-    pub const fn of(upset: UpsetKind) -> &'static Self {
-        &RULES[upset as usize]
+    pub const fn of(injection: FaultInjectionKind) -> &'static Self {
+        &RULES[injection as usize]
     }
 
     /// Whether a finding is right.
@@ -195,7 +195,7 @@ impl Rule {
     }
 
     /// The row of docs/faults.md: name and others, time that counts, deadline of each of `bases`.
-    pub fn row(&self, bases: &Bases) -> Result<String, RigError> {
+    pub fn row(&self, bases: &Bases) -> Result<String, ClosedLoopError> {
         let name = |why: Why| format!("`{}`", why.name());
         let mut names: Vec<_> = self.name.map(name).into_iter().collect();
         names.extend(self.also.iter().map(|(why, _)| name(*why)));
@@ -206,7 +206,7 @@ impl Rule {
         };
         let mut row = format!(
             "| {} | {found} | {} |",
-            self.upset.name(),
+            self.injection.name(),
             self.clock.name()
         );
         for base in bases.all() {
@@ -214,14 +214,14 @@ impl Rule {
                 .hardware
                 .map_or((0.01, None), |h| (h.period_s, h.pose_source));
             let period_us = (1.0e6 * period_s).round() as u32;
-            let params = rig::params(base, period_us).map_err(RigError::Param)?;
+            let params = closed_loop::params(base, period_us).map_err(ClosedLoopError::Param)?;
             let within = self.within_s(&params, source.as_ref());
             row += &within.map_or_else(|| " – |".to_owned(), |s| format!(" {s:.3} s |"));
         }
         Ok(row)
     }
 
-    /// At most so much of the time that counts may pass before it is found \[s\], for a base with these parameters; for
+    /// Longest time, of the time that counts, before it is found \[s\], for a base with these parameters; for
     /// the longest tick of the trouble and the tick in which it is found half a period of jitter and lateness each comes
     /// to it.
     pub fn within_s(
@@ -229,26 +229,27 @@ impl Rule {
         params: &BaseParams<f32>,
         source: Option<&PoseSourceParams>,
     ) -> Option<f64> {
-        let watch = &params.watch;
-        let period = 1.0e-6 * f64::from(watch.period_us);
+        let detectors = &params.detectors;
+        let period = 1.0e-6 * f64::from(detectors.period_us);
         let ticks = |n: f64| (n + 0.5) * period;
         let after = |timeout| match timeout {
             Timeout::AfterUs(us) => Some(1.0e-6 * f64::from(us)),
             Timeout::Off => None,
         };
-        use UpsetKind as U;
-        match self.upset {
+        use FaultInjectionKind as U;
+        match self.injection {
             U::Nothing | U::LineFull | U::LineDelayed | U::WheelOnIce => None,
             U::EncoderStuck | U::WheelBlocked => {
-                after(watch.wheels.stuck.after).map(|s| s + ticks(2.0))
+                after(detectors.wheels.stuck.after).map(|s| s + ticks(2.0))
             }
             // Once for a wheel that rolls back to be turned round by twice the load, once to be found.
-            U::EncoderReversed => after(watch.wheels.stuck.after).map(|s| 2.0 * s + ticks(2.0)),
-            U::EncoderFails => after(watch.measurement).map(|s| s + ticks(1.0)),
+            U::EncoderReversed => after(detectors.wheels.stuck.after).map(|s| 2.0 * s + ticks(2.0)),
+            U::EncoderFails => after(detectors.measurement).map(|s| s + ticks(1.0)),
             // The last pose may be on its way yet, and the one before it was an interval ago.
             U::PoseSilent | U::PoseNan | U::FixAgeNan => {
                 let source = source?;
-                after(watch.pose).map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
+                after(detectors.pose)
+                    .map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
             }
             // As many outliers as have to agree, after the one that was on its way.
             U::PoseJump => {
@@ -258,12 +259,12 @@ impl Rule {
             }
             // Told in a tick, answered in it, judged in the next.
             U::DriveCoasts | U::DriveHolds | U::OverCurrent => Some(ticks(2.0)),
-            U::BatterySag => after(watch.supply.after).map(|s| s + ticks(1.0)),
+            U::BatterySag => after(detectors.supply.after).map(|s| s + ticks(1.0)),
             U::LateTick => Some(ticks(1.0)),
             // So many in a row, after the one under way; each as much longer as the trouble makes it.
-            U::LateTicks => Some(ticks(f64::from(watch.ticks.row) + 1.0)),
+            U::LateTicks => Some(ticks(f64::from(detectors.ticks.row) + 1.0)),
             // Judged a tick ahead.
-            U::HostSilent | U::LineDamaged => after(watch.command),
+            U::HostSilent | U::LineDamaged => after(detectors.command),
             // Sent with the next tick, answered after it.
             U::OrderNan | U::EmergencyStop => Some(ticks(2.0)),
         }
@@ -274,7 +275,7 @@ impl Rule {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// Under this trouble.
-    pub upset: UpsetKind,
+    pub injection: FaultInjectionKind,
     /// What.
     pub failing: Failing,
     /// In this share of its runs.
@@ -291,22 +292,22 @@ impl Known {
 /// All of it, with the rates that docs/faults.md states with their runs.
 pub const KNOWN: [Known; 2] = [
     Known {
-        upset: UpsetKind::WheelOnIce,
+        injection: FaultInjectionKind::WheelOnIce,
         failing: Failing::Misplaced,
         rate: 0.0007,
     },
     Known {
-        upset: UpsetKind::WheelOnIce,
+        injection: FaultInjectionKind::WheelOnIce,
         failing: Failing::Adrift,
         rate: 0.0067,
     },
 ];
 
 /// How often each of [`KNOWN`] happened, where its trouble was there.
-pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
+pub fn known(outcomes: &[RunOutcome]) -> Vec<(Known, Rate)> {
     let rate = |known: &Known| {
-        let has = |outcome: &&Outcome| outcome.upset == known.upset;
-        let failed = |outcome: &&Outcome| outcome.end == Ok(End::Known(known.failing));
+        let has = |outcome: &&RunOutcome| outcome.injection == known.injection;
+        let failed = |outcome: &&RunOutcome| outcome.end == Ok(End::Known(known.failing));
         Rate {
             failed: outcomes.iter().filter(has).filter(failed).count(),
             runs: outcomes.iter().filter(has).count(),
@@ -320,23 +321,27 @@ pub fn known(outcomes: &[Outcome]) -> Vec<(Known, Rate)> {
 }
 
 /// What a late tick adds to a deadline \[s\].
-pub(super) fn late_s(upset: &Upset, params: &BaseParams<f32>) -> f64 {
-    match upset.what {
-        What::Late(_) => f64::from(params.watch.ticks.row + 1) * upset.late_s(),
-        _ => upset.late_s(),
+pub(super) fn late_s(injection: &FaultInjection, params: &BaseParams<f32>) -> f64 {
+    match injection.what {
+        What::Late(_) => f64::from(params.detectors.ticks.row + 1) * injection.late_s(),
+        _ => injection.late_s(),
     }
 }
 
 /// Whether there is something to be found at all.
-pub(super) fn applies(upset: &Upset, target: Target, params: &BaseParams<f32>) -> bool {
-    let watch = &params.watch;
-    match upset.what {
+pub(super) fn applies(
+    injection: &FaultInjection,
+    target: Target,
+    params: &BaseParams<f32>,
+) -> bool {
+    let detectors = &params.detectors;
+    match injection.what {
         // Ticks are shorter by up to 0.2 ms: the jitter of a plan.
-        What::LateOnce(us) => match watch.ticks.long {
-            Timeout::AfterUs(long) => us + watch.period_us >= long + 200,
+        What::LateOnce(us) => match detectors.ticks.long {
+            Timeout::AfterUs(long) => us + detectors.period_us >= long + 200,
             Timeout::Off => false,
         },
-        What::Defect(Defect::PoseJump { dx, dy, dtheta }) => {
+        What::PlantFault(PlantFault::PoseJump { dx, dy, dtheta }) => {
             let Some(fusion) = &params.localiser.fusion else {
                 return false;
             };
@@ -373,8 +378,8 @@ pub(super) fn no_number(park: bool) -> Command {
 pub(super) const fn least(kind: FaultKind) -> Response {
     use FaultKind as F;
     match kind {
-        F::PoseJump => Response::RIDE_OUT,
-        F::PoseStale | F::CommandStale | F::WheelSlip | F::Stalled | F::GaveUp => {
+        F::PoseJump => Response::IGNORE,
+        F::PoseStale | F::CommandStale | F::WheelSlip | F::Stalled | F::GoalUnreachable => {
             Response::passing(Reaction::ControlledStop)
         }
         F::TickJitter | F::TickTooLong | F::UnderVoltage => {
@@ -392,9 +397,9 @@ mod tests {
 
     #[test]
     fn every_trouble_has_its_row() {
-        for (upset, rule) in UpsetKind::ALL.into_iter().zip(&RULES) {
-            assert_eq!(upset, rule.upset);
-            assert_eq!(Rule::of(upset), rule);
+        for (injection, rule) in FaultInjectionKind::ALL.into_iter().zip(&RULES) {
+            assert_eq!(injection, rule.injection);
+            assert_eq!(Rule::of(injection), rule);
         }
     }
 }

@@ -1,12 +1,11 @@
 //! A host as a real one is: it speaks in frames, waits for answers, and asks again where none comes.
 
 use super::line::{Line, LineFault};
-use super::path::narrow;
-use super::plan::Path;
+use super::path::{Path, narrow};
 use super::random::Random;
 use crate::world::World;
 use controller_core::types::Pose;
-use firmware_demo::station::UNASKED;
+use firmware_demo::control_server::UNASKED;
 use protocol::{
     Command, Decoder, Frame, MAX_CONTENT, MAX_FRAME, RejectReason, Telemetry, TimedSample, encode,
 };
@@ -94,7 +93,7 @@ impl Host {
         self.asked_for(command, true);
     }
 
-    /// Stops the base: nothing else is wanted any more.
+    /// Stops the base: nothing else counts any more.
     pub fn stop(&mut self, command: Command) {
         self.asked.clear();
         self.sent_us = None;

@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`] is drawn from a seed and the number of a run: base, true plant, course, the state in which the
 //! trouble strikes, the trouble and when it heals, and what the host does afterwards. [`fn@run`] drives the firmware's
-//! [`Board`](crate::rig::Board) through it, by frames over a line that may be full, damaged and late, and checks every
+//! [`Board`](crate::closed_loop::Board) through it, by frames over a line that may be full, damaged and late, and checks every
 //! tick:
 //!
 //! | always | |
@@ -22,6 +22,7 @@
 mod bounds;
 mod check;
 mod expected;
+mod fault_injection;
 mod host;
 mod line;
 mod outcome;
@@ -32,13 +33,12 @@ mod report;
 mod run;
 mod study;
 mod summary;
-mod upset;
 
 pub use expected::{Clock, KNOWN, Known, RULES, Rule, known};
-pub use outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
+pub use fault_injection::{FaultInjection, FaultInjectionKind};
+pub use outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 pub use plan::{Bases, Plan, Target};
 pub use report::{COLUMNS, Record, TRACE_COLUMNS, TraceWriter, table, violation, write_runs};
 pub use run::{Mutation, Tick, run};
 pub use study::study;
 pub use summary::{Cell, CellRecord, cells};
-pub use upset::{Upset, UpsetKind};

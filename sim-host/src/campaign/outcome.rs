@@ -1,7 +1,7 @@
 //! What came of a run.
 
+use super::fault_injection::FaultInjectionKind;
 use super::plan::{Plan, Target};
-use super::upset::UpsetKind;
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::Cause;
 
@@ -44,7 +44,7 @@ pub enum Why {
     Host,
     /// The button.
     Button,
-    /// Nothing was heard of the host.
+    /// No frame came from the host.
     Link,
     /// What was asked for was refused.
     Refused,
@@ -128,7 +128,7 @@ pub struct Detection {
 
 /// A run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// Number.
     pub run: u64,
     /// Which base.
@@ -136,9 +136,9 @@ pub struct Outcome {
     /// In what state.
     pub target: Target,
     /// What.
-    pub upset: UpsetKind,
+    pub injection: FaultInjectionKind,
     /// And what came on top, if anything did.
-    pub second: Option<UpsetKind>,
+    pub second: Option<FaultInjectionKind>,
     /// When \[s\].
     pub at_s: f64,
     /// First finding.
@@ -157,13 +157,13 @@ pub struct Outcome {
     pub end: Result<End, Violation>,
 }
 
-impl Outcome {
+impl RunOutcome {
     pub(super) fn begin(plan: &Plan) -> Self {
         Self {
             run: plan.run,
             base: plan.base,
             target: plan.target,
-            upset: plan.upset.kind,
+            injection: plan.injection.kind,
             second: None,
             at_s: 0.0,
             found: None,

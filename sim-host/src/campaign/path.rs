@@ -1,8 +1,18 @@
 //! References along a line or an arc.
 
-use super::plan::Path;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
+
+/// What is followed: a line or an arc from the start, from rest to a speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Path {
+    /// \[m/s\].
+    pub speed: f64,
+    /// \[m/s²\].
+    pub accel: f64,
+    /// \[1/m\].
+    pub curvature: f64,
+}
 
 impl Path {
     /// The sample at `t` \[s\]: from rest with constant acceleration, then at constant speed.

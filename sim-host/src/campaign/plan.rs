@@ -1,10 +1,11 @@
 //! A run, drawn from its seed.
 
+use super::fault_injection::{FaultInjection, FaultInjectionKind};
+use super::path::Path;
 use super::random::Random;
-use super::upset::{Upset, UpsetKind};
-use crate::drive::Base;
-use crate::rig::Place;
+use crate::mission::BaseSpec;
 use crate::scenario::{BASES, ScenarioError};
+use crate::world::WorldSetup;
 use crate::world::{BodyKeys, FloorParams, FrictionParams, NoiseParams, TickParams, WorldKeys};
 use controller_core::safety::supervisor::State;
 use controller_core::types::Pose;
@@ -86,17 +87,6 @@ impl Target {
     }
 }
 
-/// What is followed: a line or an arc from the start, from rest to a speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Path {
-    /// \[m/s\].
-    pub speed: f64,
-    /// \[m/s²\].
-    pub accel: f64,
-    /// \[1/m\].
-    pub curvature: f64,
-}
-
 /// Everything about a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -109,9 +99,9 @@ pub struct Plan {
     /// In what state.
     pub target: Target,
     /// What.
-    pub upset: Upset,
+    pub injection: FaultInjection,
     /// Something else, so long after a stop began \[s\].
-    pub second: Option<(f64, Upset)>,
+    pub second: Option<(f64, FaultInjection)>,
     /// When the trouble is over, after it began \[s\]; at the end if at all.
     pub heal_s: Option<f64>,
     /// After the end everything is mended, the base reset, armed and given a new goal.
@@ -126,53 +116,59 @@ pub struct Plan {
     pub(super) path: Path,
     pub(super) goal: Pose<f64>,
     /// The true plant.
-    pub place: Place,
+    pub setup: WorldSetup,
 }
 
 /// Bases, read once for all runs.
 #[derive(Clone, Debug)]
-pub struct Bases(Vec<Base>);
+pub struct Bases(Vec<BaseSpec>);
 
 impl Bases {
     /// Those built in.
     ///
     /// # Errors
-    /// As [`Base::parse`]; a test reads them all.
+    /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn built_in() -> Result<Self, ScenarioError> {
         let bases = BASES.iter().map(crate::scenario::BuiltInBase::base);
         Ok(Self(bases.collect::<Result<_, _>>()?))
     }
 
     /// All of them.
-    pub fn all(&self) -> &[Base] {
+    pub fn all(&self) -> &[BaseSpec] {
         &self.0
     }
 
     /// Of a plan.
-    pub fn of(&self, plan: &Plan) -> &Base {
+    pub fn of(&self, plan: &Plan) -> &BaseSpec {
         &self.0[plan.base]
     }
 }
 
 impl Plan {
     /// The trouble of run `run`, whatever the seed.
-    pub fn trouble(run: u64) -> UpsetKind {
-        let (states, kinds) = (Target::ALL.len() as u64, UpsetKind::ALL.len() as u64);
-        UpsetKind::ALL[(run / states % kinds) as usize]
+    pub fn trouble(run: u64) -> FaultInjectionKind {
+        let (states, kinds) = (
+            Target::ALL.len() as u64,
+            FaultInjectionKind::ALL.len() as u64,
+        );
+        FaultInjectionKind::ALL[(run / states % kinds) as usize]
     }
 
     /// Run `run` of the campaign of `seed`. Runs go through every state with every kind of trouble
     /// on every base in turn; all else is random.
     pub fn draw(bases: &Bases, seed: u64, run: u64) -> Self {
         let random = &mut Random::new(seed, run);
-        let (states, kinds) = (Target::ALL.len() as u64, UpsetKind::ALL.len() as u64);
+        let (states, kinds) = (
+            Target::ALL.len() as u64,
+            FaultInjectionKind::ALL.len() as u64,
+        );
         let target = Target::ALL[(run % states) as usize];
         let kind = Self::trouble(run);
         let index = (run / (states * kinds) % bases.0.len() as u64) as usize;
         let base = &bases.0[index];
-        let upset = kind.draw(base, random);
+        let injection = kind.draw(base, random);
         let second = random.chance(0.2).then(|| {
-            let other = UpsetKind::ALL[random.below(UpsetKind::ALL.len())];
+            let other = FaultInjectionKind::ALL[random.below(FaultInjectionKind::ALL.len())];
             (random.between(0.0, 0.3), other.draw(base, random))
         });
         let limits = &base.limits;
@@ -190,10 +186,10 @@ impl Plan {
             run,
             base: index,
             target,
-            upset,
+            injection,
             second,
             // What holds torque has no end but the watchdog of its driver.
-            heal_s: if kind == UpsetKind::DriveHolds {
+            heal_s: if kind == FaultInjectionKind::DriveHolds {
                 Some(random.between(0.05, 0.5))
             } else {
                 random.chance(0.25).then(|| random.between(0.02, 2.0))
@@ -214,7 +210,7 @@ impl Plan {
                 reach * bearing.sin(),
                 random.between(-0.8, 0.8),
             ),
-            place: Place {
+            setup: WorldSetup {
                 world: world(base, random),
                 seed: random.word(),
             },
@@ -223,7 +219,7 @@ impl Plan {
 }
 
 /// Mild imperfections: what is left after a robot was identified.
-fn world(base: &Base, random: &mut Random) -> WorldKeys {
+fn world(base: &BaseSpec, random: &mut Random) -> WorldKeys {
     let mut keys = base.hardware.map_or_else(WorldKeys::default, |h| h.world());
     keys.body = BodyKeys {
         // A payload of a tenth.

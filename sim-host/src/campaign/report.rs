@@ -1,6 +1,6 @@
 //! The campaign for people and for spreadsheets.
 
-use super::outcome::Outcome;
+use super::outcome::RunOutcome;
 use super::run::Tick;
 use super::summary::{Cell, CellRecord};
 use crate::csv_out::write_numbers;
@@ -31,12 +31,12 @@ pub fn table(cells: &[Cell]) -> Table {
     table.load_preset(UTF8_FULL_CONDENSED).set_header(HEADER);
     let mut last = None;
     for cell in cells {
-        let name = if last == Some(cell.upset) {
+        let name = if last == Some(cell.injection) {
             ""
         } else {
-            cell.upset.name()
+            cell.injection.name()
         };
-        last = Some(cell.upset);
+        last = Some(cell.injection);
         let found = |value: f64| match cell.found {
             0 => String::new(),
             _ => format!("{value:.2}"),
@@ -71,7 +71,7 @@ fn off((m, rad): (f64, f64)) -> String {
 }
 
 /// What one has to know to run a violation again.
-pub fn violation(outcome: &Outcome) -> Option<String> {
+pub fn violation(outcome: &RunOutcome) -> Option<String> {
     let violation = outcome.end.as_ref().err()?;
     let second = outcome
         .second
@@ -80,7 +80,7 @@ pub fn violation(outcome: &Outcome) -> Option<String> {
         "run {}: {}, {} in {} at {:.2} s{second}: at {:.2} s {}",
         outcome.run,
         BASES[outcome.base].name,
-        outcome.upset.name(),
+        outcome.injection.name(),
         outcome.target.name(),
         outcome.at_s,
         violation.at_s,
@@ -114,7 +114,7 @@ pub const COLUMNS: [&str; 18] = [
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_runs(outcomes: &[Outcome], out: impl Write) -> csv::Result<()> {
+pub fn write_runs(outcomes: &[RunOutcome], out: impl Write) -> csv::Result<()> {
     use super::outcome::End;
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS)?;
@@ -130,7 +130,7 @@ pub fn write_runs(outcomes: &[Outcome], out: impl Write) -> csv::Result<()> {
             outcome.run.to_string().as_str(),
             BASES[outcome.base].name,
             outcome.target.name(),
-            outcome.upset.name(),
+            outcome.injection.name(),
             outcome.second.map_or("", |second| second.name()),
             outcome.at_s.to_string().as_str(),
             end,
@@ -169,7 +169,7 @@ pub struct Record {
 
 impl Record {
     /// Of all runs.
-    pub fn of(seed: u64, outcomes: &[Outcome], cells: &[Cell]) -> Self {
+    pub fn of(seed: u64, outcomes: &[RunOutcome], cells: &[Cell]) -> Self {
         Self {
             seed,
             runs: outcomes.len(),
@@ -225,7 +225,7 @@ impl<W: Write> TraceWriter<W> {
         let report = tick.board.report();
         let Measured { pose, twist } = tick.board.world().truth();
         let measured = report.measured.unwrap_or_default();
-        let findings: Vec<_> = report.findings.iter().map(|f| f.to_string()).collect();
+        let active_faults: Vec<_> = report.active_faults.iter().map(|f| f.to_string()).collect();
         let action = match &report.action {
             WheelAction::Release => "release",
             WheelAction::Brake => "brake",
@@ -237,9 +237,9 @@ impl<W: Write> TraceWriter<W> {
             tick.t.to_string(),
             format!("{:?}", report.state),
             format!("{:?}", report.cause),
-            findings.join("; "),
+            active_faults.join("; "),
             action.to_owned(),
-            u8::from(tick.upset).to_string(),
+            u8::from(tick.injection).to_string(),
         ] {
             writer.write_field(text)?;
         }

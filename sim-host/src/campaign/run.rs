@@ -3,18 +3,18 @@
 use super::bounds::{Bounds, Wheels};
 use super::check;
 use super::expected::{self, Rule};
+use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
 use super::host::{Answered, Host, Manner, park, stops};
-use super::outcome::{Detection, End, Failing, Outcome, Stop, Violation, Why};
+use super::outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
-use super::upset::{Upset, UpsetKind, What};
-use crate::drive::Base;
-use crate::rig::{Board, RigError};
+use crate::closed_loop::{Board, ClosedLoopError};
+use crate::mission::BaseSpec;
 use crate::world::Actuation;
 use controller_core::base::{BaseReport, WheelAction};
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{PolicyParams, Reaction};
 use controller_core::types::{Pose, WheelTorques};
-use firmware_demo::station::Queues;
+use firmware_demo::control_server::Queues;
 use protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
 
 mod clock;
@@ -46,7 +46,7 @@ pub enum Mutation {
     /// Nothing.
     #[default]
     None,
-    /// The driver goes on with the last torque when it is told to release or to brake.
+    /// The driver goes on with the last torque when it should release or brake.
     KeepsTorque,
     /// The brake is not connected: wheels coast.
     BrakeCoasts,
@@ -63,7 +63,7 @@ pub struct Tick<'a, 'queue> {
     /// Time \[s\].
     pub t: f64,
     /// The trouble is there.
-    pub upset: bool,
+    pub injection: bool,
     /// Way since the present stop began, and its bound.
     pub stop: Stop,
 }
@@ -72,13 +72,13 @@ pub struct Tick<'a, 'queue> {
 ///
 /// # Errors
 /// Parameters out of their range, of a policy that is not valid for example. What the base does wrong is in
-/// [`Outcome::end`].
+/// [`RunOutcome::end`].
 pub fn run(
     bases: &Bases,
     plan: &Plan,
     mutation: &Mutation,
     mut watch: impl FnMut(&Tick<'_, '_>),
-) -> Result<Outcome, RigError> {
+) -> Result<RunOutcome, ClosedLoopError> {
     let mut queues = Queues::default();
     let mut runner = Runner::new(&mut queues, bases, plan, *mutation)?;
     let end = runner.whole(&mut watch);
@@ -100,7 +100,7 @@ enum Intent {
 
 /// Frames that reached the base between two ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Heard {
+struct Received {
     /// Any, with every byte as it was sent.
     any: bool,
     /// Any that the protocol reads.
@@ -115,7 +115,7 @@ struct Heard {
 
 struct Runner<'a, 'queue> {
     plan: &'a Plan,
-    base: &'a Base,
+    base: &'a BaseSpec,
     mutation: Mutation,
     board: Board<'queue>,
     host: Host,
@@ -127,11 +127,11 @@ struct Runner<'a, 'queue> {
     t: f64,
     intent: Intent,
     /// What reached the base for this tick.
-    heard: Heard,
+    received: Received,
     /// Time by which a stop of the host is due \[s\].
     stop_at: Option<f64>,
-    /// Since the base last heard a sound frame \[s\].
-    unheard_s: f64,
+    /// Time since the last sound frame reached the base \[s\].
+    since_frame_s: f64,
     /// The same of a frame that the protocol reads \[s\].
     unread_s: f64,
     /// Something was refused that had to be.
@@ -159,7 +159,7 @@ struct Runner<'a, 'queue> {
     torque: Actuation,
     rest_s: f64,
     way_m: f64,
-    outcome: Outcome,
+    outcome: RunOutcome,
 }
 
 type Checked<T> = Result<T, String>;
@@ -170,29 +170,29 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         bases: &'a Bases,
         plan: &'a Plan,
         mutation: Mutation,
-    ) -> Result<Self, RigError> {
+    ) -> Result<Self, ClosedLoopError> {
         let base = bases.of(plan);
         let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
-        let board = Board::new(queues, base, &plan.place, |params| {
+        let board = Board::new(queues, base, &plan.setup, |params| {
             if let Mutation::Policy(policy) = mutation {
                 params.policy = policy;
             }
         })?;
         Ok(Self {
-            bounds: Bounds::new(base, &plan.place, board.task().controller().base()),
+            bounds: Bounds::new(base, &plan.setup, board.task().controller().base()),
             plan,
             base,
             mutation,
             board,
-            host: Host::new(plan.place.seed),
+            host: Host::new(plan.setup.seed),
             reader: Decoder::new(),
             limit_speed: base.limits.speed,
             period_s,
             t: 0.0,
             intent: Intent::Quiet,
-            heard: Heard::default(),
+            received: Received::default(),
             stop_at: None,
-            unheard_s: 0.0,
+            since_frame_s: 0.0,
             unread_s: 0.0,
             refused: false,
             was: Cause::PowerOn,
@@ -211,7 +211,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
             torque: Actuation::Release,
             rest_s: 0.0,
             way_m: 0.0,
-            outcome: Outcome::begin(plan),
+            outcome: RunOutcome::begin(plan),
         })
     }
 

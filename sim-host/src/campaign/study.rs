@@ -1,9 +1,9 @@
 //! All runs, side by side.
 
-use super::outcome::{Outcome, Violation};
+use super::outcome::{RunOutcome, Violation};
 use super::plan::{Bases, Plan};
 use super::run::{Mutation, run};
-use crate::rig::RigError;
+use crate::closed_loop::ClosedLoopError;
 use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -20,7 +20,7 @@ pub fn study(
     runs: impl IntoParallelIterator<Item = u64>,
     mutation: &Mutation,
     done: impl Fn() + Sync,
-) -> Result<Vec<Outcome>, RigError> {
+) -> Result<Vec<RunOutcome>, ClosedLoopError> {
     let one = |number| {
         let plan = Plan::draw(bases, seed, number);
         let outcome = catch_unwind(AssertUnwindSafe(|| run(bases, &plan, mutation, |_| {})));
@@ -30,12 +30,12 @@ pub fn study(
                 .downcast_ref::<String>()
                 .map(String::as_str)
                 .or_else(|| panic.downcast_ref::<&str>().copied());
-            Ok(Outcome {
+            Ok(RunOutcome {
                 end: Err(Violation {
                     at_s: 0.0,
                     what: format!("panic: {}", text.unwrap_or("without a text")),
                 }),
-                ..Outcome::begin(&plan)
+                ..RunOutcome::begin(&plan)
             })
         })
     };

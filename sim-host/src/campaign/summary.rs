@@ -1,8 +1,8 @@
 //! Outcomes put together: a cell for each trouble and state.
 
-use super::outcome::{End, Failing, Outcome, Stop, Why};
+use super::fault_injection::FaultInjectionKind;
+use super::outcome::{End, Failing, RunOutcome, Stop, Why};
 use super::plan::Target;
-use super::upset::UpsetKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// Trouble.
-    pub upset: UpsetKind,
+    pub injection: FaultInjectionKind,
     /// State.
     pub target: Target,
     /// Runs.
@@ -42,9 +42,9 @@ pub struct Cell {
 }
 
 impl Cell {
-    fn new(upset: UpsetKind, target: Target) -> Self {
+    fn new(injection: FaultInjectionKind, target: Target) -> Self {
         Self {
-            upset,
+            injection,
             target,
             runs: 0,
             parked: 0,
@@ -62,7 +62,7 @@ impl Cell {
         }
     }
 
-    fn take(&mut self, outcome: &Outcome) {
+    fn take(&mut self, outcome: &RunOutcome) {
         self.runs += 1;
         self.again += usize::from(outcome.again);
         match &outcome.end {
@@ -102,16 +102,16 @@ impl Cell {
 }
 
 /// A cell for each trouble and state that occurred, in their order; `base` leaves out all others.
-pub fn cells(outcomes: &[Outcome], base: Option<usize>) -> Vec<Cell> {
+pub fn cells(outcomes: &[RunOutcome], base: Option<usize>) -> Vec<Cell> {
     let mut cells = BTreeMap::new();
     for outcome in outcomes {
         if base.is_some_and(|base| base != outcome.base) {
             continue;
         }
-        let (upset, target) = (outcome.upset, outcome.target);
+        let (injection, target) = (outcome.injection, outcome.target);
         cells
-            .entry((upset, target))
-            .or_insert_with(|| Cell::new(upset, target))
+            .entry((injection, target))
+            .or_insert_with(|| Cell::new(injection, target))
             .take(outcome);
     }
     cells.into_values().collect()
@@ -142,7 +142,7 @@ impl From<&Cell> for CellRecord {
     fn from(cell: &Cell) -> Self {
         let stopped = cell.stopped.iter();
         Self {
-            trouble: cell.upset.name(),
+            trouble: cell.injection.name(),
             state: cell.target.name(),
             runs: cell.runs,
             parked: cell.parked,

@@ -24,6 +24,17 @@ pub struct MonitorArgs {
     pub poll: bool,
 }
 
+/// Control laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LawArg {
+    /// The paper's, with shunting neurons
+    Neural,
+    /// The paper's backstepping without neurons
+    Plain,
+    /// The default law, for a real base
+    Motion,
+}
+
 /// Emulated chips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Chip {

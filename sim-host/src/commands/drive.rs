@@ -2,14 +2,16 @@
 
 use super::error::CommandError;
 use super::job::{Content, Job};
-use super::say;
-use super::write::Writer;
+use super::write::{ChipRecord, Writer};
+use super::{note, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
-use sim_host::drive::{Base, ChipTable, DriveMetrics, FileRun, Mission, drive, summary, verdict};
+use sim_host::drive::{ChipTable, DriveMetrics, DriveTrace, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
-use sim_host::import::{Stretch, Verdict};
+use sim_host::import::{FileVerdict, TimeScaling};
+use sim_host::mission::{BaseSpec, Mission};
+use sim_host::pil::BaseCost;
 use sim_host::scenario::{BuiltInBase, Scenario};
 use std::path::Path;
 
@@ -20,7 +22,7 @@ struct DriveRecord<'a> {
     description: &'a str,
     base: &'a str,
     controller: &'static str,
-    precision: sim_host::scenario::Precision,
+    precision: sim_host::precision::Precision,
     period_s: f64,
     duration_s: f64,
     /// Of a trajectory file.
@@ -29,42 +31,86 @@ struct DriveRecord<'a> {
     /// Of a trajectory file, one line each.
     repairs: Vec<String>,
     metrics: &'a DriveMetrics,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chip: Option<&'a ChipRecord<BaseCost>>,
 }
 
 /// A base's file, a built-in base, or the default one.
-pub fn base(file: Option<&Path>) -> Result<Base, CommandError> {
+pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
     match file {
         Some(file) => match file.to_str().and_then(BuiltInBase::find) {
             Some(built_in) if !file.exists() => Ok(built_in.base()?),
-            _ => Ok(Base::load(file)?),
+            _ => {
+                let base = BaseSpec::load(file)?;
+                note(&base);
+                Ok(base)
+            }
         },
-        None => Ok(Base::default()),
+        None => Ok(BaseSpec::default()),
     }
 }
 
 /// Runs a mission and writes its results.
 pub fn run(
     mission: &Mission,
-    file: Option<(&Stretch, &Verdict)>,
+    file: Option<(&TimeScaling, &FileVerdict)>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let name = &mission.name;
-    say(&format!("{name}: {}\n", mission.description))?;
-    let mut repairs = Vec::new();
-    if let Some((stretch, verdict)) = file {
+    announce(mission, file)?;
+    let done = Done {
+        trace: drive(mission)?,
+        label: "robot",
+        chip: None,
+    };
+    results(mission, file, &done, csv, writer)
+}
+
+/// A mission that has been run.
+pub struct Done {
+    pub trace: DriveTrace,
+    /// Who drove, in the figure's legend.
+    pub label: &'static str,
+    /// With the control task on a chip.
+    pub chip: Option<ChipRecord<BaseCost>>,
+}
+
+/// What is about to be run.
+pub fn announce(
+    mission: &Mission,
+    file: Option<(&TimeScaling, &FileVerdict)>,
+) -> Result<(), CommandError> {
+    say(&format!("{}: {}\n", mission.name, mission.description))?;
+    if let Some((scaling, verdict)) = file {
         say(&format!(
-            "{verdict}\nbase       {}: {stretch}\n",
+            "{verdict}\nbase       {}: {scaling}\n",
             mission.base.name
         ))?;
-        if let Verdict::Drivable { repairs: list, .. } = verdict {
-            repairs.extend(list.iter().map(ToString::to_string));
-        }
+    } else {
+        note(&mission.base);
     }
-    let trace = drive(mission)?;
-    let metrics = DriveMetrics::of(mission, &trace).ok_or(CommandError::NoRows)?;
+    Ok(())
+}
+
+/// Prints and writes what came of a mission.
+pub fn results(
+    mission: &Mission,
+    file: Option<(&TimeScaling, &FileVerdict)>,
+    done: &Done,
+    csv: bool,
+    writer: &Writer<'_>,
+) -> Result<(), CommandError> {
+    let Done { trace, label, chip } = done;
+    let name = &match chip {
+        None => mission.name.clone(),
+        Some(_) => format!("{}-pil", mission.name),
+    };
+    let mut repairs = Vec::new();
+    if let Some((_, FileVerdict::Drivable { repairs: list, .. })) = file {
+        repairs.extend(list.iter().map(ToString::to_string));
+    }
+    let metrics = DriveMetrics::of(mission, trace).ok_or(CommandError::NoRows)?;
     say(&format!("{}\n", summary(&metrics)))?;
-    let label = "robot";
     let common = trace.common();
     // In figures an underscore begins a subscript.
     let title = format!("{}: {}", name.replace('_', " "), mission.description);
@@ -74,24 +120,25 @@ pub fn run(
     };
     writer.figure(name, &title, main, None)?;
     let record = DriveRecord {
-        scenario: name,
+        scenario: &mission.name,
         description: &mission.description,
         base: &mission.base.name,
         controller: "motion",
         precision: mission.precision,
         period_s: mission.period_s,
         duration_s: trace.rows.last().map_or(0.0, |row| row.t),
-        stretched_by: file.map(|(stretch, _)| stretch.factor),
+        stretched_by: file.map(|(scaling, _)| scaling.factor),
         repairs,
         metrics: &metrics,
+        chip: chip.as_ref(),
     };
     writer.json(name, &[record])?;
     if csv {
-        writer.drive_csv(name, &trace)?;
+        writer.drive_csv(name, trace)?;
     }
     // A scenario may end on the way; a file is to be driven to its end.
     if file.is_some() && metrics.parked_s.is_none() {
-        return Err(CommandError::NotParked(name.clone()));
+        return Err(CommandError::NotParked(mission.name.clone()));
     }
     Ok(())
 }
@@ -124,12 +171,12 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         };
         say(&format!("{verdict}\n"))?;
         match &verdict {
-            Verdict::Drivable { trajectory, .. } => {
-                let stretched = trajectory.stretched(&base.reference_limits());
-                let (_, stretch) = stretched.map_err(CommandError::Limits)?;
-                say(&format!("base       {}: {stretch}\n", base.name))?;
+            FileVerdict::Drivable { trajectory, .. } => {
+                let time_scaled = trajectory.time_scaled(&base.reference_limits());
+                let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
+                say(&format!("base       {}: {scaling}\n", base.name))?;
             }
-            Verdict::Refused(_) => refused += 1,
+            FileVerdict::Refused(_) => refused += 1,
         }
         say("\n")?;
     }
@@ -172,7 +219,7 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
 pub fn load_all(
     files: &[std::path::PathBuf],
     run: &FileRun,
-    base: &Base,
+    base: &BaseSpec,
 ) -> Result<Vec<Job>, CommandError> {
     let mut jobs: Vec<Job> = Vec::new();
     for file in files {

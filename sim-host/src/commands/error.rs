@@ -7,11 +7,11 @@ use sim_host::identify::{IdentifyError, KnownError, LogError};
 use sim_host::import::LimitError;
 use sim_host::monitor::MonitorError;
 use sim_host::pil::PilError;
-use sim_host::prove::ProveError;
 use sim_host::robustness::StudyError;
 use sim_host::run::RunError;
 use sim_host::scenario::ScenarioError;
 use sim_host::tune::TuneError;
+use sim_host::verify::VerifyError;
 use std::path::PathBuf;
 
 #[derive(Debug, thiserror::Error)]
@@ -50,6 +50,8 @@ pub enum CommandError {
     },
     #[error("two scenarios are named {0}: their results would overwrite each other")]
     SameName(String),
+    #[error("{0}: is for the default law: no other can run it")]
+    OnlyMotion(String),
     #[error("no built-in scenario is named {0}: see `sim-host list`")]
     NoSuchName(String),
     #[error(transparent)]
@@ -63,7 +65,7 @@ pub enum CommandError {
     #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
     NoCondition { word: String, names: Vec<String> },
     #[error(transparent)]
-    Prove(#[from] ProveError),
+    Verify(#[from] VerifyError),
     #[error(transparent)]
     Tune(#[from] TuneError),
     #[error("{0} is built in: `--write` needs a file of your own")]
@@ -75,7 +77,7 @@ pub enum CommandError {
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
-    Rig(#[from] sim_host::rig::RigError),
+    ClosedLoop(#[from] sim_host::closed_loop::ClosedLoopError),
     #[error("{0} runs against the rules: see above")]
     Violations(usize),
     #[error(transparent)]

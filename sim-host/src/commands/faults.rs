@@ -6,8 +6,8 @@ use super::write::Writer;
 use crate::cli::Output;
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_host::campaign::{
-    Bases, Mutation, Plan, Record, TraceWriter, UpsetKind, cells, known, run, study, table,
-    violation, write_runs,
+    Bases, FaultInjectionKind, Mutation, Plan, Record, TraceWriter, cells, known, run, study,
+    table, violation, write_runs,
 };
 use std::num::NonZeroU64;
 
@@ -28,12 +28,14 @@ pub fn all(
     if let Some(number) = run {
         trace(&bases, seed, number, &writer)?;
     }
-    let chosen = |kind: UpsetKind| {
+    let chosen = |kind: FaultInjectionKind| {
         only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
     };
-    if !UpsetKind::ALL.into_iter().any(chosen) {
+    if !FaultInjectionKind::ALL.into_iter().any(chosen) {
         return Err(CommandError::NoTrouble(
-            UpsetKind::ALL.map(UpsetKind::name).to_vec(),
+            FaultInjectionKind::ALL
+                .map(FaultInjectionKind::name)
+                .to_vec(),
         ));
     }
     let count = usize::try_from(runs.get()).unwrap_or(usize::MAX);
@@ -60,7 +62,7 @@ pub fn all(
         worse += usize::from(!holds);
         say(&format!(
             "known: {}, {}: {rate}; stated: {:.2} %{}\n",
-            known.upset.name(),
+            known.injection.name(),
             known.failing.name(),
             1.0e2 * known.rate,
             if holds { "" } else { ": worse" }

@@ -5,10 +5,10 @@ use super::say;
 use super::write::Writer;
 use crate::cli::{IdentifyArgs, Output};
 use serde::Serialize;
-use sim_host::drive::Base;
 use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
 use sim_host::identify::{Identified, Known, Log, Options, identify, report};
+use sim_host::mission::BaseSpec;
 use std::fs::{self, File};
 use std::io::{BufReader, ErrorKind};
 use std::path::Path;
@@ -32,7 +32,7 @@ struct Record<'a> {
 }
 
 fn covered(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
-    let base = Base::load(path)?;
+    let base = BaseSpec::load(path)?;
     let runs = arguments.runs.get();
     let seed = arguments.seed.draw()?;
     say(&format!(
@@ -117,7 +117,7 @@ fn update(path: &Path, found: &Identified, gear: Option<f64>) -> Result<(), Comm
         say(&format!("note: {note}\n"))?;
     }
     // The numbers are the robot's all the same; what contradicts them is for its owner to change.
-    match Base::load(path) {
+    match BaseSpec::load(path) {
         Ok(_) => Ok(()),
         Err(error) => say(&format!("note: this is not a whole base yet: {error}\n")),
     }

@@ -1,8 +1,9 @@
-//! What a file on the command line is, told by its content.
+//! What a file on the command line is, by its content.
 
 use super::error::CommandError;
-use sim_host::drive::{Base, FileRun, Mission, verdict};
-use sim_host::import::{Stretch, Verdict};
+use sim_host::drive::{FileRun, verdict};
+use sim_host::import::{FileVerdict, TimeScaling};
+use sim_host::mission::{BaseSpec, Mission};
 use sim_host::scenario::{BuiltIn, Scenario};
 use std::path::Path;
 
@@ -15,8 +16,8 @@ pub enum Job {
     /// The same, along a trajectory file.
     File {
         mission: Box<Mission>,
-        stretch: Stretch,
-        verdict: Verdict,
+        scaling: TimeScaling,
+        verdict: FileVerdict,
     },
 }
 
@@ -30,7 +31,7 @@ pub enum Content {
 
 impl Job {
     /// A file if there is one, else a built-in scenario of that name.
-    pub fn load(file: &Path, run: &FileRun, base: &Base) -> Result<Self, CommandError> {
+    pub fn load(file: &Path, run: &FileRun, base: &BaseSpec) -> Result<Self, CommandError> {
         match Content::read(file)? {
             Content::Scenario { file, text } if Mission::is_motion(&text) => {
                 Ok(Self::Mission(Box::new(Mission::parse(&file, &text)?)))
@@ -43,13 +44,21 @@ impl Job {
                     path: file.to_owned(),
                     cause,
                 };
-                let (mission, stretch) = run.mission(&name, &bytes, base).map_err(failed)?;
+                let (mission, scaling) = run.mission(&name, &bytes, base).map_err(failed)?;
                 Ok(Self::File {
                     mission: Box::new(mission),
-                    stretch,
+                    scaling,
                     verdict: verdict(&bytes),
                 })
             }
+        }
+    }
+
+    /// With a controller of the paper.
+    pub fn scenario(&self) -> Option<&Scenario> {
+        match self {
+            Self::Scenario(scenario) => Some(scenario),
+            Self::Mission(_) | Self::File { .. } => None,
         }
     }
 

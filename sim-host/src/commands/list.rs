@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use super::say;
-use sim_host::drive::Mission;
+use sim_host::mission::Mission;
 use sim_host::scenario::{BUILT_IN, MISSIONS, Scenario, ScenarioError};
 use std::path::{Path, PathBuf};
 

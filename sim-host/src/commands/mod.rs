@@ -10,21 +10,23 @@ mod job;
 mod list;
 mod monitor;
 mod pil;
-mod prove;
 mod robot;
 mod robustness;
 mod run;
 mod tune;
+mod verify;
 mod write;
 
 use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
 use sim_host::metrics::Metrics;
-use sim_host::scenario::{BuiltIn, PAPER, Scenario};
+use sim_host::mission::{BaseSpec, Mission};
+use sim_host::scenario::{PAPER, Scenario};
 use sim_host::trace::Trace;
 use std::io::{ErrorKind, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use write::ControllerRecord;
 
 /// Does what the arguments say.
 pub fn execute(cli: &Cli) -> Result<(), CommandError> {
@@ -38,17 +40,33 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         }
         Command::Check(arguments) => drive::check(arguments),
         Command::Compile(arguments) => drive::compile(arguments, output),
-        Command::Compare { files, csv } => compare::scenarios(&load_all(files)?, *csv, output),
+        Command::Compare {
+            files,
+            laws,
+            csv,
+            drive,
+        } => {
+            let base = drive::base(drive.base.as_deref())?;
+            let jobs = drive::load_all(files, &drive.file_run(), &base)?;
+            let chosen = drive.base.as_ref().map(|_| &base);
+            compare::jobs(&jobs, laws, chosen, *csv, output)
+        }
         Command::Pil {
             files,
             machine,
             link,
+            drive,
         } => {
-            let scenarios = match files.as_slice() {
-                [] => load_all(&PAPER.map(PathBuf::from))?,
-                files => load_all(files)?,
+            let base = drive::base(drive.base.as_deref())?;
+            let jobs = match files.as_slice() {
+                [] => drive::load_all(&PAPER.map(PathBuf::from), &drive.file_run(), &base)?,
+                files => drive::load_all(files, &drive.file_run(), &base)?,
             };
-            pil::all(&scenarios, (*machine).into(), (*link).into(), output)
+            let board = pil::Board {
+                machine: (*machine).into(),
+                link: (*link).into(),
+            };
+            pil::all(&jobs, board, output)
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Faults {
@@ -57,7 +75,13 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             only,
             run,
         } => faults::all(*runs, seed.draw()?, only, *run, output),
-        Command::Prove(arguments) => prove::robot(arguments, output),
+        Command::Verify(arguments) => verify::robot(arguments, output),
+        Command::Prove(arguments) => {
+            // Nobody to read it is no reason to stop.
+            let note = "note: `prove` is `verify` now; the old name is there for one release more";
+            let _ = writeln!(std::io::stderr(), "{note}");
+            verify::robot(arguments, output)
+        }
         Command::Constants(arguments) => constants::write(arguments, output),
         Command::Tune(arguments) => tune::robot(arguments, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
@@ -67,43 +91,48 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
     }
 }
 
-/// A scenario that has been run.
+/// A scenario or a mission that has been run.
 struct Finished {
-    scenario: Scenario,
+    name: String,
+    description: String,
+    controller: ControllerRecord,
+    duration_s: f64,
     trace: Trace,
     metrics: Metrics,
 }
 
-fn load_all(files: &[PathBuf]) -> Result<Vec<Scenario>, CommandError> {
-    let mut scenarios: Vec<Scenario> = Vec::new();
-    for file in files {
-        let scenario = load(file)?;
-        // Results are named after the file: a second one would overwrite the first one's.
-        if scenarios.iter().any(|other| other.name == scenario.name) {
-            return Err(CommandError::SameName(scenario.name));
-        }
-        scenarios.push(scenario);
+impl Finished {
+    /// A run of a scenario, with its metrics.
+    fn scenario(scenario: &Scenario, trace: Trace) -> Result<Self, CommandError> {
+        Ok(Self {
+            name: scenario.name.clone(),
+            description: scenario.description.clone(),
+            controller: ControllerRecord::Paper(scenario.controller),
+            duration_s: scenario.duration_s,
+            metrics: Metrics::of(&trace).ok_or(CommandError::NoRows)?,
+            trace,
+        })
     }
-    Ok(scenarios)
-}
 
-/// A file if there is one, else a built-in scenario of that name.
-fn load(file: &Path) -> Result<Scenario, CommandError> {
-    let built_in = file.to_str().and_then(BuiltIn::find);
-    match built_in {
-        Some(built_in) if !file.exists() => Ok(built_in.scenario()?),
-        _ => Ok(Scenario::load(file)?),
+    /// A run of a mission, as far as all laws have it in common.
+    fn mission(mission: &Mission) -> Result<Self, CommandError> {
+        let trace = sim_host::drive::drive(mission)?.common();
+        Ok(Self {
+            name: mission.name.clone(),
+            description: mission.description.clone(),
+            controller: ControllerRecord::Motion {
+                kind: "motion",
+                precision: mission.precision,
+            },
+            duration_s: trace.rows.last().map_or(0.0, |row| row.t),
+            metrics: Metrics::of(&trace).ok_or(CommandError::NoRows)?,
+            trace,
+        })
     }
 }
 
 fn simulate(scenario: &Scenario) -> Result<Finished, CommandError> {
-    let trace = sim_host::run::run(scenario)?;
-    let metrics = Metrics::of(&trace).ok_or(CommandError::NoRows)?;
-    Ok(Finished {
-        scenario: scenario.clone(),
-        trace,
-        metrics,
-    })
+    Finished::scenario(scenario, sim_host::run::run(scenario)?)
 }
 
 /// Prints to standard output. A reader that has seen enough (`| head`) does not keep the results
@@ -112,6 +141,13 @@ fn say(text: &str) -> Result<(), CommandError> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CommandError::Print(error)),
         _ => Ok(()),
+    }
+}
+
+/// Prints what the owner of a base's file should change in it, to standard error as well.
+fn note(base: &BaseSpec) {
+    for note in &base.notes {
+        let _ = writeln!(std::io::stderr(), "note: {note}");
     }
 }
 

@@ -71,9 +71,9 @@ fn take(
     log: &mut Option<(Log<File>, &std::path::PathBuf)>,
 ) -> Result<(), CommandError> {
     let mut written = Ok(());
-    monitor.take(bytes, |report, heard| {
+    monitor.take(bytes, |report, latest| {
         if let (Some((log, _)), Ok(())) = (&mut *log, &written) {
-            written = log.add(time_s, report, heard);
+            written = log.add(time_s, report, latest);
         }
     });
     if let Some((log, path)) = log {

@@ -1,72 +1,37 @@
 //! `pil`.
 
+use super::drive::{self, Done};
 use super::error::CommandError;
-use super::write::{Record, Writer};
+use super::job::Job;
+use super::write::{ChipRecord, Record, Writer};
 use super::{Finished, say, warn};
 use crate::cli::Output;
 use firmware_demo::host::{LinkKind, Machine};
-use serde::Serialize;
 use sim_host::figure::Labelled;
-use sim_host::metrics::Metrics;
-use sim_host::pil::{Bench, Cost, FIRMWARE, Flight, Footprint, Parity};
+use sim_host::pil::{BaseBench, Bench, Cost, FIRMWARE, Flight, Footprint, Parity, Spread};
 use sim_host::scenario::{Controller, Scenario};
 use sim_host::table::{Column, side_by_side};
 use std::io::Write as _;
+use std::time::Duration;
 
-/// What the JSON file says of the chip.
-#[derive(Clone, Copy, Serialize)]
-pub struct ChipRecord {
-    machine: &'static str,
-    link: &'static str,
-    parity: Parity,
-    /// Executed instructions of the controller's step.
-    instructions: Cost,
-    /// High-water mark since the firmware was started.
-    stack_bytes: u32,
-    image: Footprint,
-    ticks_per_second: f64,
+/// The chip, and the way to it.
+#[derive(Clone, Copy)]
+pub struct Board {
+    pub machine: Machine,
+    pub link: LinkKind,
 }
 
-pub fn all(
-    scenarios: &[Scenario],
-    machine: Machine,
-    link: LinkKind,
-    output: &Output,
-) -> Result<(), CommandError> {
+/// Flies all of them: scenarios of the paper's laws with its firmware, all else with the whole base.
+pub fn all(jobs: &[Job], board: Board, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
-    let mut bench = Bench::start(machine, link, true)?;
-    let image = bench.footprint()?;
-    let (mut exact, mut total) = (true, Total::default());
-    for scenario in scenarios {
-        warn(scenario);
-        note(scenario);
-        let flight = bench.fly(scenario)?;
-        exact &= flight.parity.is_exact();
-        total.add(&flight);
-        let chip = ChipRecord {
-            machine: machine_name(machine),
-            link: link_name(link),
-            parity: flight.parity,
-            instructions: flight.cost,
-            stack_bytes: bench.stack_bytes()?,
-            image,
-            ticks_per_second: rate(&flight),
-        };
-        write(scenario, flight, chip, &writer)?;
+    let scenarios: Vec<&Scenario> = jobs.iter().filter_map(Job::scenario).collect();
+    let mut exact = true;
+    if !scenarios.is_empty() {
+        exact &= law(&scenarios, board, &writer)?;
     }
-    if scenarios.len() > 1 {
-        say(&format!("all scenarios\n{}", costs(&total.cost)))?;
-        say(&format!("  {}\n", verdict(&total.parity)))?;
+    if scenarios.len() < jobs.len() {
+        exact &= base(jobs, board, &writer)?;
     }
-    say(&format!(
-        "image: {} bytes of flash (code {}, constants {}), {} of RAM and {} of stack\n",
-        image.flash(),
-        image.text,
-        image.rodata + image.data,
-        image.ram(),
-        bench.stack_bytes()?,
-    ))?;
-    bench.finish()?;
     say(&format!("results are in {}\n", output.out.display()))?;
     if exact {
         Ok(())
@@ -74,6 +39,102 @@ pub fn all(
         Err(CommandError::Apart)
     }
 }
+
+/// Whether the whole base was bit-equal.
+fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, CommandError> {
+    let mut bench = BaseBench::start(board.machine, board.link)?;
+    let image = bench.footprint()?;
+    let mut exact = true;
+    let mut not_parked = Ok(());
+    for job in jobs {
+        let (mission, file) = match job {
+            Job::Scenario(_) => continue,
+            Job::Mission(mission) => (mission, None),
+            Job::File {
+                mission,
+                scaling,
+                verdict,
+            } => (mission, Some((scaling, verdict))),
+        };
+        drive::announce(mission, file)?;
+        let flight = bench.fly(mission)?;
+        exact &= flight.parity.is_exact();
+        let ticks_per_second = rate(&flight.parity, flight.elapsed);
+        let done = Done {
+            trace: flight.trace,
+            label: machine_name(board.machine),
+            chip: Some(ChipRecord {
+                machine: machine_name(board.machine),
+                link: link_name(board.link),
+                parity: flight.parity,
+                instructions: flight.cost,
+                stack_bytes: bench.stack_bytes()?,
+                image,
+                ticks_per_second,
+            }),
+        };
+        match drive::results(mission, file, &done, true, writer) {
+            Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
+            other => other?,
+        }
+        say(&costs(&flight.cost.named()))?;
+        say(&format!(
+            "  {ticks_per_second:.0} ticks/s over {}\n  {}\n",
+            link_name(board.link),
+            verdict(
+                &flight.parity,
+                "wheel outputs, state, pose and the law's terms"
+            )
+        ))?;
+    }
+    say_image(&image, bench.stack_bytes()?)?;
+    bench.finish()?;
+    not_parked.map(|()| exact)
+}
+
+/// Whether the paper's law was bit-equal.
+fn law(scenarios: &[&Scenario], board: Board, writer: &Writer<'_>) -> Result<bool, CommandError> {
+    let mut bench = Bench::start(board.machine, board.link, true)?;
+    let image = bench.footprint()?;
+    let (mut exact, mut total) = (true, Total::default());
+    for &scenario in scenarios {
+        warn(scenario);
+        note(scenario);
+        let flight = bench.fly(scenario)?;
+        exact &= flight.parity.is_exact();
+        total.add(&flight);
+        let chip = ChipRecord {
+            machine: machine_name(board.machine),
+            link: link_name(board.link),
+            parity: flight.parity,
+            instructions: flight.cost,
+            stack_bytes: bench.stack_bytes()?,
+            image,
+            ticks_per_second: rate(&flight.parity, flight.elapsed),
+        };
+        write(scenario, flight, chip, writer)?;
+    }
+    if scenarios.len() > 1 {
+        say(&format!("all scenarios\n{}", costs(&total.cost.named())))?;
+        say(&format!("  {}\n", verdict(&total.parity, LAW_TERMS)))?;
+    }
+    say_image(&image, bench.stack_bytes()?)?;
+    bench.finish()?;
+    Ok(exact)
+}
+
+fn say_image(image: &Footprint, stack_bytes: u32) -> Result<(), CommandError> {
+    say(&format!(
+        "image: {} bytes of flash (code {}, constants {}), {} of RAM and {stack_bytes} of stack\n",
+        image.flash(),
+        image.text,
+        image.rodata + image.data,
+        image.ram(),
+    ))
+}
+
+/// What is compared of the paper's law.
+const LAW_TERMS: &str = "torques, velocity commands, neuron states and every other term";
 
 #[derive(Default)]
 struct Total {
@@ -92,7 +153,7 @@ impl Total {
 fn note(scenario: &Scenario) {
     let asked = scenario.controller;
     if asked != FIRMWARE {
-        // Nobody to tell is no reason to stop.
+        // Nobody to read it is no reason to stop.
         let _ = writeln!(
             std::io::stderr(),
             "note: {}: the chip runs {}; the file says {}",
@@ -123,24 +184,19 @@ fn write(
     chip: ChipRecord,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let metrics = Metrics::of(&flight.trace).ok_or(CommandError::NoRows)?;
     let mut flown = scenario.clone();
     flown.controller = FIRMWARE;
-    let run = Finished {
-        scenario: flown,
-        trace: flight.trace,
-        metrics,
-    };
+    let run = Finished::scenario(&flown, flight.trace)?;
     let (name, label) = (&scenario.name, chip.machine);
     say(&format!("{name}: {}\n", scenario.description))?;
     let metrics = &run.metrics;
     say(&format!("{}\n", side_by_side(&[Column { label, metrics }])))?;
-    say(&costs(&chip.instructions))?;
+    say(&costs(&chip.instructions.named()))?;
     say(&format!(
         "  {:.0} ticks/s over {}\n  {}\n",
         chip.ticks_per_second,
         chip.link,
-        verdict(&chip.parity)
+        verdict(&chip.parity, LAW_TERMS)
     ))?;
     let file = format!("{name}-pil");
     let title = format!("{name} on {label}: {}", scenario.description);
@@ -154,12 +210,12 @@ fn write(
     writer.csv(&file, trace)
 }
 
-fn costs(cost: &Cost) -> String {
+fn costs(named: &[(&str, Spread)]) -> String {
     let mut text = format!(
         "  {:<24} {:>6} {:>9} {:>6} {:>8}\n",
         "instructions per tick", "least", "mean", "most", "ticks"
     );
-    for (name, spread) in cost.named() {
+    for (name, spread) in named {
         if let Some(mean) = spread.mean() {
             text.push_str(&format!(
                 "    {name:<22} {:>6} {mean:>9.2} {:>6} {:>8}\n",
@@ -170,12 +226,11 @@ fn costs(cost: &Cost) -> String {
     text
 }
 
-fn verdict(parity: &Parity) -> String {
+fn verdict(parity: &Parity, terms: &str) -> String {
     let Parity { ticks, numbers, .. } = parity;
     match parity.first {
         None => format!(
-            "bit-equal to the host: 0 of {numbers} numbers differ in {ticks} ticks (torques, \
-             velocity commands, neuron states and every other term)"
+            "bit-equal to the host: 0 of {numbers} numbers differ in {ticks} ticks ({terms})"
         ),
         Some(first) => format!(
             "NOT bit-equal to the host: {} of {numbers} numbers differ, by {} bits, in {} of \
@@ -191,8 +246,8 @@ fn verdict(parity: &Parity) -> String {
     }
 }
 
-fn rate(flight: &Flight) -> f64 {
-    flight.parity.ticks as f64 / flight.elapsed.as_secs_f64().max(1.0e-9)
+fn rate(parity: &Parity, elapsed: Duration) -> f64 {
+    parity.ticks as f64 / elapsed.as_secs_f64().max(1.0e-9)
 }
 
 fn machine_name(machine: Machine) -> &'static str {

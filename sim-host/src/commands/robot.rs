@@ -1,7 +1,7 @@
-//! A robot's file, for `tune`, `prove` and `constants`.
+//! A robot's file, for `tune`, `verify` and `constants`.
 
 use super::error::CommandError;
-use sim_host::drive::Base;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::BuiltInBase;
 use std::path::Path;
 
@@ -14,7 +14,7 @@ pub struct Robot {
     /// The file.
     pub text: String,
     /// What it says.
-    pub base: Base,
+    pub base: BaseSpec,
 }
 
 impl Robot {
@@ -36,10 +36,12 @@ impl Robot {
             path: path.to_owned(),
             cause,
         })?;
+        let base = BaseSpec::parse(&path.display().to_string(), &text)?;
+        super::note(&base);
         Ok(Self {
             name: part(path.file_stem()),
             file: part(path.file_name()),
-            base: Base::parse(&path.display().to_string(), &text)?,
+            base,
             text,
         })
     }

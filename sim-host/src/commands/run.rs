@@ -6,7 +6,6 @@ use super::write::{Record, Writer};
 use super::{drive, say, simulate, warn};
 use crate::cli::Output;
 use sim_host::figure::Labelled;
-use sim_host::scenario::{Law, Scenario};
 use sim_host::table::{Column, side_by_side};
 
 pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError> {
@@ -22,10 +21,10 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
             }
             Job::File {
                 mission,
-                stretch,
+                scaling,
                 verdict,
             } => {
-                match drive::run(mission, Some((stretch, verdict)), csv, &writer) {
+                match drive::run(mission, Some((scaling, verdict)), csv, &writer) {
                     Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
                     other => other?,
                 }
@@ -35,7 +34,7 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
         warn(scenario);
         let run = simulate(scenario)?;
         let name = &scenario.name;
-        let label = law(scenario);
+        let label = run.controller.law();
         say(&format!("{name}: {}\n", scenario.description))?;
         let metrics = &run.metrics;
         say(&format!("{}\n", side_by_side(&[Column { label, metrics }])))?;
@@ -49,12 +48,4 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
     }
     say(&format!("results are in {}\n", output.out.display()))?;
     not_parked
-}
-
-/// The law's name in tables and legends.
-pub fn law(scenario: &Scenario) -> &'static str {
-    match scenario.controller.kind {
-        Law::Neural => "neural",
-        Law::Plain => "plain",
-    }
 }

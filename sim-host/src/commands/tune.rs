@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::figure::Labelled;
 use sim_host::tune::{
-    KNOBS, Score, Search, Seeds, Tuned, Wish, gain_table, score_table, search, update,
+    KNOBS, Score, Search, Seeds, Tuned, TuningProblem, gain_table, score_table, search, update,
 };
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
         return Err(CommandError::BuiltInRobot(robot.name));
     }
     let writer = Writer::new(output)?;
-    let wish = wish(arguments, &robot)?;
+    let problem = problem(arguments, &robot)?;
     let how = Search {
         evaluations: arguments.evaluations.get(),
         seed: arguments.seed,
@@ -41,7 +41,7 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
     };
     // Hidden by itself where standard error is no terminal.
     let bar = ProgressBar::new(how.evaluations).with_style(robustness::style());
-    let tuned = search(&wish, &how, || bar.inc(1));
+    let tuned = search(&problem, &how, || bar.inc(1));
     bar.finish_and_clear();
     let tuned = tuned?;
     let (before, after) = (tuned.unseen[0].total(), tuned.unseen[1].total());
@@ -54,7 +54,7 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
         verdict(before, after)
     ))?;
     let name = format!("{}-tune", robot.name);
-    draw(&wish, &how, &tuned, &robot.name, &name, &writer)?;
+    draw(&problem, &how, &tuned, &robot.name, &name, &writer)?;
     let values = |gains| {
         KNOBS
             .iter()
@@ -98,38 +98,38 @@ fn verdict(before: f64, after: f64) -> String {
     }
 }
 
-fn wish(arguments: &TuneArgs, robot: &Robot) -> Result<Wish, CommandError> {
+fn problem(arguments: &TuneArgs, robot: &Robot) -> Result<TuningProblem, CommandError> {
     let Some(path) = &arguments.trajectory else {
-        return Ok(Wish::courses(&robot.base));
+        return Ok(TuningProblem::courses(&robot.base));
     };
     let bytes = std::fs::read(path).map_err(|cause| CommandError::Read {
         path: path.clone(),
         cause,
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let wish = Wish::trajectory(&robot.base, &stem, &bytes);
-    let (wish, stretch) = wish.map_err(|cause| CommandError::Trajectory {
+    let problem = TuningProblem::trajectory(&robot.base, &stem, &bytes);
+    let (problem, scaling) = problem.map_err(|cause| CommandError::Trajectory {
         path: path.clone(),
         cause,
     })?;
-    say(&format!("{stem} on a {}: {stretch}\n", robot.base.name))?;
-    Ok(wish)
+    say(&format!("{stem} on a {}: {scaling}\n", robot.base.name))?;
+    Ok(problem)
 }
 
 /// Before and after, in the first world that was not seen. The curve, if that is what was tuned for.
 fn draw(
-    wish: &Wish,
+    problem: &TuningProblem,
     how: &Search,
     tuned: &Tuned,
     robot: &str,
     name: &str,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let mission = wish.missions().saturating_sub(2);
+    let mission = problem.missions().saturating_sub(2);
     let seeds = Seeds::Unseen.draw(how.seed, 1);
     let seed = seeds.first().copied().unwrap_or_default();
-    let (before, _) = wish.run(mission, &tuned.gains[0], seed)?;
-    let (after, _) = wish.run(mission, &tuned.gains[1], seed)?;
+    let (before, _) = problem.run(mission, &tuned.gains[0], seed)?;
+    let (after, _) = problem.run(mission, &tuned.gains[1], seed)?;
     let (before, after) = (before.common(), after.common());
     let main = Labelled {
         label: "after",
@@ -142,7 +142,7 @@ fn draw(
     let robot = robot.replace('_', " ");
     let title = format!(
         "{robot}: {} on a floor that the search did not see",
-        wish.name(mission)
+        problem.name(mission)
     );
     writer.figure(name, &title, main, Some(other))
 }

@@ -6,7 +6,9 @@ use serde::Serialize;
 use sim_host::drive::{DriveTrace, write_csv};
 use sim_host::figure::{Labelled, five_panels, png};
 use sim_host::metrics::Metrics;
-use sim_host::scenario::Controller;
+use sim_host::pil::{Cost, Footprint, Parity};
+use sim_host::precision::Precision;
+use sim_host::scenario::{ControlLaw, Controller};
 use sim_host::trace::Trace;
 use std::fs::{self, File};
 use std::io::BufWriter;
@@ -17,27 +19,68 @@ use std::path::{Path, PathBuf};
 pub struct Record<'a> {
     pub scenario: &'a str,
     pub description: &'a str,
-    pub controller: Controller,
+    pub controller: ControllerRecord,
     pub period_s: f64,
     pub duration_s: f64,
     pub metrics: &'a Metrics,
     /// Only of a run with the controller on a chip.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub chip: Option<super::pil::ChipRecord>,
+    pub chip: Option<ChipRecord>,
 }
 
 impl<'a> From<&'a super::Finished> for Record<'a> {
     fn from(run: &'a super::Finished) -> Self {
         Self {
-            scenario: &run.scenario.name,
-            description: &run.scenario.description,
-            controller: run.scenario.controller,
-            period_s: run.scenario.period_s,
-            duration_s: run.scenario.duration_s,
+            scenario: &run.name,
+            description: &run.description,
+            controller: run.controller,
+            period_s: run.trace.period_s,
+            duration_s: run.duration_s,
             metrics: &run.metrics,
             chip: None,
         }
     }
+}
+
+/// Which controller drove.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ControllerRecord {
+    /// One of the paper's.
+    Paper(Controller),
+    /// The default law.
+    Motion {
+        /// Always "motion".
+        kind: &'static str,
+        precision: Precision,
+    },
+}
+
+impl ControllerRecord {
+    /// The law's name in tables and legends.
+    pub fn law(&self) -> &'static str {
+        match self {
+            Self::Paper(controller) => match controller.kind {
+                ControlLaw::Neural => "neural",
+                ControlLaw::Plain => "plain",
+            },
+            Self::Motion { kind, .. } => kind,
+        }
+    }
+}
+
+/// What the JSON file says of the chip.
+#[derive(Clone, Copy, Serialize)]
+pub struct ChipRecord<C = Cost> {
+    pub machine: &'static str,
+    pub link: &'static str,
+    pub parity: Parity,
+    /// Executed instructions of the controller's step, or of the control task's tick.
+    pub instructions: C,
+    /// High-water mark since the firmware was started.
+    pub stack_bytes: u32,
+    pub image: Footprint,
+    pub ticks_per_second: f64,
 }
 
 /// Writes results and remembers what it wrote.

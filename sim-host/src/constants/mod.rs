@@ -14,8 +14,8 @@
 mod parts;
 mod writer;
 
-use crate::drive::Base;
-use crate::rig;
+use crate::closed_loop;
+use crate::mission::BaseSpec;
 use controller_core::error::ParamError;
 use writer::Writer;
 
@@ -34,7 +34,7 @@ pub fn module_name(name: &str) -> String {
 }
 
 /// The control period \[µs\].
-pub fn period_us(base: &Base) -> u32 {
+pub fn period_us(base: &BaseSpec) -> u32 {
     (1.0e6 * base.period_s()).round() as u32
 }
 
@@ -42,9 +42,9 @@ pub fn period_us(base: &Base) -> u32 {
 ///
 /// # Errors
 /// Parameters that the core refuses.
-pub fn rust(source: &str, base: &Base) -> Result<String, ParamError> {
+pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ParamError> {
     let period_us = period_us(base);
-    let params = rig::params(base, period_us)?;
+    let params = closed_loop::params(base, period_us)?;
     let mut out = Writer::new();
     // A name goes into comments: on one line, and in no sentence, whatever its grammar.
     let name = base.name.replace(['\n', '\r'], " ");

@@ -31,7 +31,7 @@ pub(super) fn base(out: &mut Writer, params: &BaseParams<f32>) {
         motion: of_motion,
         localiser: of_localiser,
         motor: of_motor,
-        watch,
+        detectors,
         policy,
         supervisor,
     } = params;
@@ -41,7 +41,7 @@ pub(super) fn base(out: &mut Writer, params: &BaseParams<f32>) {
         Some(params) => motor::motor(out, params),
         None => out.field("motor", "None", "The driver takes torques itself."),
     }
-    safety::watch(out, watch);
+    safety::detectors(out, detectors);
     safety::policy(out, policy);
     safety::supervisor(out, supervisor);
 }

@@ -8,7 +8,7 @@ use std::io::Write;
 
 /// The columns, in order. SI units, radians.
 ///
-/// * x … w: the robot as it truly is; x_m … theta_m: the pose that the controller was told.
+/// * x … w: the robot as it truly is; x_m … theta_m: the pose that the controller got.
 /// * x_r … wdot_r: the reference (acceleration half a tick ahead); while parking the goal.
 /// * e_x … e_theta: the error that the controller computed; v_d … wdot_d: what its pose law wants.
 /// * b_v, b_w: what past jumps still add; v_c … wdot_c: the command, within all limits.
@@ -124,7 +124,7 @@ pub fn write(trace: &DriveTrace, every: usize, out: impl Write) -> csv::Result<(
 }
 
 fn numbers(row: &DriveRow) -> [f64; 37] {
-    let (pose, twist, told) = (row.truth.pose, row.truth.twist, row.measured);
+    let (pose, twist, got) = (row.truth.pose, row.truth.twist, row.measured);
     let (at, moves, rates) = (
         row.reference.pose(),
         row.reference.twist(),
@@ -138,9 +138,9 @@ fn numbers(row: &DriveRow) -> [f64; 37] {
         pose.theta,
         twist.linear,
         twist.angular,
-        told.x,
-        told.y,
-        told.theta,
+        got.x,
+        got.y,
+        got.theta,
         at.x,
         at.y,
         at.theta,
@@ -151,12 +151,12 @@ fn numbers(row: &DriveRow) -> [f64; 37] {
         report.error.x,
         report.error.y,
         report.error.theta,
-        report.wanted.linear,
-        report.wanted.angular,
-        report.wanted_rate.linear,
-        report.wanted_rate.angular,
-        report.bridge.linear,
-        report.bridge.angular,
+        report.desired.linear,
+        report.desired.angular,
+        report.desired_rate.linear,
+        report.desired_rate.angular,
+        report.transition_offset.linear,
+        report.transition_offset.angular,
         report.command.linear,
         report.command.angular,
         report.command_rate.linear,

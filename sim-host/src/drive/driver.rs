@@ -1,12 +1,12 @@
-//! The controller, in the precision that a mission asks for.
+//! The controller, in the precision of a mission.
 
-use super::Base;
-use crate::scenario::Precision;
+use crate::mission::BaseSpec;
+use crate::precision::Precision;
 use controller_core::angle::wrap;
 use controller_core::error::{ParamError, StepFault};
 use controller_core::maths::{Libm, Maths, Single};
 use controller_core::motion::{
-    Arrival, Motion, MotionController, MotionParams, MotionReport, Task,
+    Arrival, MotionController, MotionParams, MotionReport, Task, ValidMotionParams,
 };
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
@@ -38,7 +38,7 @@ impl Driver {
     /// # Errors
     /// Parameters that are out of range in the precision asked for, or inputs that are not finite.
     pub fn start(
-        base: &Base,
+        base: &BaseSpec,
         precision: Precision,
         task: &Task<f64>,
         measured: &Measured<f64>,
@@ -88,7 +88,7 @@ impl Driver {
         }
     }
 
-    /// See [`Motion::hand_over_distance`].
+    /// See [`ValidMotionParams::hand_over_distance`].
     pub fn hand_over_distance(&self, speed: f64) -> f64 {
         match &self.inner {
             Inner::Single(c) => f64::from(c.motion().hand_over_distance(speed as f32)),
@@ -111,7 +111,7 @@ pub enum StartError {
 type Controller<T, M> = MotionController<T, M, RationalMean>;
 
 fn start<T: Scalar, M: Maths<T>>(
-    base: &Base,
+    base: &BaseSpec,
     origin: (f64, f64),
     task: &Task<f64>,
     measured: &Measured<f64>,
@@ -136,7 +136,9 @@ fn step<T: Scalar, M: Maths<T>>(
         .map(MotionReport::cast)
 }
 
-fn parameters<T: Scalar, M: Maths<T>>(from: &MotionParams<f64>) -> Result<Motion<T>, ParamError> {
+fn parameters<T: Scalar, M: Maths<T>>(
+    from: &MotionParams<f64>,
+) -> Result<ValidMotionParams<T>, ParamError> {
     let params = MotionParams {
         gains: from.gains.cast(),
         arrival: Arrival::exact(),

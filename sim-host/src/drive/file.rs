@@ -1,11 +1,11 @@
 //! Missions from trajectory files.
 
-use super::Base;
-use super::mission::{Course, End, HandOverRule, Mission, Route, When};
 use crate::import::{
-    Figures, Format, LimitError, Options, Refusal, Stretch, Tolerance, Trajectory, Verdict, check,
+    Figures, FileVerdict, Format, LimitError, Options, Refusal, TimeScaling, Tolerance, Trajectory,
+    check,
 };
-use crate::scenario::Precision;
+use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
+use crate::precision::Precision;
 use controller_core::types::{Measured, Pose, Twist};
 
 /// How close a driven reference passes the poses of its file.
@@ -76,7 +76,7 @@ impl FileRun {
             .unwrap_or(if long_enough { 0.15 } else { 0.0 })
     }
 
-    /// What `base` is to do with a file, and what of it was stretched.
+    /// What `base` is to do with a file, and how its time was scaled.
     ///
     /// # Errors
     /// A file that is refused, or options out of range.
@@ -84,8 +84,8 @@ impl FileRun {
         &self,
         name: &str,
         bytes: &[u8],
-        base: &Base,
-    ) -> Result<(Mission, Stretch), FileError> {
+        base: &BaseSpec,
+    ) -> Result<(Mission, TimeScaling), FileError> {
         let offset = self.offset_m.unwrap_or_default();
         if !(-10.0..=10.0).contains(&offset) {
             return Err(FileError::Option("offset", -10.0, 10.0));
@@ -94,7 +94,7 @@ impl FileRun {
         if !(1.0e-4..=longest).contains(&self.period_s) {
             return Err(FileError::Option("period", 1.0e-4, longest));
         }
-        let (trajectory, stretch) = fitted(bytes, base)?;
+        let (trajectory, scaling) = fitted(bytes, base)?;
         let figures: Figures = trajectory.figures();
         let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
         let longest_s = end_s + PARKING_S;
@@ -126,9 +126,9 @@ impl FileRun {
             events: Vec::new(),
             period_s: self.period_s,
             end: End::Parked(longest_s),
-            place: None,
+            setup: None,
         };
-        Ok((mission, stretch))
+        Ok((mission, scaling))
     }
 }
 
@@ -139,25 +139,25 @@ impl FileRun {
 /// this ramp there is nothing to fade in, at a jerk far below that of any base here.
 const RAMP_S: f64 = 0.3;
 
-/// The reference of a file for a base: stretched to its limits, and begun gently.
+/// The reference of a file for a base: time-scaled to its limits, and ramped in.
 ///
 /// # Errors
 /// A file that is refused, or a base whose limits are not positive.
-pub fn fitted(bytes: &[u8], base: &Base) -> Result<(Trajectory, Stretch), FileError> {
-    let (trajectory, stretch) = trajectory(bytes)?.stretched(&base.reference_limits())?;
-    Ok((trajectory.eased(RAMP_S), stretch))
+pub fn fitted(bytes: &[u8], base: &BaseSpec) -> Result<(Trajectory, TimeScaling), FileError> {
+    let (trajectory, scaling) = trajectory(bytes)?.time_scaled(&base.reference_limits())?;
+    Ok((trajectory.ramped_in(RAMP_S), scaling))
 }
 
 /// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are
 /// noisy, within the importer's own.
-pub fn verdict(bytes: &[u8]) -> Verdict {
+pub fn verdict(bytes: &[u8]) -> FileVerdict {
     let planned = Options {
         tolerance: Some(TOLERANCE),
     };
     let verdict = check(bytes, &planned);
     let format = match &verdict {
-        Verdict::Drivable { format, .. } => Some(*format),
-        Verdict::Refused(refusal) => refusal.format,
+        FileVerdict::Drivable { format, .. } => Some(*format),
+        FileVerdict::Refused(refusal) => refusal.format,
     };
     match format {
         Some(Format::TumPoses) => check(bytes, &Options::default()),
@@ -171,7 +171,7 @@ pub fn verdict(bytes: &[u8]) -> Verdict {
 /// A file that cannot be driven.
 pub fn trajectory(bytes: &[u8]) -> Result<Trajectory, Refusal> {
     match verdict(bytes) {
-        Verdict::Drivable { trajectory, .. } => Ok(*trajectory),
-        Verdict::Refused(refusal) => Err(refusal),
+        FileVerdict::Drivable { trajectory, .. } => Ok(*trajectory),
+        FileVerdict::Refused(refusal) => Err(refusal),
     }
 }

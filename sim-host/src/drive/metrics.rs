@@ -1,9 +1,9 @@
 //! Figures of merit of a run. Times in s, lengths in m, angles in rad; errors are the true ones.
 
-use super::mission::Mission;
 use super::note::{self, BaseNote};
 use super::trace::{DriveRow, DriveTrace};
 use crate::metrics::Metrics;
+use crate::mission::Mission;
 use controller_core::angle::wrap;
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{Mode, Outcome};

@@ -1,44 +1,38 @@
 //! Closed loops of the law for a real base, [`controller_core::motion`].
 //!
-//! A [`Mission`] says what the robot is to do: follow a trajectory file or a motion of Eq. (6),
+//! A [`Mission`](crate::mission::Mission) says what the robot is to do: follow a trajectory file or a motion of Eq. (6),
 //! hand over to parking by itself, go to a pose, take up another goal on the way. [`drive`] runs it
 //! against the plant of [`crate::plant`]; [`DriveTrace`] has a row for each control tick with all
 //! that the controller reported, [`DriveMetrics`] what matters of it.
 //!
 //! ```
-//! use sim_host::drive::{Base, DriveMetrics, FileRun, drive};
+//! use sim_host::drive::{DriveMetrics, FileRun, drive};
+//! use sim_host::mission::BaseSpec;
 //!
 //! let file = "t,x,y,theta\n0,0,0,0\n2,0.5,0,0\n4,1.5,0,0\n6,2,0,0\n";
-//! let (mission, stretch) = FileRun::default().mission("straight", file.as_bytes(), &Base::default())?;
-//! assert!(stretch.factor < 1.5);
+//! let (mission, scaling) = FileRun::default().mission("straight", file.as_bytes(), &BaseSpec::default())?;
+//! assert!(scaling.factor < 1.5);
 //! let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
 //! assert!(metrics.parked_s.is_some() && metrics.run.final_error.position_m < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod base;
 mod csv;
 mod driver;
 mod file;
-pub(crate) mod guide;
-mod hardware;
+mod in_world;
 mod metrics;
-mod mission;
 mod note;
 mod run;
 mod summary;
 mod table;
-mod timetable;
 mod trace;
 
-pub use base::Base;
 pub use csv::{COLUMNS, write as write_csv};
 pub use driver::{Driver, StartError};
 pub use file::{FileError, FileRun, TOLERANCE, fitted, trajectory, verdict};
-pub(crate) use guide::Guide;
-pub use hardware::Hardware;
+pub use in_world::{drive_and_observe, drive_in_world, fly};
 pub use metrics::{DriveMetrics, LimitUse, LimitedTicks, ON_PATH, StopFigures, TrackingFigures};
-pub use mission::{Change, Course, End, Event, HandOverRule, Mission, Route, When};
 pub use note::{BaseNote, cause, fix_name, state_name};
 pub use run::{DriveError, drive};
 pub use summary::summary;

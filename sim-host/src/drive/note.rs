@@ -1,7 +1,7 @@
 //! What a whole base adds to a row, and its names for people.
 
 use controller_core::localiser::FixOutcome;
-use controller_core::safety::Findings;
+use controller_core::safety::ActiveFaults;
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::types::WheelTorques;
 
@@ -12,8 +12,8 @@ pub struct BaseNote {
     pub state: State,
     /// Why it is that.
     pub cause: Cause,
-    /// Faults of this tick, ridden out or not.
-    pub findings: Findings,
+    /// Faults of this tick, ignored or not.
+    pub active_faults: ActiveFaults,
     /// What became of an external pose.
     pub fix: FixOutcome<f32>,
     /// Asked of the wheels \[N m\]; 0 where they are braked or released.
@@ -54,7 +54,7 @@ pub fn cause(cause: &Cause) -> String {
         Cause::TrajectoryEnded => "trajectory-ended",
         Cause::Underrun => "underrun",
         Cause::Reached => "reached",
-        Cause::GaveUp => "gave_up",
+        Cause::GoalUnreachable => "goal_unreachable",
         Cause::LinkLost => "link-lost",
         Cause::EmergencyStop => "emergency-stop",
         Cause::Demanded => "demanded",

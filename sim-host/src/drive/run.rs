@@ -1,11 +1,11 @@
 //! The closed loop.
 
 use super::driver::{Driver, StartError};
-use super::guide::{Guide, Orders};
-use super::mission::{End, Mission};
+use super::in_world::drive_in_world;
 use super::trace::{DriveHandOver, DriveRow, DriveTrace};
+use crate::closed_loop::ClosedLoopError;
+use crate::mission::{End, Mission, Orders, Sequencer};
 use crate::plant::Plant;
-use crate::rig::RigError;
 use controller_core::error::StepFault;
 use controller_core::maths::Libm;
 use controller_core::motion::{Outcome, Task};
@@ -36,30 +36,30 @@ pub enum DriveError {
     },
     /// The base or the world cannot be.
     #[error("{name}: {cause}")]
-    Rig {
+    ClosedLoop {
         /// The mission.
         name: String,
         /// Why.
-        cause: RigError,
+        cause: ClosedLoopError,
     },
 }
 
-/// For how long a robot is watched after it parked \[s\].
-const WATCH_S: f64 = 1.0;
+/// For how long a robot is observed after it parked \[s\].
+const OBSERVE_S: f64 = 1.0;
 
 /// Runs a mission.
 ///
 /// # Errors
 /// The first fault of the controller, with its time.
 pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
-    if let Some(place) = &mission.place {
-        return crate::rig::drive(mission, place).map_err(|cause| DriveError::Rig {
+    if let Some(setup) = &mission.setup {
+        return drive_in_world(mission, setup).map_err(|cause| DriveError::ClosedLoop {
             name: mission.name.clone(),
             cause,
         });
     }
     let dt = mission.period_s;
-    let mut guide = Guide::new(mission);
+    let mut sequencer = Sequencer::new(mission);
     let mut plant = Plant::new(mission.robot, &mission.start);
     let mut driver: Option<Driver> = None;
     let mut trace = DriveTrace {
@@ -77,7 +77,7 @@ pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
             .as_ref()
             .map_or(Twist::default(), |d| d.report().command);
         let distance = |speed| driver.as_ref().map_or(0.0, |d| d.hand_over_distance(speed));
-        let orders = guide.at(tick, t, &truth, &command, distance);
+        let orders = sequencer.at(tick, t, &truth, &command, distance);
         let step = |cause| DriveError::Step {
             name: mission.name.clone(),
             time_s: t,
@@ -125,7 +125,7 @@ pub fn drive(mission: &Mission) -> Result<DriveTrace, DriveError> {
             Outcome::Parked => parked_since.or(Some(t)),
             _ => None,
         };
-        let watched = parked_since.is_some_and(|since| t >= since.max(last_event) + WATCH_S);
+        let watched = parked_since.is_some_and(|since| t >= since.max(last_event) + OBSERVE_S);
         if watched && matches!(mission.end, End::Parked(_)) {
             break;
         }

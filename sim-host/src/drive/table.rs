@@ -26,11 +26,15 @@ pub struct ChipTable {
 }
 
 impl ChipTable {
-    /// Compiles a trajectory file, stretched and begun as a run of it.
+    /// Compiles a trajectory file, time-scaled and ramped in as a run of it.
     ///
     /// # Errors
     /// A file that is refused, or a base whose limits are not positive.
-    pub fn of(name: &str, bytes: &[u8], base: &super::Base) -> Result<Self, super::FileError> {
+    pub fn of(
+        name: &str,
+        bytes: &[u8],
+        base: &crate::mission::BaseSpec,
+    ) -> Result<Self, super::FileError> {
         let (run, _) = fitted(bytes, base)?;
         let upper = name.chars().map(|c| {
             if c.is_ascii_alphanumeric() {

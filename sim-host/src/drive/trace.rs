@@ -1,7 +1,7 @@
 //! What a run leaves behind: one row per control tick.
 
 use super::note::BaseNote;
-use crate::trace::{HandOver, Row, Trace};
+use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::motion::{Mode, MotionReport};
 use controller_core::paper::report::{Phase, StepReport};
 use controller_core::pose_error::PoseError;
@@ -15,7 +15,7 @@ pub struct DriveRow {
     pub t: f64,
     /// The robot as it truly is.
     pub truth: Measured<f64>,
-    /// The pose that the controller was told.
+    /// The pose that the controller got.
     pub measured: Pose<f64>,
     /// Where the robot is to be; while parking the goal.
     pub reference: Reference<f64>,
@@ -38,7 +38,7 @@ pub struct DriveHandOver {
     pub distance_m: f64,
     /// Pose error with respect to the reference, the last of following.
     pub error_before: PoseError<f64>,
-    /// What parking asks for minus what following would have, at that instant.
+    /// What parking demands minus what following would have, at that instant.
     pub torque_step: Wrench<f64>,
 }
 
@@ -89,9 +89,9 @@ impl DriveTrace {
     }
 }
 
-fn common(row: &DriveRow) -> Row {
+fn common(row: &DriveRow) -> TraceRow {
     let report = &row.report;
-    Row {
+    TraceRow {
         t: row.t,
         truth: row.truth,
         reference: row.reference,
@@ -105,7 +105,7 @@ fn common(row: &DriveRow) -> Row {
             command: report.command,
             command_rate: report.command_rate,
             velocity_error: report.velocity_error,
-            bridge: report.bridge,
+            transition_offset: report.transition_offset,
             wrench: report.wrench,
             torques: report.torques,
             saturated: report.limited.torque,

@@ -3,17 +3,14 @@
 use super::Labelled;
 use super::corner::Corner;
 use super::limits::Span;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, PALE, STRONG};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, Panel, STRONG, entry};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
-use crate::trace::Row;
-use kuva::plot::legend::{LegendEntry, LegendShape};
+use crate::trace::TraceRow;
+use kuva::plot::legend::LegendShape;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, LineStyle, ScatterPlot};
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-
-pub(super) type Panel = (Vec<Plot>, Layout);
 
 /// (a): the plane, both axes to one scale.
 pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
@@ -108,26 +105,12 @@ fn equal_aspect(x: (f64, f64), y: (f64, f64), plot: (f64, f64)) -> ((f64, f64), 
     (widened(x, plot.0), widened(y, plot.1))
 }
 
-fn point(row: &Row) -> (f64, f64) {
+fn point(row: &TraceRow) -> (f64, f64) {
     (row.truth.pose.x, row.truth.pose.y)
 }
 
-fn reference_point(row: &Row) -> (f64, f64) {
+fn reference_point(row: &TraceRow) -> (f64, f64) {
     (row.reference.pose().x, row.reference.pose().y)
-}
-
-pub(super) fn entry(
-    label: &str,
-    color: &str,
-    shape: LegendShape,
-    dashes: Option<&str>,
-) -> LegendEntry {
-    LegendEntry {
-        label: label.to_owned(),
-        color: color.to_owned(),
-        shape,
-        dasharray: dashes.map(str::to_owned),
-    }
 }
 
 /// (b).
@@ -199,7 +182,7 @@ pub(super) fn torques(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel 
     .draw(main, other)
 }
 
-fn signal(name: &'static str, ink: Ink, value: fn(&Row) -> f64) -> Signal {
+fn signal(name: &'static str, ink: Ink, value: fn(&TraceRow) -> f64) -> Signal {
     Signal {
         name,
         ink,
@@ -207,9 +190,4 @@ fn signal(name: &'static str, ink: Ink, value: fn(&Row) -> f64) -> Signal {
         dashed: false,
         from_zero: false,
     }
-}
-
-/// The stroke of the main run and of the one below it.
-pub(super) fn stroke(main: bool) -> f64 {
-    if main { STRONG } else { PALE }
 }

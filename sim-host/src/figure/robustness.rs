@@ -1,10 +1,10 @@
 //! The study of robustness: a row per condition, a mark per law and case.
 
 use super::FigureError;
-use super::panels::{Panel, entry};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE};
+use super::style::{Panel, entry};
 use super::typeset;
-use crate::robustness::{Case, Law, Outcome, Row, Verdict};
+use crate::robustness::{Case, ComparedLaw, RunVerdict, StudyOutcome, StudyRow};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::annotations::ReferenceLine;
 use kuva::plot::legend::{LegendPosition, LegendShape};
@@ -33,7 +33,7 @@ const NEVER_AT: f64 = 9.3;
 ///
 /// # Errors
 /// [`FigureError::Empty`] if there are no rows.
-pub fn robustness(rows: &[Row<'_>]) -> Result<String, FigureError> {
+pub fn robustness(rows: &[StudyRow<'_>]) -> Result<String, FigureError> {
     let mut names: Vec<&str> = rows.iter().map(|row| row.condition.name.as_str()).collect();
     names.dedup();
     if names.is_empty() {
@@ -53,9 +53,9 @@ pub fn robustness(rows: &[Row<'_>]) -> Result<String, FigureError> {
     Ok(typeset::subscripts(&SvgBackend::new().render_scene(&scene)))
 }
 
-fn ends(rows: &[Row<'_>], names: &[&str]) -> Panel {
-    let place = |outcome: &Outcome| {
-        let lost = outcome.verdict > Verdict::Missed;
+fn ends(rows: &[StudyRow<'_>], names: &[&str]) -> Panel {
+    let place = |outcome: &StudyOutcome| {
+        let lost = outcome.verdict > RunVerdict::Missed;
         let mm = |metres: f64| (1.0e3 * metres).clamp(LEAST_AT, LOST_AT);
         let (mean, worst) = (mm(outcome.final_m.mean), mm(outcome.final_m.worst));
         if lost {
@@ -77,8 +77,8 @@ fn ends(rows: &[Row<'_>], names: &[&str]) -> Panel {
     (plots, layout)
 }
 
-fn times(rows: &[Row<'_>], names: &[&str]) -> Panel {
-    let place = |outcome: &Outcome| match outcome.settling_s {
+fn times(rows: &[StudyRow<'_>], names: &[&str]) -> Panel {
+    let place = |outcome: &StudyOutcome| match outcome.settling_s {
         Some(time) => (time.mean, time.worst.min(NEVER_AT), false),
         None => (NEVER_AT, NEVER_AT, true),
     };
@@ -124,9 +124,9 @@ fn mark(x: f64) -> ReferenceLine {
 
 /// A mark per law and case; `place` gives mean and worst, and whether the run failed.
 fn marks(
-    rows: &[Row<'_>],
+    rows: &[StudyRow<'_>],
     names: &[&str],
-    place: impl Fn(&Outcome) -> (f64, f64, bool),
+    place: impl Fn(&StudyOutcome) -> (f64, f64, bool),
 ) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (law, color) in COLORS {
@@ -172,10 +172,10 @@ fn marks(
     plots
 }
 
-const COLORS: [(Law, &str); 3] = [
-    (Law::Neural, BLUE.strong),
-    (Law::Plain, ORANGE.strong),
-    (Law::Default, GREEN.strong),
+const COLORS: [(ComparedLaw, &str); 3] = [
+    (ComparedLaw::Neural, BLUE.strong),
+    (ComparedLaw::Plain, ORANGE.strong),
+    (ComparedLaw::Default, GREEN.strong),
 ];
 
 const SHAPES: [(Case, MarkerShape); 2] = [
@@ -184,11 +184,11 @@ const SHAPES: [(Case, MarkerShape); 2] = [
 ];
 
 /// Laws side by side within a row, and the cases of a law close to each other.
-fn lane(law: Law, case: Case) -> f64 {
+fn lane(law: ComparedLaw, case: Case) -> f64 {
     let lane = match law {
-        Law::Neural => 0.28,
-        Law::Plain => 0.0,
-        Law::Default => -0.28,
+        ComparedLaw::Neural => 0.28,
+        ComparedLaw::Plain => 0.0,
+        ComparedLaw::Default => -0.28,
     };
     match case {
         Case::Line => lane + 0.05,

@@ -1,8 +1,13 @@
-//! Sizes and colours.
+//! Sizes, colours, strokes, and what a panel is made of.
 
+use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
 use std::sync::Arc;
+
+/// Curves and the axes that they are drawn on.
+pub(super) type Panel = (Vec<Plot>, Layout);
 
 /// Width and height of a panel.
 pub(super) const CELL: (f64, f64) = (620.0, 400.0);
@@ -73,4 +78,24 @@ pub(super) fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
 /// A minus, not a hyphen.
 fn true_minus(value: f64) -> String {
     TickFormat::Auto.format(value).replace('-', "−")
+}
+
+/// A line of a legend.
+pub(super) fn entry(
+    label: &str,
+    color: &str,
+    shape: LegendShape,
+    dashes: Option<&str>,
+) -> LegendEntry {
+    LegendEntry {
+        label: label.to_owned(),
+        color: color.to_owned(),
+        shape,
+        dasharray: dashes.map(str::to_owned),
+    }
+}
+
+/// The stroke of the main run and of the one below it.
+pub(super) fn stroke(main: bool) -> f64 {
+    if main { STRONG } else { PALE }
 }

@@ -4,10 +4,9 @@ use super::Labelled;
 use super::corner::Corner;
 use super::limits::Span;
 use super::notes::Canvas;
-use super::panels::{Panel, entry, stroke};
-use super::style::{self, Ink};
+use super::style::{self, Ink, Panel, entry, stroke};
 use super::thin_out::thin_out;
-use crate::trace::{Row, Trace};
+use crate::trace::{Trace, TraceRow};
 use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::{LinePlot, LineStyle};
 use kuva::render::plots::Plot;
@@ -17,7 +16,7 @@ use kuva::render::plots::Plot;
 pub(super) struct Signal {
     pub name: &'static str,
     pub ink: Ink,
-    pub value: fn(&Row) -> f64,
+    pub value: fn(&TraceRow) -> f64,
     pub dashed: bool,
     /// The signal is 0 before the first row, and its first step is part of the picture.
     pub from_zero: bool,

@@ -2,7 +2,7 @@
 
 use super::record::base_log;
 use super::{Entry, IdentifyError, Known, Options, Quantity as Q, SIDES, Verdict, identify};
-use crate::drive::{Base, Hardware};
+use crate::mission::{BaseSpec, Hardware};
 use crate::world::WorldError;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -74,7 +74,7 @@ impl Rate {
 ///
 /// # Errors
 /// A base that cannot be driven.
-pub fn coverage(base: &Base, runs: usize, seed: u64) -> Result<Vec<Rate>, CoverageError> {
+pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, CoverageError> {
     let hardware = base.hardware.as_ref().ok_or(CoverageError::NoMotors)?;
     let mut known = Known::default();
     known.gear = Some(hardware.motor.gear_ratio);
@@ -120,7 +120,7 @@ pub fn coverage(base: &Base, runs: usize, seed: u64) -> Result<Vec<Rate>, Covera
 }
 
 /// True values by name, of all that a log with duties, supply, currents, counts and poses can tell.
-fn truths(base: &Base, hardware: &Hardware) -> Vec<(String, f64)> {
+fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
     let (robot, motor) = (&base.robot, &hardware.motor);
     let wheels = &robot.wheels;
     // `[robot]` holds the wheels' turning; the rotors' is in mass and inertia as the wheels feel them.

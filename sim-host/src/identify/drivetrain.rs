@@ -15,7 +15,6 @@ use super::fit::Fit;
 use super::log::{Drive, Log};
 use super::quantity::{Known, Stated};
 use super::source::Source;
-use super::verdict::entry;
 use super::{Entry, SIDES, Verdict};
 use nalgebra::{DMatrix, DVector};
 
@@ -294,7 +293,7 @@ impl Found {
                 ),
             };
             let verdict = Verdict::Identified { value, half_width };
-            Some(entry(
+            Some(Entry::new(
                 &format!("{name}_{}", SIDES[i % 2]),
                 unit,
                 meaning,

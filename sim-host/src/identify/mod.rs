@@ -107,6 +107,17 @@ pub struct Entry {
     pub verdict: Verdict,
 }
 
+impl Entry {
+    fn new(name: &str, unit: &'static str, meaning: &'static str, verdict: Verdict) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit,
+            meaning,
+            verdict,
+        }
+    }
+}
+
 /// What a log tells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Identified {
@@ -145,6 +156,9 @@ pub enum IdentifyError {
 }
 
 const SIDES: [&str; 2] = ["right", "left"];
+
+/// An interval wider than half its value to each side is no identification.
+const VAGUE: f64 = 0.5;
 
 /// Identifies.
 ///

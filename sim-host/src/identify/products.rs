@@ -3,8 +3,7 @@
 use super::combine::Combined;
 use super::quantity::{COUNT, Quantity};
 use super::structure::Given;
-use super::verdict::{VAGUE, entry};
-use super::{Entry, Verdict};
+use super::{Entry, VAGUE, Verdict};
 use nalgebra::DVector;
 
 type Powers = &'static [(Quantity, f64)];
@@ -87,7 +86,7 @@ pub(super) fn combinations(
                 value: log.exp(),
                 half_width: wide * log.exp(),
             };
-            all.push(entry(name, unit, meaning, verdict));
+            all.push(Entry::new(name, unit, meaning, verdict));
         }
     }
     if let Some(gear) = given.known.gear {
@@ -117,6 +116,6 @@ fn own_constants(gear: f64, quantities: &mut Vec<Entry>) {
             not => not,
         };
         let meaning = "of the motor itself, before the gear";
-        quantities.push(entry(name, of.unit(), meaning, verdict));
+        quantities.push(Entry::new(name, of.unit(), meaning, verdict));
     }
 }

@@ -3,7 +3,7 @@
 //! fitted.
 
 use super::log::{Drive, Fix, Log, voltages};
-use crate::drive::{Base, Hardware};
+use crate::mission::{BaseSpec, Hardware};
 use crate::world::{Actuation, World, WorldError, WorldParams};
 use controller_core::types::{Measured, Pose, Twist};
 use rand::{RngExt as _, SeedableRng as _};
@@ -86,7 +86,7 @@ pub fn record(
 ///
 /// # Errors
 /// Hardware that is no plant.
-pub fn base_log(base: &Base, hardware: &Hardware, seed: u64) -> Result<Log, WorldError> {
+pub fn base_log(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Result<Log, WorldError> {
     let mut params = hardware.world().params(&base.robot);
     params.substep_us = SUBSTEP_US;
     params.noise.supply_v = SUPPLY_NOISE * hardware.battery.nominal_v;
@@ -114,7 +114,7 @@ const PARTS: [Part; 4] = [
 const PAUSE_S: f64 = 0.5;
 
 /// Duties row by row: levels of 30 to 80 % for 0.3 to 1 s, drawn by `seed`, joined by ramps.
-fn drive(base: &Base, hardware: &Hardware, seed: u64) -> Vec<[f64; 2]> {
+fn drive(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Vec<[f64; 2]> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let (robot, motor) = (&base.robot, &hardware.motor);
     let r2 = robot.wheels.radius_right_m * robot.wheels.radius_left_m;

@@ -9,11 +9,9 @@ use super::products::combinations;
 use super::quantity::Quantity;
 use super::stretches::{SHORTEST_S, Stretch};
 use super::structure::Given;
-use super::{Entry, Identified, Options, Verdict};
+use super::{Entry, Identified, Options, VAGUE, Verdict};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
-/// An interval wider than half its value to each side is no identification.
-pub(super) const VAGUE: f64 = 0.5;
 /// Friction is identified, too, where its interval is below this part of all damping: "nearly none"
 /// is an answer.
 const SMALL: f64 = 0.1;
@@ -116,7 +114,7 @@ pub(super) fn judge(
                 would_help: help(given, quantity),
             },
         };
-        quantities.push(entry(
+        quantities.push(Entry::new(
             quantity.name(),
             quantity.unit(),
             quantity.meaning(),
@@ -133,20 +131,6 @@ pub(super) fn judge(
         warnings,
         stretches: driven.stretches,
         pose_windows: poses.map_or(0, |fit| fit.windows),
-    }
-}
-
-pub(super) fn entry(
-    name: &str,
-    unit: &'static str,
-    meaning: &'static str,
-    verdict: Verdict,
-) -> Entry {
-    Entry {
-        name: name.to_owned(),
-        unit,
-        meaning,
-        verdict,
     }
 }
 

@@ -1,12 +1,12 @@
 //! What a base can do.
 
 use super::Sample;
-use super::stretch::Bound;
+use std::fmt;
 use thiserror::Error;
 
 /// The wheels' torque limit, and what the wheels move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
+pub struct DriveLimits {
     /// Largest torque of a wheel \[N m\].
     pub wheel_torque: f64,
     /// Radius of the wheels \[m\].
@@ -21,7 +21,7 @@ pub struct Drive {
 
 /// Limits of a base. All positive; `f64::INFINITY` for one that does not bind.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct ReferenceLimits {
     /// Largest |v| \[m/s\].
     pub max_speed: f64,
     /// Largest rate of |v| upwards \[m/s²\].
@@ -35,10 +35,10 @@ pub struct Limits {
     /// Largest |v w| \[m/s²\].
     pub max_lateral: f64,
     /// Torque limit of the wheels.
-    pub drive: Option<Drive>,
+    pub drive: Option<DriveLimits>,
 }
 
-impl Default for Limits {
+impl Default for ReferenceLimits {
     /// Nothing binds.
     fn default() -> Self {
         Self {
@@ -61,9 +61,40 @@ pub struct LimitError {
     pub field: &'static str,
 }
 
+/// What limits the pace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Bound {
+    /// Speed.
+    Speed,
+    /// Turn rate.
+    TurnRate,
+    /// Acceleration across the path.
+    Lateral,
+    /// Acceleration or deceleration.
+    Acceleration,
+    /// Angular acceleration.
+    AngularAcceleration,
+    /// Torque of a wheel.
+    WheelTorque,
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Speed => "speed",
+            Self::TurnRate => "turn rate",
+            Self::Lateral => "lateral acceleration",
+            Self::Acceleration => "acceleration",
+            Self::AngularAcceleration => "angular acceleration",
+            Self::WheelTorque => "wheel torque",
+        })
+    }
+}
+
 /// One bound on c q + d q′, where q is the squared rate of time: value, coefficients, bounds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct BoundRow {
     pub(super) bound: Bound,
     pub(super) c: f64,
     pub(super) d: f64,
@@ -76,10 +107,10 @@ const STANDING: f64 = 1e-6;
 /// Smallest limit taken: smaller ones would take the path longer than anyone waits.
 const SMALLEST: f64 = 1e-6;
 
-impl Limits {
+impl ReferenceLimits {
     /// Checks that all are positive.
     pub(super) fn validate(&self) -> Result<(), LimitError> {
-        let drive = self.drive.unwrap_or(Drive {
+        let drive = self.drive.unwrap_or(DriveLimits {
             wheel_torque: 1.0,
             wheel_radius: 1.0,
             track: 1.0,
@@ -107,7 +138,7 @@ impl Limits {
     }
 
     /// Bounds on rates at a state of the path: linear in q and q′.
-    pub(super) fn rows(&self, s: &Sample) -> [Row; 4] {
+    pub(super) fn rows(&self, s: &Sample) -> [BoundRow; 4] {
         let (up, down) = (self.max_accel, self.max_decel);
         let (low, high) = if s.v > STANDING {
             (-down, up)
@@ -116,7 +147,7 @@ impl Limits {
         } else {
             (-up.min(down), up.min(down))
         };
-        let row = |bound, c, d: f64, low, high| Row {
+        let row = |bound, c, d: f64, low, high| BoundRow {
             bound,
             c,
             d: 0.5 * d,
@@ -190,7 +221,7 @@ impl Limits {
             max_turn_rate: self.max_turn_rate * of(Bound::TurnRate),
             max_angular_accel: self.max_angular_accel * of(Bound::AngularAcceleration),
             max_lateral: self.max_lateral * of(Bound::Lateral),
-            drive: self.drive.map(|d| Drive {
+            drive: self.drive.map(|d| DriveLimits {
                 wheel_torque: d.wheel_torque * of(Bound::WheelTorque),
                 ..d
             }),

@@ -1,7 +1,7 @@
 //! Trajectory files that people have, as references that a wheeled base can follow.
 //!
-//! [`import`] reads a file of any [`Format`], told by its content, and returns a [`Trajectory`]
-//! or a [`Refusal`] with line, field and reason; [`check()`] gives the same as a [`Verdict`] to
+//! [`import`] reads a file of any [`Format`], recognised by its content, and returns a [`Trajectory`]
+//! or a [`Refusal`] with line, field and reason; [`check()`] gives the same as a [`FileVerdict`] to
 //! print. Files are dirty; what was repaired is listed with its place.
 //!
 //! # How a reference is made
@@ -16,13 +16,13 @@
 //! (v cos θ, v sin θ, w) holds within 1e-9, there is no interpolation besides. First and last pose
 //! are passed a hundred times closer than the others, and at rest where the file says so.
 //!
-//! Speeds of a file still serve: to tell a turn from the turn the other way round when samples are
+//! Speeds of a file still serve: to distinguish a turn from the turn the other way round when samples are
 //! far apart, to know rest, and for the verdict, which lists columns that contradict the poses.
 //!
 //! # Limits
 //!
-//! [`Trajectory::stretched`] runs the same path more slowly where a base's [`Limits`] would be
-//! exceeded, [`Trajectory::eased`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
+//! [`Trajectory::time_scaled`] runs the same path more slowly where a base's [`ReferenceLimits`] would be
+//! exceeded, [`Trajectory::ramped_in`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
 //!
 //! # Bounds
 //!
@@ -32,36 +32,37 @@
 mod choreo;
 mod columns;
 mod compact;
-mod ease;
+mod detect;
 mod figures;
 mod fit;
 mod format;
 mod json;
 mod limits;
 mod options;
+mod ramp_in;
 mod raw;
 mod refusal;
 mod repair;
-mod stretch;
 mod table;
 mod time_law;
 mod time_optimal;
+mod time_scaling;
+mod time_warp;
 mod trajectory;
 mod tum;
 mod verdict;
-mod warp;
 mod wpilib;
 
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
 pub use format::Format;
-pub use limits::{Drive, LimitError, Limits};
+pub use limits::{Bound, DriveLimits, LimitError, ReferenceLimits};
 pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
-pub use stretch::{Bound, Stretch, Stretched};
+pub use time_scaling::{ScaledSpan, TimeScaling};
 pub use trajectory::{Closeness, Sample, Trajectory};
-pub use verdict::{Verdict, check};
+pub use verdict::{FileVerdict, check};
 
 use raw::Raw;
 
@@ -111,7 +112,7 @@ fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
         refuse(Place::line(line), Reason::NotText { offset })
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    match format::detect(text)? {
+    match detect::detect(text)? {
         Format::WpilibJson => wpilib::read(text),
         Format::ChoreoTraj => choreo::read(text),
         Format::TumPoses => tum::read(text),

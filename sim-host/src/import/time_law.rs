@@ -1,9 +1,9 @@
 //! From the squared rate of time to a smooth law of time.
 
-use super::warp::{Tick, Warp};
+use super::time_warp::{Tick, TimeWarp};
 
 /// Smooths q without ever raising it: the least of a window, then two means over half of it each.
-/// Accelerations that jumped with q′ then take `2 half` stations to change.
+/// Accelerations that jumped with q′ then take `2 half` grid points to change.
 pub(super) fn smoothed(q: &[f64], half: usize) -> Vec<f64> {
     let least = least_within(q, 2 * half);
     mean_within(&mean_within(&least, half), half)
@@ -40,7 +40,7 @@ fn mean_within(values: &[f64], radius: usize) -> Vec<f64> {
         values.get(i).copied().unwrap_or(1.0)
     };
     let (r, width) = (radius as isize, (2 * radius + 1) as f64);
-    // Each sum is taken afresh: a running one would lose the 1 of an unstretched part to rounding.
+    // Each sum is taken afresh: a running one would lose the 1 of an unscaled part to rounding.
     (0..values.len() as isize)
         .map(|i| {
             let window = (i - r)..=(i + r);
@@ -53,8 +53,8 @@ fn mean_within(values: &[f64], radius: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The law of time with q at stations `ds` apart.
-pub(super) fn law(q: &[f64], ds: f64) -> Warp {
+/// The law of time with q at grid points `ds` apart.
+pub(super) fn law(q: &[f64], ds: f64) -> TimeWarp {
     let last = q.len().saturating_sub(1);
     let mut ticks: Vec<Tick> = Vec::with_capacity(q.len());
     for (i, &here) in q.iter().enumerate() {
@@ -77,5 +77,5 @@ pub(super) fn law(q: &[f64], ds: f64) -> Warp {
             },
         });
     }
-    Warp::new(ticks)
+    TimeWarp::new(ticks)
 }

@@ -5,27 +5,25 @@
 //! standstill is no singular point. Backwards, the largest q from which the end can be reached
 //! within limits; forwards, the largest step that stays below it.
 
-use super::limits::Row;
+use super::limits::BoundRow;
 
 /// The path at one of its points, evenly spaced in s.
 #[derive(Clone, Debug)]
-pub(super) struct Station {
+pub(super) struct GridPoint {
     /// Largest q by the limits on speeds.
     pub(super) ceiling: f64,
     /// Limits on accelerations.
-    pub(super) rows: [Row; 4],
+    pub(super) rows: [BoundRow; 4],
 }
 
 const BISECTIONS: usize = 48;
 
-/// q at every station; `ds` is their distance. All q are positive.
-pub(super) fn fastest(stations: &[Station], ds: f64) -> Vec<f64> {
-    let n = stations.len();
-    let mut q: Vec<f64> = stations.iter().map(|s| s.ceiling).collect();
+/// q at every grid point; `ds` is their distance. All q are positive.
+pub(super) fn fastest(grid: &[GridPoint], ds: f64) -> Vec<f64> {
+    let n = grid.len();
+    let mut q: Vec<f64> = grid.iter().map(|s| s.ceiling).collect();
     for i in (0..n.saturating_sub(1)).rev() {
-        if let (Some(from), Some(to), Some(&next)) =
-            (stations.get(i), stations.get(i + 1), q.get(i + 1))
-        {
+        if let (Some(from), Some(to), Some(&next)) = (grid.get(i), grid.get(i + 1), q.get(i + 1)) {
             let reach = reachable(from, to, ds, next);
             if let Some(here) = q.get_mut(i) {
                 *here = reach;
@@ -34,7 +32,7 @@ pub(super) fn fastest(stations: &[Station], ds: f64) -> Vec<f64> {
     }
     for i in 1..n {
         if let (Some(from), Some(to), Some(&before), Some(&limit)) =
-            (stations.get(i - 1), stations.get(i), q.get(i - 1), q.get(i))
+            (grid.get(i - 1), grid.get(i), q.get(i - 1), q.get(i))
         {
             let (_, high) = interval(from, to, ds, before);
             if let Some(here) = q.get_mut(i) {
@@ -48,14 +46,14 @@ pub(super) fn fastest(stations: &[Station], ds: f64) -> Vec<f64> {
 /// Part of a limit that rounding may use.
 const SLACK: f64 = 1e-6;
 /// q changes by no more than e-fold in 1/STEADINESS seconds of the file: where the base starts from
-/// rest, steps of q between stations would cost nothing, and mean nothing.
+/// rest, steps of q between grid points would cost nothing, and mean nothing.
 const STEADINESS: f64 = 40.0;
 /// Time never quite stops.
 const SLOWEST: f64 = 1e-9;
 
 /// The largest q at `from` with a next one of at most `next` at `to`. Zero is always feasible and
 /// the feasible set convex, so bisection finds it.
-fn reachable(from: &Station, to: &Station, ds: f64, next: f64) -> f64 {
+fn reachable(from: &GridPoint, to: &GridPoint, ds: f64, next: f64) -> f64 {
     let feasible = |q: f64| {
         let (low, high) = interval(from, to, ds, q);
         low <= high.min(next)
@@ -76,7 +74,7 @@ fn reachable(from: &Station, to: &Station, ds: f64, next: f64) -> f64 {
 }
 
 /// The q that `to` can have after `q` at `from`; empty if low > high.
-fn interval(from: &Station, to: &Station, ds: f64, q: f64) -> (f64, f64) {
+fn interval(from: &GridPoint, to: &GridPoint, ds: f64, q: f64) -> (f64, f64) {
     let grip = (STEADINESS * ds).exp();
     let (mut low, mut high) = (q / grip, to.ceiling.min(q * grip));
     // low ≤ c q + d (y − q)/ds ≤ high at the start of the step, c y + d (y − q)/ds at its end.

@@ -5,7 +5,7 @@ use super::fit::{self, CLUSTER, Node, Rest, Target};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Reason, Refusal};
 use super::repair::{Fix, Repair};
-use super::warp::Warp;
+use super::time_warp::TimeWarp;
 use super::{Format, Options};
 
 /// The reference at an instant. SI units, radians.
@@ -42,7 +42,7 @@ pub struct Closeness {
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     pub(super) nodes: Vec<Node>,
-    pub(super) warp: Option<Warp>,
+    pub(super) time_warp: Option<TimeWarp>,
     samples: Vec<Sample>,
     repairs: Vec<Repair>,
     source: Format,
@@ -106,7 +106,7 @@ impl Trajectory {
         }
         let mut trajectory = Self {
             nodes,
-            warp: None,
+            time_warp: None,
             samples: Vec::new(),
             repairs: Vec::new(),
             source: format,
@@ -142,8 +142,8 @@ impl Trajectory {
     pub fn at(&self, t: f64) -> Sample {
         let end = self.duration();
         let inside = t.clamp(0.0, end);
-        let (s, rate, rate_dot) = match &self.warp {
-            Some(warp) => warp.at(inside),
+        let (s, rate, rate_dot) = match &self.time_warp {
+            Some(time_warp) => time_warp.at(inside),
             None => (inside, 1.0, 0.0),
         };
         let after = self.nodes.partition_point(|n| n.t <= s);
@@ -166,8 +166,8 @@ impl Trajectory {
 
     /// Seconds from start to end.
     pub fn duration(&self) -> f64 {
-        match &self.warp {
-            Some(warp) => warp.duration(),
+        match &self.time_warp {
+            Some(time_warp) => time_warp.duration(),
             None => self.path_duration(),
         }
     }
@@ -192,7 +192,7 @@ impl Trajectory {
         self.source
     }
 
-    /// How close the poses of the file are passed; stretching does not change it.
+    /// How close the poses of the file are passed; time scaling does not change it.
     pub fn closeness(&self) -> Closeness {
         self.closeness
     }
@@ -203,10 +203,10 @@ impl Trajectory {
     }
 
     /// The same path at the pace of the file. Without samples: only for [`Self::at`].
-    pub(super) fn unwarped(&self) -> Self {
+    pub(super) fn without_time_warp(&self) -> Self {
         Self {
             nodes: self.nodes.clone(),
-            warp: None,
+            time_warp: None,
             samples: Vec::new(),
             repairs: self.repairs.clone(),
             ..*self
@@ -214,15 +214,15 @@ impl Trajectory {
     }
 
     /// The same path under another law of time.
-    pub(super) fn warped(&self, warp: Warp) -> Self {
+    pub(super) fn with_time_warp(&self, time_warp: TimeWarp) -> Self {
         let mut trajectory = Self {
-            warp: Some(warp),
-            ..self.unwarped()
+            time_warp: Some(time_warp),
+            ..self.without_time_warp()
         };
         let times = trajectory
-            .warp
+            .time_warp
             .as_ref()
-            .map(Warp::times)
+            .map(TimeWarp::times)
             .unwrap_or_default();
         trajectory.samples = times.into_iter().map(|t| trajectory.at(t)).collect();
         trajectory

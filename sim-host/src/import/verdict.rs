@@ -5,7 +5,7 @@ use std::fmt;
 
 /// What became of a file.
 #[derive(Clone, Debug)]
-pub enum Verdict {
+pub enum FileVerdict {
     /// It can be driven.
     Drivable {
         /// What it was taken for.
@@ -24,27 +24,27 @@ pub enum Verdict {
 }
 
 /// Reads a file and gives the verdict, without running anything.
-pub fn check(bytes: &[u8], options: &Options) -> Verdict {
+pub fn check(bytes: &[u8], options: &Options) -> FileVerdict {
     match import(bytes, options) {
-        Ok(trajectory) => Verdict::Drivable {
+        Ok(trajectory) => FileVerdict::Drivable {
             format: trajectory.source(),
             figures: trajectory.figures(),
             closeness: trajectory.closeness(),
             repairs: trajectory.repairs().to_vec(),
             trajectory: Box::new(trajectory),
         },
-        Err(refusal) => Verdict::Refused(refusal),
+        Err(refusal) => FileVerdict::Refused(refusal),
     }
 }
 
-impl Verdict {
+impl FileVerdict {
     /// Whether the file can be driven.
     pub fn is_drivable(&self) -> bool {
         matches!(self, Self::Drivable { .. })
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for FileVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Refused(refusal) => {

@@ -12,12 +12,12 @@ use std::fmt::Write as _;
 pub struct Monitor {
     decoder: Decoder<Telemetry, MAX_CONTENT>,
     reports: u64,
-    heard: Heard,
+    latest: LatestTelemetry,
 }
 
 /// The last of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Heard {
+pub struct LatestTelemetry {
     /// Who it is.
     pub hello: Option<Hello>,
     /// The last tick.
@@ -31,8 +31,8 @@ pub struct Heard {
 }
 
 impl Monitor {
-    /// Takes bytes from the line; every report in them goes to `each`, with what was heard before.
-    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&BaseTick, &Heard)) {
+    /// Takes bytes from the line; every report in them goes to `each`, with the latest of each other message.
+    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&BaseTick, &LatestTelemetry)) {
         for &byte in bytes {
             let Some(Ok(frame)) = self.decoder.push(byte) else {
                 continue;
@@ -40,22 +40,22 @@ impl Monitor {
             match frame.message {
                 Telemetry::Tick(report) => {
                     self.reports += 1;
-                    self.heard.report = Some(report);
-                    each(&report, &self.heard);
+                    self.latest.report = Some(report);
+                    each(&report, &self.latest);
                 }
-                Telemetry::Hello(hello) => self.heard.hello = Some(hello),
-                Telemetry::State { state, cause, .. } => self.heard.state = Some((state, cause)),
-                Telemetry::Counters(counters) => self.heard.counters = Some(counters),
-                Telemetry::Origin(origin) => self.heard.origin = Some(origin),
+                Telemetry::Hello(hello) => self.latest.hello = Some(hello),
+                Telemetry::State { state, cause, .. } => self.latest.state = Some((state, cause)),
+                Telemetry::Counters(counters) => self.latest.counters = Some(counters),
+                Telemetry::Origin(origin) => self.latest.origin = Some(origin),
                 // Answers to somebody else's questions.
                 Telemetry::Parameters(_) | Telemetry::Ack | Telemetry::Nack(_) => {}
             }
         }
     }
 
-    /// What was heard last.
-    pub fn heard(&self) -> &Heard {
-        &self.heard
+    /// The latest of each message.
+    pub fn latest(&self) -> &LatestTelemetry {
+        &self.latest
     }
 
     /// Frames by outcome.
@@ -71,15 +71,15 @@ impl Monitor {
     /// One line for people.
     pub fn line(&self) -> String {
         let mut line = String::new();
-        if let Some((state, cause)) = &self.heard.state {
+        if let Some((state, cause)) = &self.latest.state {
             // Writing to a string does not fail.
             let _ = write!(line, "{state:?} ({cause:?}) ");
         }
-        match &self.heard.report {
+        match &self.latest.report {
             Some(report) => tick(&mut line, report),
             None => line.push_str("no report yet"),
         }
-        if let Some(origin) = &self.heard.origin {
+        if let Some(origin) = &self.latest.origin {
             let _ = match origin {
                 Origin::Stored { sequence } => write!(line, " | parameters: stored, {sequence}"),
                 Origin::Host => write!(line, " | parameters: from the host"),
@@ -99,7 +99,7 @@ impl Monitor {
                 let _ = write!(line, ", {count} bad {name}");
             }
         }
-        if let Some(counters) = &self.heard.counters {
+        if let Some(counters) = &self.latest.counters {
             let _ = write!(
                 line,
                 " | board: {} bad, {} dropped, {} overruns, stack {}",
@@ -141,7 +141,7 @@ fn tick(line: &mut String, report: &BaseTick) {
     for kind in report.codes().filter_map(FaultKind::from_code) {
         let _ = write!(line, " {kind}");
     }
-    if report.ridden_out > 0 {
-        let _ = write!(line, " | {} faults ridden out", report.ridden_out);
+    if report.ignored > 0 {
+        let _ = write!(line, " | {} faults ignored", report.ignored);
     }
 }

@@ -1,6 +1,6 @@
 //! Reports as CSV.
 
-use super::Heard;
+use super::LatestTelemetry;
 use controller_core::safety::FaultKind;
 use protocol::{BaseTick, tick_flags};
 use std::io::Write;
@@ -66,8 +66,13 @@ impl<W: Write> Log<W> {
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn add(&mut self, time_s: f64, report: &BaseTick, heard: &Heard) -> csv::Result<()> {
-        let cause = match &heard.state {
+    pub fn add(
+        &mut self,
+        time_s: f64,
+        report: &BaseTick,
+        latest: &LatestTelemetry,
+    ) -> csv::Result<()> {
+        let cause = match &latest.state {
             Some((_, cause)) => format!("{cause:?}"),
             None => String::new(),
         };
@@ -78,7 +83,7 @@ impl<W: Write> Log<W> {
             (true, true) => "parking",
         };
         let kinds = report.codes().filter_map(FaultKind::from_code);
-        let findings: Vec<&str> = kinds.map(FaultKind::name).collect();
+        let active_faults: Vec<&str> = kinds.map(FaultKind::name).collect();
         for text in [
             format!("{time_s:.6}"),
             report.tick.to_string(),
@@ -87,8 +92,8 @@ impl<W: Write> Log<W> {
             law.to_owned(),
             format!("{:?}", report.action),
             format!("{:?}", report.outcome),
-            findings.join("+"),
-            report.ridden_out.to_string(),
+            active_faults.join("+"),
+            report.ignored.to_string(),
             report.retries.to_string(),
         ] {
             self.writer.write_field(text)?;

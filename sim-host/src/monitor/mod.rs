@@ -7,7 +7,7 @@ mod decode;
 mod log;
 mod port;
 
-pub use decode::{Heard, Monitor};
+pub use decode::{LatestTelemetry, Monitor};
 pub use log::{COLUMNS, Log};
 pub use port::{Port, Received};
 

@@ -13,7 +13,7 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
-/// An open line that never blocks longer than it is told to.
+/// An open line that never blocks longer than its time limit.
 #[derive(Debug)]
 pub struct Port {
     file: File,

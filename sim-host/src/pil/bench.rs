@@ -5,7 +5,10 @@ use super::{Cost, FIRMWARE, Footprint, OnChip, Parity, PilError};
 use crate::run::run_with;
 use crate::scenario::Scenario;
 use crate::trace::Trace;
-use firmware_demo::host::{Chip, LinkKind, Machine, Options};
+use firmware_demo::host::{Chip, ChipError, ChipLink, EmulatorOutcome, LinkKind, Machine, Options};
+use protocol::pil::Answer;
+use serde::de::DeserializeOwned;
+use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
 /// Longest silence of the chip before a run is given up: an emulator on a busy machine may be slow.
@@ -26,10 +29,13 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// bench.finish()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Bench {
-    chip: Chip,
+pub struct ChipBench<A> {
+    chip: ChipLink<A>,
     machine: Machine,
 }
+
+/// A chip with the paper's law.
+pub type Bench = ChipBench<Answer>;
 
 /// What came of a scenario.
 #[derive(Clone, Debug)]
@@ -44,13 +50,10 @@ pub struct Flight {
     pub elapsed: Duration,
 }
 
-impl Bench {
-    /// Builds the firmware and starts it. Counting instructions makes the emulator slower.
-    ///
-    /// # Errors
-    /// What is missing on this machine, or does not start.
-    pub fn start(
+impl<A: DeserializeOwned + Debug> ChipBench<A> {
+    pub(super) fn of(
         machine: Machine,
+        start: impl FnOnce(&Options) -> Result<ChipLink<A>, ChipError>,
         link: LinkKind,
         count_instructions: bool,
     ) -> Result<Self, PilError> {
@@ -61,52 +64,18 @@ impl Bench {
             core: None,
             silence: SILENCE,
         };
-        match Chip::start(&options) {
+        match start(&options) {
             Ok(chip) => Ok(Self { chip, machine }),
             Err(error) => Err(explain(machine, error)),
         }
     }
 
-    /// Flies a scenario with [`FIRMWARE`], whatever controller settings it has beside the law.
-    ///
-    /// # Errors
-    /// A law that the firmware does not have, a fault of the controller, or a failed link.
-    pub fn fly(&mut self, scenario: &Scenario) -> Result<Flight, PilError> {
-        let asked = &scenario.controller;
-        if asked.kind != FIRMWARE.kind || asked.parking != FIRMWARE.parking {
-            return Err(PilError::Law(scenario.name.clone()));
-        }
-        let params = scenario.params.cast::<f32>();
-        let validated = params.validate().map_err(|cause| PilError::Params {
-            name: scenario.name.clone(),
-            cause,
-        })?;
-        self.chip.configure(&params)?;
-        let mut pilot = OnChip::new(&mut self.chip, validated);
-        let start = Instant::now();
-        let trace = run_with(scenario, &mut pilot)?;
-        Ok(Flight {
-            trace,
-            parity: *pilot.parity(),
-            cost: *pilot.cost(),
-            elapsed: start.elapsed(),
-        })
+    pub(super) const fn chip_mut(&mut self) -> &mut ChipLink<A> {
+        &mut self.chip
     }
 
-    /// The most bytes of stack in use since the start.
-    ///
-    /// # Errors
-    /// A failed link.
-    pub fn stack_bytes(&mut self) -> Result<u32, PilError> {
-        Ok(self.chip.counters()?.stack_bytes)
-    }
-
-    /// Frames that either side had to throw away; 0 on links that lose nothing.
-    ///
-    /// # Errors
-    /// A failed link.
-    pub fn frames_rejected(&mut self) -> Result<u32, PilError> {
-        Ok(self.chip.counters()?.frames_rejected)
+    pub(super) fn into_chip(self) -> ChipLink<A> {
+        self.chip
     }
 
     /// Flash and RAM of the image.
@@ -128,12 +97,7 @@ impl Bench {
         self.machine
     }
 
-    /// Stops the firmware.
-    ///
-    /// # Errors
-    /// A firmware that does not end, or not in order.
-    pub fn finish(self) -> Result<(), PilError> {
-        let outcome = self.chip.finish()?;
+    pub(super) fn ended(outcome: EmulatorOutcome) -> Result<(), PilError> {
         match outcome.code {
             Some(0) => Ok(()),
             code => Err(PilError::Ended {
@@ -141,5 +105,69 @@ impl Bench {
                 console: outcome.console,
             }),
         }
+    }
+}
+
+impl Bench {
+    /// Builds the firmware and starts it. Counting instructions makes the emulator slower.
+    ///
+    /// # Errors
+    /// What is missing on this machine, or does not start.
+    pub fn start(
+        machine: Machine,
+        link: LinkKind,
+        count_instructions: bool,
+    ) -> Result<Self, PilError> {
+        Self::of(machine, Chip::start, link, count_instructions)
+    }
+
+    /// Flies a scenario with [`FIRMWARE`], whatever controller settings it has beside the law.
+    ///
+    /// # Errors
+    /// A law that the firmware does not have, a fault of the controller, or a failed link.
+    pub fn fly(&mut self, scenario: &Scenario) -> Result<Flight, PilError> {
+        let asked = &scenario.controller;
+        if asked.kind != FIRMWARE.kind || asked.parking != FIRMWARE.parking {
+            return Err(PilError::Law(scenario.name.clone()));
+        }
+        let params = scenario.params.cast::<f32>();
+        let validated = params.validate().map_err(|cause| PilError::Params {
+            name: scenario.name.clone(),
+            cause,
+        })?;
+        self.chip.configure(&params)?;
+        let mut controller = OnChip::new(&mut self.chip, validated);
+        let start = Instant::now();
+        let trace = run_with(scenario, &mut controller)?;
+        Ok(Flight {
+            trace,
+            parity: *controller.parity(),
+            cost: *controller.cost(),
+            elapsed: start.elapsed(),
+        })
+    }
+
+    /// The most bytes of stack in use since the start.
+    ///
+    /// # Errors
+    /// A failed link.
+    pub fn stack_bytes(&mut self) -> Result<u32, PilError> {
+        Ok(self.chip.counters()?.stack_bytes)
+    }
+
+    /// Frames that either side had to throw away; 0 on links that lose nothing.
+    ///
+    /// # Errors
+    /// A failed link.
+    pub fn frames_rejected(&mut self) -> Result<u32, PilError> {
+        Ok(self.chip.counters()?.frames_rejected)
+    }
+
+    /// Stops the firmware.
+    ///
+    /// # Errors
+    /// A firmware that does not end, or not in order.
+    pub fn finish(self) -> Result<(), PilError> {
+        Self::ended(self.chip.finish()?)
     }
 }

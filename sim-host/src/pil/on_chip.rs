@@ -1,12 +1,12 @@
-//! A pilot that asks the chip, with the host's controller as a shadow.
+//! A controller port that asks the chip, with the host's controller as a shadow.
 
 use super::cost::Cost;
-use super::parity::Parity;
-use crate::pilot::{Answer, InProcess, Pilot, PilotError};
+use super::parity::{Parity, pairs};
+use crate::controller_port::{Answer, ControllerPort, ControllerPortError, InProcess};
 use controller_core::maths::Single;
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Wrench};
 use firmware_demo::host::{Chip, ChipError};
@@ -49,7 +49,7 @@ pub enum Disagreement {
 
 impl<'a> OnChip<'a> {
     /// A chip that was configured with `params`.
-    pub fn new(chip: &'a mut Chip, params: Validated<f32>) -> Self {
+    pub fn new(chip: &'a mut Chip, params: ValidParams<f32>) -> Self {
         Self {
             chip,
             shadow: InProcess::new(params),
@@ -73,20 +73,20 @@ impl<'a> OnChip<'a> {
     fn compare(
         &mut self,
         chip: Result<Ticked, ChipError>,
-        host: Result<Answer, PilotError>,
+        host: Result<Answer, ControllerPortError>,
         handed_over: bool,
-    ) -> Result<(Answer, u32), PilotError> {
+    ) -> Result<(Answer, u32), ControllerPortError> {
         let ticked = match (chip, host) {
             (Ok(ticked), Ok(_)) => ticked,
             // Both refuse: the fault of the scenario, not of the chip.
-            (Err(ChipError::Refused(refusal)), Err(PilotError::Fault(fault)))
+            (Err(ChipError::Refused(refusal)), Err(ControllerPortError::Fault(fault)))
                 if refusal == fault.into() =>
             {
-                return Err(PilotError::Fault(fault));
+                return Err(ControllerPortError::Fault(fault));
             }
             (Err(error), host) if !matches!(error, ChipError::Refused(_)) => {
                 drop(host);
-                return Err(PilotError::Link(Box::new(error)));
+                return Err(ControllerPortError::Link(Box::new(error)));
             }
             (chip, host) => {
                 return Err(link(Disagreement::Refusal {
@@ -104,7 +104,7 @@ impl<'a> OnChip<'a> {
         }
         if let Some(controller) = self.shadow.controller() {
             let host = Ticked::of(controller, handed_over);
-            self.parity.compare(self.tick, &ticked, &host);
+            self.parity.compare(self.tick, pairs(&ticked, &host));
         }
         let step = ticked.hand_over_step.map(|step| step.cast());
         self.hand_over_step = step.or(self.hand_over_step);
@@ -117,12 +117,12 @@ impl<'a> OnChip<'a> {
     }
 }
 
-impl Pilot for OnChip<'_> {
+impl ControllerPort for OnChip<'_> {
     fn start(
         &mut self,
         reference: &Reference<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError> {
+    ) -> Result<Answer, ControllerPortError> {
         self.tick = 0;
         self.hand_over_step = None;
         let chip = self
@@ -139,9 +139,9 @@ impl Pilot for OnChip<'_> {
         dt: f64,
         demand: &Demand<f64>,
         measured: &Measured<f64>,
-    ) -> Result<Answer, PilotError> {
+    ) -> Result<Answer, ControllerPortError> {
         if self.shadow.controller().is_none() {
-            return Err(PilotError::NotStarted);
+            return Err(ControllerPortError::NotStarted);
         }
         self.tick = self.tick.wrapping_add(1);
         let chip = self.chip.tick(
@@ -158,8 +158,8 @@ impl Pilot for OnChip<'_> {
     }
 }
 
-fn link(error: Disagreement) -> PilotError {
-    PilotError::Link(Box::new(error))
+fn link(error: Disagreement) -> ControllerPortError {
+    ControllerPortError::Link(Box::new(error))
 }
 
 fn word<T, E: std::fmt::Display>(outcome: &Result<T, E>) -> String {

@@ -38,12 +38,16 @@ pub struct Difference {
 }
 
 impl Parity {
-    /// Compares one tick: torques, commands, neuron states, every other term of the report, flags.
+    /// Compares one tick, signal by signal: its name, what the chip computed, what the host did.
     ///
     /// Zeros of different sign differ; any two NaN are alike, because their payloads are open.
-    pub fn compare(&mut self, tick: u32, chip: &Ticked, host: &Ticked) {
+    pub fn compare(
+        &mut self,
+        tick: u32,
+        signals: impl IntoIterator<Item = (&'static str, f32, f32)>,
+    ) {
         let mut apart = false;
-        for ((signal, chip), (_, host)) in signals(chip).into_iter().zip(signals(host)) {
+        for (signal, chip, host) in signals {
             let bits = if chip.is_nan() && host.is_nan() {
                 0
             } else {
@@ -82,6 +86,16 @@ impl Parity {
     }
 }
 
+/// A tick of the paper's law on the chip beside that of the host: torques, commands, neuron states, every other term of
+/// the report, flags.
+pub(super) fn pairs(
+    chip: &Ticked,
+    host: &Ticked,
+) -> impl Iterator<Item = (&'static str, f32, f32)> {
+    let both = signals(chip).into_iter().zip(signals(host));
+    both.map(|((signal, chip), (_, host))| (signal, chip, host))
+}
+
 fn signals(ticked: &Ticked) -> [(&'static str, f32); SIGNALS] {
     let report = &ticked.report;
     let step = ticked.hand_over_step.unwrap_or_default();
@@ -105,8 +119,8 @@ fn signals(ticked: &Ticked) -> [(&'static str, f32); SIGNALS] {
         ("wdot_c", report.command_rate.angular),
         ("e_v", report.velocity_error.linear),
         ("e_w", report.velocity_error.angular),
-        ("b_v", report.bridge.linear),
-        ("b_w", report.bridge.angular),
+        ("b_v", report.transition_offset.linear),
+        ("b_w", report.transition_offset.angular),
         ("step_force", step.force),
         ("step_moment", step.moment),
         ("phase", flag(report.phase == Phase::Parking)),
@@ -124,7 +138,7 @@ mod tests {
         let mut chip = host;
         change(&mut chip);
         let mut parity = Parity::default();
-        parity.compare(7, &chip, &host);
+        parity.compare(7, pairs(&chip, &host));
         parity
     }
 
@@ -162,10 +176,10 @@ mod tests {
         let mut chip = host;
         chip.report.torques.right = f32::from_bits(f32::NAN.to_bits() ^ 1);
         let mut parity = Parity::default();
-        parity.compare(0, &chip, &host);
+        parity.compare(0, pairs(&chip, &host));
         assert!(parity.is_exact());
         chip.report.torques.right = 1.0;
-        parity.compare(1, &chip, &host);
+        parity.compare(1, pairs(&chip, &host));
         assert!(!parity.is_exact());
     }
 }

@@ -1,5 +1,6 @@
 //! What has to be installed, said so that it can be.
 
+use crate::closed_loop::ClosedLoopError;
 use crate::run::RunError;
 use controller_core::error::ParamError;
 use firmware_demo::host::{BuildError, ChipError, EmulatorError, Machine};
@@ -38,6 +39,14 @@ pub enum PilError {
         name: String,
         /// Which and why.
         cause: ParamError,
+    },
+    /// A mission ended early.
+    #[error("{name}: {cause}")]
+    Base {
+        /// The mission.
+        name: String,
+        /// Why.
+        cause: ClosedLoopError,
     },
     /// The run ended early.
     #[error(transparent)]

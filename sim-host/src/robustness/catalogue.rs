@@ -1,7 +1,7 @@
 //! The conditions, and what an independent calculation expects of the paper's law under them.
 
 use super::condition::{Condition, Disturbance, Expected, Group, Range};
-use crate::scenario::Precision;
+use crate::precision::Precision;
 use controller_core::types::Wrench;
 
 const NOMINAL: Disturbance = Disturbance::NOMINAL;

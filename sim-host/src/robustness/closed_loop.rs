@@ -2,7 +2,8 @@
 
 use super::body::Body;
 use super::condition::Disturbance;
-use super::law::{self, Brain, Law, PaperLaw};
+use super::default_law;
+use super::law::{self, ComparedLaw, LawUnderTest, PaperLaw};
 use super::sensor::Sensor;
 use super::{Case, StudyError};
 use crate::metrics::{PARKED, SETTLED};
@@ -13,7 +14,7 @@ use controller_core::types::Wrench;
 
 /// How a run ended, the best first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Verdict {
+pub enum RunVerdict {
     /// Within 5 cm and 0.05 rad of the goal, as a norm.
     #[default]
     Arrived,
@@ -30,7 +31,7 @@ pub enum Verdict {
 /// A robot whose |(e_x, e_y, e_θ)| is larger is lost \[m, rad\]: half of what it starts with.
 pub const LOST: f64 = 0.5;
 
-impl Verdict {
+impl RunVerdict {
     /// For people.
     pub const fn name(self) -> &'static str {
         match self {
@@ -63,20 +64,25 @@ pub struct Run {
     /// Largest moment exerted \[N m\].
     pub peak_moment_nm: f64,
     /// How it ended.
-    pub verdict: Verdict,
+    pub verdict: RunVerdict,
 }
 
 /// Runs a case.
 ///
 /// # Errors
 /// A built-in case that cannot be read, or parameters that the core refuses.
-pub fn run(disturbance: &Disturbance, case: Case, law: Law, seed: u64) -> Result<Run, StudyError> {
+pub fn run(
+    disturbance: &Disturbance,
+    case: Case,
+    law: ComparedLaw,
+    seed: u64,
+) -> Result<Run, StudyError> {
     let scenario = law::scenario(case, disturbance)?;
     let mission = law::mission(&scenario, disturbance);
-    let brain: Box<dyn Brain> = match law {
-        Law::Neural => Box::new(PaperLaw::new(&scenario, scenario::Law::Neural)?),
-        Law::Plain => Box::new(PaperLaw::new(&scenario, scenario::Law::Plain)?),
-        Law::Default => law::default_law(&mission, disturbance)?,
+    let brain: Box<dyn LawUnderTest> = match law {
+        ComparedLaw::Neural => Box::new(PaperLaw::new(&scenario, scenario::ControlLaw::Neural)?),
+        ComparedLaw::Plain => Box::new(PaperLaw::new(&scenario, scenario::ControlLaw::Plain)?),
+        ComparedLaw::Default => default_law::default_law(&mission, disturbance)?,
     };
     let body = Body::new(&mission.base.robot, &scenario.start, disturbance)?;
     let sensor = Sensor::new(disturbance, seed);
@@ -84,36 +90,36 @@ pub fn run(disturbance: &Disturbance, case: Case, law: Law, seed: u64) -> Result
 }
 
 fn close(
-    mut brain: Box<dyn Brain + '_>,
+    mut brain: Box<dyn LawUnderTest + '_>,
     mut body: Body,
     mut sensor: Sensor,
     disturbance: &Disturbance,
 ) -> Run {
     let dt = disturbance.period_s;
     let ticks = (disturbance.duration_s / dt).round() as usize;
-    let mut watch = Watch::new(disturbance);
+    let mut observer = RunObserver::new(disturbance);
     for tick in 0..=ticks {
         let truth = body.truth();
         let Some(step) = brain.tick(tick, &sensor.measure(&truth)) else {
-            watch.run.verdict = Verdict::Refused;
+            observer.run.verdict = RunVerdict::Refused;
             break;
         };
         let error = pose_error::<f64, Libm>(step.target.pose(), &truth.pose);
         let exerted = body.advance(&step.torques, dt);
-        watch.position_m = Libm::sqrt(error.x * error.x + error.y * error.y);
-        watch.heading_rad = error.theta.abs();
-        watch.see(
+        observer.position_m = Libm::sqrt(error.x * error.x + error.y * error.y);
+        observer.heading_rad = error.theta.abs();
+        observer.see(
             tick as f64 * dt,
             error.norm::<Libm>(),
             step.parking,
             &exerted,
         );
     }
-    watch.finish()
+    observer.finish()
 }
 
 /// Collects the figures of a run tick by tick.
-struct Watch {
+struct RunObserver {
     run: Run,
     /// The first tick since which the error has been inside the band.
     inside_since: Option<f64>,
@@ -130,7 +136,7 @@ struct Watch {
     second: usize,
 }
 
-impl Watch {
+impl RunObserver {
     fn new(disturbance: &Disturbance) -> Self {
         Self {
             run: Run::default(),
@@ -170,16 +176,16 @@ impl Watch {
         let (followed, _) = self.exerted.split_at(self.followed);
         run.following_std = deviation(followed, self.second);
         run.rest_std = deviation(&self.exerted, self.second);
-        if run.verdict != Verdict::Refused {
+        if run.verdict != RunVerdict::Refused {
             // `<` alone: what is not a number has not arrived.
             run.verdict = if self.last_norm < SETTLED {
-                Verdict::Arrived
+                RunVerdict::Arrived
             } else if self.last_norm < LOST && self.left_with < LOST {
-                Verdict::Missed
+                RunVerdict::Missed
             } else if self.last_norm < LOST {
-                Verdict::LostFollowing
+                RunVerdict::LostFollowing
             } else {
-                Verdict::LostParking
+                RunVerdict::LostParking
             };
         }
         run

@@ -1,6 +1,6 @@
 //! What is wrong with the world, and with the controller's idea of it.
 
-use crate::scenario::Precision;
+use crate::precision::Precision;
 use controller_core::types::Wrench;
 
 /// Everything that may differ from the nominal loop.
@@ -14,8 +14,8 @@ pub struct Disturbance {
     pub inertia_factor: f64,
     /// Largest force \[N\] and moment \[N m\] that act, each on its own.
     ///
-    /// The paper's law is not told. The default law knows limits and is told: see
-    /// [`super::told_limits`].
+    /// The paper's law does not know of it. The default law gets it as its limits: see
+    /// [`super::base_with_limits`].
     pub saturation: Option<Wrench<f64>>,
     /// White noise of a measured position, per sample and axis, standard deviation \[m\].
     pub position_noise_m: f64,

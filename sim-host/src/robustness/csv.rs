@@ -1,8 +1,8 @@
 //! The study as CSV: a row per condition, case and law, in full precision.
 
 use super::condition::Range;
-use super::law::Law;
-use super::study::{Row, Spread};
+use super::law::ComparedLaw;
+use super::study::{Spread, StudyRow};
 use crate::csv_out::write_numbers;
 use std::io::Write;
 
@@ -43,7 +43,7 @@ pub const COLUMNS: [&str; 24] = [
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write(rows: &[Row<'_>], out: impl Write) -> csv::Result<()> {
+pub fn write(rows: &[StudyRow<'_>], out: impl Write) -> csv::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS)?;
     for row in rows {
@@ -69,8 +69,8 @@ pub fn write(rows: &[Row<'_>], out: impl Write) -> csv::Result<()> {
         let peaks = [outcome.peak_force_n, outcome.peak_moment_nm];
         write_numbers(&mut writer, torques.into_iter().chain(peaks))?;
         let expected = match row.law {
-            Law::Neural => *row.case.expected(row.condition),
-            Law::Plain | Law::Default => Default::default(),
+            ComparedLaw::Neural => *row.case.expected(row.condition),
+            ComparedLaw::Plain | ComparedLaw::Default => Default::default(),
         };
         pair(&mut writer, expected.settling_s, 1.0)?;
         pair(&mut writer, expected.final_mm, 1.0e-3)?;

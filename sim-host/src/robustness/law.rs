@@ -1,20 +1,19 @@
 //! The laws that are compared, behind one call per tick.
 
 use super::condition::Disturbance;
-use super::default_law::DefaultLaw;
 use super::{Case, StudyError};
-use crate::drive::{Base, Course, End, HandOverRule, Mission, Route, When};
-use crate::pilot::{self, Pilot};
-use crate::run::Guide;
-use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Precision, Scenario};
-use controller_core::maths::{Libm, Single};
+use crate::controller_port::{self, ControllerPort};
+use crate::mission::{BaseSpec, Course, Mission, When};
+use crate::precision::Precision;
+use crate::run::Sequencer;
+use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
 use controller_core::paper::demand::Demand;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, WheelTorques};
 
 /// Who drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Law {
+pub enum ComparedLaw {
     /// The paper's, Eqs. (15)-(23).
     Neural,
     /// Backstepping without neurons, Eqs. (10)-(14).
@@ -23,7 +22,7 @@ pub enum Law {
     Default,
 }
 
-impl Law {
+impl ComparedLaw {
     /// All of them, in the order of the table.
     pub const ALL: [Self; 3] = [Self::Neural, Self::Plain, Self::Default];
 
@@ -38,7 +37,7 @@ impl Law {
 }
 
 /// What a law makes of a tick.
-pub(super) struct Move {
+pub(super) struct LawOutput {
     pub(super) torques: WheelTorques<f64>,
     /// Where the robot is to be: the moving reference, then the goal.
     pub(super) target: Reference<f64>,
@@ -47,8 +46,8 @@ pub(super) struct Move {
 }
 
 /// A law at work, once a tick, beginning at tick 0. `None`: the controller refuses to go on.
-pub(super) trait Brain {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move>;
+pub(super) trait LawUnderTest {
+    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput>;
 }
 
 /// A case as a scenario for the paper's laws.
@@ -71,39 +70,29 @@ pub(super) fn scenario(case: Case, disturbance: &Disturbance) -> Result<Scenario
 
 /// The same case for the default law, which hands over by its own rule.
 pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission {
-    Mission {
-        name: scenario.name.clone(),
-        description: String::new(),
-        base: told_limits(disturbance),
-        robot: scenario.robot,
-        precision: disturbance.precision,
-        start: scenario.start,
-        course: Course::Follow {
-            route: Route::Motion(scenario.motion),
-            hand_over: scenario.hand_over.map(|plan| HandOverRule {
-                goal: plan.goal,
-                end_s: TARGET_AT_S,
-                when: When::Distance,
-            }),
-        },
-        events: Vec::new(),
-        period_s: disturbance.period_s,
-        end: End::At(disturbance.duration_s),
-        place: None,
+    let mut mission = scenario.mission(base_with_limits(disturbance));
+    if let Course::Follow {
+        hand_over: Some(rule),
+        ..
+    } = &mut mission.course
+    {
+        rule.end_s = TARGET_AT_S;
+        rule.when = When::Distance;
     }
+    mission
 }
 
 /// N of both cases \[s\].
 const TARGET_AT_S: f64 = 10.0;
 
-/// The base that the default law is told of: [`Base::default`], within the saturation if there is
+/// The base as the default law knows it: [`BaseSpec::default`], within the saturation if there is
 /// one.
 ///
 /// Wheels that can exert force and moment at the same time need r (F/2 + N/l) each, which is the
-/// limit told. 85 % of force and moment go into the accelerations, as for every base here; the rest
+/// limit given. 85 % of force and moment go into the accelerations, as for every base here; the rest
 /// is for feedback. A jerk of 20 times the acceleration is below what the base has without limit.
-pub fn told_limits(disturbance: &Disturbance) -> Base {
-    let mut base = Base::default();
+pub fn base_with_limits(disturbance: &Disturbance) -> BaseSpec {
+    let mut base = BaseSpec::default();
     let Some(saturation) = disturbance.saturation else {
         return base;
     };
@@ -127,46 +116,35 @@ const COMMANDED: f64 = 0.85;
 /// A law of the paper.
 pub(super) struct PaperLaw {
     period_s: f64,
-    guide: Guide,
-    pilot: Box<dyn Pilot>,
+    sequencer: Sequencer,
+    controller: Box<dyn ControllerPort>,
     parking: bool,
 }
 
 impl PaperLaw {
-    pub(super) fn new(scenario: &Scenario, law: scenario::Law) -> Result<Self, StudyError> {
+    pub(super) fn new(scenario: &Scenario, law: scenario::ControlLaw) -> Result<Self, StudyError> {
         Ok(Self {
             period_s: scenario.period_s,
-            guide: Guide::new(scenario),
-            pilot: pilot::for_scenario(&scenario.with_law(law))?,
+            sequencer: Sequencer::new(scenario),
+            controller: controller_port::for_scenario(&scenario.with_law(law))?,
             parking: false,
         })
     }
 }
 
-impl Brain for PaperLaw {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<Move> {
+impl LawUnderTest for PaperLaw {
+    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput> {
         let dt = self.period_s;
-        let (demand, target) = self.guide.at(tick, tick as f64 * dt);
+        let (demand, target) = self.sequencer.at(tick, tick as f64 * dt);
         let answer = match (tick, &demand) {
-            (0, Demand::Track(reference)) => self.pilot.start(reference, measured),
-            _ => self.pilot.step(dt, &demand, measured),
+            (0, Demand::Track(reference)) => self.controller.start(reference, measured),
+            _ => self.controller.step(dt, &demand, measured),
         };
         self.parking |= matches!(demand, Demand::HandOver { .. });
-        Some(Move {
+        Some(LawOutput {
             torques: answer.ok()?.report.torques,
             target,
             parking: self.parking,
         })
     }
-}
-
-/// The default law, in the precision asked for.
-pub(super) fn default_law<'a>(
-    mission: &'a Mission,
-    disturbance: &Disturbance,
-) -> Result<Box<dyn Brain + 'a>, StudyError> {
-    Ok(match disturbance.precision {
-        Precision::F64 => Box::new(DefaultLaw::<f64, Libm>::new(mission, disturbance)?),
-        Precision::F32 => Box::new(DefaultLaw::<f32, Single>::new(mission, disturbance)?),
-    })
 }

@@ -6,10 +6,10 @@
 //! calculation, where there are some.
 //!
 //! ```
-//! use sim_host::robustness::{Case, Disturbance, Law, run};
+//! use sim_host::robustness::{Case, ComparedLaw, Disturbance, run};
 //!
 //! let late = Disturbance { pose_latency_s: 0.1, ..Disturbance::NOMINAL };
-//! let figures = run(&late, Case::Line, Law::Neural, 0)?;
+//! let figures = run(&late, Case::Line, ComparedLaw::Neural, 0)?;
 //! assert!((figures.settling_s.ok_or("never settled")? - 5.28).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -27,11 +27,11 @@ mod study;
 mod table;
 
 pub use catalogue::catalogue;
-pub use closed_loop::{LOST, Run, Verdict, run};
+pub use closed_loop::{LOST, Run, RunVerdict, run};
 pub use condition::{Condition, Disturbance, Expected, Group, Range};
 pub use csv::{COLUMNS, write as write_csv};
-pub use law::{Law, told_limits};
-pub use study::{Outcome, Row, Spread, runs, study};
+pub use law::{ComparedLaw, base_with_limits};
+pub use study::{Spread, StudyOutcome, StudyRow, runs, study};
 pub use table::{tables, three_digits};
 
 use crate::scenario::ScenarioError;

@@ -1,4 +1,4 @@
-//! What the controller is told of the robot.
+//! What the controller measures of the robot.
 
 use super::condition::Disturbance;
 use controller_core::types::{Measured, Pose, Twist};
@@ -33,7 +33,7 @@ impl Sensor {
     }
 
     /// The measurement of a tick. A robot that has not moved for long before the start is known
-    /// there: until the first late pose is in, the start's is told.
+    /// there: until the first late pose is in, the start's is used.
     pub(super) fn measure(&mut self, truth: &Measured<f64>) -> Measured<f64> {
         let pose = Pose {
             x: truth.pose.x + self.position_m * self.normal(),
@@ -77,10 +77,10 @@ mod tests {
             ..Disturbance::NOMINAL
         };
         let mut sensor = Sensor::new(&late, 0);
-        let told: Vec<_> = (0..6)
+        let measured: Vec<_> = (0..6)
             .map(|tick| sensor.measure(&at(f64::from(tick))).pose.x)
             .collect();
-        assert_eq!(told, [0.0, 0.0, 0.0, 0.0, 1.0, 2.0]);
+        assert_eq!(measured, [0.0, 0.0, 0.0, 0.0, 1.0, 2.0]);
     }
 
     #[test]

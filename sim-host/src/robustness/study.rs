@@ -1,8 +1,8 @@
 //! All runs, side by side.
 
-use super::closed_loop::{Run, Verdict, run};
+use super::closed_loop::{Run, RunVerdict, run};
 use super::condition::Condition;
-use super::law::Law;
+use super::law::ComparedLaw;
 use super::{Case, StudyError};
 use controller_core::maths::{Libm, Maths};
 use controller_core::types::Wrench;
@@ -20,7 +20,7 @@ pub struct Spread {
 
 /// What came of a condition, a case and a law, over all its seeds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct StudyOutcome {
     /// Number of runs: 1 without noise.
     pub runs: usize,
     /// How many of them arrived.
@@ -42,26 +42,26 @@ pub struct Outcome {
     /// Largest moment of all runs \[N m\].
     pub peak_moment_nm: f64,
     /// The worst of all runs.
-    pub verdict: Verdict,
+    pub verdict: RunVerdict,
 }
 
 /// A row of the study.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row<'a> {
+pub struct StudyRow<'a> {
     /// Under what.
     pub condition: &'a Condition,
     /// Along what.
     pub case: Case,
     /// By whom.
-    pub law: Law,
+    pub law: ComparedLaw,
     /// And what came of it.
-    pub outcome: Outcome,
+    pub outcome: StudyOutcome,
 }
 
 /// Number of runs that [`study`] makes.
 pub fn runs(conditions: &[Condition], seeds: NonZeroU32) -> u64 {
     let per_law = conditions.iter().map(|c| seeds_of(c, seeds)).sum::<u64>();
-    per_law * (Case::ALL.len() * Law::ALL.len()) as u64
+    per_law * (Case::ALL.len() * ComparedLaw::ALL.len()) as u64
 }
 
 /// Runs every condition with both cases and all laws; those with noise `seeds` times.
@@ -76,11 +76,11 @@ pub fn study<'a>(
     conditions: &'a [Condition],
     seeds: NonZeroU32,
     done: impl Fn() + Sync,
-) -> Result<Vec<Row<'a>>, StudyError> {
+) -> Result<Vec<StudyRow<'a>>, StudyError> {
     let mut jobs = Vec::new();
     for condition in conditions {
         for case in Case::ALL {
-            jobs.extend(Law::ALL.map(|law| (condition, case, law)));
+            jobs.extend(ComparedLaw::ALL.map(|law| (condition, case, law)));
         }
     }
     jobs.into_par_iter()
@@ -91,11 +91,11 @@ pub fn study<'a>(
                 done();
                 run
             });
-            Ok(Row {
+            Ok(StudyRow {
                 condition,
                 case,
                 law,
-                outcome: Outcome::of(&runs.collect::<Result<Vec<_>, _>>()?),
+                outcome: StudyOutcome::of(&runs.collect::<Result<Vec<_>, _>>()?),
             })
         })
         .collect()
@@ -109,7 +109,7 @@ fn seeds_of(condition: &Condition, seeds: NonZeroU32) -> u64 {
     }
 }
 
-impl Outcome {
+impl StudyOutcome {
     fn of(runs: &[Run]) -> Self {
         let count = runs.len().max(1) as f64;
         let all = |pick: fn(&Run) -> f64| Spread::of(runs.iter().map(pick));
@@ -129,7 +129,10 @@ impl Outcome {
         let verdicts = runs.iter().map(|run| run.verdict);
         Self {
             runs: runs.len(),
-            arrived: verdicts.clone().filter(|v| *v == Verdict::Arrived).count(),
+            arrived: verdicts
+                .clone()
+                .filter(|v| *v == RunVerdict::Arrived)
+                .count(),
             settling_s: when(|run| run.settling_s),
             parked_s: when(|run| run.parked_s),
             final_m: all(|run| run.final_m),

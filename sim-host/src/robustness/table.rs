@@ -1,9 +1,9 @@
 //! The study for people.
 
-use super::Verdict;
+use super::RunVerdict;
 use super::condition::{Expected, Range};
-use super::law::Law;
-use super::study::{Outcome, Row, Spread};
+use super::law::ComparedLaw;
+use super::study::{Spread, StudyOutcome, StudyRow};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 
@@ -37,7 +37,7 @@ const PEAKS: [&str; 6] = [
 /// Tables with a row per condition and case, none wider than a terminal: when the robot settled
 /// within 5 cm and 0.05 rad, where it ended, how much noise reaches the torque, and its peaks. Over
 /// many seeds the mean and, behind a stroke, the worst.
-pub fn tables(rows: &[Row<'_>]) -> [Table; 4] {
+pub fn tables(rows: &[StudyRow<'_>]) -> [Table; 4] {
     let settling = tabulate(rows, &SETTLING, |laws, expected| {
         let mut cells = vec![expected_time(expected)];
         cells.extend(each(laws, settled));
@@ -66,9 +66,9 @@ pub fn tables(rows: &[Row<'_>]) -> [Table; 4] {
 }
 
 fn tabulate(
-    rows: &[Row<'_>],
+    rows: &[StudyRow<'_>],
     header: &[&str],
-    figures: impl Fn(&[Row<'_>], &Expected) -> Vec<String>,
+    figures: impl Fn(&[StudyRow<'_>], &Expected) -> Vec<String>,
 ) -> Table {
     let mut table = Table::new();
     table
@@ -95,8 +95,8 @@ fn tabulate(
 }
 
 /// A figure of each law; empty for one that did not run.
-fn each(laws: &[Row<'_>], text: fn(&Outcome) -> String) -> [String; 3] {
-    Law::ALL.map(|law| {
+fn each(laws: &[StudyRow<'_>], text: fn(&StudyOutcome) -> String) -> [String; 3] {
+    ComparedLaw::ALL.map(|law| {
         let row = laws.iter().find(|row| row.law == law);
         row.map_or_else(String::new, |row| text(&row.outcome))
     })
@@ -118,7 +118,7 @@ fn range((low, high): Range, digits: usize) -> String {
     }
 }
 
-fn settled(outcome: &Outcome) -> String {
+fn settled(outcome: &StudyOutcome) -> String {
     time(outcome.settling_s)
 }
 
@@ -129,16 +129,16 @@ fn time(spread: Option<Spread>) -> String {
     }
 }
 
-fn end(outcome: &Outcome) -> String {
+fn end(outcome: &StudyOutcome) -> String {
     let Spread { mean, worst } = outcome.final_m;
     let distance = both(mean, worst, |value| three_digits(1.0e3 * value));
     match outcome.verdict {
-        Verdict::Arrived => distance,
+        RunVerdict::Arrived => distance,
         verdict if outcome.runs > 1 => {
             let failed = outcome.runs - outcome.arrived;
             format!("{}: {failed} of {}", verdict.name(), outcome.runs)
         }
-        Verdict::Missed => format!("{distance} !"),
+        RunVerdict::Missed => format!("{distance} !"),
         verdict => verdict.name().to_owned(),
     }
 }

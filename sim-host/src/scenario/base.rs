@@ -2,12 +2,12 @@
 
 use super::file::PoseKeys;
 use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
-use super::source::{self, Source};
-use super::{ScenarioError, check::Checked};
-use crate::drive::Base;
+use super::source::{self, Checked, Source};
+use super::{ScenarioError, renamed};
+use crate::mission::BaseSpec;
 use crate::world;
 use controller_core::error::{Field, ParamError};
-use controller_core::motion::{Limits, Policy};
+use controller_core::motion::{Limits, SaturationPolicy};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 use controller_core::types::Pose;
@@ -71,11 +71,11 @@ enum PolicyKey {
     DriveFirst,
 }
 
-impl Base {
+impl BaseSpec {
     /// Reads a file with `[robot]` and `[limits]`.
     ///
     /// # Errors
-    /// A file that cannot be read, or [`Base::parse`]'s.
+    /// A file that cannot be read, or [`BaseSpec::parse`]'s.
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let file = path.display().to_string();
         let text =
@@ -115,6 +115,7 @@ impl Base {
             return Err(place.error(&format!("policy.{}", error.kind.name()), error));
         }
         base.policy = keys.policy;
+        base.notes = renamed::notes(file, text);
         Ok(base)
     }
 }
@@ -125,10 +126,10 @@ pub(super) fn base(
     robot: Option<&RobotKeys>,
     limits: Option<&LimitKeys>,
     place: &Source<'_>,
-) -> Checked<Base> {
-    let mut base = Base {
+) -> Checked<BaseSpec> {
+    let mut base = BaseSpec {
         name,
-        ..Base::default()
+        ..BaseSpec::default()
     };
     if let Some(keys) = robot {
         base.robot = keys.robot(place)?;
@@ -176,9 +177,9 @@ impl LimitKeys {
             turn_jerk: self.turn_jerk,
             wheel_torque_nm: self.wheel_torque,
             policy: match self.policy {
-                PolicyKey::KeepCurvature => Policy::KeepCurvature,
-                PolicyKey::TurnFirst => Policy::TurnFirst,
-                PolicyKey::DriveFirst => Policy::DriveFirst,
+                PolicyKey::KeepCurvature => SaturationPolicy::KeepCurvature,
+                PolicyKey::TurnFirst => SaturationPolicy::TurnFirst,
+                PolicyKey::DriveFirst => SaturationPolicy::DriveFirst,
             },
         }
     }

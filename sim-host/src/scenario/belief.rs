@@ -1,8 +1,7 @@
 //! Gains and robot: what the controller believes, and what is true.
 
-use super::check::Checked;
 use super::file;
-use super::source::Source;
+use super::source::{Checked, Source};
 use controller_core::error::{Field, ParamError};
 use controller_core::paper::params::Params;
 use controller_core::robot::Robot;

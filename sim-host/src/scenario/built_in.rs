@@ -34,7 +34,7 @@ built_in![
 ];
 
 built_in![
-    /// The files of `scenarios/` with the law for a real base: [`crate::drive::Mission`]s.
+    /// The files of `scenarios/` with the law for a real base: [`crate::mission::Mission`]s.
     MISSIONS:
     "park-beside",
     "start-from-rest",

@@ -1,7 +1,7 @@
 //! The base files that travel inside the program.
 
 use super::ScenarioError;
-use crate::drive::Base;
+use crate::mission::BaseSpec;
 
 /// A base file built into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,9 +33,9 @@ impl BuiltInBase {
     /// Reads it like any other file.
     ///
     /// # Errors
-    /// As [`Base::parse`]; a test reads them all.
-    pub fn base(&self) -> Result<Base, ScenarioError> {
-        Base::parse(&format!("{}.toml", self.name), self.text)
+    /// As [`BaseSpec::parse`]; a test reads them all.
+    pub fn base(&self) -> Result<BaseSpec, ScenarioError> {
+        BaseSpec::parse(&format!("{}.toml", self.name), self.text)
     }
 }
 

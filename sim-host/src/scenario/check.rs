@@ -1,15 +1,14 @@
 //! From keys to a [`Scenario`]: defaults, ranges, contradictions.
 
-use super::source::Source;
-use super::{Controller, MathsBackEnd, Precision, Scenario, ScenarioError, belief, file, ranges};
-use crate::motion::{Motion, Profile};
+use super::source::{Checked, Source};
+use super::{Controller, MathsBackEnd, Scenario, belief, file, ranges};
+use crate::motion::{Profile, ReferenceMotion};
+use crate::precision::Precision;
 use controller_core::reference::{ConstantTwist, ParkingPlan};
 use controller_core::types::{Measured, Pose, Twist};
 
 /// More ticks than this, and the trace would not fit a small machine's memory.
 const MAX_TICKS: f64 = 2.0e6;
-
-pub(super) type Checked<T> = Result<T, ScenarioError>;
 
 pub(super) fn scenario(name: String, keys: &file::File, place: &Source<'_>) -> Checked<Scenario> {
     ranges::check(keys, place)?;
@@ -55,7 +54,7 @@ fn controller(keys: &file::Controller, place: &Source<'_>) -> Checked<Controller
     })
 }
 
-pub(super) fn motion(keys: &file::Motion) -> Motion {
+pub(super) fn motion(keys: &file::MotionKeys) -> ReferenceMotion {
     let start = Pose::new(keys.start.x, keys.start.y, keys.start.theta);
     let profile = |keys: &file::Profile| {
         let (amplitude, frequency, phase) = keys.sine.unwrap_or_default();
@@ -67,11 +66,11 @@ pub(super) fn motion(keys: &file::Motion) -> Motion {
         }
     };
     match (keys.v.sine, keys.w.sine) {
-        (None, None) => Motion::Constant(ConstantTwist {
+        (None, None) => ReferenceMotion::Constant(ConstantTwist {
             start,
             twist: Twist::new(keys.v.mean, keys.w.mean),
         }),
-        _ => Motion::Modulated {
+        _ => ReferenceMotion::Modulated {
             start,
             speed: profile(&keys.v),
             turn_rate: profile(&keys.w),
@@ -102,7 +101,7 @@ pub(super) fn timing(keys: &file::Run, max_tick: f64, place: &Source<'_>) -> Che
 
 fn hand_over(
     keys: &file::HandOver,
-    motion: &Motion,
+    motion: &ReferenceMotion,
     duration_s: f64,
     place: &Source<'_>,
 ) -> Checked<ParkingPlan<f64>> {

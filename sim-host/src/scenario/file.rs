@@ -21,7 +21,7 @@ pub(super) struct File {
     pub plant: Plant,
     #[serde(default)]
     pub start: Start,
-    pub reference: Motion,
+    pub reference: MotionKeys,
     pub hand_over: Option<HandOver>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Run {
 #[serde(deny_unknown_fields)]
 pub(super) struct Controller {
     #[serde(default)]
-    pub kind: super::Law,
+    pub kind: super::ControlLaw,
     #[serde(default)]
     pub precision: super::Precision,
     #[serde(default)]
@@ -111,7 +111,7 @@ pub(super) struct PoseKeys {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Motion {
+pub(super) struct MotionKeys {
     #[serde(default)]
     pub start: PoseKeys,
     #[serde(deserialize_with = "speed")]

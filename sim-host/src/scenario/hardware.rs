@@ -1,8 +1,7 @@
 //! Keys of a base file beside its body and its limits.
 
-use super::check::Checked;
-use super::source::Source;
-use crate::drive::{Base, Hardware};
+use super::source::{Checked, Source};
+use crate::mission::{BaseSpec, Hardware};
 use crate::world::{BatteryParams, FrictionParams, MotorParams, PoseSourceParams};
 use controller_core::motion::MotionGains;
 use serde::Deserialize;
@@ -21,7 +20,7 @@ pub(super) struct HardwareKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct EncoderKeys {
     counts_per_turn: f64,
-    /// 50 rad/s: tells accelerations that no torque explains 40 ms late.
+    /// 50 rad/s: shows accelerations that no torque explains 40 ms late.
     #[serde(default = "speed_bandwidth")]
     bandwidth: f64,
 }
@@ -41,10 +40,13 @@ pub(super) struct ControlKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct GainKeys {
     decay: Option<f64>,
-    along: Option<f64>,
-    along_bound: Option<f64>,
+    #[serde(alias = "along")]
+    longitudinal: Option<f64>,
+    #[serde(alias = "along_bound")]
+    longitudinal_bound: Option<f64>,
     heading: Option<f64>,
-    across: Option<f64>,
+    #[serde(alias = "across")]
+    lateral: Option<f64>,
     slow: Option<f64>,
     approach: Option<f64>,
     approach_brake: Option<f64>,
@@ -56,7 +58,7 @@ pub(super) struct GainKeys {
 
 impl HardwareKeys {
     /// The hardware, if any of it is described.
-    pub fn hardware(&self, base: &Base, place: &Source<'_>) -> Checked<Option<Hardware>> {
+    pub fn hardware(&self, base: &BaseSpec, place: &Source<'_>) -> Checked<Option<Hardware>> {
         let Some(motor) = self.motor else {
             let given = [
                 ("battery", self.battery.is_some()),
@@ -89,7 +91,7 @@ impl HardwareKeys {
 }
 
 /// The core's own checks, and that the motors give what the limits promise.
-fn check(hardware: &Hardware, base: &Base, place: &Source<'_>) -> Checked<()> {
+fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()> {
     let wheels = &base.robot.wheels;
     let radius = wheels.radius_right_m.min(wheels.radius_left_m);
     let motor = hardware
@@ -126,10 +128,10 @@ impl GainKeys {
         let mut any = false;
         for (field, key) in [
             (&mut tuned.decay, self.decay),
-            (&mut tuned.along, self.along),
-            (&mut tuned.along_bound, self.along_bound),
+            (&mut tuned.longitudinal, self.longitudinal),
+            (&mut tuned.longitudinal_bound, self.longitudinal_bound),
             (&mut tuned.heading, self.heading),
-            (&mut tuned.across, self.across),
+            (&mut tuned.lateral, self.lateral),
             (&mut tuned.slow, self.slow),
             (&mut tuned.approach, self.approach),
             (&mut tuned.approach_brake, self.approach_brake),

@@ -1,14 +1,15 @@
 //! Scenario files with `controller.kind = "motion"`: the law for a real base.
 
 use super::base::{LimitKeys, RobotKeys, base, pose};
-use super::check::{Checked, motion, timing};
+use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
-use super::source::Source;
-use super::{BuiltInBase, Precision, ScenarioError, belief, ranges};
-use crate::drive::{Base, Change, Course, End, Event, HandOverRule, Mission, Route, When};
-use crate::motion::Motion;
-use crate::rig::Place;
+use super::source::{Checked, Source};
+use super::{BuiltInBase, Scenario, ScenarioError, belief, ranges};
+use crate::mission::{BaseSpec, Change, Course, End, Event, HandOverRule, Mission, Route, When};
+use crate::motion::ReferenceMotion;
+use crate::precision::Precision;
 use crate::world::WorldKeys;
+use crate::world::WorldSetup;
 use controller_core::types::{Measured, Pose, Twist};
 use serde::Deserialize;
 use std::path::Path;
@@ -26,7 +27,7 @@ struct File {
     plant: file::Plant,
     #[serde(default)]
     start: Start,
-    reference: Option<file::Motion>,
+    reference: Option<file::MotionKeys>,
     hand_over: Option<HandOver>,
     goal: Option<PoseKeys>,
     #[serde(default)]
@@ -124,32 +125,58 @@ impl Mission {
             },
             period_s,
             end: End::At(duration),
-            place: place_of(keys.world, keys.seed, &place)?,
+            setup: world_setup(keys.world, keys.seed, &place)?,
         })
     }
 }
 
+impl Scenario {
+    /// The same course for the default law on `base`, which parks from when the paper's laws do.
+    pub fn mission(&self, base: BaseSpec) -> Mission {
+        Mission {
+            name: self.name.clone(),
+            description: self.description.clone(),
+            base,
+            robot: self.robot,
+            precision: self.controller.precision,
+            start: self.start,
+            course: Course::Follow {
+                route: Route::Motion(self.motion),
+                hand_over: self.hand_over.map(|plan| HandOverRule {
+                    goal: plan.goal,
+                    end_s: plan.hand_over_s,
+                    when: When::Time(plan.hand_over_s),
+                }),
+            },
+            events: Vec::new(),
+            period_s: self.period_s,
+            end: End::At(self.duration_s),
+            setup: None,
+        }
+    }
+}
+
 /// A base's file beside the scenario's, or one of the built-in bases.
-fn named_base(file: &str, named: &str) -> Checked<Base> {
+fn named_base(file: &str, named: &str) -> Checked<BaseSpec> {
     let beside = Path::new(file)
         .parent()
         .unwrap_or(Path::new(""))
         .join(named);
     match BuiltInBase::find(named) {
         Some(base) if !beside.exists() => base.base(),
-        _ => Base::load(&beside),
+        _ => BaseSpec::load(&beside),
     }
 }
 
-fn place_of(
+fn world_setup(
     world: Option<WorldKeys>,
     seed: Option<u64>,
     place: &Source<'_>,
-) -> Checked<Option<Place>> {
+) -> Checked<Option<WorldSetup>> {
     match (world, seed) {
         (None, Some(_)) => Err(place.error("seed", "needs a [world] whose noise it settles")),
         (None, None) => Ok(None),
-        (Some(world), seed) => Ok(Some(Place {
+        (Some(world), seed) => Ok(Some(WorldSetup {
             world,
             seed: seed.unwrap_or(1),
         })),
@@ -181,7 +208,7 @@ fn course(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Course> {
 
 fn hand_over_rule(
     keys: &HandOver,
-    motion: &Motion,
+    motion: &ReferenceMotion,
     duration: f64,
     place: &Source<'_>,
 ) -> Checked<HandOverRule> {

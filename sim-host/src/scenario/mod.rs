@@ -2,7 +2,7 @@
 //!
 //! Everything is settable and nothing is guessed: an unknown key or a value out of range is a
 //! [`ScenarioError`] that names file, line and key. Omitted gains are those of
-//! [`Params::paper`]. A file whose `controller.kind` is `motion` is a [`crate::drive::Mission`], for the
+//! [`Params::paper`]. A file whose `controller.kind` is `motion` is a [`crate::mission::Mission`], for the
 //! law for a real base. The files in `scenarios/` are commented and built into the program.
 
 mod base;
@@ -14,13 +14,16 @@ mod file;
 mod hardware;
 mod mission;
 mod ranges;
+mod renamed;
 mod source;
 
 pub use built_in::{BUILT_IN, BuiltIn, MISSIONS, PAPER};
 pub use built_in_base::{BASES, BuiltInBase};
+pub use renamed::RENAMED_KEYS;
 pub use source::ScenarioError;
 
-use crate::motion::Motion;
+use crate::motion::ReferenceMotion;
+use crate::precision::Precision;
 use controller_core::paper::params::Params;
 use controller_core::paper::params::Reset;
 use controller_core::reference::ParkingPlan;
@@ -32,23 +35,12 @@ use std::path::Path;
 /// The control law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Law {
+pub enum ControlLaw {
     /// Backstepping through shunting neurons, Eqs. (15)-(23).
     #[default]
     Neural,
     /// Backstepping alone, Eqs. (10)-(14): the baseline.
     Plain,
-}
-
-/// The number type of the controller. The plant is always `f64`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Precision {
-    /// Single, as on a chip.
-    F32,
-    /// Double.
-    #[default]
-    F64,
 }
 
 /// The controller's mathematical functions.
@@ -113,12 +105,12 @@ impl From<ResetRule> for Reset {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub struct Controller {
     /// The law.
-    pub kind: Law,
+    pub kind: ControlLaw,
     /// Its number type.
     pub precision: Precision,
     /// Its mathematical functions.
     pub maths: MathsBackEnd,
-    /// Its neurons' update; without meaning for [`Law::Plain`].
+    /// Its neurons' update; without meaning for [`ControlLaw::Plain`].
     pub neurons: Update,
     /// Its parking law.
     pub parking: ParkingLaw,
@@ -140,7 +132,7 @@ pub struct Scenario {
     /// Where the robot is at t = 0 and how it moves.
     pub start: Measured<f64>,
     /// The reference, Eq. (6).
-    pub motion: Motion,
+    pub motion: ReferenceMotion,
     /// When to stop tracking and where to park; `None` tracks to the end.
     pub hand_over: Option<ParkingPlan<f64>>,
     /// Length of the run \[s\].
@@ -168,7 +160,7 @@ impl Scenario {
     /// that contradict each other.
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
         let place = source::Source::new(file, text);
-        if crate::drive::Mission::is_motion(text) {
+        if crate::mission::Mission::is_motion(text) {
             let message = "is the law for a real base, which `run` takes and this does not";
             return Err(place.error("controller.kind", message));
         }
@@ -179,7 +171,7 @@ impl Scenario {
     }
 
     /// The same scenario flown by another law.
-    pub fn with_law(&self, kind: Law) -> Self {
+    pub fn with_law(&self, kind: ControlLaw) -> Self {
         let mut other = self.clone();
         other.controller.kind = kind;
         other

@@ -1,8 +1,7 @@
 //! Ranges of what the core leaves open: poses and motions.
 
-use super::check::Checked;
-use super::file::{File, Motion, PoseKeys, Profile, Start};
-use super::source::Source;
+use super::file::{File, MotionKeys, PoseKeys, Profile, Start};
+use super::source::{Checked, Source};
 
 /// Largest coordinate \[m, rad\]: beyond, even double precision gets coarse.
 const FAR: f64 = 1.0e6;
@@ -43,7 +42,7 @@ pub(super) fn start(start: &Start) -> Vec<Value> {
 }
 
 /// How a reference moves.
-pub(super) fn reference(keys: &Motion) -> Vec<Value> {
+pub(super) fn reference(keys: &MotionKeys) -> Vec<Value> {
     let PoseKeys { x, y, theta } = keys.start;
     let mut values = pose("reference.start", x, y, theta);
     values.extend(profile("v", &keys.v));

@@ -136,7 +136,7 @@ fn span_in(table: &DeTable<'_>, path: &[&str]) -> Option<Range<usize>> {
     }
 }
 
-/// Pushes the names that lead to `span`, innermost first; tells whether it found the place.
+/// Pushes the names that lead to `span`, innermost first; returns whether it found the place.
 fn path_to(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
     let covers = |s: Range<usize>| s.start <= span.start && span.end <= s.end;
     for (key, value) in table {
@@ -162,3 +162,6 @@ pub(super) fn unreadable(file: &str, error: &std::io::Error) -> ScenarioError {
         excerpt: String::new(),
     }
 }
+
+/// What a key was read as, or what is wrong with it.
+pub(super) type Checked<T> = Result<T, ScenarioError>;

@@ -1,8 +1,8 @@
 //! The courses: the paper's two cases, and a park.
 
-use crate::drive::{Base, Course as Way, End, HandOverRule, Mission, Route, When};
-use crate::motion::Motion;
-use crate::scenario::Precision;
+use crate::mission::{BaseSpec, Course as Way, End, HandOverRule, Mission, Route, When};
+use crate::motion::ReferenceMotion;
+use crate::precision::Precision;
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -40,8 +40,8 @@ impl Course {
         }
     }
 
-    /// The mission of a base, still without a place.
-    pub fn mission(self, base: &Base) -> Mission {
+    /// The mission of a base, still without a world.
+    pub fn mission(self, base: &BaseSpec) -> Mission {
         let (aside, course, end_s) = match self {
             Self::Line => follow(base, 0.0),
             Self::Curve => follow(base, PAPER.1),
@@ -61,12 +61,12 @@ impl Course {
             events: Vec::new(),
             period_s: base.period_s(),
             end: End::Parked(end_s + PARKING_S),
-            place: None,
+            setup: None,
         }
     }
 }
 
-fn follow(base: &Base, turn: f64) -> (f64, Way, f64) {
+fn follow(base: &BaseSpec, turn: f64) -> (f64, Way, f64) {
     let limits = &base.limits;
     let slower = |share: f64, limit: f64| (SHARE * limit / share).min(1.0);
     let pace = slower(PAPER.0, limits.speed).min(if turn > 0.0 {
@@ -74,7 +74,7 @@ fn follow(base: &Base, turn: f64) -> (f64, Way, f64) {
     } else {
         1.0
     });
-    let motion = Motion::Constant(ConstantTwist {
+    let motion = ReferenceMotion::Constant(ConstantTwist {
         start: Pose::default(),
         twist: Twist::new(pace * PAPER.0, pace * turn),
     });

@@ -1,6 +1,7 @@
 //! What came of a trial. True errors, SI units.
 
-use crate::drive::{DriveMetrics, DriveRow, DriveTrace, Mission, StopFigures};
+use crate::drive::{DriveMetrics, DriveRow, DriveTrace, StopFigures};
+use crate::mission::Mission;
 use controller_core::maths::{Libm, Maths};
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::State;
@@ -41,7 +42,7 @@ pub struct Figures {
     pub peak: Option<Peak>,
     /// What it stopped for, if it did.
     pub stopped: Option<StopFigures>,
-    /// Names of faults that were found, ridden out or not.
+    /// Names of faults that were found, ignored or not.
     pub found: Vec<&'static str>,
 }
 
@@ -67,7 +68,7 @@ impl Figures {
         });
         let faults = FaultKind::ALL.iter().filter(|kind| {
             let mut notes = rows.iter().filter_map(|row| row.base);
-            notes.any(|base| base.findings.get(**kind).is_some())
+            notes.any(|base| base.active_faults.get(**kind).is_some())
         });
         Self {
             parked,

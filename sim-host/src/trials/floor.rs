@@ -1,7 +1,7 @@
 //! Bad floors that suit a base, drawn by a seed.
 
-use crate::drive::Base;
-use crate::rig::Place;
+use crate::mission::BaseSpec;
+use crate::world::WorldSetup;
 use crate::world::{WorldKeys, presets};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
@@ -75,7 +75,7 @@ impl Condition {
 /// encoders and pose source are the base's own; drawn on top are mass and inertia (±30 %), where the slope
 /// goes down, friction (±30 %), battery (80 to 100 %) and the pose source's age (up to half more), of which
 /// one pose in twenty is lost. The same seed draws the same for every condition but for what it fixes.
-pub fn place(base: &Base, condition: Condition, seed: u64) -> Place {
+pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut draw = |(low, high): (f64, f64)| -> f64 {
         let share: f64 = StandardUniform.sample(&mut random);
@@ -122,5 +122,5 @@ pub fn place(base: &Base, condition: Condition, seed: u64) -> Place {
             source.drop_probability = source.drop_probability.max(0.05);
         }
     }
-    Place { world, seed }
+    WorldSetup { world, seed }
 }

@@ -1,7 +1,7 @@
-//! Trials of a base on bad floors: what [`crate::tune`] searches with and [`crate::prove`] judges by.
+//! Trials of a base on bad floors: what [`crate::tune`] searches with and [`crate::verify`] judges by.
 //!
 //! A trial is a [`Course`] in a world of a [`Condition`], drawn by a seed, with the chip's whole base
-//! in it ([`crate::rig`]); [`Figures`] say what came of it.
+//! in it ([`crate::closed_loop`]); [`Figures`] say what came of it.
 
 mod course;
 mod figures;
@@ -9,17 +9,23 @@ mod floor;
 
 pub use course::Course;
 pub use figures::{Figures, Peak, REST_S};
-pub use floor::{Condition, place};
+pub use floor::{Condition, setup};
 
-use crate::drive::{DriveTrace, Mission};
-use crate::rig::{Place, RigError, watch};
+use crate::closed_loop::ClosedLoopError;
+use crate::drive::DriveTrace;
+use crate::drive::drive_and_observe;
+use crate::mission::Mission;
+use crate::world::WorldSetup;
 
-/// Runs a mission in a place and watches the base at rest for [`REST_S`].
+/// Runs a mission in a world and observes the base at rest for [`REST_S`].
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn run(mission: &Mission, place: &Place) -> Result<(DriveTrace, Figures), RigError> {
-    let trace = watch(mission, place, REST_S)?;
+pub fn run(
+    mission: &Mission,
+    setup: &WorldSetup,
+) -> Result<(DriveTrace, Figures), ClosedLoopError> {
+    let trace = drive_and_observe(mission, setup, REST_S)?;
     let figures = Figures::of(mission, &trace);
     Ok((trace, figures))
 }

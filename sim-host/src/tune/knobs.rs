@@ -29,9 +29,9 @@ macro_rules! knobs {
 }
 
 knobs! {
-    along, "1/s", 1.0e-3, 100.0;
+    longitudinal, "1/s", 1.0e-3, 100.0;
     heading, "1/s", 1.0e-3, 100.0;
-    across, "1/s^2", 1.0e-3, 100.0;
+    lateral, "1/s^2", 1.0e-3, 100.0;
     approach, "1/s", 1.0e-3, 100.0;
     speed_loop, "1/s", 0.1, 1.0e3;
     turn_loop, "1/s", 0.1, 1.0e3;

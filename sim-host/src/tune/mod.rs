@@ -1,20 +1,20 @@
 //! Gains for a robot of one's own, searched on bad floors.
 //!
-//! [`Wish::score`] rates gains by what happens ([`Score`] has the parts with their units and weights),
+//! [`TuningProblem::score`] rates gains by what happens ([`Score`] has the parts with their units and weights),
 //! [`search`] looks for better ones: Nelder and Mead's simplex over the logarithms of [`KNOBS`], from
 //! several starts side by side. Worlds of the search and of the test are drawn by different seeds.
 //! Nothing depends on the number of threads.
 
 mod knobs;
+mod problem;
 mod profile;
 mod score;
 mod search;
 mod table;
-mod wish;
 
 pub use knobs::{KNOBS, Knob};
+pub use problem::{Seeds, TuneError, TuningProblem};
 pub use profile::update;
 pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
 pub use search::{Search, Tuned, search};
 pub use table::{gain_table, score_table};
-pub use wish::{Seeds, TuneError, Wish};

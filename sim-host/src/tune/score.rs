@@ -14,7 +14,7 @@ pub struct Score {
     pub time: f64,
     /// True error at the end: half a point for each 5 mm and for each 10 mrad, at most 5.
     pub error: f64,
-    /// Root mean square distance to the reference: half a point for 10 mm, at most 2.5; so much also if the
+    /// Root mean square distance to the reference: half a point for 10 mm, at most 2.5; that much also if the
     /// robot never came onto it.
     pub tracking: f64,
     /// Torque ripple at rest: half a point for 1 % of the wheels' limit, at most 2.5.
@@ -115,15 +115,15 @@ pub fn health(gains: &MotionGains<f64>, period_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::health;
-    use crate::drive::Base;
+    use crate::mission::BaseSpec;
     use controller_core::motion::MotionGains;
 
     #[test]
     fn gains_for_limits_are_healthy_and_stiffer_ones_are_not() {
-        let good = Base::default().motion().gains;
+        let good = BaseSpec::default().motion().gains;
         assert_eq!(health(&good, 0.01), 0.0);
         let stiff = MotionGains {
-            across: 10.0 * good.across,
+            lateral: 10.0 * good.lateral,
             ..good
         };
         assert!(health(&stiff, 0.01) > 20.0);

@@ -1,8 +1,8 @@
 //! The search.
 
 use super::knobs::{KNOBS, gains, logs};
+use super::problem::{Seeds, TuneError, TuningProblem};
 use super::score::Score;
-use super::wish::{Seeds, TuneError, Wish};
 use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::neldermead::NelderMead;
 use controller_core::motion::MotionGains;
@@ -60,7 +60,7 @@ const SPREAD: f64 = 0.5;
 /// Share of the evaluations that the first look takes.
 const LOOK: u64 = 3;
 /// Factors on the velocity loops and the disturbance estimate in the first look. Those that follow from the
-/// limits suit a base without friction; stiction asks for several times more, noise for less.
+/// limits suit a base without friction; stiction needs several times more, noise for less.
 const LOOPS: [f64; 4] = [0.5, 2.0, 4.0, 6.0];
 /// Gains stay within a factor of 10 of their start (ln 10); each natural logarithm beyond it costs a point.
 const REACH: f64 = 2.303;
@@ -71,14 +71,18 @@ const REACH: f64 = 2.303;
 ///
 /// # Errors
 /// A base or a world out of range.
-pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tuned, TuneError> {
+pub fn search(
+    problem: &TuningProblem,
+    search: &Search,
+    done: impl Fn() + Sync,
+) -> Result<Tuned, TuneError> {
     let seeds = Seeds::Training.draw(search.seed, search.training);
-    let before = wish.base().motion().gains;
+    let before = problem.base().motion().gains;
     let look = usize::try_from(search.evaluations / LOOK).unwrap_or(usize::MAX);
-    let looked = candidates(wish, search.seed, look.max(1));
+    let looked = candidates(problem, search.seed, look.max(1));
     let looked = looked.into_par_iter().map(|logs| {
         let gains = gains(&before, &logs);
-        let cost = wish.score(&gains, &seeds)?.total();
+        let cost = problem.score(&gains, &seeds)?.total();
         done();
         Ok((cost, gains, logs))
     });
@@ -93,7 +97,7 @@ pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tu
     let found = starts.into_par_iter().map(|start| {
         let state = Mutex::default();
         let problem = Problem {
-            wish,
+            problem,
             seeds: &seeds,
             start: start.clone(),
             budget,
@@ -111,10 +115,16 @@ pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tu
     });
     let found: Vec<_> = found.collect::<Result<_, _>>()?;
     let found = seen.into_iter().chain(found.into_iter().flatten());
-    let both = [before, elect(wish, search, before, found)?];
-    let training = [wish.score(&both[0], &seeds)?, wish.score(&both[1], &seeds)?];
+    let both = [before, elect(problem, search, before, found)?];
+    let training = [
+        problem.score(&both[0], &seeds)?,
+        problem.score(&both[1], &seeds)?,
+    ];
     let seeds = Seeds::Unseen.draw(search.seed, search.unseen);
-    let unseen = [wish.score(&both[0], &seeds)?, wish.score(&both[1], &seeds)?];
+    let unseen = [
+        problem.score(&both[0], &seeds)?,
+        problem.score(&both[1], &seeds)?,
+    ];
     Ok(Tuned {
         gains: both,
         training,
@@ -125,15 +135,15 @@ pub fn search(wish: &Wish, search: &Search, done: impl Fn() + Sync) -> Result<Tu
 /// The best of the gains before and of those that the starts ended with, in the worlds of the search and twice as many
 /// new ones: the best of hundreds in a few worlds owes some of that to these worlds.
 fn elect(
-    wish: &Wish,
+    problem: &TuningProblem,
     search: &Search,
     before: MotionGains<f64>,
     found: impl Iterator<Item = (f64, MotionGains<f64>)>,
 ) -> Result<MotionGains<f64>, TuneError> {
     let seeds = Seeds::Training.draw(search.seed, 3 * search.training);
-    let mut best = (wish.score(&before, &seeds)?.total(), before);
+    let mut best = (problem.score(&before, &seeds)?.total(), before);
     for (_, gains) in found {
-        let cost = wish.score(&gains, &seeds)?.total();
+        let cost = problem.score(&gains, &seeds)?.total();
         // The first of equals.
         if cost < best.0 {
             best = (cost, gains);
@@ -144,9 +154,9 @@ fn elect(
 
 /// What the first look tries: the base's own gains and those that follow from its limits, both with slower
 /// and faster velocity loops, then drawn ones around them.
-fn candidates(wish: &Wish, seed: u64, count: usize) -> Vec<Vec<f64>> {
-    let own = logs(&wish.base().motion().gains);
-    let mut plain = wish.base().clone();
+fn candidates(problem: &TuningProblem, seed: u64, count: usize) -> Vec<Vec<f64>> {
+    let own = logs(&problem.base().motion().gains);
+    let mut plain = problem.base().clone();
     plain.gains = None;
     let suited = logs(&plain.motion().gains);
     let mut all = vec![own, suited];
@@ -196,7 +206,7 @@ struct State {
 }
 
 struct Problem<'a, F> {
-    wish: &'a Wish,
+    problem: &'a TuningProblem,
     seeds: &'a [u64],
     start: Vec<f64>,
     budget: u64,
@@ -219,8 +229,8 @@ impl<F: Fn() + Sync> CostFunction for Problem<'_, F> {
             .map(|(log, start)| log.clamp(start - REACH, start + REACH))
             .collect();
         let beyond: f64 = at.iter().zip(&inside).map(|(a, b)| (a - b).abs()).sum();
-        let gains = gains(&self.wish.base().motion().gains, &inside);
-        let score = self.wish.score(&gains, self.seeds);
+        let gains = gains(&self.problem.base().motion().gains, &inside);
+        let score = self.problem.score(&gains, self.seeds);
         (self.done)();
         let mut state = state();
         state.spent += 1;

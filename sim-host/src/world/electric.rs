@@ -7,7 +7,7 @@ use controller_core::maths::{Libm, Maths};
 /// What the motors do to the wheels for one substep: τ = `torque` − `slope` · ω, and the gear
 /// holds back `loss` against the motion, all at the wheel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Drive {
+pub(super) struct MotorDrives {
     pub torque: [f64; 2],
     pub slope: [f64; 2],
     pub loss: [f64; 2],
@@ -20,7 +20,7 @@ enum Feed {
     Voltage(f64),
     /// A current source \[A\].
     Current(f64),
-    /// Speed loop that asks for `at_rest` − `per_speed` ω \[A\].
+    /// Speed loop that demands `at_rest` − `per_speed` ω \[A\].
     Loop {
         at_rest: f64,
         per_speed: f64,
@@ -82,15 +82,15 @@ impl Electric {
         omega: [f64; 2],
         h: f64,
         (sag, extra_a): (Option<f64>, f64),
-    ) -> Drive {
+    ) -> MotorDrives {
         let Some(motor) = self.motor else {
             return self.ideal(command, omega, h);
         };
         let open_v = sag.unwrap_or(self.open_circuit_v);
-        self.feeds = [0, 1].map(|i| self.wanted(command, i, omega[i], h, &motor));
+        self.feeds = [0, 1].map(|i| self.desired(command, i, omega[i], h, &motor));
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
         let limited = [0, 1].map(|i| self.limited(&motor, i, omega[i], h));
-        // A loop that gets what it asks for integrates; at a limit it would only wind up.
+        // A loop that gets what it demands integrates; at a limit it would only wind up.
         if let Actuation::Speed { .. } = command {
             for (i, feed) in limited.iter().enumerate() {
                 if matches!(feed, Feed::Loop { .. }) {
@@ -100,7 +100,7 @@ impl Electric {
         }
         self.feeds = limited;
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
-        let mut drive = Drive::default();
+        let mut drive = MotorDrives::default();
         for (i, omega) in omega.into_iter().enumerate() {
             let (at_rest, per_speed) = self.mean_current(&motor, i, h);
             let current = at_rest - per_speed * omega;
@@ -131,16 +131,16 @@ impl Electric {
     }
 
     /// Torques without motors.
-    fn ideal(&mut self, command: &Actuation, omega: [f64; 2], h: f64) -> Drive {
-        let mut drive = Drive::default();
+    fn ideal(&mut self, command: &Actuation, omega: [f64; 2], h: f64) -> MotorDrives {
+        let mut drive = MotorDrives::default();
         match *command {
             Actuation::Torque { right, left } => drive.torque = [right, left],
             Actuation::Speed { right, left } => {
-                for (i, wanted) in [right, left].into_iter().enumerate() {
+                for (i, desired) in [right, left].into_iter().enumerate() {
                     let loop_s = SPEED_LOOP_S;
                     let gain = self.moved_kg_m2[i] / loop_s;
-                    self.follow(i, wanted, omega[i], h, loop_s);
-                    drive.torque[i] = gain * wanted + self.integral[i];
+                    self.follow(i, desired, omega[i], h, loop_s);
+                    drive.torque[i] = gain * desired + self.integral[i];
                     drive.slope[i] = gain;
                     self.integrate(i, h, loop_s);
                 }
@@ -152,7 +152,7 @@ impl Electric {
         drive
     }
 
-    fn wanted(
+    fn desired(
         &mut self,
         command: &Actuation,
         i: usize,
@@ -162,11 +162,11 @@ impl Electric {
     ) -> Feed {
         let pick = |right, left| if i == 0 { right } else { left };
         if let Actuation::Speed { right, left } = *command {
-            let wanted = pick(right, left);
+            let desired = pick(right, left);
             let gain = self.moved_kg_m2[i] / m.speed_loop_s;
-            self.follow(i, wanted, omega, h, m.speed_loop_s);
+            self.follow(i, desired, omega, h, m.speed_loop_s);
             return Feed::Loop {
-                at_rest: (gain * wanted + self.integral[i]) / self.constant[i],
+                at_rest: (gain * desired + self.integral[i]) / self.constant[i],
                 per_speed: gain / self.constant[i],
             };
         }
@@ -264,9 +264,9 @@ impl Electric {
     }
 
     /// The model of the speed loop: ω_m' = (ω_c − ω_m)/T, exactly.
-    fn follow(&mut self, i: usize, wanted: f64, omega: f64, h: f64, loop_s: f64) {
+    fn follow(&mut self, i: usize, desired: f64, omega: f64, h: f64, loop_s: f64) {
         self.behind[i] = self.model[i] - omega;
-        self.model[i] -= (wanted - self.model[i]) * Libm::exp_m1(-h / loop_s);
+        self.model[i] -= (desired - self.model[i]) * Libm::exp_m1(-h / loop_s);
     }
 
     /// What the wheel lacks of the model is a load. J e' = −(J/T) e − z + load with z' = J/(4T²) e

@@ -2,11 +2,11 @@
 
 use super::actuation::Actuation;
 use super::check;
-use super::defect::{Defect, Defects};
 use super::electric::Electric;
 use super::error::{ActuationError, WorldError};
 use super::params::WorldParams;
 use super::plant::{Body, Outside};
+use super::plant_fault::{PlantFault, PlantFaults};
 use super::senses::Senses;
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::types::{Measured, Pose, WheelSpeeds, WheelTorques};
@@ -17,7 +17,7 @@ pub struct World {
     body: Body,
     electric: Electric,
     senses: Senses,
-    defects: Defects,
+    faults: PlantFaults,
     last: Actuation,
     substep_us: u32,
     now_us: u64,
@@ -36,7 +36,7 @@ impl World {
             body,
             electric,
             senses: Senses::new(params, seed),
-            defects: Defects::default(),
+            faults: PlantFaults::default(),
             last: Actuation::Release,
             substep_us: params.substep_us,
             now_us: 0,
@@ -52,7 +52,7 @@ impl World {
         if !(1..=1_000_000).contains(&dt_us) {
             return Err(ActuationError::BadTick);
         }
-        let acting = match self.defects.drive_fails {
+        let acting = match self.faults.drive_fails {
             Some(true) => Actuation::Release,
             Some(false) => self.last,
             None => *command,
@@ -74,18 +74,18 @@ impl World {
         self.now_us += u64::from(dt_us);
         let electric = (self.electric.supply_v, self.electric.current);
         self.senses
-            .measure(self.now_us, self.body.angle, electric, &self.defects);
+            .measure(self.now_us, self.body.angle, electric, &self.faults);
         Ok(())
     }
 
     fn substep(&mut self, command: &Actuation, time_s: f64, h: f64) {
         let before = self.body.omega;
-        let [right, left] = self.defects.over_current_a;
-        let battery = (self.defects.sag_v, right + left);
+        let [right, left] = self.faults.over_current_a;
+        let battery = (self.faults.sag_v, right + left);
         let drive = self.electric.drive(command, before, h, battery);
         let outside = Outside {
-            blocked: self.defects.blocked,
-            ice: self.defects.ice,
+            blocked: self.faults.blocked,
+            ice: self.faults.ice,
         };
         self.body.substep(&drive, &outside, time_s, h);
         let mean = [0, 1].map(|i| 0.5 * (before[i] + self.body.omega[i]));
@@ -106,13 +106,13 @@ impl World {
                 between(before.y, after.y),
                 between(before.theta, after.theta),
             );
-            self.senses.take_pose(pose, &self.defects);
+            self.senses.take_pose(pose, &self.faults);
         }
     }
 
     /// Length of the next tick \[µs\] of a nominal `period_us`.
     pub fn next_tick_us(&mut self, period_us: u32) -> u32 {
-        let late_us = std::mem::take(&mut self.defects.late_us);
+        let late_us = std::mem::take(&mut self.faults.late_us);
         self.senses.next_tick_us(period_us, late_us)
     }
 
@@ -134,9 +134,9 @@ impl World {
     /// Encoder counts at the end of the last tick.
     ///
     /// # Errors
-    /// [`ErrorKind::Bus`] under [`Defect::EncoderFails`].
+    /// [`ErrorKind::Bus`] under [`PlantFault::EncoderFails`].
     pub fn counts(&self) -> Result<WheelCounts, ErrorKind> {
-        if self.defects.encoder_fails {
+        if self.faults.encoder_fails {
             return Err(ErrorKind::Bus);
         }
         Ok(self.senses.counts())
@@ -150,9 +150,9 @@ impl World {
     /// What the drive answered to the last command.
     ///
     /// # Errors
-    /// [`ErrorKind::Bus`] or [`ErrorKind::OverCurrent`], under the defects of these names.
+    /// [`ErrorKind::Bus`] or [`ErrorKind::OverCurrent`], under the faults of these names.
     pub fn drive_answer(&self) -> Result<(), ErrorKind> {
-        self.defects.drive_answer()
+        self.faults.drive_answer()
     }
 
     /// Measured supply voltage \[V\].
@@ -188,17 +188,17 @@ impl World {
     }
 
     /// Puts a fault in; it stays until it is [healed](Self::heal).
-    pub fn inject(&mut self, defect: Defect) {
-        self.defects.set(defect, true);
+    pub fn inject(&mut self, fault: PlantFault) {
+        self.faults.set(fault, true);
     }
 
     /// Takes out the fault of this kind and side, whatever its amount.
-    pub fn heal(&mut self, defect: Defect) {
-        self.defects.set(defect, false);
+    pub fn heal(&mut self, fault: PlantFault) {
+        self.faults.set(fault, false);
     }
 
     /// Takes out all faults.
     pub fn heal_all(&mut self) {
-        self.defects = Defects::default();
+        self.faults = PlantFaults::default();
     }
 }

@@ -12,7 +12,7 @@ use serde::Deserialize;
 /// [`World::new`](super::World::new).
 ///
 /// ```
-/// use controller_core::{paper::params::Params, types::Measured};
+/// use controller_core::{robot::Robot, types::Measured};
 /// use sim_host::world::{World, WorldKeys};
 ///
 /// let keys: WorldKeys = toml::from_str(
@@ -169,4 +169,13 @@ impl BodyKeys {
             load_right: self.load_right,
         }
     }
+}
+
+/// The world of a mission, if it is not the ideal plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldSetup {
+    /// The true plant; `body` are factors on the robot that the controller believes in.
+    pub world: WorldKeys,
+    /// Settles all noise.
+    pub seed: u64,
 }

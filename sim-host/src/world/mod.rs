@@ -10,7 +10,7 @@
 //! | wheels | stiction, Coulomb, viscous and rolling friction; grip on a friction circle, slip, skid | `contact`, `slide` |
 //! | drives | battery sag, dead band, current limit, winding, gear losses | `electric` |
 //! | senses | encoders, late and noisy poses, voltage, currents, uneven ticks | `senses` |
-//! | faults | put in and taken out while it runs | [`Defect`] |
+//! | faults | put in and taken out while it runs | [`PlantFault`] |
 //!
 //! Everything follows from parameters, start, seed and commands: the same bits on any machine and
 //! any thread. Each source of noise has its own stream of random numbers.
@@ -34,7 +34,6 @@
 mod actuation;
 mod check;
 mod contact;
-mod defect;
 mod electric;
 mod error;
 mod floor;
@@ -42,19 +41,21 @@ mod handle;
 mod keys;
 mod params;
 mod plant;
+mod plant_fault;
 pub mod presets;
 mod random;
 mod sense_params;
 mod senses;
 mod slide;
+mod substep;
 
 pub use actuation::{Actuation, Side};
-pub use defect::Defect;
 pub use error::{ActuationError, WorldError};
 pub use handle::World;
-pub use keys::{BodyKeys, WorldKeys};
+pub use keys::{BodyKeys, WorldKeys, WorldSetup};
 pub use params::{
     BatteryParams, BodyParams, FloorParams, FrictionParams, GRAVITY, MotorParams, PatchParams,
     PushParams, SPEED_LOOP_S, SUBSTEP_US, WorldParams,
 };
+pub use plant_fault::PlantFault;
 pub use sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};

@@ -11,10 +11,10 @@
 //!
 //! With s = 0 this is the textbook's m u' = F_x + m d w², (I + m d²) w' = M − m d u w.
 
-use super::contact::{Frame, Solved, Task};
-use super::electric::Drive;
+use super::electric::MotorDrives;
 use super::floor;
 use super::params::{FloorParams, FrictionParams, PushParams, WorldParams};
+use super::substep::{Frame, Solved, Task};
 use controller_core::maths::{Libm, Maths};
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -107,14 +107,14 @@ impl Body {
     }
 
     /// Moves on by `h` \[s\]; `time_s` is its start.
-    pub fn substep(&mut self, drive: &Drive, outside: &Outside, time_s: f64, h: f64) {
+    pub fn substep(&mut self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) {
         let task = self.task(drive, outside, time_s, h);
         let guess = self.force.map(|[forward, _]| h * forward);
         let solved = task.solve(&self.frame, guess);
         self.accept(&solved, h);
     }
 
-    fn task(&self, drive: &Drive, outside: &Outside, time_s: f64, h: f64) -> Task {
+    fn task(&self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) -> Task {
         let (dry, grip) = self.bounds(drive, outside, time_s);
         let mut task = Task {
             free: self.free(time_s, h),
@@ -149,7 +149,7 @@ impl Body {
     }
 
     /// Dry friction \[N m\] and grip \[N\] of each wheel.
-    fn bounds(&self, drive: &Drive, outside: &Outside, time_s: f64) -> ([f64; 2], [f64; 2]) {
+    fn bounds(&self, drive: &MotorDrives, outside: &Outside, time_s: f64) -> ([f64; 2], [f64; 2]) {
         let friction = &self.friction;
         let axle = if self.floor.patch.is_empty() {
             [0.0; 2]

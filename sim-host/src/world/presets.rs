@@ -12,7 +12,7 @@ use super::sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickPara
 pub fn bad_floor() -> WorldKeys {
     WorldKeys {
         body: BodyKeys {
-            // A payload of a fifth that nobody told the controller.
+            // A payload of a fifth that the controller does not know of.
             mass_factor: 1.2,
             // Most of it stands near the rim.
             inertia_factor: 1.3,

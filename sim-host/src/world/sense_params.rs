@@ -25,7 +25,7 @@ impl Default for EncoderParams {
     }
 }
 
-/// A camera, lidar or beacon system that tells the pose of the axle's middle.
+/// A camera, lidar or beacon system that measures the pose of the axle's middle.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PoseSourceParams {

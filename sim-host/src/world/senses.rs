@@ -1,7 +1,7 @@
 //! What can be measured: counts, poses, voltage, currents, and when the next tick is.
 
-use super::defect::Defects;
 use super::params::WorldParams;
+use super::plant_fault::PlantFaults;
 use super::random::{Random, Stream};
 use super::sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};
 use controller_core::hal::WheelCounts;
@@ -74,25 +74,25 @@ impl Senses {
     }
 
     /// Takes a pose at the moment [`next_pose_us`](Self::next_pose_us).
-    pub fn take_pose(&mut self, truth: Pose<f64>, defects: &Defects) {
+    pub fn take_pose(&mut self, truth: Pose<f64>, faults: &PlantFaults) {
         let (Some(source), Some(moment)) = (self.source, self.next_pose_us()) else {
             return;
         };
         self.taken += 1;
-        // Drawn before anything is decided, so that no defect shifts the numbers after it.
+        // Drawn before anything is decided, so that no fault shifts the numbers after it.
         let dropped = self.random.drop.chance(source.drop_probability);
         let noise = [self.random.position.normal(), self.random.position.normal()];
         let turned = source.noise_rad * self.random.heading.normal();
-        if dropped || defects.pose_silent {
+        if dropped || faults.pose_silent {
             return;
         }
-        let [dx, dy, dtheta] = defects.pose_jump;
+        let [dx, dy, dtheta] = faults.pose_jump;
         let mut pose = Pose::new(
             truth.x + source.noise_m * noise[0] + source.bias_m[0] + dx,
             truth.y + source.noise_m * noise[1] + source.bias_m[1] + dy,
             truth.theta + turned + source.bias_rad + dtheta,
         );
-        if defects.pose_nan {
+        if faults.pose_nan {
             pose = Pose::new(f64::NAN, f64::NAN, f64::NAN);
         }
         let latency = (source.latency_s * 1.0e6).round() as u64;
@@ -105,32 +105,32 @@ impl Senses {
         now_us: u64,
         angle: [f64; 2],
         (supply_v, current_a): (f64, [f64; 2]),
-        defects: &Defects,
+        faults: &PlantFaults,
     ) {
-        self.count(angle, defects);
+        self.count(angle, faults);
         self.fix = None;
         while let Some(&(arrival, moment, pose)) = self.on_the_way.front() {
             if arrival > now_us {
                 break;
             }
             self.on_the_way.pop_front();
-            // Of several the newest is told: it makes the others worthless.
+            // Of several the newest is used: it makes the others worthless.
             self.fix = Some((pose, 1.0e-6 * (now_us - moment) as f64));
         }
         self.supply_v = supply_v + self.noise.supply_v * self.random.supply.normal();
         for (i, current_a) in current_a.into_iter().enumerate() {
             let noise = self.noise.current_a * self.random.current.normal();
-            self.current_a[i] = current_a + defects.over_current_a[i] + noise;
+            self.current_a[i] = current_a + faults.over_current_a[i] + noise;
         }
     }
 
-    fn count(&mut self, angle: [f64; 2], defects: &Defects) {
+    fn count(&mut self, angle: [f64; 2], faults: &PlantFaults) {
         for (i, angle) in angle.into_iter().enumerate() {
             let edges = (angle / TAU * self.encoder.counts_per_turn).floor() as i64;
             let passed = edges - self.edges[i];
             self.edges[i] = edges;
-            if !defects.encoder_stuck[i] {
-                self.shown[i] += if defects.encoder_reversed[i] {
+            if !faults.encoder_stuck[i] {
+                self.shown[i] += if faults.encoder_reversed[i] {
                     -passed
                 } else {
                     passed

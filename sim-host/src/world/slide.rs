@@ -4,7 +4,7 @@
 //! and points against the slip. That is the tyre's law with a larger give, the same both ways, so
 //! a single number per wheel is looked for.
 
-use super::contact::{Frame, Task, norm};
+use super::substep::{Frame, Task, norm};
 
 /// Impulses of the floor and which wheels slip.
 pub(super) fn solve(task: &Task, frame: &Frame, forward: [f64; 2]) -> ([[f64; 2]; 2], [bool; 2]) {

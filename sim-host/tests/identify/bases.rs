@@ -2,10 +2,10 @@
 
 use crate::plant::record;
 use crate::robot::recommended;
-use sim_host::drive::Base;
 use sim_host::identify::coverage::coverage;
 use sim_host::identify::record::base_log;
 use sim_host::identify::{Options, Quantity, Verdict, identify};
+use sim_host::mission::BaseSpec;
 use std::path::Path;
 use tests::stated::{At, Stated};
 
@@ -31,9 +31,9 @@ const ROWS: [(&str, &[&str]); 9] = [
     ("dead bands", &["dead_band"]),
 ];
 
-fn base(name: &str) -> Base {
+fn base(name: &str) -> BaseSpec {
     let bases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
-    Base::load(&bases.join(name).with_extension("toml")).expect("a base")
+    BaseSpec::load(&bases.join(name).with_extension("toml")).expect("a base")
 }
 
 /// Every quantity that is in the file gets a number, whose interval holds the true value and is as wide as stated.

@@ -2,9 +2,9 @@
 
 use crate::round_trip::LAB;
 use Quantity as Q;
-use sim_host::drive::Base;
 use sim_host::identify::profile::{ProfileError, Updated, update};
 use sim_host::identify::{Entry, Identified, Quantity, Verdict};
+use sim_host::mission::BaseSpec;
 
 fn found(entries: &[(Quantity, f64, f64)]) -> Identified {
     let entry = |&(quantity, value, half_width): &(Quantity, f64, f64)| Entry {
@@ -25,9 +25,9 @@ fn found(entries: &[(Quantity, f64, f64)]) -> Identified {
     }
 }
 
-fn updated(text: &str, entries: &[(Quantity, f64, f64)]) -> (Updated, Base) {
+fn updated(text: &str, entries: &[(Quantity, f64, f64)]) -> (Updated, BaseSpec) {
     let updated = update(text, &found(entries), None).expect("TOML");
-    let base = Base::parse("robot.toml", &updated.text);
+    let base = BaseSpec::parse("robot.toml", &updated.text);
     let base = base.unwrap_or_else(|error| panic!("{error}\n{}", updated.text));
     (updated, base)
 }

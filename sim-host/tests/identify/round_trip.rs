@@ -3,9 +3,9 @@
 use crate::plant::record;
 use crate::robot::recommended;
 use Quantity as Q;
-use sim_host::drive::Base;
 use sim_host::identify::profile::{Updated, update};
 use sim_host::identify::{Identified, Options, Quantity, Verdict, identify};
+use sim_host::mission::BaseSpec;
 
 pub const LAB: &str = include_str!("../../../bases/lab-10kg.toml");
 
@@ -50,7 +50,7 @@ fn a_wrong_file_becomes_that_of_the_true_robot() {
             ),
         ],
     );
-    let truth = Base::parse("truth", &true_text).expect("a base");
+    let truth = BaseSpec::parse("truth", &true_text).expect("a base");
     let hardware = truth.hardware.expect("motors");
     let mut params = hardware.world().params(&truth.robot);
     params.noise.current_a = 0.05;
@@ -79,7 +79,7 @@ fn a_wrong_file_becomes_that_of_the_true_robot() {
     let here = tempfile::tempdir().expect("a directory");
     let path = here.path().join("robot.toml");
     std::fs::write(&path, &text).expect("written");
-    let base = Base::load(&path).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let base = BaseSpec::load(&path).unwrap_or_else(|error| panic!("{error}\n{text}"));
 
     let (is, was) = (base.hardware.expect("motors"), hardware);
     let strong = |motor: &sim_host::world::MotorParams, i: usize| {

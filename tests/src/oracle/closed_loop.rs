@@ -4,12 +4,12 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use serde::Deserialize;
 
 use super::laws::{self, Target};
-use super::{Params, Reference, Reset, Row, State, handover, neuron, posture, robot};
+use super::{OracleRow, Params, Reference, Reset, State, hand_over, neuron, posture, robot};
 
 /// Which control law closes the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Law {
+pub enum OracleLaw {
     /// Backstepping with neurons, Eq. (15) to Eq. (22).
     Neural,
     /// Plain backstepping, Eq. (10) to Eq. (14).
@@ -42,7 +42,7 @@ pub struct Scenario {
     /// Constants of robot and law.
     pub params: Params,
     /// Control law.
-    pub law: Law,
+    pub law: OracleLaw,
     /// Reference motion.
     pub reference: Reference,
     /// Posture of the robot at t = 0.
@@ -72,7 +72,7 @@ impl Scenario {
     fn paper(reference: Reference, switch_at: f64) -> Self {
         Self {
             params: Params::recommended(),
-            law: Law::Neural,
+            law: OracleLaw::Neural,
             reference,
             q0: Vector3::new(0.0, 1.0, 0.0),
             twist0: Vector2::zeros(),
@@ -91,11 +91,11 @@ impl Scenario {
         let q_r = Vector3::from(self.reference.q0);
         let e = posture::error(&q_r, &self.q0);
         let s = match self.law {
-            Law::Neural => {
+            OracleLaw::Neural => {
                 let target = self.target(Phase::Tracking, 0.0);
                 laws::initial_neurons(&self.params, &target, &e, &self.twist0)
             }
-            Law::Plain => Vector3::zeros(),
+            OracleLaw::Plain => Vector3::zeros(),
         };
         State {
             q: self.q0,
@@ -123,14 +123,14 @@ impl Scenario {
     /// 1 for each of (s₁, s₂, s₃) that the law uses in this phase, Eq. (17) and Eq. (22), else 0.
     pub fn active_neurons(&self, phase: Phase) -> Vector3<f64> {
         match (self.law, phase) {
-            (Law::Neural, Phase::Tracking) => Vector3::new(1.0, 1.0, 0.0),
-            (Law::Neural, Phase::Parking) => Vector3::new(1.0, 0.0, 1.0),
-            (Law::Plain, _) => Vector3::zeros(),
+            (OracleLaw::Neural, Phase::Tracking) => Vector3::new(1.0, 1.0, 0.0),
+            (OracleLaw::Neural, Phase::Parking) => Vector3::new(1.0, 0.0, 1.0),
+            (OracleLaw::Plain, _) => Vector3::zeros(),
         }
     }
 
     /// Every signal at `t` in this state.
-    pub fn row(&self, phase: Phase, t: f64, state: &State) -> Row {
+    pub fn row(&self, phase: Phase, t: f64, state: &State) -> OracleRow {
         let p = &self.params;
         let target = self.target(phase, t);
         let e = posture::error(&state.q_r, &state.q);
@@ -138,22 +138,22 @@ impl Scenario {
         let s = state.s;
         let s_rate = neuron::rates(p, &s, &e).component_mul(&self.active_neurons(phase));
         let command = match (self.law, phase) {
-            (Law::Neural, Phase::Tracking) => {
+            (OracleLaw::Neural, Phase::Tracking) => {
                 laws::neural_tracking(p, &target, &e, &e_rate, &s, &s_rate)
             }
-            (Law::Neural, Phase::Parking) => laws::neural_parking(p, &s, &s_rate),
-            (Law::Plain, Phase::Tracking) => laws::plain_tracking(p, &target, &e, &e_rate),
-            (Law::Plain, Phase::Parking) => laws::plain_parking(p, &e, &e_rate),
+            (OracleLaw::Neural, Phase::Parking) => laws::neural_parking(p, &s, &s_rate),
+            (OracleLaw::Plain, Phase::Tracking) => laws::plain_tracking(p, &target, &e, &e_rate),
+            (OracleLaw::Plain, Phase::Parking) => laws::plain_parking(p, &e, &e_rate),
         };
         let gain = match phase {
             Phase::Tracking => p.tracking_gain(),
             Phase::Parking => p.parking_gain(),
         };
         let accel = match self.law {
-            Law::Neural => state.accel,
-            Law::Plain => command.rate,
+            OracleLaw::Neural => state.accel,
+            OracleLaw::Plain => command.rate,
         };
-        Row {
+        OracleRow {
             t,
             q: state.q,
             twist: state.twist,
@@ -178,12 +178,12 @@ impl Scenario {
     }
 
     /// State just after the switch, Eq. (23), from the row and the state just before it.
-    pub fn switched(&self, switch: &Switch, before: &Row, state: &State) -> State {
+    pub fn switched(&self, switch: &Switch, before: &OracleRow, state: &State) -> State {
         let p = &self.params;
         let (s, accel) = match self.law {
-            Law::Neural => (
-                handover::pose_neurons(p, &before.command),
-                handover::accel_neurons(
+            OracleLaw::Neural => (
+                hand_over::pose_neurons(p, &before.command),
+                hand_over::accel_neurons(
                     p,
                     switch.reset,
                     &before.command,
@@ -191,7 +191,7 @@ impl Scenario {
                     &state.accel,
                 ),
             ),
-            Law::Plain => (Vector3::zeros(), Vector2::zeros()),
+            OracleLaw::Plain => (Vector3::zeros(), Vector2::zeros()),
         };
         State {
             s,

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Law, Phase, Row, Scenario, State, Trace, neuron};
+use super::{OracleLaw, OracleRow, Phase, Scenario, State, Trace, neuron};
 
 /// Step whose torque differs by 2e-8 from that of one twenty times finer, in the worst of the paper's runs \[s\].
 ///
@@ -13,8 +13,8 @@ pub const STEP: f64 = 0.1e-3;
 pub fn rate(scenario: &Scenario, phase: Phase, t: f64, state: &State) -> State {
     let row = scenario.row(phase, t, state);
     let accel = match scenario.law {
-        Law::Neural => neuron::rates(&scenario.params, &state.accel, &row.command.rate),
-        Law::Plain => Vector2::zeros(),
+        OracleLaw::Neural => neuron::rates(&scenario.params, &state.accel, &row.command.rate),
+        OracleLaw::Plain => Vector2::zeros(),
     };
     State {
         s: row.s_rate,
@@ -103,11 +103,11 @@ struct Walk<'a> {
     t: f64,
     state: State,
     step: f64,
-    rows: Vec<Row>,
+    rows: Vec<OracleRow>,
 }
 
 impl Walk<'_> {
-    fn row(&self) -> Row {
+    fn row(&self) -> OracleRow {
         self.scenario.row(self.phase, self.t, &self.state)
     }
 

@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::neuron::{s_minus, s_plus};
-use super::{Params, Row};
+use super::{OracleRow, Params};
 
 /// V₁ under Eq. (24) as printed: (e_x + e_y)²/2 + (1 - cos e_θ)/k₂.
 pub fn v1_printed(p: &Params, e: &Vector3<f64>) -> f64 {
@@ -26,12 +26,12 @@ pub fn v_s(s: &Vector3<f64>, accel: &Vector2<f64>) -> f64 {
 }
 
 /// V of Eq. (24) with V₁ as printed.
-pub fn v_printed(p: &Params, row: &Row) -> f64 {
+pub fn v_printed(p: &Params, row: &OracleRow) -> f64 {
     v1_printed(p, &row.e) + v2(p, &row.delta()) + v_s(&row.s, &row.accel)
 }
 
 /// V of Eq. (24) with V₁ corrected.
-pub fn v_corrected(p: &Params, row: &Row) -> f64 {
+pub fn v_corrected(p: &Params, row: &OracleRow) -> f64 {
     v1(p, &row.e) + v2(p, &row.delta()) + v_s(&row.s, &row.accel)
 }
 

@@ -7,7 +7,7 @@
 
 pub mod closed_loop;
 pub mod continuous;
-pub mod handover;
+pub mod hand_over;
 pub mod laws;
 pub mod lyapunov;
 pub mod neuron;
@@ -18,9 +18,9 @@ pub mod robot;
 pub mod sampled;
 pub mod trace;
 
-pub use closed_loop::{Law, Phase, Scenario, Switch};
-pub use handover::Reset;
+pub use closed_loop::{OracleLaw, Phase, Scenario, Switch};
+pub use hand_over::Reset;
 pub use laws::Command;
 pub use params::Params;
 pub use reference::Reference;
-pub use trace::{Row, State, Trace};
+pub use trace::{OracleRow, State, Trace};

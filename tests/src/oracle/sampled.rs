@@ -1,7 +1,7 @@
 //! The sampled closed loop: torque held over each sample, neurons advanced exactly with held inputs.
 
 use super::continuous::runge_kutta;
-use super::{Law, Phase, Row, Scenario, State, Trace, neuron};
+use super::{OracleLaw, OracleRow, Phase, Scenario, State, Trace, neuron};
 
 /// Longest step of the robot's posture inside a sample \[s\]; its velocities are linear there, hence exact.
 pub const PLANT_STEP: f64 = 0.25e-3;
@@ -10,7 +10,13 @@ pub const PLANT_STEP: f64 = 0.25e-3;
 pub const SWITCH_SLACK: f64 = 1e-9;
 
 /// The state one sample later: τ of `row` held, the robot and reference moved, then every neuron advanced.
-pub fn advance(scenario: &Scenario, phase: Phase, row: &Row, state: &State, dt: f64) -> State {
+pub fn advance(
+    scenario: &Scenario,
+    phase: Phase,
+    row: &OracleRow,
+    state: &State,
+    dt: f64,
+) -> State {
     let p = &scenario.params;
     let steps = (dt / PLANT_STEP).ceil().max(1.0);
     let h = dt / steps;
@@ -24,8 +30,8 @@ pub fn advance(scenario: &Scenario, phase: Phase, row: &Row, state: &State, dt: 
     });
     let s = neuron::held_all(p, &state.s, &row.e, dt);
     let accel = match scenario.law {
-        Law::Neural => neuron::held_all(p, &state.accel, &row.command.rate, dt),
-        Law::Plain => state.accel,
+        OracleLaw::Neural => neuron::held_all(p, &state.accel, &row.command.rate, dt),
+        OracleLaw::Plain => state.accel,
     };
     State {
         s: s.component_mul(&scenario.active_neurons(phase)),

@@ -34,7 +34,7 @@ impl State {
 
 /// Every signal at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct OracleRow {
     /// Time \[s\].
     pub t: f64,
     /// Posture of the robot \[m, m, rad\], heading not wrapped.
@@ -55,13 +55,13 @@ pub struct Row {
     pub tau: Vector2<f64>,
 }
 
-impl Row {
+impl OracleRow {
     /// Velocity error δ = (v, w) - (v_c, w_c).
     pub fn delta(&self) -> Vector2<f64> {
         self.twist - self.command.velocity
     }
 
-    /// The golden files' columns; the oracle has no bridge terms, so the last two are 0.
+    /// The golden files' columns; the oracle has no transition offsets, so the last two are 0.
     pub fn columns(&self) -> [f64; 20] {
         let (q, e, s, c) = (&self.q, &self.e, &self.s, &self.command.velocity);
         let (twist, accel, tau) = (&self.twist, &self.accel, &self.tau);
@@ -78,16 +78,16 @@ impl Row {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// Rows in time order.
-    pub rows: Vec<Row>,
+    pub rows: Vec<OracleRow>,
     /// The rows just before and just after the switch.
-    pub switch: Option<(Row, Row)>,
+    pub switch: Option<(OracleRow, OracleRow)>,
 }
 
 impl Trace {
     /// Instant from which |e| stays below `band` until the switch \[s\]; `None` if it never does.
     pub fn settling_time(&self, band: f64) -> Option<f64> {
         let end = self.switch.map_or(f64::INFINITY, |(before, _)| before.t);
-        let tracking: Vec<&Row> = self.rows.iter().filter(|row| row.t < end).collect();
+        let tracking: Vec<&OracleRow> = self.rows.iter().filter(|row| row.t < end).collect();
         match tracking.iter().rposition(|row| row.e.norm() >= band) {
             None => tracking.first().map(|row| row.t),
             Some(last_outside) => tracking.get(last_outside + 1).map(|row| row.t),

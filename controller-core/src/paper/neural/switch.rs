@@ -4,7 +4,7 @@ use super::NeuralController;
 use crate::error::StepFault;
 use crate::maths::Maths;
 use crate::paper::demand::{Demand, check_step};
-use crate::paper::handover::{TorqueBefore, acceleration_neurons, pose_neurons, wrench_step};
+use crate::paper::hand_over::{TorqueBefore, acceleration_neurons, pose_neurons, wrench_step};
 use crate::paper::neural_law::{NeuralState, park};
 use crate::paper::report::{Phase, StepReport};
 use crate::pose_error::pose_error;
@@ -39,7 +39,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> NeuralController<T, M, U> {
             s1: pose.s1,
             s_turn: pose.s3,
             accel: acceleration_neurons(params.reset, &params.robot, &params.parking, &torque),
-            bridge: pose.bridge,
+            transition_offset: pose.transition_offset,
         };
         let error = pose_error::<T, M>(goal, &measured.pose);
         let output = park::<T, M>(&self.params, &state, measured, error);

@@ -16,7 +16,7 @@ fn lag<T: Scalar>(r: T) -> Polynomial<T> {
 /// ```
 ///
 /// With k = k₁, κ = k_d1/m for tracking; k₄, k_c1/m and k₅, k_c2/I for parking, Eqs. (20)-(22).
-pub(crate) fn along<T: Scalar>(gain: T, bandwidth: T, a: T, b: T) -> Feedback<T> {
+pub(crate) fn longitudinal<T: Scalar>(gain: T, bandwidth: T, a: T, b: T) -> Feedback<T> {
     let neurons = lag(a).times(&lag(a)).times(&lag(T::ZERO));
     Feedback {
         mass: neurons.times(&lag(T::ZERO)),
@@ -29,7 +29,7 @@ pub(crate) fn along<T: Scalar>(gain: T, bandwidth: T, a: T, b: T) -> Feedback<T>
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PathLoop<T> {
     /// k₂ v_r² \[1/s²\].
-    pub(crate) across: T,
+    pub(crate) lateral: T,
     /// k₃ \[1/s\].
     pub(crate) heading: T,
     /// κ = k_d2/I \[1/s\].
@@ -50,7 +50,7 @@ pub(crate) fn lateral<T: Scalar>(path: &PathLoop<T>) -> Feedback<T> {
     let k = path.bandwidth;
     let turn = lag(T::ZERO).times(&lag(T::ZERO)).times(&lag(a));
     let rest = lag(a).scaled(k).plus(&Polynomial::new([b * path.heading]));
-    let aside = Polynomial::new([k * a, k + b]).scaled(path.across * b);
+    let aside = Polynomial::new([k * a, k + b]).scaled(path.lateral * b);
     let heading = lag(T::ZERO).times(&lag(a)).times(&lag(a));
     Feedback {
         mass: turn.times(&lag(a)).times(&lag(T::ZERO)),

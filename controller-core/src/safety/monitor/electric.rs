@@ -1,30 +1,30 @@
 //! Currents and supply.
 
-use super::held::Held;
-use crate::safety::evidence::Currents;
+use super::debounce::Debounce;
+use crate::safety::detector_params::{CurrentDetectorParams, SupplyDetectorParams, Timeout};
 use crate::safety::fault::Side;
-use crate::safety::watch::{CurrentWatch, SupplyWatch, Timeout};
+use crate::safety::inputs::Currents;
 use crate::scalar::Scalar;
 
 /// Motors above their current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct OverCurrent {
-    right: Held,
-    left: Held,
+    right: Debounce,
+    left: Debounce,
 }
 
 impl OverCurrent {
     /// The motors that have been above the limit for too long. What is not a number counts as above.
     pub(super) fn advance<T: Scalar>(
         &mut self,
-        watch: &CurrentWatch<T>,
+        settings: &CurrentDetectorParams<T>,
         currents: Option<Currents<T>>,
         dt_us: u32,
     ) -> Option<Side> {
         let Currents { right, left } = currents.unwrap_or_default();
-        let above = |current: T| !current.is_finite() || current.abs() > watch.limit_a;
-        let right = self.right.holds(above(right), dt_us, watch.after);
-        let left = self.left.holds(above(left), dt_us, watch.after);
+        let above = |current: T| !current.is_finite() || current.abs() > settings.limit_a;
+        let right = self.right.holds(above(right), dt_us, settings.after);
+        let left = self.left.holds(above(left), dt_us, settings.after);
         Side::of(right, left)
     }
 }
@@ -32,7 +32,7 @@ impl OverCurrent {
 /// A supply that is too low, until it has recovered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct UnderVoltage {
-    low: Held,
+    low: Debounce,
     found: bool,
 }
 
@@ -41,21 +41,21 @@ impl UnderVoltage {
     /// a number counts as below. Without a measurement nothing changes.
     pub(super) fn advance<T: Scalar>(
         &mut self,
-        watch: &SupplyWatch<T>,
+        settings: &SupplyDetectorParams<T>,
         supply_v: Option<T>,
         dt_us: u32,
     ) -> bool {
         if let Some(supply) = supply_v {
             let good = |least: T| supply.is_finite() && supply >= least;
-            let lasted = self.low.holds(!good(watch.low_v), dt_us, watch.after);
-            self.found = lasted || (self.found && !good(watch.recovered_v));
+            let lasted = self.low.holds(!good(settings.low_v), dt_us, settings.after);
+            self.found = lasted || (self.found && !good(settings.recovered_v));
         }
         self.found
     }
 
-    /// Whether it is too low, or on the way to be found so: motors then need not exert what was asked of them.
+    /// Whether it is too low, or on the way to be found so: motors then need not exert the command.
     /// Not for longer than the fault takes to be found, and never where it is not watched.
-    pub(super) fn suspected(&self, watch: &SupplyWatch<impl Scalar>) -> bool {
-        self.found || (self.low != Held::NONE && watch.after != Timeout::Off)
+    pub(super) fn suspected(&self, settings: &SupplyDetectorParams<impl Scalar>) -> bool {
+        self.found || (self.low != Debounce::NONE && settings.after != Timeout::Off)
     }
 }

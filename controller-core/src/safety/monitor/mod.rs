@@ -6,10 +6,10 @@
 //! | pose, command stale | their age | the timeout and a tick |
 //! | not finite | measured pose or twist | the tick |
 //! | tick too long, jitter | `ticks` | the tick; `row` late ticks, or `of_64` of the last 64 |
-//! | pose jump, driver | told by others | the tick |
-//! | stuck, stalled | [`wheel`](self#wheels): told to turn, stands | `stuck.after` and a tick |
+//! | pose jump, driver | reported by others | the tick |
+//! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a tick |
 //! | reversed | moves against its torque | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
-//! | reversed | told to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
+//! | reversed | commanded to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
 //! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
 //! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |
@@ -32,7 +32,7 @@
 //! | D = d_max/a² | most that the load contributes to y | rad |
 //!
 //! The filter's impulse response t e^(−at) is positive with area 1/a², so a sound wheel has |y − x| ≤ D for
-//! any load up to d_max, and a reversed one |y + x| ≤ D. With |x| ≥ 2 D the two are told apart at −x/2: a
+//! any load up to d_max, and a reversed one |y + x| ≤ D. With |x| ≥ 2 D the two are separated at −x/2: a
 //! reversed wheel has y sgn x ≤ −|x|/2, a sound one does not before the load is three times the stated one.
 //! Under a constant torque c times the load |x| reaches 2 D when 1 − (1 + at) e^(−at) = 2/c: after 0.30 s for
 //! c = 2.5, 0.17 s for c = 4, 0.10 s for c = 8. Below 8 counts of x nothing is said, for the sake of rounding.
@@ -46,28 +46,28 @@
 //! command was. With the default load that is 10 % of the weight to be reached, 0.11 m for κ = 3, plus what it
 //! travels in the 0.3 s that follow.
 
+mod debounce;
 mod electric;
-mod held;
 mod ticks;
 mod wheel;
 
-use super::evidence::{Evidence, Findings};
+use super::detector_params::{ValidDetectorParams, wheel_accels};
 use super::fault::{Fault, Side};
-use super::watch::{Watch, wheel_accels};
+use super::inputs::{ActiveFaults, DetectorInputs};
 use crate::error::Input;
 use crate::hal::WheelCounts;
 use crate::scalar::Scalar;
 use crate::types::{Twist, WheelSpeeds};
-pub(super) use held::Held;
+pub(super) use debounce::Debounce;
 
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
-use wheel::{Effort, Wheel, WheelEvidence, WheelFinding};
+use wheel::{Effort, Wheel, WheelDetections, WheelInputs};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Monitor<T> {
-    watch: Watch<T>,
+    settings: ValidDetectorParams<T>,
     ticks: Ticks,
     silent_us: u32,
     last: Option<WheelCounts>,
@@ -79,9 +79,9 @@ pub struct Monitor<T> {
 
 impl<T: Scalar> Monitor<T> {
     /// Nothing seen yet.
-    pub fn new(watch: &Watch<T>) -> Self {
+    pub fn new(settings: &ValidDetectorParams<T>) -> Self {
         Self {
-            watch: *watch,
+            settings: *settings,
             ticks: Ticks::default(),
             silent_us: 0,
             last: None,
@@ -93,11 +93,11 @@ impl<T: Scalar> Monitor<T> {
     }
 
     /// Takes a tick's evidence. A condition that lasts is found again in every tick.
-    pub fn check(&mut self, evidence: &Evidence<T>) -> Findings {
-        let params = *self.watch.params();
-        let dt_us = evidence.dt_us;
-        let mut found = Findings::NONE;
-        self.silent_us = match evidence.counts {
+    pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
+        let params = *self.settings.params();
+        let dt_us = inputs.dt_us;
+        let mut found = ActiveFaults::NONE;
+        self.silent_us = match inputs.counts {
             Some(_) => 0,
             None => self.silent_us.saturating_add(dt_us),
         };
@@ -107,39 +107,36 @@ impl<T: Scalar> Monitor<T> {
                 params.measurement.passed(self.silent_us),
                 Fault::MeasurementStale,
             ),
-            (params.pose.passed(evidence.pose_age_us), Fault::PoseStale),
+            (params.pose.passed(inputs.pose_age_us), Fault::PoseStale),
             (
-                params.command.passed(evidence.command_age_us),
+                params.command.passed(inputs.command_age_us),
                 Fault::CommandStale,
             ),
             (
-                !evidence.measured.pose.is_finite(),
+                !inputs.measured.pose.is_finite(),
                 Fault::NotFinite(Input::Pose),
             ),
             (
-                !evidence.measured.twist.is_finite(),
+                !inputs.measured.twist.is_finite(),
                 Fault::NotFinite(Input::Twist),
             ),
             (jitter, Fault::TickJitter),
             (long, Fault::TickTooLong),
-            (evidence.pose_jumped, Fault::PoseJump),
+            (inputs.pose_jumped, Fault::PoseJump),
         ] {
             if holds {
                 found.add(fault);
             }
         }
-        found.add_some(evidence.driver.map(Fault::Driver));
+        found.add_some(inputs.driver.map(Fault::Driver));
         let over = self
             .current
-            .advance(&params.current, evidence.currents, dt_us);
+            .advance(&params.current, inputs.currents, dt_us);
         found.add_some(over.map(Fault::OverCurrent));
-        if self
-            .supply
-            .advance(&params.supply, evidence.supply_v, dt_us)
-        {
+        if self.supply.advance(&params.supply, inputs.supply_v, dt_us) {
             found.add(Fault::UnderVoltage);
         }
-        self.check_wheels(evidence, &mut found);
+        self.check_wheels(inputs, &mut found);
         found
     }
 
@@ -148,38 +145,38 @@ impl<T: Scalar> Monitor<T> {
         self.ticks.late
     }
 
-    fn check_wheels(&mut self, evidence: &Evidence<T>, found: &mut Findings) {
-        let watch = &self.watch;
-        let moved = match (evidence.counts, self.last) {
+    fn check_wheels(&mut self, inputs: &DetectorInputs<T>, found: &mut ActiveFaults) {
+        let settings = &self.settings;
+        let moved = match (inputs.counts, self.last) {
             (Some(now), Some(last)) => Some((
                 now.right.wrapping_sub(last.right),
                 now.left.wrapping_sub(last.left),
             )),
             _ => None,
         };
-        if evidence.counts.is_some() {
-            self.last = evidence.counts;
+        if inputs.counts.is_some() {
+            self.last = inputs.counts;
         }
-        let torques = match self.supply.suspected(&watch.params.supply) {
+        let torques = match self.supply.suspected(&settings.params.supply) {
             true => None,
-            false => evidence.torques,
+            false => inputs.torques,
         };
         let efforts = torques.map(|torques| {
-            let wrench = watch.map.wrench(&torques);
-            let (right, left) = wheel_accels(&watch.params.robot, &watch.map, &wrench);
+            let wrench = settings.map.wrench(&torques);
+            let (right, left) = wheel_accels(&settings.params.robot, &settings.map, &wrench);
             let effort = |torque, accel| Effort { torque, accel };
             (effort(torques.right, right), effort(torques.left, left))
         });
-        let command = watch.map.wheel_speeds(&evidence.command);
-        let outside = evidence
+        let command = settings.map.wheel_speeds(&inputs.command);
+        let outside = inputs
             .outside
-            .map(|twist| watch.map.wheel_speeds(&twist))
+            .map(|twist| settings.map.wheel_speeds(&twist))
             .map_or((None, None), |WheelSpeeds { right, left }| {
                 (Some(right), Some(left))
             });
-        let (right_off, left_off) = self.disagreement(evidence);
-        let side = |moved, effort, command, outside, off| WheelEvidence {
-            dt_us: evidence.dt_us,
+        let (right_off, left_off) = self.disagreement(inputs);
+        let side = |moved, effort, command, outside, off| WheelInputs {
+            dt_us: inputs.dt_us,
             moved,
             effort,
             command,
@@ -200,9 +197,9 @@ impl<T: Scalar> Monitor<T> {
             outside.1,
             left_off,
         );
-        let right = self.right.advance(watch, &right);
-        let left = self.left.advance(watch, &left);
-        let of = |what: fn(&WheelFinding) -> bool| Side::of(what(&right), what(&left));
+        let right = self.right.advance(settings, &right);
+        let left = self.left.advance(settings, &left);
+        let of = |what: fn(&WheelDetections) -> bool| Side::of(what(&right), what(&left));
         let (dead, reversed) = (dead(&right, &left), reversed(&right, &left));
         found.add_some(of(|wheel| wheel.stuck).or(dead).map(Fault::EncoderStuck));
         found.add_some(of(|wheel| wheel.blocked).map(|_| Fault::Stalled));
@@ -211,26 +208,27 @@ impl<T: Scalar> Monitor<T> {
     }
 
     /// Speed at each wheel by the encoders less that by the outside twist \[m/s\]; 0 without one.
-    fn disagreement(&self, evidence: &Evidence<T>) -> (T, T) {
-        let Some(outside) = evidence.outside else {
+    fn disagreement(&self, inputs: &DetectorInputs<T>) -> (T, T) {
+        let Some(outside) = inputs.outside else {
             return (T::ZERO, T::ZERO);
         };
-        let Twist { linear, angular } = evidence.measured.twist.minus(&outside);
-        let turning = T::HALF * self.watch.params.robot.wheels.track_m * angular;
+        let Twist { linear, angular } = inputs.measured.twist.minus(&outside);
+        let turning = T::HALF * self.settings.params.robot.wheels.track_m * angular;
         (linear + turning, linear - turning)
     }
 }
 
 /// Wheels that move against their torque while neither is silent that should not be.
-fn reversed(right: &WheelFinding, left: &WheelFinding) -> Option<Side> {
-    let is = |own: &WheelFinding, other: &WheelFinding| own.against && !own.silent && !other.dead;
+fn reversed(right: &WheelDetections, left: &WheelDetections) -> Option<Side> {
+    let is =
+        |own: &WheelDetections, other: &WheelDetections| own.against && !own.silent && !other.dead;
     Side::of(is(right, left), is(left, right))
 }
 
 /// Encoders without counts that explain a wheel against its torque: its own, which died while it turned, or the
 /// other one, whose motor is then driven at a speed that it does not have.
-fn dead(right: &WheelFinding, left: &WheelFinding) -> Option<Side> {
-    let is = |own: &WheelFinding, other: &WheelFinding| {
+fn dead(right: &WheelDetections, left: &WheelDetections) -> Option<Side> {
+    let is = |own: &WheelDetections, other: &WheelDetections| {
         (own.against && own.silent) || (other.against && !other.silent && own.dead)
     };
     Side::of(is(right, left), is(left, right))

@@ -4,15 +4,15 @@ use super::*;
 use crate::error::Field;
 use crate::hal::ErrorKind;
 use crate::maths::Libm;
-use crate::motion::{Limits, MotionParams, Policy};
+use crate::motion::{Limits, MotionParams, SaturationPolicy};
 use crate::paper::params::Params;
-use crate::safety::{Currents, FaultKind, Timeout, WatchParams};
+use crate::safety::{Currents, DetectorParams, FaultKind, Timeout};
 use crate::types::WheelTorques;
 
 mod named;
 
 /// Ticks of 10 ms on the paper's robot with wheels of 15 N m and 4096 counts.
-fn params() -> WatchParams<f64> {
+fn params() -> DetectorParams<f64> {
     let limits = Limits {
         speed: 2.5,
         turn_rate: 3.0,
@@ -22,23 +22,23 @@ fn params() -> WatchParams<f64> {
         jerk: 20.0,
         turn_jerk: 40.0,
         wheel_torque_nm: 15.0,
-        policy: Policy::KeepCurvature,
+        policy: SaturationPolicy::KeepCurvature,
     };
     let motion = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
-    WatchParams::for_base(&motion, 4096.0, 10_000)
+    DetectorParams::for_base(&motion, 4096.0, 10_000)
 }
 
-fn monitor(params: WatchParams<f64>) -> Monitor<f64> {
+fn monitor(params: DetectorParams<f64>) -> Monitor<f64> {
     Monitor::new(&params.validate().expect("valid"))
 }
 
 /// Standing, with everything in order.
-fn quiet() -> Evidence<f64> {
-    Evidence {
+fn quiet() -> DetectorInputs<f64> {
+    DetectorInputs {
         dt_us: 10_000,
         counts: Some(WheelCounts::default()),
         torques: Some(WheelTorques::default()),
-        ..Evidence::default()
+        ..DetectorInputs::default()
     }
 }
 
@@ -47,9 +47,9 @@ fn found_in(
     monitor: &mut Monitor<f64>,
     ticks: i32,
     kind: FaultKind,
-    evidence: impl Fn(i32) -> Evidence<f64>,
+    inputs: impl Fn(i32) -> DetectorInputs<f64>,
 ) -> Option<i32> {
-    (1..=ticks).find(|tick| monitor.check(&evidence(*tick)).get(kind).is_some())
+    (1..=ticks).find(|tick| monitor.check(&inputs(*tick)).get(kind).is_some())
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn nothing_is_found_on_a_base_that_stands() {
 #[test]
 fn silence_is_found_at_its_timeout_and_ends_with_a_reading() {
     let mut monitor = monitor(params());
-    let silent = |_| Evidence {
+    let silent = |_| DetectorInputs {
         counts: None,
         ..quiet()
     };
@@ -90,7 +90,7 @@ fn ages_are_compared_with_their_timeouts_and_off_is_off() {
 
 #[test]
 fn late_ticks_in_a_row_and_among_many() {
-    let late = |late: bool| Evidence {
+    let late = |late: bool| DetectorInputs {
         dt_us: if late { 15_001 } else { 10_000 },
         ..quiet()
     };
@@ -116,11 +116,11 @@ fn late_ticks_in_a_row_and_among_many() {
 
 #[test]
 fn what_others_tell_is_passed_on() {
-    let mut told = quiet();
-    told.pose_jumped = true;
-    told.driver = Some(ErrorKind::OverCurrent);
-    told.measured.pose.x = f64::NAN;
-    let found = monitor(params()).check(&told);
+    let mut reported = quiet();
+    reported.pose_jumped = true;
+    reported.driver = Some(ErrorKind::OverCurrent);
+    reported.measured.pose.x = f64::NAN;
+    let found = monitor(params()).check(&reported);
     for fault in [
         Fault::PoseJump,
         Fault::Driver(ErrorKind::OverCurrent),
@@ -137,7 +137,7 @@ fn currents_and_supply_have_time_and_hysteresis() {
     watched.current.after = Timeout::AfterUs(200_000);
     watched.supply.after = Timeout::AfterUs(100_000);
     let mut monitor = monitor(watched);
-    let evidence = |amps: f64, volts: f64| Evidence {
+    let inputs = |amps: f64, volts: f64| DetectorInputs {
         currents: Some(Currents {
             right: 1.0,
             left: amps,
@@ -147,27 +147,27 @@ fn currents_and_supply_have_time_and_hysteresis() {
     };
     // A braking current is a current.
     let over = found_in(&mut monitor, 100, FaultKind::OverCurrent, |_| {
-        evidence(-10.5, 12.0)
+        inputs(-10.5, 12.0)
     });
     assert_eq!(over, Some(20));
     let low = found_in(&mut monitor, 100, FaultKind::UnderVoltage, |_| {
-        evidence(0.0, 9.9)
+        inputs(0.0, 9.9)
     });
     assert_eq!(low, Some(10));
     // Between the two limits it is still too low, and without a measurement too.
-    assert!(!monitor.check(&evidence(0.0, 10.9)).is_empty());
+    assert!(!monitor.check(&inputs(0.0, 10.9)).is_empty());
     assert!(!monitor.check(&quiet()).is_empty());
-    assert!(monitor.check(&evidence(0.0, 11.0)).is_empty());
-    assert!(monitor.check(&evidence(0.0, 10.9)).is_empty());
+    assert!(monitor.check(&inputs(0.0, 11.0)).is_empty());
+    assert!(monitor.check(&inputs(0.0, 10.9)).is_empty());
     let broken = found_in(&mut monitor, 100, FaultKind::UnderVoltage, |_| {
-        evidence(0.0, f64::NAN)
+        inputs(0.0, f64::NAN)
     });
     assert_eq!(broken, Some(10), "not a number is not good");
 }
 
-/// Both wheels told to turn with 4 N m, counts by `moves` \[1/tick\].
-fn pushing(tick: i32, right: i32, left: i32) -> Evidence<f64> {
-    Evidence {
+/// Both wheels commanded to turn with 4 N m, counts by `moves` \[1/tick\].
+fn pushing(tick: i32, right: i32, left: i32) -> DetectorInputs<f64> {
+    DetectorInputs {
         counts: Some(WheelCounts {
             right: right * tick,
             left: left * tick,
@@ -208,14 +208,14 @@ fn a_wheel_that_stands_under_torque_is_stuck_and_one_that_creeps_is_not() {
 #[test]
 fn holding_a_place_is_not_being_stuck_and_a_wall_is_not_an_encoder() {
     let mut held = monitor(params());
-    let holding = |k| Evidence {
+    let holding = |k| DetectorInputs {
         command: Twist::default(),
         ..pushing(k, 0, 0)
     };
     let kind = FaultKind::EncoderStuck;
     assert_eq!(found_in(&mut held, 1000, kind, holding), None);
     let mut walled = monitor(params());
-    let blocked = |k| Evidence {
+    let blocked = |k| DetectorInputs {
         outside: Some(Twist::default()),
         ..pushing(k, 0, 0)
     };
@@ -252,37 +252,46 @@ fn wild_inputs_do_not_stay() {
 
 #[test]
 fn parameters_out_of_range_are_named() {
-    let refused = |change: fn(&mut WatchParams<f64>)| {
+    let refused = |change: fn(&mut DetectorParams<f64>)| {
         let mut changed = params();
         change(&mut changed);
         changed.validate().expect_err("out of range").field
     };
     for (field, found) in [
-        (Field::TickPeriod, refused(|watch| watch.period_us = 0)),
+        (
+            Field::TickPeriod,
+            refused(|settings| settings.period_us = 0),
+        ),
         (
             Field::MeasurementTimeout,
-            refused(|watch| watch.measurement = Timeout::AfterUs(19_999)),
+            refused(|settings| settings.measurement = Timeout::AfterUs(19_999)),
         ),
         (
             Field::CommandTimeout,
-            refused(|watch| watch.command = Timeout::AfterUs(u32::MAX)),
+            refused(|settings| settings.command = Timeout::AfterUs(u32::MAX)),
         ),
-        (Field::LateRow, refused(|watch| watch.ticks.row = 0)),
-        (Field::LateShare, refused(|watch| watch.ticks.of_64 = 65)),
+        (Field::LateRow, refused(|settings| settings.ticks.row = 0)),
+        (
+            Field::LateShare,
+            refused(|settings| settings.ticks.of_64 = 65),
+        ),
         (
             Field::WheelLoad,
-            refused(|watch| watch.wheels.load_nm = f64::NAN),
+            refused(|settings| settings.wheels.load_nm = f64::NAN),
         ),
         (
             // 64 counts at 0.2 rad/s take half a second each.
             Field::StuckSpeed,
-            refused(|watch| watch.wheels.counts_per_turn = 64.0),
+            refused(|settings| settings.wheels.counts_per_turn = 64.0),
         ),
         (
             Field::SupplyRecovered,
-            refused(|watch| watch.supply.recovered_v = 9.0),
+            refused(|settings| settings.supply.recovered_v = 9.0),
         ),
-        (Field::Mass, refused(|watch| watch.robot.mass_kg = 0.0)),
+        (
+            Field::Mass,
+            refused(|settings| settings.robot.mass_kg = 0.0),
+        ),
     ] {
         assert_eq!(field, found);
     }

@@ -1,6 +1,6 @@
 //! Late and long ticks.
 
-use crate::safety::watch::TickWatch;
+use crate::safety::detector_params::TickDetectorParams;
 
 /// Late ticks: in a row, among the last 64, and in all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,8 +13,12 @@ pub(super) struct Ticks {
 
 impl Ticks {
     /// Whether there is too much jitter, and whether this tick was too long.
-    pub(super) const fn advance(&mut self, watch: &TickWatch, dt_us: u32) -> (bool, bool) {
-        let late = watch.late.passed(dt_us);
+    pub(super) const fn advance(
+        &mut self,
+        settings: &TickDetectorParams,
+        dt_us: u32,
+    ) -> (bool, bool) {
+        let late = settings.late.passed(dt_us);
         self.recent = (self.recent << 1) | late as u64;
         if late {
             self.row = self.row.saturating_add(1);
@@ -22,9 +26,9 @@ impl Ticks {
         } else {
             self.row = 0;
         }
-        let many = self.recent.count_ones() >= watch.of_64 as u32;
+        let many = self.recent.count_ones() >= settings.of_64 as u32;
         // A good tick ends it: what is over is not found again.
-        let jitter = late && (self.row >= watch.row || many);
-        (jitter, watch.long.passed(dt_us))
+        let jitter = late && (self.row >= settings.row || many);
+        (jitter, settings.long.passed(dt_us))
     }
 }

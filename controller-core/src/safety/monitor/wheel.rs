@@ -1,13 +1,13 @@
 //! One wheel: stuck, reversed, slipping.
 
-use super::held::Held;
-use crate::safety::watch::{Timeout, Watch};
+use super::debounce::Debounce;
+use crate::safety::detector_params::{Timeout, ValidDetectorParams};
 use crate::scalar::Scalar;
 
 /// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
 /// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
 const WINDOW: f64 = 10.0;
-/// Below so many counts of expected travel nothing is said: each of the two high-passes may double the one
+/// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.
 const LEAST_COUNTS: f64 = 8.0;
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
@@ -24,13 +24,13 @@ pub(super) struct Effort<T> {
 }
 
 /// What a tick knows of one wheel.
-pub(super) struct WheelEvidence<T> {
+pub(super) struct WheelInputs<T> {
     pub(super) dt_us: u32,
     /// Counts since the last reading; `None` without one.
     pub(super) moved: Option<i32>,
     /// `None` where torques are not known.
     pub(super) effort: Option<Effort<T>>,
-    /// Speed that is asked for, and by an outside twist \[rad/s\].
+    /// Speed commanded, and by an outside twist \[rad/s\].
     pub(super) command: T,
     pub(super) outside: Option<T>,
     /// Speed by the encoders less that by the outside twist \[m/s\].
@@ -39,14 +39,14 @@ pub(super) struct WheelEvidence<T> {
 
 /// What was found out about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct WheelFinding {
+pub(super) struct WheelDetections {
     pub(super) stuck: bool,
     pub(super) blocked: bool,
     /// It was accelerated against its torque, or turned against command and torque.
     pub(super) against: bool,
     /// It has not counted for half a window,
     pub(super) silent: bool,
-    /// though it is told to turn.
+    /// though it is commanded to turn.
     pub(super) dead: bool,
     pub(super) slips: bool,
 }
@@ -103,46 +103,50 @@ pub(super) struct Wheel<T> {
     /// Counts since it began to turn against command and torque, below zero.
     back: i32,
     /// Time without a count.
-    silent: Held,
-    stands: Held,
-    against: Held,
-    backs: Held,
-    beyond: Held,
+    silent: Debounce,
+    stands: Debounce,
+    against: Debounce,
+    backs: Debounce,
+    beyond: Debounce,
 }
 
 impl<T: Scalar> Wheel<T> {
-    pub(super) fn advance(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> WheelFinding {
+    pub(super) fn advance(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        now: &WheelInputs<T>,
+    ) -> WheelDetections {
         let a = T::from_f64(WINDOW);
         let dt = T::from_f64(1.0e-6 * f64::from(now.dt_us));
         let shrink = T::ONE / (T::ONE + a * dt);
-        let step = T::from_i32(now.moved.unwrap_or(0)) * watch.per_count;
+        let step = T::from_i32(now.moved.unwrap_or(0)) * settings.per_count;
         self.seen = self.seen.high_pass(step, shrink).or_zero();
         self.expected = match now.effort {
             Some(effort) => self.expected.low_pass(effort.accel, dt, shrink).or_zero(),
             None => Twice::settled(self.seen.second, a),
         };
-        let stands = self.stands_still(watch, now);
+        let stands = self.stands_still(settings, now);
         let still = now.moved.is_none_or(|counts| counts == 0);
         let silent = self.silent.holds(still, now.dt_us, MOVED_WITHIN);
-        let told = now.command.abs() >= watch.params.wheels.stuck.speed_rad_s;
+        let commanded = now.command.abs() >= settings.params.wheels.stuck.speed_rad_s;
         let blocked = now
             .outside
-            .is_some_and(|speed| speed.abs() < T::HALF * watch.params.wheels.stuck.speed_rad_s);
-        WheelFinding {
+            .is_some_and(|speed| speed.abs() < T::HALF * settings.params.wheels.stuck.speed_rad_s);
+        WheelDetections {
             stuck: stands && !blocked,
             blocked: stands && blocked,
             // Counts that are missing are not counts that stand still.
-            against: (self.moves_against(watch, now.dt_us) && now.moved.is_some())
-                || self.turns_back(watch, now),
+            against: (self.moves_against(settings, now.dt_us) && now.moved.is_some())
+                || self.turns_back(settings, now),
             silent,
-            dead: silent && told,
-            slips: self.moves_beyond(watch, now),
+            dead: silent && commanded,
+            slips: self.moves_beyond(settings, now),
         }
     }
 
-    /// Which way the wheel is told to turn at some speed, with a torque that way which turns a free one.
-    fn pushed(watch: &Watch<T>, now: &WheelEvidence<T>) -> i32 {
-        let stuck = &watch.params.wheels.stuck;
+    /// Which way the wheel is commanded to turn at some speed, with a torque that way which turns a free one.
+    fn pushed(settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> i32 {
+        let stuck = &settings.params.wheels.stuck;
         let torque = now.effort.map_or(T::ZERO, |effort| effort.torque);
         if now.command >= stuck.speed_rad_s && torque >= stuck.torque_nm {
             1
@@ -154,46 +158,46 @@ impl<T: Scalar> Wheel<T> {
     }
 
     /// Pushed, and no more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
-    /// that holds a place is not told to turn and never counts.
-    fn stands_still(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
+    /// that holds a place is not commanded to turn and never counts.
+    fn stands_still(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
         // Without a reading the wheel is not known to stand; that is a fault of its own.
         let moved = now.moved.unwrap_or(i32::MAX);
         let crept = self.crept.saturating_add(moved);
-        let still = Self::pushed(watch, now) != 0 && (-1..=1).contains(&crept);
+        let still = Self::pushed(settings, now) != 0 && (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
         self.stands
-            .holds(still, now.dt_us, watch.params.wheels.stuck.after)
+            .holds(still, now.dt_us, settings.params.wheels.stuck.after)
     }
 
     /// Pushed, and at least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
     ///
     /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
-    /// speed, and no acceleration tells. A sound wheel is turned back only by more than it is pushed with, three times the
+    /// speed, and no acceleration shows it. A sound wheel is turned back only by more than it is pushed with, three times the
     /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
-    fn turns_back(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
-        let way = Self::pushed(watch, now);
+    fn turns_back(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
+        let way = Self::pushed(settings, now);
         let along = now.moved.map(|moved| moved.saturating_mul(way));
         let against = way != 0 && along.is_some_and(|along| along <= 0);
         let back = self.back.saturating_add(along.unwrap_or(0));
         self.back = if against { back } else { 0 };
         let lasts = self
             .backs
-            .holds(against, now.dt_us, watch.params.wheels.stuck.after);
+            .holds(against, now.dt_us, settings.params.wheels.stuck.after);
         lasts && T::from_i32(self.back) <= -T::from_f64(LEAST_COUNTS)
     }
 
     /// y sgn x ≤ −|x|/2 where |x| is at least 2 D and 8 counts; see the [module](super).
-    fn moves_against(&mut self, watch: &Watch<T>, dt_us: u32) -> bool {
+    fn moves_against(&mut self, settings: &ValidDetectorParams<T>, dt_us: u32) -> bool {
         let (expected, along) = self.compared();
         let a = T::from_f64(WINDOW);
-        let load = watch.load_accel / (a * a);
-        let counts = T::from_f64(LEAST_COUNTS) * watch.per_count;
+        let load = settings.load_accel / (a * a);
+        let counts = T::from_f64(LEAST_COUNTS) * settings.per_count;
         let enough = expected >= load + load && expected >= counts;
         // An encoder that dies on the way looks like braking against the torque: while it may be found stuck,
         // this waits.
-        let against = enough && along <= -(T::HALF * expected) && self.stands == Held::NONE;
+        let against = enough && along <= -(T::HALF * expected) && self.stands == Debounce::NONE;
         self.against
-            .holds(against, dt_us, watch.params.wheels.reversed)
+            .holds(against, dt_us, settings.params.wheels.reversed)
     }
 
     /// y sgn x > 2 |x| + S/a² with the torque pushing that way by at least half the load (without torque it
@@ -201,11 +205,11 @@ impl<T: Scalar> Wheel<T> {
     ///
     /// A wheel with grip moves the whole robot, as x expects; one without moves only itself, and a wheel is
     /// lighter than half a robot by far. Twice |x| forgives a robot that is half as heavy as stated.
-    fn moves_beyond(&mut self, watch: &Watch<T>, now: &WheelEvidence<T>) -> bool {
+    fn moves_beyond(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
         let (expected, along) = self.compared();
-        let slip = &watch.params.wheels.slip;
+        let slip = &settings.params.wheels.slip;
         let a = T::from_f64(WINDOW);
-        let pushed = expected >= T::HALF * watch.load_accel / (a * a);
+        let pushed = expected >= T::HALF * settings.load_accel / (a * a);
         let most = expected + expected + slip.accel_rad_s2 / (a * a);
         let beyond = (pushed && along > most) || now.off.abs() > slip.speed_m_s;
         self.beyond.holds(beyond, now.dt_us, slip.after)

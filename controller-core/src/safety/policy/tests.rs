@@ -4,7 +4,10 @@ use super::*;
 
 #[test]
 fn default_is_valid_and_with_changes_just_one_kind() {
-    assert_eq!(PolicyParams::DEFAULT.validate(), Ok(Policy::default()));
+    assert_eq!(
+        PolicyParams::DEFAULT.validate(),
+        Ok(ValidPolicyParams::default())
+    );
     let odd = Response::latched(Reaction::Release);
     for kind in FaultKind::ALL {
         let changed = PolicyParams::DEFAULT.with(kind, odd);
@@ -26,9 +29,9 @@ fn reactions_that_need_what_is_broken_are_refused_by_name() {
     for kind in FaultKind::ALL {
         for (reaction, blind, refused, driver) in [
             (
-                Reaction::RideOut,
-                Some(P::MayNotBeRiddenOut),
-                Some(P::MayNotBeRiddenOut),
+                Reaction::Ignore,
+                Some(P::MayNotBeIgnored),
+                Some(P::MayNotBeIgnored),
                 Some(P::NeedsDriver),
             ),
             (
@@ -61,12 +64,12 @@ fn reactions_that_need_what_is_broken_are_refused_by_name() {
 }
 
 #[test]
-fn ridden_out_is_never_latched() {
-    let odd = Response::latched(Reaction::RideOut);
+fn what_is_ignored_is_never_latched() {
+    let odd = Response::latched(Reaction::Ignore);
     let error = PolicyParams::DEFAULT
         .with(FaultKind::PoseJump, odd)
         .validate();
-    let problem = PolicyProblem::RiddenOutLatched;
+    let problem = PolicyProblem::IgnoredLatched;
     let kind = FaultKind::PoseJump;
     assert_eq!(error, Err(PolicyError { kind, problem }));
 }

@@ -17,7 +17,7 @@ mod run;
 mod state;
 mod table;
 
-pub use params::{Emergency, RestLimits, Standing, SupervisorParams, ValidSupervisor};
+pub use params::{Emergency, IdleOutput, RestLimits, SupervisorParams, ValidSupervisorParams};
 pub use run::{Cause, Supervisor};
 pub use state::{Action, Event, OutputMode, State, Then};
 pub use table::next;

@@ -3,7 +3,7 @@
 use crate::error::{Field, ParamError};
 use crate::motion::AtRest;
 use crate::range::within;
-use crate::safety::watch::{Timeout, time};
+use crate::safety::detector_params::{Timeout, time};
 
 /// What an emergency stop does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -21,7 +21,7 @@ pub enum Emergency {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Standing {
+pub enum IdleOutput {
     /// Free: the base can be pushed by hand, and rolls on a slope.
     #[default]
     Release,
@@ -43,6 +43,7 @@ pub struct RestLimits {
 
 /// How a supervisor stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SupervisorParams {
     /// Longest controlled stop; then the wheels are braked. At least what
     /// [`crate::safety::controlled_stop`] gives for the top speed.
@@ -57,7 +58,7 @@ pub struct SupervisorParams {
     /// What the wheels do while parked.
     pub parked: AtRest,
     /// What they do in Idle, Stopped and Fault.
-    pub standing: Standing,
+    pub idle_output: IdleOutput,
 }
 
 impl SupervisorParams {
@@ -73,7 +74,7 @@ impl SupervisorParams {
         },
         emergency: Emergency::Brake,
         parked: AtRest::Hold,
-        standing: Standing::Release,
+        idle_output: IdleOutput::Release,
     };
 
     /// Checks every field.
@@ -81,7 +82,7 @@ impl SupervisorParams {
     /// # Errors
     /// The first field out of range, with the limit it passed; times are in µs and have to be longer than
     /// the dwell.
-    pub fn validate(self) -> Result<ValidSupervisor, ParamError> {
+    pub fn validate(self) -> Result<ValidSupervisorParams, ParamError> {
         let rest = &self.rest;
         within(Field::RestSpeed, rest.speed_m_s, 1.0e-4, 1.0)?;
         within(Field::RestTurnRate, rest.turn_rad_s, 1.0e-4, 10.0)?;
@@ -89,7 +90,7 @@ impl SupervisorParams {
         within(Field::RestTime, dwell, 0.0, 1.0e7)?;
         time(Field::StopLimit, self.stop_limit, dwell + 1.0)?;
         time(Field::BrakeLimit, self.brake_limit, dwell + 1.0)?;
-        Ok(ValidSupervisor(self))
+        Ok(ValidSupervisorParams(self))
     }
 }
 
@@ -101,9 +102,9 @@ impl Default for SupervisorParams {
 
 /// [`SupervisorParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ValidSupervisor(pub(super) SupervisorParams);
+pub struct ValidSupervisorParams(pub(super) SupervisorParams);
 
-impl Default for ValidSupervisor {
+impl Default for ValidSupervisorParams {
     /// [`SupervisorParams::DEFAULT`], which a test holds to be valid.
     fn default() -> Self {
         Self(SupervisorParams::DEFAULT)

@@ -1,15 +1,15 @@
 //! The supervisor: the table, and what a tick needs beside it.
 
-use super::params::{Emergency, Standing, SupervisorParams, ValidSupervisor};
+use super::params::{Emergency, IdleOutput, SupervisorParams, ValidSupervisorParams};
 use super::state::{Action, Event, OutputMode, State, Then};
 use super::table::next;
 use crate::motion::AtRest;
-use crate::safety::evidence::Findings;
+use crate::safety::detector_params::Timeout;
 use crate::safety::fault::{Fault, FaultKind};
-use crate::safety::monitor::Held;
-use crate::safety::policy::Policy;
+use crate::safety::inputs::ActiveFaults;
+use crate::safety::monitor::Debounce;
+use crate::safety::policy::ValidPolicyParams;
 use crate::safety::reaction::{Reaction, Response};
-use crate::safety::watch::Timeout;
 
 /// Why the state is what it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -30,8 +30,8 @@ pub enum Cause {
     /// The base stands where it should.
     Reached,
     /// The goal was given up.
-    GaveUp,
-    /// Nothing was heard of the host for too long.
+    GoalUnreachable,
+    /// No sound frame came from the host for too long.
     LinkLost,
     /// Somebody pressed the button.
     EmergencyStop,
@@ -43,8 +43,8 @@ pub enum Cause {
 
 /// State, cause and timers. One for a base.
 ///
-/// A tick calls [`on`](Self::on) for what came in, [`on_findings`](Self::on_findings) for what the monitor
-/// found, [`tick`](Self::tick) for the time, and tells the wheels what [`output`](Self::output) says: all in
+/// A tick calls [`on`](Self::on) for what came in, [`on_active_faults`](Self::on_active_faults) for what the monitor
+/// found, [`tick`](Self::tick) for the time, and applies [`output`](Self::output) to the wheels: all in
 /// one tick, so that what stops the base stops it in the tick in which it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {
@@ -56,34 +56,34 @@ pub struct Supervisor {
     worst: Reaction,
     /// Time in the present stop.
     stop_us: u32,
-    rest: Held,
-    /// A fault since the base was last armed or reset broke the measurement: rest cannot be told by it.
+    rest: Debounce,
+    /// A fault since the base was last armed or reset broke the measurement: rest cannot be seen in it.
     blind: bool,
     changes: u32,
-    ridden_out: u32,
-    last_ridden_out: Option<Fault>,
+    ignored: u32,
+    last_ignored: Option<Fault>,
 }
 
 impl Supervisor {
     /// In [`State::Idle`].
-    pub const fn new(params: &ValidSupervisor) -> Self {
+    pub const fn new(params: &ValidSupervisorParams) -> Self {
         Self {
             params: params.0,
             state: State::Idle,
             cause: Cause::PowerOn,
             latched: None,
-            worst: Reaction::RideOut,
+            worst: Reaction::Ignore,
             stop_us: 0,
-            rest: Held::NONE,
+            rest: Debounce::NONE,
             blind: false,
             changes: 0,
-            ridden_out: 0,
-            last_ridden_out: None,
+            ignored: 0,
+            last_ignored: None,
         }
     }
 
     /// Other parameters for what is to come; state and cause stay.
-    pub(crate) const fn reconfigure(&mut self, params: &ValidSupervisor) {
+    pub(crate) const fn reconfigure(&mut self, params: &ValidSupervisorParams) {
         self.params = params.0;
     }
 
@@ -95,7 +95,7 @@ impl Supervisor {
             Event::TrajectoryEnded => Cause::TrajectoryEnded,
             Event::Underrun => Cause::Underrun,
             Event::Reached => Cause::Reached,
-            Event::GaveUp => Cause::GaveUp,
+            Event::GoalUnreachable => Cause::GoalUnreachable,
             Event::LinkLost => Cause::LinkLost,
             Event::EmergencyStop { .. } => Cause::EmergencyStop,
             Event::Fault(_) => Cause::Demanded,
@@ -115,21 +115,25 @@ impl Supervisor {
     ///
     /// Where nothing can move (Idle, Stopped, Fault) only a driver's fault changes the state: an idle base
     /// needs no host and no pose. Arming such a base shows within the same tick what is wrong with it.
-    pub fn on_findings(&mut self, findings: &Findings, policy: &Policy) -> Action {
-        for fault in findings.ridden_out(policy) {
-            self.ridden_out = self.ridden_out.saturating_add(1);
-            self.last_ridden_out = Some(fault);
+    pub fn on_active_faults(
+        &mut self,
+        active_faults: &ActiveFaults,
+        policy: &ValidPolicyParams,
+    ) -> Action {
+        for fault in active_faults.ignored(policy) {
+            self.ignored = self.ignored.saturating_add(1);
+            self.last_ignored = Some(fault);
         }
         if self.state.is_live() {
-            self.blind |= findings
+            self.blind |= active_faults
                 .iter()
                 .any(|fault| fault.kind().breaks_measurement());
-            return match findings.worst(policy) {
+            return match active_faults.worst(policy) {
                 Some((fault, response)) => self.fail(fault, response),
                 None => Action::Continue,
             };
         }
-        match findings.get(FaultKind::Driver) {
+        match active_faults.get(FaultKind::Driver) {
             Some(fault) => self.fail(fault, policy.response(fault)),
             None => Action::Continue,
         }
@@ -168,7 +172,7 @@ impl Supervisor {
         speed_m_s.abs() < rest.speed_m_s && turn_rad_s.abs() < rest.turn_rad_s
     }
 
-    /// What the wheels are told now.
+    /// The output to the wheels now.
     pub const fn output(&self) -> OutputMode {
         match self.state {
             State::Armed => OutputMode::ZeroTorque,
@@ -180,11 +184,11 @@ impl Supervisor {
             State::Stopping(_) => OutputMode::ControlledStop,
             State::Braking(_) => OutputMode::Brake,
             State::Idle | State::Stopped | State::Fault => {
-                match (self.params.standing, self.worst) {
-                    (Standing::Release, _) | (Standing::Brake, Reaction::Release) => {
+                match (self.params.idle_output, self.worst) {
+                    (IdleOutput::Release, _) | (IdleOutput::Brake, Reaction::Release) => {
                         OutputMode::Release
                     }
-                    (Standing::Brake, _) => OutputMode::Brake,
+                    (IdleOutput::Brake, _) => OutputMode::Brake,
                 }
             }
         }
@@ -210,9 +214,9 @@ impl Supervisor {
         self.changes
     }
 
-    /// Faults ridden out, counted once a tick, and the last of them.
-    pub const fn ridden_out(&self) -> (u32, Option<Fault>) {
-        (self.ridden_out, self.last_ridden_out)
+    /// Faults ignored, counted once a tick, and the last of them.
+    pub const fn ignored(&self) -> (u32, Option<Fault>) {
+        (self.ignored, self.last_ignored)
     }
 
     fn fail(&mut self, fault: Fault, response: Response) -> Action {
@@ -233,7 +237,7 @@ impl Supervisor {
             || matches!((self.state, state), (State::Fault, State::Idle))
             || state.drives();
         if resumed {
-            self.worst = Reaction::RideOut;
+            self.worst = Reaction::Ignore;
             self.blind = false;
         }
         if matches!((self.state, state), (State::Fault, State::Idle)) {
@@ -242,7 +246,7 @@ impl Supervisor {
         if state != self.state {
             if !same_stop(self.state, state) {
                 self.stop_us = 0;
-                self.rest = Held::NONE;
+                self.rest = Debounce::NONE;
             }
             self.state = state;
             self.cause = cause;
@@ -258,14 +262,14 @@ const fn demanded(event: Event) -> Reaction {
         Event::EmergencyStop { brake: true } => Reaction::Brake,
         Event::EmergencyStop { brake: false } => Reaction::Release,
         Event::Fault(response) => response.reaction,
-        _ => Reaction::RideOut,
+        _ => Reaction::Ignore,
     }
 }
 
 /// The event, but with the severity of what is in force where it demands something milder: what was
 /// released, such as a parked base, is not braked by a fault.
 fn not_milder(event: Event, force: Reaction) -> Event {
-    let milder = demanded(event) > Reaction::RideOut && demanded(event) < force;
+    let milder = demanded(event) > Reaction::Ignore && demanded(event) < force;
     match event {
         Event::Fault(Response { latch, .. }) if milder => Event::Fault(Response {
             reaction: force,

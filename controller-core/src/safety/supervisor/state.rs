@@ -68,7 +68,7 @@ impl State {
         Self::Fault,
     ];
 
-    /// The motion law drives to where it is told.
+    /// The motion law drives to its target.
     pub const fn drives(self) -> bool {
         matches!(self, Self::Tracking | Self::Parking)
     }
@@ -94,15 +94,15 @@ pub enum Event {
     Underrun,
     /// The base stands at its goal.
     Reached,
-    /// The motion law gave up reaching its goal.
-    GaveUp,
+    /// The motion law has no retry left and is still outside the tolerance of its goal.
+    GoalUnreachable,
     /// The base came to rest during a stop.
     Halted,
     /// A stop took longer than it may.
     StopTimedOut,
     /// The host asks for a controlled stop.
     Stop,
-    /// Nothing was heard of the host for too long.
+    /// No sound frame came from the host for too long.
     LinkLost,
     /// Somebody pressed the button: to brake, or to release. Latched.
     EmergencyStop {
@@ -124,15 +124,15 @@ impl Event {
         Self::TrajectoryEnded,
         Self::Underrun,
         Self::Reached,
-        Self::GaveUp,
+        Self::GoalUnreachable,
         Self::Halted,
         Self::StopTimedOut,
         Self::Stop,
         Self::LinkLost,
         Self::EmergencyStop { brake: true },
         Self::EmergencyStop { brake: false },
-        Self::Fault(Response::passing(Reaction::RideOut)),
-        Self::Fault(Response::latched(Reaction::RideOut)),
+        Self::Fault(Response::passing(Reaction::Ignore)),
+        Self::Fault(Response::latched(Reaction::Ignore)),
         Self::Fault(Response::passing(Reaction::ControlledStop)),
         Self::Fault(Response::latched(Reaction::ControlledStop)),
         Self::Fault(Response::passing(Reaction::Brake)),
@@ -166,10 +166,10 @@ pub enum Action {
     Release,
 }
 
-/// What the wheels are told in a tick.
+/// The output to the wheels in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OutputMode {
-    /// The motion law's torque, to where it is told.
+    /// The motion law's torque, to its target.
     Drive,
     /// The motion law's torque, to stay at the goal.
     Hold,
@@ -192,7 +192,7 @@ impl OutputMode {
     /// The reaction that this output is as severe as.
     pub const fn severity(self) -> Reaction {
         match self {
-            Self::Drive | Self::Hold | Self::ZeroTorque => Reaction::RideOut,
+            Self::Drive | Self::Hold | Self::ZeroTorque => Reaction::Ignore,
             Self::ControlledStop => Reaction::ControlledStop,
             Self::Brake => Reaction::Brake,
             Self::Release => Reaction::Release,

@@ -22,7 +22,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
 
         (S::Idle, E::Arm) => (S::Armed, A::Enable),
         (S::Idle, E::Track | E::Park | E::Reset) => (S::Idle, A::Refuse),
-        (S::Idle, E::TrajectoryEnded | E::Underrun | E::Reached | E::GaveUp) => {
+        (S::Idle, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
             (S::Idle, A::Continue)
         }
         (S::Idle, E::Halted | E::StopTimedOut | E::LinkLost) => (S::Idle, A::Continue),
@@ -31,7 +31,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Armed, E::Arm) => (S::Armed, A::Continue),
         (S::Armed, E::Track) => (S::Tracking, A::StartTracking),
         (S::Armed, E::Park) => (S::Parking, A::StartParking),
-        (S::Armed, E::TrajectoryEnded | E::Underrun | E::Reached | E::GaveUp) => {
+        (S::Armed, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
             (S::Armed, A::Continue)
         }
         (S::Armed, E::Halted | E::StopTimedOut) => (S::Armed, A::Continue),
@@ -44,7 +44,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Tracking, E::Track) => (S::Tracking, A::Continue),
         (S::Tracking, E::Park) => (S::Parking, A::StartParking),
         (S::Tracking, E::TrajectoryEnded) => (S::Parking, A::ParkAtLastReference),
-        (S::Tracking, E::Underrun | E::GaveUp | E::Stop | E::LinkLost) => {
+        (S::Tracking, E::Underrun | E::GoalUnreachable | E::Stop | E::LinkLost) => {
             (S::Stopping(Then::Stopped), A::BeginStop)
         }
         // Parking and stopping end by these, tracking does not.
@@ -56,14 +56,14 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Parking, E::TrajectoryEnded | E::Underrun) => (S::Parking, A::Continue),
         (S::Parking, E::Halted | E::StopTimedOut) => (S::Parking, A::Continue),
         (S::Parking, E::Reached) => (S::Parked, A::Release),
-        (S::Parking, E::GaveUp | E::Stop | E::LinkLost) => {
+        (S::Parking, E::GoalUnreachable | E::Stop | E::LinkLost) => {
             (S::Stopping(Then::Stopped), A::BeginStop)
         }
 
         (S::Parked, E::Arm) => (S::Armed, A::Enable),
         (S::Parked, E::Track) => (S::Tracking, A::StartTracking),
         (S::Parked, E::Park) => (S::Parking, A::StartParking),
-        (S::Parked, E::TrajectoryEnded | E::Underrun | E::Reached | E::GaveUp) => {
+        (S::Parked, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
             (S::Parked, A::Continue)
         }
         (S::Parked, E::Halted | E::StopTimedOut) => (S::Parked, A::Continue),
@@ -76,7 +76,12 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         }
         (
             S::Stopping(_) | S::Braking(_),
-            E::TrajectoryEnded | E::Underrun | E::Reached | E::GaveUp | E::Stop | E::LinkLost,
+            E::TrajectoryEnded
+            | E::Underrun
+            | E::Reached
+            | E::GoalUnreachable
+            | E::Stop
+            | E::LinkLost,
         ) => (state, A::Continue),
         (S::Stopping(then) | S::Braking(then), E::Halted) => (then.state(), A::Release),
         // A controlled stop that does not end is none.
@@ -85,7 +90,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
 
         (S::Stopped, E::Arm) => (S::Armed, A::Enable),
         (S::Stopped, E::Track | E::Park | E::Reset) => (S::Stopped, A::Refuse),
-        (S::Stopped, E::TrajectoryEnded | E::Underrun | E::Reached | E::GaveUp) => {
+        (S::Stopped, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
             (S::Stopped, A::Continue)
         }
         (S::Stopped, E::Halted | E::StopTimedOut) => (S::Stopped, A::Continue),
@@ -93,7 +98,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
 
         (S::Fault, E::Arm | E::Track | E::Park) => (S::Fault, A::Refuse),
-        (S::Fault, E::TrajectoryEnded | E::Underrun | E::Reached | E::GaveUp) => {
+        (S::Fault, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
             (S::Fault, A::Continue)
         }
         (S::Fault, E::Halted | E::StopTimedOut) => (S::Fault, A::Continue),
@@ -114,7 +119,7 @@ const fn fault(state: State, response: Response) -> (State, Action) {
         }
     };
     match (reaction, state) {
-        (R::RideOut, _) => (state, A::Continue),
+        (R::Ignore, _) => (state, A::Continue),
 
         (R::ControlledStop, S::Tracking | S::Parking) => (S::Stopping(then), A::BeginStop),
         (R::ControlledStop, S::Stopping(_)) => (S::Stopping(then), A::Continue),

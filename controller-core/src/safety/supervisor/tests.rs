@@ -11,8 +11,8 @@ mod run;
 /// X fault), then the action (`.` continue, `!` refuse, `e` enable, `t` track, `p` park, `l` park at last,
 /// `c` controlled stop, `b` brake, `r` release).
 ///
-/// Arm Track Park | trajectory ended, underrun, reached, gave up | halted, timed out | stop, link lost |
-/// emergency brake, release | ridden out | controlled | brake | release, each passing and latched | reset
+/// Arm Track Park | trajectory ended, underrun, reached, goal unreachable | halted, timed out | stop, link lost |
+/// emergency brake, release | ignored | controlled | brake | release, each passing and latched | reset
 const TABLE: [&str; 11] = [
     "Ae I! I! I. I. I. I. I. I. Sr I. Xr Xr I. I. Sr Xr Sr Xr Sr Xr I!",
     "A. Tt Pp A. A. A. A. A. A. Sr Sr Bb Xr A. A. Sr Xr bb Bb Sr Xr A!",
@@ -94,9 +94,9 @@ fn setups() -> impl Iterator<Item = SupervisorParams> {
     [AtRest::Hold, AtRest::Release]
         .into_iter()
         .flat_map(|parked| {
-            [Standing::Release, Standing::Brake].map(|standing| SupervisorParams {
+            [IdleOutput::Release, IdleOutput::Brake].map(|idle_output| SupervisorParams {
                 parked,
-                standing,
+                idle_output,
                 ..SupervisorParams::DEFAULT
             })
         })
@@ -159,8 +159,8 @@ fn faults_never_make_the_output_milder() {
 fn torque_flows_in_driving_stopping_and_held_parking_only() {
     for setup in setups() {
         for state in State::ALL {
-            let held = state == State::Parked && setup.parked == AtRest::Hold;
-            let expected = state.drives() || matches!(state, State::Stopping(_)) || held;
+            let debounce = state == State::Parked && setup.parked == AtRest::Hold;
+            let expected = state.drives() || matches!(state, State::Stopping(_)) || debounce;
             let output = supervisor_in(state, setup).output();
             assert_eq!(output.has_torque(), expected, "{state:?}");
         }
@@ -198,12 +198,12 @@ fn what_is_not_armed_does_not_begin_to_drive() {
 }
 
 #[test]
-fn refusals_and_what_is_ridden_out_change_nothing() {
+fn refusals_and_ignored_faults_change_nothing() {
     for (state, event) in pairs() {
         let (after, action) = next(state, event);
-        let ridden =
-            matches!(event, Event::Fault(response) if response.reaction == Reaction::RideOut);
-        if action == Action::Refuse || ridden {
+        let ignored =
+            matches!(event, Event::Fault(response) if response.reaction == Reaction::Ignore);
+        if action == Action::Refuse || ignored {
             assert_eq!(after, state, "{event:?} in {state:?}");
         }
     }

@@ -15,7 +15,7 @@ fn integrator<T: Scalar>() -> Polynomial<T> {
     lag(T::ZERO)
 }
 
-/// A loop with the disturbance estimate of bandwidth ω, which knows the torque asked for and not when
+/// A loop with the disturbance estimate of bandwidth ω, which knows the torque demanded and not when
 /// it comes: ḋ = ω (λv − u − d) and u = x − d give u = (λ + ω)/λ x − ω v, and so
 ///
 /// ```text
@@ -40,7 +40,7 @@ pub(super) fn estimating<T: Scalar>(of: Feedback<T>, omega: T) -> Feedback<T> {
 /// ```text
 /// λ (λ + A) (μλ + κ)  +  k A (λ + κ)            for μ = 1: (λ + κ)(λ² + Aλ + kA)
 /// ```
-pub(super) fn along<T: Scalar>(gain: T, a: T, bandwidth: T) -> Feedback<T> {
+pub(super) fn longitudinal<T: Scalar>(gain: T, a: T, bandwidth: T) -> Feedback<T> {
     let neuron = integrator().times(&lag(a));
     Feedback {
         mass: neuron.times(&integrator()),
@@ -58,7 +58,7 @@ pub(super) fn along<T: Scalar>(gain: T, a: T, bandwidth: T) -> Feedback<T> {
 /// ```
 ///
 /// The last two terms see the measured pose. c is exact well above the speed v_f, less below.
-pub(super) fn across<T: Scalar>(heading: T, stiffness: T, a: T, bandwidth: T) -> Feedback<T> {
+pub(super) fn lateral<T: Scalar>(heading: T, stiffness: T, a: T, bandwidth: T) -> Feedback<T> {
     let turn = integrator().times(&integrator()).times(&lag(a));
     let aside = lag(bandwidth).scaled(a * stiffness);
     let straight = integrator().times(&lag(a)).scaled(bandwidth * heading);
@@ -88,17 +88,17 @@ pub(super) fn bearing<T: Scalar>(approach: T, a: T, bandwidth: T) -> Feedback<T>
     }
 }
 
-/// [`across`] for the right inertia from an offset at rest, with the bridge that starts it smoothly,
+/// [`lateral`] for the right inertia from an offset at rest, with the transition offset that starts it smoothly,
 /// (λ + A)², and the push that its highest derivative starts with.
-pub(super) fn across_start<T: Scalar>(heading: T, stiffness: T, a: T) -> (Polynomial<T>, T) {
-    let bridge = lag(a).times(&lag(a));
+pub(super) fn lateral_start<T: Scalar>(heading: T, stiffness: T, a: T) -> (Polynomial<T>, T) {
+    let transition_offset = lag(a).times(&lag(a));
     let pair = Polynomial::new([a * stiffness, a * heading, a + heading, T::ONE]);
-    (bridge.times(&pair), stiffness * a * a)
+    (transition_offset.times(&pair), stiffness * a * a)
 }
 
-/// The same for [`along`].
-pub(super) fn along_start<T: Scalar>(gain: T, a: T) -> (Polynomial<T>, T) {
-    let bridge = lag(a).times(&lag(a));
+/// The same for [`longitudinal`].
+pub(super) fn longitudinal_start<T: Scalar>(gain: T, a: T) -> (Polynomial<T>, T) {
+    let transition_offset = lag(a).times(&lag(a));
     let pair = Polynomial::new([gain * a, a, T::ONE]);
-    (bridge.times(&pair), gain * a * a)
+    (transition_offset.times(&pair), gain * a * a)
 }

@@ -77,7 +77,7 @@ impl Row {
     }
 }
 
-/// The processor in the loop, with a robot that does what it was told the tick before.
+/// The processor in the loop, with a robot that moves with the torques of the tick before.
 fn close_the_loop(image: &Path, options: &Options) -> Result<(), Box<dyn Error>> {
     let link = LinkKind::Fifo;
     let mut chip = Chip::start_image(image, &Options { link, ..*options })?;

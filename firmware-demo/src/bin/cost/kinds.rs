@@ -1,6 +1,6 @@
 //! The inputs that ticks are counted on.
 
-use controller_core::paper::params::{Params, Validated};
+use controller_core::paper::params::{Params, ValidParams};
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 
@@ -53,7 +53,7 @@ pub const KINDS: [Kind; 4] = [
 ];
 
 /// The paper's robot with the kind's torque limit.
-pub fn params<T: Scalar>(kind: &Kind) -> Option<Validated<T>> {
+pub fn params<T: Scalar>(kind: &Kind) -> Option<ValidParams<T>> {
     let mut params = Params::<T>::paper();
     params.max_wheel_torque_nm = Some(T::from_f64(f64::from(kind.torque)));
     params.validate().ok()

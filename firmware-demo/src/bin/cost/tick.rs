@@ -7,7 +7,7 @@ use controller_core::maths::{Maths, Single};
 use controller_core::paper::demand::Demand;
 use controller_core::paper::lyapunov::{neuron_energy, pose_energy, velocity_energy};
 use controller_core::paper::neural::NeuralController;
-use controller_core::paper::params::Validated;
+use controller_core::paper::params::ValidParams;
 use controller_core::paper::plain::PlainController;
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
@@ -146,7 +146,7 @@ fn phases<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     bench: &mut Bench,
     name: &str,
     kind: &Kind,
-    params: &Validated<T>,
+    params: &ValidParams<T>,
 ) {
     let mut inputs = Inputs::new(1);
     let dt = black_box(T::from_f64(f64::from(DT)));

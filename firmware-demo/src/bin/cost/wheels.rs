@@ -123,7 +123,7 @@ pub fn motor(meter: &mut Meter) {
     for _ in 0..COUNT {
         let demand = WheelDemand {
             torque_nm: inputs.real(0.3),
-            wanted_speed_rad_s: inputs.real(20.0),
+            desired_speed_rad_s: inputs.real(20.0),
             speed_rad_s: inputs.real(20.0),
         };
         let supply = black_box(11.0 + inputs.real::<f32>(1.0));

@@ -7,7 +7,7 @@ use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;
 use firmware_demo::queue::Receiver;
-use firmware_demo::telemetry::Outbox;
+use firmware_demo::telemetry::TelemetryQueue;
 use heapless::spsc::Queue;
 use protocol::pil::{Answer, Question, Report};
 use protocol::{Decoder, MAX_CONTENT, MAX_FRAME, encode};
@@ -85,13 +85,13 @@ fn question(inputs: &mut Inputs) -> Question {
 #[inline(never)]
 fn queue(meter: &mut Meter) {
     let mut queue = Queue::<Report, 8>::new();
-    let (outbox, inbox) = Outbox::split(&mut queue, 2);
+    let (telemetry, inbox) = TelemetryQueue::split(&mut queue, 2);
     // As in a board's statics, where the optimiser does not see the queue behind the handles.
-    let (mut outbox, mut inbox) = (black_box(outbox), black_box(inbox));
+    let (mut telemetry, mut inbox) = (black_box(telemetry), black_box(inbox));
     let report = Report::default();
     let mut row = Row::new();
     for _ in 0..COUNT {
-        row.add(meter.measure(|| outbox.offer(|| report)).1);
+        row.add(meter.measure(|| telemetry.offer(|| report)).1);
         drain(&mut inbox);
     }
     row.print(&["wire", "telemetry-offer"]);

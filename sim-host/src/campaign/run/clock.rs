@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::campaign::expected::{Clock, applies, late_s};
-use crate::world::{Defect, Side};
+use crate::world::{PlantFault, Side};
 use controller_core::hal::WheelDrive;
 use controller_core::types::WheelTorques;
 
@@ -14,19 +14,19 @@ impl Runner<'_, '_> {
         self.acting = self
             .board
             .task()
-            .told()
+            .applied()
             .map(|asked| hal.exerted().unwrap_or(asked));
         if !self.active[0] || self.outcome.found.is_some() {
             return;
         }
         let dt = 1.0e-6 * f64::from(self.board.dt_us());
-        let clock = Rule::of(self.plan.upset.kind).clock;
+        let clock = Rule::of(self.plan.injection.kind).clock;
         let (counts, lasts) = match clock {
             Clock::None => return,
             Clock::All | Clock::Beyond | Clock::Long => (true, true),
-            Clock::Unheard => {
+            Clock::SinceFrame => {
                 let rolls = before.state.is_live() && !check::stops(before.state);
-                (!self.heard.read && rolls, false)
+                (!self.received.read && rolls, false)
             }
             Clock::Pushed => {
                 let way = self.pushed(before, acting);
@@ -45,11 +45,13 @@ impl Runner<'_, '_> {
         self.outcome.counted_s = self.outcome.counted_s.max(self.counted_s);
     }
 
-    /// Which way a wheel in trouble is pushed hard enough to tell: 1, −1, or 0 if it is not.
+    /// Which way a wheel in trouble is pushed hard enough to be found: 1, −1, or 0 if it is not.
     fn pushed(&self, before: &BaseReport<f32>, acting: Option<WheelTorques<f32>>) -> f64 {
-        let What::Defect(
-            Defect::EncoderStuck(side) | Defect::EncoderReversed(side) | Defect::WheelBlocked(side),
-        ) = self.plan.upset.what
+        let What::PlantFault(
+            PlantFault::EncoderStuck(side)
+            | PlantFault::EncoderReversed(side)
+            | PlantFault::WheelBlocked(side),
+        ) = self.plan.injection.what
         else {
             return 0.0;
         };
@@ -57,7 +59,7 @@ impl Runner<'_, '_> {
             return 0.0;
         };
         let of = |right: f32, left: f32| f64::from(if side == Side::Right { right } else { left });
-        let watch = &self.board.task().params().watch;
+        let detectors = &self.board.task().params().detectors;
         let core = self.board.task().controller().base();
         let wheels = core.motion().wheels();
         let speeds = wheels.wheel_speeds(&motion.command);
@@ -66,8 +68,8 @@ impl Runner<'_, '_> {
             of(torques.right, torques.left),
         );
         let (fast, hard) = (
-            f64::from(watch.wheels.stuck.speed_rad_s),
-            f64::from(watch.wheels.stuck.torque_nm),
+            f64::from(detectors.wheels.stuck.speed_rad_s),
+            f64::from(detectors.wheels.stuck.torque_nm),
         );
         let way = speed.signum();
         if speed.abs() >= fast && way * torque >= hard {
@@ -79,23 +81,23 @@ impl Runner<'_, '_> {
 
     /// More time than there is.
     pub(super) fn overdue(&self) -> Checked<()> {
-        let upset = &self.plan.upset;
+        let injection = &self.plan.injection;
         let params = self.board.task().params();
         // One that comes on top may hide it.
         let alone = self.second.is_none();
         if self.outcome.found.is_some()
             || !self.active[0]
             || !alone
-            || !applies(upset, self.plan.target, params)
+            || !applies(injection, self.plan.target, params)
         {
             return Ok(());
         }
         let source = self.base.hardware.and_then(|hardware| hardware.pose_source);
-        let rule = Rule::of(upset.kind);
+        let rule = Rule::of(injection.kind);
         let Some(within) = rule.within_s(params, source.as_ref()) else {
             return Ok(());
         };
-        let within = within + late_s(upset, params);
+        let within = within + late_s(injection, params);
         if self.counted_s > within {
             return Err(format!("not found within {within:.3} s"));
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::campaign::expected::KNOWN;
 use crate::campaign::outcome::Failing;
-use crate::world::Defect;
+use crate::world::PlantFault;
 use controller_core::angle::wrap;
 
 impl Runner<'_, '_> {
@@ -67,19 +67,23 @@ impl Runner<'_, '_> {
 
     /// Whether a failing is stated for the trouble there is.
     pub(super) fn is_known(&self, failing: Failing) -> bool {
-        let upset = self.plan.upset.kind;
+        let injection = self.plan.injection.kind;
         !self.mended
             && KNOWN
                 .iter()
-                .any(|known| known.upset == upset && known.failing == failing)
+                .any(|known| known.injection == injection && known.failing == failing)
     }
 
     /// What the poses themselves are off by: where they lie a base cannot know better.
     fn lies(&self) -> (f64, f64) {
-        let jumps = self.active_upsets().filter_map(|upset| match upset.what {
-            What::Defect(Defect::PoseJump { dx, dy, dtheta }) => Some((dx.hypot(dy), dtheta.abs())),
-            _ => None,
-        });
+        let jumps = self
+            .active_upsets()
+            .filter_map(|injection| match injection.what {
+                What::PlantFault(PlantFault::PoseJump { dx, dy, dtheta }) => {
+                    Some((dx.hypot(dy), dtheta.abs()))
+                }
+                _ => None,
+            });
         // Of two the later one acts.
         jumps.last().unwrap_or_default()
     }

@@ -62,8 +62,8 @@ impl Runner<'_, '_> {
         /// A pose's frame with its delimiters.
         const BYTES: i32 = 27;
         let mut manner = Manner::default();
-        for upset in self.upsets() {
-            upset.hinder(&mut manner);
+        for injection in self.upsets() {
+            injection.hinder(&mut manner);
         }
         // Behind a flood a pose finds the queue full, before it does not: either every other time.
         let share: f64 = if manner.flood > 0 { 0.5 } else { 1.0 };
@@ -74,8 +74,8 @@ impl Runner<'_, '_> {
     /// What is wrong with host and line now.
     pub(super) fn manner(&self) -> Manner {
         let mut manner = Manner::default();
-        for upset in self.active_upsets() {
-            upset.hinder(&mut manner);
+        for injection in self.active_upsets() {
+            injection.hinder(&mut manner);
         }
         manner
     }
@@ -85,19 +85,19 @@ impl Runner<'_, '_> {
         let (now_us, manner) = (self.board.world().now_us(), self.manner());
         self.host
             .speak(&manner, now_us, &self.plan.path, self.board.world());
-        self.heard = Heard::default();
+        self.received = Received::default();
         while let Some(sent) = self.host.arrived(now_us) {
             if sent.intact {
-                self.heard.any = true;
+                self.received.any = true;
             }
             for byte in &sent.bytes {
                 if let Some(Ok(frame)) = self.reader.push(*byte) {
-                    self.heard.read(&frame.message);
+                    self.received.read(&frame.message);
                 }
             }
             if sent.intact && stops(&sent.what) {
-                let button = sent.what != Command::Stop || self.heard.stop == Some(true);
-                self.heard.stop = Some(button);
+                let button = sent.what != Command::Stop || self.received.stop == Some(true);
+                self.received.stop = Some(button);
             }
             if self.mutation == Mutation::LosesStops && stops(&sent.what) {
                 continue;
@@ -157,7 +157,7 @@ impl Runner<'_, '_> {
     }
 }
 
-impl Heard {
+impl Received {
     fn read(&mut self, command: &Command) {
         self.read = true;
         match command {

@@ -6,10 +6,10 @@ use controller_core::safety::supervisor::Then;
 
 impl Runner<'_, '_> {
     pub(super) fn tick(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
-        let before = self.told();
+        let before = self.report();
         let was = (before.state, check::severity(&before));
-        for upset in self.active_upsets().collect::<Vec<_>>() {
-            upset.apply(self.board.world_mut(), false);
+        for injection in self.active_upsets().collect::<Vec<_>>() {
+            injection.apply(self.board.world_mut(), false);
         }
         let place = self.board.world().truth().pose;
         self.board.advance().map_err(|error| error.to_string())?;
@@ -20,13 +20,16 @@ impl Runner<'_, '_> {
         self.exchange();
         self.board.tick();
         self.answers()?;
-        let report = self.told();
+        let report = self.report();
         self.obeyed(&report)?;
         let limit = self.base.limits.wheel_torque_nm as f32;
         check::outputs(&report, self.board.actuation(), limit)?;
-        check::milder(was, &report, self.heard.frees, self.heard.reset)?;
+        check::milder(was, &report, self.received.frees, self.received.reset)?;
         check::reacted(was.0, &report)?;
-        let rules: Vec<_> = self.upsets().map(|upset| Rule::of(upset.kind)).collect();
+        let rules: Vec<_> = self
+            .upsets()
+            .map(|injection| Rule::of(injection.kind))
+            .collect();
         let right = |why| !self.mended && rules.iter().any(|rule| rule.allows(why));
         if let Some(why) = check::wrong(&before, &report, right) {
             return Err(format!("{why} is found, which it is not"));
@@ -37,16 +40,16 @@ impl Runner<'_, '_> {
         watch(&Tick {
             board: &self.board,
             t: self.t,
-            upset: self.active[0],
+            injection: self.active[0],
             stop: self.stop,
         });
         self.within()
     }
 
-    /// The report of the last tick, with what the wheels really were told: after a driver's error they are released.
-    fn told(&self) -> BaseReport<f32> {
+    /// The report of the last tick, with what was really applied to the wheels: after a driver's error they are released.
+    fn report(&self) -> BaseReport<f32> {
         BaseReport {
-            action: *self.board.task().doing(),
+            action: *self.board.task().output(),
             ..*self.board.report()
         }
     }
@@ -55,28 +58,31 @@ impl Runner<'_, '_> {
     fn obeyed(&mut self, report: &BaseReport<f32>) -> Checked<()> {
         let dt = 1.0e-6 * f64::from(self.board.dt_us());
         // When in a tick a frame came is not known; in a long one the base was blind, not the host silent.
-        let heard_s = dt.min(self.period_s);
-        let since = |heard, so_far| if heard { heard_s } else { so_far + dt };
-        self.unheard_s = since(self.heard.any, self.unheard_s);
-        self.unread_s = since(self.heard.read, self.unread_s);
+        let received_s = dt.min(self.period_s);
+        let since = |received, so_far| if received { received_s } else { so_far + dt };
+        self.since_frame_s = since(self.received.any, self.since_frame_s);
+        self.unread_s = since(self.received.read, self.unread_s);
         let state = report.state;
         // One tick is left for the reaction.
-        let patience = match self.board.task().params().watch.command {
+        let patience = match self.board.task().params().detectors.command {
             Timeout::AfterUs(us) => 1.0e-6 * f64::from(us),
             Timeout::Off => f64::INFINITY,
         };
         let lost = report.cause == Cause::LinkLost && self.was != Cause::LinkLost;
         self.was = report.cause;
-        if lost && self.unheard_s + 2.0 * self.period_s < patience {
-            return Err(format!("the link is lost after {:.3} s", self.unheard_s));
+        if lost && self.since_frame_s + 2.0 * self.period_s < patience {
+            return Err(format!(
+                "the link is lost after {:.3} s",
+                self.since_frame_s
+            ));
         }
         let silent = self.unread_s;
         if silent >= patience && state.is_live() && !check::stops(state) {
             return Err(format!(
-                "nothing is heard for {silent:.3} s, and the base is in {state:?}"
+                "no frame comes for {silent:.3} s, and the base is in {state:?}"
             ));
         }
-        match self.heard.stop {
+        match self.received.stop {
             Some(true) if !matches!(state, State::Braking(Then::Fault) | State::Fault) => Err(
                 format!("an emergency stop came, and the base is in {state:?}"),
             ),
@@ -108,21 +114,21 @@ impl Runner<'_, '_> {
 
     /// A stop begins, or another one takes over: its way is measured from here.
     pub(super) fn begin_stop(&mut self, before: &BaseReport<f32>, severity: Reaction) {
-        let now = (severity > Reaction::RideOut).then_some(severity);
+        let now = (severity > Reaction::Ignore).then_some(severity);
         if now == self.segment {
             return;
         }
         self.segment = now;
         let twist = self.board.world().truth().twist;
         let wheels = Wheels {
-            ice: self.upsets().find_map(|upset| upset.ice()),
+            ice: self.upsets().find_map(|injection| injection.ice()),
             blocked: self
                 .upsets()
-                .any(|upset| upset.kind == UpsetKind::WheelBlocked),
+                .any(|injection| injection.kind == FaultInjectionKind::WheelBlocked),
         };
         let late = self
             .upsets()
-            .map(|upset| upset.late_s())
+            .map(|injection| injection.late_s())
             .fold(0.0, f64::max);
         let dt = 1.2 * self.period_s + late;
         let core = *self.board.task().controller().base();
@@ -132,7 +138,7 @@ impl Runner<'_, '_> {
             _ => 0.0,
         };
         let bound_m = match severity {
-            Reaction::RideOut => 0.0,
+            Reaction::Ignore => 0.0,
             Reaction::ControlledStop => {
                 let anew = self.bounds.controlled(&core, before, &twist, dt, &wheels);
                 (anew + self.unfound_m()).max(left_m)
@@ -151,19 +157,19 @@ impl Runner<'_, '_> {
     /// time that it takes to find a reversed encoder that is pushed, after the way F/(m κ²) in which the velocity loop's
     /// feedback raises the force to what counts as pushed (see [`controller_core::safety::Monitor`]).
     fn unfound_m(&self) -> f64 {
-        let lies = self.upsets().any(|upset| {
+        let lies = self.upsets().any(|injection| {
             matches!(
-                upset.kind,
-                UpsetKind::EncoderReversed | UpsetKind::EncoderStuck
+                injection.kind,
+                FaultInjectionKind::EncoderReversed | FaultInjectionKind::EncoderStuck
             )
         });
         if !lies {
             return 0.0;
         }
         let params = self.board.task().params();
-        let found = Rule::of(UpsetKind::EncoderReversed).within_s(params, None);
+        let found = Rule::of(FaultInjectionKind::EncoderReversed).within_s(params, None);
         let robot = &params.motion.robot;
-        let force = 2.0 * params.watch.wheels.stuck.torque_nm
+        let force = 2.0 * params.detectors.wheels.stuck.torque_nm
             / robot.wheels.radius_right_m.min(robot.wheels.radius_left_m);
         let loop_rate = params.motion.gains.speed_loop;
         let built = force / (robot.mass_kg * loop_rate * loop_rate);
@@ -185,7 +191,7 @@ impl Runner<'_, '_> {
     pub(super) fn within(&mut self) -> Checked<()> {
         let holds = self
             .active_upsets()
-            .any(|upset| upset.kind == UpsetKind::DriveHolds);
+            .any(|injection| injection.kind == FaultInjectionKind::DriveHolds);
         // Until its watchdog ends it a driver that does not listen is beyond any command.
         if holds {
             self.segment = None;

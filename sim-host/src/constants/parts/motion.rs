@@ -1,7 +1,7 @@
 //! The motion law: limits, gains, arrival.
 
 use super::{Writer, at_rest, robot};
-use controller_core::motion::{Arrival, Limits, MotionGains, MotionParams, Policy};
+use controller_core::motion::{Arrival, Limits, MotionGains, MotionParams, SaturationPolicy};
 
 pub(super) fn motion(out: &mut Writer, params: &MotionParams<f32>) {
     let MotionParams {
@@ -58,22 +58,26 @@ fn limits(out: &mut Writer, limits: &Limits<f32>) {
     out.number("turn_jerk", *turn_jerk, "[rad/s^3]");
     out.number("wheel_torque_nm", *wheel_torque_nm, "Of each wheel [N m].");
     let policy = match policy {
-        Policy::KeepCurvature => "KeepCurvature",
-        Policy::TurnFirst => "TurnFirst",
-        Policy::DriveFirst => "DriveFirst",
+        SaturationPolicy::KeepCurvature => "KeepCurvature",
+        SaturationPolicy::TurnFirst => "TurnFirst",
+        SaturationPolicy::DriveFirst => "DriveFirst",
     };
     let about = "Who yields at the torque limit.";
-    out.field("policy", &format!("motion::Policy::{policy}"), about);
+    out.field(
+        "policy",
+        &format!("motion::SaturationPolicy::{policy}"),
+        about,
+    );
     out.close("},");
 }
 
 fn gains(out: &mut Writer, gains: &MotionGains<f32>) {
     let MotionGains {
         decay,
-        along,
-        along_bound,
+        longitudinal,
+        longitudinal_bound,
         heading,
-        across,
+        lateral,
         slow,
         approach,
         approach_brake,
@@ -83,19 +87,23 @@ fn gains(out: &mut Writer, gains: &MotionGains<f32>) {
         disturbance_share,
     } = gains;
     out.open("gains: motion::MotionGains {");
-    out.number("decay", *decay, "Of pose neurons and bridges [1/s].");
-    out.number("along", *along, "Along the path [1/s].");
     out.number(
-        "along_bound",
-        *along_bound,
+        "decay",
+        *decay,
+        "Of pose neurons and transition offsets [1/s].",
+    );
+    out.number("longitudinal", *longitudinal, "Along the path [1/s].");
+    out.number(
+        "longitudinal_bound",
+        *longitudinal_bound,
         "Largest speed that it adds [m/s].",
     );
     out.number("heading", *heading, "[1/s]");
-    out.number("across", *across, "Across the path [1/s^2].");
+    out.number("lateral", *lateral, "Across the path [1/s^2].");
     out.number(
         "slow",
         *slow,
-        "Below this correction across fades out [m/s].",
+        "Below this speed the lateral correction fades out [m/s].",
     );
     out.number("approach", *approach, "Towards the goal [1/s].");
     out.number(

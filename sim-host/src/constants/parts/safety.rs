@@ -1,16 +1,16 @@
-//! Watch, policy, supervisor.
+//! Detectors, policy, supervisor.
 
 use super::{Writer, at_rest, robot};
-use controller_core::safety::supervisor::{Emergency, RestLimits, Standing, SupervisorParams};
+use controller_core::safety::supervisor::{Emergency, IdleOutput, RestLimits, SupervisorParams};
 use controller_core::safety::{
-    CurrentWatch, FaultKind, PolicyParams, Reaction, SlipWatch, StuckWatch, SupplyWatch, TickWatch,
-    WatchParams, WheelWatch,
+    CurrentDetectorParams, DetectorParams, FaultKind, PolicyParams, Reaction, SlipDetectorParams,
+    StuckDetectorParams, SupplyDetectorParams, TickDetectorParams, WheelDetectorParams,
 };
 
 use crate::constants::writer::whole;
 
-pub(super) fn watch(out: &mut Writer, params: &WatchParams<f32>) {
-    let WatchParams {
+pub(super) fn detectors(out: &mut Writer, params: &DetectorParams<f32>) {
+    let DetectorParams {
         period_us,
         robot: of_robot,
         measurement,
@@ -21,7 +21,7 @@ pub(super) fn watch(out: &mut Writer, params: &WatchParams<f32>) {
         current,
         supply,
     } = params;
-    out.open("watch: safety::WatchParams {");
+    out.open("detectors: safety::DetectorParams {");
     out.field("period_us", &whole(*period_us), "[us]");
     robot(out, of_robot);
     out.timeout(
@@ -31,30 +31,30 @@ pub(super) fn watch(out: &mut Writer, params: &WatchParams<f32>) {
     );
     out.timeout("pose", *pose, "External poses missing [us].");
     out.timeout("command", *command, "Host or reference silent [us].");
-    let TickWatch {
+    let TickDetectorParams {
         late,
         row,
         of_64,
         long,
     } = ticks;
-    out.open("ticks: safety::TickWatch {");
+    out.open("ticks: safety::TickDetectorParams {");
     out.timeout("late", *late, "[us]");
     out.field("row", &row.to_string(), "");
     out.field("of_64", &of_64.to_string(), "");
     out.timeout("long", *long, "[us]");
     out.close("},");
     wheels(out, of_wheels);
-    let CurrentWatch { limit_a, after } = current;
-    out.open("current: safety::CurrentWatch {");
+    let CurrentDetectorParams { limit_a, after } = current;
+    out.open("current: safety::CurrentDetectorParams {");
     out.number("limit_a", *limit_a, "[A]");
     out.timeout("after", *after, "[us]");
     out.close("},");
-    let SupplyWatch {
+    let SupplyDetectorParams {
         low_v,
         recovered_v,
         after,
     } = supply;
-    out.open("supply: safety::SupplyWatch {");
+    out.open("supply: safety::SupplyDetectorParams {");
     out.number("low_v", *low_v, "[V]");
     out.number("recovered_v", *recovered_v, "[V]");
     out.timeout("after", *after, "[us]");
@@ -62,34 +62,34 @@ pub(super) fn watch(out: &mut Writer, params: &WatchParams<f32>) {
     out.close("},");
 }
 
-fn wheels(out: &mut Writer, wheels: &WheelWatch<f32>) {
-    let WheelWatch {
+fn wheels(out: &mut Writer, wheels: &WheelDetectorParams<f32>) {
+    let WheelDetectorParams {
         counts_per_turn,
         load_nm,
         stuck,
         reversed,
         slip,
     } = wheels;
-    out.open("wheels: safety::WheelWatch {");
+    out.open("wheels: safety::WheelDetectorParams {");
     out.number("counts_per_turn", *counts_per_turn, "Of a wheel.");
     out.number("load_nm", *load_nm, "From outside, at each wheel [N m].");
-    let StuckWatch {
+    let StuckDetectorParams {
         torque_nm,
         speed_rad_s,
         after,
     } = stuck;
-    out.open("stuck: safety::StuckWatch {");
+    out.open("stuck: safety::StuckDetectorParams {");
     out.number("torque_nm", *torque_nm, "[N m]");
     out.number("speed_rad_s", *speed_rad_s, "[rad/s]");
     out.timeout("after", *after, "[us]");
     out.close("},");
     out.timeout("reversed", *reversed, "[us]");
-    let SlipWatch {
+    let SlipDetectorParams {
         accel_rad_s2,
         speed_m_s,
         after,
     } = slip;
-    out.open("slip: safety::SlipWatch {");
+    out.open("slip: safety::SlipDetectorParams {");
     out.number("accel_rad_s2", *accel_rad_s2, "[rad/s^2]");
     out.number("speed_m_s", *speed_m_s, "[m/s]");
     out.timeout("after", *after, "[us]");
@@ -104,7 +104,7 @@ pub(super) fn policy(out: &mut Writer, policy: &PolicyParams) {
     for kind in FaultKind::ALL {
         let response = policy.get(kind);
         let reaction = match response.reaction {
-            Reaction::RideOut => "RideOut",
+            Reaction::Ignore => "Ignore",
             Reaction::ControlledStop => "ControlledStop",
             Reaction::Brake => "Brake",
             Reaction::Release => "Release",
@@ -123,7 +123,7 @@ pub(super) fn supervisor(out: &mut Writer, params: &SupervisorParams) {
         rest,
         emergency,
         parked,
-        standing,
+        idle_output,
     } = params;
     let RestLimits {
         speed_m_s,
@@ -144,10 +144,10 @@ pub(super) fn supervisor(out: &mut Writer, params: &SupervisorParams) {
     };
     out.field("emergency", emergency, "");
     out.field("parked", at_rest(*parked), "");
-    let standing = match standing {
-        Standing::Release => "safety::supervisor::Standing::Release",
-        Standing::Brake => "safety::supervisor::Standing::Brake",
+    let idle_output = match idle_output {
+        IdleOutput::Release => "safety::supervisor::IdleOutput::Release",
+        IdleOutput::Brake => "safety::supervisor::IdleOutput::Brake",
     };
-    out.field("standing", standing, "");
+    out.field("idle_output", idle_output, "");
     out.close("},");
 }

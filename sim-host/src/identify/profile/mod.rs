@@ -58,7 +58,7 @@ pub enum ProfileError {
 /// # Errors
 /// Text that is not TOML, or of other tables.
 ///
-/// [`Base::load`]: crate::drive::Base::load
+/// [`Base::load`]: crate::mission::BaseSpec::load
 pub fn update(text: &str, found: &Identified, gear: Option<f64>) -> Result<Updated, ProfileError> {
     let mut update = Update {
         file: Document::parse(text)?,

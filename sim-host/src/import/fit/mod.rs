@@ -70,7 +70,7 @@ const MOST: f64 = 1e14;
 /// Along and across together are a distance.
 const SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Fits; the closeness tells whether the tolerance was reached. `None` for less than two knots, or
+/// Fits; the closeness says whether the tolerance was reached. `None` for less than two knots, or
 /// if no iterate was finite.
 pub(super) fn fit(
     targets: &[Target],

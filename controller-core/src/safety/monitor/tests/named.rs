@@ -3,24 +3,24 @@
 use super::*;
 use core::f64::consts::TAU;
 
-/// Driven up with 4 N m for half a second, then held back by twice what those give, though they are still
-/// asked for, and `change` says of that what it will, given the counts at which this began and ticks
+/// Driven up with 4 N m for half a second, then held back by twice what those give, though these are still
+/// commanded, and `change` edits the inputs, given the counts at which this began and ticks
 /// since: all that is found.
-fn held_back_from(change: impl Fn(&mut Evidence<f64>, i32, i32)) -> Findings {
+fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> ActiveFaults {
     let mut watched = params();
     watched.supply.after = Timeout::AfterUs(500_000);
     let mut monitor = monitor(watched);
     let (mut speed, mut turned) = (0.0, 0.0);
     // 8 N m on 30 kg with wheels of 0.1 m: 26.7 rad/s².
     let accel = 8.0 / (30.0 * 0.1 * 0.1);
-    let (mut all, mut from) = (Findings::NONE, 0);
+    let (mut all, mut from) = (ActiveFaults::NONE, 0);
     for tick in 1..=150 {
         let held = tick > 50;
         speed += 0.01 * if held { -2.0 * accel } else { accel };
         speed = f64::max(speed, 0.0);
         turned += 0.01 * speed;
         let count = (turned * 4096.0 / TAU) as i32;
-        let mut evidence = Evidence {
+        let mut inputs = DetectorInputs {
             counts: Some(WheelCounts {
                 right: count,
                 left: count,
@@ -28,24 +28,24 @@ fn held_back_from(change: impl Fn(&mut Evidence<f64>, i32, i32)) -> Findings {
             ..pushing(0, 0, 0)
         };
         if held {
-            change(&mut evidence, from, tick - 50);
+            change(&mut inputs, from, tick - 50);
         } else {
             from = count;
         }
-        for fault in monitor.check(&evidence).iter() {
+        for fault in monitor.check(&inputs).iter() {
             all.add(fault);
         }
     }
     all
 }
 
-fn held_back(change: impl Fn(&mut Evidence<f64>)) -> Findings {
-    held_back_from(|evidence, _, _| change(evidence))
+fn held_back(change: impl Fn(&mut DetectorInputs<f64>)) -> ActiveFaults {
+    held_back_from(|inputs, _, _| change(inputs))
 }
 
 #[test]
 fn a_wheel_held_back_is_not_reversed_where_its_torque_is_not_known() {
-    let reversed = |found: Findings| found.get(FaultKind::EncoderReversed).is_some();
+    let reversed = |found: ActiveFaults| found.get(FaultKind::EncoderReversed).is_some();
     // It is, as far as anyone can tell, where 4 N m are said to be exerted.
     assert!(reversed(held_back(|_| {})));
     assert!(held_back(|now| now.torques = None).is_empty());
@@ -65,7 +65,7 @@ fn a_low_supply_is_no_excuse_where_it_is_not_watched() {
     let mut unwatched = params();
     unwatched.supply.after = Timeout::Off;
     let mut monitor = monitor(unwatched);
-    let stuck = |k| Evidence {
+    let stuck = |k| DetectorInputs {
         supply_v: Some(0.0),
         ..pushing(k, 0, 0)
     };
@@ -116,12 +116,12 @@ fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
     let stuck = Some(Fault::EncoderStuck(Side::Right));
     assert_eq!(found.get(FaultKind::EncoderStuck), stuck);
     assert_eq!(found.get(FaultKind::EncoderReversed), None);
-    // Where it is not told to turn it may well stand, and the other one is what it seems.
+    // Where it is not commanded to turn it may well stand, and the other one is what it seems.
     let reversed = Some(Fault::EncoderReversed(Side::Left));
     assert_eq!(pulled(0.0).get(FaultKind::EncoderReversed), reversed);
 }
 
-/// At a steady speed no acceleration tells; that it turns the other way than it is commanded and pushed, all the while, does.
+/// At a steady speed no acceleration shows it; that it turns the other way than it is commanded and pushed, all the while, does.
 #[test]
 fn a_wheel_that_turns_back_under_its_torque_is_reversed() {
     let back = |k: i32| pushing(k, -1, 1);
@@ -129,7 +129,7 @@ fn a_wheel_that_turns_back_under_its_torque_is_reversed() {
     // 0.25 s, from the second reading.
     assert_eq!(found_in(&mut monitor(params()), 100, kind, back), Some(26));
     // A count forward now and then is none that turns back.
-    let to_and_fro = |k: i32| Evidence {
+    let to_and_fro = |k: i32| DetectorInputs {
         counts: Some(WheelCounts {
             right: -k + 2 * (k / 10),
             left: k,
@@ -141,7 +141,7 @@ fn a_wheel_that_turns_back_under_its_torque_is_reversed() {
         None
     );
     // Nor is one that is not pushed: it rolls.
-    let rolls = |k: i32| Evidence {
+    let rolls = |k: i32| DetectorInputs {
         torques: Some(WheelTorques::default()),
         ..pushing(k, -1, 1)
     };

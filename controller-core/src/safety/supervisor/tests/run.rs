@@ -1,9 +1,11 @@
-//! The supervisor in time: ends of stops, latches, findings.
+//! The supervisor in time: ends of stops, latches, active faults.
 
 use super::*;
 use crate::error::{Field, Problem};
 use crate::hal::ErrorKind;
-use crate::safety::{Fault, FaultKind, Findings, Policy, PolicyParams, Side, Timeout};
+use crate::safety::{
+    ActiveFaults, Fault, FaultKind, PolicyParams, Side, Timeout, ValidPolicyParams,
+};
 
 #[test]
 fn a_stop_ends_when_the_base_rests_for_the_dwell() {
@@ -46,15 +48,18 @@ fn stops_are_bounded_in_time() {
 /// A milder fault during a stop latches it without giving it more time.
 #[test]
 fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
-    let policy = Policy::default();
+    let policy = ValidPolicyParams::default();
     let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
     supervisor.on(Event::Stop);
     for _ in 0..400 {
         supervisor.tick(10_000, false);
     }
-    let mut findings = Findings::NONE;
-    findings.add(Fault::UnderVoltage);
-    assert_eq!(supervisor.on_findings(&findings, &policy), Action::Continue);
+    let mut active_faults = ActiveFaults::NONE;
+    active_faults.add(Fault::UnderVoltage);
+    assert_eq!(
+        supervisor.on_active_faults(&active_faults, &policy),
+        Action::Continue
+    );
     assert_eq!(supervisor.state(), State::Stopping(Then::Fault));
     assert_eq!(supervisor.latched(), Some(Fault::UnderVoltage));
     for _ in 0..100 {
@@ -63,10 +68,10 @@ fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
     assert_eq!(supervisor.state(), State::Braking(Then::Fault));
     // The first one stays the latched one.
     let stuck = Fault::EncoderStuck(Side::Left);
-    findings.add(stuck);
-    supervisor.on_findings(&findings, &policy);
+    active_faults.add(stuck);
+    supervisor.on_active_faults(&active_faults, &policy);
     assert_eq!(supervisor.latched(), Some(Fault::UnderVoltage));
-    // The whole time of the brake, since encoders cannot tell any more that the base rests.
+    // The whole time of the brake, since encoders cannot show any more that the base rests.
     for _ in 0..500 {
         supervisor.tick(10_000, true);
     }
@@ -80,16 +85,16 @@ fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
 }
 
 #[test]
-fn ridden_out_faults_are_counted_and_told() {
-    let policy = Policy::default();
+fn ignored_faults_are_counted_and_reported() {
+    let policy = ValidPolicyParams::default();
     let mut supervisor = supervisor_in(State::Parking, SupervisorParams::DEFAULT);
     let changes = supervisor.changes();
-    let mut findings = Findings::NONE;
-    findings.add(Fault::PoseJump);
+    let mut active_faults = ActiveFaults::NONE;
+    active_faults.add(Fault::PoseJump);
     for _ in 0..3 {
-        supervisor.on_findings(&findings, &policy);
+        supervisor.on_active_faults(&active_faults, &policy);
     }
-    assert_eq!(supervisor.ridden_out(), (3, Some(Fault::PoseJump)));
+    assert_eq!(supervisor.ignored(), (3, Some(Fault::PoseJump)));
     assert_eq!(
         (supervisor.state(), supervisor.changes()),
         (State::Parking, changes)
@@ -99,7 +104,7 @@ fn ridden_out_faults_are_counted_and_told() {
 /// An idle base needs no host; its driver has to work all the same.
 #[test]
 fn only_the_driver_fails_what_stands() {
-    let policy = Policy::default();
+    let policy = ValidPolicyParams::default();
     for state in [State::Idle, State::Stopped, State::Fault] {
         for kind in FaultKind::ALL {
             let fault = match kind {
@@ -109,9 +114,9 @@ fn only_the_driver_fails_what_stands() {
                 _ => continue,
             };
             let mut supervisor = supervisor_in(state, SupervisorParams::DEFAULT);
-            let mut findings = Findings::NONE;
-            findings.add(fault);
-            supervisor.on_findings(&findings, &policy);
+            let mut active_faults = ActiveFaults::NONE;
+            active_faults.add(fault);
+            supervisor.on_active_faults(&active_faults, &policy);
             let expected = if kind == FaultKind::Driver {
                 State::Fault
             } else {
@@ -126,7 +131,7 @@ fn only_the_driver_fails_what_stands() {
 #[test]
 fn every_reaction_is_the_output_of_the_same_call() {
     for (reaction, output) in [
-        (Reaction::RideOut, OutputMode::Drive),
+        (Reaction::Ignore, OutputMode::Drive),
         (Reaction::ControlledStop, OutputMode::ControlledStop),
         (Reaction::Brake, OutputMode::Brake),
         (Reaction::Release, OutputMode::Release),
@@ -135,9 +140,9 @@ fn every_reaction_is_the_output_of_the_same_call() {
         let policy = PolicyParams::DEFAULT.with(FaultKind::WheelSlip, response);
         let policy = policy.validate().expect("valid");
         let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
-        let mut findings = Findings::NONE;
-        findings.add(Fault::WheelSlip(Side::Right));
-        supervisor.on_findings(&findings, &policy);
+        let mut active_faults = ActiveFaults::NONE;
+        active_faults.add(Fault::WheelSlip(Side::Right));
+        supervisor.on_active_faults(&active_faults, &policy);
         assert_eq!(supervisor.output(), output);
     }
 }
@@ -166,7 +171,7 @@ fn the_button_does_what_is_set_up_and_latches() {
 #[test]
 fn parameters_out_of_range_are_named() {
     let default = SupervisorParams::DEFAULT;
-    assert_eq!(default.validate(), Ok(ValidSupervisor::default()));
+    assert_eq!(default.validate(), Ok(ValidSupervisorParams::default()));
     let short = SupervisorParams {
         stop_limit: Timeout::AfterUs(100_000),
         ..default
@@ -188,9 +193,9 @@ fn parameters_out_of_range_are_named() {
 #[test]
 fn rest_is_not_believed_from_a_broken_measurement() {
     let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
-    let mut findings = Findings::NONE;
-    findings.add(Fault::EncoderStuck(Side::Both));
-    supervisor.on_findings(&findings, &Policy::default());
+    let mut active_faults = ActiveFaults::NONE;
+    active_faults.add(Fault::EncoderStuck(Side::Both));
+    supervisor.on_active_faults(&active_faults, &ValidPolicyParams::default());
     for _ in 0..499 {
         assert_eq!(supervisor.tick(10_000, true), Action::Continue);
         assert_eq!(supervisor.output(), OutputMode::Brake);

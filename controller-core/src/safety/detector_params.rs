@@ -1,0 +1,254 @@
+//! Thresholds and times of the detectors: plain data, checked once.
+
+use crate::error::{Field, ParamError};
+use crate::range::within;
+use crate::robot::Robot;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Twist, WheelTorques, Wrench};
+use crate::wheels::WheelMap;
+
+mod suited;
+
+/// How long something may last, or that it is not watched at all. Being off is never a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Timeout {
+    /// A fault from this many microseconds on.
+    AfterUs(u32),
+    /// Not watched.
+    Off,
+}
+
+impl Timeout {
+    pub(super) const fn passed(self, us: u32) -> bool {
+        match self {
+            Self::AfterUs(limit) => us >= limit,
+            Self::Off => false,
+        }
+    }
+}
+
+/// When ticks are too uneven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TickDetectorParams {
+    /// A tick longer than this came late; above the period. `Off` watches no jitter.
+    pub late: Timeout,
+    /// So many late ticks in a row are a fault; 1 to 255.
+    pub row: u8,
+    /// So many late ones among the last 64 are a fault; 1 to 64.
+    pub of_64: u8,
+    /// A single tick from this length on is a fault; below the controller's longest tick.
+    pub long: Timeout,
+}
+
+/// When a wheel that is commanded to turn counts as stuck.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StuckDetectorParams<T> {
+    /// Torque that turns a free wheel in any case \[N m\]: above friction, and above what a slope that the
+    /// base drives on needs. 1e-6 to 1e6.
+    pub torque_nm: T,
+    /// A wheel commanded slower than this need not turn \[rad/s\]; at least 3 counts in the time, up to 1e3.
+    pub speed_rad_s: T,
+    /// For how long.
+    pub after: Timeout,
+}
+
+/// When a wheel counts as slipping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SlipDetectorParams<T> {
+    /// Acceleration of a wheel beyond twice that of the model that nothing but slip explains \[rad/s²\],
+    /// 1e-2 to 1e6.
+    pub accel_rad_s2: T,
+    /// Speed at a wheel by encoders minus that by an outside twist \[m/s\], 1e-3 to 100; above the noise of
+    /// the latter.
+    pub speed_m_s: T,
+    /// For how long either has to hold.
+    pub after: Timeout,
+}
+
+/// Detectors of wheels and encoders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WheelDetectorParams<T> {
+    /// Encoder counts per turn of a wheel, 1 to 1e7.
+    pub counts_per_turn: T,
+    /// Load from outside as torque at each wheel \[N m\], 1e-6 to 1e6: slope, rolling resistance, pushes. A
+    /// reversed wheel is found under loads up to this; no load below three times it is taken for one.
+    pub load_nm: T,
+    /// Stuck.
+    pub stuck: StuckDetectorParams<T>,
+    /// Reversed: for how long the evidence has to hold, on top of the 0.1 s that it is averaged over.
+    pub reversed: Timeout,
+    /// Slipping.
+    pub slip: SlipDetectorParams<T>,
+}
+
+/// When a motor's current is too large. Without measured currents there is nothing to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CurrentDetectorParams<T> {
+    /// Largest lasting current of a motor \[A\], 1e-3 to 1e4.
+    pub limit_a: T,
+    /// For how long above it.
+    pub after: Timeout,
+}
+
+/// When the supply is too low. Without a measured supply there is nothing to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SupplyDetectorParams<T> {
+    /// Below this is too low \[V\], 1e-1 to 1e3.
+    pub low_v: T,
+    /// Good again only from this on \[V\], at least `low_v`: a battery recovers when its load is gone.
+    pub recovered_v: T,
+    /// For how long below.
+    pub after: Timeout,
+}
+
+/// Everything that the monitor watches by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DetectorParams<T> {
+    /// Time between ticks as planned \[µs\], 100 to 100,000. No timeout is shorter than two of them.
+    pub period_us: u32,
+    /// Mass, inertia and wheels that torques work on.
+    pub robot: Robot<T>,
+    /// Encoders without a reading.
+    pub measurement: Timeout,
+    /// External poses missing.
+    pub pose: Timeout,
+    /// Host or reference silent.
+    pub command: Timeout,
+    /// Ticks.
+    pub ticks: TickDetectorParams,
+    /// Wheels and encoders.
+    pub wheels: WheelDetectorParams<T>,
+    /// Motor currents.
+    pub current: CurrentDetectorParams<T>,
+    /// Supply.
+    pub supply: SupplyDetectorParams<T>,
+}
+
+impl<T: Scalar> DetectorParams<T> {
+    /// Checks every field and works out what follows from them.
+    ///
+    /// # Errors
+    /// The first field out of range, with the limit it passed. Times are in µs.
+    pub fn validate(self) -> Result<ValidDetectorParams<T>, ParamError> {
+        let period = f64::from(self.period_us);
+        whole(Field::TickPeriod, self.period_us, 100.0, 1.0e5)?;
+        let robot = &self.robot;
+        within(Field::Mass, robot.mass_kg, 1.0e-3, 1.0e5)?;
+        within(Field::Inertia, robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
+        let map = WheelMap::from_geometry(&robot.wheels)?;
+        let Self { ticks, wheels, .. } = &self;
+        let (stuck, slip) = (&wheels.stuck, &wheels.slip);
+        for (field, timeout) in [
+            (Field::MeasurementTimeout, self.measurement),
+            (Field::PoseTimeout, self.pose),
+            (Field::CommandTimeout, self.command),
+            (Field::LongTick, ticks.long),
+            (Field::StuckTime, stuck.after),
+            (Field::ReversedTime, wheels.reversed),
+            (Field::SlipTime, slip.after),
+            (Field::CurrentTime, self.current.after),
+            (Field::SupplyTime, self.supply.after),
+        ] {
+            time(field, timeout, 2.0 * period)?;
+        }
+        time(Field::LateTick, ticks.late, period + 1.0)?;
+        whole(Field::LateRow, ticks.row.into(), 1.0, 255.0)?;
+        whole(Field::LateShare, ticks.of_64.into(), 1.0, 64.0)?;
+        let turn = within(Field::CountsPerTurn, wheels.counts_per_turn, 1.0, 1.0e7)?;
+        let per_count = (T::PI + T::PI) / turn;
+        let least = match stuck.after {
+            Timeout::AfterUs(us) => 3.0e6 * per_count.to_f64() / f64::from(us),
+            Timeout::Off => 0.0,
+        };
+        let (low, current) = (&self.supply, &self.current);
+        for (field, value, low, high) in [
+            (Field::WheelLoad, wheels.load_nm, 1.0e-6, 1.0e6),
+            (Field::StuckTorque, stuck.torque_nm, 1.0e-6, 1.0e6),
+            (Field::StuckSpeed, stuck.speed_rad_s, least, 1.0e3),
+            (Field::SlipAccel, slip.accel_rad_s2, 1.0e-2, 1.0e6),
+            (Field::SlipSpeed, slip.speed_m_s, 1.0e-3, 100.0),
+            (Field::CurrentLimit, current.limit_a, 1.0e-3, 1.0e4),
+            (Field::SupplyLow, low.low_v, 1.0e-1, 1.0e3),
+            (
+                Field::SupplyRecovered,
+                low.recovered_v,
+                low.low_v.to_f64(),
+                1.0e3,
+            ),
+        ] {
+            within(field, value, low, high)?;
+        }
+        Ok(ValidDetectorParams {
+            load_accel: load_accel(robot, &map, wheels.load_nm),
+            map,
+            per_count,
+            params: self,
+        })
+    }
+}
+
+/// Largest acceleration that the load can give a wheel \[rad/s²\], whichever way it pushes the two: that of
+/// equal loads, which drive, or of opposite ones, which turn.
+fn load_accel<T: Scalar>(robot: &Robot<T>, map: &WheelMap<T>, load_nm: T) -> T {
+    let size = |right: T, left: T| {
+        let torques = WheelTorques { right, left };
+        let accel = wheel_accels(robot, map, &map.wrench(&torques));
+        let (right, left) = (accel.0.abs(), accel.1.abs());
+        if right > left { right } else { left }
+    };
+    let (driving, turning) = (size(load_nm, load_nm), size(load_nm, -load_nm));
+    if driving > turning { driving } else { turning }
+}
+
+/// Angular accelerations of right and left wheel \[rad/s²\] under a wrench: B̄ᵀ M̄⁻¹ τ̄.
+pub(super) fn wheel_accels<T: Scalar>(
+    robot: &Robot<T>,
+    map: &WheelMap<T>,
+    wrench: &Wrench<T>,
+) -> (T, T) {
+    let accel = Accel {
+        linear: wrench.force / robot.mass_kg,
+        angular: wrench.moment / robot.inertia_kg_m2,
+    };
+    let rates = map.wheel_speeds(&Twist::new(accel.linear, accel.angular));
+    (rates.right, rates.left)
+}
+
+fn whole(field: Field, value: u32, low: f64, high: f64) -> Result<(), ParamError> {
+    within(field, f64::from(value), low, high).map(|_| ())
+}
+
+/// At most a minute: longer is off, and has to say so.
+pub(super) fn time(field: Field, timeout: Timeout, least_us: f64) -> Result<(), ParamError> {
+    match timeout {
+        Timeout::AfterUs(us) => whole(field, us, least_us, 6.0e7),
+        Timeout::Off => Ok(()),
+    }
+}
+
+/// [`DetectorParams`] that passed `validate`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValidDetectorParams<T> {
+    pub(super) params: DetectorParams<T>,
+    pub(super) map: WheelMap<T>,
+    /// Turn of a wheel per count \[rad\].
+    pub(super) per_count: T,
+    /// Largest acceleration of a wheel by the load \[rad/s²\].
+    pub(super) load_accel: T,
+}
+
+impl<T: Scalar> ValidDetectorParams<T> {
+    /// The parameters as they were given.
+    pub fn params(&self) -> &DetectorParams<T> {
+        &self.params
+    }
+}

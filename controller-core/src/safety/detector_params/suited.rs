@@ -1,0 +1,76 @@
+//! Thresholds and times that follow from a base.
+
+use super::{
+    CurrentDetectorParams, DetectorParams, SlipDetectorParams, StuckDetectorParams,
+    SupplyDetectorParams, TickDetectorParams, Timeout, WheelDetectorParams,
+};
+use crate::motion::MotionParams;
+use crate::scalar::Scalar;
+
+impl<T: Scalar> DetectorParams<T> {
+    /// What suits a base with encoders and a host, ticking every `period_us`.
+    ///
+    /// External poses, currents and supply are off: their limits are not known from the base.
+    pub fn for_base(motion: &MotionParams<T>, counts_per_turn: T, period_us: u32) -> Self {
+        let f = T::from_f64;
+        let wheels = &motion.robot.wheels;
+        let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
+        // Half of the weight is on each wheel. 5 % of it is a ramp of 3 degrees; ramps and pushes of 15 % are
+        // still not taken for a fault.
+        let share = f(0.05 * 9.81) * T::HALF * motion.robot.mass_kg * radius;
+        // Feeble wheels have to be able to exceed it fourfold, or nothing would ever be found.
+        let most = f(0.25) * motion.limits.wheel_torque_nm;
+        let load_nm = if share < most { share } else { most };
+        // Of a coarse encoder 3 counts in the time are more; a tenth keeps it clear of rounding.
+        let (slow, counts) = (
+            f(0.02) / radius,
+            f(3.3 / 0.25) * (T::PI + T::PI) / counts_per_turn,
+        );
+        let ticks = |n: u32, least: u32| {
+            let us = period_us.saturating_mul(n);
+            Timeout::AfterUs(if us < least { least } else { us })
+        };
+        Self {
+            period_us,
+            robot: motion.robot,
+            // Five readings lost in a row are no accident.
+            measurement: ticks(5, 0),
+            pose: Timeout::Off,
+            // A tenth of a second is what a base drives on without anybody noticing.
+            command: ticks(5, 100_000),
+            ticks: TickDetectorParams {
+                late: Timeout::AfterUs(period_us.saturating_add(period_us / 2)),
+                row: 5,
+                of_64: 16,
+                long: ticks(10, 0),
+            },
+            wheels: WheelDetectorParams {
+                counts_per_turn,
+                load_nm,
+                stuck: StuckDetectorParams {
+                    // The load that a reversed wheel may not be confused with, too.
+                    torque_nm: f(3.0) * load_nm,
+                    // 2 cm/s: slower, and nothing is lost by waiting.
+                    speed_rad_s: if slow > counts { slow } else { counts },
+                    after: ticks(10, 250_000),
+                },
+                reversed: ticks(3, 30_000),
+                slip: SlipDetectorParams {
+                    // 3 m/s²: a third of the weight would have to push.
+                    accel_rad_s2: f(3.0) / radius,
+                    speed_m_s: f(0.2),
+                    after: ticks(5, 50_000),
+                },
+            },
+            current: CurrentDetectorParams {
+                limit_a: f(10.0),
+                after: Timeout::Off,
+            },
+            supply: SupplyDetectorParams {
+                low_v: f(10.0),
+                recovered_v: f(11.0),
+                after: Timeout::Off,
+            },
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Inputs of the detectors, and the faults that they find.
+
+use super::fault::{Fault, FaultKind};
+use super::policy::ValidPolicyParams;
+use super::reaction::{Reaction, Response};
+use crate::hal::{ErrorKind, WheelCounts};
+use crate::types::{Measured, Twist, WheelTorques};
+
+/// Measured motor currents \[A\]; the sign does not matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Currents<T> {
+    /// Right motor.
+    pub right: T,
+    /// Left motor.
+    pub left: T,
+}
+
+/// Everything that the detectors see of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectorInputs<T> {
+    /// Time since the last tick \[µs\].
+    pub dt_us: u32,
+    /// What the encoders gave in this tick; `None` if nothing.
+    pub counts: Option<WheelCounts>,
+    /// Pose and twist that the controller is about to use.
+    pub measured: Measured<T>,
+    /// A twist that does not come from the wheels, such as of an external pose or a gyro, if there is one.
+    pub outside: Option<Twist<T>>,
+    /// The commanded twist of the last tick; zero where nothing drives.
+    pub command: Twist<T>,
+    /// Torques exerted since the last tick \[N m\], zero where the wheels were released; `None` where they are
+    /// not known, as with windings shorted.
+    pub torques: Option<WheelTorques<T>>,
+    /// Age of the last external pose \[µs\], `u32::MAX` if there was none.
+    pub pose_age_us: u32,
+    /// Time since the last frame of the host or sample of the reference \[µs\].
+    pub command_age_us: u32,
+    /// The localiser says that the pose jumped.
+    pub pose_jumped: bool,
+    /// What the wheel driver failed with in the last tick.
+    pub driver: Option<ErrorKind>,
+    /// Supply \[V\], if it is measured.
+    pub supply_v: Option<T>,
+    /// Motor currents, if they are measured.
+    pub currents: Option<Currents<T>>,
+}
+
+/// The faults of a tick, at most one of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ActiveFaults {
+    slots: [Option<Fault>; FaultKind::COUNT],
+}
+
+impl ActiveFaults {
+    /// None.
+    pub const NONE: Self = Self {
+        slots: [None; FaultKind::COUNT],
+    };
+
+    /// Adds a fault, such as a refused step or a driver error that this tick met after the check. The
+    /// first one of a kind stays.
+    pub fn add(&mut self, fault: Fault) {
+        let kinds = FaultKind::ALL.into_iter();
+        for (slot, kind) in self.slots.iter_mut().zip(kinds) {
+            if kind == fault.kind() && slot.is_none() {
+                *slot = Some(fault);
+            }
+        }
+    }
+
+    /// Adds a fault if there is one.
+    pub fn add_some(&mut self, fault: Option<Fault>) {
+        if let Some(fault) = fault {
+            self.add(fault);
+        }
+    }
+
+    /// Nothing was found.
+    pub fn is_empty(&self) -> bool {
+        self.slots.iter().all(Option::is_none)
+    }
+
+    /// All faults, by the code of their kind.
+    pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {
+        self.slots.iter().flatten().copied()
+    }
+
+    /// The fault of a kind.
+    pub fn get(&self, kind: FaultKind) -> Option<Fault> {
+        self.iter().find(|fault| fault.kind() == kind)
+    }
+
+    /// The fault with the most severe response (of equal reactions one that latches; the lowest code among equals), and
+    /// the response to all of them together. `None` if nothing is to be done.
+    pub fn worst(&self, policy: &ValidPolicyParams) -> Option<(Fault, Response)> {
+        let acted = self
+            .iter()
+            .map(|fault| (fault, policy.response(fault)))
+            .filter(|(_, response)| response.reaction > Reaction::Ignore);
+        acted.reduce(|(worst, so_far), (fault, response)| {
+            // What latches is what somebody has to look for.
+            let more = response.reaction > so_far.reaction
+                || (response.reaction == so_far.reaction && response.latch && !so_far.latch);
+            let cause = if more { fault } else { worst };
+            (cause, so_far.and(response))
+        })
+    }
+
+    /// Those that the policy ignores.
+    pub fn ignored(&self, policy: &ValidPolicyParams) -> impl Iterator<Item = Fault> + '_ {
+        let policy = *policy;
+        self.iter()
+            .filter(move |fault| policy.response(*fault).reaction == Reaction::Ignore)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::Side;
+
+    #[test]
+    fn the_most_severe_reaction_wins_and_any_latch_latches() {
+        let policy = ValidPolicyParams::default();
+        let mut active_faults = ActiveFaults::NONE;
+        assert_eq!(active_faults.worst(&policy), None);
+        active_faults.add(Fault::PoseJump);
+        assert_eq!(active_faults.worst(&policy), None, "ignored");
+        assert_eq!(active_faults.ignored(&policy).count(), 1);
+        // A stop that does not latch, and stops that do: one stop, latched, named by what latches, of those the lower code.
+        active_faults.add(Fault::PoseStale);
+        active_faults.add(Fault::UnderVoltage);
+        active_faults.add(Fault::TickTooLong);
+        let all = Response::latched(Reaction::ControlledStop);
+        assert_eq!(
+            active_faults.worst(&policy),
+            Some((Fault::TickTooLong, all))
+        );
+        let stuck = Fault::EncoderStuck(Side::Left);
+        active_faults.add(stuck);
+        let brake = Response::latched(Reaction::Brake);
+        assert_eq!(active_faults.worst(&policy), Some((stuck, brake)));
+        active_faults.add(Fault::Driver(ErrorKind::Bus));
+        let release = Response::latched(Reaction::Release);
+        let driver = Fault::Driver(ErrorKind::Bus);
+        assert_eq!(active_faults.worst(&policy), Some((driver, release)));
+    }
+
+    #[test]
+    fn the_first_of_a_kind_stays() {
+        let mut active_faults = ActiveFaults::NONE;
+        active_faults.add(Fault::WheelSlip(Side::Left));
+        active_faults.add(Fault::WheelSlip(Side::Right));
+        assert_eq!(
+            active_faults.get(FaultKind::WheelSlip),
+            Some(Fault::WheelSlip(Side::Left))
+        );
+        assert_eq!(active_faults.iter().count(), 1);
+    }
+}

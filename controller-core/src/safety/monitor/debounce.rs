@@ -1,0 +1,24 @@
+//! How long something has held without a break.
+
+use crate::safety::detector_params::Timeout;
+
+/// Time that saturates instead of wrapping around.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Debounce {
+    us: u32,
+}
+
+impl Debounce {
+    /// Nothing yet.
+    pub(crate) const NONE: Self = Self { us: 0 };
+
+    /// Whether `condition` has now held long enough. The tick that ends with it is counted in full.
+    pub(crate) const fn holds(&mut self, condition: bool, dt_us: u32, timeout: Timeout) -> bool {
+        self.us = if condition {
+            self.us.saturating_add(dt_us)
+        } else {
+            0
+        };
+        condition && timeout.passed(self.us)
+    }
+}

@@ -1,0 +1,226 @@
+//! Gains of the law for a real base from a design specification.
+
+use super::loops::{lateral_start, longitudinal_start};
+use super::margins;
+use crate::maths::Maths;
+use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams};
+use crate::scalar::Scalar;
+use crate::stability::edge;
+use crate::tuning::error::{in_range, refused};
+use crate::tuning::response::response;
+use crate::tuning::{DesignError, DesignParameter, Why};
+
+/// What an owner wants of following and parking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionDesignSpec<T> {
+    /// An offset across or along the path has a tenth left after this \[s\], 0.5 to 60. For offsets
+    /// that turn the robot by less than some 0.4 rad: up to a fifth of speed times this time.
+    pub settling_s: T,
+    /// Damping ratio of the lateral pair, 0.6 (10 % overshoot) to 0.98 (none).
+    pub damping: T,
+    /// The last distance to a goal has a tenth left after this \[s\], 0.5 to 60.
+    pub arrival_s: T,
+    /// Lag of the speed loop 1/κ₁ \[s\], 1e-3 to 10. Shorter is stiffer against pushes, and noisier.
+    pub speed_lag_s: T,
+    /// Lag of the turn-rate loop 1/κ₂ \[s\], 1e-3 to 10.
+    pub turn_lag_s: T,
+    /// Age of the poses \[s\], 0 to 10; stability has to last to twice that.
+    pub pose_delay_s: T,
+    /// Delay from measurement to torque, half a tick included \[s\], 0 to 1; the same.
+    pub torque_delay_s: T,
+    /// Standard deviation of the measured position \[m\], 0 to 1: keeps the heading quiet when slow.
+    pub pose_noise_m: T,
+}
+
+impl<T: Scalar> MotionDesignSpec<T> {
+    /// One time for everything, with the rest as it suits a base of 10 ms ticks and fresh poses:
+    /// damping 0.8, lags of 1/3 s and 1/5 s, poses 50 ms old, torques 10 ms late, no noise.
+    pub fn settling(settling_s: T) -> Self {
+        let f = T::from_f64;
+        Self {
+            settling_s,
+            damping: f(0.8),
+            arrival_s: settling_s,
+            speed_lag_s: f(1.0 / 3.0),
+            turn_lag_s: f(0.2),
+            pose_delay_s: f(0.05),
+            torque_delay_s: f(0.01),
+            pose_noise_m: T::ZERO,
+        }
+    }
+
+    fn check(&self) -> Result<(), DesignError> {
+        for (parameter, value, low, high) in [
+            (DesignParameter::Settling, self.settling_s, 0.5, 60.0),
+            (DesignParameter::Damping, self.damping, 0.6, 0.98),
+            (DesignParameter::Arrival, self.arrival_s, 0.5, 60.0),
+            (DesignParameter::SpeedLag, self.speed_lag_s, 1.0e-3, 10.0),
+            (DesignParameter::TurnLag, self.turn_lag_s, 1.0e-3, 10.0),
+            (DesignParameter::PoseDelay, self.pose_delay_s, 0.0, 10.0),
+            (DesignParameter::TorqueDelay, self.torque_delay_s, 0.0, 1.0),
+            (DesignParameter::PoseNoise, self.pose_noise_m, 0.0, 1.0),
+        ] {
+            in_range(parameter, value, low, high)?;
+        }
+        Ok(())
+    }
+}
+
+/// Decay of the neurons \[1/s\]: that of [`MotionGains::for_limits`].
+const DECAY: f64 = 5.0;
+
+/// Gains that meet the specification on this base. Gains that it does not determine stay as they are in `base`.
+///
+/// With the pair λ² + 2ζωλ + ω² and A given, the lateral loop λ³ + (A + k₃)λ² + A k₃ λ + A c has
+///
+/// ```text
+/// k₃ = 2ζω + ω²/(A − 2ζω)      c = ω² (1 + ω²/(A (A − 2ζω)))
+/// ```
+///
+/// exactly. ω, k₁ and k₄ are found by bisection such that the loop's response, the transition offset at its
+/// start included, has a tenth left at the specified time. The limits are those that
+/// [`MotionGains::for_limits`] respects: 2 k₃²/9 · 1 rad/s² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
+/// both accelerations with three quarters of the wheels' torque;
+/// and k₁, k₄ ≤ A/4, beyond which the robot runs past its goal.
+///
+/// # Errors
+/// The first parameter of the specification that cannot be met, with the nearest value that can.
+pub fn gains<T: Scalar, M: Maths<T>>(
+    spec: &MotionDesignSpec<T>,
+    base: &MotionParams<T>,
+) -> Result<MotionGains<T>, DesignError> {
+    spec.check()?;
+    let f = T::from_f64;
+    let a = f(DECAY);
+    let damping = spec.damping;
+    let limits = &base.limits;
+    let (accel, turn_accel) = reach(base);
+    let brake = smaller(limits.accel, limits.brake);
+    let fastest = f(1.2) * M::sqrt(smaller(accel, brake) / f(0.6));
+
+    let run = |gain: T| {
+        let (p, push) = longitudinal_start(gain, a);
+        response(&p, push, f(7.0) / gain).tenth_s
+    };
+    let most = smaller(fastest, a / f(4.0));
+
+    // Across the path. ω up to where k₃ reaches what the base can turn, or A − 2ζω gets so small
+    // that k₃ is no longer a heading gain but the mirror of A.
+    let time = |omega: T| {
+        let (k3, c) = lateral(omega, damping, a);
+        let (p, push) = lateral_start(k3, c, a);
+        response(&p, push, f(9.0) / (damping * omega)).tenth_s
+    };
+    let turn_limit = M::sqrt(f(4.5) * smaller(turn_accel, limits.turn_accel));
+    let neurons = T::HALF * a / (damping + damping);
+    let turning = edge(T::ZERO, neurons, |omega| {
+        lateral(omega, damping, a).0 <= turn_limit
+    });
+    let omega = edge(T::ZERO, turning, |omega| time(omega) > spec.settling_s);
+    if time(omega) > spec.settling_s * f(1.001) {
+        let why = if turning < neurons * f(0.999) {
+            if turn_accel < limits.turn_accel {
+                Why::Torque
+            } else {
+                Why::TurnAccel
+            }
+        } else {
+            Why::Neurons
+        };
+        // Along the path it may take longer still.
+        let (aside, longitudinal) = (time(omega), run(most));
+        let limit = if longitudinal > aside {
+            longitudinal
+        } else {
+            aside
+        };
+        return Err(refused(
+            DesignParameter::Settling,
+            spec.settling_s,
+            limit,
+            why,
+        ));
+    }
+    let (heading, lateral) = lateral(omega, damping, a);
+
+    let solve = |parameter: DesignParameter, desired: T| {
+        let gain = edge(T::ZERO, most, |gain| run(gain) > desired);
+        if run(gain) > desired * f(1.001) {
+            let why = if fastest < a / f(4.0) {
+                if accel < brake {
+                    Why::Torque
+                } else {
+                    Why::Accel
+                }
+            } else {
+                Why::Neurons
+            };
+            return Err(refused(parameter, desired, run(gain), why));
+        }
+        Ok(gain)
+    };
+    let longitudinal = solve(DesignParameter::Settling, spec.settling_s)?;
+    let approach = solve(DesignParameter::Arrival, spec.arrival_s)?;
+
+    // The base's own suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
+    let quiet = lateral * spec.pose_noise_m / (f(0.06) * heading);
+    let slow = base.gains.slow;
+    let gains = MotionGains {
+        decay: a,
+        longitudinal,
+        heading,
+        lateral,
+        slow: if quiet > slow { quiet } else { slow },
+        approach,
+        speed_loop: T::ONE / spec.speed_lag_s,
+        turn_loop: T::ONE / spec.turn_lag_s,
+        ..base.gains
+    };
+    survive_delays::<T, M>(spec, &gains)?;
+    Ok(gains)
+}
+
+/// k₃ and c of a lateral pair.
+fn lateral<T: Scalar>(omega: T, damping: T, a: T) -> (T, T) {
+    let sum = (damping + damping) * omega;
+    let square = omega * omega;
+    let third = square / (a - sum);
+    (sum + third, square * (T::ONE + third / a))
+}
+
+fn survive_delays<T: Scalar, M: Maths<T>>(
+    spec: &MotionDesignSpec<T>,
+    gains: &MotionGains<T>,
+) -> Result<(), DesignError> {
+    let worst = margins::<T, M>(gains).worst();
+    for (parameter, delay, margin) in [
+        (
+            DesignParameter::PoseDelay,
+            spec.pose_delay_s,
+            worst.pose_delay_s,
+        ),
+        (
+            DesignParameter::TorqueDelay,
+            spec.torque_delay_s,
+            worst.torque_delay_s,
+        ),
+    ] {
+        if delay + delay > margin {
+            return Err(refused(parameter, delay, T::HALF * margin, Why::Delay));
+        }
+    }
+    Ok(())
+}
+
+/// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] that the wheels have to give to a command.
+fn reach<T: Scalar>(base: &MotionParams<T>) -> (T, T) {
+    let (robot, wheels) = (&base.robot, &base.robot.wheels);
+    let torque = T::from_f64(COMMAND_SHARE) * base.limits.wheel_torque_nm;
+    let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
+    let moment = T::HALF * wheels.track_m * force;
+    (force / robot.mass_kg, moment / robot.inertia_kg_m2)
+}
+
+fn smaller<T: Scalar>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}

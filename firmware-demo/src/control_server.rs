@@ -1,0 +1,299 @@
+//! The control task with a host at the other end of a line: what runs in the timer's interrupt, and what runs
+//! in the background.
+//!
+//! ```text
+//! bytes -> CommandReceiver --requests--> ControlServer::tick -> wheels
+//!             |      ----stops---> |
+//!             |      --samples---> (control task)
+//!             v                        |
+//! bytes <- answers <----telemetry------+
+//! ```
+//!
+//! All three queues are bounded and lock-free, so neither side ever waits for the other. A full queue of requests refuses
+//! them with [`RejectReason::Full`].
+//!
+//! # Stops
+//!
+//! A stop and an emergency stop are never refused. They have places of their own beside the queue, and the tick after their
+//! frame has arrived obeys them, however many frames came with it:
+//!
+//! * The command receiver answers with an Ack as soon as the stop has its place; it does not go through the queue of telemetry.
+//! * A stop stands where the host sent it. Commands before it come before it, so that Arm, Park, Stop in one tick ends
+//!   stopped. Commands after it come after it, as if they had come in a later tick: Stop, Arm ends armed if the base
+//!   stood, and refuses to arm while it comes to rest; after an emergency stop Arm is refused until a reset.
+//! * Of several stops of one kind in a tick the last one counts; the severer of two kinds prevails: release, brake, stop.
+//!
+//! Storing parameters makes a tick as long as the flash takes, and a stop wait for it; it is refused unless the base is idle
+//! or stopped, where there is no torque that a stop could end.
+//!
+//! What the line loses has no Ack. A host sends a stop again until it has one, best with a delimiter (a zero byte) before
+//! it, which ends whatever damage stands on the line; a host that says nothing at all is gone after `command_stale`.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use controller_core::base::Sensed;
+use controller_core::hal::WheelDrive;
+use controller_core::queue::ReferenceQueue;
+use controller_core::safety::supervisor::State;
+use heapless::spsc::Queue;
+
+use crate::control::ControlTask;
+use crate::queue::{self, Receiver};
+use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
+use crate::telemetry::TelemetryQueue;
+use protocol::{Command, Frame, Origin, RejectReason, Telemetry};
+
+mod command_receiver;
+mod stops;
+
+use stops::{Seen, Stops};
+
+pub use command_receiver::CommandReceiver;
+
+/// Slots for samples; a host is ahead of the robot by one less.
+pub const SAMPLES: usize = 64;
+/// Slots for commands under way to the tick.
+pub const REQUESTS: usize = 8;
+/// Slots for telemetry under way to the line.
+pub const REPORTS: usize = 16;
+
+/// A command, and its place among all that is on its way to the tick.
+struct Request {
+    number: u32,
+    frame: Frame<Command>,
+}
+
+type Answer = Frame<Telemetry>;
+
+/// Sequence number of unsolicited telemetry.
+pub const UNASKED: u16 = u16::MAX;
+
+/// What both sides look at; each field has one writer.
+#[derive(Debug, Default)]
+struct Shared {
+    /// Sound frames, written by the command receiver.
+    frames: AtomicU32,
+    /// Whether samples are taken, in the lowest bit, and changes of state above; written by the tick.
+    state: AtomicU32,
+    /// Written by the command receiver.
+    stops: Stops,
+    overruns: AtomicU32,
+    dropped: AtomicU32,
+}
+
+/// The queues between the two sides. It outlives both, in a `static` or on the stack of `main`.
+#[derive(Default)]
+pub struct Queues {
+    samples: ReferenceQueue<f32, SAMPLES>,
+    requests: Queue<Request, REQUESTS>,
+    answers: Queue<Answer, REPORTS>,
+    shared: Shared,
+}
+
+/// Ends of the queues for the tick.
+pub struct TickEnds<'queue> {
+    requests: Receiver<'queue, Request, REQUESTS>,
+    telemetry: TelemetryQueue<'queue, Answer, REPORTS>,
+    shared: &'queue Shared,
+}
+
+impl Queues {
+    /// The control task's references, the tick's ends, and the background's side. Of `decimate` reports one is
+    /// sent.
+    pub fn split(
+        &mut self,
+        decimate: u16,
+    ) -> (
+        controller_core::queue::ReferenceConsumer<'_, f32>,
+        TickEnds<'_>,
+        CommandReceiver<'_>,
+    ) {
+        let (producer, consumer) = self.samples.split();
+        let (sender, requests) = queue::split(&mut self.requests);
+        let (telemetry, answers) = TelemetryQueue::split(&mut self.answers, decimate);
+        let shared = &self.shared;
+        let receiver = CommandReceiver::new(producer, sender, answers, shared);
+        let ends = TickEnds {
+            requests,
+            telemetry,
+            shared,
+        };
+        (consumer, ends, receiver)
+    }
+}
+
+/// The tick's side: stops and commands first, then the control task, then telemetry.
+pub struct ControlServer<'queue, D, M = NoMemory> {
+    task: ControlTask<'queue, D>,
+    ends: TickEnds<'queue>,
+    memory: M,
+    origin: Origin,
+    /// The origin that the host knows.
+    reported: Option<Origin>,
+    frames: u32,
+    stops: Seen,
+    changes: u32,
+    /// The state word of the trajectory under way.
+    word: u32,
+}
+
+impl<'queue, D: WheelDrive> ControlServer<'queue, D> {
+    /// Puts a task on the line; it begins with what it was compiled with.
+    pub fn new(task: ControlTask<'queue, D>, ends: TickEnds<'queue>) -> Self {
+        Self::with_memory(task, ends, NoMemory)
+    }
+}
+
+impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
+    /// Puts a task on the line; it begins with what is stored, if that is whole and in range.
+    pub fn with_memory(
+        mut task: ControlTask<'queue, D>,
+        ends: TickEnds<'queue>,
+        mut memory: M,
+    ) -> Self {
+        let origin = match memory.load().record {
+            Ok(record) => match task.set_field(&record.params) {
+                Ok(()) => Origin::Stored {
+                    sequence: record.sequence,
+                },
+                Err(_) => Origin::Defaults(NotLoaded::Refused),
+            },
+            Err(why) => Origin::Defaults(why),
+        };
+        Self {
+            task,
+            ends,
+            memory,
+            origin,
+            reported: None,
+            frames: 0,
+            stops: Seen::default(),
+            changes: 0,
+            word: 0,
+        }
+    }
+
+    /// Where the parameters in use come from.
+    pub const fn origin(&self) -> Origin {
+        self.origin
+    }
+
+    /// One tick; see [`ControlTask::tick`]. Storing parameters, at the host's request and while disarmed only, takes as long as the
+    /// flash does.
+    pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) {
+        let frames = self.ends.shared.frames.load(Ordering::Relaxed);
+        if frames != self.frames {
+            self.frames = frames;
+            self.task.host_seen();
+        }
+        let mut stops = self.stops.news(&self.ends.shared.stops);
+        // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
+        // queue by then, which holds one less than there are rounds: the stop is obeyed within them.
+        for _ in 0..REQUESTS {
+            let request = self.ends.requests.receive();
+            let number = request.as_ref().map(|request| request.number);
+            while let Some(stop) = stops.next_before(number) {
+                // Nothing refuses a stop.
+                let _ = self.task.command(stop);
+            }
+            let Some(Request { frame, .. }) = request else {
+                break;
+            };
+            let Frame { sequence, message } = frame;
+            let message = self.answer(&message);
+            self.ends.telemetry.push(Frame { sequence, message });
+        }
+        self.task.tick(now_us, sensed);
+        self.publish();
+    }
+
+    fn answer(&mut self, command: &Command) -> Telemetry {
+        let origin = match command {
+            Command::GetParameters => {
+                self.task.host_seen();
+                return Telemetry::Parameters(self.task.params().into());
+            }
+            Command::SaveParameters => {
+                self.task.host_seen();
+                if !self.task.is_disarmed() {
+                    return Telemetry::Nack(RejectReason::State);
+                }
+                match self.memory.save(&self.task.params().into()) {
+                    Ok(sequence) => Origin::Stored { sequence },
+                    Err(SaveError::NoMemory) => {
+                        return Telemetry::Nack(RejectReason::Unsupported);
+                    }
+                    Err(_) => return Telemetry::Nack(RejectReason::Storage),
+                }
+            }
+            _ => {
+                let result = self.task.command(command);
+                if result.is_err() {
+                    return outcome(result);
+                }
+                match command {
+                    Command::SetParameters(_) => Origin::Host,
+                    Command::LoadDefaults => Origin::Defaults(NotLoaded::Asked),
+                    _ => self.origin,
+                }
+            }
+        };
+        self.origin = origin;
+        Telemetry::Ack
+    }
+
+    /// The control task, to look at.
+    pub const fn task(&self) -> &ControlTask<'queue, D> {
+        &self.task
+    }
+
+    /// The wheels; see [`ControlTask::drive_mut`].
+    pub const fn drive_mut(&mut self) -> &mut D {
+        self.task.drive_mut()
+    }
+
+    fn publish(&mut self) {
+        let Self { task, ends, .. } = self;
+        let unasked = |message| Frame {
+            sequence: UNASKED,
+            message,
+        };
+        // Where there is no room the next tick tries again: what the base does now is the last thing to keep from a host.
+        if task.changes() != self.changes
+            && ends.telemetry.push(unasked(Telemetry::State {
+                tick: task.ticks(),
+                state: task.state(),
+                cause: task.cause(),
+            }))
+        {
+            self.changes = task.changes();
+        }
+        if self.reported != Some(self.origin)
+            && ends.telemetry.push(unasked(Telemetry::Origin(self.origin)))
+        {
+            self.reported = Some(self.origin);
+        }
+        if task.state().is_live() {
+            ends.telemetry
+                .offer(|| unasked(Telemetry::Tick(task.telemetry())));
+        }
+        let takes = matches!(task.state(), State::Armed | State::Tracking | State::Parked);
+        // Tracking goes on with the trajectory that it was started with.
+        if task.state() != State::Tracking {
+            self.word = task.changes() << 1 | u32::from(takes);
+        }
+        let shared = ends.shared;
+        shared.state.store(self.word, Ordering::Release);
+        shared.overruns.store(task.overruns(), Ordering::Relaxed);
+        shared
+            .dropped
+            .store(ends.telemetry.dropped(), Ordering::Relaxed);
+    }
+}
+
+fn outcome(result: Result<(), RejectReason>) -> Telemetry {
+    match result {
+        Ok(()) => Telemetry::Ack,
+        Err(reason) => Telemetry::Nack(reason),
+    }
+}

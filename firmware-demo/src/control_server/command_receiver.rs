@@ -1,0 +1,114 @@
+//! The background's half: bytes in, answers out.
+
+use core::sync::atomic::Ordering;
+
+use controller_core::queue::{PushError, ReferenceProducer};
+
+use super::{Answer, REPORTS, REQUESTS, Request, Shared, outcome};
+use crate::queue::{Receiver, Sender};
+use protocol::{
+    Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
+};
+
+/// The background's side: bytes from the line, answers to it.
+pub struct CommandReceiver<'queue> {
+    decoder: Decoder<Command, MAX_CONTENT>,
+    samples: ReferenceProducer<'queue, f32>,
+    requests: Sender<'queue, Request, REQUESTS>,
+    answers: Receiver<'queue, Answer, REPORTS>,
+    shared: &'queue Shared,
+    /// Of the last command on its way to the tick.
+    number: u32,
+    /// Answers that found no room on their way to the line.
+    dropped: u32,
+    /// Changes of state when the present trajectory began.
+    trajectory: u32,
+}
+
+impl<'queue> CommandReceiver<'queue> {
+    pub(super) const fn new(
+        samples: ReferenceProducer<'queue, f32>,
+        requests: Sender<'queue, Request, REQUESTS>,
+        answers: Receiver<'queue, Answer, REPORTS>,
+        shared: &'queue Shared,
+    ) -> Self {
+        Self {
+            decoder: Decoder::new(),
+            samples,
+            requests,
+            answers,
+            shared,
+            number: 0,
+            dropped: 0,
+            trajectory: 0,
+        }
+    }
+
+    /// Takes one byte from the line. Stops and some other commands are answered here, the others by the tick.
+    pub fn push(&mut self, byte: u8, stack_bytes: impl FnOnce() -> u32) -> Option<Answer> {
+        let Ok(frame) = self.decoder.push(byte)? else {
+            return None;
+        };
+        let Frame { sequence, message } = frame;
+        let frames = self.decoder.counters();
+        self.shared.frames.store(frames.good, Ordering::Relaxed);
+        let answer = match message {
+            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
+            Command::GetCounters => Telemetry::Counters(Counters {
+                frames_good: frames.good,
+                frames_rejected: frames.rejected(),
+                reports_dropped: self
+                    .shared
+                    .dropped
+                    .load(Ordering::Relaxed)
+                    .saturating_add(self.dropped),
+                overruns: self.shared.overruns.load(Ordering::Relaxed),
+                stack_bytes: stack_bytes(),
+            }),
+            Command::Sample(sample) => outcome(self.sample(&sample)),
+            command => {
+                self.number = self.number.wrapping_add(1);
+                let number = self.number;
+                if self.shared.stops.take(&command, number) {
+                    Telemetry::Ack
+                } else if self.requests.send(Request { number, frame }) {
+                    return None;
+                } else {
+                    Telemetry::Nack(RejectReason::Full)
+                }
+            }
+        };
+        Some(Frame {
+            sequence,
+            message: answer,
+        })
+    }
+
+    /// An answer of [`push`](Self::push) found no room on its way to the line.
+    pub const fn count_dropped(&mut self) {
+        self.dropped = self.dropped.saturating_add(1);
+    }
+
+    /// What the tick has to say, oldest first.
+    pub fn pending(&mut self) -> Option<Answer> {
+        self.answers.receive()
+    }
+
+    fn sample(&mut self, sample: &TimedSample) -> Result<(), RejectReason> {
+        let state = self.shared.state.load(Ordering::Acquire);
+        if state & 1 == 0 {
+            return Err(RejectReason::State);
+        }
+        // The first one after the robot came to accept samples begins a trajectory, at whatever time.
+        if self.trajectory != state {
+            self.samples.restart();
+            self.trajectory = state;
+        }
+        self.samples
+            .push(sample.into())
+            .map_err(|error| match error {
+                PushError::Full => RejectReason::Full,
+                _ => RejectReason::Value,
+            })
+    }
+}

@@ -1,0 +1,139 @@
+//! Between the plant's doubles and the controller's singles.
+
+use crate::mission::Hardware;
+use controller_core::base::{BaseParams, Order, Sensed};
+use controller_core::error::ParamError;
+use controller_core::localiser::{Fix, LocaliserParams};
+use controller_core::maths::Single;
+use controller_core::motion::Task;
+use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::robot::Robot;
+use controller_core::safety::Currents;
+use controller_core::wheels::WheelGeometry;
+use protocol::pil::WheelOutput;
+
+use crate::mission::BaseSpec;
+use crate::world::{Actuation, World};
+
+/// Counts per turn and bandwidth of a base that says nothing about its encoders.
+const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
+
+/// The core's parameters of a base that ticks every `period_us`: what the simulator runs, and what
+/// `sim-host constants` writes for a firmware.
+///
+/// # Errors
+/// The localiser's parameters, on whose noise the others depend.
+pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
+    let robot: Robot = base.robot.cast();
+    let limits = base.limits.cast();
+    let (localiser, motor) = match &base.hardware {
+        Some(hardware) => (
+            hardware.localiser(&base.robot.wheels),
+            Some(hardware.motor(base.limits.speed, smaller_radius(base))),
+        ),
+        None => (plain_localiser(robot.wheels), None),
+    };
+    let mut params = BaseParams::new(robot, limits, localiser, motor, period_us)?;
+    if let Some(gains) = &base.gains {
+        // What noise asks of `slow` stays.
+        let slow = params.motion.gains.slow;
+        params.motion.gains = gains.cast();
+        if params.motion.gains.slow < slow {
+            params.motion.gains.slow = slow;
+        }
+    }
+    params.policy = base.policy;
+    Ok(params)
+}
+
+fn smaller_radius(base: &BaseSpec) -> f64 {
+    let wheels = &base.robot.wheels;
+    wheels.radius_right_m.min(wheels.radius_left_m)
+}
+
+fn plain_localiser(wheels: WheelGeometry<f32>) -> LocaliserParams<f32> {
+    let (counts, bandwidth) = PLAIN_ENCODER;
+    LocaliserParams {
+        odometry: OdometryParams {
+            wheels,
+            calibration: Calibration::NOMINAL,
+            counts_per_turn: counts as f32,
+            bandwidth: bandwidth as f32,
+        },
+        fusion: None,
+    }
+}
+
+/// The world of a base: its hardware, but for what the keys say otherwise.
+pub(super) fn with_hardware(
+    keys: &crate::world::WorldKeys,
+    hardware: Option<&Hardware>,
+) -> crate::world::WorldKeys {
+    let Some(hardware) = hardware else {
+        let mut keys = keys.clone();
+        keys.encoder.counts_per_turn = PLAIN_ENCODER.0;
+        return keys;
+    };
+    let own = hardware.world();
+    let plain = crate::world::WorldKeys::default();
+    let mut all = keys.clone();
+    all.motor = all.motor.or(own.motor);
+    if all.battery == plain.battery {
+        all.battery = own.battery;
+    }
+    let rolling = all.friction.rolling;
+    if (crate::world::FrictionParams {
+        rolling: 0.0,
+        ..all.friction
+    }) == plain.friction
+    {
+        all.friction = own.friction;
+        all.friction.rolling = rolling.max(own.friction.rolling);
+    }
+    all.encoder.counts_per_turn = own.encoder.counts_per_turn;
+    all.pose_source = all.pose_source.or(own.pose_source);
+    all
+}
+
+/// What the base measures of a world.
+pub(super) fn sensed(world: &World) -> Sensed<f32> {
+    let [right, left] = world.currents();
+    Sensed {
+        counts: world.counts(),
+        fix: world.fix().map(|(pose, age_s)| Fix {
+            pose: pose.cast(),
+            age_s: age_s as f32,
+        }),
+        supply_v: Some(world.supply_v() as f32),
+        currents: Some(Currents {
+            right: right as f32,
+            left: left as f32,
+        }),
+        driver: world.drive_answer(),
+    }
+}
+
+impl From<&WheelOutput> for Actuation {
+    fn from(output: &WheelOutput) -> Self {
+        match *output {
+            WheelOutput::Release => Self::Release,
+            WheelOutput::Brake => Self::Brake,
+            WheelOutput::Torque { right, left } => Self::Torque {
+                right: f64::from(right),
+                left: f64::from(left),
+            },
+            WheelOutput::Duty { right, left } => Self::Duty {
+                right: f64::from(right),
+                left: f64::from(left),
+            },
+        }
+    }
+}
+
+/// A task as an order.
+pub(crate) fn order(task: &Task<f64>) -> Order<f32> {
+    match task {
+        Task::Park(goal) => Order::Park(goal.cast()),
+        Task::Follow(reference) => Order::Follow(reference.cast_with::<f32, Single>()),
+    }
+}

@@ -1,0 +1,98 @@
+//! `verify`.
+
+use super::error::CommandError;
+use super::robot::Robot;
+use super::write::Writer;
+use super::{robustness, say};
+use crate::cli::Output;
+use crate::robot_args::VerifyArgs;
+use indicatif::ProgressBar;
+use serde::Serialize;
+use sim_host::figure::Labelled;
+use sim_host::verify::{
+    Case, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
+};
+
+/// A verification as it stands in a JSON file.
+#[derive(Serialize)]
+struct Record<'a> {
+    robot: &'a str,
+    description: &'a str,
+    first_seed: u64,
+    seeds: u32,
+    passed: bool,
+    cases: &'a [Case],
+}
+
+pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError> {
+    let robot = Robot::load(&arguments.robot)?;
+    let base = &robot.base;
+    let writer = Writer::new(output)?;
+    // Hidden by itself where standard error is no terminal.
+    let bar = ProgressBar::new(runs(arguments.seeds)).with_style(robustness::style());
+    let seed = arguments.seed.draw()?;
+    let verification = verify(base, seed, arguments.seeds, || bar.inc(1));
+    bar.finish_and_clear();
+    let verification = verification?;
+    say(&format!(
+        "{}: {}, worlds of seeds {seed} to {}\n{}\n",
+        robot.name,
+        base.name,
+        seed.wrapping_add(u64::from(arguments.seeds.get() - 1)),
+        case_table(&verification)
+    ))?;
+    say(
+        "errors and times of the runs that parked, of all if none did; worst over the seeds. !: beyond what \
+         is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
+    )?;
+    say(&format!("{}\n", verdict(&verification)))?;
+    let name = format!("{}-verify", robot.name);
+    draw_worst(&verification, &robot, &name, &writer)?;
+    let record = Record {
+        robot: &robot.file,
+        description: &base.name,
+        first_seed: seed,
+        seeds: arguments.seeds.get(),
+        passed: verification.holds(),
+        cases: &verification.cases,
+    };
+    writer.json(&name, &[record])?;
+    let mut csv = Vec::new();
+    write_csv(&verification.runs, &mut csv).map_err(|error| CommandError::Write {
+        path: output.out.join(format!("{name}.csv")),
+        cause: error.to_string(),
+    })?;
+    writer.bytes(&format!("{name}.csv"), &csv)?;
+    say(&format!("results are in {}\n", output.out.display()))?;
+    match verification.holds() {
+        true => Ok(()),
+        false => Err(CommandError::NotProven(robot.name)),
+    }
+}
+
+/// The worst run, with all its signals.
+fn draw_worst(
+    verification: &Verification,
+    robot: &Robot,
+    name: &str,
+    writer: &Writer<'_>,
+) -> Result<(), CommandError> {
+    let worst = verification.worst().ok_or(CommandError::NoRows)?;
+    let trace = worst.again(&robot.base)?;
+    let reason = shortcoming(&worst.figures).map_or_else(String::new, |r| format!(", fails: {r}"));
+    let what = format!(
+        "{}, {}, seed {}{reason}",
+        worst.course.name(),
+        worst.condition.name(),
+        worst.seed
+    );
+    say(&format!("worst      {what}\n"))?;
+    let common = trace.common();
+    let main = Labelled {
+        label: "robot",
+        trace: &common,
+    };
+    let title = format!("{}: {what}", robot.name.replace('_', " "));
+    writer.figure(name, &title, main, None)?;
+    writer.drive_csv(&format!("{name}-worst"), &trace)
+}

@@ -1,0 +1,128 @@
+//! What a robot is to do: on which base, along which route, in which world.
+//!
+//! A [`Mission`] is what a scenario file or a trajectory file becomes; [`crate::drive`] runs it.
+
+mod base;
+mod hardware;
+mod reference_sampler;
+mod sequencer;
+
+pub use base::BaseSpec;
+pub use hardware::Hardware;
+pub(crate) use sequencer::{Orders, Sequencer};
+
+use crate::import::Trajectory;
+use crate::motion::ReferenceMotion;
+use crate::precision::Precision;
+use crate::world::WorldSetup;
+use controller_core::robot::Robot;
+use controller_core::types::{Measured, Pose};
+
+/// A closed loop with the law for a real base, checked: every field is within its range.
+#[derive(Clone, Debug)]
+pub struct Mission {
+    /// File name without its extension.
+    pub name: String,
+    /// One line for people.
+    pub description: String,
+    /// What the controller believes of the robot.
+    pub base: BaseSpec,
+    /// What the robot really is.
+    pub robot: Robot<f64>,
+    /// Number type of the controller.
+    pub precision: Precision,
+    /// Where the robot is at t = 0 and how it moves.
+    pub start: Measured<f64>,
+    /// What it does from then on.
+    pub course: Course,
+    /// What changes on the way, in order of time.
+    pub events: Vec<Event>,
+    /// Control period \[s\].
+    pub period_s: f64,
+    /// When the run ends.
+    pub end: End,
+    /// A world to run in; none for the ideal plant with perfect measurements.
+    pub setup: Option<WorldSetup>,
+}
+
+/// What the robot does.
+#[derive(Clone, Debug)]
+pub enum Course {
+    /// Goes to a pose.
+    Park(Pose<f64>),
+    /// Follows a route.
+    Follow {
+        /// The route.
+        route: Route,
+        /// When to leave it and where to park; `None` follows to the end.
+        hand_over: Option<HandOverRule>,
+    },
+}
+
+/// A reference over time.
+#[derive(Clone, Debug)]
+pub enum Route {
+    /// Of a file.
+    File(Box<Trajectory>),
+    /// By Eq. (6).
+    Motion(ReferenceMotion),
+}
+
+/// When to leave a route, and where to park.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandOverRule {
+    /// Where to park.
+    pub goal: Pose<f64>,
+    /// Time on the route at which the goal is reached \[s\].
+    pub end_s: f64,
+    /// When to leave.
+    pub when: When,
+}
+
+/// When to leave a route.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum When {
+    /// By the way to go and the speed: as late as parking takes over without overshoot.
+    Distance,
+    /// At a time \[s\].
+    Time(f64),
+}
+
+/// Something that changes at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// \[s\].
+    pub at_s: f64,
+    /// What.
+    pub change: Change,
+}
+
+/// What changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// The robot is to park here, whatever it is doing.
+    Goal(Pose<f64>),
+    /// Back to the route.
+    Follow,
+    /// The localisation corrects itself by this much, and is right from then on (but for later
+    /// jumps). It is declared to the controller.
+    Jump(Pose<f64>),
+}
+
+/// When a run ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// At a time \[s\].
+    At(f64),
+    /// After the robot was parked for a second, or at this time at the latest \[s\].
+    Parked(f64),
+}
+
+impl Mission {
+    /// The time at which the run ends at the latest \[s\].
+    pub fn longest_s(&self) -> f64 {
+        match self.end {
+            End::At(time) | End::Parked(time) => time,
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The task of each tick: from route, events and hand-over rule.
+
+use super::reference_sampler::ReferenceSampler;
+use super::{Change, Course, Event, HandOverRule, Mission, When};
+use controller_core::maths::Libm;
+use controller_core::motion::{Remaining, Task};
+use controller_core::pose_error::pose_error;
+use controller_core::reference::Reference;
+use controller_core::types::{Measured, Pose, Twist};
+
+/// Gives the orders of each tick.
+pub(crate) struct Sequencer<'a> {
+    sampler: ReferenceSampler,
+    rule: Option<HandOverRule>,
+    events: &'a [Event],
+    /// Half the distance of the wheels \[m\]: what a turn makes a wheel travel.
+    lever: f64,
+    /// Parking there; following if there is none.
+    goal: Option<Pose<f64>>,
+    /// How far the localisation is still off: what is to be added to it.
+    correction: Pose<f64>,
+}
+
+/// A tick's orders.
+pub(crate) struct Orders {
+    pub(crate) task: Task<f64>,
+    /// Where the robot is to be.
+    pub(crate) target: Reference<f64>,
+    /// The reference and the way to go, in the tick that leaves it.
+    pub(crate) left: Option<(Reference<f64>, f64)>,
+    /// The localisation jumped.
+    pub(crate) jumped: bool,
+    /// The pose as the localisation has it.
+    pub(crate) measured: Measured<f64>,
+}
+
+impl<'a> Sequencer<'a> {
+    pub(crate) fn new(mission: &'a Mission) -> Self {
+        let (rule, goal) = match &mission.course {
+            Course::Park(goal) => (None, Some(*goal)),
+            Course::Follow { hand_over, .. } => (*hand_over, None),
+        };
+        let mut correction = Pose::default();
+        for event in &mission.events {
+            if let Change::Jump(jump) = event.change {
+                correction.x += jump.x;
+                correction.y += jump.y;
+                correction.theta += jump.theta;
+            }
+        }
+        Self {
+            sampler: ReferenceSampler::of(mission),
+            rule,
+            events: &mission.events,
+            lever: 0.5 * mission.base.robot.wheels.track_m,
+            goal,
+            correction,
+        }
+    }
+
+    /// Orders for a tick. `command` is what was commanded last, `distance` gives the distance at
+    /// which parking takes over from a speed.
+    pub(crate) fn at(
+        &mut self,
+        tick: usize,
+        t: f64,
+        truth: &Measured<f64>,
+        command: &Twist<f64>,
+        distance: impl Fn(f64) -> f64,
+    ) -> Orders {
+        let mut jumped = false;
+        // 1 ns of slack: k·dt, in floating point, is not one tick late.
+        while let Some((event, rest)) = self
+            .events
+            .split_first()
+            .filter(|(e, _)| t >= e.at_s - 1e-9)
+        {
+            self.events = rest;
+            match event.change {
+                Change::Goal(goal) => self.goal = Some(goal),
+                Change::Follow => self.goal = None,
+                Change::Jump(jump) => {
+                    self.correction.x -= jump.x;
+                    self.correction.y -= jump.y;
+                    self.correction.theta -= jump.theta;
+                    jumped = true;
+                }
+            }
+        }
+        let measured = Measured {
+            pose: Pose {
+                x: truth.pose.x - self.correction.x,
+                y: truth.pose.y - self.correction.y,
+                theta: truth.pose.theta - self.correction.theta,
+            },
+            twist: truth.twist,
+        };
+        let mut left = None;
+        if self.goal.is_none()
+            && let (Some(rule), Some(reference)) = (self.rule, self.sampler.at(tick))
+        {
+            let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
+            let (path_m, turn_rad) = self.sampler.to_go(tick);
+            let remaining = Remaining { path_m, turn_rad }.with_error(&reference, &error);
+            let due = match rule.when {
+                When::Time(time) => t >= time - 1e-9,
+                When::Distance => {
+                    self.sampler.is_over(tick)
+                        || remaining.is_short::<Libm>(command, self.lever, distance)
+                }
+            };
+            // Tick 0 starts, so it cannot hand over.
+            if due && tick > 0 {
+                self.goal = Some(rule.goal);
+                left = Some((reference, remaining.path_m));
+            }
+        }
+        let target = match self.goal {
+            Some(goal) => Reference::at_rest_with::<Libm>(goal),
+            None => self
+                .sampler
+                .at(tick)
+                .unwrap_or_else(|| Reference::at_rest_with::<Libm>(measured.pose)),
+        };
+        let task = match self.goal {
+            Some(goal) => Task::Park(goal),
+            None => Task::Follow(target),
+        };
+        Orders {
+            task,
+            target,
+            left,
+            jumped,
+            measured,
+        }
+    }
+}

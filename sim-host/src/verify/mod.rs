@@ -1,0 +1,59 @@
+//! Verification in simulation: does a base do its courses on bad floors?
+//!
+//! Every [`Course`] under every [`Condition`], many seeds each: all of them have to park within 5 mm and
+//! 10 mrad of the true goal and then be quiet. A simulation says nothing about a robot that is not as
+//! its file says; it shows what the numbers in the file are good for.
+
+mod csv;
+mod study;
+mod table;
+
+pub use csv::{COLUMNS, write as write_csv};
+pub use study::{Case, Run, Verification, VerifyError, runs, verify};
+pub use table::{case_table, verdict};
+
+use crate::trials::{Condition, Course, Figures};
+
+/// Largest true distance to the goal \[m\].
+pub const DISTANCE_M: f64 = 5.0e-3;
+/// Largest true heading error \[rad\].
+pub const HEADING_RAD: f64 = 10.0e-3;
+/// What largest and least torque of a wheel at rest may differ by, over its limit.
+pub const RIPPLE: f64 = 0.01;
+
+/// What a run did not fulfil, if anything; the first of them.
+pub fn shortcoming(figures: &Figures) -> Option<&'static str> {
+    [
+        ("not parked", !figures.parked),
+        ("distance", figures.error_m > DISTANCE_M),
+        ("heading", figures.error_rad > HEADING_RAD),
+        // No ripple was measured if it did not park.
+        ("ripple", figures.ripple.is_none_or(|share| share >= RIPPLE)),
+    ]
+    .into_iter()
+    .find_map(|(name, failed)| failed.then_some(name))
+}
+
+/// How bad a run is, to find the worst one: parked before not parked, then by error over tolerance.
+fn badness(figures: &Figures) -> f64 {
+    let error = (figures.error_m / DISTANCE_M).max(figures.error_rad / HEADING_RAD);
+    let quiet = figures.ripple.unwrap_or_default() / RIPPLE;
+    // No error reaches a thousand tolerances on these courses.
+    let lost = if figures.parked { 0.0 } else { 1.0e3 };
+    lost + error.max(quiet)
+}
+
+/// Runs of all cases, in order.
+const fn grid() -> [(Course, Condition); 18] {
+    let mut all = [(Course::Line, Condition::Drawn); 18];
+    let mut at = 0;
+    while at < all.len() {
+        let conditions = Condition::ALL.len();
+        all[at] = (
+            Course::ALL[at / conditions],
+            Condition::ALL[at % conditions],
+        );
+        at += 1;
+    }
+    all
+}
