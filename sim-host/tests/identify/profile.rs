@@ -145,7 +145,7 @@ fn losses_that_were_found_are_written() {
         });
     }
     let updated = update(LAB, &found, None).expect("TOML");
-    let base = Base::parse("robot.toml", &updated.text).expect("a base");
+    let base = BaseSpec::parse("robot.toml", &updated.text).expect("a base");
     let motor = base.hardware.expect("motors").motor;
     assert_eq!(motor.gear_efficiency, 1.0);
     assert_eq!(motor.dead_band, 0.025);
