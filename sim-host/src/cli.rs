@@ -235,7 +235,8 @@ Examples:
     ///
     /// Each with its 95 % interval, or with the reason why this log cannot tell it and what would.
     /// Prints a table, writes LOG-identify.json. Exit code 0 also where something is not
-    /// identifiable, 1 if the log cannot be read or contradicts itself.
+    /// identifiable, 1 if the log cannot be read or contradicts itself, or if --coverage finds an
+    /// interval that holds the true value in less than 90 % of the drives.
     ///
     /// The log is CSV with a header, SI units; a row holds what is measured at t and the command
     /// that acts from t on:
@@ -253,7 +254,8 @@ Examples:
 Examples:
   sim-host identify drive.csv --counts-per-turn 2048
   sim-host identify drive.csv --counts-per-turn 2048 --latency 0.03 --known mass=9.8,gear=20
-  sim-host identify drive.csv --known radius=0.08 --known track=0.35 --profile robot.toml"
+  sim-host identify drive.csv --known radius=0.08 --known track=0.35 --profile robot.toml
+  sim-host identify --coverage bases/lab-10kg.toml --fresh     drives that nobody has seen"
     )]
     Identify(IdentifyArgs),
     /// List scenarios with their descriptions

@@ -80,6 +80,13 @@ pub enum CommandError {
     ClosedLoop(#[from] sim_host::closed_loop::ClosedLoopError),
     #[error("{0} runs against the rules: see above")]
     Violations(usize),
+    #[error(transparent)]
+    Coverage(#[from] sim_host::identify::coverage::CoverageError),
+    #[error(
+        "intervals hold the true value in less than 90 % of the drives: {}",
+        .0.join(", ")
+    )]
+    NotCovered(Vec<String>),
     #[error("cannot print: {0}")]
     Print(std::io::Error),
     #[error("the run has no ticks")]

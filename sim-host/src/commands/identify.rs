@@ -4,6 +4,8 @@ use super::error::CommandError;
 use super::say;
 use super::write::Writer;
 use crate::cli::{IdentifyArgs, Output};
+use serde::Serialize;
+use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
 use sim_host::identify::{Identified, Known, Log, Options, identify, report};
 use sim_host::mission::BaseSpec;
@@ -11,16 +13,71 @@ use std::fs::{self, File};
 use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 
-pub fn log(arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
-    let path = &arguments.log;
+pub fn run(arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
+    match (&arguments.log, &arguments.coverage) {
+        (Some(path), _) => log(path, arguments, output),
+        (None, Some(base)) => covered(base, arguments, output),
+        // The arguments are checked to have one of them.
+        (None, None) => Ok(()),
+    }
+}
+
+/// Coverage as it stands in a JSON file.
+#[derive(Serialize)]
+struct Record<'a> {
+    base: &'a Path,
+    runs: usize,
+    seed: u64,
+    rates: &'a [Rate],
+}
+
+fn covered(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
+    let base = BaseSpec::load(path)?;
+    let runs = arguments.runs.get();
+    let seed = arguments.seed.draw()?;
+    say(&format!(
+        "{}: {runs} drives, seeds {seed} to {}\n",
+        base.name,
+        seed.saturating_add(runs as u64 - 1)
+    ))?;
+    let rates = coverage::coverage(&base, runs, seed)?;
+    say(&format!("{}\n", report::coverage(&rates, runs)))?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let record = Record {
+        base: path,
+        runs,
+        seed,
+        rates: &rates,
+    };
+    Writer::new(output)?.json(&format!("{name}-coverage"), &[record])?;
+    let missed: Vec<_> = rates
+        .iter()
+        .filter(|r| r.share() < coverage::LEAST)
+        .collect();
+    match missed[..] {
+        [] => Ok(()),
+        _ => Err(CommandError::NotCovered(
+            missed.iter().map(|rate| rate.name.clone()).collect(),
+        )),
+    }
+}
+
+fn log(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
     let mut known = Known::default();
     for text in &arguments.known {
         known.state(text)?;
     }
+    if known.current_limit_a.is_none()
+        && let Some(profile) = &arguments.profile
+    {
+        // A file that is not there is begun.
+        let text = fs::read_to_string(profile).unwrap_or_default();
+        known.current_limit_a = profile::current_limit_a(&text);
+    }
     let file = File::open(path).map_err(|cause| read(path, cause))?;
     let log = Log::read(BufReader::new(file), arguments.counts_per_turn).map_err(|cause| {
         CommandError::Log {
-            path: path.clone(),
+            path: path.to_owned(),
             cause,
         }
     })?;
@@ -30,7 +87,7 @@ pub fn log(arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError
         slow_rad_s: arguments.slow,
     };
     let found = identify(&log, &options).map_err(|cause| CommandError::Contradiction {
-        path: path.clone(),
+        path: path.to_owned(),
         cause,
     })?;
     say(&report::text(&found))?;

@@ -85,7 +85,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         Command::Constants(arguments) => constants::write(arguments, output),
         Command::Tune(arguments) => tune::robot(arguments, output),
         Command::Monitor(arguments) => monitor::listen(arguments),
-        Command::Identify(arguments) => identify::log(arguments, output),
+        Command::Identify(arguments) => identify::run(arguments, output),
         Command::List { directory } => list::list(directory.as_deref()),
         Command::Show { name } => list::show(name),
     }

@@ -1,16 +1,19 @@
 //! Fit of the wheels' motion and current: the system of [`super::wheels`] is simulated over each
 //! stretch and laid on the measured angles, which are never differentiated.
 
-use super::fit::{Fit, Linear, Model, fit};
-use super::lag::{self, LAGS, Lags};
+use super::drivetrain::{self, Before, Found};
+use super::fit::{Fit, Linear, Model, ROUNDS, fit};
 use super::log::Log;
 use super::motor;
 use super::quantity::Known;
+use super::source::{Feed, source};
 use super::start::guess;
 use super::stretches::Stretch;
-use super::wheels::{DYNAMIC, State, Wheels};
+use super::wheels::{Carried, Course, DYNAMIC, Ride, State, Wheels};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
+/// Step of a one-sided difference, as a share of the parameter's size.
+const STEP: f64 = 1.0e-5;
 /// Time over which residuals may be correlated \[s\].
 const CORRELATED_S: f64 = 0.2;
 
@@ -21,30 +24,38 @@ struct Motion<'a> {
     /// D_e of the wheels' system, where that is stated.
     stated: [Option<f64>; 2],
     scale: DVector<f64>,
-    /// Standard deviation of the lags about 0 before the fit \[s\].
-    lag_s: f64,
+    /// What drivers turn the commands into.
+    feeds: Vec<Feed>,
+    /// What is known of lags, losses, bands and battery before the fit.
+    before: Before,
 }
 
 /// Fits E, D, s and, with currents, alpha and beta of the right, then of the left motor; beside them
-/// the lags, which the fit that is given back allows for.
+/// lags, losses and dead bands, which the fit that is given back allows for.
 pub(super) fn dynamics(
     log: &Log,
     known: &Known,
     speeds: &[[f64; 2]],
     stretches: &[Stretch],
-) -> Option<(Fit, Lags)> {
-    let wheels = guess(log, speeds, stretches)?;
-    let count = wheels.len();
-    let scale = scale(&wheels).insert_rows(count, LAGS, lag::TYPICAL_S);
-    let start = wheels.insert_rows(count, LAGS, 0.0);
+    limited: &[bool],
+) -> Option<(Fit, Found)> {
+    let guess = guess(log, speeds, stretches)?;
+    let count = guess.value.len();
+    let mut scale = scale(&guess.value).insert_rows(count, drivetrain::COUNT, 0.0);
+    (scale.rows_mut(count, drivetrain::COUNT)).copy_from_slice(&drivetrain::TYPICAL);
+    let first = source(log, limited, guess.band.map(Option::unwrap_or_default), 0.0);
     let mut model = Motion {
         log,
         speeds,
         stretches,
         stated: motor::stated(log.drive, known),
         scale: scale.clone(),
-        lag_s: lag::BEFORE_S,
+        before: Before::new(log, known, &first),
+        feeds: first.feeds,
     };
+    let mut start = guess.value.insert_rows(count, drivetrain::COUNT, 0.0);
+    (start.rows_mut(count, drivetrain::COUNT))
+        .copy_from_slice(&model.before.start(guess.loss, guess.band));
     let rows = log.t.len() - 1;
     let correlated = (CORRELATED_S * rows as f64 / (log.t[rows] - log.t[0])).ceil() as usize;
     let angle = log.step_rad.map_or(1.0e-3, |step| step / 12.0_f64.sqrt());
@@ -54,15 +65,34 @@ pub(super) fn dynamics(
         Some(_) => vec![angle, current],
         None => vec![angle],
     };
-    let whole = fit(&model, start.clone(), &scale, sigma.clone(), correlated)?;
-    let (found, told) = lag::set_apart(whole);
-    if told.early() {
-        // No lag but something else that would pull mass and resistance along.
-        model.lag_s = lag::NONE_S;
-        let without = fit(&model, start, &scale, sigma, correlated)?;
-        return Some((lag::set_apart(without).0, told));
+    // The last round is that with the battery.
+    let rounds = ROUNDS - usize::from(log.supply.is_some());
+    let mut whole = fit(
+        &model,
+        start.clone(),
+        &scale,
+        sigma.clone(),
+        correlated,
+        rounds,
+    )?;
+    if let (Some(_), &[_, noise]) = (&log.supply, whole.sigma.as_slice()) {
+        // Again with what the battery's regression lacked: dead band and noise.
+        let band = model.before.of(whole.value.as_slice()).band;
+        let again = source(log, limited, band, noise);
+        model.before = Before::new(log, known, &again);
+        model.feeds = again.feeds;
+        whole = fit(&model, whole.value, &scale, whole.sigma, correlated, 1)?;
     }
-    Some((found, told))
+    let (found, train) = model.before.set_apart(whole);
+    if train.early() {
+        // No lag but something else that would pull mass and resistance along.
+        let early = train;
+        model.before = model.before.without_lag();
+        let without = fit(&model, start, &scale, sigma, correlated, ROUNDS)?;
+        let (found, train) = model.before.set_apart(without);
+        return Some((found, train.but_for_lag(&early)));
+    }
+    Some((found, train))
 }
 
 /// Typical sizes: the inertias', dampings' and frictions' own of both sides.
@@ -81,70 +111,95 @@ impl Motion<'_> {
         if self.log.current.is_some() { 4 } else { 2 }
     }
 
-    /// The system of these parameters.
-    fn wheels(&self, global: &[f64]) -> Option<Wheels> {
+    /// The system of these parameters, with its D_e.
+    fn wheels(&self, global: &[f64]) -> Option<(Wheels, [f64; 2])> {
         let emf = [0, 1].map(|i| match (self.stated[i], &self.log.current) {
             (Some(stated), _) => stated,
             (None, Some(_)) => motor::measured(global, i),
             // Nine tenths and more in gear motors; the rest enters times the lag only.
             (None, None) => global[4 + i],
         });
-        Wheels::new(global, emf, lag::of(global))
-    }
-
-    fn states(&self, wheels: &Wheels, stretch: &Stretch, local: &DVector<f64>) -> Vec<State> {
-        let mut state = State {
-            angle: Vector2::new(local[0], local[1]),
-            speed: Vector2::new(local[2], local[3]),
-            // Jumps before a stretch are forgotten within a row or two.
-            left: Vector2::zeros(),
+        let alpha = match self.log.current {
+            Some(_) => [0, 1].map(|i| motor::alpha_beta(global, i)[0]),
+            None => [0.0; 2],
         };
-        let mut states = Vec::with_capacity(stretch.last - stretch.first + 1);
-        let mut step = None;
-        states.push(state);
-        for row in stretch.first..stretch.last {
-            let solution = wheels.step_like(step, self.log.t[row + 1] - self.log.t[row]);
-            let u = self.log.command[row];
-            // No stretch begins at the first row.
-            state = wheels.switched(state, self.log.command[row - 1], u);
-            state = wheels.advance(&solution, state, u, stretch.sign);
-            step = Some(solution);
-            states.push(state);
-        }
-        states
+        let wheels = Wheels::new(global, emf, alpha, self.before.of(global))?;
+        Some((wheels, emf))
     }
 
-    /// Predicted angles and currents, sample by sample.
-    fn predicted(
+    /// Goes along a stretch: at each sample the state, how it follows from the start's speed, and the currents.
+    fn along(
         &self,
         global: &[f64],
         stretch: &Stretch,
         local: &DVector<f64>,
-    ) -> Option<DVector<f64>> {
-        let wheels = self.wheels(global)?;
-        let states = self.states(&wheels, stretch, local);
-        let mut rows = Vec::with_capacity(self.per_sample() * states.len());
-        for (row, state) in (stretch.first..).zip(states) {
-            rows.extend(state.angle.iter());
+        course: &mut Vec<Course>,
+        mut at: impl FnMut(usize, &Sample),
+    ) -> Option<()> {
+        let (wheels, emf) = self.wheels(global)?;
+        let mut ride = Ride::new(&wheels, stretch.sign, course);
+        let (angle, speed) = (
+            Vector2::new(local[0], local[1]),
+            Vector2::new(local[2], local[3]),
+        );
+        // No stretch begins at the first row; jumps before it are forgotten within a row or two.
+        let (state, carried) = ride.settled(angle, speed, &self.feeds[stretch.first - 1])?;
+        let mut sample = Sample {
+            state,
+            carried,
+            current: [0.0; 2],
+            current_by_speed: Matrix2::zeros(),
+        };
+        for row in stretch.first..=stretch.last {
             if self.log.current.is_some() {
-                // Measured with the angles, before the row's own command: that of the row before.
-                let u = self.log.command[row - 1];
-                let acceleration = wheels.acceleration(state.speed, u, stretch.sign);
-                rows.extend([0, 1].map(|i| {
-                    let acts = u[i] + state.left[i];
-                    motor::current(global, i, acts, state.speed[i], acceleration[i])
-                }));
+                // Measured with the angles, before the row's own command.
+                for (i, emf) in emf.into_iter().enumerate() {
+                    let [alpha, beta] = motor::alpha_beta(global, i);
+                    // A back-EMF that is not that of the current: stated, or held within the damping.
+                    let other = alpha * emf - beta;
+                    sample.current[i] =
+                        alpha * sample.state.torque[i] + other * sample.state.speed[i];
+                    let by_speed =
+                        alpha * sample.carried.torque.row(i) + other * sample.carried.speed.row(i);
+                    sample.current_by_speed.set_row(i, &by_speed);
+                }
+            }
+            at(row - stretch.first, &sample);
+            if row < stretch.last {
+                let h = self.log.t[row + 1] - self.log.t[row];
+                let (state, carried) = ride.row(sample.state, &self.feeds[row], h)?;
+                sample.state = state;
+                sample.carried = Carried {
+                    angle: sample.carried.angle + carried.angle * sample.carried.speed,
+                    speed: carried.speed * sample.carried.speed,
+                    torque: carried.torque * sample.carried.speed,
+                };
             }
         }
-        Some(DVector::from_vec(rows))
+        Some(())
     }
 
-    fn simulated(&self, global: &[f64], stretch: &Stretch, local: &DVector<f64>) -> DVector<f64> {
-        self.predicted(global, stretch, local).unwrap_or_else(|| {
+    /// Predicted angles and currents, sample by sample.
+    fn simulated(
+        &self,
+        global: &[f64],
+        stretch: &Stretch,
+        local: &DVector<f64>,
+        course: &mut Vec<Course>,
+    ) -> DVector<f64> {
+        let samples = stretch.last - stretch.first + 1;
+        let mut rows = Vec::with_capacity(self.per_sample() * samples);
+        let whole = self.along(global, stretch, local, course, |_, sample| {
+            rows.extend(sample.state.angle.iter());
+            if self.log.current.is_some() {
+                rows.extend(sample.current);
+            }
+        });
+        match whole {
+            Some(()) => DVector::from_vec(rows),
             // No system: no sum of squares, so the step is refused.
-            let samples = stretch.last - stretch.first + 1;
-            DVector::from_element(self.per_sample() * samples, f64::NAN)
-        })
+            None => DVector::from_element(self.per_sample() * samples, f64::NAN),
+        }
     }
 
     fn measured(&self, stretch: &Stretch) -> DVector<f64> {
@@ -156,39 +211,41 @@ impl Motion<'_> {
         DVector::from_vec(rows)
     }
 
-    /// Derivatives by the start state: the system is linear in it.
-    fn by_start(&self, global: &[f64], stretch: &Stretch) -> DMatrix<f64> {
+    /// Derivatives by the start state. What a jump of the command does at once counts as free of it, which is good to
+    /// some permille.
+    fn by_start(
+        &self,
+        global: &[f64],
+        stretch: &Stretch,
+        local: &DVector<f64>,
+        course: &mut Vec<Course>,
+    ) -> DMatrix<f64> {
         let per = self.per_sample();
-        let samples = stretch.last - stretch.first + 1;
-        let mut rows = DMatrix::zeros(per * samples, 4);
-        let Some(wheels) = self.wheels(global) else {
-            return rows;
-        };
-        let (mut angle, mut speed) = (Matrix2::zeros(), Matrix2::identity());
-        let mut step = None;
-        for sample in 0..samples {
-            let rate = wheels.rate() * speed;
+        let mut rows = DMatrix::zeros(per * (stretch.last - stretch.first + 1), 4);
+        let _: Option<()> = self.along(global, stretch, local, course, |n, sample| {
+            let current = sample.current_by_speed;
             for i in 0..2 {
-                let at = per * sample + i;
+                let at = per * n + i;
                 rows[(at, i)] = 1.0;
-                rows.view_mut((at, 2), (1, 2)).copy_from(&angle.row(i));
-                if per > 2 {
-                    let part = |by: f64, rate: f64| motor::current(global, i, 0.0, by, rate);
-                    for side in 0..2 {
-                        rows[(at + 2, 2 + side)] = part(speed[(i, side)], rate[(i, side)]);
+                for side in 0..2 {
+                    rows[(at, 2 + side)] = sample.carried.angle[(i, side)];
+                    if per > 2 {
+                        rows[(at + 2, 2 + side)] = current[(i, side)];
                     }
                 }
             }
-            let row = stretch.first + sample;
-            if row < stretch.last {
-                let solution = wheels.step_like(step, self.log.t[row + 1] - self.log.t[row]);
-                angle += solution.once * speed;
-                speed = solution.speed * speed;
-                step = Some(solution);
-            }
-        }
+        });
         rows
     }
+}
+
+/// A sample of a stretch.
+struct Sample {
+    state: State,
+    /// Derivatives by the speed at the stretch's start.
+    carried: Carried,
+    current: [f64; 2],
+    current_by_speed: Matrix2<f64>,
 }
 
 impl Model for Motion<'_> {
@@ -213,7 +270,7 @@ impl Model for Motion<'_> {
     }
 
     fn prior(&self, count: usize) -> DVector<f64> {
-        lag::prior(count, self.lag_s)
+        self.before.prior(count)
     }
 
     fn start(&self, window: usize) -> DVector<f64> {
@@ -224,27 +281,28 @@ impl Model for Motion<'_> {
 
     fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> DVector<f64> {
         let stretch = &self.stretches[window];
-        self.simulated(global.as_slice(), stretch, local) - self.measured(stretch)
+        self.simulated(global.as_slice(), stretch, local, &mut Vec::new()) - self.measured(stretch)
     }
 
     fn linear(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> Linear {
         let stretch = &self.stretches[window];
-        let here = self.simulated(global.as_slice(), stretch, local);
+        // Where motors turn from driving to braking moves nothing, for there v is 0; so derivatives hold that, and have
+        // no jumps.
+        let mut course = Vec::new();
+        let here = self.simulated(global.as_slice(), stretch, local, &mut course);
         let mut by_global = DMatrix::zeros(here.len(), global.len());
         let mut moved = global.clone();
         for i in 0..global.len() {
-            // One-sided: error 1e-6 of the derivative, rounding 1e-8; only the way to the minimum
-            // and the intervals see it, and those to 1e-6 of their width.
-            let step = 1.0e-6 * self.scale[i];
+            let step = STEP * self.scale[i];
             moved[i] = global[i] + step;
-            let there = self.simulated(moved.as_slice(), stretch, local);
+            let there = self.simulated(moved.as_slice(), stretch, local, &mut course);
             by_global.set_column(i, &((there - &here) / step));
             moved[i] = global[i];
         }
         Linear {
             residual: here - self.measured(stretch),
             global: by_global,
-            local: self.by_start(global.as_slice(), stretch),
+            local: self.by_start(global.as_slice(), stretch, local, &mut course),
         }
     }
 }

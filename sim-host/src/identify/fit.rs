@@ -59,7 +59,7 @@ const STEPS: usize = 40;
 /// standard error of one parameter among 1e4 residuals lowers it by 1e-8.
 const ENOUGH: f64 = 1.0e-9;
 /// Weights from residuals, twice: the first fit's weights are guesses.
-const ROUNDS: usize = 3;
+pub(super) const ROUNDS: usize = 3;
 
 /// A window whose start state is projected out.
 struct Reduced {
@@ -71,19 +71,20 @@ struct Reduced {
 }
 
 /// Fits. `scale` holds typical sizes of the parameters, `sigma` first guesses of the noise, `lags`
-/// the samples over which residuals may be correlated.
+/// the samples over which residuals may be correlated, `rounds` how often weights are new.
 pub(super) fn fit(
     model: &impl Model,
     start: DVector<f64>,
     scale: &DVector<f64>,
     mut sigma: Vec<f64>,
     lags: usize,
+    rounds: usize,
 ) -> Option<Fit> {
-    let mut value = start;
+    let (mut value, mut damping) = (start, 1.0e-4);
     let mut local: Vec<_> = (0..model.windows()).map(|w| model.start(w)).collect();
-    for round in 0..ROUNDS {
-        descend(model, &mut value, &mut local, scale, &sigma);
-        if round + 1 < ROUNDS {
+    for round in 0..rounds {
+        descend(model, &mut value, &mut local, scale, &sigma, &mut damping);
+        if round + 1 < rounds {
             sigma = spread(model, &value, &local)?;
         }
     }
@@ -124,8 +125,10 @@ fn descend(
     local: &mut Vec<DVector<f64>>,
     scale: &DVector<f64>,
     sigma: &[f64],
+    damping: &mut f64,
 ) {
-    let mut damping = 1.0e-4;
+    // Of a round that ended where no step was small enough.
+    *damping = damping.min(1.0e-4);
     let mut cost = total(model, value, local, sigma);
     for _ in 0..STEPS {
         let windows: Option<Vec<_>> = (0..model.windows())
@@ -142,15 +145,16 @@ fn descend(
             h[(i, i)] += weight * scale[i] * scale[i];
             b[i] += weight * scale[i] * value[i];
         }
-        let floor = 1.0e-9 * h.diagonal().amax();
+        // Far below what any parameter's own information is: only directions that nothing shows need it.
+        let floor = 1.0e-12 * h.diagonal().amax();
         let mut gain = None;
-        while damping < 1.0e9 {
+        while *damping < 1.0e9 {
             let mut damped = h.clone();
             for i in 0..count {
-                damped[(i, i)] += damping * h[(i, i)] + floor;
+                damped[(i, i)] += *damping * h[(i, i)] + floor;
             }
             let Some(step) = damped.cholesky().map(|c| -c.solve(&b)) else {
-                damping *= 10.0;
+                *damping *= 10.0;
                 continue;
             };
             let tried = &*value + step.component_mul(scale);
@@ -163,10 +167,10 @@ fn descend(
             if new <= cost {
                 gain = Some((cost - new) / cost.max(f64::MIN_POSITIVE));
                 (*value, *local, cost) = (tried, states, new);
-                damping = (0.1 * damping).max(1.0e-9);
+                *damping = (0.1 * *damping).max(1.0e-9);
                 break;
             }
-            damping *= 10.0;
+            *damping *= 10.0;
         }
         if gain.is_none_or(|gain| gain < ENOUGH) {
             return;

@@ -11,7 +11,7 @@
 //! In windows of [`WINDOW_S`] each start pose is free, so that slip does not add up over the log,
 //! and the poses' noise, not that of their differences, is what is white.
 
-use super::fit::{Fit, Linear, Model, fit};
+use super::fit::{Fit, Linear, Model, ROUNDS, fit};
 use super::log::Log;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::f64::consts::TAU;
@@ -54,7 +54,7 @@ pub(super) fn kinematics(log: &Log, latency_s: f64) -> Option<Fit> {
     let lags = (CORRELATED_S * count as f64 / time).ceil() as usize;
     // Equal weights of 1 m and 1 rad only until the residuals tell.
     let scale = start.map(f64::abs);
-    fit(&model, start, &scale, vec![1.0e-2, 1.0e-2], lags)
+    fit(&model, start, &scale, vec![1.0e-2, 1.0e-2], lags, ROUNDS)
 }
 
 fn windows(log: &Log, latency_s: f64) -> Vec<Vec<Sighting>> {

@@ -33,6 +33,8 @@ pub struct Log {
     pub drive: Drive,
     /// Commands: each acts from its row's time to the next row's.
     pub command: Vec<[f64; 2]>,
+    /// Of duties that a supply was logged with: the voltage of full duty under each row's command \[V\].
+    pub supply: Option<Vec<f64>>,
     /// Wheel angles \[rad\] at the row's time.
     pub angle: Vec<[f64; 2]>,
     /// Step of the wheel angles \[rad\], if they come from counts.
@@ -168,7 +170,7 @@ impl Log {
             return Err(LogError::Short(sheet.rows.len()));
         }
         let t = times(&sheet)?;
-        let (drive, command) = commands(&sheet)?;
+        let (drive, command, supply) = commands(&sheet)?;
         let (angle, step_rad) = angles(&sheet, counts_per_turn)?;
         let current = match sheet.has(&["current_right", "current_left"])? {
             true => Some(sheet.pairs("current", 1.0)?),
@@ -179,12 +181,32 @@ impl Log {
             t,
             drive,
             command,
+            supply,
             angle,
             step_rad,
             current,
             fixes,
         })
     }
+
+    /// Whether commands are duties, which a driver's dead band acts on.
+    pub(super) fn of_duties(&self) -> bool {
+        self.drive == Drive::Duty || self.supply.is_some()
+    }
+}
+
+/// Duties as voltages, and the supply under each: that of the next row, for what a row measures is under the
+/// command of the row before, by which a battery sags.
+pub(super) fn voltages(duty: &[[f64; 2]], measured: &[f64]) -> (Vec<[f64; 2]>, Vec<f64>) {
+    let under: Vec<_> = measured
+        .iter()
+        .skip(1)
+        .chain(measured.last())
+        .copied()
+        .collect();
+    let volts = duty.iter().zip(&under);
+    let volts = volts.map(|(pair, supply)| pair.map(|duty| duty * supply));
+    (volts.collect(), under)
 }
 
 fn times(sheet: &Sheet) -> Result<Vec<f64>, LogError> {
@@ -202,16 +224,18 @@ fn times(sheet: &Sheet) -> Result<Vec<f64>, LogError> {
     Ok(times)
 }
 
-fn commands(sheet: &Sheet) -> Result<(Drive, Vec<[f64; 2]>), LogError> {
+type Commands = (Drive, Vec<[f64; 2]>, Option<Vec<f64>>);
+
+fn commands(sheet: &Sheet) -> Result<Commands, LogError> {
     let name = sheet.only("command", &["duty", "voltage", "torque"])?;
-    let mut command = sheet.pairs(name, 1.0)?;
+    let command = sheet.pairs(name, 1.0)?;
     if name != "duty" {
         let drive = if name == "torque" {
             Drive::Torque
         } else {
             Drive::Voltage
         };
-        return Ok((drive, command));
+        return Ok((drive, command, None));
     }
     for (row, pair) in sheet.rows.iter().zip(&command) {
         for (value, column) in pair.iter().zip(["duty_right", "duty_left"]) {
@@ -221,19 +245,15 @@ fn commands(sheet: &Sheet) -> Result<(Drive, Vec<[f64; 2]>), LogError> {
         }
     }
     if !sheet.has(&["supply"])? {
-        return Ok((Drive::Duty, command));
+        return Ok((Drive::Duty, command, None));
     }
     let supplies: Vec<f64> = sheet
         .rows
         .iter()
         .map(|row| sheet.number(row, "supply"))
         .collect::<Result<_, _>>()?;
-    // Measured in a row under the command of the row before, by which a battery sags.
-    let under = supplies.iter().skip(1).chain(supplies.last());
-    for (pair, supply) in command.iter_mut().zip(under) {
-        *pair = pair.map(|duty| duty * supply);
-    }
-    Ok((Drive::Voltage, command))
+    let (command, under) = voltages(&command, &supplies);
+    Ok((Drive::Voltage, command, Some(under)))
 }
 
 type Angles = (Vec<[f64; 2]>, Option<f64>);

@@ -6,28 +6,32 @@
 //! | read the log | [`log`] |
 //! | radii and track from poses: dead reckoning with free start poses | `kinematics` |
 //! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `motor`, `start`, `dynamics` |
-//! | the motors' lags, told beside the rest | `lag` |
+//! | lags, gear losses and dead bands, fitted beside the rest; the battery behind the supply | `drivetrain`, `source` |
 //! | both are least squares; residuals that are correlated tell less | `fit`, `correlation` |
 //! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
 //! | what cannot be told, and what would tell it | [`structure`], `verdict`, `products` |
 //! | table, file | [`report`], [`profile`] |
+//! | logs of a base as its file has it, and how often intervals hold there | [`record`], [`coverage`] |
 //!
 //! `docs/identify.md` has the columns and the drive to record.
 
 mod combine;
 mod correlation;
+pub mod coverage;
 mod direct;
+mod drivetrain;
 mod dynamics;
 mod fit;
 mod kinematics;
-mod lag;
 pub mod log;
 mod motor;
 mod physics;
 mod products;
 pub mod profile;
 pub mod quantity;
+pub mod record;
 pub mod report;
+mod source;
 mod start;
 mod stretches;
 pub mod structure;
@@ -36,7 +40,7 @@ mod wheels;
 
 pub use kinematics::WINDOW_S;
 pub use log::{Drive, Fix, Log, LogError};
-pub use quantity::{Known, KnownError, Quantity};
+pub use quantity::{Known, KnownError, Quantity, Stated};
 pub use stretches::{LONGEST_S, SHORTEST_S};
 pub use structure::Given;
 
@@ -162,9 +166,17 @@ const VAGUE: f64 = 0.5;
 /// Signs of the log that contradict each other.
 pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyError> {
     let speeds = stretches::speeds(log);
-    let used = stretches::stretches(log, &speeds, options.slow_rad_s);
+    let mut used = stretches::stretches(log, &speeds, options.slow_rad_s, &[]);
+    let mut limited = Vec::new();
+    // Twice: rows at the limit hide how much current a command makes.
+    for _ in 0..2 {
+        limited = start::limited(log, &speeds, &used, options.known.current_limit_a);
+        if limited.contains(&true) {
+            used = stretches::stretches(log, &speeds, options.slow_rad_s, &limited);
+        }
+    }
     let poses = kinematics::kinematics(log, options.latency_s);
-    let (motion, lags) = dynamics::dynamics(log, &options.known, &speeds, &used).unzip();
+    let (motion, train) = dynamics::dynamics(log, &options.known, &speeds, &used, &limited).unzip();
     if let Some(fit) = &poses {
         for (i, side) in SIDES.into_iter().enumerate() {
             // Not by chance: three standard deviations.
@@ -180,6 +192,9 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
             }
         }
     }
+    // Of voltages that are not those that acted, motion tells nothing.
+    let spoilt = train.as_ref().and_then(|train| train.sags(log));
+    let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {
         drive: log.drive,
         poses: !log.fixes.is_empty(),
@@ -187,12 +202,12 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         known: options.known.clone(),
     };
     let combined = combine::combine(&given, poses.as_ref(), motion.as_ref());
-    let driven = verdict::Driven::new(log, options, &speeds, &used);
+    let driven = verdict::Driven::new(log, options, &speeds, &used, spoilt);
     Ok(verdict::judge(
         &given,
         &combined,
         &driven,
         poses.as_ref(),
-        motion.as_ref().zip(lags.as_ref()),
+        motion.as_ref().zip(train.as_ref()),
     ))
 }

@@ -1,24 +1,12 @@
 //! What a motor's current tells, in the fitted numbers.
 
-use super::lag;
 use super::log::Drive;
 use super::quantity::{Known, Quantity};
 use super::wheels::DYNAMIC;
 
-/// alpha and beta of a side.
-fn alpha_beta(global: &[f64], i: usize) -> [f64; 2] {
+/// alpha and beta of a side, of logs with currents.
+pub(super) fn alpha_beta(global: &[f64], i: usize) -> [f64; 2] {
     [global[DYNAMIC + 2 * i], global[DYNAMIC + 2 * i + 1]]
-}
-
-/// Current of a side at the end of a row, linear in command u (with what is left of its jumps),
-/// speed w and acceleration:
-///
-/// ```text
-/// i = alpha v = alpha u - beta (w - tau dw/dt)
-/// ```
-pub(super) fn current(global: &[f64], i: usize, u: f64, speed: f64, acceleration: f64) -> f64 {
-    let [alpha, beta] = alpha_beta(global, i);
-    alpha * u - beta * (speed - lag::of(global)[i] * acceleration)
 }
 
 /// Back-EMF in commands per speed, D_e = beta/alpha.

@@ -122,12 +122,27 @@ impl Quantity {
     }
 }
 
-/// Values that the user states, exact.
+/// A statement with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stated {
+    /// Value.
+    pub value: f64,
+    /// Standard deviation, 0 if it is exact.
+    pub deviation: f64,
+}
+
+/// Values that the user states: quantities as exact, what lies between command and wheel with its uncertainty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     values: [Option<f64>; COUNT],
     /// Turns of the motor per turn of the wheel, to give the motor's own constant.
     pub gear: Option<f64>,
+    /// Share of the motors' torque that their gears let through.
+    pub efficiency: Option<Stated>,
+    /// Share of full duty that the drivers lose at either sign.
+    pub dead_band: Option<Stated>,
+    /// Current at which the drivers hold a motor \[A\].
+    pub current_limit_a: Option<f64>,
 }
 
 /// Why a statement is not understood.
@@ -137,7 +152,7 @@ pub enum KnownError {
     #[error("`{0}` is not NAME=VALUE")]
     Form(String),
     /// No such name.
-    #[error("`{name}` cannot be stated; names are {}, gear", names())]
+    #[error("`{name}` cannot be stated; names are {}, {}", names(), DRIVETRAIN.join(", "))]
     Name {
         /// As written.
         name: String,
@@ -152,7 +167,15 @@ pub enum KnownError {
         /// Friction, which may be nothing.
         friction: bool,
     },
+    /// An uncertainty of what counts as exact.
+    #[error("{0} counts as exact: only efficiency and dead_band can have +-")]
+    Exact(String),
 }
+
+/// What can be stated besides quantities.
+const DRIVETRAIN: [&str; 4] = ["gear", "efficiency", "dead_band", "current_limit"];
+/// Half of a 95 % interval in standard deviations.
+const HALF_WIDTH: f64 = 1.96;
 
 fn names() -> String {
     let of_wheels = [
@@ -181,7 +204,8 @@ impl Known {
         self.values[quantity.index()] = Some(value);
     }
 
-    /// Adds statements as on the command line, `mass=30,track=0.5`; `radius=0.1` states both sides.
+    /// Adds statements as on the command line, `mass=30,track=0.5`; `radius=0.1` states both sides,
+    /// `efficiency=0.8+-0.05` half of its 95 % interval too.
     ///
     /// # Errors
     /// What is not understood.
@@ -190,34 +214,53 @@ impl Known {
             let form = || KnownError::Form(part.to_owned());
             let (name, value) = part.split_once('=').ok_or_else(form)?;
             let (name, value) = (name.trim(), value.trim());
+            if DRIVETRAIN.contains(&name) {
+                self.state_drivetrain(name, value)?;
+                continue;
+            }
             let sides = [format!("{name}_right"), format!("{name}_left")];
             let meant: Vec<_> = Quantity::ALL
                 .into_iter()
                 .filter(|q| q.name() == name || sides.iter().any(|side| side == q.name()))
                 .collect();
-            if meant.is_empty() && name != "gear" {
+            if meant.is_empty() {
                 let name = name.to_owned();
                 return Err(KnownError::Name { name });
             }
             // Wheels without inertia are the ordinary assumption, so that may be stated too.
             let zero = meant.iter().all(|q| q.is_friction() || *q == WheelInertia);
-            let friction = zero && !meant.is_empty();
-            let number = value
-                .parse::<f64>()
-                .ok()
-                .filter(|v| v.is_finite() && (*v > 0.0 || (friction && *v == 0.0)));
-            let number = number.ok_or_else(|| KnownError::Value {
-                name: name.to_owned(),
-                value: value.to_owned(),
-                friction,
-            })?;
+            let number = number(name, value, zero)?;
             for quantity in &meant {
                 self.set(*quantity, number);
-            }
-            if meant.is_empty() {
-                self.gear = Some(number);
             }
         }
         Ok(())
     }
+
+    fn state_drivetrain(&mut self, name: &str, text: &str) -> Result<(), KnownError> {
+        let (value, half_width) = text.split_once("+-").unwrap_or((text, "0"));
+        let stated = Stated {
+            value: number(name, value.trim(), name == "dead_band")?,
+            deviation: number(name, half_width.trim(), true)? / HALF_WIDTH,
+        };
+        match name {
+            "efficiency" => self.efficiency = Some(stated),
+            "dead_band" => self.dead_band = Some(stated),
+            // Stated as exact.
+            _ if stated.deviation > 0.0 => return Err(KnownError::Exact(name.to_owned())),
+            "gear" => self.gear = Some(stated.value),
+            _ => self.current_limit_a = Some(stated.value),
+        }
+        Ok(())
+    }
+}
+
+fn number(name: &str, text: &str, zero: bool) -> Result<f64, KnownError> {
+    let number = text.parse::<f64>().ok();
+    let number = number.filter(|v| v.is_finite() && (*v > 0.0 || (zero && *v == 0.0)));
+    number.ok_or_else(|| KnownError::Value {
+        name: name.to_owned(),
+        value: text.to_owned(),
+        friction: zero,
+    })
 }

@@ -1,9 +1,49 @@
 //! What was identified, for people.
 
+use super::coverage::Rate;
 use super::{Entry, Identified, Verdict};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 use std::fmt::Write as _;
+
+/// A table of how often intervals hold the true values in `runs` logs.
+pub fn coverage(rates: &[Rate], runs: usize) -> String {
+    let mut table = Table::new();
+    table
+        .load_preset(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Disabled);
+    let bold = |text: &str| Cell::new(text).add_attribute(Attribute::Bold);
+    table.set_header(
+        [
+            "",
+            "true",
+            "numbers",
+            "within",
+            "95 % of that",
+            "half width",
+            "error",
+        ]
+        .map(bold),
+    );
+    for rate in rates {
+        let mut cells = vec![
+            rate.name.clone(),
+            format!("{:.4e}", rate.truth),
+            format!("{} of {runs}", rate.given),
+        ];
+        if rate.given > 0 {
+            let [low, high] = rate.interval().map(|share| 100.0 * share);
+            cells.extend([
+                format!("{} = {:.1} %", rate.within, 100.0 * rate.share()),
+                format!("{low:.1} to {high:.1} %"),
+                format!("{:.2} %", 100.0 * rate.half_width),
+                format!("{:+.2} %", 100.0 * rate.error),
+            ]);
+        }
+        table.add_row(cells);
+    }
+    format!("{table}\nhalf width and error: means over the true value\n")
+}
 
 /// A table of all quantities, then why some are not in it, then warnings.
 pub fn text(found: &Identified) -> String {

@@ -43,12 +43,32 @@ pub(super) fn speeds(log: &Log) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// All stretches with both wheels faster than `slow` \[rad/s\]. None begins at the first row: the
-/// current there belongs to a command that is not in the log.
-pub(super) fn stretches(log: &Log, speeds: &[[f64; 2]], slow: f64) -> Vec<Stretch> {
-    let direction = |row: usize| {
+/// All stretches with both wheels faster than `slow` \[rad/s\] without rows that are `limited`. None begins at the
+/// first row: the current there belongs to a command that is not in the log.
+pub(super) fn stretches(
+    log: &Log,
+    speeds: &[[f64; 2]],
+    slow: f64,
+    limited: &[bool],
+) -> Vec<Stretch> {
+    let turns = |row: usize| {
         let speed = speeds[row];
         (speed[0].abs() > slow && speed[1].abs() > slow).then(|| speed.map(f64::signum))
+    };
+    // A speed is a mean over [`HALF_S`] about: a wheel may have stopped or reversed that long before it shows.
+    let direction = |row: usize| {
+        // Nor just after such rows: what a driver does while its limit lets go is its own.
+        let just = |other: &usize| log.t[row] - log.t[*other] <= HALF_S;
+        let held = |other: usize| limited.get(other) == Some(&true);
+        if (0..=row).rev().take_while(just).any(held) {
+            return None;
+        }
+        let near = |other: &usize| (log.t[*other] - log.t[row]).abs() <= HALF_S;
+        let here = turns(row)?;
+        let mut about = (0..row).rev().take_while(near);
+        let mut after = (row + 1..speeds.len()).take_while(near);
+        let same = |other: usize| turns(other) == Some(here);
+        (about.all(same) && after.all(same)).then_some(here)
     };
     let mut found = Vec::new();
     let mut row = 1;

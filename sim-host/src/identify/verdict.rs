@@ -1,9 +1,9 @@
 //! What is said of each quantity.
 
 use super::combine::Combined;
+use super::drivetrain::Found;
 use super::fit::Fit;
 use super::kinematics::WINDOW_S;
-use super::lag::Lags;
 use super::log::{Drive, Log};
 use super::products::combinations;
 use super::quantity::Quantity;
@@ -28,10 +28,18 @@ pub(super) struct Driven {
     slow_rad_s: f64,
     stretches: usize,
     step_rad: Option<f64>,
+    /// Why the motion tells nothing.
+    spoilt: Option<&'static str>,
 }
 
 impl Driven {
-    pub(super) fn new(log: &Log, options: &Options, speeds: &[[f64; 2]], used: &[Stretch]) -> Self {
+    pub(super) fn new(
+        log: &Log,
+        options: &Options,
+        speeds: &[[f64; 2]],
+        used: &[Stretch],
+        spoilt: Option<&'static str>,
+    ) -> Self {
         let mean = |of: fn(&[f64; 2]) -> f64| {
             (speeds.iter().map(|s| of(s).powi(2)).sum::<f64>() / speeds.len() as f64).sqrt()
         };
@@ -41,10 +49,11 @@ impl Driven {
             slow_rad_s: options.slow_rad_s,
             stretches: used.len(),
             step_rad: log.step_rad,
+            spoilt,
         }
     }
 
-    fn why(&self, quantity: Quantity, spread: Option<f64>) -> String {
+    fn why(&self, quantity: Quantity, spread: Option<f64>, hidden: Option<&str>) -> String {
         use Quantity as Q;
         let lengths = matches!(quantity, Q::RadiusRight | Q::RadiusLeft | Q::Track);
         if self.together + self.apart < 0.1 * self.slow_rad_s {
@@ -65,6 +74,9 @@ impl Driven {
         {
             return "the robot hardly ever drove forward or backward".to_owned();
         }
+        if let (Some(hidden), false) = (hidden, lengths) {
+            return hidden.to_owned();
+        }
         match spread {
             Some(spread) if spread < 3.0 => format!(
                 "what was driven leaves it uncertain by {:.0} %",
@@ -80,19 +92,23 @@ pub(super) fn judge(
     found: &Combined,
     driven: &Driven,
     poses: Option<&Fit>,
-    motion: Option<(&Fit, &Lags)>,
+    motion: Option<(&Fit, &Found)>,
 ) -> Identified {
-    let (motion, lags) = motion.unzip();
+    let (motion, train) = motion.unzip();
     let fits = [poses, motion];
     let freedom = fits.iter().flatten().map(|fit| fit.freedom);
     let quantile = quantile(freedom.fold(1.0e6, |least, f| if f < least { f } else { least }));
     let determined = given.determined();
+    let hidden = train.and_then(|train| train.hidden(quantile));
+    let hidden = driven.spoilt.or(hidden);
     let mut quantities = Vec::new();
     for quantity in Quantity::ALL {
         let verdict = match given.known.get(quantity) {
             Some(value) => Verdict::Stated { value },
             None if given.is_given(quantity) => continue,
-            None if determined[quantity.index()] => numeric(found, driven, quantity, quantile),
+            None if determined[quantity.index()] => {
+                numeric(found, driven, quantity, quantile, hidden)
+            }
             None => Verdict::NotIdentifiable {
                 why: lacking(given),
                 would_help: help(given, quantity),
@@ -106,9 +122,9 @@ pub(super) fn judge(
         ));
     }
     let mut combinations = combinations(given, found, quantile, &mut quantities);
-    combinations.extend(lags.into_iter().flat_map(|lags| lags.entries(quantile)));
+    combinations.extend(train.into_iter().flat_map(|train| train.entries(quantile)));
     let mut warnings = warnings(found, driven, motion);
-    warnings.extend(lags.and_then(Lags::warning));
+    warnings.extend(train.and_then(Found::warning));
     Identified {
         quantities,
         combinations,
@@ -127,7 +143,13 @@ fn quantile(freedom: f64) -> f64 {
     }
 }
 
-fn numeric(found: &Combined, driven: &Driven, quantity: Quantity, quantile: f64) -> Verdict {
+fn numeric(
+    found: &Combined,
+    driven: &Driven,
+    quantity: Quantity,
+    quantile: f64,
+    hidden: Option<&str>,
+) -> Verdict {
     let i = quantity.index();
     let value = found.chart.value(quantity, found.x[i]);
     let wide = quantile * found.covariance[(i, i)].max(0.0).sqrt();
@@ -143,7 +165,7 @@ fn numeric(found: &Combined, driven: &Driven, quantity: Quantity, quantile: f64)
     }
     let spread = (!quantity.is_friction()).then_some(wide);
     Verdict::NotIdentifiable {
-        why: driven.why(quantity, spread),
+        why: driven.why(quantity, spread, hidden),
         would_help: vec![
             "the drive that docs/identify.md recommends".to_owned(),
             format!("--known {}=...", quantity.name()),

@@ -86,3 +86,34 @@ fn a_log_becomes_a_table_and_files() {
         "{error}"
     );
 }
+
+/// Seeds and rates are printed and written; the rest is `bases.rs`.
+#[test]
+fn coverage_names_its_seeds() {
+    let here = tempfile::tempdir().expect("a directory");
+    let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../bases/paper-30kg.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args([
+            "identify",
+            "--coverage",
+            base,
+            "--runs",
+            "1",
+            "--seed",
+            "1200000000",
+        ])
+        .current_dir(here.path())
+        .output()
+        .expect("the program runs");
+    let shown = String::from_utf8_lossy(&output.stdout);
+    for part in ["1 drives, seeds 1200000000 to 1200000000", "mass", "1 of 1"] {
+        assert!(shown.contains(part), "{part} in {shown}");
+    }
+    let json = here.path().join("out/paper-30kg-coverage.json");
+    let json = fs::read_to_string(json).expect("written");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let rates = json[0]["rates"].as_array().expect("rates");
+    // Of a single drive a rate is 0 or 1, so one miss is an exit code of 1.
+    let missed = rates.iter().any(|rate| rate["within"] == 0);
+    assert_eq!(output.status.code(), Some(i32::from(missed)), "{shown}");
+}

@@ -1,5 +1,6 @@
 //! Identification on simulated logs: what is stated is true, and what cannot be known is not stated.
 
+mod bases;
 mod cli;
 mod coverage;
 mod limits;

@@ -2,13 +2,11 @@
 //! come late, drivers with dead bands, tyres. It shares nothing with the model that is fitted.
 
 use crate::robot::{PERIOD, RECORDER, Robot};
-use controller_core::types::{Measured, Pose, Twist};
-use sim_host::identify::{Drive, Fix, Log};
+use sim_host::identify::{Log, record};
 use sim_host::world::{
-    Actuation, BatteryParams, BodyParams, EncoderParams, FloorParams, FrictionParams, MotorParams,
-    NoiseParams, PoseSourceParams, SUBSTEP_US, TickParams, World, WorldParams,
+    BatteryParams, BodyParams, EncoderParams, FloorParams, FrictionParams, MotorParams,
+    NoiseParams, PoseSourceParams, SUBSTEP_US, TickParams, WorldParams,
 };
-use std::f64::consts::TAU;
 
 /// Gear of the motors that move the robots here.
 pub const GEAR: f64 = 20.0;
@@ -98,53 +96,14 @@ pub fn without_lag(params: &mut WorldParams) {
     }
 }
 
-/// Records `drive_of(t)`, duties, for `duration_s` as a driver would: what it measures, and as voltage, as
-/// [`sim_host::identify`] does, the duty times the supply that it measures under it.
+/// Records `drive_of(t)`, duties, for `duration_s` as a driver would: duties with the supply measured.
 pub fn record(
     params: &WorldParams,
     seed: u64,
     duration_s: f64,
     drive_of: impl Fn(f64) -> [f64; 2],
 ) -> Log {
-    let start = Measured {
-        pose: Pose::new(0.3, -0.2, 1.0),
-        twist: Twist::new(0.0, 0.0),
-    };
-    let mut world = World::new(params, &start, seed).expect("a world in range");
-    let step = TAU / params.encoder.counts_per_turn;
-    let mut log = Log {
-        t: Vec::new(),
-        drive: Drive::Voltage,
-        command: Vec::new(),
-        angle: Vec::new(),
-        step_rad: Some(step),
-        current: Some(Vec::new()),
-        fixes: Vec::new(),
-    };
-    loop {
-        let t = 1.0e-6 * world.now_us() as f64;
-        if t >= duration_s {
-            return log;
-        }
-        let [right, left] = drive_of(t);
-        let counts = world.counts().expect("no defect");
-        let turned = |counts: i32| f64::from(counts) * step;
-        if let Some((pose, _)) = world.fix() {
-            log.fixes.push(Fix {
-                row: log.t.len(),
-                pose: [pose.x, pose.y, pose.theta],
-            });
-        }
-        log.t.push(t);
-        log.angle.push([turned(counts.right), turned(counts.left)]);
-        log.current
-            .iter_mut()
-            .for_each(|currents| currents.push(world.currents()));
-        let dt_us = world.next_tick_us((1.0e6 * PERIOD) as u32);
-        world
-            .advance(&Actuation::Duty { right, left }, dt_us)
-            .expect("a duty within -1 to 1");
-        log.command
-            .push([right, left].map(|duty| duty * world.supply_v()));
-    }
+    let period_us = (1.0e6 * PERIOD) as u32;
+    record::record(params, period_us, seed, duration_s, |_, t| drive_of(t))
+        .expect("a world in range")
 }

@@ -126,6 +126,36 @@ fn gear_losses_are_said() {
 }
 
 #[test]
+fn losses_that_were_found_are_written() {
+    let mut found = found(&[(Q::Inertia, 0.5, 0.01)]);
+    for (name, value) in [
+        ("efficiency_right", 1.004),
+        ("efficiency_left", 1.0),
+        ("dead_band_right", 0.024),
+        ("dead_band_left", 0.026),
+    ] {
+        found.combinations.push(Entry {
+            name: name.to_owned(),
+            unit: "1",
+            meaning: "",
+            verdict: Verdict::Identified {
+                value,
+                half_width: 0.01,
+            },
+        });
+    }
+    let updated = update(LAB, &found, None).expect("TOML");
+    let base = BaseSpec::parse("robot.toml", &updated.text).expect("a base");
+    let motor = base.hardware.expect("motors").motor;
+    assert_eq!(motor.gear_efficiency, 1.0);
+    assert_eq!(motor.dead_band, 0.025);
+    // No gear gives torque back, which is said; nor is there a loss that was not found.
+    says(&updated.notes, &["gear_efficiency is 1:", "1.0020"]);
+    let lost = updated.notes.iter().any(|n| n.contains("no gear losses"));
+    assert!(!lost, "{:?}", updated.notes);
+}
+
+#[test]
 fn a_base_without_motors_gets_none() {
     let end = LAB.find("[motor]").expect("motors");
     let (updated, base) = updated(

@@ -177,6 +177,7 @@ impl Robot {
             t: Vec::new(),
             drive: recorder.drive,
             command: Vec::new(),
+            supply: None,
             angle: Vec::new(),
             step_rad: Some(step),
             current: recorder.current_sd.map(|_| Vec::new()),

@@ -30,6 +30,8 @@ impl Update<'_> {
             self.file.set("battery", "nominal_v", *value);
         }
         self.friction();
+        self.drivetrain("gear_efficiency", "efficiency");
+        self.drivetrain("dead_band", "dead_band");
         self.losses();
     }
 
@@ -97,7 +99,30 @@ impl Update<'_> {
         }
     }
 
+    /// Shares that the log shows for both motors, of which the file has one.
+    fn drivetrain(&mut self, key: &'static str, name: &str) {
+        let sides = ["right", "left"].map(|side| self.shown(&format!("{name}_{side}")));
+        let key_name = format!("[motor] {key}");
+        let Some(sides) = self.pair(&key_name, sides) else {
+            return;
+        };
+        let Told { value, half_width } = self.mean_of(&key_name, sides);
+        let bounded = value.clamp(0.0, 1.0);
+        if bounded != value {
+            self.notes.push(format!(
+                "{key_name} is {bounded}: {value:.4} ± {half_width:.4} was found"
+            ));
+        }
+        self.file.set("motor", key, bounded);
+    }
+
     fn losses(&mut self) {
+        if ["right", "left"]
+            .iter()
+            .all(|side| self.shown(&format!("efficiency_{side}")).is_some())
+        {
+            return;
+        }
         let efficiency = self.file.number("motor", "gear_efficiency").unwrap_or(1.0);
         let fitted = |q: &Q| matches!(self.found.of(*q), Some(Verdict::Identified { .. }));
         if efficiency < 1.0 && MECHANICAL.iter().any(fitted) {

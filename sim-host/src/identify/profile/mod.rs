@@ -12,14 +12,14 @@
 //! | `inertia` | I + (J - n^2 J_m) l^2/(2 r^2) | the same |
 //! | `viscous`, `coulomb` | means | at the wheel, both |
 //! | `supply` | `nominal_v`, if identified | it is the voltage of full duty, which a controller that does not measure it must assume; a stated one is no finding |
+//! | `efficiency`, `dead_band` | `gear_efficiency`, `dead_band`: means, within 0 to 1 | both motors have one key |
 //!
 //! The sums in m and I leave the inertia that the wheels see as it is: with r^2 = r_R r_L,
 //! r^2 (m/4 + I/l^2) + J and m/4 - I/l^2 are the same on both sides.
 //!
-//! `gear_efficiency` has no part in this: the fitted model has no gear losses. Currents show k as
-//! the back-EMF, which no loss changes, but of the torque k i a share e arrives when the motor drives
-//! (2 - e when it is driven), so mass, inertia and friction come out too large by 1/e to 1/(2 - e).
-//! A file with a smaller efficiency than 1 gets a note.
+//! Logs of torques, and those that do not show a motor braking, tell no efficiency. With torques at the motor, before the
+//! gear, a share e arrives when the motor drives (2 - e when it is driven), so mass, inertia and friction come out too
+//! large by 1/e to 1/(2 - e). Then a file with a smaller efficiency than 1 gets a note.
 
 mod document;
 mod hardware;
@@ -78,6 +78,14 @@ pub fn update(text: &str, found: &Identified, gear: Option<f64>) -> Result<Updat
     })
 }
 
+/// Current at which the drivers of this base's file hold a motor, if it says so \[A\].
+pub fn current_limit_a(text: &str) -> Option<f64> {
+    let limit = Document::parse(text)
+        .ok()?
+        .number("motor", "current_limit_a")?;
+    (limit.is_finite() && limit > 0.0).then_some(limit)
+}
+
 /// A number and half its interval, nothing if it is stated.
 #[derive(Clone, Copy, Debug)]
 struct Told {
@@ -101,9 +109,22 @@ impl Update<'_> {
         Some(Told { value, half_width })
     }
 
+    /// What the log told of a side beside the quantities.
+    fn shown(&self, name: &str) -> Option<Told> {
+        let mut entries = self.found.combinations.iter();
+        match entries.find(|entry| entry.name == name)?.verdict {
+            Verdict::Identified { value, half_width } => Some(Told { value, half_width }),
+            _ => None,
+        }
+    }
+
     /// Both sides of what has one key.
     fn both(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<[Told; 2]> {
         let told = [right, left].map(|side| self.told(side));
+        self.pair(key, told)
+    }
+
+    fn pair(&mut self, key: &str, told: [Option<Told>; 2]) -> Option<[Told; 2]> {
         if let [Some(_), None] | [None, Some(_)] = told {
             self.notes
                 .push(format!("{key} is left as it was: one side alone is known"));
@@ -114,7 +135,11 @@ impl Update<'_> {
 
     /// Their mean, with a note if they differ.
     fn mean(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<Told> {
-        let [r, l] = self.both(key, right, left)?;
+        let sides = self.both(key, right, left)?;
+        Some(self.mean_of(key, sides))
+    }
+
+    fn mean_of(&mut self, key: &str, [r, l]: [Told; 2]) -> Told {
         // Of the difference of two independent estimates; each side has its own noise.
         let both = r.half_width.hypot(l.half_width);
         if (r.value - l.value).abs() > both {
@@ -124,10 +149,10 @@ impl Update<'_> {
                 r.value, r.half_width, l.value, l.half_width
             ));
         }
-        Some(Told {
+        Told {
             value: 0.5 * (r.value + l.value),
             half_width: 0.5 * both,
-        })
+        }
     }
 
     /// Both radii by `r` if they are equal and nothing speaks for a pair, never by both ways.

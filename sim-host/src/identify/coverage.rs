@@ -1,0 +1,164 @@
+//! How often the intervals hold the true values: many logs of a base as its file has it.
+
+use super::record::base_log;
+use super::{Entry, IdentifyError, Known, Options, Quantity as Q, SIDES, Verdict, identify};
+use crate::mission::{BaseSpec, Hardware};
+use crate::world::WorldError;
+use rayon::prelude::*;
+use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
+
+/// Share of the logs in which intervals have to hold the true value. They are meant for 95 %.
+pub const LEAST: f64 = 0.9;
+
+/// Why there is no coverage.
+#[derive(Debug, thiserror::Error)]
+pub enum CoverageError {
+    /// A base of ideal torques.
+    #[error("the base has no motors: nothing to identify")]
+    NoMotors,
+    /// Hardware that is no plant.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// A log that contradicts itself, of which none is recorded here.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+}
+
+/// What many logs said of a quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rate {
+    /// Name.
+    pub name: String,
+    /// The true value.
+    pub truth: f64,
+    /// Logs that gave a number.
+    pub given: usize,
+    /// Of these, those whose interval held the true value.
+    pub within: usize,
+    /// Mean of half widths over the true value.
+    pub half_width: f64,
+    /// Mean of errors over the true value.
+    pub error: f64,
+}
+
+impl Rate {
+    /// Share of the numbers whose interval held the true value; 1 if there were none.
+    pub fn share(&self) -> f64 {
+        match self.given {
+            0 => 1.0,
+            given => self.within as f64 / given as f64,
+        }
+    }
+
+    /// 95 % interval of that share for all logs of this kind (Clopper and Pearson).
+    pub fn interval(&self) -> [f64; 2] {
+        let (held, missed) = (self.within as f64, (self.given - self.within) as f64);
+        // Beta distributions of parameters of at least 1: they exist.
+        let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).map(|beta| beta.inverse_cdf(p));
+        let low = if held == 0.0 {
+            Ok(0.0)
+        } else {
+            quantile(held, missed + 1.0, 0.025)
+        };
+        let high = if missed == 0.0 {
+            Ok(1.0)
+        } else {
+            quantile(held + 1.0, missed, 0.975)
+        };
+        [low.unwrap_or(0.0), high.unwrap_or(1.0)]
+    }
+}
+
+/// Rates of all quantities that any log gave.
+///
+/// # Errors
+/// A base that cannot be driven.
+pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, CoverageError> {
+    let hardware = base.hardware.as_ref().ok_or(CoverageError::NoMotors)?;
+    let mut known = Known::default();
+    known.gear = Some(hardware.motor.gear_ratio);
+    known.current_limit_a = Some(hardware.motor.current_limit_a);
+    let options = Options {
+        known,
+        latency_s: hardware.pose_source.map_or(0.0, |source| source.latency_s),
+        ..Options::default()
+    };
+    let logs: Vec<Vec<Entry>> = (0..runs as u64)
+        .into_par_iter()
+        .map(|run| {
+            let log = base_log(base, hardware, seed.wrapping_add(run))?;
+            let found = identify(&log, &options)?;
+            Ok([found.quantities, found.combinations].concat())
+        })
+        .collect::<Result<_, CoverageError>>()?;
+    let truths = truths(base, hardware).into_iter();
+    let rates = truths.map(|(name, truth)| {
+        let mut rate = Rate {
+            name,
+            truth,
+            given: 0,
+            within: 0,
+            half_width: 0.0,
+            error: 0.0,
+        };
+        for entry in logs.iter().flatten().filter(|e| e.name == rate.name) {
+            if let Verdict::Identified { value, half_width } = entry.verdict {
+                let error = value - truth;
+                rate.given += 1;
+                rate.within += usize::from(error.abs() <= half_width);
+                rate.half_width += half_width / truth.abs();
+                rate.error += error / truth;
+            }
+        }
+        let given = rate.given.max(1) as f64;
+        rate.half_width /= given;
+        rate.error /= given;
+        rate
+    });
+    Ok(rates.collect())
+}
+
+/// True values by name, of all that a log with duties, supply, currents, counts and poses can tell.
+fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
+    let (robot, motor) = (&base.robot, &hardware.motor);
+    let wheels = &robot.wheels;
+    // `[robot]` holds the wheels' turning; the rotors' is in mass and inertia as the wheels feel them.
+    let rotor = motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia_kg_m2;
+    let r2 = wheels.radius_right_m * wheels.radius_left_m;
+    let named = |q: Q, value: f64| (q.name().to_owned(), value);
+    let constant = motor
+        .strength
+        .map(|s| s * motor.gear_ratio * motor.kt_nm_per_a);
+    let mut all = vec![
+        named(Q::RadiusRight, wheels.radius_right_m),
+        named(Q::RadiusLeft, wheels.radius_left_m),
+        named(Q::Track, wheels.track_m),
+        named(Q::Mass, robot.mass_kg + 2.0 * rotor / r2),
+        named(
+            Q::Inertia,
+            robot.inertia_kg_m2 + 0.5 * rotor * wheels.track_m.powi(2) / r2,
+        ),
+        named(Q::MotorConstantRight, constant[0]),
+        named(Q::MotorConstantLeft, constant[1]),
+        named(Q::ResistanceRight, motor.resistance_ohm),
+        named(Q::ResistanceLeft, motor.resistance_ohm),
+        named(Q::ViscousRight, hardware.friction.viscous_nm_s),
+        named(Q::ViscousLeft, hardware.friction.viscous_nm_s),
+        named(Q::CoulombRight, hardware.friction.coulomb_nm),
+        named(Q::CoulombLeft, hardware.friction.coulomb_nm),
+    ];
+    for (i, side) in SIDES.into_iter().enumerate() {
+        all.push((
+            format!("torque_constant_{side}"),
+            constant[i] / motor.gear_ratio,
+        ));
+        all.push((
+            format!("lag_{side}"),
+            motor.inductance_h / motor.resistance_ohm,
+        ));
+        all.push((format!("efficiency_{side}"), motor.gear_efficiency));
+        all.push((format!("dead_band_{side}"), motor.dead_band));
+    }
+    all
+}
