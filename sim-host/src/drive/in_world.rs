@@ -44,7 +44,7 @@ pub fn drive_and_observe(
     run(mission, closed_loop, observe_s)
 }
 
-/// As [`drive`], with the same base somewhere else whose motors move the plant.
+/// As [`drive_in_world`], with the same base somewhere else whose motors move the plant.
 ///
 /// # Errors
 /// Parameters out of their range, or no answer from there.
