@@ -1,4 +1,4 @@
-//! Wheels that are not as large as stated: odometry learns to bend its way from the headings of fixes.
+//! Wheels that are not as large as stated: odometry learns a curvature bias from the headings of fixes.
 
 use controller_core::localiser::{Estimate, ValidLocaliserParams};
 use controller_core::maths::Libm;
@@ -68,7 +68,12 @@ fn a_wrong_radius_is_learnt_on_the_way() {
         println!("{seed}: {curvature_bias:.4} of {true_bias:.4} rad/m, {off:.4} m aside");
         // 15 s are 300 fixes, and the time constant of each pole, 2/α, is 51: (1 + 5.9) e^-5.9 = 1.9 % are still to
         // come. Noise is 0.18 σ α^1.5/s, at 20 mm a fix 0.6 % of it; five times that.
-        assert_within(curvature_bias, true_bias, 0.05 * true_bias, "bend");
+        assert_within(
+            curvature_bias,
+            true_bias,
+            0.05 * true_bias,
+            "curvature bias",
+        );
         // Noise: five of 0.7 mm, by the filter. Without a curvature bias 14 mm would be left: heading times way over bandwidth.
         assert!(off < 3.5e-3, "{off}");
     }
@@ -107,7 +112,12 @@ fn backward_is_the_same_bend() {
                 curvature_bias = estimate.curvature_bias;
             },
         );
-        assert_within(curvature_bias, true_bias, 0.05 * true_bias, "bend");
+        assert_within(
+            curvature_bias,
+            true_bias,
+            0.05 * true_bias,
+            "curvature bias",
+        );
     }
 }
 

@@ -248,13 +248,13 @@ impl Bounds {
             let gate = |sigma: f32| f64::from(fusion.gate * sigma);
             (gate(fusion.noise_m), gate(fusion.noise_rad))
         });
-        let (wrong, bend) = self.odometry;
+        let (wrong, curvature_bias) = self.odometry;
         let late = fixes * late_s * way;
         (
-            distance + noise + wrong * way * (1.0 + bend * way) + late + gates.0 * before,
+            distance + noise + wrong * way * (1.0 + curvature_bias * way) + late + gates.0 * before,
             heading
                 + noise_rad
-                + bend * way
+                + curvature_bias * way
                 + late * std::f64::consts::PI / farthest
                 + gates.1 * before,
         )

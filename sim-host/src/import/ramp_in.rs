@@ -34,12 +34,12 @@ impl Trajectory {
                 let p = knot as f64 / KNOTS as f64;
                 let (s, rate, rate_dot) = law(ramp * p * p * p * (1.0 - 0.5 * p));
                 let slope = p * p * (3.0 - 2.0 * p);
-                let bend = 6.0 * p * (1.0 - p) / ramp;
+                let curvature = 6.0 * p * (1.0 - p) / ramp;
                 Tick {
                     t: ramp * p,
                     s,
                     rate: rate * slope,
-                    rate_dot: rate_dot * slope * slope + rate * bend,
+                    rate_dot: rate_dot * slope * slope + rate * curvature,
                 }
             })
             .collect();

@@ -57,13 +57,13 @@ impl TimeWarp {
         };
         let h = to.t - from.t;
         let p = (t - from.t) / h;
-        // s = s0 + h (r0 p + d0 h p²/2 + c3 p³ + c4 p⁴ + c5 p⁵), from value, slope, bend at p = 1.
+        // s = s0 + h (r0 p + d0 h p²/2 + c3 p³ + c4 p⁴ + c5 p⁵), from value, slope, curvature at p = 1.
         let rise = (to.s - from.s) / h - from.rate - 0.5 * h * from.rate_dot;
         let slope = to.rate - from.rate - h * from.rate_dot;
-        let bend = h * (to.rate_dot - from.rate_dot);
-        let c3 = 10.0 * rise - 4.0 * slope + 0.5 * bend;
-        let c4 = -15.0 * rise + 7.0 * slope - bend;
-        let c5 = 6.0 * rise - 3.0 * slope + 0.5 * bend;
+        let curvature = h * (to.rate_dot - from.rate_dot);
+        let c3 = 10.0 * rise - 4.0 * slope + 0.5 * curvature;
+        let c4 = -15.0 * rise + 7.0 * slope - curvature;
+        let c5 = 6.0 * rise - 3.0 * slope + 0.5 * curvature;
         let tail = p * p * p * (c3 + p * (c4 + p * c5));
         let s = from.s + h * (p * (from.rate + 0.5 * h * p * from.rate_dot) + tail);
         let rate =
