@@ -17,6 +17,7 @@ use crate::scalar::Scalar;
 
 /// Parameters of all parts of a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BaseParams<T = f32> {
     /// The motion law.
     pub motion: MotionParams<T>,

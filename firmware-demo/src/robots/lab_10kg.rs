@@ -1,239 +1,165 @@
 //! Robot constants: 10 kg lab base
 //!
-//! Made by `sim-host constants` from `lab-10kg.toml`: change that file, not this one. SI units, radians.
+//! Made by `sim-host constants` from `lab-10kg.toml`: change that file, not this one. SI units, radians; what a field is
+//! stands at its type.
 
 use controller_core::base::BaseParams;
-use controller_core::safety::{Reaction, Response, Timeout};
-use controller_core::{localiser, motion, motor, odometry, robot, safety, wheels};
+use controller_core::localiser::{FusionParams, LocaliserParams};
+use controller_core::motion::{
+    Arrival, AtRest, Limits, MotionGains, MotionParams, SaturationPolicy,
+};
+use controller_core::motor::{MotorParams, WheelFriction};
+use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::robot::Robot;
+use controller_core::safety::supervisor::{Emergency, IdleOutput, RestLimits, SupervisorParams};
+use controller_core::safety::{
+    CurrentDetectorParams, DetectorParams, PolicyParams, Reaction, Response, SlipDetectorParams,
+    StuckDetectorParams, SupplyDetectorParams, TickDetectorParams, Timeout, WheelDetectorParams,
+};
+use controller_core::wheels::WheelGeometry;
 
 /// Time between ticks \[µs\].
 pub const PERIOD_US: u32 = 10_000;
 
 /// All parameters: 10 kg lab base
 pub const BASE: BaseParams<f32> = BaseParams {
-    motion: motion::MotionParams {
-        robot: robot::Robot {
-            // [kg]
+    motion: MotionParams {
+        robot: Robot {
             mass_kg: 10.0,
-            // About the axle's middle [kg m^2].
             inertia_kg_m2: 0.3,
-            wheels: wheels::WheelGeometry {
-                // [m]
+            wheels: WheelGeometry {
                 radius_right_m: 0.075,
-                // [m]
                 radius_left_m: 0.075,
-                // Between the wheels [m].
                 track_m: 0.35,
             },
         },
-        limits: motion::Limits {
-            // [m/s]
+        limits: Limits {
             speed: 1.2,
-            // [rad/s]
             turn_rate: 3.0,
-            // Away from rest [m/s^2].
             accel: 1.0,
-            // Towards rest [m/s^2].
             brake: 1.5,
-            // [rad/s^2]
             turn_accel: 6.0,
-            // [m/s^3]
             jerk: 20.0,
-            // [rad/s^3]
             turn_jerk: 80.0,
-            // Of each wheel [N m].
             wheel_torque_nm: 2.0,
-            // Who yields at the torque limit.
-            policy: motion::SaturationPolicy::KeepCurvature,
+            policy: SaturationPolicy::KeepCurvature,
         },
-        gains: motion::MotionGains {
-            // Of pose neurons and transition offsets [1/s].
+        gains: MotionGains {
             decay: 8.0,
-            // Along the path [1/s].
             longitudinal: 2.55,
-            // Largest speed that it adds [m/s].
             longitudinal_bound: 1.5,
-            // [1/s]
             heading: 3.2,
-            // Across the path [1/s^2].
             lateral: 2.0,
-            // Below this speed the lateral correction fades out [m/s].
             slow: 0.03,
-            // Towards the goal [1/s].
             approach: 1.55,
-            // Planned deceleration [m/s^2].
             approach_brake: 0.9,
-            // [1/s]
             speed_loop: 7.0,
-            // [1/s]
             turn_loop: 5.5,
-            // Bandwidth of the disturbance estimate [1/s].
             disturbance: 3.4,
-            // Largest one, over the wheels' largest.
             disturbance_share: 0.125,
         },
-        // Of the fused position per tick [m].
         pose_noise_m: 0.0004212939,
-        arrival: motion::Arrival {
-            // [m]
+        arrival: Arrival {
             distance_m: 0.0034932182,
-            // [rad]
             heading_rad: 0.006204415,
-            // [s]
             dwell_s: 1.0,
-            at_rest: motion::AtRest::Hold,
-            // [m/s]
+            at_rest: AtRest::Hold,
             stall_speed: 0.05,
-            // [s]
             stall_s: 2.0,
             retries: 2,
         },
-        // Jumps are declared, not detected.
         jump: None,
-        // Longest accepted tick [s].
         max_tick_s: 0.5,
     },
-    localiser: localiser::LocaliserParams {
-        odometry: odometry::OdometryParams {
-            wheels: wheels::WheelGeometry {
-                // [m]
+    localiser: LocaliserParams {
+        odometry: OdometryParams {
+            wheels: WheelGeometry {
                 radius_right_m: 0.075,
-                // [m]
                 radius_left_m: 0.075,
-                // Between the wheels [m].
                 track_m: 0.35,
             },
-            // Factors on the lengths above.
-            calibration: odometry::Calibration {
+            calibration: Calibration {
                 right: 1.0,
                 left: 1.0,
                 track: 1.0,
             },
-            // Of a wheel.
             counts_per_turn: 2048.0,
-            // Of the speed estimate [rad/s].
             bandwidth: 50.0,
         },
-        fusion: Some(localiser::FusionParams {
-            // Of a pose [m, standard deviation].
+        fusion: Some(FusionParams {
             noise_m: 0.005,
-            // [rad, standard deviation]
             noise_rad: 0.005,
-            // [Hz]
             rate_hz: 20.0,
-            // Of the position's correction [rad/s].
             bandwidth: 0.79999995,
-            // [rad/s]
             heading_bandwidth: 0.79999995,
-            // Standard deviations.
             gate: 5.0,
-            // Outliers that agree.
             relocalise_after: 3,
-            // Of the travel of a wheel.
             drift: 0.02,
-            // Of a wheel over the floor [m/s].
             slide_m_s: 0.5,
-            // [s]
             stale_s: 0.5,
         }),
     },
-    motor: Some(motor::MotorParams {
-        // Turns of the motor per turn of the wheel.
+    motor: Some(MotorParams {
         gear_ratio: 26.0,
         gear_efficiency: 0.8,
-        // [N m/A, V s/rad]
         torque_constant_nm_per_a: 0.045,
-        // [ohm]
         resistance_ohm: 0.8,
-        // Nominal [V].
         supply_v: 24.0,
-        // [A]
         max_current_a: 6.0,
-        friction: motor::WheelFriction {
-            // At the wheel [N m].
+        friction: WheelFriction {
             coulomb_nm: 0.23,
-            // To break loose, beyond that [N m].
             stiction_nm: 0.225,
-            // [N m s/rad]
             viscous_nm_s: 0.004,
-            // [rad/s]
             blend_rad_s: 0.016,
         },
-        // Share of the duty.
         dead_band: 0.02,
     }),
-    detectors: safety::DetectorParams {
-        // [us]
+    detectors: DetectorParams {
         period_us: 10_000,
-        robot: robot::Robot {
-            // [kg]
+        robot: Robot {
             mass_kg: 10.0,
-            // About the axle's middle [kg m^2].
             inertia_kg_m2: 0.3,
-            wheels: wheels::WheelGeometry {
-                // [m]
+            wheels: WheelGeometry {
                 radius_right_m: 0.075,
-                // [m]
                 radius_left_m: 0.075,
-                // Between the wheels [m].
                 track_m: 0.35,
             },
         },
-        // Encoders without a reading [us].
         measurement: Timeout::AfterUs(50_000),
-        // External poses missing [us].
         pose: Timeout::AfterUs(1_000_000),
-        // Host or reference silent [us].
         command: Timeout::AfterUs(100_000),
-        ticks: safety::TickDetectorParams {
-            // [us]
+        ticks: TickDetectorParams {
             late: Timeout::AfterUs(15_000),
             row: 5,
             of_64: 16,
-            // [us]
             long: Timeout::AfterUs(100_000),
         },
-        wheels: safety::WheelDetectorParams {
-            // Of a wheel.
+        wheels: WheelDetectorParams {
             counts_per_turn: 2048.0,
-            // From outside, at each wheel [N m].
             load_nm: 0.18393752,
-            stuck: safety::StuckDetectorParams {
-                // [N m]
+            stuck: StuckDetectorParams {
                 torque_nm: 0.78181255,
-                // [rad/s]
                 speed_rad_s: 0.26666665,
-                // [us]
                 after: Timeout::AfterUs(250_000),
             },
-            // [us]
             reversed: Timeout::AfterUs(30_000),
-            slip: safety::SlipDetectorParams {
-                // [rad/s^2]
+            slip: SlipDetectorParams {
                 accel_rad_s2: 40.0,
-                // [m/s]
                 speed_m_s: 0.2,
-                // [us]
                 after: Timeout::AfterUs(50_000),
             },
         },
-        current: safety::CurrentDetectorParams {
-            // [A]
+        current: CurrentDetectorParams {
             limit_a: 6.6000004,
-            // [us]
             after: Timeout::AfterUs(200_000),
         },
-        supply: safety::SupplyDetectorParams {
-            // [V]
+        supply: SupplyDetectorParams {
             low_v: 16.8,
-            // [V]
             recovered_v: 18.0,
-            // [us]
             after: Timeout::AfterUs(500_000),
         },
     },
-    // What is done about each kind of fault; latched ones need a reset.
-    policy: safety::PolicyParams {
+    policy: PolicyParams {
         measurement_stale: Response::latched(Reaction::Brake),
         pose_stale: Response::passing(Reaction::ControlledStop),
         command_stale: Response::passing(Reaction::ControlledStop),
@@ -251,21 +177,16 @@ pub const BASE: BaseParams<f32> = BaseParams {
         stalled: Response::passing(Reaction::ControlledStop),
         goal_unreachable: Response::passing(Reaction::ControlledStop),
     },
-    supervisor: safety::supervisor::SupervisorParams {
-        // [us]
+    supervisor: SupervisorParams {
         stop_limit: Timeout::AfterUs(5_000_000),
-        // [us]
         brake_limit: Timeout::AfterUs(5_000_000),
-        rest: safety::supervisor::RestLimits {
-            // [m/s]
+        rest: RestLimits {
             speed_m_s: 0.01,
-            // [rad/s]
             turn_rad_s: 0.02,
-            // [us]
             dwell_us: 100_000,
         },
-        emergency: safety::supervisor::Emergency::Brake,
-        parked: motion::AtRest::Hold,
-        idle_output: safety::supervisor::IdleOutput::Release,
+        emergency: Emergency::Brake,
+        parked: AtRest::Hold,
+        idle_output: IdleOutput::Release,
     },
 };

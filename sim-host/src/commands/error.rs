@@ -1,6 +1,6 @@
 //! Why a command failed.
 
-use controller_core::error::ParamError;
+use sim_host::constants::ConstantsError;
 use sim_host::drive::{DriveError, FileError};
 use sim_host::figure::FigureError;
 use sim_host::identify::{IdentifyError, KnownError, LogError};
@@ -71,7 +71,7 @@ pub enum CommandError {
     #[error("{0} is built in: `--write` needs a file of your own")]
     BuiltInRobot(String),
     #[error("{file}: {cause}")]
-    Constants { file: String, cause: ParamError },
+    Constants { file: String, cause: ConstantsError },
     #[error("{0}: not every run did what is asked: see above")]
     NotProven(String),
     #[error(transparent)]

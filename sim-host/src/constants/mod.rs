@@ -11,13 +11,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod parts;
-mod writer;
+mod literal;
 
 use crate::closed_loop;
 use crate::mission::BaseSpec;
 use controller_core::error::ParamError;
-use writer::Writer;
+
+pub use literal::NoLiteral;
 
 /// The module's name: the file's, in what Rust takes for one.
 pub fn module_name(name: &str) -> String {
@@ -42,29 +42,66 @@ pub fn period_us(base: &BaseSpec) -> u32 {
 ///
 /// # Errors
 /// Parameters that the core refuses.
-pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ParamError> {
+pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
     let period_us = period_us(base);
     let params = closed_loop::params(base, period_us)?;
-    let mut out = Writer::new();
     // A name goes into comments: on one line, and in no sentence, whatever its grammar.
     let name = base.name.replace(['\n', '\r'], " ");
-    out.line(&format!("//! Robot constants: {name}"));
-    out.line("//!");
-    out.line(&format!(
-        "//! Made by `sim-host constants` from `{source}`: change that file, not this one. SI units, radians."
-    ));
-    out.line("");
-    parts::imports(&mut out, &params);
-    out.line("");
-    out.line("/// Time between ticks \\[µs\\].");
-    out.line(&format!(
-        "pub const PERIOD_US: u32 = {};",
-        writer::whole(period_us)
-    ));
-    out.line("");
-    out.line(&format!("/// All parameters: {name}"));
-    out.open("pub const BASE: BaseParams<f32> = BaseParams {");
-    parts::base(&mut out, &params);
-    out.close("};");
-    Ok(out.text())
+    let motor = params.motor.map_or(
+        "",
+        |_| "use controller_core::motor::{MotorParams, WheelFriction};\n",
+    );
+    let localiser = params
+        .localiser
+        .fusion
+        .map_or("LocaliserParams", |_| "{FusionParams, LocaliserParams}");
+    let jump = params.motion.jump.map_or("", |_| "JumpThreshold, ");
+    Ok(format!(
+        "\
+//! Robot constants: {name}
+//!
+//! Made by `sim-host constants` from `{source}`: change that file, not this one. SI units, radians; what a field is
+//! stands at its type.
+
+use controller_core::base::BaseParams;
+use controller_core::localiser::{localiser};
+use controller_core::motion::{{
+    Arrival, AtRest, {jump}Limits, MotionGains, MotionParams, SaturationPolicy,
+}};
+{motor}use controller_core::odometry::{{Calibration, OdometryParams}};
+use controller_core::robot::Robot;
+use controller_core::safety::supervisor::{{Emergency, IdleOutput, RestLimits, SupervisorParams}};
+use controller_core::safety::{{
+    CurrentDetectorParams, DetectorParams, PolicyParams, Reaction, Response, SlipDetectorParams,
+    StuckDetectorParams, SupplyDetectorParams, TickDetectorParams, Timeout, WheelDetectorParams,
+}};
+use controller_core::wheels::WheelGeometry;
+
+/// Time between ticks \\[µs\\].
+pub const PERIOD_US: u32 = {};
+
+/// All parameters: {name}
+pub const BASE: BaseParams<f32> = {};
+",
+        literal::whole(period_us),
+        literal::literal(&params)?
+    ))
+}
+
+/// Why there are no constants.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConstantsError {
+    /// A parameter that the core refuses.
+    #[error("{0}")]
+    Param(ParamError),
+    /// A parameter of a type that has no literal.
+    #[error(transparent)]
+    Literal(#[from] NoLiteral),
+}
+
+impl From<ParamError> for ConstantsError {
+    fn from(error: ParamError) -> Self {
+        Self::Param(error)
+    }
 }
