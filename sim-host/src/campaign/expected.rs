@@ -93,7 +93,7 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
             fault(F::EncoderReversed),
             &[(
                 Why::Fault(F::PoseStale),
-                "pushed too little to tell it from a load, it drives odometry against the poses until none is believed",
+                "pushed too little to tell it from a load, it makes odometry disagree with the poses until all are rejected",
             )],
             C::Pushed,
         ),
@@ -105,11 +105,11 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
             &[
                 (
                     Why::Fault(F::GoalUnreachable),
-                    "a heading that is off against its own positions: all ways ahead look like slides, and none ends at the goal",
+                    "a heading inconsistent with the positions makes forward motion look like slip, and no approach ends at the goal",
                 ),
                 (
                     Why::Fault(F::PoseStale),
-                    "the same: poses that say for long that wheels slide are not believed any more",
+                    "the same: poses that imply slip for too long are rejected",
                 ),
             ],
             C::Beyond,
@@ -141,7 +141,7 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
             &[
                 (
                     Why::Fault(F::PoseStale),
-                    "without a gyro only poses tell that wheels slide; that do not go with odometry for long, none is left",
+                    "without a gyro only poses show slip; poses that disagree with odometry for long are all rejected",
                 ),
                 (
                     Why::Fault(F::GoalUnreachable),

@@ -169,7 +169,8 @@ impl Mirror for ChipMirror<'_> {
     }
 }
 
-/// Every number of a tick: what the wheels get, and the important terms of the report.
+/// What is compared of a tick: what the wheels get, and the terms of the report that travel as telemetry. The tick's number by
+/// its low half, names by a hash of 16 bits.
 fn signals(ticked: &BaseTicked) -> Vec<(&'static str, f32)> {
     let BaseTick {
         tick,

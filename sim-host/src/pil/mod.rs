@@ -2,7 +2,7 @@
 //!
 //! A [`Bench`] builds the firmware in release mode with the proof that it cannot panic, starts the
 //! emulator and flies scenarios with it. In lock step runs the host's own single-precision
-//! controller on the same inputs, and every number of both reports is compared bit for bit. A [`BaseBench`] does the same
+//! controller on the same inputs, and both reports are compared bit for bit. A [`BaseBench`] does the same
 //! with the whole base: the firmware's control task, on the realistic plant.
 
 mod base;
