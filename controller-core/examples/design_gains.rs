@@ -1,27 +1,19 @@
 //! Gains of both laws from what an owner wants, and how far they are from trouble.
 
+#[allow(dead_code)] // Only its limits are used here.
+mod plant;
+
 use controller_core::maths::Libm;
-use controller_core::motion::SaturationPolicy;
 use controller_core::paper::params::Params;
 use controller_core::paper::tuning as paper;
 use controller_core::tuning::LoopMargins;
 use controller_core::tuning::motion::{self, MotionDesignSpec};
-use controller_core::{Limits, MotionParams, Robot};
+use controller_core::{MotionParams, Robot};
+use plant::LIMITS;
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    let limits = Limits {
-        speed: 1.0,
-        turn_rate: 2.0,
-        accel: 0.8,
-        brake: 1.0,
-        turn_accel: 3.0,
-        jerk: 20.0,
-        turn_jerk: 40.0,
-        wheel_torque_nm: 8.0,
-        policy: SaturationPolicy::KeepCurvature,
-    };
     // The default law: a lateral offset has a tenth left after 3 s.
-    let base = MotionParams::<f64>::new(Robot::paper(), limits);
+    let base = MotionParams::<f64>::new(Robot::paper(), LIMITS.cast());
     let gains = motion::gains::<f64, Libm>(&MotionDesignSpec::settling(3.0), &base)?;
     let margins = motion::margins::<f64, Libm>(&gains);
     println!("default law: settles in {:.2} s", margins.settling_s);

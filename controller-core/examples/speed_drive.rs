@@ -1,15 +1,18 @@
 //! Motor drivers that close their own speed loop: the default law's command goes out as wheel speeds, led by the
 //! drivers' lag. Here the drivers are a first-order lag in memory; on a board they are on a bus.
 
+#[allow(dead_code)] // Only its limits are used here.
+mod plant;
+
 use controller_core::hal::{Error as _, ErrorKind, ErrorType, WheelSpeedDrive};
 use controller_core::maths::Single;
-use controller_core::motion::SaturationPolicy;
 use controller_core::motor::{SpeedParams, SpeedState};
 use controller_core::robot::pose_rate;
 use controller_core::types::{Twist, WheelSpeeds};
 use controller_core::{
     Limits, Measured, MotionController, MotionParams, Outcome, Pose, Robot, Task,
 };
+use plant::LIMITS;
 
 const TICK_S: f32 = 0.01;
 /// Of the drivers' speed loop \[s\].
@@ -62,15 +65,8 @@ impl WheelSpeedDrive for Drivers {
 fn main() -> Result<(), Box<dyn core::error::Error>> {
     // Torques stay inside the drivers: a torque limit far above what the base needs, so that it sets no command back.
     let limits = Limits {
-        speed: 1.0,
-        turn_rate: 2.0,
-        accel: 0.8,
-        brake: 1.0,
-        turn_accel: 3.0,
-        jerk: 20.0,
-        turn_jerk: 40.0,
         wheel_torque_nm: 100.0,
-        policy: SaturationPolicy::KeepCurvature,
+        ..LIMITS
     };
     let motion = MotionParams::new(Robot::paper(), limits).validate()?;
     let output = SpeedParams {
