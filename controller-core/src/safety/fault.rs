@@ -1,7 +1,8 @@
-//! What can go wrong: typed, small, each with a kind that has a number and a name.
+//! What can go wrong, and what is done about it: one table, from which faults, kinds and policies are made.
 
 use core::fmt;
 
+use super::reaction::{Reaction, Response};
 use crate::error::{Input, StepFault};
 use crate::hal::ErrorKind;
 
@@ -29,169 +30,214 @@ impl Side {
     }
 }
 
-/// Something that went wrong, with what is known of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub enum Fault {
+/// What a fault takes away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Broken {
+    /// The measured twist cannot be relied upon.
+    Measurement,
+    /// The controller gives no torque.
+    Controller,
+    /// The wheel driver's state is unknown.
+    Driver,
+}
+
+/// Makes of the table below the faults, their kinds with codes and names, and a policy with a response for each.
+macro_rules! faults {
+    ($(
+        $(#[$doc:meta])*
+        $kind:ident $(($detail:ty))? = $code:literal, $name:ident $(or $alias:literal)?,
+        $broken:expr, $response:expr;
+    )*) => {
+        /// Something that went wrong, with what is known of it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[non_exhaustive]
+        pub enum Fault {
+            $($(#[$doc])* $kind $(($detail))?,)*
+        }
+
+        impl Fault {
+            /// The kind.
+            pub const fn kind(self) -> FaultKind {
+                match self {
+                    $(Self::$kind { .. } => FaultKind::$kind,)*
+                }
+            }
+        }
+
+        /// A [`Fault`] without its details: what a policy is written for, and what a counter counts.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[non_exhaustive]
+        #[allow(missing_docs)] // Each is the variant of `Fault` with the same name.
+        pub enum FaultKind {
+            $($kind,)*
+        }
+
+        impl FaultKind {
+            /// How many there are.
+            pub const COUNT: usize = [$(Self::$kind),*].len();
+
+            /// All of them, by their code.
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$kind),*];
+
+            /// A number that never changes its meaning: for logs, wires and blink codes. From 1; 0 is free for
+            /// "none".
+            pub const fn code(self) -> u8 {
+                match self {
+                    $(Self::$kind => $code,)*
+                }
+            }
+
+            /// The name that it has in configuration files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$kind => stringify!($name),)*
+                }
+            }
+
+            pub(super) const fn broken(self) -> Option<Broken> {
+                match self {
+                    $(Self::$kind => $broken,)*
+                }
+            }
+        }
+
+        /// What is done about each kind of fault. `default()` has a reason for each.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+        #[allow(missing_docs)] // Each is the response to the kind of fault with the same name.
+        pub struct PolicyParams {
+            $($(#[cfg_attr(feature = "serde", serde(alias = $alias))])? pub $name: Response,)*
+        }
+
+        impl PolicyParams {
+            /// The default of [`ValidPolicyParams`](super::ValidPolicyParams).
+            pub const DEFAULT: Self = Self {
+                $($name: $response,)*
+            };
+
+            /// The response to a kind.
+            pub const fn get(&self, kind: FaultKind) -> Response {
+                match kind {
+                    $(FaultKind::$kind => self.$name,)*
+                }
+            }
+
+            /// The same with another response to one kind.
+            #[must_use]
+            pub const fn with(mut self, kind: FaultKind, response: Response) -> Self {
+                let place = match kind {
+                    $(FaultKind::$kind => &mut self.$name,)*
+                };
+                *place = response;
+                self
+            }
+        }
+    };
+}
+
+const BLIND: Option<Broken> = Some(Broken::Measurement);
+const STOP: Reaction = Reaction::ControlledStop;
+
+// Fault = code, name in files, what it takes away, response by default. The order is that of the codes.
+faults! {
     /// The encoders gave no reading for too long.
-    MeasurementStale,
+    MeasurementStale = 1, measurement_stale,
+        BLIND,
+        // Blind: what is left needs no speed to work.
+        Response::latched(Reaction::Brake);
     /// No external pose for too long; odometry goes on alone.
-    PoseStale,
+    PoseStale = 2, pose_stale,
+        None,
+        // Odometry drifts by a few per cent of the way: good enough for the way of a stop.
+        Response::passing(STOP);
     /// Host or reference were silent for too long.
-    CommandStale,
+    CommandStale = 3, command_stale,
+        None,
+        // There is no target; the base itself is sound, and may go on when the host is back.
+        Response::passing(STOP);
     /// An input is NaN or infinite.
-    NotFinite(Input),
+    NotFinite (Input) = 4, not_finite,
+        BLIND,
+        // What is not a number says nothing of the next one.
+        Response::latched(Reaction::Brake);
     /// Too many ticks came late, in a row or among the last 64.
-    TickJitter,
+    TickJitter = 5, tick_jitter,
+        None,
+        // Ticks come, only late: enough to stop with, not to drive on. Somebody has to look why.
+        Response::latched(STOP);
     /// One tick was so long that the loop was blind in between.
-    TickTooLong,
+    TickTooLong = 6, tick_too_long,
+        None,
+        // The loop was blind once, and is not any more.
+        Response::latched(STOP);
     /// The pose jumped further than the robot can have moved.
-    PoseJump,
+    PoseJump = 7, pose_jump,
+        None,
+        // The motion law takes jumps without a step of torque.
+        Response::IGNORE;
     /// A wheel is commanded to turn and its counts stand still: its encoder is lost, or the wheel is blocked.
     /// From wheels alone the two look alike; where an external twist shows that the robot stands, the
     /// fault is [`Fault::Stalled`] instead.
-    EncoderStuck(Side),
+    EncoderStuck (Side) = 8, encoder_stuck,
+        BLIND,
+        // Half of the twist is wrong, so a velocity loop would push on.
+        Response::latched(Reaction::Brake);
     /// Counts move against what torque and mass say: encoder or motor wired the wrong way round. The
     /// velocity loop then has positive feedback.
-    EncoderReversed(Side),
+    EncoderReversed (Side) = 9, encoder_reversed,
+        BLIND,
+        // The velocity loop drives the error up; an electrical brake has no sign to get wrong.
+        Response::latched(Reaction::Brake);
     /// A wheel moves as only one without grip can. A light wheel that loses its grip is held at its commanded
     /// speed by the velocity loop with hardly any torque: that shows against an external twist only.
-    WheelSlip(Side),
+    WheelSlip (Side) = 10, wheel_slip,
+        None,
+        // Grip comes back with less torque; odometry is off by then, so the way is not driven on.
+        Response::passing(STOP);
     /// The wheel driver failed.
-    Driver(ErrorKind),
+    Driver (ErrorKind) = 11, driver,
+        Some(Broken::Driver),
+        // After an error the wheels' state is unknown, and the driver has to release.
+        Response::latched(Reaction::Release);
     /// A motor's measured current was above its limit for too long.
-    OverCurrent(Side),
+    OverCurrent (Side) = 12, over_current,
+        None,
+        // A brake would add the current of the motor's own voltage.
+        Response::latched(Reaction::Release);
     /// The supply was too low for too long.
-    UnderVoltage,
+    UnderVoltage = 13, under_voltage,
+        None,
+        // Decelerating gives energy back; an empty battery stays one until somebody changes it.
+        Response::latched(STOP);
     /// The controller refused a tick.
-    StepRefused(StepFault),
+    StepRefused (StepFault) = 14, step_refused,
+        Some(Broken::Controller),
+        // No torque is known that could stop the base.
+        Response::latched(Reaction::Brake);
     /// The robot is commanded to move and stands.
-    Stalled,
+    Stalled = 15, stalled,
+        None,
+        // Nothing moves anyhow; free of the obstacle it may be armed again.
+        Response::passing(STOP);
     /// The motion law has no retry left and is still outside the tolerance of its goal.
-    GoalUnreachable,
-}
-
-/// A [`Fault`] without its details: what a policy is written for, and what a counter counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-#[allow(missing_docs)] // Each is the variant of `Fault` with the same name.
-pub enum FaultKind {
-    MeasurementStale,
-    PoseStale,
-    CommandStale,
-    NotFinite,
-    TickJitter,
-    TickTooLong,
-    PoseJump,
-    EncoderStuck,
-    EncoderReversed,
-    WheelSlip,
-    Driver,
-    OverCurrent,
-    UnderVoltage,
-    StepRefused,
-    Stalled,
-    GoalUnreachable,
+    GoalUnreachable = 16, goal_unreachable or "gave_up",
+        None,
+        // The goal is not reached, everything else works.
+        Response::passing(STOP);
 }
 
 impl FaultKind {
-    /// How many there are.
-    pub const COUNT: usize = Self::ALL.len();
-
-    /// All of them, by their code.
-    pub const ALL: [Self; 16] = [
-        Self::MeasurementStale,
-        Self::PoseStale,
-        Self::CommandStale,
-        Self::NotFinite,
-        Self::TickJitter,
-        Self::TickTooLong,
-        Self::PoseJump,
-        Self::EncoderStuck,
-        Self::EncoderReversed,
-        Self::WheelSlip,
-        Self::Driver,
-        Self::OverCurrent,
-        Self::UnderVoltage,
-        Self::StepRefused,
-        Self::Stalled,
-        Self::GoalUnreachable,
-    ];
-
-    /// A number that never changes its meaning: for logs, wires and blink codes. From 1; 0 is free for
-    /// "none".
-    pub const fn code(self) -> u8 {
-        match self {
-            Self::MeasurementStale => 1,
-            Self::PoseStale => 2,
-            Self::CommandStale => 3,
-            Self::NotFinite => 4,
-            Self::TickJitter => 5,
-            Self::TickTooLong => 6,
-            Self::PoseJump => 7,
-            Self::EncoderStuck => 8,
-            Self::EncoderReversed => 9,
-            Self::WheelSlip => 10,
-            Self::Driver => 11,
-            Self::OverCurrent => 12,
-            Self::UnderVoltage => 13,
-            Self::StepRefused => 14,
-            Self::Stalled => 15,
-            Self::GoalUnreachable => 16,
-        }
-    }
-
     /// The kind with this code.
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.code() == code)
     }
 
-    /// The name that it has in configuration files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::MeasurementStale => "measurement_stale",
-            Self::PoseStale => "pose_stale",
-            Self::CommandStale => "command_stale",
-            Self::NotFinite => "not_finite",
-            Self::TickJitter => "tick_jitter",
-            Self::TickTooLong => "tick_too_long",
-            Self::PoseJump => "pose_jump",
-            Self::EncoderStuck => "encoder_stuck",
-            Self::EncoderReversed => "encoder_reversed",
-            Self::WheelSlip => "wheel_slip",
-            Self::Driver => "driver",
-            Self::OverCurrent => "over_current",
-            Self::UnderVoltage => "under_voltage",
-            Self::StepRefused => "step_refused",
-            Self::Stalled => "stalled",
-            Self::GoalUnreachable => "goal_unreachable",
-        }
-    }
-}
-
-impl Fault {
-    /// The kind.
-    pub const fn kind(self) -> FaultKind {
-        match self {
-            Self::MeasurementStale => FaultKind::MeasurementStale,
-            Self::PoseStale => FaultKind::PoseStale,
-            Self::CommandStale => FaultKind::CommandStale,
-            Self::NotFinite(_) => FaultKind::NotFinite,
-            Self::TickJitter => FaultKind::TickJitter,
-            Self::TickTooLong => FaultKind::TickTooLong,
-            Self::PoseJump => FaultKind::PoseJump,
-            Self::EncoderStuck(_) => FaultKind::EncoderStuck,
-            Self::EncoderReversed(_) => FaultKind::EncoderReversed,
-            Self::WheelSlip(_) => FaultKind::WheelSlip,
-            Self::Driver(_) => FaultKind::Driver,
-            Self::OverCurrent(_) => FaultKind::OverCurrent,
-            Self::UnderVoltage => FaultKind::UnderVoltage,
-            Self::StepRefused(_) => FaultKind::StepRefused,
-            Self::Stalled => FaultKind::Stalled,
-            Self::GoalUnreachable => FaultKind::GoalUnreachable,
-        }
+    /// The measured twist cannot be relied upon, not even to see that the base rests.
+    pub const fn breaks_measurement(self) -> bool {
+        matches!(self.broken(), Some(Broken::Measurement))
     }
 }
 

@@ -30,10 +30,10 @@ pub use detector_params::{
     CurrentDetectorParams, DetectorParams, SlipDetectorParams, StuckDetectorParams,
     SupplyDetectorParams, TickDetectorParams, Timeout, ValidDetectorParams, WheelDetectorParams,
 };
-pub use fault::{Fault, FaultKind, Side};
+pub use fault::{Fault, FaultKind, PolicyParams, Side};
 pub use inputs::{ActiveFaults, Currents, DetectorInputs};
 pub use monitor::Monitor;
-pub use policy::{PolicyError, PolicyParams, PolicyProblem, ValidPolicyParams};
+pub use policy::{PolicyError, PolicyProblem, ValidPolicyParams};
 pub use reaction::{Reaction, Response};
 pub use stopping::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 pub use supervisor::{OutputMode, Supervisor};
