@@ -15,21 +15,24 @@ impl Rate {
     /// Clopper and Pearson's interval \[1\], which holds the true rate in at least 95 % of all studies: two-sided, or,
     /// without any failure, from 0 to the bound that 95 % of all studies would pass with one.
     pub fn interval(&self) -> (f64, f64) {
-        let (failed, good) = (
-            self.failed as f64,
-            self.runs.saturating_sub(self.failed) as f64,
-        );
-        let tail = if self.failed == 0 || good == 0.0 {
+        let tail = if self.failed == 0 || self.failed >= self.runs {
             0.05
         } else {
             0.025
         };
-        let quantile = |a: f64, b: f64, share: f64| Beta::new(a, b).map(|d| d.inverse_cdf(share));
-        // Not a distribution: none failed, or all did.
-        let low = quantile(failed, good + 1.0, tail).unwrap_or(0.0);
-        let high = quantile(failed + 1.0, good, 1.0 - tail).unwrap_or(1.0);
-        (low, high)
+        clopper_pearson(self.failed, self.runs, tail)
     }
+}
+
+/// Clopper and Pearson's interval \[1\] for a share of which `hits` of `runs` were seen: at most the probability `tail` is
+/// beyond each end.
+pub fn clopper_pearson(hits: usize, runs: usize, tail: f64) -> (f64, f64) {
+    let (hits, others) = (hits as f64, runs.saturating_sub(hits) as f64);
+    let quantile = |a: f64, b: f64, share: f64| Beta::new(a, b).map(|d| d.inverse_cdf(share));
+    // Not a distribution: there was none, or nothing else.
+    let low = quantile(hits, others + 1.0, tail).unwrap_or(0.0);
+    let high = quantile(hits + 1.0, others, 1.0 - tail).unwrap_or(1.0);
+    (low, high)
 }
 
 impl std::fmt::Display for Rate {

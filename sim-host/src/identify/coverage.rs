@@ -3,10 +3,10 @@
 use super::record::base_log;
 use super::{Entry, IdentifyError, Known, Options, Quantity as Q, SIDES, Verdict, identify};
 use crate::mission::{BaseSpec, Hardware};
+use crate::rate::clopper_pearson;
 use crate::world::WorldError;
 use rayon::prelude::*;
 use serde::Serialize;
-use statrs::distribution::{Beta, ContinuousCDF};
 
 /// Share of the logs in which intervals have to hold the true value. They are meant for 95 %.
 pub const LEAST: f64 = 0.9;
@@ -51,22 +51,9 @@ impl Rate {
         }
     }
 
-    /// 95 % interval of that share for all logs of this kind (Clopper and Pearson).
+    /// 95 % interval of that share for all logs of this kind.
     pub fn interval(&self) -> [f64; 2] {
-        let (held, missed) = (self.within as f64, (self.given - self.within) as f64);
-        // Beta distributions of parameters of at least 1: they exist.
-        let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).map(|beta| beta.inverse_cdf(p));
-        let low = if held == 0.0 {
-            Ok(0.0)
-        } else {
-            quantile(held, missed + 1.0, 0.025)
-        };
-        let high = if missed == 0.0 {
-            Ok(1.0)
-        } else {
-            quantile(held + 1.0, missed, 0.975)
-        };
-        [low.unwrap_or(0.0), high.unwrap_or(1.0)]
+        clopper_pearson(self.within, self.given, 0.025).into()
     }
 }
 
