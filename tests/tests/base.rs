@@ -21,7 +21,7 @@ fn closed_loop(queue: &mut ReferenceQueue<f32, 2>) -> ClosedLoop<'_> {
                 [goal]\nx = 1.0\n[world.pose_source]\nrate_hz = 20.0\n";
     let mission = Mission::parse("base.toml", text).expect("valid");
     let setup: WorldSetup = mission.setup.clone().expect("a world");
-    ClosedLoop::new(queue.split().1, &mission, &setup).expect("valid")
+    ClosedLoop::new(queue.split().1, &mission, &setup, None).expect("valid")
 }
 
 fn step(closed_loop: &mut ClosedLoop<'_>, order: &Order<f32>) -> BaseReport<f32> {

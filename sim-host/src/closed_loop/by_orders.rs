@@ -94,20 +94,21 @@ impl Parts {
 pub struct ClosedLoop<'a> {
     task: ControlTask<'a, PlantHal>,
     mirror: Option<&'a mut dyn Mirror>,
-    start: Pose<f32>,
     period_us: u32,
     dt_us: u32,
 }
 
 impl<'a> ClosedLoop<'a> {
-    /// A disarmed base that knows where it starts. Orders come with each tick, so nothing goes through `references`.
+    /// A disarmed base that knows where it starts. Orders come with each tick, so nothing goes through `references`. With a
+    /// `mirror` there is the same base somewhere else, whose motors move the plant.
     ///
     /// # Errors
-    /// Parameters out of their range.
+    /// Parameters out of their range, or no answer from there.
     pub fn new(
         references: ReferenceConsumer<'a, f32>,
         mission: &Mission,
         setup: &WorldSetup,
+        mut mirror: Option<&'a mut dyn Mirror>,
     ) -> Result<Self, ClosedLoopError> {
         let base = (&mission.base, mission.period_s);
         let Parts {
@@ -118,25 +119,15 @@ impl<'a> ClosedLoop<'a> {
         } = Parts::with(base, &mission.robot, &mission.start, setup, |_| {})?;
         let task =
             ControlTask::new(hal, references, params, start).map_err(ClosedLoopError::Setting)?;
+        if let Some(mirror) = &mut mirror {
+            mirror.begin(&params, start).map_err(mirrored)?;
+        }
         Ok(Self {
             task,
-            mirror: None,
-            start,
+            mirror,
             period_us,
             dt_us: period_us,
         })
-    }
-
-    /// Puts the same base somewhere else beside it, whose motors move the plant from now on.
-    ///
-    /// # Errors
-    /// It does not answer.
-    pub fn mirrored(mut self, mirror: &'a mut dyn Mirror) -> Result<Self, ClosedLoopError> {
-        mirror
-            .begin(self.task.params(), self.start)
-            .map_err(mirrored)?;
-        self.mirror = Some(mirror);
-        Ok(self)
     }
 
     /// Lets the world go on to the next tick.

@@ -63,7 +63,7 @@ fn runs_of(
             Ok(vec![simulate(scenario)?])
         }
         Job::Scenario(scenario) => laws.iter().map(|&law| under(scenario, law, base)).collect(),
-        Job::Mission(mission) | Job::File { mission, .. } => {
+        Job::Mission { mission, .. } => {
             match laws.iter().find(|&&law| law != LawArg::Motion) {
                 // What the paper's laws know of limits, worlds and events is nothing.
                 Some(_) => Err(CommandError::OnlyMotion(mission.name.clone())),

@@ -1,7 +1,7 @@
 //! Missions: `run`, and `check` and `compile` for trajectory files.
 
 use super::error::CommandError;
-use super::job::{Content, Job};
+use super::job::{Content, Job, Trajectory};
 use super::write::{ChipRecord, Writer};
 use super::{note, say};
 use crate::cli::Output;
@@ -9,7 +9,7 @@ use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
 use sim_host::drive::{ChipTable, DriveMetrics, DriveTrace, FileRun, drive, summary, verdict};
 use sim_host::figure::Labelled;
-use sim_host::import::{FileVerdict, TimeScaling};
+use sim_host::import::FileVerdict;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
 use sim_host::scenario::{BuiltInBase, Scenario};
@@ -53,7 +53,7 @@ pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
 /// Runs a mission and writes its results.
 pub fn run(
     mission: &Mission,
-    file: Option<(&TimeScaling, &FileVerdict)>,
+    file: Option<&Trajectory>,
     csv: bool,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
@@ -76,12 +76,9 @@ pub struct Done {
 }
 
 /// What is about to be run.
-pub fn announce(
-    mission: &Mission,
-    file: Option<(&TimeScaling, &FileVerdict)>,
-) -> Result<(), CommandError> {
+pub fn announce(mission: &Mission, file: Option<&Trajectory>) -> Result<(), CommandError> {
     say(&format!("{}: {}\n", mission.name, mission.description))?;
-    if let Some((scaling, verdict)) = file {
+    if let Some(Trajectory { scaling, verdict }) = file {
         say(&format!(
             "{verdict}\nbase       {}: {scaling}\n",
             mission.base.name
@@ -95,7 +92,7 @@ pub fn announce(
 /// Prints and writes what came of a mission.
 pub fn results(
     mission: &Mission,
-    file: Option<(&TimeScaling, &FileVerdict)>,
+    file: Option<&Trajectory>,
     done: &Done,
     csv: bool,
     writer: &Writer<'_>,
@@ -106,7 +103,7 @@ pub fn results(
         Some(_) => format!("{}-pil", mission.name),
     };
     let mut repairs = Vec::new();
-    if let Some((_, FileVerdict::Drivable { repairs: list, .. })) = file {
+    if let Some(FileVerdict::Drivable { repairs: list, .. }) = file.map(|file| &file.verdict) {
         repairs.extend(list.iter().map(ToString::to_string));
     }
     let metrics = DriveMetrics::of(mission, trace).ok_or(CommandError::NoRows)?;
@@ -127,7 +124,7 @@ pub fn results(
         precision: mission.precision,
         period_s: mission.period_s,
         duration_s: trace.rows.last().map_or(0.0, |row| row.t),
-        stretched_by: file.map(|(scaling, _)| scaling.factor),
+        stretched_by: file.map(|file| file.scaling.factor),
         repairs,
         metrics: &metrics,
         chip: chip.as_ref(),

@@ -12,13 +12,17 @@ pub enum Job {
     /// With a controller of the paper.
     Scenario(Box<Scenario>),
     /// With the law for a real base.
-    Mission(Box<Mission>),
-    /// The same, along a trajectory file.
-    File {
+    Mission {
         mission: Box<Mission>,
-        scaling: TimeScaling,
-        verdict: FileVerdict,
+        /// The trajectory file that it follows, if it is no scenario.
+        file: Option<Trajectory>,
     },
+}
+
+/// What became of a trajectory file.
+pub struct Trajectory {
+    pub scaling: TimeScaling,
+    pub verdict: FileVerdict,
 }
 
 /// A file's content.
@@ -33,9 +37,10 @@ impl Job {
     /// A file if there is one, else a built-in scenario of that name.
     pub fn load(file: &Path, run: &FileRun, base: &BaseSpec) -> Result<Self, CommandError> {
         match Content::read(file)? {
-            Content::Scenario { file, text } if Mission::is_motion(&text) => {
-                Ok(Self::Mission(Box::new(Mission::parse(&file, &text)?)))
-            }
+            Content::Scenario { file, text } if Mission::is_motion(&text) => Ok(Self::Mission {
+                mission: Box::new(Mission::parse(&file, &text)?),
+                file: None,
+            }),
             Content::Scenario { file, text } => {
                 Ok(Self::Scenario(Box::new(Scenario::parse(&file, &text)?)))
             }
@@ -45,10 +50,10 @@ impl Job {
                     cause,
                 };
                 let (mission, scaling) = run.mission(&name, &bytes, base).map_err(failed)?;
-                Ok(Self::File {
+                let verdict = verdict(&bytes);
+                Ok(Self::Mission {
                     mission: Box::new(mission),
-                    scaling,
-                    verdict: verdict(&bytes),
+                    file: Some(Trajectory { scaling, verdict }),
                 })
             }
         }
@@ -58,7 +63,7 @@ impl Job {
     pub fn scenario(&self) -> Option<&Scenario> {
         match self {
             Self::Scenario(scenario) => Some(scenario),
-            Self::Mission(_) | Self::File { .. } => None,
+            Self::Mission { .. } => None,
         }
     }
 
@@ -66,7 +71,7 @@ impl Job {
     pub fn name(&self) -> &str {
         match self {
             Self::Scenario(scenario) => &scenario.name,
-            Self::Mission(mission) | Self::File { mission, .. } => &mission.name,
+            Self::Mission { mission, .. } => &mission.name,
         }
     }
 }

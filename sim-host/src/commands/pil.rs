@@ -21,6 +21,26 @@ pub struct Board {
     pub link: LinkKind,
 }
 
+impl Board {
+    /// What the JSON file says of a flight, by its parity, cost and duration.
+    fn record<C>(
+        &self,
+        (parity, instructions, elapsed): (Parity, C, Duration),
+        stack_bytes: u32,
+        image: Footprint,
+    ) -> ChipRecord<C> {
+        ChipRecord {
+            machine: machine_name(self.machine),
+            link: link_name(self.link),
+            ticks_per_second: rate(&parity, elapsed),
+            parity,
+            instructions,
+            stack_bytes,
+            image,
+        }
+    }
+}
+
 /// Flies all of them: scenarios of the paper's laws with its firmware, all else with the whole base.
 pub fn all(jobs: &[Job], board: Board, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
@@ -47,31 +67,21 @@ fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, Command
     let mut exact = true;
     let mut not_parked = Ok(());
     for job in jobs {
-        let (mission, file) = match job {
-            Job::Scenario(_) => continue,
-            Job::Mission(mission) => (mission, None),
-            Job::File {
-                mission,
-                scaling,
-                verdict,
-            } => (mission, Some((scaling, verdict))),
+        let Job::Mission { mission, file } = job else {
+            continue;
         };
+        let file = file.as_ref();
         drive::announce(mission, file)?;
         let flight = bench.fly(mission)?;
         exact &= flight.parity.is_exact();
-        let ticks_per_second = rate(&flight.parity, flight.elapsed);
         let done = Done {
             trace: flight.trace,
             label: machine_name(board.machine),
-            chip: Some(ChipRecord {
-                machine: machine_name(board.machine),
-                link: link_name(board.link),
-                parity: flight.parity,
-                instructions: flight.cost,
-                stack_bytes: bench.stack_bytes()?,
+            chip: Some(board.record(
+                (flight.parity, flight.cost, flight.elapsed),
+                bench.stack_bytes()?,
                 image,
-                ticks_per_second,
-            }),
+            )),
         };
         match drive::results(mission, file, &done, true, writer) {
             Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
@@ -79,7 +89,8 @@ fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, Command
         }
         say(&costs(&flight.cost.named()))?;
         say(&format!(
-            "  {ticks_per_second:.0} ticks/s over {}\n  {}\n",
+            "  {:.0} ticks/s over {}\n  {}\n",
+            rate(&flight.parity, flight.elapsed),
             link_name(board.link),
             verdict(
                 &flight.parity,
@@ -103,15 +114,11 @@ fn law(scenarios: &[&Scenario], board: Board, writer: &Writer<'_>) -> Result<boo
         let flight = bench.fly(scenario)?;
         exact &= flight.parity.is_exact();
         total.add(&flight);
-        let chip = ChipRecord {
-            machine: machine_name(board.machine),
-            link: link_name(board.link),
-            parity: flight.parity,
-            instructions: flight.cost,
-            stack_bytes: bench.stack_bytes()?,
+        let chip = board.record(
+            (flight.parity, flight.cost, flight.elapsed),
+            bench.stack_bytes()?,
             image,
-            ticks_per_second: rate(&flight.parity, flight.elapsed),
-        };
+        );
         write(scenario, flight, chip, writer)?;
     }
     if scenarios.len() > 1 {

@@ -15,16 +15,8 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
     for job in jobs {
         let scenario = match job {
             Job::Scenario(scenario) => scenario,
-            Job::Mission(mission) => {
-                drive::run(mission, None, csv, &writer)?;
-                continue;
-            }
-            Job::File {
-                mission,
-                scaling,
-                verdict,
-            } => {
-                match drive::run(mission, Some((scaling, verdict)), csv, &writer) {
+            Job::Mission { mission, file } => {
+                match drive::run(mission, file.as_ref(), csv, &writer) {
                     Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
                     other => other?,
                 }

@@ -39,9 +39,7 @@ pub fn drive_and_observe(
     setup: &WorldSetup,
     observe_s: f64,
 ) -> Result<DriveTrace, ClosedLoopError> {
-    let mut queue = ReferenceQueue::<f32, 2>::new();
-    let closed_loop = ClosedLoop::new(queue.split().1, mission, setup)?;
-    run(mission, closed_loop, observe_s)
+    run(mission, setup, None, observe_s)
 }
 
 /// As [`drive_in_world`], with the same base somewhere else whose motors move the plant.
@@ -53,16 +51,18 @@ pub fn fly(
     setup: &WorldSetup,
     mirror: &mut dyn Mirror,
 ) -> Result<DriveTrace, ClosedLoopError> {
-    let mut queue = ReferenceQueue::<f32, 2>::new();
-    let closed_loop = ClosedLoop::new(queue.split().1, mission, setup)?;
-    run(mission, closed_loop.mirrored(mirror)?, OBSERVE_S)
+    run(mission, setup, Some(mirror), OBSERVE_S)
 }
 
 fn run(
     mission: &Mission,
-    mut closed_loop: ClosedLoop<'_>,
+    setup: &WorldSetup,
+    mirror: Option<&mut dyn Mirror>,
     observe_s: f64,
 ) -> Result<DriveTrace, ClosedLoopError> {
+    let mut queue = ReferenceQueue::<f32, 2>::new();
+    let mirror = mirror.map(|mirror| mirror as _);
+    let mut closed_loop = ClosedLoop::new(queue.split().1, mission, setup, mirror)?;
     let mut sequencer = Sequencer::new(mission);
     let mut trace = DriveTrace {
         period_s: mission.period_s,
