@@ -127,6 +127,6 @@ pub struct WireTimeouts {
     pub measurement: Timeout,
     /// External poses missing.
     pub pose: Timeout,
-    /// Host or references silent.
+    /// Host silent: no frame, or no order where one is due.
     pub command: Timeout,
 }

@@ -1,6 +1,7 @@
 //! The tick of a base.
 
 use super::driving::{Driven, Driving};
+use super::host_watch::HostWatch;
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
 use super::orders;
@@ -61,7 +62,7 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
     driving: Driving<T, M, U>,
     /// Exerted since the last tick.
     exerted: WheelTorques<T>,
-    silent_us: u32,
+    host: HostWatch,
     report: BaseReport<T>,
 }
 
@@ -75,7 +76,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             monitor: Monitor::new(&base.detectors),
             driving: Driving::IDLE,
             exerted: WheelTorques::default(),
-            silent_us: 0,
+            host: HostWatch::NEW,
             report: BaseReport {
                 action: WheelAction::Release,
                 state: supervisor.state(),
@@ -111,10 +112,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 }
             }
         };
-        self.silent_us = match order {
-            Order::None => self.silent_us.saturating_add(dt_us),
-            Order::Follow(_) | Order::Park(_) => 0,
-        };
+        self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
         for fault in self.monitor.check(&inputs).iter() {
             active_faults.add(fault);
@@ -184,7 +182,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 WheelAction::Drive(_) | WheelAction::Release => Some(self.exerted),
             },
             pose_age_us: located.fix_age_s.map_or(0, microseconds),
-            command_age_us: self.silent_us,
+            command_age_us: self.host.order_age_us(),
             pose_jumped: located.jumped,
             driver: sensed.driver.err(),
             supply_v: sensed.supply_v,
@@ -257,7 +255,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or
     /// `Event::Reset`; what it asks of the wheels happens in the next tick.
     pub fn on(&mut self, event: Event) -> Action {
-        self.silent_us = 0;
+        self.host.order_seen();
         self.supervisor.on(event)
     }
 
@@ -284,9 +282,27 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         action
     }
 
-    /// The host is alive, though it has no order.
-    pub fn host_seen(&mut self) {
-        self.silent_us = 0;
+    /// A sound frame came from the host.
+    pub const fn frame_seen(&mut self) {
+        self.host.frame_seen();
+    }
+
+    /// The time of a tick for a link with the host, before its [`tick`](Self::tick): [`Event::LinkLost`] when no frame has come
+    /// for `DetectorParams::command`, looked at a tick ahead.
+    ///
+    /// Where a link says whether the host is there, a base needs orders only while it follows references. Without a link this is
+    /// not called: then orders are the host's only sign, and [`Fault::CommandStale`] says in every state that they ceased.
+    pub fn watch_link(&mut self, dt_us: u32) {
+        let detectors = self.base.detectors.params();
+        if self
+            .host
+            .is_lost(dt_us, detectors.period_us, detectors.command)
+        {
+            self.on(Event::LinkLost);
+        }
+        if self.supervisor.state() != State::Tracking {
+            self.host.order_seen();
+        }
     }
 
     /// Puts the base elsewhere on the map. Command and torque go on without a step.

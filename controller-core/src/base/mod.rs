@@ -10,6 +10,7 @@
 //! | --- | --- |
 //! | where the base is | [`crate::localiser`] |
 //! | what is wrong, and what is done about it | [`crate::safety`] |
+//! | how long the host has been silent | [`BaseController::watch_link`] for frames, [`BaseController::tick`] for orders |
 //! | where to, with what torque | [`crate::motion`] |
 //! | torque to duty, for motors on bridges | [`crate::motor`], by the driver |
 //!
@@ -18,6 +19,7 @@
 
 mod controller;
 mod driving;
+mod host_watch;
 mod io;
 mod locate;
 mod orders;

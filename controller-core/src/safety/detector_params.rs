@@ -121,7 +121,7 @@ pub struct DetectorParams<T> {
     pub measurement: Timeout,
     /// External poses missing.
     pub pose: Timeout,
-    /// Host or reference silent.
+    /// Host silent: no frame where there is a link, or no order where one is due.
     pub command: Timeout,
     /// Ticks.
     pub ticks: TickDetectorParams,

@@ -153,7 +153,7 @@ faults! {
         None,
         // Odometry drifts by a few per cent of the way: good enough for the way of a stop.
         Response::passing(STOP);
-    /// Host or reference were silent for too long.
+    /// The host is there, but gave no order where one is due for too long.
     CommandStale = 3, command_stale,
         None,
         // There is no target; the base itself is sound, and may go on when the host is back.

@@ -34,7 +34,7 @@ pub struct DetectorInputs<T> {
     pub torques: Option<WheelTorques<T>>,
     /// Age of the last external pose \[µs\], `u32::MAX` if there was none.
     pub pose_age_us: u32,
-    /// Time since the last frame of the host or sample of the reference \[µs\].
+    /// Time since the last order of the host where one is due \[µs\].
     pub command_age_us: u32,
     /// The localiser says that the pose jumped.
     pub pose_jumped: bool,

@@ -11,6 +11,7 @@
 //! | [`Fault`], [`FaultKind`] | what went wrong, typed, with a stable code |
 //! | [`Reaction`], [`Response`], [`ValidPolicyParams`] | what is done about each kind, checked against what it leaves working |
 //! | [`DetectorParams`], [`Timeout`] | thresholds and times; off only where it says so |
+//! | [`Silence`] | how long something has not been seen |
 //! | [`Monitor`] | detectors: one call a tick, plain values in, [`ActiveFaults`] out |
 //! | [`supervisor`] | states and events: a table without a wildcard |
 //! | [`StopPlan`], [`controlled_stop`] | the controlled stop and the way it takes |
@@ -23,6 +24,7 @@ mod inputs;
 mod monitor;
 mod policy;
 mod reaction;
+mod silence;
 mod stopping;
 pub mod supervisor;
 
@@ -35,5 +37,6 @@ pub use inputs::{ActiveFaults, Currents, DetectorInputs};
 pub use monitor::Monitor;
 pub use policy::{PolicyError, PolicyProblem, ValidPolicyParams};
 pub use reaction::{Reaction, Response};
+pub use silence::Silence;
 pub use stopping::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 pub use supervisor::{OutputMode, Supervisor};

@@ -2,7 +2,7 @@
 //!
 //! It owns the base of the core (localiser, monitor, supervisor, motion law), the wheels and the queue of references, and it is the
 //! only one that talks to the wheels. What is wrong and what is done about it is decided in
-//! [`controller_core::safety`]; here the host is watched over, and references become orders. Time and measurement are arguments,
+//! [`controller_core::safety`]; here references become orders. Time and measurement are arguments,
 //! so the task runs on a board, in the simulator and in tests alike.
 
 mod commands;
@@ -16,8 +16,7 @@ use controller_core::base::{BaseController, BaseParams, BaseReport, Order, Sense
 use controller_core::hal::{ErrorKind, WheelDrive};
 use controller_core::localiser::Fix;
 use controller_core::queue::ReferenceConsumer;
-use controller_core::safety::Timeout;
-use controller_core::safety::supervisor::{Cause, Event, State};
+use controller_core::safety::supervisor::{Cause, State};
 use controller_core::types::{Pose, WheelTorques};
 use protocol::BaseTick;
 
@@ -37,8 +36,6 @@ pub struct ControlTask<'queue, D> {
     answer: Result<(), ErrorKind>,
     /// What is applied to the wheels.
     output: WheelAction<f32>,
-    /// Time since the last sound frame of the host.
-    silent_us: u32,
     last_us: Option<u32>,
     ticks: u32,
     changes: u32,
@@ -67,7 +64,6 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
             fix: None,
             answer: Ok(()),
             output: WheelAction::Release,
-            silent_us: 0,
             last_us: None,
             ticks: 0,
             changes: 0,
@@ -76,7 +72,7 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
 
     /// A sound frame came from the host, or a mission without a host is alive.
     pub const fn host_seen(&mut self) {
-        self.silent_us = 0;
+        self.controller.frame_seen();
     }
 
     /// One tick at `now_us`, a clock that wraps around. `sensed.driver` is not looked at: the task has the driver's answer.
@@ -84,7 +80,7 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// One output is applied in each tick; only after a driver's error are the wheels released on top, in the same tick.
     pub fn tick(&mut self, now_us: u32, sensed: &Sensed<f32>) -> &BaseReport<f32> {
         let elapsed_us = self.elapsed_us(now_us);
-        self.watch_host(elapsed_us);
+        self.controller.watch_link(elapsed_us);
         let order = self.order(elapsed_us);
         self.run(elapsed_us, &order, sensed)
     }
@@ -132,30 +128,6 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         let action = self.controller.emergency_stop_by(brake);
         self.apply(&action, None);
         self.tidy();
-    }
-
-    /// Tells the base that its host is gone; an underrun of references it finds by itself.
-    ///
-    /// In a tick with a frame of the host it was silent for a period at most: a longer tick says nothing of the host, only
-    /// of itself, and is a fault of its own.
-    fn watch_host(&mut self, elapsed_us: u32) {
-        let period_us = self.params.detectors.period_us;
-        let silent_us = match self.silent_us {
-            0 => elapsed_us.min(period_us),
-            _ => elapsed_us,
-        };
-        self.silent_us = self.silent_us.saturating_add(silent_us);
-        // Whether the silence would be too long by the next tick.
-        let by_next = self.silent_us.saturating_add(period_us);
-        match self.params.detectors.command {
-            Timeout::AfterUs(limit) if by_next > limit => {
-                self.controller.on(Event::LinkLost);
-            }
-            _ => {}
-        }
-        if self.state() != State::Tracking {
-            self.controller.host_seen();
-        }
     }
 
     /// After a change of state: nothing is left of a course that ended.

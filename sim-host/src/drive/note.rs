@@ -52,7 +52,6 @@ pub fn cause(cause: &Cause) -> String {
         Cause::Host => "host",
         Cause::References => "references",
         Cause::TrajectoryEnded => "trajectory-ended",
-        Cause::Underrun => "underrun",
         Cause::Reached => "reached",
         Cause::GoalUnreachable => "goal_unreachable",
         Cause::LinkLost => "link-lost",

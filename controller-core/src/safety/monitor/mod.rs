@@ -54,6 +54,7 @@ mod wheel;
 use super::detector_params::{ValidDetectorParams, wheel_accels};
 use super::fault::{Fault, Side};
 use super::inputs::{ActiveFaults, DetectorInputs};
+use super::silence::Silence;
 use crate::error::Input;
 use crate::hal::WheelCounts;
 use crate::scalar::Scalar;
@@ -69,7 +70,7 @@ use wheel::{Effort, Wheel, WheelDetections, WheelInputs};
 pub struct Monitor<T> {
     settings: ValidDetectorParams<T>,
     ticks: Ticks,
-    silent_us: u32,
+    unread: Silence,
     last: Option<WheelCounts>,
     right: Wheel<T>,
     left: Wheel<T>,
@@ -83,7 +84,7 @@ impl<T: Scalar> Monitor<T> {
         Self {
             settings: *settings,
             ticks: Ticks::default(),
-            silent_us: 0,
+            unread: Silence::NONE,
             last: None,
             right: Wheel::default(),
             left: Wheel::default(),
@@ -97,14 +98,11 @@ impl<T: Scalar> Monitor<T> {
         let params = *self.settings.params();
         let dt_us = inputs.dt_us;
         let mut found = ActiveFaults::NONE;
-        self.silent_us = match inputs.counts {
-            Some(_) => 0,
-            None => self.silent_us.saturating_add(dt_us),
-        };
+        self.unread = self.unread.after(dt_us, inputs.counts.is_some());
         let (jitter, long) = self.ticks.advance(&params.ticks, dt_us);
         for (holds, fault) in [
             (
-                params.measurement.passed(self.silent_us),
+                self.unread.exceeds(params.measurement),
                 Fault::MeasurementStale,
             ),
             (params.pose.passed(inputs.pose_age_us), Fault::PoseStale),

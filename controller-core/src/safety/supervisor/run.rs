@@ -25,8 +25,6 @@ pub enum Cause {
     References,
     /// The trajectory was complete.
     TrajectoryEnded,
-    /// The next reference did not arrive in time.
-    Underrun,
     /// The base stands where it should.
     Reached,
     /// The goal was given up.
@@ -93,7 +91,6 @@ impl Supervisor {
             Event::Arm | Event::Park | Event::Stop | Event::Reset => Cause::Host,
             Event::Track => Cause::References,
             Event::TrajectoryEnded => Cause::TrajectoryEnded,
-            Event::Underrun => Cause::Underrun,
             Event::Reached => Cause::Reached,
             Event::GoalUnreachable => Cause::GoalUnreachable,
             Event::LinkLost => Cause::LinkLost,

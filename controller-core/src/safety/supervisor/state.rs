@@ -90,8 +90,6 @@ pub enum Event {
     Park,
     /// The last reference of a complete trajectory was used.
     TrajectoryEnded,
-    /// The next reference did not arrive in time.
-    Underrun,
     /// The base stands at its goal.
     Reached,
     /// The motion law has no retry left and is still outside the tolerance of its goal.
@@ -102,7 +100,8 @@ pub enum Event {
     StopTimedOut,
     /// The host asks for a controlled stop.
     Stop,
-    /// No sound frame came from the host for too long.
+    /// No sound frame came from the host for too long. A host that is there but gives no order where one is due is
+    /// [`Fault::CommandStale`](crate::safety::Fault::CommandStale).
     LinkLost,
     /// Somebody pressed the button: to brake, or to release. Latched.
     EmergencyStop {
@@ -117,12 +116,11 @@ pub enum Event {
 
 impl Event {
     /// All of them, with every response.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 21] = [
         Self::Arm,
         Self::Track,
         Self::Park,
         Self::TrajectoryEnded,
-        Self::Underrun,
         Self::Reached,
         Self::GoalUnreachable,
         Self::Halted,

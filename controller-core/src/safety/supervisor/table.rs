@@ -22,18 +22,14 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
 
         (S::Idle, E::Arm) => (S::Armed, A::Enable),
         (S::Idle, E::Track | E::Park | E::Reset) => (S::Idle, A::Refuse),
-        (S::Idle, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
-            (S::Idle, A::Continue)
-        }
+        (S::Idle, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Idle, A::Continue),
         (S::Idle, E::Halted | E::StopTimedOut | E::LinkLost) => (S::Idle, A::Continue),
         (S::Idle, E::Stop) => (S::Stopped, A::Release),
 
         (S::Armed, E::Arm) => (S::Armed, A::Continue),
         (S::Armed, E::Track) => (S::Tracking, A::StartTracking),
         (S::Armed, E::Park) => (S::Parking, A::StartParking),
-        (S::Armed, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
-            (S::Armed, A::Continue)
-        }
+        (S::Armed, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Armed, A::Continue),
         (S::Armed, E::Halted | E::StopTimedOut) => (S::Armed, A::Continue),
         // No torque flows that could be ramped down.
         (S::Armed, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
@@ -44,7 +40,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Tracking, E::Track) => (S::Tracking, A::Continue),
         (S::Tracking, E::Park) => (S::Parking, A::StartParking),
         (S::Tracking, E::TrajectoryEnded) => (S::Parking, A::ParkAtLastReference),
-        (S::Tracking, E::Underrun | E::GoalUnreachable | E::Stop | E::LinkLost) => {
+        (S::Tracking, E::GoalUnreachable | E::Stop | E::LinkLost) => {
             (S::Stopping(Then::Stopped), A::BeginStop)
         }
         // Parking and stopping end by these, tracking does not.
@@ -53,7 +49,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         // References that come late do not call the base back from its last goal.
         (S::Parking, E::Arm | E::Track | E::Reset) => (S::Parking, A::Refuse),
         (S::Parking, E::Park) => (S::Parking, A::StartParking),
-        (S::Parking, E::TrajectoryEnded | E::Underrun) => (S::Parking, A::Continue),
+        (S::Parking, E::TrajectoryEnded) => (S::Parking, A::Continue),
         (S::Parking, E::Halted | E::StopTimedOut) => (S::Parking, A::Continue),
         (S::Parking, E::Reached) => (S::Parked, A::Release),
         (S::Parking, E::GoalUnreachable | E::Stop | E::LinkLost) => {
@@ -63,7 +59,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Parked, E::Arm) => (S::Armed, A::Enable),
         (S::Parked, E::Track) => (S::Tracking, A::StartTracking),
         (S::Parked, E::Park) => (S::Parking, A::StartParking),
-        (S::Parked, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
+        (S::Parked, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => {
             (S::Parked, A::Continue)
         }
         (S::Parked, E::Halted | E::StopTimedOut) => (S::Parked, A::Continue),
@@ -76,12 +72,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         }
         (
             S::Stopping(_) | S::Braking(_),
-            E::TrajectoryEnded
-            | E::Underrun
-            | E::Reached
-            | E::GoalUnreachable
-            | E::Stop
-            | E::LinkLost,
+            E::TrajectoryEnded | E::Reached | E::GoalUnreachable | E::Stop | E::LinkLost,
         ) => (state, A::Continue),
         (S::Stopping(then) | S::Braking(then), E::Halted) => (then.state(), A::Release),
         // A controlled stop that does not end is none.
@@ -90,7 +81,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
 
         (S::Stopped, E::Arm) => (S::Armed, A::Enable),
         (S::Stopped, E::Track | E::Park | E::Reset) => (S::Stopped, A::Refuse),
-        (S::Stopped, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
+        (S::Stopped, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => {
             (S::Stopped, A::Continue)
         }
         (S::Stopped, E::Halted | E::StopTimedOut) => (S::Stopped, A::Continue),
@@ -98,9 +89,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
 
         (S::Fault, E::Arm | E::Track | E::Park) => (S::Fault, A::Refuse),
-        (S::Fault, E::TrajectoryEnded | E::Underrun | E::Reached | E::GoalUnreachable) => {
-            (S::Fault, A::Continue)
-        }
+        (S::Fault, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Fault, A::Continue),
         (S::Fault, E::Halted | E::StopTimedOut) => (S::Fault, A::Continue),
         (S::Fault, E::Stop | E::LinkLost) => (S::Fault, A::Release),
         (S::Fault, E::Reset) => (S::Idle, A::Release),

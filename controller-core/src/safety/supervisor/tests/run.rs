@@ -10,7 +10,7 @@ use crate::safety::{
 #[test]
 fn a_stop_ends_when_the_base_rests_for_the_dwell() {
     let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
-    assert_eq!(supervisor.on(Event::Underrun), Action::BeginStop);
+    assert_eq!(supervisor.on(Event::LinkLost), Action::BeginStop);
     assert_eq!(supervisor.output(), OutputMode::ControlledStop);
     for k in 0..9 {
         assert_eq!(supervisor.tick(10_000, true), Action::Continue, "{k}");
@@ -22,7 +22,7 @@ fn a_stop_ends_when_the_base_rests_for_the_dwell() {
     }
     assert_eq!(supervisor.tick(10_000, true), Action::Release);
     assert_eq!(supervisor.state(), State::Stopped);
-    assert_eq!(supervisor.cause(), Cause::Underrun);
+    assert_eq!(supervisor.cause(), Cause::LinkLost);
 }
 
 /// What does not come to rest is braked after the limit, and ends after the second: 10 s at most.
