@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use controller_core::pose_error::PoseError;
 use controller_core::types::{Twist, Wrench};
 
+use crate::ideal::Loop;
 use crate::motion_base::{Base, Body};
 use crate::motion_loop::home;
 use crate::motion_parking::{Parking, ParkingObserver};
@@ -106,21 +107,24 @@ pub fn park(base: Base, body: Body, dt: f64, end_s: f64) -> Parking {
     law.pose[0].value = body.twist.linear;
     law.pose[1].value = body.twist.angular;
     let goal = home()(0.0);
-    let mut body = body;
     let error = |body: &Body| {
         controller_core::pose_error::pose_error::<f64, controller_core::maths::Libm>(
             &crate::motion_loop::goal(&goal),
             &body.pose,
         )
     };
-    let mut wrench = law.tick(&base, &error(&body), &body.twist, 0.0);
+    let mut drive = Loop::new(law, body, base, dt);
+    let mut wrench = drive
+        .controller
+        .tick(&base, &error(&body), &body.twist, 0.0);
     let mut observer = ParkingObserver::start(&wrench);
     let ticks = (end_s / dt).round() as u32;
-    for k in 1..=ticks {
-        body = body.after(&base, &wrench, dt);
-        wrench = law.tick(&base, &error(&body), &body.twist, dt);
-        observer.tick(f64::from(k) * dt, dt, &error(&body), &wrench);
+    for _ in 1..=ticks {
+        drive.hold(&wrench);
+        let Loop { body, t, .. } = drive;
+        wrench = drive.controller.tick(&base, &error(&body), &body.twist, dt);
+        observer.tick(t, dt, &error(&body), &wrench);
     }
-    let left = error(&body);
+    let left = error(&drive.body);
     observer.end(left.x.hypot(left.y) < 1e-3 && left.theta.abs() < 1e-3)
 }

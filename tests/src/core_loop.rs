@@ -14,6 +14,7 @@ use controller_core::types::{Measured, Wrench};
 use nalgebra::{Vector2, Vector3};
 
 use crate::core_params::{measured, pose, sample, validated};
+use crate::ideal::Loop;
 use crate::oracle::{Phase, Reset, Scenario, robot};
 use crate::plant::{Body, MovingReference};
 
@@ -164,30 +165,31 @@ where
     let params = validated::<T>(p, reset);
     let wheel_map = robot::wheel_map(p);
     let mut reference = MovingReference::start(&scenario.reference);
-    let mut body = Body {
+    let body = Body {
         q: scenario.q0,
         twist: scenario.twist0,
     };
     let demanded = |q_r: &Vector3<f64>, t| sample::<T>(q_r, &scenario.target(Phase::Tracking, t));
     let first = demanded(&reference.q, 0.0);
-    let (mut controller, report) = C::begin(&params, &first, &measured(&body.q, &body.twist))
+    let (controller, report) = C::begin(&params, &first, &measured(&body.q, &body.twist))
         .expect("the start of a run is finite");
+    let mut drive = Loop::new(controller, body, *p, dt);
     let samples = (scenario.duration / dt).round() as usize;
     let mut ticks = Vec::with_capacity(samples + 1);
     ticks.push(Tick {
-        t: 0.0,
+        t: drive.t,
         body,
         report,
         unswitched: None,
         wrench_step: None,
-        relaxing: controller.is_relaxing(),
+        relaxing: drive.controller.is_relaxing(),
     });
     let mut parking = false;
     for k in 1..=samples {
         let torques = ticks[k - 1].report.torques;
         let torques = Vector2::new(torques.right.to_f64(), torques.left.to_f64());
-        let t = k as f64 * dt;
-        body = body.after(p, &(wheel_map * torques), dt);
+        drive.hold(&(wheel_map * torques));
+        let Loop { body, t, .. } = drive;
         let now = measured(&body.q, &body.twist);
         let mut unswitched = None;
         let demand = if parking {
@@ -198,7 +200,7 @@ where
             match &scenario.switch {
                 Some(switch) if t >= switch.at - crate::oracle::sampled::SWITCH_SLACK => {
                     parking = true;
-                    let mut copy = controller;
+                    let mut copy = drive.controller;
                     let went_on = copy.tick(T::from_f64(dt), &Demand::Track(sample), &now);
                     unswitched = Some(went_on.expect("tracking goes on"));
                     Demand::HandOver {
@@ -209,7 +211,8 @@ where
                 _ => Demand::Track(sample),
             }
         };
-        let report = controller
+        let report = drive
+            .controller
             .tick(T::from_f64(dt), &demand, &now)
             .expect("a tick of a run is accepted");
         ticks.push(Tick {
@@ -217,8 +220,8 @@ where
             body,
             report,
             unswitched,
-            wrench_step: unswitched.and_then(|_| controller.hand_over_step()),
-            relaxing: controller.is_relaxing(),
+            wrench_step: unswitched.and_then(|_| drive.controller.hand_over_step()),
+            relaxing: drive.controller.is_relaxing(),
         });
     }
     ticks

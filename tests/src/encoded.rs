@@ -10,6 +10,7 @@ use controller_core::types::{Pose, WheelTorques, Wrench};
 use controller_core::wheels::WheelGeometry;
 use sim_host::mission::BaseSpec as File;
 
+use crate::ideal::Robot;
 use crate::motion_base::{Base, Body};
 
 /// Counts per turn of a wheel.
@@ -44,7 +45,6 @@ pub fn odometry<T: Scalar>(file: &File, bandwidth: f64) -> OdometryParams<T> {
 pub struct Encoded {
     /// The true robot.
     pub body: Body,
-    plant: Base,
     /// True wheels: calibrated ones may differ from what odometry believes.
     pub wheels: WheelGeometry<f64>,
     /// Travel of the right and the left wheel \[m\].
@@ -58,30 +58,14 @@ impl Encoded {
         let half = |radius: f64| PI * radius / COUNTS;
         Self {
             body: Body::at(pose.x, pose.y, pose.theta),
-            plant: Base::of(&file.motion()),
             wheels,
             travel: (half(wheels.radius_right_m), half(wheels.radius_left_m)),
         }
     }
 
-    /// The robot after `dt` under held torques.
-    pub fn advance(&mut self, torques: &WheelTorques<f64>, dt: f64) {
-        let (right, left) = (
-            torques.right / self.wheels.radius_right_m,
-            torques.left / self.wheels.radius_left_m,
-        );
-        let lever = 0.5 * self.wheels.track_m;
-        let wrench = Wrench {
-            force: right + left,
-            moment: lever * (right - left),
-        };
-        let before = self.body.twist;
-        self.body = self.body.after(&self.plant, &wrench, dt);
-        let after = self.body.twist;
-        let way = 0.5 * dt * (before.linear + after.linear);
-        let turn = 0.5 * dt * (before.angular + after.angular);
-        self.travel.0 += way + lever * turn;
-        self.travel.1 += way - lever * turn;
+    /// What moves it, as its file says.
+    pub fn plant(file: &File) -> Base {
+        Base::of(&file.motion())
     }
 
     /// What the encoders show; the counters wrap.
@@ -92,6 +76,33 @@ impl Encoded {
         WheelCounts {
             right: count(self.travel.0, self.wheels.radius_right_m),
             left: count(self.travel.1, self.wheels.radius_left_m),
+        }
+    }
+}
+
+impl Robot for Encoded {
+    type Build = Base;
+    type Held = WheelTorques<f64>;
+
+    fn after(&self, plant: &Base, torques: &WheelTorques<f64>, dt: f64) -> Self {
+        let (right, left) = (
+            torques.right / self.wheels.radius_right_m,
+            torques.left / self.wheels.radius_left_m,
+        );
+        let lever = 0.5 * self.wheels.track_m;
+        let wrench = Wrench {
+            force: right + left,
+            moment: lever * (right - left),
+        };
+        let body = self.body.after(plant, &wrench, dt);
+        let (before, after) = (self.body.twist, body.twist);
+        let way = 0.5 * dt * (before.linear + after.linear);
+        let turn = 0.5 * dt * (before.angular + after.angular);
+        let (right, left) = self.travel;
+        Self {
+            body,
+            travel: (right + (way + lever * turn), left + (way - lever * turn)),
+            ..*self
         }
     }
 }

@@ -7,7 +7,8 @@ use controller_core::types::{Pose, Twist, WheelTorques};
 
 use crate::encoded::Encoded;
 use crate::fixes::{Source, fix};
-use crate::motion_base::pose;
+use crate::ideal::Robot;
+use crate::motion_base::{Base, pose};
 
 /// Robot and localiser.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ impl<T: Scalar, const N: usize> Led<T, N> {
         }
     }
 
-    /// A tick at a twist.
+    /// A tick at a twist, which needs no torque whatever the robot is made of.
     pub fn advance<M: Maths<T>>(
         &mut self,
         twist: Twist<f64>,
@@ -39,7 +40,9 @@ impl<T: Scalar, const N: usize> Led<T, N> {
         source: &mut Source,
     ) -> Estimate<T> {
         self.robot.body.twist = twist;
-        self.robot.advance(&WheelTorques::default(), dt);
+        self.robot = self
+            .robot
+            .after(&Base::STANDARD, &WheelTorques::default(), dt);
         self.t += dt;
         let fixed = source.poll(self.t, &self.robot.body.pose);
         let fixed = fixed.as_ref().map(fix);

@@ -10,6 +10,7 @@ pub mod core_params;
 pub mod encoded;
 pub mod fixes;
 pub mod golden;
+pub mod ideal;
 pub mod led;
 pub mod localised;
 pub mod motion_base;

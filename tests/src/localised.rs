@@ -7,14 +7,16 @@ use controller_core::maths::Libm;
 use controller_core::motion::{MotionController, Outcome, ValidMotionParams};
 use controller_core::pose_error::{PoseError, pose_error};
 use controller_core::shunting::ExactMean;
-use controller_core::types::{Accel, Pose};
+use controller_core::types::{Accel, Pose, WheelTorques};
 use sim_host::mission::BaseSpec as File;
 
 use crate::encoded::{Encoded, odometry};
 use crate::fixes::Source;
+use crate::ideal::Loop;
 use crate::motion_loop::{Order, goal, steady};
 
-type Controller = MotionController<f64, Libm, ExactMean>;
+/// In double precision.
+pub type Controller = MotionController<f64, Libm, ExactMean>;
 
 /// Bandwidth of the speed estimate \[rad/s\].
 pub const SPEED: f64 = 50.0;
@@ -30,27 +32,21 @@ pub fn localisation(file: &File, noise_m: f64, noise_rad: f64) -> ValidLocaliser
 
 /// Robot, localiser, controller.
 #[derive(Clone, Debug)]
-pub struct Loop {
-    /// The robot.
-    pub robot: Encoded,
+pub struct Localised {
+    /// Robot and controller.
+    pub drive: Loop<Controller, Encoded>,
     /// The localiser.
     pub localiser: Localiser<f64, 64>,
-    /// The controller.
-    pub controller: Controller,
     /// The last estimate.
     pub estimate: Estimate<f64>,
-    /// Time \[s\].
-    pub t: f64,
-    dt: f64,
-    ticks: u32,
 }
 
-impl Loop {
+impl Localised {
     /// At rest where `robot` is, and known to be.
     pub fn start(
         motion: &ValidMotionParams<f64>,
         localisation: &ValidLocaliserParams<f64>,
-        robot: Encoded,
+        (file, robot): (&File, Encoded),
         order: &Order,
         dt: f64,
     ) -> Self {
@@ -59,58 +55,63 @@ impl Loop {
         let controller =
             Controller::start(motion, order, &robot.body.measured()).expect("the start is finite");
         Self {
-            robot,
+            drive: Loop::new(controller, robot, Encoded::plant(file), dt),
             localiser,
-            controller,
             estimate: Estimate::default(),
-            t: 0.0,
-            dt,
-            ticks: 0,
         }
     }
 
     /// The robot alone.
     pub fn coast(&mut self) {
-        let torques = self.controller.report().torques;
-        self.robot.advance(&torques, self.dt);
-        self.ticks += 1;
-        self.t = f64::from(self.ticks) * self.dt;
+        let torques = self.drive.controller.report().torques;
+        self.drive.hold(&torques);
     }
 
     /// Localiser and controller.
     pub fn take(&mut self, order: &Order, source: &mut Source) {
-        let motion = *self.controller.motion();
-        let wrench = motion.wheels().wrench(&self.controller.report().torques);
-        let robot = &motion.params().robot;
-        let accel = Accel::new(
-            wrench.force / robot.mass_kg,
-            wrench.moment / robot.inertia_kg_m2,
-        );
-        let fix = source.poll(self.t, &self.robot.body.pose);
-        let counts = self.robot.counts();
+        let Loop {
+            controller,
+            body: robot,
+            t,
+            dt,
+            ..
+        } = &mut self.drive;
+        let accel = told(controller.motion(), &controller.report().torques);
+        let fix = source.poll(*t, &robot.body.pose);
         self.estimate = self
             .localiser
-            .update_with_accel::<Libm>(counts, self.dt, &accel, fix.as_ref())
+            .update_with_accel::<Libm>(robot.counts(), *dt, &accel, fix.as_ref())
             .expect("the tick is accepted");
         if self.estimate.jumped {
-            self.controller.declare_jump();
+            controller.declare_jump();
         }
-        self.controller
-            .step(self.dt, order, &self.estimate.measured)
+        controller
+            .step(*dt, order, &self.estimate.measured)
             .expect("the tick is accepted");
     }
 
     /// The true pose error.
     pub fn error(&self, order: &Order) -> PoseError<f64> {
-        pose_error::<f64, Libm>(&goal(order), &self.robot.body.pose)
+        pose_error::<f64, Libm>(&goal(order), &self.drive.body.body.pose)
     }
 
     /// The larger of the wheels' torques over their limit.
     pub fn load(&self) -> f64 {
-        let torques = &self.controller.report().torques;
-        let limit = self.controller.motion().params().limits.wheel_torque_nm;
+        let controller = &self.drive.controller;
+        let torques = &controller.report().torques;
+        let limit = controller.motion().params().limits.wheel_torque_nm;
         torques.right.abs().max(torques.left.abs()) / limit
     }
+}
+
+/// The accelerations that odometry is told of: those of the torques.
+pub fn told(motion: &ValidMotionParams<f64>, torques: &WheelTorques<f64>) -> Accel<f64> {
+    let wrench = motion.wheels().wrench(torques);
+    let robot = &motion.params().robot;
+    Accel::new(
+        wrench.force / robot.mass_kg,
+        wrench.moment / robot.inertia_kg_m2,
+    )
 }
 
 /// What a run came to.
@@ -130,14 +131,14 @@ pub struct End {
 
 impl End {
     /// After a tick; torques count as those at rest from `rest_s` on.
-    fn see(&mut self, run: &Loop, order: &Order, rest_s: f64) {
-        let parked = run.controller.report().outcome == Outcome::Parked;
+    fn see(&mut self, run: &Localised, order: &Order, rest_s: f64) {
+        let parked = run.drive.controller.report().outcome == Outcome::Parked;
         if parked && !self.parked {
-            self.parked_s = run.t;
+            self.parked_s = run.drive.t;
         }
         self.left_goal += u32::from(self.parked && !parked);
         self.parked = parked;
-        if run.t > rest_s {
+        if run.drive.t > rest_s {
             self.rest = self.rest.max(run.load());
         }
         let error = run.error(order);
@@ -171,14 +172,14 @@ pub fn mission(
     let path = steady(0.4, 0.15);
     let target = Order::Park(goal(&path(10.0)));
     let robot = Encoded::new(file, Pose::new(0.0, 0.3, 0.0));
-    let mut run = Loop::start(motion, localisation, robot, &path(0.0), dt);
+    let mut run = Localised::start(motion, localisation, (file, robot), &path(0.0), dt);
     let (mut parking, mut end) = (false, End::default());
-    while run.t < 30.0 {
-        let left = (10.0 - run.t).max(0.0) * 0.4 + run.error(&path(run.t)).x;
-        let speed = run.controller.report().command.linear;
-        parking |= left <= motion.hand_over_distance(speed) || run.t > 10.0;
+    while run.drive.t < 30.0 {
+        let left = (10.0 - run.drive.t).max(0.0) * 0.4 + run.error(&path(run.drive.t)).x;
+        let speed = run.drive.controller.report().command.linear;
+        parking |= left <= motion.hand_over_distance(speed) || run.drive.t > 10.0;
         run.coast();
-        run.take(&if parking { target } else { path(run.t) }, source);
+        run.take(&if parking { target } else { path(run.drive.t) }, source);
         end.see(&run, &target, 25.0);
     }
     end
@@ -194,9 +195,15 @@ pub fn park(
     dt: f64,
 ) -> End {
     let home = Order::Park(Pose::default());
-    let mut run = Loop::start(motion, localisation, Encoded::new(file, start), &home, dt);
+    let mut run = Localised::start(
+        motion,
+        localisation,
+        (file, Encoded::new(file, start)),
+        &home,
+        dt,
+    );
     let mut end = End::default();
-    while run.t < 20.0 {
+    while run.drive.t < 20.0 {
         run.coast();
         run.take(&home, source);
         end.see(&run, &home, 15.0);

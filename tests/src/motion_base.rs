@@ -2,10 +2,12 @@
 
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{Limits, MotionParams, SaturationPolicy};
-use controller_core::robot::Robot;
+use controller_core::robot::Robot as Belief;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Measured, Pose, Twist, Wrench};
 use controller_core::wheels::WheelGeometry;
+
+use crate::ideal::Robot;
 
 /// Mass, inertia, wheels of one radius, and limits.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +82,7 @@ impl Base {
 
     /// What parameters describe, with wheels of one radius.
     pub fn of(params: &MotionParams<f64>) -> Self {
-        let Robot {
+        let Belief {
             mass_kg,
             inertia_kg_m2,
             wheels,
@@ -129,9 +131,9 @@ impl Base {
         self.params::<f64, Libm>()
     }
 
-    fn robot<T: Scalar>(&self) -> Robot<T> {
+    fn robot<T: Scalar>(&self) -> Belief<T> {
         let f = T::from_f64;
-        Robot {
+        Belief {
             mass_kg: f(self.mass),
             inertia_kg_m2: f(self.inertia),
             wheels: WheelGeometry {
@@ -164,17 +166,11 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-impl Body {
-    /// At rest.
-    pub fn at(x: f64, y: f64, theta: f64) -> Self {
-        Self {
-            pose: Pose::new(x, y, theta),
-            twist: Twist::default(),
-        }
-    }
+impl Robot for Body {
+    type Build = Base;
+    type Held = Wrench<f64>;
 
-    /// The body after `dt` under a held wrench.
-    pub fn after(&self, base: &Base, wrench: &Wrench<f64>, dt: f64) -> Self {
+    fn after(&self, base: &Base, wrench: &Wrench<f64>, dt: f64) -> Self {
         let (a, alpha) = (wrench.force / base.mass, wrench.moment / base.inertia);
         let heading = |t: f64| self.pose.theta + t * (self.twist.angular + t / 2.0 * alpha);
         let (mut x, mut y) = (self.pose.x, self.pose.y);
@@ -188,6 +184,16 @@ impl Body {
         Self {
             pose: Pose::new(x, y, heading(dt)),
             twist: Twist::new(self.twist.linear + a * dt, self.twist.angular + alpha * dt),
+        }
+    }
+}
+
+impl Body {
+    /// At rest.
+    pub fn at(x: f64, y: f64, theta: f64) -> Self {
+        Self {
+            pose: Pose::new(x, y, theta),
+            twist: Twist::default(),
         }
     }
 

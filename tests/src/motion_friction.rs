@@ -2,6 +2,7 @@
 
 use controller_core::types::Wrench;
 
+use crate::ideal::Robot;
 use crate::motion_base::{Base, Body};
 
 /// Dry friction of some kind.

@@ -1,7 +1,6 @@
 //! The motion controller in closed loop with a robot, and references for it.
 
 use std::f64::consts::PI;
-use std::thread;
 
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{MotionController, MotionReport, Task, ValidMotionParams};
@@ -11,27 +10,15 @@ use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques, Wrench};
 
+use crate::ideal::Loop;
 use crate::motion_base::{Base, Body, pose};
 use crate::motion_friction::Friction;
 
 /// A task in double precision, from which those of other scalars are made.
 pub type Order = Task<f64>;
 
-/// Controller and robot.
-#[derive(Clone, Debug)]
-pub struct Drive<T, M, U> {
-    /// The controller.
-    pub controller: MotionController<T, M, U>,
-    /// The true robot.
-    pub body: Body,
-    /// What the robot is made of; not what the controller believes.
-    pub plant: Base,
-    /// Time \[s\].
-    pub t: f64,
-    /// Tick \[s\].
-    pub dt: f64,
-    ticks: u32,
-}
+/// The motion controller with its robot.
+pub type Drive<T, M, U> = Loop<MotionController<T, M, U>, Body>;
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
     /// At t = 0.
@@ -45,14 +32,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
         let task = convert::<T, M>(order);
         let controller =
             MotionController::start(motion, &task, &body.measured()).expect("the start is finite");
-        Self {
-            controller,
-            body,
-            plant,
-            t: 0.0,
-            dt,
-            ticks: 0,
-        }
+        Self::new(controller, body, plant, dt)
     }
 
     /// Holds the last torque for a tick and takes the next one, for what `order` makes of its time.
@@ -69,17 +49,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
             force: applied.force + push.force,
             moment: applied.moment + push.moment,
         };
-        self.body = self.body.after(&self.plant, &wrench, self.dt);
-        self.ticks += 1;
-        self.t = f64::from(self.ticks) * self.dt;
+        self.hold(&wrench);
     }
 
     /// The robot alone, over one tick, against dry friction.
     pub fn coast_against(&mut self, friction: &impl Friction) {
         let wrench = self.applied();
-        self.body = friction.after(&self.body, &self.plant, &wrench, self.dt);
-        self.ticks += 1;
-        self.t = f64::from(self.ticks) * self.dt;
+        self.roll(|body, plant, dt| friction.after(body, plant, &wrench, dt));
     }
 
     /// The controller alone.
@@ -190,16 +166,4 @@ pub fn hand_over_states() -> Vec<Body> {
         }
     }
     starts
-}
-
-/// `work` on every item, on two threads; results in order.
-pub fn both_cores<A: Sync, B: Send>(items: &[A], work: impl Fn(&A) -> B + Sync) -> Vec<B> {
-    let (first, second) = items.split_at(items.len() / 2);
-    let run = |part: &[A]| part.iter().map(&work).collect::<Vec<_>>();
-    thread::scope(|scope| {
-        let other = scope.spawn(|| run(second));
-        let mut all = run(first);
-        all.extend(other.join().expect("the other half"));
-        all
-    })
 }

@@ -7,8 +7,9 @@ use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
 use controller_core::types::Wrench;
 
+use crate::ideal::on_all_cores;
 use crate::motion_base::{Base, Body};
-use crate::motion_loop::{Drive, both_cores, home};
+use crate::motion_loop::{Drive, home};
 
 /// Moments below this do not count as turning \[N m\].
 const FELT: f64 = 1e-3;
@@ -186,7 +187,7 @@ pub fn print(name: &str, runs: &[Parking]) -> Parking {
     all
 }
 
-/// All starts, on two threads.
+/// All starts, on all cores.
 pub fn park_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     motion: &ValidMotionParams<T>,
     plant: Base,
@@ -194,7 +195,7 @@ pub fn park_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     dt: f64,
     end_s: f64,
 ) -> Vec<Parking> {
-    both_cores(starts, |body| {
+    on_all_cores(starts, |body| {
         park::<T, M, U>(motion, plant, *body, dt, end_s)
     })
 }

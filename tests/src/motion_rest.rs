@@ -6,9 +6,10 @@ use controller_core::scalar::Scalar;
 use controller_core::shunting::NeuronUpdate;
 use controller_core::types::Wrench;
 
+use crate::ideal::on_all_cores;
 use crate::motion_base::{Base, Body};
 use crate::motion_friction::Friction;
-use crate::motion_loop::{Drive, both_cores, home};
+use crate::motion_loop::{Drive, home};
 
 /// What a run came to.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +117,7 @@ pub struct Worst {
     pub lost: u32,
 }
 
-/// [`rest`] from every start, on two threads; one line is printed.
+/// [`rest`] from every start, on all cores; one line is printed.
 pub fn rest_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     name: &str,
     motion: &ValidMotionParams<T>,
@@ -124,7 +125,7 @@ pub fn rest_all<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     starts: &[Body],
     times: (f64, f64),
 ) -> (Worst, Vec<Seen>) {
-    let runs = both_cores(starts, |body| {
+    let runs = on_all_cores(starts, |body| {
         rest::<T, M, U>(motion, base, friction, body, times)
     });
     let mut all = Worst::default();

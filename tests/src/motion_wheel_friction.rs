@@ -2,6 +2,7 @@
 
 use controller_core::types::{Twist, Wrench};
 
+use crate::ideal::Robot;
 use crate::motion_base::{Base, Body, HALF_TRACK, RADIUS};
 use crate::motion_friction::Friction;
 

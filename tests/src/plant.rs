@@ -2,6 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::ideal::Robot;
 use crate::oracle::{Params, Reference, robot};
 
 /// Longest interval of the quadrature of x and y \[s\]: Simpson's rule is then good to 1e-15 for turns below 10 rad/s.
@@ -16,9 +17,12 @@ pub struct Body {
     pub twist: Vector2<f64>,
 }
 
-impl Body {
-    /// The body after `dt` under a constant (τ₁, τ₂): exact in v, w, θ, by Simpson's rule in x and y.
-    pub fn after(&self, p: &Params, tau: &Vector2<f64>, dt: f64) -> Self {
+impl Robot for Body {
+    type Build = Params;
+    type Held = Vector2<f64>;
+
+    /// Under a constant (τ₁, τ₂): exact in v, w, θ, by Simpson's rule in x and y.
+    fn after(&self, p: &Params, tau: &Vector2<f64>, dt: f64) -> Self {
         let accel = robot::acceleration(p, tau);
         let twist_at = |t: f64| self.twist + t * accel;
         let heading_at = |t: f64| self.q.z + t * (self.twist.y + t / 2.0 * accel.y);

@@ -9,14 +9,12 @@ use controller_core::safety::{
     DetectorInputs, DetectorParams, Fault, FaultKind, Monitor, OutputMode, StopPlan, Supervisor,
     ValidDetectorParams, ValidPolicyParams,
 };
-use controller_core::shunting::ExactMean;
 use controller_core::types::{Measured, Twist, WheelTorques, Wrench};
 
+use crate::ideal::Robot;
 use crate::motion_base::{Base, Body};
 use crate::motion_loop::Order;
-
-/// The controller in double precision.
-pub type Exact = MotionController<f64, Libm, ExactMean>;
+use crate::motion_tracking::Exact;
 
 /// What an encoder makes of its wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,12 +37,8 @@ pub const BRAKE_TAU: f64 = 0.15;
 /// The base and all that watches over it.
 #[derive(Clone, Debug)]
 pub struct Rig {
-    /// Controller.
-    pub controller: Exact,
-    /// Robot.
-    pub body: Body,
-    /// What it is made of.
-    pub plant: Base,
+    /// Controller and robot.
+    pub drive: Exact,
     /// Right and left.
     pub encoders: [Encoder; 2],
     /// The left wheel has no grip at all, and turns at this \[rad/s\].
@@ -61,15 +55,11 @@ pub struct Rig {
     pub found: Vec<(f64, Fault)>,
     /// Way of the middle of the axle \[m\], absolute.
     pub way: f64,
-    /// Time \[s\].
-    pub t: f64,
     monitor: Monitor<f64>,
     odometry: Odometry<f64>,
     counted: [f64; 2],
     applied: (OutputMode, WheelTorques<f64>, Twist<f64>),
     plan: Option<(StopPlan<f64>, f64)>,
-    dt: f64,
-    ticks: u32,
 }
 
 impl Rig {
@@ -85,6 +75,7 @@ impl Rig {
             counts_per_turn: COUNTS,
             bandwidth: 100.0,
         };
+        let controller = MotionController::start(&motion, order, &body.measured()).expect("finite");
         let valid = SupervisorParams::DEFAULT.validate().expect("valid");
         let mut supervisor = Supervisor::new(&valid);
         supervisor.on(Event::Arm);
@@ -93,9 +84,7 @@ impl Rig {
             Task::Park(_) => Event::Park,
         });
         Self {
-            controller: Exact::start(&motion, order, &body.measured()).expect("finite"),
-            body,
-            plant,
+            drive: Exact::new(controller, body, plant, dt),
             encoders: [Encoder::Sound; 2],
             ice: None,
             push: Wrench::default(),
@@ -104,20 +93,17 @@ impl Rig {
             supervisor,
             found: Vec::new(),
             way: 0.0,
-            t: 0.0,
             monitor: Monitor::new(&settings.validate().expect("valid")),
             odometry: Odometry::new(&odometry, body.pose, WheelCounts::default()).expect("valid"),
             counted: [0.0; 2],
             applied: (OutputMode::Drive, WheelTorques::default(), Twist::default()),
             plan: None,
-            dt,
-            ticks: 0,
         }
     }
 
     /// The parameters that the controller has.
     pub fn motion(&self) -> &ValidMotionParams<f64> {
-        self.controller.motion()
+        self.drive.controller.motion()
     }
 
     /// Watches by other parameters from now on.
@@ -134,28 +120,27 @@ impl Rig {
     /// The base over a tick, then the tick.
     pub fn advance(&mut self, order: &Order) {
         self.roll();
-        self.ticks += 1;
-        self.t = f64::from(self.ticks) * self.dt;
+        let (t, dt) = (self.drive.t, self.drive.dt);
         let counts = WheelCounts {
             right: self.counted[0].floor() as i32,
             left: self.counted[1].floor() as i32,
         };
-        let measured = self.odometry.update::<Libm>(counts, self.dt);
+        let measured = self.odometry.update::<Libm>(counts, dt);
         let (output, torques, command) = self.applied;
         let mut inputs = DetectorInputs {
-            dt_us: (1e6 * self.dt).round() as u32,
+            dt_us: (1e6 * dt).round() as u32,
             counts: Some(counts),
             measured,
             command,
             torques: (output != OutputMode::Brake).then_some(torques),
-            outside: self.outside.then_some(self.body.twist),
+            outside: self.outside.then_some(self.drive.body.twist),
             ..DetectorInputs::default()
         };
-        (self.edit)(self.t, &mut inputs);
+        (self.edit)(t, &mut inputs);
         let found = self.monitor.check(&inputs);
         for fault in found.iter() {
             if self.found_at(fault.kind()).is_none() {
-                self.found.push((self.t, fault));
+                self.found.push((t, fault));
             }
         }
         self.supervisor
@@ -168,8 +153,8 @@ impl Rig {
 
     /// Runs to `until`.
     pub fn run(&mut self, until: f64, order: impl Fn(f64) -> Order) {
-        while self.t < until {
-            let order = order(self.t + self.dt);
+        while self.drive.t < until {
+            let order = order(self.drive.t + self.drive.dt);
             self.advance(&order);
         }
     }
@@ -184,18 +169,19 @@ impl Rig {
             OutputMode::Drive | OutputMode::Hold => *order,
             OutputMode::ControlledStop => {
                 if self.plan.is_none() {
-                    let command = self.controller.report().command;
-                    self.plan = Some((StopPlan::new::<Libm>(self.motion(), &command), self.t));
-                    self.controller.declare_jump();
+                    let command = self.drive.report().command;
+                    self.plan =
+                        Some((StopPlan::new::<Libm>(self.motion(), &command), self.drive.t));
+                    self.drive.controller.declare_jump();
                 }
                 let (plan, begin) = self.plan.expect("just made");
-                plan.task::<Libm>(self.t - begin, self.dt, &measured.pose)
+                plan.task::<Libm>(self.drive.t - begin, self.drive.dt, &measured.pose)
             }
             OutputMode::ZeroTorque | OutputMode::Brake | OutputMode::Release => {
                 return (output, WheelTorques::default(), Twist::default());
             }
         };
-        let report = self.controller.step(self.dt, &task, measured);
+        let report = self.drive.controller.step(self.drive.dt, &task, measured);
         let report = report.expect("the tick is accepted");
         (output, report.torques, report.command)
     }
@@ -203,10 +189,11 @@ impl Rig {
     fn roll(&mut self) {
         let (output, mut torques, _) = self.applied;
         let map = *self.motion().wheels();
-        let before = map.wheel_speeds(&self.body.twist);
+        let before = map.wheel_speeds(&self.drive.body.twist);
+        let dt = self.drive.dt;
         let mut slip = None;
         if let Some(speed) = self.ice {
-            let after = speed + self.dt * torques.left / WHEEL_INERTIA;
+            let after = speed + dt * torques.left / WHEEL_INERTIA;
             self.ice = Some(after);
             slip = Some((speed + after) / 2.0);
             torques.left = 0.0;
@@ -216,21 +203,25 @@ impl Rig {
             force: force + self.push.force,
             moment: moment + self.push.moment,
         };
-        let old = self.body.twist.linear;
-        self.body = self.body.after(&self.plant, &wrench, self.dt);
-        if output == OutputMode::Brake {
-            let left = (-self.dt / BRAKE_TAU).exp();
-            let twist = &mut self.body.twist;
-            (twist.linear, twist.angular) = (twist.linear * left, twist.angular * left);
-        }
-        self.way += self.dt * (old + self.body.twist.linear).abs() / 2.0;
-        let after = map.wheel_speeds(&self.body.twist);
+        let old = self.drive.body.twist.linear;
+        self.drive.roll(|body, plant, dt| {
+            let mut body = body.after(plant, &wrench, dt);
+            if output == OutputMode::Brake {
+                let left = (-dt / BRAKE_TAU).exp();
+                let twist = &mut body.twist;
+                (twist.linear, twist.angular) = (twist.linear * left, twist.angular * left);
+            }
+            body
+        });
+        let twist = self.drive.body.twist;
+        self.way += dt * (old + twist.linear).abs() / 2.0;
+        let after = map.wheel_speeds(&twist);
         let speeds = [
             (before.right + after.right) / 2.0,
             slip.unwrap_or((before.left + after.left) / 2.0),
         ];
         for (k, speed) in speeds.into_iter().enumerate() {
-            let step = speed * self.dt * COUNTS / std::f64::consts::TAU;
+            let step = speed * dt * COUNTS / std::f64::consts::TAU;
             self.counted[k] += match self.encoders[k] {
                 Encoder::Sound => step,
                 Encoder::Stuck => 0.0,

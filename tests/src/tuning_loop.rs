@@ -10,8 +10,9 @@ use controller_core::shunting::ExactMean;
 use controller_core::types::{Pose, Wrench};
 use sim_host::mission::BaseSpec as DriveBase;
 
-use crate::motion_base::{Base, Body};
-use crate::motion_loop::{Order, goal};
+use crate::ideal::Loop;
+use crate::motion_base::{Base, Body, pose};
+use crate::motion_loop::Order;
 use crate::oracle::Params as Constants;
 
 /// The bases that come with the product.
@@ -84,7 +85,6 @@ pub fn drive(
         inertia: truth.heavier * robot.inertia_kg_m2,
         ..Base::of(params)
     };
-    let mut body = body;
     // A robot under way was there before: late poses of the start are extrapolated back.
     let earlier = |age: f64| {
         let back = -age * body.twist.linear;
@@ -98,15 +98,16 @@ pub fn drive(
         .collect();
     let mut measured = body.measured();
     measured.pose = poses[0];
-    let mut controller =
+    let controller =
         MotionController::<f64, Libm, ExactMean>::start(&motion, &order(0.0), &measured)
             .expect("finite");
+    let mut drive = Loop::new(controller, body, plant, truth.dt);
     let mut wrenches = VecDeque::from(vec![Wrench::default(); truth.torque_late]);
     let wheels = &robot.wheels;
     let ticks = (end_s / truth.dt).round() as u32;
     (1..=ticks)
-        .map(|k| {
-            let torques = controller.report().torques;
+        .map(|_| {
+            let torques = drive.report().torques;
             let (right, left) = (
                 torques.right / wheels.radius_right_m,
                 torques.left / wheels.radius_left_m,
@@ -115,24 +116,19 @@ pub fn drive(
                 force: right + left,
                 moment: wheels.track_m / 2.0 * (right - left),
             });
-            let applied = wrenches.pop_front().expect("just pushed");
-            body = body.after(&plant, &applied, truth.dt);
-            poses.push_back(body.pose);
+            drive.hold(&wrenches.pop_front().expect("just pushed"));
+            poses.push_back(drive.body.pose);
             poses.pop_front();
-            let mut measured = body.measured();
-            measured.pose = poses[0];
-            measured.pose.theta = controller_core::angle::wrap(measured.pose.theta);
-            let t = f64::from(k) * truth.dt;
-            let order = order(t);
-            let report = controller
-                .step(truth.dt, &order, &measured)
-                .expect("the tick is accepted");
-            let error =
-                controller_core::pose_error::pose_error::<f64, Libm>(&goal(&order), &body.pose);
+            let mut measured = drive.body.measured();
+            measured.pose = pose(&poses[0]);
+            let order = order(drive.t);
+            let step = drive.controller.step(truth.dt, &order, &measured);
+            let limited = step.expect("the tick is accepted").limited;
+            let error = drive.error(&order);
             Instant {
-                t,
+                t: drive.t,
                 error: (error.x, error.y, error.theta),
-                limited: report.limited.accel || report.limited.torque,
+                limited: limited.accel || limited.torque,
             }
         })
         .collect()

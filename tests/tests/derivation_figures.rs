@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::PI;
 use tests::core_loop::{Exact, Tick, hand_over, run};
-use tests::motion_loop::both_cores;
+use tests::ideal::on_all_cores;
 use tests::oracle::{Params, Reference, Scenario};
 use tests::random::Random;
 use tests::stated::{At, Stated};
@@ -147,13 +147,13 @@ fn no_random_start_is_lost() {
                 )
             })
             .collect();
-        let times = both_cores(&starts, |q0| arrival(*q0, (v, w), DT));
+        let times = on_all_cores(&starts, |q0| arrival(*q0, (v, w), DT));
         let lost = times.iter().filter(|time| time.is_none()).count();
         let last = times.iter().flatten().copied().fold(0.0, f64::max);
         println!("±{reach} m, {v} m/s, {w} rad/s: lost {lost}, last {last:.1} s");
         assert_eq!(lost, 0, "±{reach} m, {v} m/s, {w} rad/s");
         if v == 1.0 {
-            let slow = both_cores(&starts, |q0| arrival(*q0, (v, w), 20e-3));
+            let slow = on_all_cores(&starts, |q0| arrival(*q0, (v, w), 20e-3));
             let lost = slow.iter().filter(|time| time.is_none()).count();
             Stated::of("docs/derivation.md").exactly(
                 At::Phrase("with 20 ms # of the 300 at 1.0 m/s do not"),

@@ -8,7 +8,7 @@ use controller_core::types::{Accel, Pose, Twist};
 use tests::encoded::{Encoded, bases, odometry};
 use tests::fixes::Source;
 use tests::led::Led;
-use tests::localised::{Loop, SPEED, localisation};
+use tests::localised::{Localised, SPEED, localisation};
 use tests::motion_loop::steady;
 use tests::random::Random;
 
@@ -76,36 +76,40 @@ fn agreeing_outliers_relocalise_without_a_jump_of_torque() {
         let path = steady(0.4, 0.15);
         for dt in [0.01, 0.005] {
             let robot = Encoded::new(&file, Pose::default());
-            let mut run = Loop::start(&motion, &localisation, robot, &path(0.0), dt);
+            let mut run = Localised::start(&motion, &localisation, (&file, robot), &path(0.0), dt);
             let mut source = Source::camera(41);
             let (force, moment) = (
                 motion.force_rate_limit() * dt,
                 motion.moment_rate_limit() * dt,
             );
             let (mut jumps, mut outliers, mut most) = (0, 0, 0.0_f64);
-            let mut last = motion.wheels().wrench(&run.controller.report().torques);
-            while run.t < 12.0 {
+            let mut last = motion
+                .wheels()
+                .wrench(&run.drive.controller.report().torques);
+            while run.drive.t < 12.0 {
                 run.coast();
-                if (run.t - 5.0).abs() < 0.5 * dt {
-                    let pose = &mut run.robot.body.pose;
+                if (run.drive.t - 5.0).abs() < 0.5 * dt {
+                    let pose = &mut run.drive.body.body.pose;
                     *pose = Pose::new(pose.x + 0.3, pose.y - 0.4, pose.theta + 0.5);
                 }
-                run.take(&path(run.t), &mut source);
+                run.take(&path(run.drive.t), &mut source);
                 outliers += u32::from(run.estimate.fix == FixOutcome::Rejected);
                 if run.estimate.jumped {
                     jumps += 1;
-                    let (found, truth) = (run.estimate.measured.pose, run.robot.body.pose);
+                    let (found, truth) = (run.estimate.measured.pose, run.drive.body.body.pose);
                     // The mean of three: 5 mm/√3, five of them.
                     let off = (found.x - truth.x).hypot(found.y - truth.y);
                     assert!(off < 5.0 * 2.9e-3, "{name}: {off}");
                 }
-                let wrench = motion.wheels().wrench(&run.controller.report().torques);
+                let wrench = motion
+                    .wheels()
+                    .wrench(&run.drive.controller.report().torques);
                 most = most
                     .max((wrench.force - last.force).abs() / force)
                     .max((wrench.moment - last.moment).abs() / moment);
                 last = wrench;
             }
-            let left = run.error(&path(run.t));
+            let left = run.error(&path(run.drive.t));
             println!(
                 "{name}: {outliers} rejected, {jumps} jump, torque {most:.3} L dt, left {left:?}"
             );

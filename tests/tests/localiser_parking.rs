@@ -8,8 +8,8 @@ use controller_core::types::Pose;
 use sim_host::mission::BaseSpec as File;
 use tests::encoded::{bases, odometry};
 use tests::fixes::Source;
+use tests::ideal::on_all_cores;
 use tests::localised::{End, SPEED, localisation, mission, park};
-use tests::motion_loop::both_cores;
 
 /// The base with what its localisation says of noise and arrival.
 fn suited(file: &File, localisation: &ValidLocaliserParams<f64>) -> ValidMotionParams<f64> {
@@ -53,7 +53,7 @@ fn noisy_fixes_park_within_5_mm_and_10_mrad() {
             1e3 * arrival.heading_rad
         );
         let seeds: Vec<u64> = (0..40).collect();
-        let runs = both_cores(&seeds, |seed| {
+        let runs = on_all_cores(&seeds, |seed| {
             let mut source = Source::camera(0x5EED_1000 + seed);
             mission(&motion, &localisation, &file, &mut source, tick(seed))
         });
@@ -76,7 +76,7 @@ fn encoders_alone_park() {
         };
         let localisation = params.validate_with::<Libm>().expect("valid");
         let motion = suited(&file, &localisation);
-        let runs = both_cores(&[0, 1], |seed| {
+        let runs = on_all_cores(&[0, 1], |seed| {
             // Not a fix ever: the source's first is an hour away.
             let mut source = Source::camera(*seed);
             source.latency_s = 3600.0;
@@ -112,7 +112,7 @@ fn three_sigma_of_filtered_noise_are_enough() {
             params.pose_noise_m = share * sigma;
             let motion = params.validate().expect("valid");
             let seeds: Vec<u64> = (0..16).collect();
-            let runs = both_cores(&seeds, |seed| {
+            let runs = on_all_cores(&seeds, |seed| {
                 let mut source = Source::camera(0x5EED_2000 + seed);
                 source.noise_m = noise;
                 source.noise_rad = noise;
@@ -137,7 +137,7 @@ fn starts_beside_the_goal_end_inside_the_tolerance() {
         let localisation = localisation(&file, 5e-3, 5e-3);
         let motion = suited(&file, &localisation);
         let seeds: Vec<u64> = (0..24).collect();
-        let runs = both_cores(&seeds, |seed| {
+        let runs = on_all_cores(&seeds, |seed| {
             let start = Pose::new(0.0, 0.5e-3 * *seed as f64, 0.0);
             let mut source = Source::camera(0x5EED_3000 + seed);
             park(

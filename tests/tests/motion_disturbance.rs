@@ -5,8 +5,9 @@ use controller_core::motion::{Outcome, Task, ValidMotionParams};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use controller_core::types::{Pose, WheelTorques, Wrench};
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{Drive, Order, both_cores, home, ring, steady};
+use tests::motion_loop::{Drive, Order, home, ring, steady};
 use tests::motion_tracking::Exact;
 use tests::stated::{At, Stated};
 use tests::tolerance::ARRIVED;
@@ -66,7 +67,7 @@ fn parks<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         .step_by(nth)
         .flat_map(|body| pushes(&motion).into_iter().map(move |push| (body, push)))
         .collect();
-    let left = both_cores(&cases, |(body, push)| {
+    let left = on_all_cores(&cases, |(body, push)| {
         let mut drive = Drive::<T, M, U>::start(&motion, base, *body, &home()(0.0), dt);
         while drive.t < end_s {
             drive.coast(push);

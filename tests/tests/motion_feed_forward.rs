@@ -8,6 +8,7 @@ use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
 use tests::core_loop::Exact as Paper;
+use tests::ideal::Loop;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::Order;
 use tests::motion_tracking::follow;
@@ -70,15 +71,18 @@ const END_S: f64 = 30.0;
 /// Root mean square of the distance in the second half, with the paper's law.
 fn paper_rms(path: &Path, dt: f64) -> f64 {
     let params = Params::paper().validate().expect("valid");
-    let mut body = beside();
-    let mut law =
-        Paper::start(&params, &path.at(0.0, 0.0), &body.measured()).expect("a finite start");
+    let body = beside();
+    let law = Paper::start(&params, &path.at(0.0, 0.0), &body.measured()).expect("a finite start");
+    let mut drive = Loop::new(law, body, Base::STANDARD, dt);
     let (mut squares, mut count) = (0.0, 0.0);
-    for k in 1..=(END_S / dt) as u32 {
-        let t = f64::from(k) * dt;
-        body = body.after(&Base::STANDARD, &law.report().wrench, dt);
+    for _ in 1..=(END_S / dt) as u32 {
+        let wrench = drive.controller.report().wrench;
+        drive.hold(&wrench);
+        let Loop { body, t, .. } = drive;
         let sample = path.at(t, 0.0);
-        law.step(dt, &Demand::Track(sample), &body.measured())
+        drive
+            .controller
+            .step(dt, &Demand::Track(sample), &body.measured())
             .expect("a finite tick");
         let error = pose_error::<f64, Libm>(sample.pose(), &body.pose);
         if t > END_S / 2.0 {

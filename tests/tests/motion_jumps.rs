@@ -8,8 +8,9 @@ use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use controller_core::types::{Pose, Twist, Wrench};
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body, pose};
-use tests::motion_loop::{Drive, Order, both_cores, steady};
+use tests::motion_loop::{Drive, Order, steady};
 use tests::motion_tracking::Exact;
 use tests::random::Random;
 use tests::stated::{At, Stated};
@@ -155,7 +156,7 @@ fn wrench_changes_by_at_most_l_dt() {
             }
         }
     }
-    let runs = both_cores(&cases, |(_, base, declared, dt)| {
+    let runs = on_all_cores(&cases, |(_, base, declared, dt)| {
         let double = fuzz::<f64, Libm, ExactMean>(*base, (*declared, false), *dt, TICKS);
         let single = fuzz::<f32, Single, RationalMean>(*base, (*declared, false), *dt, TICKS);
         (double, single)
@@ -194,7 +195,7 @@ fn wrench_changes_by_at_most_l_dt_under_pushes() {
         ("small", Base::SMALL, false, 0.01),
         ("weak", Base::WEAK, true, 0.01),
     ];
-    let runs = both_cores(&cases, |(_, base, declared, dt)| {
+    let runs = on_all_cores(&cases, |(_, base, declared, dt)| {
         let how = (*declared, true);
         let double = fuzz::<f64, Libm, ExactMean>(*base, how, *dt, TICKS);
         let single = fuzz::<f32, Single, RationalMean>(*base, how, *dt, TICKS);

@@ -5,6 +5,7 @@ use controller_core::motion::Task;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
 use controller_core::types::{Pose, Wrench};
+use tests::ideal::Robot;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Drive, Order, goal, hand_over_states, steady};
 use tests::motion_tracking::Exact;

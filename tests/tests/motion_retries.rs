@@ -4,8 +4,9 @@ use controller_core::maths::Libm;
 use controller_core::motion::{MotionParams, Outcome, Task, ValidMotionParams};
 use controller_core::shunting::ExactMean;
 use controller_core::types::Pose;
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{Drive, Order, both_cores, hand_over_states, ring};
+use tests::motion_loop::{Drive, Order, hand_over_states, ring};
 use tests::motion_tracking::Exact;
 use tests::random::Random;
 use tests::stated::{At, Stated};
@@ -55,7 +56,7 @@ fn noise_ends_parked_or_told() {
         for retries in [0, 2] {
             let motion = noisy_base(tolerance, retries);
             let starts: Vec<(u64, Body)> = (0..).zip(hand_over_states()).collect();
-            let runs = both_cores(&starts, |(k, body)| {
+            let runs = on_all_cores(&starts, |(k, body)| {
                 let mut random = Random(0x5EED_0100 + k);
                 let mut drive = Exact::start(&motion, BASE, *body, &HOME, 0.01);
                 let (mut final_s, mut last, mut still) = (0.0, Outcome::Driving, 0.0_f64);
@@ -118,7 +119,7 @@ fn exact_poses_need_no_retry() {
         let motion = base.exact().validate().expect("valid");
         let starts = ring();
         assert_eq!(starts.len(), 1152);
-        let runs = both_cores(&starts, |body| {
+        let runs = on_all_cores(&starts, |body| {
             let mut drive = Drive::<f64, Libm, ExactMean>::start(&motion, base, *body, &HOME, 0.01);
             // How far beyond its tolerance the heading was when a rest ended by itself.
             let (mut beyond, mut was_parked) = (None, false);

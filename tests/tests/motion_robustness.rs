@@ -7,8 +7,9 @@ use controller_core::motion::{JumpThreshold, Limits, Outcome, SaturationPolicy, 
 use controller_core::pose_error::pose_error;
 use controller_core::shunting::{ExactMean, RationalMean};
 use controller_core::types::Pose;
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{Drive, Order, both_cores, goal, ring, steady};
+use tests::motion_loop::{Drive, Order, goal, ring, steady};
 use tests::motion_parking::{park_all, print};
 use tests::motion_tracking::Exact;
 use tests::random::Random;
@@ -78,7 +79,7 @@ fn uneven_ticks_park() {
     let motion = BASE.params::<f32, Single>().validate().expect("valid");
     let order = Task::Park(Pose::default());
     let starts: Vec<Body> = ring().into_iter().step_by(7).collect();
-    let lost = both_cores(&starts, |body| {
+    let lost = on_all_cores(&starts, |body| {
         let mut random = Random(0x5EED_000B);
         let mut drive =
             Drive::<f32, Single, RationalMean>::start(&motion, BASE, *body, &order, 0.01);

@@ -6,8 +6,9 @@ use controller_core::maths::Libm;
 use controller_core::motion::Task;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{Order, both_cores, steady};
+use tests::motion_loop::{Order, steady};
 use tests::motion_tracking::{Tracking, follow};
 use tests::random::Random;
 use tests::stated::{At, Stated};
@@ -187,7 +188,7 @@ fn random_starts(base: Base, fastest: f64) -> (usize, Vec<f64>) {
             (body, v, random.within(turn))
         })
         .collect();
-    let runs = both_cores(&cases, |(body, v, w)| {
+    let runs = on_all_cores(&cases, |(body, v, w)| {
         run(base, *body, 60.0, steady(*v, *w))
     });
     let on_path = runs.iter().filter(|run| run.late < 5e-3).count();

@@ -4,8 +4,9 @@ use controller_core::maths::Libm;
 use controller_core::shunting::ExactMean;
 use tests::aicardi;
 use tests::check::assert_within;
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{both_cores, hand_over_states, ring};
+use tests::motion_loop::{hand_over_states, ring};
 use tests::motion_parking::{park_all, print, worst};
 use tests::tolerance::TWO_DECIMALS;
 
@@ -18,7 +19,7 @@ fn chosen_law_beats_the_two_way_polar_law() {
     let motion = base.exact().validate().expect("valid");
     let dt = 0.01;
     let both = |name: &str, starts: &[Body]| {
-        let theirs = both_cores(starts, |body| aicardi::park(base, *body, dt, 20.0));
+        let theirs = on_all_cores(starts, |body| aicardi::park(base, *body, dt, 20.0));
         let ours = park_all::<f64, Libm, ExactMean>(&motion, base, starts, dt, 20.0);
         print(&format!("two-way polar law, {name}"), &theirs);
         print(&format!("chosen law, {name}"), &ours);

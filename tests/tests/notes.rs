@@ -10,6 +10,7 @@ use tests::core_draw_loop::scenario;
 use tests::core_flow::Flow;
 use tests::core_loop::{Exact, hand_over, run};
 use tests::core_params::{core_params, measured, sample};
+use tests::ideal::Loop;
 use tests::oracle::{Params, Phase, Reference, Reset, Scenario, continuous, robot};
 use tests::plant::{Body, MovingReference};
 use tests::tolerance::{
@@ -150,7 +151,7 @@ fn saturation_is_told_and_keeps_the_ratio() {
     params.max_wheel_torque_nm = Some(limit);
     let params = params.validate().expect("in range");
     let to_wheels = robot::inverse(&robot::wheel_map(&p));
-    let mut body = Body {
+    let body = Body {
         q: scenario.q0,
         twist: scenario.twist0,
     };
@@ -160,15 +161,17 @@ fn saturation_is_told_and_keeps_the_ratio() {
         sample::<f64>(&reference.q, &scenario.target(Phase::Tracking, t))
     };
     let now = measured(&body.q, &body.twist);
-    let mut controller = Exact::start(&params, &demanded(0.0), &now).expect("finite");
+    let controller = Exact::start(&params, &demanded(0.0), &now).expect("finite");
     let mut report = *controller.report();
+    let mut drive = Loop::new(controller, body, p, DT);
     let mut saturated = 0;
     for k in 1..=1000 {
         let given = Vector2::new(report.torques.right, report.torques.left);
-        body = body.after(&p, &(robot::wheel_map(&p) * given), DT);
-        let demand = Demand::Track(demanded(f64::from(k) * DT));
-        let now = measured(&body.q, &body.twist);
-        report = *controller.step(DT, &demand, &now).expect("a good tick");
+        drive.hold(&(robot::wheel_map(&p) * given));
+        let demand = Demand::Track(demanded(drive.t));
+        let now = measured(&drive.body.q, &drive.body.twist);
+        let step = drive.controller.step(DT, &demand, &now);
+        report = *step.expect("a good tick");
         let asked = to_wheels * Vector2::new(report.wrench.force, report.wrench.moment);
         let given = Vector2::new(report.torques.right, report.torques.left);
         assert!(given.amax() <= limit);

@@ -6,6 +6,7 @@ use controller_core::odometry::Odometry;
 use controller_core::shunting::ExactMean;
 use controller_core::types::Pose;
 use tests::encoded::{Encoded, bases, odometry};
+use tests::ideal::Loop;
 use tests::motion_loop::{Order, steady};
 
 type Controller = MotionController<f64, Libm, ExactMean>;
@@ -21,7 +22,7 @@ fn a_reset_pose_does_not_jump_the_torque() {
             Order::Park(Pose::new(1.5, 0.4, 0.3)),
         ] {
             let dt = 0.01;
-            let mut robot = Encoded::new(&file, Pose::default());
+            let robot = Encoded::new(&file, Pose::default());
             let start = robot.body.pose;
             let mut odometry =
                 Odometry::new(&odometry::<f64>(&file, 50.0), start, robot.counts()).expect("valid");
@@ -33,28 +34,31 @@ fn a_reset_pose_does_not_jump_the_torque() {
                     path(t)
                 }
             };
-            let mut controller =
+            let controller =
                 Controller::start(&motion, &now(0.0), &robot.body.measured()).expect("starts");
+            let mut drive = Loop::new(controller, robot, Encoded::plant(&file), dt);
             let mut last = motion.wheels().wrench(&controller.report().torques);
             let (mut most, mut twist, mut stepped) = (0.0_f64, Default::default(), 0.0_f64);
             for k in 1..=400 {
-                robot.advance(&controller.report().torques, dt);
+                let torques = drive.controller.report().torques;
+                drive.hold(&torques);
                 if k == 100 {
                     odometry.set_pose(Pose::new(0.1, 0.3, -0.4));
-                    controller.declare_jump();
+                    drive.controller.declare_jump();
                 }
-                let accel = controller.report().command_rate;
-                let measured = odometry.update_with_accel::<Libm>(robot.counts(), dt, &accel);
+                let accel = drive.controller.report().command_rate;
+                let measured = odometry.update_with_accel::<Libm>(drive.body.counts(), dt, &accel);
                 if k == 100 {
                     let before: controller_core::types::Twist<f64> = twist;
                     stepped = (measured.twist.linear - before.linear).abs();
                 }
                 twist = measured.twist;
-                controller
-                    .step(dt, &now(f64::from(k) * dt), &measured)
+                drive
+                    .controller
+                    .step(dt, &now(drive.t), &measured)
                     .expect("accepted");
-                let wrench = motion.wheels().wrench(&controller.report().torques);
-                if !controller.report().limited.torque {
+                let wrench = motion.wheels().wrench(&drive.controller.report().torques);
+                if !drive.controller.report().limited.torque {
                     most = most
                         .max((wrench.force - last.force).abs() / (motion.force_rate_limit() * dt))
                         .max(

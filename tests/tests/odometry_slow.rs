@@ -10,6 +10,8 @@ use sim_host::mission::BaseSpec as File;
 use std::f64::consts::PI;
 use tests::check::assert_within;
 use tests::encoded::{COUNTS, Encoded, bases, odometry};
+use tests::ideal::Loop;
+use tests::localised;
 use tests::motion_loop::{Order, steady};
 
 type Controller = MotionController<f64, Libm, ExactMean>;
@@ -31,28 +33,25 @@ fn drive(
         MotionParams::new_with::<Libm>(file.robot, file.limits)
     };
     let motion = params.validate().expect("valid");
-    let mut robot = Encoded::new(file, Pose::default());
+    let robot = Encoded::new(file, Pose::default());
     let params = odometry::<f64>(file, bandwidth);
     let mut odometry = Odometry::new(&params, robot.body.pose, robot.counts()).expect("in range");
-    let mut controller =
+    let controller =
         Controller::start(&motion, &order(0.0), &robot.body.measured()).expect("starts");
-    for k in 1..=(end_s / dt) as u32 {
-        let t = f64::from(k) * dt;
-        let torques = controller.report().torques;
-        robot.advance(&torques, dt);
-        let wrench = motion.wheels().wrench(&torques);
+    let mut drive = Loop::new(controller, robot, Encoded::plant(file), dt);
+    for _ in 1..=(end_s / dt) as u32 {
+        let torques = drive.controller.report().torques;
+        drive.hold(&torques);
         let accel = if told {
-            Accel::new(
-                wrench.force / file.robot.mass_kg,
-                wrench.moment / file.robot.inertia_kg_m2,
-            )
+            localised::told(&motion, &torques)
         } else {
             Accel::default()
         };
-        let measured = odometry.update_with_accel::<Libm>(robot.counts(), dt, &accel);
-        let report = controller.step(dt, &order(t), &measured).expect("accepted");
-        let torques = report.torques;
-        see(t, (torques.right, torques.left));
+        let counts = drive.body.counts();
+        let measured = odometry.update_with_accel::<Libm>(counts, dt, &accel);
+        let report = drive.controller.step(dt, &order(drive.t), &measured);
+        let torques = report.expect("accepted").torques;
+        see(drive.t, (torques.right, torques.left));
     }
 }
 

@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 use tests::core_draw::cases;
 use tests::core_loop::Exact;
 use tests::core_params::{measured, sample, spoiled, validated};
+use tests::ideal::Loop;
 use tests::oracle::laws::Target;
 use tests::oracle::{self, Params, Reset, posture};
 use tests::plant::Body;
@@ -205,21 +206,23 @@ fn controller_runs_from_the_queue() {
     let p = Params::recommended();
     let params = validated::<f64>(&p, Reset::Corrected);
     let drive = |reference_at: &mut dyn FnMut(f64) -> Reference<f64>| {
-        let mut body = Body {
+        let body = Body {
             q: Vector3::new(0.8, -2.5, 2.5),
             twist: Vector2::zeros(),
         };
         let mut places = Vec::new();
         let first = measured(&body.q, &body.twist);
-        let mut controller = Exact::start(&params, &reference_at(0.0), &first).expect("finite");
+        let controller = Exact::start(&params, &reference_at(0.0), &first).expect("finite");
         let mut report = *controller.report();
-        for k in 1..=2000 {
+        let mut drive = Loop::new(controller, body, p, 10e-3);
+        for _ in 1..=2000 {
             let wrench = report.wrench;
-            body = body.after(&p, &Vector2::new(wrench.force, wrench.moment), 10e-3);
-            let demand = Demand::Track(reference_at(f64::from(k) * 10e-3));
-            let now = measured(&body.q, &body.twist);
-            report = *controller.step(10e-3, &demand, &now).expect("a good tick");
-            places.push(body.q);
+            drive.hold(&Vector2::new(wrench.force, wrench.moment));
+            let demand = Demand::Track(reference_at(drive.t));
+            let now = measured(&drive.body.q, &drive.body.twist);
+            let step = drive.controller.step(10e-3, &demand, &now);
+            report = *step.expect("a good tick");
+            places.push(drive.body.q);
         }
         let e = report.error;
         assert!(e.x.hypot(e.y) < FOLLOWED, "the robot follows: {e:?}");

@@ -82,7 +82,7 @@ fn dead_encoders_are_found_and_braked() {
         // The blind velocity loop doubles the speed at most until then, and the brake takes v τ.
         assert!(way < 0.8 * (0.275 + BRAKE_TAU), "{way}");
         assert_eq!(rig.supervisor.state(), State::Fault);
-        assert!(rig.body.twist.linear.abs() < 1e-6);
+        assert!(rig.drive.body.twist.linear.abs() < 1e-6);
     }
 }
 
@@ -95,7 +95,7 @@ fn a_wheel_without_grip_is_found_against_the_true_twist() {
     rig.outside = true;
     rig.run(0.5, order);
     assert_eq!(rig.found, []);
-    rig.ice = Some(rig.body.twist.linear / 0.1);
+    rig.ice = Some(rig.drive.body.twist.linear / 0.1);
     rig.run(6.0, order);
     let found = rig.found_at(FaultKind::WheelSlip).expect("found") - 0.5;
     println!("slip found after {found:.2} s");
@@ -152,8 +152,8 @@ fn a_blocked_base_is_stalled_and_not_blind() {
     let order = steady(0.4, 0.0);
     let mut rig = Rig::start(BASE, Body::default(), &order(0.0), 0.01);
     rig.edit = |_, inputs| inputs.outside = Some(Twist::default());
-    rig.plant.mass = 1e9;
-    rig.plant.inertia = 1e9;
+    rig.drive.plant.mass = 1e9;
+    rig.drive.plant.inertia = 1e9;
     rig.run(10.0, order);
     assert!(
         rig.found_at(FaultKind::Stalled).is_some(),
@@ -184,7 +184,7 @@ fn a_low_supply_ends_in_a_controlled_stop() {
     assert!(matches!(rig.supervisor.state(), State::Stopping(_)));
     rig.run(12.0, order);
     assert_eq!(rig.supervisor.state(), State::Fault);
-    assert!(rig.body.twist.linear.abs() < 0.01);
+    assert!(rig.drive.body.twist.linear.abs() < 0.01);
 }
 
 /// An electrical brake of time constant τ stops within v τ of where it set in.
@@ -193,11 +193,11 @@ fn the_electrical_brake_stops_within_speed_times_time_constant() {
     let order = steady(1.0, 0.0);
     let mut rig = Rig::start(BASE, Body::default(), &order(0.0), 0.001);
     rig.run(6.0, order);
-    let (v, before) = (rig.body.twist.linear, rig.way);
+    let (v, before) = (rig.drive.body.twist.linear, rig.way);
     rig.supervisor.emergency_stop();
     assert_eq!(rig.supervisor.output().severity(), Reaction::Brake);
     while rig.supervisor.state() != State::Fault {
-        let next = rig.t + 0.001;
+        let next = rig.drive.t + 0.001;
         rig.run(next, order);
     }
     // A tick at full speed before the brake is felt, and half a one by the plant's steps.

@@ -3,8 +3,9 @@
 use controller_core::hal::WheelCounts;
 use controller_core::safety::{DetectorInputs, DetectorParams, Monitor};
 use controller_core::types::Wrench;
+use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{Order, both_cores, home, ring, steady};
+use tests::motion_loop::{Order, home, ring, steady};
 use tests::motion_tracking::Exact;
 
 /// Drives `plant` with what the controller believes to be `base`; every tick's active faults have to be none.
@@ -96,7 +97,7 @@ fn following_is_quiet_also_with_another_mass() {
 fn parking_is_quiet() {
     let starts: Vec<Body> = ring().into_iter().step_by(23).collect();
     assert!(starts.len() >= 50);
-    both_cores(&starts, |body| {
+    on_all_cores(&starts, |body| {
         for base in [Base::STANDARD, Base::WEAK, Base::SMALL] {
             quiet("park", (base, base), *body, (0.01, 15.0), none, home());
         }

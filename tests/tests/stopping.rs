@@ -7,83 +7,68 @@ use controller_core::motion::{MotionController, SaturationPolicy, Task, ValidMot
 use controller_core::motor::electrical_brake;
 use controller_core::reference::Reference;
 use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
-use controller_core::shunting::ExactMean;
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use sim_host::closed_loop;
 use sim_host::constants::period_us;
 use sim_host::mission::BaseSpec as FileBase;
 use sim_host::scenario::BASES;
 use tests::motion_base::{Base, Body};
+use tests::motion_tracking::Exact;
 use tests::random::Random;
 use tests::stated::{At, Stated};
 
-type Exact = MotionController<f64, Libm, ExactMean>;
-
-/// Controller and robot on wheels of any size.
-struct Loop {
-    motion: ValidMotionParams<f64>,
-    plant: Base,
-    controller: Exact,
-    body: Body,
-    dt: f64,
+/// From a twist along a reference that moves so.
+fn start(motion: &ValidMotionParams<f64>, twist: Twist<f64>, dt: f64) -> Exact {
+    let body = Body {
+        pose: Pose::default(),
+        twist,
+    };
+    let task = anew(&body.measured(), twist, Accel::default());
+    let controller = MotionController::start(motion, &task, &body.measured()).expect("finite");
+    Exact::new(controller, body, Base::of(motion.params()), dt)
 }
 
-impl Loop {
-    fn start(motion: &ValidMotionParams<f64>, twist: Twist<f64>, dt: f64) -> Self {
-        let params = motion.params();
-        let body = Body {
-            pose: Pose::default(),
-            twist,
-        };
-        let task = anew(&body.measured(), twist, Accel::default());
-        Self {
-            motion: *motion,
-            plant: Base::of(params),
-            controller: Exact::start(motion, &task, &body.measured()).expect("finite"),
-            body,
-            dt,
+/// A tick in which a pose is measured that is `off` by so much in x.
+fn advance(drive: &mut Exact, off: f64, task: impl Fn(&Measured<f64>) -> Task<f64>) {
+    let torques = drive.controller.report().torques;
+    let wrench = drive.controller.motion().wheels().wrench(&torques);
+    drive.hold(&wrench);
+    let mut measured = drive.body.measured::<f64>();
+    measured.pose.x += off;
+    let step = drive.controller.step(drive.dt, &task(&measured), &measured);
+    step.expect("accepted");
+}
+
+/// A controlled stop: way, turn, time to rest, and the bounds that were given when it began.
+fn stop(drive: &mut Exact) -> (f64, f64, f64, Stopping<f64>) {
+    let motion = *drive.controller.motion();
+    let report = drive.report();
+    let (command, error) = (report.command, drive.body.twist.minus(&report.command));
+    let bound = controlled_stop::<f64, Libm>(&motion, &command, &report.command_rate, &error);
+    let plan = StopPlan::new::<Libm>(&motion, &command);
+    drive.controller.declare_jump();
+    let (mut way, mut turn, mut rest, mut k) = (0.0, 0.0, 0.0, 0);
+    let (mut furthest, mut most) = (0.0_f64, 0.0_f64);
+    let dt = drive.dt;
+    while f64::from(k) * dt < bound.time_s + 2.0 {
+        let t = f64::from(k) * dt;
+        let last = drive.body.twist;
+        advance(drive, 0.0, |measured| {
+            plan.task::<Libm>(t, dt, &measured.pose)
+        });
+        let twist = drive.body.twist;
+        way += dt * (last.linear + twist.linear) / 2.0;
+        turn += dt * (last.angular + twist.angular) / 2.0;
+        (furthest, most) = (furthest.max(way.abs()), most.max(turn.abs()));
+        k += 1;
+        // A hundredth of the base's speeds, which time_s promises.
+        let limits = &motion.params().limits;
+        if twist.linear.abs() > 0.01 * limits.speed || twist.angular.abs() > 0.01 * limits.turn_rate
+        {
+            rest = f64::from(k) * dt;
         }
     }
-
-    fn advance(&mut self, task: impl Fn(&Measured<f64>) -> Task<f64>) {
-        let torques = self.controller.report().torques;
-        let wrench = self.motion.wheels().wrench(&torques);
-        self.body = self.body.after(&self.plant, &wrench, self.dt);
-        let measured = self.body.measured();
-        let step = self.controller.step(self.dt, &task(&measured), &measured);
-        step.expect("accepted");
-    }
-
-    /// A controlled stop: way, turn, time to rest, and the bounds that were given when it began.
-    fn stop(&mut self) -> (f64, f64, f64, Stopping<f64>) {
-        let report = self.controller.report();
-        let (command, error) = (report.command, self.body.twist.minus(&report.command));
-        let bound =
-            controlled_stop::<f64, Libm>(&self.motion, &command, &report.command_rate, &error);
-        let plan = StopPlan::new::<Libm>(&self.motion, &command);
-        self.controller.declare_jump();
-        let (mut way, mut turn, mut rest, mut k) = (0.0, 0.0, 0.0, 0);
-        let (mut furthest, mut most) = (0.0_f64, 0.0_f64);
-        while f64::from(k) * self.dt < bound.time_s + 2.0 {
-            let t = f64::from(k) * self.dt;
-            let last = self.body.twist;
-            let dt = self.dt;
-            self.advance(|measured| plan.task::<Libm>(t, dt, &measured.pose));
-            let twist = self.body.twist;
-            way += self.dt * (last.linear + twist.linear) / 2.0;
-            turn += self.dt * (last.angular + twist.angular) / 2.0;
-            (furthest, most) = (furthest.max(way.abs()), most.max(turn.abs()));
-            k += 1;
-            // A hundredth of the base's speeds, which time_s promises.
-            let limits = &self.motion.params().limits;
-            if twist.linear.abs() > 0.01 * limits.speed
-                || twist.angular.abs() > 0.01 * limits.turn_rate
-            {
-                rest = f64::from(k) * self.dt;
-            }
-        }
-        (furthest, most, rest, bound)
-    }
+    (furthest, most, rest, bound)
 }
 
 /// A reference that is anew at the measured pose.
@@ -115,8 +100,8 @@ fn bounds_hold_and_are_near_for_every_base_and_speed() {
             for dt in [0.001, 0.01] {
                 for sign in [1.0, -1.0] {
                     let v = sign * share * limits.speed;
-                    let mut drive = Loop::start(&motion, Twist::new(v, 0.0), dt);
-                    let (way, _, rest, bound) = drive.stop();
+                    let mut drive = start(&motion, Twist::new(v, 0.0), dt);
+                    let (way, _, rest, bound) = stop(&mut drive);
                     // The two ticks that the bound does not know of.
                     let late = 2.0 * v.abs() * dt;
                     assert!(
@@ -164,7 +149,7 @@ fn bounds_hold_for_random_twists_and_accelerations() {
                     random.within(0.5 * limits.accel),
                     random.within(0.5 * limits.turn_accel),
                 );
-                let mut drive = Loop::start(&motion, twist, 0.01);
+                let mut drive = start(&motion, twist, 0.01);
                 // 0.3 s of acceleration, which the stop then meets.
                 for k in 0..30 {
                     let t = f64::from(k) * 0.01;
@@ -172,9 +157,9 @@ fn bounds_hold_for_random_twists_and_accelerations() {
                         twist.linear + t * accel.linear,
                         twist.angular + t * accel.angular,
                     );
-                    drive.advance(|measured| anew(measured, twist, accel));
+                    advance(&mut drive, 0.0, |measured| anew(measured, twist, accel));
                 }
-                let (way, turn, _, bound) = drive.stop();
+                let (way, turn, _, bound) = stop(&mut drive);
                 // Two ticks at no more than the speeds reached by then, and the transition offset's begin.
                 let ticks = |speed: f64, accel: f64| {
                     let decay = motion.gains().decay;
@@ -240,22 +225,15 @@ fn stopping_distances_from_top_speed_are_those_stated() {
 fn a_jumping_pose_does_not_disturb_the_stop() {
     let motion = Base::STANDARD.exact().validate().expect("valid");
     let stop = |wild: f64| {
-        let mut drive = Loop::start(&motion, Twist::new(1.0, 0.5), 0.01);
+        let mut drive = start(&motion, Twist::new(1.0, 0.5), 0.01);
         let plan = StopPlan::new::<Libm>(&motion, &Twist::new(1.0, 0.5));
         drive.controller.declare_jump();
         let mut random = Random(7);
         for k in 0..300 {
-            let jump = random.within(wild);
-            let torques = drive.controller.report().torques;
-            let wrench = motion.wheels().wrench(&torques);
-            drive.body = drive.body.after(&drive.plant, &wrench, 0.01);
-            let mut measured = drive.body.measured::<f64>();
-            measured.pose.x += jump;
-            let task = plan.task::<Libm>(0.01 * f64::from(k), 0.01, &measured.pose);
-            drive
-                .controller
-                .step(0.01, &task, &measured)
-                .expect("accepted");
+            let t = 0.01 * f64::from(k);
+            advance(&mut drive, random.within(wild), |measured| {
+                plan.task::<Libm>(t, 0.01, &measured.pose)
+            });
         }
         drive.body.pose
     };
