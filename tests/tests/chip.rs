@@ -1,5 +1,4 @@
 //! On the emulated chips: what a tick costs, and that it computes what the host does.
 
 mod budgets;
-mod motion_on_chip;
-mod pil_parity;
+mod parity;

@@ -42,5 +42,5 @@ fn run() {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    println!("This program runs on an emulated board; `tests/tests/motion_on_chip.rs` starts it.");
+    println!("This program runs on an emulated board; `tests/tests/parity/images.rs` starts it.");
 }

@@ -30,20 +30,3 @@ pub fn image(machine: Machine, bin: &str) -> PathBuf {
     })
     .unwrap()
 }
-
-/// Reproducible numbers (xorshift32).
-pub struct Random(pub u32);
-
-impl Random {
-    pub fn bits(&mut self) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0
-    }
-
-    /// In [low, high).
-    pub fn within(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * (self.bits() >> 8) as f32 * (1.0 / 16_777_216.0)
-    }
-}

@@ -18,7 +18,7 @@ pub use bench::{Bench, ChipBench, Flight};
 pub use cost::{Cost, Spread};
 pub use footprint::Footprint;
 pub use on_chip::OnChip;
-pub use parity::{Difference, Parity};
+pub use parity::{Difference, Parity, pairs};
 pub use setup::PilError;
 
 use crate::precision::Precision;

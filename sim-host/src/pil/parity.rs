@@ -88,10 +88,7 @@ impl Parity {
 
 /// A tick of the paper's law on the chip beside that of the host: torques, commands, neuron states, every other term of
 /// the report, flags.
-pub(super) fn pairs(
-    chip: &Ticked,
-    host: &Ticked,
-) -> impl Iterator<Item = (&'static str, f32, f32)> {
+pub fn pairs(chip: &Ticked, host: &Ticked) -> impl Iterator<Item = (&'static str, f32, f32)> {
     let both = signals(chip).into_iter().zip(signals(host));
     both.map(|((signal, chip), (_, host))| (signal, chip, host))
 }
