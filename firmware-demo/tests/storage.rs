@@ -177,6 +177,63 @@ fn wear_alternates_and_numbers_wrap_around() {
     assert_eq!(slots.load().record.unwrap().params, field(3.0));
 }
 
+/// A slot of four records: each save is an append, and only the ninth needs the room of the first four again.
+#[test]
+fn a_large_slot_takes_many_records_before_it_is_erased() {
+    let mut slots = Slots::new(RamFlash::<1024>::blank());
+    for number in 0..16_u32 {
+        assert_eq!(slots.save(&field(number as f32 + 1.0)), Ok(number));
+        let flash = slots.into_flash();
+        slots = Slots::new(flash);
+        let loaded = slots.load();
+        assert_eq!(loaded.record.unwrap().params, field(number as f32 + 1.0));
+        assert!(!loaded.damaged);
+    }
+    assert_eq!(slots.into_flash().erased(), [2, 2]);
+}
+
+/// What is erased at the start need not be erased in a tick: after it at least half a slot of records is written without.
+#[test]
+fn a_prepared_flash_saves_without_an_erase() {
+    for saved in 0..12_u32 {
+        let mut slots = Slots::new(RamFlash::<1024>::blank());
+        for _ in 0..saved {
+            slots.save(&field(1.0)).unwrap();
+        }
+        let mut slots = Slots::new(slots.into_flash());
+        let old = slots.load().record;
+        slots.prepare().unwrap();
+        assert_eq!(slots.load().record, old, "{saved} saved");
+        let erased = slots.flash_mut().erased();
+        for more in 0..2 {
+            assert_eq!(slots.save(&field(2.0)), Ok(saved + more));
+        }
+        assert_eq!(slots.flash_mut().erased(), erased, "{saved} saved");
+        assert_eq!(slots.load().record.unwrap().params, field(2.0));
+    }
+}
+
+/// Power fails before each byte of an append: the record before stays, is loaded, and the cut one is passed over.
+#[test]
+fn power_lost_in_an_append_leaves_the_last_record() {
+    let mut slots = Slots::new(RamFlash::<1024>::blank());
+    slots.save(&field(1.0)).unwrap();
+    let flash = slots.into_flash();
+    for bytes in 0..RECORD as u32 {
+        let mut cut = flash.clone();
+        cut.fail_after(bytes);
+        let mut slots = Slots::new(cut);
+        assert_eq!(slots.save(&field(2.0)), Err(SaveError::Flash));
+        slots.flash_mut().power_on();
+        let loaded = slots.load();
+        assert_eq!(loaded.record.unwrap().params, field(1.0), "{bytes}");
+        assert_eq!(loaded.damaged, bytes > 0, "{bytes}");
+        assert_eq!(slots.save(&field(3.0)), Ok(1));
+        assert_eq!(slots.load().record.unwrap().params, field(3.0));
+        assert_eq!(slots.flash_mut().erased(), [1, 0]);
+    }
+}
+
 #[test]
 fn worn_out_flash_is_reported() {
     let mut slots = Slots::new(RamFlash::default());

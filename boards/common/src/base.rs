@@ -10,12 +10,13 @@ use embedded_hal::pwm::SetDutyCycle;
 use firmware_demo::control::ControlTask;
 use firmware_demo::control_server::{ControlServer, Queues};
 use firmware_demo::drive::{Bridges, MotorPair, MotorSide};
+use firmware_demo::storage::{Memory, NoMemory};
 
 use crate::line::Line;
 use crate::{config, robot};
 
 /// What a board is made of.
-pub struct Parts<P, D, N, E, C> {
+pub struct Parts<P, D, N, E, C, M = NoMemory> {
     /// PWM and direction of the right motor.
     pub right: MotorSide<P, D>,
     /// PWM and direction of the left motor.
@@ -26,6 +27,8 @@ pub struct Parts<P, D, N, E, C> {
     pub encoders: E,
     /// Microseconds.
     pub clock: C,
+    /// What keeps parameters while the power is off, its room made: nothing that takes longer than a tick may be left to do.
+    pub memory: M,
 }
 
 /// Why there is no robot.
@@ -52,30 +55,32 @@ impl Display for StartError {
 impl core::error::Error for StartError {}
 
 /// Everything that happens once a tick.
-pub struct BoardBase<'queue, P, D, N, E, C> {
-    server: ControlServer<'queue, MotorPair<P, D, N>>,
+pub struct BoardBase<'queue, P, D, N, E, C, M = NoMemory> {
+    server: ControlServer<'queue, MotorPair<P, D, N>, M>,
     encoders: E,
     clock: C,
 }
 
 /// The two halves of a board: for the timer's interrupt, and for the background.
-pub type Halves<'queue, P, D, N, E, C> = (BoardBase<'queue, P, D, N, E, C>, Line<'queue>);
+pub type Halves<'queue, P, D, N, E, C, M = NoMemory> =
+    (BoardBase<'queue, P, D, N, E, C, M>, Line<'queue>);
 
 /// Makes the outputs safe and puts a robot together from its parts.
 ///
 /// # Errors
 ///
 /// [`StartError`]; the outputs are then as safe as they could be made.
-pub fn start<'queue, P, D, N, E, C>(
-    parts: Parts<P, D, N, E, C>,
+pub fn start<'queue, P, D, N, E, C, M>(
+    parts: Parts<P, D, N, E, C, M>,
     queues: &'queue mut Queues,
-) -> Result<Halves<'queue, P, D, N, E, C>, StartError>
+) -> Result<Halves<'queue, P, D, N, E, C, M>, StartError>
 where
     P: SetDutyCycle,
     D: OutputPin,
     N: OutputPin,
     E: WheelEncoders,
     C: Clock,
+    M: Memory,
 {
     let Parts {
         right,
@@ -83,6 +88,7 @@ where
         mut enable,
         mut encoders,
         clock,
+        memory,
     } = parts;
     enable.set_low().map_err(|_| StartError::Motors)?;
     let motor = robot::BASE.motor.ok_or(StartError::Config)?;
@@ -98,23 +104,24 @@ where
     let task = ControlTask::new(motors, references, robot::BASE, Pose::default())
         .map_err(|_| StartError::Config)?;
     let base = BoardBase {
-        server: ControlServer::new(task, ends),
+        server: ControlServer::with_memory(task, ends, memory),
         encoders,
         clock,
     };
     Ok((base, Line::new(receiver)))
 }
 
-impl<'queue, P, D, N, E, C> BoardBase<'queue, P, D, N, E, C>
+impl<'queue, P, D, N, E, C, M> BoardBase<'queue, P, D, N, E, C, M>
 where
     P: SetDutyCycle,
     D: OutputPin,
     N: OutputPin,
     E: WheelEncoders,
     C: Clock,
+    M: Memory,
 {
     /// Control task and line, to look at.
-    pub const fn server(&self) -> &ControlServer<'queue, MotorPair<P, D, N>> {
+    pub const fn server(&self) -> &ControlServer<'queue, MotorPair<P, D, N>, M> {
         &self.server
     }
 

@@ -27,3 +27,4 @@ pub use line::{BAUD, Line};
 pub use controller_core::hal::{Clock, ErrorKind, ErrorType, WheelCounts, WheelEncoders, Widened};
 pub use firmware_demo::control_server::Queues;
 pub use firmware_demo::drive::MotorSide;
+pub use firmware_demo::storage::{NoMemory, Slots};

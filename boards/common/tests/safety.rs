@@ -6,8 +6,8 @@ use std::f32::consts::TAU;
 use std::rc::Rc;
 
 use board_common::{
-    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, WheelCounts, WheelEncoders, robot,
-    start,
+    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, Slots, WheelCounts, WheelEncoders,
+    robot, start,
 };
 use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
@@ -19,7 +19,8 @@ use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MotorPair;
-use protocol::{Command, MAX_FRAME, encode};
+use firmware_demo::storage::{Memory, RamFlash};
+use protocol::{Command, FieldParams, MAX_FRAME, encode};
 
 /// Gear times torque constant of the configuration \[V s\].
 const GEARED: f32 = 30.0 * 0.0085;
@@ -87,7 +88,7 @@ impl WheelEncoders for World {
 }
 
 struct Board {
-    halves: Halves<'static, Wire, Wire, Wire, World, World>,
+    halves: Halves<'static, Wire, Wire, Wire, World, World, Slots<RamFlash>>,
     wires: [Wire; 3],
     backward: Wire,
     world: World,
@@ -96,8 +97,12 @@ struct Board {
 }
 
 impl Board {
-    /// All outputs begin high, as if something had gone wrong before.
     fn new() -> Self {
+        Self::with_memory(Slots::new(RamFlash::default()))
+    }
+
+    /// All outputs begin high, as if something had gone wrong before.
+    fn with_memory(memory: Slots<RamFlash>) -> Self {
         let wires = [(); 3].map(|()| Wire(Rc::new(Cell::new(1))));
         let [enable, right, left] = wires.clone();
         let world = World::default();
@@ -109,6 +114,7 @@ impl Board {
             enable,
             encoders: world.clone(),
             clock: world.clone(),
+            memory,
         };
         let queues = Box::leak(Box::new(Queues::default()));
         Self {
@@ -349,6 +355,20 @@ fn a_flood_of_questions_delays_no_stop() {
         assert_eq!(board.task().state(), State::Stopping(Then::Stopped));
         assert_eq!(board.task().cause(), Cause::Host);
     }
+}
+
+/// A board begins with what its memory holds, and disarmed as ever.
+#[test]
+fn stored_parameters_are_in_force_from_power_on() {
+    let mut stored = FieldParams::from(&robot::BASE);
+    stored.limits.speed *= 0.5;
+    let mut memory = Slots::new(RamFlash::default());
+    memory.save(&stored).expect("room");
+    let mut board = Board::with_memory(memory);
+    board.tick();
+    assert_eq!(board.outputs(), [0; 3]);
+    let speed = board.task().params().motion.limits.speed;
+    assert_eq!(speed, 0.5 * robot::BASE.motion.limits.speed);
 }
 
 fn frame(command: &Command) -> Vec<u8> {

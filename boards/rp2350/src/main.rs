@@ -22,7 +22,7 @@ mod watchdog;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BoardBase, Bytes, MotorSide, Parts, Queues, config, robot, start};
+use board_common::{BoardBase, Bytes, MotorSide, NoMemory, Parts, Queues, config, robot, start};
 use critical_section::Mutex;
 use rp_pac::interrupt;
 
@@ -85,6 +85,7 @@ fn run() -> Option<()> {
         enable,
         encoders: Encoders::start::<10, 11, 12, 13>(),
         clock: Micros,
+        memory: NoMemory,
     };
     let queues = cortex_m::singleton!(: Queues = Queues::default())?;
     let (robot, mut line) = start(parts, queues).ok()?;

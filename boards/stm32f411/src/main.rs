@@ -8,18 +8,20 @@
 //! | encoder right, left | PA6 PA7 (TIM3), PB6 PB7 (TIM4) |
 //! | line to the host | PA2 out, PA3 in (USART2) |
 //! | microseconds, tick | TIM2, TIM5 |
+//! | stored parameters | sectors 1 and 2 of the flash |
 #![no_std]
 #![no_main]
 
 mod crystal;
 mod encoders;
+mod flash;
 mod micros;
 mod safe;
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BAUD, BoardBase, Bytes, MotorSide, Parts, Queues, config, robot, start};
+use board_common::{BAUD, BoardBase, Bytes, MotorSide, Parts, Queues, Slots, config, robot, start};
 use cortex_m::peripheral::NVIC;
 use critical_section::Mutex;
 use embedded_hal_nb::serial::{Read as _, Write as _};
@@ -31,10 +33,19 @@ use stm32f4xx_hal::timer::{CounterUs, ErasedChannel, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use encoders::Encoders;
+use flash::Sectors;
 use micros::Micros;
 
 type Direction = stm32f4xx_hal::gpio::AnyPin<Output>;
-type Robot = BoardBase<'static, ErasedChannel<TIM1>, Direction, PB10<Output>, Encoders, Micros>;
+type Robot = BoardBase<
+    'static,
+    ErasedChannel<TIM1>,
+    Direction,
+    PB10<Output>,
+    Encoders,
+    Micros,
+    Slots<Sectors>,
+>;
 
 /// What the timer's interrupt takes over from `main`.
 struct Tick {
@@ -88,6 +99,7 @@ fn run() -> Option<()> {
             device.TIM4.qei((b.pb6, b.pb7), &mut rcc),
         ),
         clock: Micros::start(device.TIM2, &mut rcc),
+        memory: Sectors::prepared(device.FLASH),
     };
     let queues = cortex_m::singleton!(: Queues = Queues::default())?;
     let (robot, mut line) = start(parts, queues).ok()?;

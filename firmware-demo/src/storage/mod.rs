@@ -1,5 +1,5 @@
-//! Parameters on the chip: one record in two slots of flash, written in turn, so that a loss of power during a write leaves the other
-//! one as it was.
+//! Parameters on the chip: records in two slots of flash, so that a loss of power during a write leaves the last one as it was. A slot
+//! holds as many records as fit, each behind the last; when it is full the other one is erased and takes over.
 //!
 //! | byte | what |
 //! | --- | --- |
@@ -9,7 +9,7 @@
 //! | 252 to 255 | CRC-32/ISO-HDLC of all bytes before it, little endian |
 //!
 //! Every version keeps length, version byte and check where they are; the rest may change. A slot is one erase unit of the flash
-//! ([`embedded_storage::nor_flash::NorFlash`]), the record is at its begin.
+//! ([`embedded_storage::nor_flash::NorFlash`]), its first record is at its begin.
 
 mod ram;
 mod record;

@@ -2,15 +2,13 @@
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 
-const UNIT: usize = 256;
-
-/// Two units of 256 bytes, written four bytes at a time as the flash of many chips is.
+/// Two units of so many bytes, written four bytes at a time as the flash of many chips is.
 ///
 /// It behaves like flash: a write can only clear bits, an erase sets them all. And it loses its power on demand: after so many bytes
 /// erased or written every call fails, until [`power_on`](Self::power_on).
 #[derive(Clone, Debug)]
-pub struct RamFlash {
-    bytes: [u8; 2 * UNIT],
+pub struct RamFlash<const UNIT: usize = 256> {
+    bytes: [[u8; UNIT]; 2],
     /// Bytes until the power fails.
     left: Option<u32>,
     erased: [u32; 2],
@@ -18,15 +16,20 @@ pub struct RamFlash {
 
 impl Default for RamFlash {
     fn default() -> Self {
+        Self::blank()
+    }
+}
+
+impl<const UNIT: usize> RamFlash<UNIT> {
+    /// As it leaves the factory.
+    pub const fn blank() -> Self {
         Self {
-            bytes: [0xFF; 2 * UNIT],
+            bytes: [[0xFF; UNIT]; 2],
             left: None,
             erased: [0; 2],
         }
     }
-}
 
-impl RamFlash {
     /// The power fails before byte `bytes` from now on is erased or written.
     pub const fn fail_after(&mut self, bytes: u32) {
         self.left = Some(bytes);
@@ -38,8 +41,8 @@ impl RamFlash {
     }
 
     /// All bytes, to look at and to damage.
-    pub const fn bytes_mut(&mut self) -> &mut [u8; 2 * UNIT] {
-        &mut self.bytes
+    pub const fn bytes_mut(&mut self) -> &mut [u8] {
+        self.bytes.as_flattened_mut()
     }
 
     /// How often each unit was erased.
@@ -49,7 +52,7 @@ impl RamFlash {
 
     fn place(&mut self, from: u32, len: usize) -> Result<&mut [u8], NorFlashErrorKind> {
         let from = usize::try_from(from).unwrap_or(usize::MAX);
-        let bytes = self.bytes.get_mut(from..);
+        let bytes = self.bytes_mut().get_mut(from..);
         bytes
             .and_then(|bytes| bytes.get_mut(..len))
             .ok_or(NorFlashErrorKind::OutOfBounds)
@@ -80,11 +83,11 @@ impl RamFlash {
     }
 }
 
-impl ErrorType for RamFlash {
+impl<const UNIT: usize> ErrorType for RamFlash<UNIT> {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for RamFlash {
+impl<const UNIT: usize> ReadNorFlash for RamFlash<UNIT> {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
@@ -100,7 +103,7 @@ impl ReadNorFlash for RamFlash {
     }
 }
 
-impl NorFlash for RamFlash {
+impl<const UNIT: usize> NorFlash for RamFlash<UNIT> {
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = UNIT;
 
