@@ -97,7 +97,7 @@ pub(super) fn fit(
         .collect();
     let h = windows
         .iter()
-        .map(|w| w.global.tr_mul(&w.global))
+        .map(|w| gram(&w.global))
         .reduce(|a, b| a + b)?;
     let residuals: usize = windows.iter().map(|w| w.residual.len()).sum();
     let states: usize = local.iter().map(|l| l.len()).sum();
@@ -138,7 +138,7 @@ fn descend(
         let count = value.len();
         let (mut h, mut b) = (DMatrix::zeros(count, count), DVector::zeros(count));
         for window in &windows {
-            h += window.global.tr_mul(&window.global);
+            h += gram(&window.global);
             b += window.global.tr_mul(&window.residual);
         }
         for (i, weight) in model.prior(count).iter().enumerate() {
@@ -228,6 +228,19 @@ fn reduce(
         residual: linear.residual - &q * qr,
         global: linear.global - &q * qg,
     })
+}
+
+/// M^T M, of which one half is the other.
+fn gram(m: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = m.ncols();
+    let mut product = DMatrix::zeros(count, count);
+    for i in 0..count {
+        for j in 0..=i {
+            let entry = m.column(i).dot(&m.column(j));
+            (product[(i, j)], product[(j, i)]) = (entry, entry);
+        }
+    }
+    product
 }
 
 /// Gradient of half the sum of squares, sample by sample.

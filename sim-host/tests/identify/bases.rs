@@ -2,6 +2,7 @@
 
 use crate::plant::record;
 use crate::robot::recommended;
+use rayon::prelude::*;
 use sim_host::identify::coverage::coverage;
 use sim_host::identify::record::base_log;
 use sim_host::identify::{Options, Quantity, Verdict, identify};
@@ -101,7 +102,7 @@ fn voltages_behind_a_battery_that_sags_tell_no_motion() {
                 _ => false,
             }
         };
-        (0..LOGS).filter(|&seed| of(seed)).count()
+        (0..LOGS).into_par_iter().filter(|&seed| of(seed)).count()
     };
     let (stiff, soft) = (told(0.0), told(0.4));
     assert_eq!(soft, LOGS as usize);
@@ -139,7 +140,8 @@ fn rows_at_the_current_limit_are_left_out() {
         }
     };
     let held = |known: &str| {
-        let all: Vec<_> = (0..LOGS).map(|n| off(known, SEED + 100 + n)).collect();
+        let seeds = (0..LOGS).into_par_iter();
+        let all: Vec<_> = seeds.map(|n| off(known, SEED + 100 + n)).collect();
         let mean = all.iter().map(|(error, _)| error).sum::<f64>() / LOGS as f64;
         (all.iter().filter(|(_, within)| *within).count(), mean)
     };

@@ -1,6 +1,7 @@
 //! How often the true value lies in the stated interval.
 
 use crate::robot::Robot;
+use rayon::prelude::*;
 use sim_host::identify::{Identified, Quantity, Verdict};
 
 /// What many logs said of a quantity.
@@ -44,8 +45,8 @@ pub fn of(found: &Identified, robot: &Robot) -> Tallies {
     })
 }
 
-/// The sum over seeds 0 to `logs`, on two threads.
-pub fn all(logs: usize, one: impl Fn(u64) -> Tallies + Sync) -> Tallies {
+/// The sum over seeds 0 to `logs`, on all cores.
+pub fn all(logs: usize, one: impl Fn(u64) -> Tallies + Sync + Send) -> Tallies {
     let add = |mut sum: Tallies, one: Tallies| {
         for (sum, one) in sum.iter_mut().zip(one) {
             sum.given += one.given;
@@ -56,17 +57,9 @@ pub fn all(logs: usize, one: impl Fn(u64) -> Tallies + Sync) -> Tallies {
         }
         sum
     };
-    let run = |from: usize| {
-        (from..logs)
-            .step_by(2)
-            .map(|log| one(log as u64))
-            .fold([Tally::default(); 15], add)
-    };
-    std::thread::scope(|scope| {
-        let odd = scope.spawn(|| run(1));
-        let even = run(0);
-        add(even, odd.join().expect("no panic"))
-    })
+    // Summed in the order of seeds whichever is done first.
+    let tallies: Vec<_> = (0..logs as u64).into_par_iter().map(one).collect();
+    tallies.into_iter().fold([Tally::default(); 15], add)
 }
 
 /// A line for each quantity that got numbers.
