@@ -76,7 +76,7 @@ fn parked_state_has_hysteresis() {
     let motion = motion(|params| params.arrival.distance_m = 1e-3);
     let drive = parked(&motion);
     for (moved, outcome) in [(0.9e-3, Outcome::Parked), (5e-3, Outcome::Driving)] {
-        let mut drive = drive.clone();
+        let mut drive = drive;
         drive.body.pose = Pose::new(moved, 0.0, 0.0);
         run(&mut drive, &HOME, 0.0, 20.05);
         assert_eq!(drive.report().outcome, outcome, "moved {moved}");
