@@ -19,7 +19,6 @@ mod catalogue;
 mod closed_loop;
 mod condition;
 mod csv;
-mod default_law;
 mod friction;
 mod law;
 mod sensor;
