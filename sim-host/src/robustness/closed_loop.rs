@@ -3,7 +3,6 @@
 use super::body::Body;
 use super::condition::Disturbance;
 use super::law::{self, ComparedLaw};
-use super::sensor::Sensor;
 use super::{Case, StudyError};
 use crate::controller_port;
 use crate::metrics::{PARKED, SETTLED};
@@ -105,8 +104,7 @@ fn close(
     disturbance: &Disturbance,
     seed: u64,
 ) -> Result<Run, StudyError> {
-    let mut body = Body::new(&mission.base.robot, &mission.start, disturbance)?;
-    let mut sensor = Sensor::new(disturbance, seed);
+    let mut body = Body::new(&mission.base.robot, &mission.start, disturbance, seed)?;
     let dt = disturbance.period_s;
     let ticks = (disturbance.duration_s / dt).round() as usize;
     let mut observer = RunObserver::new(disturbance);
@@ -115,13 +113,13 @@ fn close(
         let truth = body.truth();
         let command = law.command();
         let distance = |speed| law.hand_over_distance(speed);
-        let orders = sequencer.at(tick, t, &sensor.measure(&truth), &command, distance);
+        let orders = sequencer.at(tick, t, &body.measure(), &command, distance);
         let Ok(computed) = law.tick(dt, &orders) else {
             observer.run.verdict = RunVerdict::Refused;
             break;
         };
         let error = pose_error::<f64, Libm>(orders.target.pose(), &truth.pose);
-        let exerted = body.advance(&computed.report.torques, dt);
+        let exerted = body.advance(&computed.report.torques)?;
         observer.position_m = Libm::sqrt(error.x * error.x + error.y * error.y);
         observer.heading_rad = error.theta.abs();
         let parking = matches!(orders.task, Task::Park(_));
