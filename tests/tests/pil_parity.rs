@@ -140,7 +140,11 @@ fn fly(machine: Machine, link: LinkKind, scenarios: &[Scenario], counts: bool) -
         let rate = flight.parity.ticks as f64 / flight.elapsed.as_secs_f64();
         println!("{machine:?} {link:?} {name}: {rate:.0} ticks/s");
         assert!(flight.parity.is_exact(), "{name}: {:?}", flight.parity);
-        let saturated = flight.trace.rows.iter().filter(|row| row.report.limited.torque);
+        let saturated = flight
+            .trace
+            .rows
+            .iter()
+            .filter(|row| row.report.limited.torque);
         flown.saturated += saturated.count();
         flown.parity.merge(&flight.parity);
         flown.cost.merge(&flight.cost);
