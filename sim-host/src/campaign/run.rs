@@ -215,13 +215,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
     /// An injection of the plan begins. A stop under way goes on with what is left from here.
     fn strike(&mut self, which: usize) {
         self.stops.anew();
-        self.timeline.begin(which, self.t, self.board.world_mut());
-        let second = self.plan.second.map(|(_, injection)| injection);
-        let injection = match which {
-            0 => Some(self.plan.injection),
-            _ => second,
-        };
-        if let Some(injection) = injection {
+        if let Some(injection) = self.timeline.begin(which, self.board.world_mut()) {
             self.host.injure(&injection);
         }
     }

@@ -96,7 +96,7 @@ impl<'a> HostOfRun<'a> {
         self.host.ask(park(&goal));
     }
 
-    /// Its part of a trouble that begins at `t` \[s\].
+    /// The host's part of an injection that begins.
     pub(super) fn injure(&mut self, injection: &FaultInjection) {
         match injection.what {
             What::EmergencyStop => self.host.stop(BUTTON),

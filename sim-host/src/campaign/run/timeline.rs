@@ -1,4 +1,4 @@
-//! What goes wrong, from when to when.
+//! What goes wrong: what has begun, and what is still there.
 
 use crate::campaign::expected::{KNOWN, Rule};
 use crate::campaign::fault_injection::{FaultInjection, FaultInjectionKind, What};
@@ -7,10 +7,10 @@ use crate::campaign::outcome::{Failing, Why};
 use crate::campaign::plan::Plan;
 use crate::world::{PlantFault, World};
 
-/// The injections of a plan: when they began, and which of them are still there.
+/// The injections of a plan: which of them have begun, and which are still there.
 pub(super) struct Timeline<'a> {
     plan: &'a Plan,
-    began_s: [Option<f64>; 2],
+    begun: [bool; 2],
     active: [bool; 2],
     /// Everything is mended: nothing is right to be found any more.
     mended: bool,
@@ -20,7 +20,7 @@ impl<'a> Timeline<'a> {
     pub(super) const fn new(plan: &'a Plan) -> Self {
         Self {
             plan,
-            began_s: [None; 2],
+            begun: [false; 2],
             active: [false; 2],
             mended: false,
         }
@@ -42,7 +42,7 @@ impl<'a> Timeline<'a> {
 
     /// Those that have begun, healed or not.
     pub(super) fn begun(&self) -> impl Iterator<Item = FaultInjection> {
-        self.those(|which| self.began_s[which].is_some())
+        self.those(|which| self.begun[which])
     }
 
     /// Those that are there.
@@ -55,16 +55,18 @@ impl<'a> Timeline<'a> {
     }
 
     pub(super) const fn has_begun(&self, which: usize) -> bool {
-        self.began_s[which].is_some()
+        self.begun[which]
     }
 
-    /// Begins now, at `t` \[s\].
-    pub(super) fn begin(&mut self, which: usize, t: f64, world: &mut World) {
-        self.began_s[which] = Some(t);
+    /// Begins now; the injection, if the plan has it.
+    pub(super) fn begin(&mut self, which: usize, world: &mut World) -> Option<FaultInjection> {
+        self.begun[which] = true;
         self.active[which] = true;
-        if let Some(injection) = self.injection(which) {
+        let injection = self.injection(which);
+        if let Some(injection) = &injection {
             injection.apply(world, true);
         }
+        injection
     }
 
     /// What has to be in place at the beginning of every tick.
