@@ -10,7 +10,7 @@
 //! | read | [`scenario`], [`motion`], [`advice`]; a [`mission`] is what they ask of a base |
 //! | whole base | [`closed_loop`] in a [`world`] |
 //! | faults, by the thousand | [`campaign`] |
-//! | run | [`plant`], [`world`], [`controller_port`], [`mod@run`], [`trace`]; [`drive`] with the default law |
+//! | run | [`plant`], [`world`], [`controller_port`], [`mod@run`], [`trace`]; [`drive`] for trajectory files |
 //! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |

@@ -128,20 +128,20 @@ impl Metrics {
         Some(Self {
             settling_s: settling(trace),
             hand_over: trace
-                .hand_over
+                .parking()
                 .map(|hand_over| at_hand_over(rows, &hand_over)),
             final_error: PoseFigures::of(&last.error),
             speed_m_s: Extremes::of(rows, None, |row| row.truth.twist.linear),
             turn_rate_rad_s: Extremes::of(rows, None, |row| row.truth.twist.angular),
             force_n: Extremes::of(rows, Some(0.0), |row| row.report.wrench.force),
             moment_nm: Extremes::of(rows, Some(0.0), |row| row.report.wrench.moment),
-            torque_right_nm: Extremes::of(rows, Some(0.0), |row| row.torques.right),
-            torque_left_nm: Extremes::of(rows, Some(0.0), |row| row.torques.left),
+            torque_right_nm: Extremes::of(rows, Some(0.0), |row| row.report.torques.right),
+            torque_left_nm: Extremes::of(rows, Some(0.0), |row| row.report.torques.left),
             start_torque_step: WrenchStep {
                 force_n: wrench.force,
                 moment_nm: wrench.moment,
             },
-            saturated_ticks: count(rows, |row| row.report.saturated),
+            saturated_ticks: count(rows, |row| row.report.limited.torque),
             bridged_ticks: count(rows, TraceRow::has_transition_offset),
         })
     }
@@ -165,7 +165,7 @@ fn stays_below(
 fn settling(trace: &Trace) -> Option<f64> {
     let rows = &trace.rows;
     let norm = |row: &TraceRow| row.error.norm::<Libm>();
-    let index = match &trace.hand_over {
+    let index = match trace.parking() {
         None => stays_below(rows.iter().map(norm), SETTLED)?,
         Some(hand_over) => {
             if hand_over.error_before.norm::<Libm>() >= SETTLED {

@@ -3,10 +3,10 @@
 
 use controller_core::motion::Outcome;
 use controller_core::safety::supervisor::State;
-use sim_host::drive::drive_and_observe;
-use sim_host::drive::{DriveRow, DriveTrace, drive};
 use sim_host::mission::Mission;
+use sim_host::run::{drive, drive_and_observe};
 use sim_host::scenario::{BASES, BuiltInBase};
+use sim_host::trace::{Trace, TraceRow};
 use std::error::Error;
 use tests::stated::{At, Stated};
 
@@ -48,7 +48,7 @@ fn mission(
 
 /// Largest minus least torque of a wheel while parked, as a share of its limit. The first half second is
 /// left out, in which the torque of the approach fades.
-fn ripple(trace: &DriveTrace, parked_s: f64, limit_nm: f64) -> f64 {
+fn ripple(trace: &Trace, parked_s: f64, limit_nm: f64) -> f64 {
     let at_rest = trace.rows.iter().filter(|row| row.t > parked_s + 0.5);
     let spread = |torques: Vec<f64>| {
         let most = torques.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -89,7 +89,7 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
                     let error = &last.error;
                     let (distance, heading) = (error.x.hypot(error.y), error.theta.abs());
                     assert!(distance < 5.0e-3 && heading < 10.0e-3, "{what}: {error:?}");
-                    let parked = |row: &&DriveRow| row.report.outcome == Outcome::Parked;
+                    let parked = |row: &&TraceRow| row.report.outcome == Outcome::Parked;
                     let first = trace.rows.iter().rev().take_while(parked).last();
                     let parked_s = first.ok_or("not parked")?.t;
                     let spread = ripple(&trace, parked_s, limit_nm);

@@ -2,8 +2,8 @@
 //! allow: on the ideal plant, and the bad floors on a bad floor.
 
 use controller_core::motion::Outcome;
-use sim_host::drive::drive;
 use sim_host::mission::{BaseSpec, Course, Mission, Route};
+use sim_host::run::drive;
 use sim_host::scenario::{BASES, MISSIONS};
 use std::error::Error;
 

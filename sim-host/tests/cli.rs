@@ -158,7 +158,10 @@ fn csv_files_hold_every_signal_in_full_precision() {
         let read = |name: &str| written[column(name)].parse::<f64>().expect(name);
         assert_eq!(read("x").to_bits(), row.truth.pose.x.to_bits());
         assert_eq!(read("tau2").to_bits(), row.report.wrench.moment.to_bits());
-        assert_eq!(read("s1").to_bits(), row.report.neurons.s1.to_bits());
+        assert_eq!(
+            read("s1").to_bits(),
+            row.paper.expect("neurons").neurons.s1.to_bits()
+        );
     }
     // 0.505 s: the first tick at or after it.
     assert_eq!(&rows[50][column("phase")], "tracking");

@@ -1,5 +1,6 @@
 //! `run`, `check` and `compile` of trajectory files and motion scenarios, from outside.
 
+use sim_host::csv_out::Columns;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -51,7 +52,7 @@ fn a_file_is_run_with_figure_metrics_and_trace() -> Result<(), Box<dyn Error>> {
     assert!(number("/parked_s")? > number("/run/hand_over/time_s")?);
     assert!(number("/hand_over_distance_m")? > 0.05);
     let mut trace = csv::Reader::from_path(out.join("wpilib_gaps.csv"))?;
-    assert_eq!(trace.headers()?, sim_host::drive::COLUMNS.as_slice());
+    assert_eq!(trace.headers()?, Columns::Motion.names());
     let last = trace.records().last().ok_or("no rows")??;
     assert!(last.iter().any(|field| field == "parked"));
     Ok(())

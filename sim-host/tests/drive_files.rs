@@ -1,10 +1,11 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
 use controller_core::motion::Limits;
-use sim_host::drive::{ChipTable, DriveMetrics, FileRun, drive};
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun};
 use sim_host::import::{Options, import};
 use sim_host::mission::BaseSpec;
 use sim_host::precision::Precision;
+use sim_host::run::drive;
 use std::error::Error;
 use std::fs;
 use std::path::Path;

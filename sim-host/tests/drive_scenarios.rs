@@ -1,12 +1,14 @@
 //! Scenario files with the law for a real base.
 
-use sim_host::drive::{DriveMetrics, DriveTrace, drive};
+use sim_host::drive::DriveMetrics;
 use sim_host::mission::{Course, Mission};
+use sim_host::run::drive;
 use sim_host::scenario::{MISSIONS, Scenario};
+use sim_host::trace::Trace;
 use std::error::Error;
 use tests::stated::{At, Stated};
 
-fn run(text: &str, name: &str) -> Result<(Mission, DriveTrace, DriveMetrics), Box<dyn Error>> {
+fn run(text: &str, name: &str) -> Result<(Mission, Trace, DriveMetrics), Box<dyn Error>> {
     let mission = Mission::parse(&format!("{name}.toml"), text)?;
     let trace = drive(&mission)?;
     let metrics = DriveMetrics::of(&mission, &trace).ok_or("no rows")?;

@@ -1,7 +1,7 @@
 //! Figures of merit on traces made by hand.
 
 use controller_core::maths::Libm;
-use controller_core::paper::report::{Phase, StepReport};
+use controller_core::motion::{Mode, MotionReport};
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
 use controller_core::types::{Measured, Pose, Twist, WheelTorques, Wrench};
@@ -16,7 +16,6 @@ fn row(tick: usize, x: f64, ahead: f64) -> TraceRow {
         theta: 0.0,
     };
     TraceRow {
-        relaxing: false,
         t: tick as f64 * 0.1,
         truth: Measured {
             pose: Pose::new(x, 0.0, 0.0),
@@ -24,11 +23,13 @@ fn row(tick: usize, x: f64, ahead: f64) -> TraceRow {
         },
         reference: Reference::at_rest_with::<Libm>(Pose::new(x + ahead, 0.0, 0.0)),
         error,
-        report: StepReport {
+        measured: Pose::new(x, 0.0, 0.0),
+        report: MotionReport {
             error,
-            ..StepReport::default()
+            ..MotionReport::default()
         },
-        torques: WheelTorques::default(),
+        paper: None,
+        base: None,
     }
 }
 
@@ -70,13 +71,14 @@ fn parking(before: &[f64], at_switch: f64, x: &[f64]) -> Trace {
     let first = trace.rows.len();
     for (i, x) in x.iter().enumerate() {
         let mut row = row(first + i, *x, goal.x - x);
-        row.report.phase = Phase::Parking;
+        row.report.mode = Mode::Parking;
         trace.rows.push(row);
     }
     trace.hand_over = Some(HandOver {
         row: first,
-        virtual_target: Reference::at_rest_with::<Libm>(Pose::new(at_switch, 0.0, 0.0)),
+        left: Reference::at_rest_with::<Libm>(Pose::new(at_switch, 0.0, 0.0)),
         goal,
+        distance_m: 1.0,
         error_before: PoseError {
             x: at_switch,
             y: 0.0,
@@ -143,7 +145,7 @@ fn the_step_from_rest_counts_for_torques_and_not_for_speeds() {
             force: value,
             moment: 0.5 * value,
         };
-        row.torques = WheelTorques {
+        row.report.torques = WheelTorques {
             right: 0.1 * value,
             left: 0.2 * value,
         };

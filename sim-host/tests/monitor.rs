@@ -139,7 +139,7 @@ fn log_reads_back_bit_for_bit() {
         ("following", "parking")
     );
     assert_eq!(cell(1, "torque_limited"), "1");
-    assert_eq!(cell(1, "findings"), "pose_jump+wheel_slip");
+    assert_eq!(cell(1, "active_faults"), "pose_jump+wheel_slip");
 }
 
 /// Both ends of a pseudo-terminal: the board's, and the path that a user would name.

@@ -1,6 +1,7 @@
 //! `sim-host pil` from outside. The emulator is part of the test: it is not skipped without it.
 
 use serde_json::Value;
+use sim_host::csv_out::Columns;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -106,7 +107,7 @@ fn a_scenario_is_flown_by_the_chip_bit_for_bit() {
     let single = sim_host::scenario::Scenario::parse("mine.toml", &single).expect("in order");
     let trace = sim_host::run::run(&single).expect("no fault");
     let mut expected = Vec::new();
-    sim_host::csv_out::write(&trace, 10, &mut expected).expect("written");
+    sim_host::csv_out::write(&trace, Columns::Paper, 10, &mut expected).expect("written");
     assert_eq!(rows, text(&expected));
 }
 

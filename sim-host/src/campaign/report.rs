@@ -187,7 +187,7 @@ pub const TRACE_COLUMNS: [&str; 19] = [
     "t",
     "state",
     "cause",
-    "findings",
+    "active_faults",
     "action",
     "trouble",
     "x",

@@ -1,60 +1,47 @@
 //! One run, from power-on to its end.
+//!
+//! A run has a host ([`host`]), injections ([`timeline`]) and judges, each with what it remembers: of obedience
+//! ([`obedience`]), of deadlines ([`deadline`]), of the way of stops ([`stops`]), of rest ([`travel`]) and of the goal
+//! ([`parked`]). Here they are put in sequence.
 
-use super::bounds::{Bounds, Wheels};
+mod deadline;
+mod host;
+mod mutation;
+mod obedience;
+mod parked;
+mod stops;
+mod timeline;
+mod travel;
+
+pub use mutation::Mutation;
+
+use super::bounds::Bounds;
 use super::check;
-use super::expected::{self, Rule};
-use super::fault_injection::{FaultInjection, FaultInjectionKind, What};
-use super::host::{Answered, Host, Manner, park, stops};
-use super::outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
+use super::outcome::{End, Failing, RunOutcome, Stop, Violation, Why};
 use super::plan::{Bases, Plan, Target};
 use crate::closed_loop::{Board, ClosedLoopError};
 use crate::mission::BaseSpec;
-use crate::world::Actuation;
-use controller_core::base::{BaseReport, WheelAction};
-use controller_core::safety::supervisor::{Cause, State};
-use controller_core::safety::{PolicyParams, Reaction};
-use controller_core::types::{Pose, WheelTorques};
+use controller_core::base::BaseReport;
+use controller_core::safety::supervisor::State;
+use deadline::Deadline;
 use firmware_demo::control_server::Queues;
-use protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
-
-mod clock;
-mod finish;
-mod host;
-mod ticks;
-mod trouble;
+use host::{BUTTON, HostOfRun, Intent};
+use mutation::BrokenDriver;
+use obedience::Obedience;
+use parked::ParkedCheck;
+use protocol::Command;
+use stops::Stops;
+use timeline::Timeline;
+use travel::Travel;
 
 /// Longest time to drive a base into a state, and from the trouble to the end \[s\]. Parking takes up to 10 s
 /// and an approach anew 12 s of patience and as much again; three of them before a goal is given up, and a base that
 /// moves about its goal, on ice for example, has several times the patience.
 const LONGEST_S: (f64, f64) = (60.0, 120.0);
-/// Speeds below which a base rests, and for how long \[m/s, rad/s, s\]: twice the supervisor's.
-const REST: (f64, f64, f64) = (0.02, 0.04, 0.2);
-/// Faster than this share of the limit a base on level floor is out of control. A wheel that is reversed or
-/// stuck may add some before it is found.
-const RUNAWAY: f64 = 1.5;
-
 /// Longest time for a stop to end: the supervisor's limits of a controlled stop and of a brake, and the rest after them \[s\].
 const STOP_S: f64 = 20.0;
-/// The button.
-const BUTTON: Command = Command::EmergencyStop { brake: true };
 /// So long after it parked a base has settled \[s\]: it does not go back to its goal before.
 const SETTLED_S: f64 = 1.0;
-
-/// Something in the loop that is broken on purpose, to see that the campaign finds it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Mutation {
-    /// Nothing.
-    #[default]
-    None,
-    /// The driver goes on with the last torque when it should release or brake.
-    KeepsTorque,
-    /// The brake is not connected: wheels coast.
-    BrakeCoasts,
-    /// Stops that have arrived are thrown away.
-    LosesStops,
-    /// Another policy.
-    Policy(PolicyParams),
-}
 
 /// A tick of a run, to be looked at.
 pub struct Tick<'a, 'queue> {
@@ -82,87 +69,29 @@ pub fn run(
     let mut queues = Queues::default();
     let mut runner = Runner::new(&mut queues, bases, plan, *mutation)?;
     let end = runner.whole(&mut watch);
-    let mut outcome = runner.outcome;
-    outcome.end = end.map_err(|what| Violation {
-        at_s: runner.t,
-        what,
-    });
-    Ok(outcome)
+    Ok(runner.outcome(end))
 }
 
-/// What the host wants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Intent {
-    Quiet,
-    Follow,
-    Park(Pose<f64>),
-}
-
-/// Frames that reached the base between two ticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Received {
-    /// Any, with every byte as it was sent.
-    any: bool,
-    /// Any that the protocol reads.
-    read: bool,
-    /// One that may lead out of a stop.
-    frees: bool,
-    /// A reset.
-    reset: bool,
-    /// A stop, with no such frame after it; an emergency stop if so.
-    stop: Option<bool>,
-}
+type Checked<T> = Result<T, String>;
 
 struct Runner<'a, 'queue> {
     plan: &'a Plan,
     base: &'a BaseSpec,
-    mutation: Mutation,
     board: Board<'queue>,
-    host: Host,
-    /// Of the bytes that reach the base, beside its own.
-    reader: Decoder<Command, MAX_CONTENT>,
-    bounds: Bounds,
-    limit_speed: f64,
-    period_s: f64,
     t: f64,
-    intent: Intent,
-    /// What reached the base for this tick.
-    received: Received,
-    /// Time by which a stop of the host is due \[s\].
-    stop_at: Option<f64>,
-    /// Time since the last sound frame reached the base \[s\].
-    since_frame_s: f64,
-    /// The same of a frame that the protocol reads \[s\].
-    unread_s: f64,
-    /// Something was refused that had to be.
-    refused: bool,
-    /// Cause of the state at the last tick.
-    was: Cause,
-    /// What has acted on the wheels since then, if torques did.
-    acting: Option<WheelTorques<f32>>,
-    /// Time that counts towards the deadline, and which way a wheel was pushed in it.
-    counted_s: f64,
-    pushed_way: f64,
-    parked_s: f64,
-    /// What went wrong as it is stated to.
-    failed: Option<Failing>,
-    /// Everything is mended: nothing is right to be found any more.
-    mended: bool,
-    /// In place, since when.
-    first: Option<f64>,
-    second: Option<f64>,
-    /// What of them is still there.
-    active: [bool; 2],
-    stop: Stop,
-    segment: Option<Reaction>,
-    dt_worst: f64,
-    torque: Actuation,
-    rest_s: f64,
-    way_m: f64,
-    outcome: RunOutcome,
+    period_s: f64,
+    host: HostOfRun<'a>,
+    timeline: Timeline<'a>,
+    driver: BrokenDriver,
+    obedience: Obedience,
+    deadline: Deadline<'a>,
+    stops: Stops,
+    travel: Travel,
+    parked: ParkedCheck,
+    /// When the trouble began, and whether the base was mended and parked after its end.
+    struck_s: f64,
+    again: bool,
 }
-
-type Checked<T> = Result<T, String>;
 
 impl<'a, 'queue> Runner<'a, 'queue> {
     fn new(
@@ -172,47 +101,47 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         mutation: Mutation,
     ) -> Result<Self, ClosedLoopError> {
         let base = bases.of(plan);
-        let period_s = base.hardware.map_or(0.01, |hardware| hardware.period_s);
+        let period_s = base.period_s();
+        let limit_speed = base.limits.speed;
         let board = Board::new(queues, base, &plan.setup, |params| {
             if let Mutation::Policy(policy) = mutation {
                 params.policy = policy;
             }
         })?;
+        let bounds = Bounds::new(base, &plan.setup, board.task().controller().base());
         Ok(Self {
-            bounds: Bounds::new(base, &plan.setup, board.task().controller().base()),
             plan,
             base,
-            mutation,
             board,
-            host: Host::new(plan.setup.seed),
-            reader: Decoder::new(),
-            limit_speed: base.limits.speed,
-            period_s,
             t: 0.0,
-            intent: Intent::Quiet,
-            received: Received::default(),
-            stop_at: None,
-            since_frame_s: 0.0,
-            unread_s: 0.0,
-            refused: false,
-            was: Cause::PowerOn,
-            acting: None,
-            counted_s: 0.0,
-            pushed_way: 0.0,
-            parked_s: 0.0,
-            failed: None,
-            mended: false,
-            first: None,
-            second: None,
-            active: [false; 2],
-            stop: Stop::default(),
-            segment: None,
-            dt_worst: 0.0,
-            torque: Actuation::Release,
-            rest_s: 0.0,
-            way_m: 0.0,
-            outcome: RunOutcome::begin(plan),
+            period_s,
+            host: HostOfRun::new(plan, limit_speed),
+            timeline: Timeline::new(plan),
+            driver: BrokenDriver::new(mutation),
+            obedience: Obedience::new(period_s),
+            deadline: Deadline::new(plan, base),
+            stops: Stops::new(bounds, period_s, limit_speed),
+            travel: Travel::default(),
+            parked: ParkedCheck::default(),
+            struck_s: 0.0,
+            again: false,
         })
+    }
+
+    fn outcome(&self, end: Checked<End>) -> RunOutcome {
+        let second = self.plan.second.filter(|_| self.timeline.has_begun(1));
+        RunOutcome {
+            second: second.map(|(_, injection)| injection.kind),
+            at_s: self.struck_s,
+            found: self.deadline.found,
+            stop: self.stops.worst,
+            fastest: self.travel.fastest,
+            parked: self.parked.worst,
+            counted_s: self.deadline.longest_s,
+            again: self.again,
+            end: end.map_err(|what| Violation { at_s: self.t, what }),
+            ..RunOutcome::begin(self.plan)
+        }
     }
 
     fn state(&self) -> State {
@@ -235,18 +164,20 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         if Target::of(self.state()) != self.plan.target {
             return Err(format!("{:?} came before the trouble", self.state()));
         }
-        if self.plan.target == Target::Parked && self.parked_s >= SETTLED_S {
-            self.parked()?;
+        if self.plan.target == Target::Parked && self.travel.parked_s >= SETTLED_S {
+            self.check_parked()?;
         }
-        self.strike();
+        self.struck_s = self.t;
+        self.travel.strike();
+        self.strike(0);
+        self.host.plan_stop(self.t);
         let end = self.settle(watch)?;
         // One that is adrift is on its way yet.
         if self.plan.again && end != End::Known(Failing::Adrift) {
-            self.again(watch)?;
-            self.outcome.again = true;
+            self.park_again(watch)?;
+            self.again = true;
         }
-        let end = self.failed.map_or(end, End::Known);
-        Ok(end)
+        Ok(self.parked.failed.map_or(end, End::Known))
     }
 
     /// Drives the base into the state in which the trouble strikes.
@@ -257,18 +188,15 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         if target == Target::Idle {
             return Ok(());
         }
-        self.host.ask(Command::Arm);
+        self.host.arm();
         match target {
             Target::Idle | Target::Armed => {}
-            Target::Parking | Target::Parked => self.park(self.plan.goal),
-            _ => {
-                self.intent = Intent::Follow;
-                self.host.follow();
-            }
+            Target::Parking | Target::Parked => self.host.park(self.plan.goal),
+            _ => self.host.follow(),
         }
         let mut stopped = false;
         while Target::of(self.state()) != target {
-            if self.followed() > self.plan.follow_s.0 && !stopped {
+            if self.host.followed_s(self.t) > self.plan.follow_s.0 && !stopped {
                 stopped = true;
                 match target {
                     Target::Stopping | Target::Stopped => self.host.stop(Command::Stop),
@@ -284,6 +212,33 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         Ok(())
     }
 
+    /// An injection of the plan begins. A stop under way goes on with what is left from here.
+    fn strike(&mut self, which: usize) {
+        self.stops.anew();
+        if let Some(injection) = self.timeline.begin(which, self.board.world_mut()) {
+            self.host.injure(&injection);
+        }
+    }
+
+    /// The second injection, once a stop has begun for long enough.
+    fn strike_again(&mut self, stopping_since: Option<f64>) {
+        let (Some((delay, injection)), Some(began)) = (self.plan.second, stopping_since) else {
+            return;
+        };
+        let stops = matches!(self.state(), State::Stopping(_) | State::Braking(_));
+        // One that cannot be stopped by any command would hide what the first one does.
+        let hides = injection.kind == super::FaultInjectionKind::DriveHolds;
+        if self.t >= began + delay && stops && !hides && !self.timeline.has_begun(1) {
+            self.strike(1);
+        }
+    }
+
+    fn heal(&mut self, which: usize) {
+        self.timeline.heal(which, self.board.world_mut());
+        // What a driver held until now only begins to stop.
+        self.stops.anew();
+    }
+
     /// From the trouble to the end.
     fn settle(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<End> {
         let since = self.t;
@@ -292,25 +247,24 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         let mut quiet_from = self.t;
         loop {
             let after = self.t - since;
-            if self.active[0] && self.plan.heal_s.is_some_and(|heal| after >= heal) {
+            if self.timeline.is_active(0) && self.plan.heal_s.is_some_and(|heal| after >= heal) {
                 self.heal(0);
                 quiet_from = self.t;
             }
             // A host that is silent wakes nobody, and one that is about to stop a base does not either.
-            if !woken && after >= 0.5 && self.stop_at.is_none() {
+            if !woken && after >= 0.5 && !self.host.waits_to_stop() {
                 woken = true;
                 quiet_from = self.t;
-                self.wake();
+                self.host.wake(&self.board, &self.timeline.manner());
             }
-            if self.stop_at.is_some_and(|at| self.t >= at) {
-                self.stop_by_host();
+            if self.host.stops_when_due(self.t) {
                 quiet_from = self.t;
             }
             if self.plan.target == Target::Tracking
-                && self.intent == Intent::Follow
+                && self.host.intent == Intent::Follow
                 && after > self.plan.follow_s.1
             {
-                self.park_ahead();
+                self.host.park_ahead(self.t);
             }
             let stops = matches!(self.state(), State::Stopping(_) | State::Braking(_));
             if stops && stopping_since.is_none() {
@@ -318,8 +272,13 @@ impl<'a, 'queue> Runner<'a, 'queue> {
             }
             self.strike_again(stopping_since);
             self.tick(watch)?;
-            self.detect(after + self.period_s);
-            self.overdue()?;
+            self.deadline.detect(
+                self.board.report(),
+                self.host.refused,
+                after + self.period_s,
+                self.travel.way_m,
+            );
+            self.deadline.check(&self.board, &self.timeline)?;
             if let Some(end) = self.ended(self.t - quiet_from, woken)? {
                 return Ok(end);
             }
@@ -330,15 +289,139 @@ impl<'a, 'queue> Runner<'a, 'queue> {
                 LONGEST_S.1
             };
             if self.t - since > longest {
-                if self.state() == State::Parking && self.is_known(Failing::Adrift) {
+                if self.state() == State::Parking && self.timeline.is_known(Failing::Adrift) {
                     return Ok(End::Known(Failing::Adrift));
                 }
                 return Err(format!(
                     "neither parked nor stopped: {:?}, resting for {:.1} s",
                     self.state(),
-                    self.rest_s
+                    self.travel.rest_s
                 ));
             }
         }
+    }
+
+    /// The end, if this is one.
+    fn ended(&mut self, quiet_s: f64, woken: bool) -> Checked<Option<End>> {
+        let report = self.board.report();
+        let (state, cause) = (report.state, report.cause);
+        let rests = self.travel.rests();
+        let late = quiet_s > 1.5
+            && woken
+            && !self.host.waits_to_stop()
+            && (self.host.is_content() || self.timeline.manner().silent);
+        Ok(match state {
+            State::Stopped | State::Fault if rests && late => Some(End::Stopped(Why::of(cause))),
+            State::Parked
+                if rests
+                    && quiet_s > 2.5
+                    && self.travel.parked_s > SETTLED_S
+                    && self.host.intent != Intent::Follow =>
+            {
+                self.check_parked()?;
+                Some(End::Parked)
+            }
+            State::Idle | State::Armed if late && self.host.intent == Intent::Quiet => {
+                rests.then_some(End::Held)
+            }
+            _ => None,
+        })
+    }
+
+    /// A base that says it is parked, at the goal that the host gave it.
+    fn check_parked(&mut self) -> Checked<()> {
+        let Intent::Park(goal) = self.host.intent else {
+            return Ok(());
+        };
+        let bounds = self.stops.bounds();
+        self.parked
+            .check(&goal, self.base, &self.board, bounds, &self.timeline)
+    }
+
+    /// Everything is mended: the base is reset, armed, goes to a new goal and parks.
+    fn park_again(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
+        for which in [0, 1] {
+            if self.timeline.is_active(which) {
+                self.heal(which);
+            }
+        }
+        let since = self.t;
+        // Poses come back, batteries recover.
+        while self.t < since + 1.5 {
+            self.tick(watch)?;
+        }
+        // What was wrong is over: from here on nothing is to be found any more.
+        self.timeline.all_mended();
+        self.host.wake(&self.board, &self.timeline.manner());
+        let since = self.t;
+        loop {
+            self.tick(watch)?;
+            match self.state() {
+                State::Parked if self.travel.parked_s > SETTLED_S && self.host.is_content() => {
+                    return self.check_parked();
+                }
+                State::Stopped | State::Fault if self.t > since + 0.5 => {
+                    return Err(format!(
+                        "mended and armed again, it stops: {:?}",
+                        self.board.report().cause
+                    ));
+                }
+                _ => {}
+            }
+            if self.t - since > LONGEST_S.0 {
+                return Err("mended and armed again, it does not park".to_owned());
+            }
+        }
+    }
+
+    /// A tick of world, host and base, and what is checked in it.
+    fn tick(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<()> {
+        let before = applied(&self.board);
+        let was = (before.state, check::severity(&before));
+        self.timeline.apply(self.board.world_mut());
+        let place = self.board.world().truth().pose;
+        self.board.advance().map_err(|error| error.to_string())?;
+        self.t = 1.0e-6 * self.board.world().now_us() as f64;
+        let now = self.board.world().truth();
+        let moved = (now.pose.x - place.x).hypot(now.pose.y - place.y);
+        self.travel.account(&self.board, self.stops.bounds(), moved);
+        self.stops.moved(moved);
+        let manner = self.timeline.manner();
+        let mutation = &self.driver.mutation;
+        self.host.exchange(&mut self.board, &manner, mutation);
+        self.board.tick();
+        self.host.answers(&mut self.board, &manner)?;
+        let report = applied(&self.board);
+        let received = &self.host.received;
+        self.obedience.check(&self.board, received, &report)?;
+        let limit = self.base.limits.wheel_torque_nm as f32;
+        check::outputs(&report, self.board.actuation(), limit)?;
+        check::milder(was, &report, received.frees, received.reset)?;
+        check::reacted(was.0, &report)?;
+        if let Some(why) = check::wrong(&before, &report, |why| self.timeline.allows(why)) {
+            return Err(format!("{why} is found, which it is not"));
+        }
+        self.deadline
+            .count(&self.board, &self.timeline, &before, received.read);
+        let severity = check::severity(&report);
+        self.stops
+            .begin(&self.board, &self.timeline, &before, severity);
+        self.driver.act(&mut self.board, &report.action);
+        watch(&Tick {
+            board: &self.board,
+            t: self.t,
+            injection: self.timeline.is_active(0),
+            stop: self.stops.present(),
+        });
+        let speed = self.board.world().truth().twist.linear.abs();
+        self.stops.check(speed, &self.timeline)
+    }
+}
+
+/// The report of the last tick, with what was really applied to the wheels: after a driver's error they are released.
+fn applied(board: &Board<'_>) -> BaseReport<f32> {
+    BaseReport {
+        action: *board.task().output(),
+        ..*board.report()
     }
 }

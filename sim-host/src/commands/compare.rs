@@ -5,6 +5,7 @@ use super::job::Job;
 use super::write::{Record, Writer};
 use super::{Finished, say, simulate, warn};
 use crate::cli::{LawArg, Output};
+use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::mission::BaseSpec;
 use sim_host::scenario::{BuiltIn, ControlLaw, Scenario};
@@ -143,7 +144,11 @@ fn one_by_law(
     writer.metrics(name, &records)?;
     if csv {
         for run in &runs {
-            writer.csv(&format!("{name}-{}", labelled(run)), &run.trace)?;
+            writer.csv(
+                &format!("{name}-{}", labelled(run)),
+                &run.trace,
+                Columns::Paper,
+            )?;
         }
     }
     Ok(())
@@ -179,7 +184,7 @@ fn beside_each_other(
     }
     if csv {
         for (label, run) in labels.iter().zip(runs) {
-            writer.csv(label, &run.trace)?;
+            writer.csv(label, &run.trace, Columns::Paper)?;
         }
     }
     Ok(())

@@ -7,12 +7,15 @@ use super::{note, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use serde::Serialize;
-use sim_host::drive::{ChipTable, DriveMetrics, DriveTrace, FileRun, drive, summary, verdict};
+use sim_host::csv_out::Columns;
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun, summary, verdict};
 use sim_host::figure::Labelled;
 use sim_host::import::FileVerdict;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
+use sim_host::run;
 use sim_host::scenario::{BuiltInBase, Scenario};
+use sim_host::trace::Trace;
 use std::path::Path;
 
 /// Metrics of one run, as they stand in a JSON file.
@@ -59,7 +62,7 @@ pub fn run(
 ) -> Result<(), CommandError> {
     announce(mission, file)?;
     let done = Done {
-        trace: drive(mission)?,
+        trace: run::drive(mission)?,
         label: "robot",
         chip: None,
     };
@@ -68,7 +71,7 @@ pub fn run(
 
 /// A mission that has been run.
 pub struct Done {
-    pub trace: DriveTrace,
+    pub trace: Trace,
     /// Who drove, in the figure's legend.
     pub label: &'static str,
     /// With the control task on a chip.
@@ -108,13 +111,9 @@ pub fn results(
     }
     let metrics = DriveMetrics::of(mission, trace).ok_or(CommandError::NoRows)?;
     say(&format!("{}\n", summary(&metrics)))?;
-    let common = trace.common();
     // In figures an underscore begins a subscript.
     let title = format!("{}: {}", name.replace('_', " "), mission.description);
-    let main = Labelled {
-        label,
-        trace: &common,
-    };
+    let main = Labelled { label, trace };
     writer.figure(name, &title, main, None)?;
     let record = DriveRecord {
         scenario: &mission.name,
@@ -131,7 +130,7 @@ pub fn results(
     };
     writer.json(name, &[record])?;
     if csv {
-        writer.drive_csv(name, trace)?;
+        writer.csv(name, trace, Columns::Motion)?;
     }
     // A scenario may end on the way; a file is to be driven to its end.
     if file.is_some() && metrics.parked_s.is_none() {

@@ -1,7 +1,7 @@
 //! Why a command failed.
 
 use sim_host::constants::ConstantsError;
-use sim_host::drive::{DriveError, FileError};
+use sim_host::drive::FileError;
 use sim_host::figure::FigureError;
 use sim_host::identify::{IdentifyError, KnownError, LogError};
 use sim_host::import::LimitError;
@@ -20,8 +20,6 @@ pub enum CommandError {
     Scenario(#[from] ScenarioError),
     #[error(transparent)]
     Run(#[from] RunError),
-    #[error(transparent)]
-    Drive(#[from] DriveError),
     #[error("{}: cannot be read: {cause}", path.display())]
     Read {
         path: PathBuf,

@@ -116,7 +116,7 @@ impl Finished {
 
     /// A run of a mission, as far as all laws have it in common.
     fn mission(mission: &Mission) -> Result<Self, CommandError> {
-        let trace = sim_host::drive::drive(mission)?.common();
+        let trace = sim_host::run::drive(mission)?;
         Ok(Self {
             name: mission.name.clone(),
             description: mission.description.clone(),

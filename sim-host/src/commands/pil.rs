@@ -7,6 +7,7 @@ use super::write::{ChipRecord, Record, Writer};
 use super::{Finished, say, warn};
 use crate::cli::Output;
 use firmware_demo::host::{LinkKind, Machine};
+use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::pil::{BaseBench, Bench, Cost, FIRMWARE, Flight, Footprint, Parity, Spread};
 use sim_host::scenario::{Controller, Scenario};
@@ -214,7 +215,7 @@ fn write(
         ..Record::from(&run)
     };
     writer.metrics(&file, &[record])?;
-    writer.csv(&file, trace)
+    writer.csv(&file, trace, Columns::Paper)
 }
 
 fn costs(named: &[(&str, Spread)]) -> String {

@@ -5,6 +5,7 @@ use super::job::Job;
 use super::write::{Record, Writer};
 use super::{drive, say, simulate, warn};
 use crate::cli::Output;
+use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::table::{Column, side_by_side};
 
@@ -35,7 +36,7 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
         writer.figure(name, &title, Labelled { label, trace }, None)?;
         writer.metrics(name, &[Record::from(&run)])?;
         if csv {
-            writer.csv(name, trace)?;
+            writer.csv(name, trace, Columns::Paper)?;
         }
     }
     say(&format!("results are in {}\n", output.out.display()))?;

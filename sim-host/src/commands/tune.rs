@@ -130,7 +130,6 @@ fn draw(
     let seed = seeds.first().copied().unwrap_or_default();
     let (before, _) = problem.run(mission, &tuned.gains[0], seed)?;
     let (after, _) = problem.run(mission, &tuned.gains[1], seed)?;
-    let (before, after) = (before.common(), after.common());
     let main = Labelled {
         label: "after",
         trace: &after,

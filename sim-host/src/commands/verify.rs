@@ -8,6 +8,7 @@ use crate::cli::Output;
 use crate::robot_args::VerifyArgs;
 use indicatif::ProgressBar;
 use serde::Serialize;
+use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::verify::{
     Case, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
@@ -87,12 +88,11 @@ fn draw_worst(
         worst.seed
     );
     say(&format!("worst      {what}\n"))?;
-    let common = trace.common();
     let main = Labelled {
         label: "robot",
-        trace: &common,
+        trace: &trace,
     };
     let title = format!("{}: {what}", robot.name.replace('_', " "));
     writer.figure(name, &title, main, None)?;
-    writer.drive_csv(&format!("{name}-worst"), &trace)
+    writer.csv(&format!("{name}-worst"), &trace, Columns::Motion)
 }

@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use crate::cli::Output;
 use serde::Serialize;
-use sim_host::drive::{DriveTrace, write_csv};
+use sim_host::csv_out::{self, Columns};
 use sim_host::figure::{Labelled, five_panels, png};
 use sim_host::metrics::Metrics;
 use sim_host::pil::{Cost, Footprint, Parity};
@@ -114,18 +114,16 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    pub fn csv(&self, name: &str, trace: &Trace) -> Result<(), CommandError> {
+    pub fn csv(&self, name: &str, trace: &Trace, columns: Columns) -> Result<(), CommandError> {
         let path = self.path(&format!("{name}.csv"));
         let file = File::create(&path).map_err(|error| failed(&path, &error))?;
-        sim_host::csv_out::write(trace, self.output.every.get(), BufWriter::new(file))
-            .map_err(|error| failed(&path, &error))
-    }
-
-    pub fn drive_csv(&self, name: &str, trace: &DriveTrace) -> Result<(), CommandError> {
-        let path = self.path(&format!("{name}.csv"));
-        let file = File::create(&path).map_err(|error| failed(&path, &error))?;
-        write_csv(trace, self.output.every.get(), BufWriter::new(file))
-            .map_err(|error| failed(&path, &error))
+        csv_out::write(
+            trace,
+            columns,
+            self.output.every.get(),
+            BufWriter::new(file),
+        )
+        .map_err(|error| failed(&path, &error))
     }
 
     pub fn metrics(&self, name: &str, records: &[Record<'_>]) -> Result<(), CommandError> {

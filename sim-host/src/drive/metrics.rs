@@ -1,9 +1,9 @@
 //! Figures of merit of a run. Times in s, lengths in m, angles in rad; errors are the true ones.
 
-use super::note::{self, BaseNote};
-use super::trace::{DriveRow, DriveTrace};
+use crate::csv_out::outcome_name;
 use crate::metrics::Metrics;
 use crate::mission::Mission;
+use crate::trace::{BaseNote, Trace, TraceRow, cause, state_name};
 use controller_core::angle::wrap;
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{Mode, Outcome};
@@ -93,19 +93,14 @@ pub struct DriveMetrics {
 
 impl DriveMetrics {
     /// The figures of a trace; none if it has no rows.
-    pub fn of(mission: &Mission, trace: &DriveTrace) -> Option<Self> {
+    pub fn of(mission: &Mission, trace: &Trace) -> Option<Self> {
         let rows = &trace.rows;
         let last = rows.last()?;
-        let is_parked = |row: &&DriveRow| row.report.outcome == Outcome::Parked;
+        let is_parked = |row: &&TraceRow| row.report.outcome == Outcome::Parked;
         let parked = rows.iter().rev().take_while(is_parked).last();
-        let count = |limited: fn(&DriveRow) -> bool| rows.iter().filter(|r| limited(r)).count();
+        let count = |limited: fn(&TraceRow) -> bool| rows.iter().filter(|r| limited(r)).count();
         Some(Self {
-            outcome: match last.report.outcome {
-                Outcome::Parked => "parked",
-                Outcome::Stalled => "stalled",
-                Outcome::OutOfTolerance => "out-of-tolerance",
-                _ => "driving",
-            },
+            outcome: outcome_name(last.report.outcome),
             stopped: stopped(rows),
             parked_s: parked.map(|row| row.t),
             tracking: tracking(trace),
@@ -118,30 +113,30 @@ impl DriveMetrics {
                 jerk: count(|row| row.report.limited.jerk),
                 torque: count(|row| row.report.limited.torque),
             },
-            run: Metrics::of(&trace.common())?,
+            run: Metrics::of(trace)?,
         })
     }
 }
 
 /// The stop that a run ended with.
-fn stopped(rows: &[DriveRow]) -> Option<StopFigures> {
-    let stops = |row: &&DriveRow| row.base.as_ref().is_some_and(BaseNote::has_stopped);
+fn stopped(rows: &[TraceRow]) -> Option<StopFigures> {
+    let stops = |row: &&TraceRow| row.base.as_ref().is_some_and(BaseNote::has_stopped);
     let first = rows.iter().rev().take_while(stops).last()?;
     let base = rows.last()?.base?;
     Some(StopFigures {
         time_s: first.t,
-        state: note::state_name(base.state),
-        cause: note::cause(&base.cause),
+        state: state_name(base.state),
+        cause: cause(&base.cause),
     })
 }
 
-fn tracking(trace: &DriveTrace) -> Option<TrackingFigures> {
+fn tracking(trace: &Trace) -> Option<TrackingFigures> {
     let end = trace.hand_over.map_or(trace.rows.len(), |h| h.row);
     let rows = trace.rows.get(..end)?;
-    let parks = |row: &DriveRow| row.report.mode == Mode::Parking;
+    let parks = |row: &TraceRow| row.report.mode == Mode::Parking;
     let back = rows.iter().rposition(parks).map_or(0, |last| last + 1);
     let rows = rows.get(back..)?;
-    let distance = |row: &DriveRow| Libm::sqrt(row.error.x.powi(2) + row.error.y.powi(2));
+    let distance = |row: &TraceRow| Libm::sqrt(row.error.x.powi(2) + row.error.y.powi(2));
     let on_path = rows
         .iter()
         .position(|row| distance(row) < ON_PATH.0 && row.error.theta.abs() < ON_PATH.1)?;
@@ -165,7 +160,7 @@ fn tracking(trace: &DriveTrace) -> Option<TrackingFigures> {
     Some(figures)
 }
 
-fn sign_changes(rows: &[DriveRow]) -> usize {
+fn sign_changes(rows: &[TraceRow]) -> usize {
     let moments = rows.iter().map(|row| row.report.wrench.moment);
     let mut last = 0.0;
     let mut changes = 0;
@@ -176,15 +171,15 @@ fn sign_changes(rows: &[DriveRow]) -> usize {
     changes
 }
 
-fn limits(mission: &Mission, rows: &[DriveRow]) -> Vec<LimitUse> {
+fn limits(mission: &Mission, rows: &[TraceRow]) -> Vec<LimitUse> {
     let limits = &mission.base.limits;
-    let peak = |name, limit, signal: &dyn Fn(&DriveRow) -> f64| LimitUse {
+    let peak = |name, limit, signal: &dyn Fn(&TraceRow) -> f64| LimitUse {
         name,
         peak: rows.iter().map(|row| signal(row).abs()).fold(0.0, f64::max),
         limit,
     };
     // Speeding up or braking, by the sign of the command.
-    let along = |row: &DriveRow, up: bool| {
+    let along = |row: &TraceRow, up: bool| {
         let (speed, rate) = (row.report.command.linear, row.report.command_rate.linear);
         if (speed * rate >= 0.0) == up {
             rate

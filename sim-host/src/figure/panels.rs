@@ -15,11 +15,12 @@ use kuva::render::plots::Plot;
 /// (a): the plane, both axes to one scale.
 pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
     let rows = &main.trace.rows;
-    let tracked = main.trace.hand_over.map_or(rows.len(), |h| h.row);
+    let parking = main.trace.parking();
+    let tracked = parking.map_or(rows.len(), |h| h.row);
     let mut reference: Vec<_> = rows[..tracked].iter().map(reference_point).collect();
     let mut marks = vec![("start", MarkerShape::Circle, point(&rows[0]))];
-    if let Some(hand_over) = &main.trace.hand_over {
-        let pose = hand_over.virtual_target.pose();
+    if let Some(hand_over) = &parking {
+        let pose = hand_over.left.pose();
         reference.push((pose.x, pose.y));
         marks.push((
             "hand-over",

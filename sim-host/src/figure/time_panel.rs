@@ -93,7 +93,7 @@ impl TimePanel<'_> {
             legend = Corner::TOP_RIGHT;
             y.1 = Corner::room_above(y, entries, height);
         }
-        let hand_over = main.trace.hand_over;
+        let hand_over = main.trace.parking();
         Canvas {
             x,
             y,

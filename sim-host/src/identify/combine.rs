@@ -98,7 +98,7 @@ pub(super) fn combine(given: &Given, poses: Option<&Fit>, motion: Option<&Fit>) 
         }
     }
     // Directions that the data show better than the prior does.
-    let told = h
+    let determined = h
         .symmetric_eigenvalues()
         .iter()
         .filter(|v| **v > 10.0 / (WIDE * WIDE))
@@ -108,7 +108,7 @@ pub(super) fn combine(given: &Given, poses: Option<&Fit>, motion: Option<&Fit>) 
         x,
         covariance,
         misfit: part.norm_squared(),
-        freedom: rank.saturating_sub(told),
+        freedom: rank.saturating_sub(determined),
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Rate {
     pub truth: f64,
     /// Logs that gave a number.
     pub given: usize,
-    /// Of these, those whose interval held the true value.
+    /// Of these, those whose interval contains the true value.
     pub within: usize,
     /// Mean of half widths over the true value.
     pub half_width: f64,
@@ -43,7 +43,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Share of the numbers whose interval held the true value; 1 if there were none.
+    /// Share of the numbers whose interval contains the true value; 1 if there were none.
     pub fn share(&self) -> f64 {
         match self.given {
             0 => 1.0,
@@ -106,7 +106,7 @@ pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, Co
     Ok(rates.collect())
 }
 
-/// True values by name, of all that a log with duties, supply, currents, counts and poses can tell.
+/// True values by name, of all that a log with duties, supply, currents, counts and poses can determine.
 fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
     let (robot, motor) = (&base.robot, &hardware.motor);
     let wheels = &robot.wheels;

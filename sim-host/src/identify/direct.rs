@@ -17,7 +17,7 @@ pub(super) fn direct(
     let known = |q: Quantity, other: f64| given.known.get(q).unwrap_or(other);
     let good = |x: f64| if x.is_finite() && x > 0.0 { x } else { 1.0 };
     use Quantity as Q;
-    // Of the order of a small robot where nothing tells.
+    // Of the order of a small robot where nothing else is known.
     let radius = [(Q::RadiusRight, y[0]), (Q::RadiusLeft, y[1])]
         .map(|(q, fitted)| known(q, if poses { good(fitted) } else { 0.1 }));
     let track = known(Q::Track, if poses { good(1.0 / y[2]) } else { 0.4 });

@@ -158,7 +158,7 @@ pub(super) struct Drivetrain {
     pub(super) drain: f64,
 }
 
-/// What a log tells of them.
+/// What a log shows of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     value: [f64; COUNT],
@@ -213,7 +213,7 @@ impl Found {
         (0..2).any(|i| self.value[i] + SAMPLED_S + 3.0 * self.deviation[i] < 0.0)
     }
 
-    /// Whether voltages sag within their rows, and not by chance. How, only duties and the supply tell.
+    /// Whether voltages sag within their rows, and not by chance. How, only duties and the supply show.
     pub(super) fn sags(&self, log: &Log) -> Option<&'static str> {
         let sags = self.value[6].abs() > 3.0 * self.deviation[6];
         (log.supply.is_none() && sags && !self.early()).then_some(

@@ -30,7 +30,7 @@ struct Motion<'a> {
     before: Before,
 }
 
-/// Fits E, D, s and, with currents, alpha and beta of the right, then of the left motor; beside them
+/// Fits E, D, s and, with currents, alpha and beta of the right, then of the left motor; with them
 /// lags, losses and dead bands, which the fit that is given back allows for.
 pub(super) fn dynamics(
     log: &Log,

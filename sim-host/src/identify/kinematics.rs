@@ -52,7 +52,7 @@ pub(super) fn kinematics(log: &Log, latency_s: f64) -> Option<Fit> {
     let count: usize = model.windows.iter().map(Vec::len).sum();
     let time: f64 = model.windows.iter().map(|w| model.duration(w)).sum();
     let lags = (CORRELATED_S * count as f64 / time).ceil() as usize;
-    // Equal weights of 1 m and 1 rad only until the residuals tell.
+    // Equal weights of 1 m and 1 rad only until the residuals are known.
     let scale = start.map(f64::abs);
     fit(&model, start, &scale, vec![1.0e-2, 1.0e-2], lags, ROUNDS)
 }

@@ -1,15 +1,15 @@
 //! Identification of a robot from a log: lengths, inertia, friction and motor constants, each with
-//! its 95 % interval, or the reason why this log cannot tell it.
+//! its 95 % interval, or the reason why this log does not determine it.
 //!
 //! | step | module |
 //! | --- | --- |
 //! | read the log | [`log`] |
 //! | radii and track from poses: dead reckoning with free start poses | `kinematics` |
 //! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `motor`, `start`, `dynamics` |
-//! | lags, gear losses and dead bands, fitted beside the rest; the battery behind the supply | `drivetrain`, `source` |
-//! | both are least squares; residuals that are correlated tell less | `fit`, `correlation` |
+//! | lags, gear losses and dead bands, fitted with the rest; the battery behind the supply | `drivetrain`, `source` |
+//! | both are least squares; correlated residuals count as fewer rows | `fit`, `correlation` |
 //! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
-//! | what cannot be told, and what would tell it | [`structure`], `verdict`, `products` |
+//! | what cannot be determined, and what would determine it | [`structure`], `verdict`, `products` |
 //! | table, file | [`report`], [`profile`] |
 //! | logs of a base as its file has it, and how often intervals hold there | [`record`], [`coverage`] |
 //!
@@ -118,7 +118,7 @@ impl Entry {
     }
 }
 
-/// What a log tells.
+/// What a log determines.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Identified {
     /// Every quantity that the commands have a part for.
@@ -192,7 +192,7 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
             }
         }
     }
-    // Of voltages that are not those that acted, motion tells nothing.
+    // Of voltages that are not those that acted, motion determines nothing.
     let spoilt = train.as_ref().and_then(|train| train.sags(log));
     let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {

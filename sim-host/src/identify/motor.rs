@@ -1,4 +1,4 @@
-//! What a motor's current tells, in the fitted numbers.
+//! What a motor's current determines, in the fitted numbers.
 
 use super::log::Drive;
 use super::quantity::{Known, Quantity};

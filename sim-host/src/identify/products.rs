@@ -8,7 +8,7 @@ use nalgebra::DVector;
 
 type Powers = &'static [(Quantity, f64)];
 
-/// Products of powers that wheels and commands can tell without lengths or motor constants.
+/// Products of powers that wheels and commands determine without lengths or motor constants.
 const PRODUCTS: [(&str, &str, &str, Powers); 6] = {
     use Quantity as Q;
     [

@@ -19,7 +19,7 @@ pub const SUPPLY_NOISE: f64 = 0.001;
 /// Integration step \[us\]. The plant's own of 250 us delays torques by some 0.02 ms, of which such a log shows a part.
 const SUBSTEP_US: u32 = 50;
 /// Share of the base's wheel torque that its ramps ask for. The rest is for friction and gear losses, and a drive that
-/// comes near to the driver's current limit tells less than one that does not.
+/// comes near to the driver's current limit shows less than one that does not.
 const RAMP_SHARE: f64 = 0.5;
 
 /// Records `duty_of(row, t)` for `duration_s` as a driver would: what it measures, at ticks of `period_us`.

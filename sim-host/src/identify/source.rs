@@ -47,9 +47,9 @@ const SOFT_OHM: f64 = 0.3;
 /// fit takes into account.
 ///
 /// Voltages without a supply are those at the end of their rows. With them as shares of 1 V all is the same, and R_b is
-/// per square of the supply, of which the motion tells what it can.
+/// per square of the supply, which the motion shows in part.
 ///
-/// Rows that are `limited` tell nothing, for a driver that holds a current draws another duty than it is asked for.
+/// Rows that are `limited` are left out, for a driver that holds a current draws another duty than it is asked for.
 /// `noise` is the standard deviation of the currents, which would make R_b too small by its share of their variance.
 pub(super) fn source(log: &Log, limited: &[bool], band: [f64; 2], noise: f64) -> Source {
     let Some(supply) = &log.supply else {
@@ -68,10 +68,11 @@ pub(super) fn source(log: &Log, limited: &[bool], band: [f64; 2], noise: f64) ->
             value: 0.0,
             deviation: SOFT_OHM / largest.powi(2),
         };
-        let told = log.drive == Drive::Voltage && log.current.is_some() && largest > 0.0;
+        let currents_of_voltages =
+            log.drive == Drive::Voltage && log.current.is_some() && largest > 0.0;
         return Source {
             feeds: log.command.iter().zip(ends).map(plain).collect(),
-            ohm: if told { soft } else { STIFF },
+            ohm: if currents_of_voltages { soft } else { STIFF },
             drain: STIFF,
         };
     };

@@ -101,11 +101,11 @@ fn side(
     let columns = if lossy { 5 } else { 4 };
     let mut a = DMatrix::zeros(rows.len() + 1, columns);
     let mut b = DVector::zeros(rows.len() + 1);
-    for (n, (row, held)) in rows.iter().enumerate() {
+    for (n, (row, acting)) in rows.iter().enumerate() {
         for column in 0..columns {
             a[(n, column)] = row[column];
         }
-        b[n] = *held;
+        b[n] = *acting;
     }
     a[(rows.len(), 1)] = ALONE * a.column(0).norm();
     solve(a, &b)

@@ -59,8 +59,8 @@ pub(super) fn stretches(
     let direction = |row: usize| {
         // Nor just after such rows: what a driver does while its limit lets go is its own.
         let just = |other: &usize| log.t[row] - log.t[*other] <= HALF_S;
-        let held = |other: usize| limited.get(other) == Some(&true);
-        if (0..=row).rev().take_while(just).any(held) {
+        let at_limit = |other: usize| limited.get(other) == Some(&true);
+        if (0..=row).rev().take_while(just).any(at_limit) {
             return None;
         }
         let near = |other: &usize| (log.t[*other] - log.t[row]).abs() <= HALF_S;

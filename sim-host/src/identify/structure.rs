@@ -1,4 +1,4 @@
-//! What a log can tell at all, whatever was driven: the rank of the model.
+//! What a log can determine at all, whatever was driven: the rank of the model.
 
 use super::log::Drive;
 use super::physics::{CURRENTS, Chart, MEASURED, MOTION, POSES};

@@ -28,7 +28,7 @@ pub(super) struct Driven {
     slow_rad_s: f64,
     stretches: usize,
     step_rad: Option<f64>,
-    /// Why the motion tells nothing.
+    /// Why the motion determines nothing.
     spoilt: Option<&'static str>,
 }
 

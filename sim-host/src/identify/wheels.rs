@@ -83,12 +83,12 @@ pub(super) struct Carried {
     pub(super) torque: Matrix2<f64>,
 }
 
-/// Both motors under a feed: v settles at `fed` - `held` w, with the lag matrix `late`.
+/// Both motors under a feed: v settles at `feed` - `feedback` w, with the lag matrix `lag`.
 #[derive(Clone, Copy, Debug)]
 struct Motors {
-    fed: Vector2<f64>,
-    held: Matrix2<f64>,
-    late: Matrix2<f64>,
+    feed: Vector2<f64>,
+    feedback: Matrix2<f64>,
+    lag: Matrix2<f64>,
 }
 
 /// The linear system while each motor drives or brakes, apart in what is slow and what is fast.
@@ -97,7 +97,7 @@ struct Mode {
     /// P, E^-1 gain.
     pull: Matrix2<f64>,
     /// M, N, A, F.
-    held: Matrix2<f64>,
+    feedback: Matrix2<f64>,
     late: Matrix2<f64>,
     rate: Matrix2<f64>,
     ahead: Matrix2<f64>,
@@ -153,9 +153,10 @@ impl Wheels {
         let emf = Matrix2::from_diagonal(&self.emf);
         Motors {
             // q = 1 - R_b q sum a^2 alpha.
-            fed: share * (feed.open(self.source_ohm, self.drain) * (1.0 - sag * share.dot(&drawn))),
-            held: emf - less * emf,
-            late: (Matrix2::identity() - less) * Matrix2::from_diagonal(&self.lag),
+            feed: share
+                * (feed.open(self.source_ohm, self.drain) * (1.0 - sag * share.dot(&drawn))),
+            feedback: emf - less * emf,
+            lag: (Matrix2::identity() - less) * Matrix2::from_diagonal(&self.lag),
         }
     }
 
@@ -170,19 +171,19 @@ impl Wheels {
         });
         let pull = self.per_inertia * Matrix2::from_diagonal(&gain);
         let drag = self.per_inertia * Matrix2::from_diagonal(&self.bearing);
-        let mut held = -motors.held;
+        let mut feedback = -motors.feedback;
         for _ in 0..TURNS {
-            held = -motors.held - motors.late * held * (pull * held - drag);
+            feedback = -motors.feedback - motors.lag * feedback * (pull * feedback - drag);
         }
-        let rate = pull * held - drag;
-        let ahead = (Matrix2::identity() + motors.late * held * pull).try_inverse()?;
+        let rate = pull * feedback - drag;
+        let ahead = (Matrix2::identity() + motors.lag * feedback * pull).try_inverse()?;
         let mut late = Matrix2::zeros();
         for _ in 0..TURNS {
-            late = (pull - rate * late) * ahead * motors.late;
+            late = (pull - rate * late) * ahead * motors.lag;
         }
         Some(Mode {
             pull,
-            held,
+            feedback,
             late,
             rate,
             ahead,
@@ -193,14 +194,14 @@ impl Wheels {
 impl Motors {
     /// v once it follows w.
     fn settled(&self, speed: &Vector2<f64>) -> Vector2<f64> {
-        self.fed - self.held * speed
+        self.feed - self.feedback * speed
     }
 }
 
 impl Mode {
     /// c: what v follows at a speed of 0.
     fn offset(&self, motors: &Motors, slowed: &Vector2<f64>) -> Vector2<f64> {
-        self.ahead * (motors.fed + motors.late * self.held * slowed)
+        self.ahead * (motors.feed + motors.lag * self.feedback * slowed)
     }
 
     /// The solution over `h` \[s\] by Taylor's series; 0 < h |A| < 3 is taken to rounding.
@@ -308,7 +309,7 @@ impl<'a> Ride<'a> {
         let drives = self.drives(&motors.settled(speed));
         let mode = self.mode(feed, &motors, drives)?;
         // Not as if tau were 0, for v that is near to it.
-        let drives = self.drives(&(mode.held * speed + mode.offset(&motors, &self.slowed)));
+        let drives = self.drives(&(mode.feedback * speed + mode.offset(&motors, &self.slowed)));
         let course = Course {
             drives,
             turns: [None; 2],
@@ -325,7 +326,7 @@ impl<'a> Ride<'a> {
         feed: &Feed,
     ) -> Option<(State, Carried)> {
         let (motors, _, mode) = self.follows(feed, &speed)?;
-        let torque = mode.held * speed + mode.offset(&motors, &self.slowed);
+        let torque = mode.feedback * speed + mode.offset(&motors, &self.slowed);
         let state = State {
             angle,
             speed,
@@ -334,7 +335,7 @@ impl<'a> Ride<'a> {
         let carried = Carried {
             angle: Matrix2::zeros(),
             speed: Matrix2::identity(),
-            torque: mode.held,
+            torque: mode.feedback,
         };
         Some((state, carried))
     }
@@ -351,10 +352,10 @@ impl<'a> Ride<'a> {
         let (motors, mut course, mut mode) = self.follows(feed, &state.speed)?;
         let mut drives = course.drives;
         let mut offset = mode.offset(&motors, &self.slowed);
-        let new = mode.held * state.speed + offset;
+        let new = mode.feedback * state.speed + offset;
         let fast = state.torque - new;
         let left = fast.component_mul(&wheels.lag.map(|lag| left(lag, h)));
-        state.angle -= mode.late * (mode.ahead * (motors.late * (fast - left)));
+        state.angle -= mode.late * (mode.ahead * (motors.lag * (fast - left)));
         let extra = Vector2::from_fn(|i, _| {
             let ahead = if drives[i] {
                 self.sign[i]
@@ -381,7 +382,10 @@ impl<'a> Ride<'a> {
             };
             if let (false, Some(turn)) = (decided, course.turns.get_mut(piece)) {
                 let end = whole.speed * state.speed + whole.once * push;
-                let (from, to) = (mode.held * state.speed + offset, mode.held * end + offset);
+                let (from, to) = (
+                    mode.feedback * state.speed + offset,
+                    mode.feedback * end + offset,
+                );
                 // Where v is 0, as if it fell evenly: it is small all about there.
                 *turn = (0..2)
                     .filter(|&i| self.drives(&to)[i] != drives[i])
@@ -402,8 +406,8 @@ impl<'a> Ride<'a> {
         }
         self.course[self.at - 1] = course;
         state.speed -= mode.late * left;
-        state.torque = mode.held * state.speed + offset + left;
-        carried.torque = mode.held * carried.speed;
+        state.torque = mode.feedback * state.speed + offset + left;
+        carried.torque = mode.feedback * carried.speed;
         Some((state, carried))
     }
 }

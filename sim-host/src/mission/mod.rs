@@ -1,6 +1,6 @@
 //! What a robot is to do: on which base, along which route, in which world.
 //!
-//! A [`Mission`] is what a scenario file or a trajectory file becomes; [`crate::drive`] runs it.
+//! A [`Mission`] is what a scenario file or a trajectory file becomes; [`crate::run`] runs it.
 
 mod base;
 mod hardware;
@@ -9,6 +9,7 @@ mod sequencer;
 
 pub use base::BaseSpec;
 pub use hardware::Hardware;
+pub(crate) use reference_sampler::AccelerationAt;
 pub(crate) use sequencer::{Orders, Sequencer};
 
 use crate::import::Trajectory;

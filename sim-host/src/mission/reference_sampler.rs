@@ -5,9 +5,18 @@ use controller_core::maths::Libm;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
 
+/// When, between a tick and the next, a law takes the acceleration of its reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AccelerationAt {
+    /// At the tick, as the paper's laws do.
+    Tick,
+    /// In the middle of the time for which the torque is held.
+    MiddleOfHold,
+}
+
 /// The reference at each tick, and the way that it goes.
 pub(super) struct ReferenceSampler {
-    /// Pose and twist of the tick, acceleration of the middle of its hold.
+    /// Pose and twist of the tick, acceleration as the law takes it.
     references: Vec<Reference<f64>>,
     /// Metres and radians that the reference has moved since the start.
     travelled: Vec<(f64, f64)>,
@@ -15,7 +24,7 @@ pub(super) struct ReferenceSampler {
 
 impl ReferenceSampler {
     /// Of a mission's route; empty without one.
-    pub(super) fn of(mission: &Mission) -> Self {
+    pub(super) fn of(mission: &Mission, acceleration: AccelerationAt) -> Self {
         let Course::Follow { route, hand_over } = &mission.course else {
             return Self {
                 references: Vec::new(),
@@ -23,13 +32,17 @@ impl ReferenceSampler {
             };
         };
         let dt = mission.period_s;
+        let lead_s = match acceleration {
+            AccelerationAt::Tick => 0.0,
+            AccelerationAt::MiddleOfHold => 0.5 * dt,
+        };
         let end = hand_over.map_or(f64::INFINITY, |rule| rule.end_s);
         let ticks = (end.min(mission.longest_s()) / dt).ceil() as usize;
         let times = (0..=ticks).map(|tick| tick as f64 * dt);
         let references: Vec<_> = match route {
             Route::File(file) => times
                 .map(|t| {
-                    let (now, ahead) = (file.at(t), file.at(t + 0.5 * dt));
+                    let (now, ahead) = (file.at(t), file.at(t + lead_s));
                     Reference::new_with::<Libm>(
                         Pose::new(now.x, now.y, now.theta),
                         Twist::new(now.v, now.w),
@@ -42,7 +55,7 @@ impl ReferenceSampler {
                 times
                     .map(|t| {
                         let here = now.advance_to(t);
-                        let accel = *ahead.advance_to(t + 0.5 * dt).accel();
+                        let accel = *ahead.advance_to(t + lead_s).accel();
                         Reference::new_with::<Libm>(*here.pose(), *here.twist(), accel)
                     })
                     .collect()

@@ -1,6 +1,6 @@
 //! The task of each tick: from route, events and hand-over rule.
 
-use super::reference_sampler::ReferenceSampler;
+use super::reference_sampler::{AccelerationAt, ReferenceSampler};
 use super::{Change, Course, Event, HandOverRule, Mission, When};
 use controller_core::maths::Libm;
 use controller_core::motion::{Remaining, Task};
@@ -35,7 +35,7 @@ pub(crate) struct Orders {
 }
 
 impl<'a> Sequencer<'a> {
-    pub(crate) fn new(mission: &'a Mission) -> Self {
+    pub(crate) fn new(mission: &'a Mission, acceleration: AccelerationAt) -> Self {
         let (rule, goal) = match &mission.course {
             Course::Park(goal) => (None, Some(*goal)),
             Course::Follow { hand_over, .. } => (*hand_over, None),
@@ -49,7 +49,7 @@ impl<'a> Sequencer<'a> {
             }
         }
         Self {
-            sampler: ReferenceSampler::of(mission),
+            sampler: ReferenceSampler::of(mission, acceleration),
             rule,
             events: &mission.events,
             lever: 0.5 * mission.base.robot.wheels.track_m,

@@ -6,7 +6,7 @@ use protocol::{BaseTick, tick_flags};
 use std::io::Write;
 
 /// The columns, in order; names as in the files of `run` where the quantity is the same. `time_s` is the host's, since the start;
-/// `findings` are the faults of the tick, joined by `+`.
+/// `active_faults` are the faults of the tick, joined by `+`; `ignored_faults` is how many were ignored since power-on.
 pub const COLUMNS: [&str; 36] = [
     "time_s",
     "tick",
@@ -15,8 +15,8 @@ pub const COLUMNS: [&str; 36] = [
     "law",
     "action",
     "outcome",
-    "findings",
-    "ridden_out",
+    "active_faults",
+    "ignored_faults",
     "retries",
     "speed_limited",
     "accel_limited",

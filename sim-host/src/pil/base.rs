@@ -4,8 +4,9 @@ use super::bench::ChipBench;
 use super::cost::Spread;
 use super::{Parity, PilError};
 use crate::closed_loop::{Mirror, MirrorError};
-use crate::drive::{DriveTrace, fly};
 use crate::mission::Mission;
+use crate::run::fly;
+use crate::trace::Trace;
 use crate::world::{WorldKeys, WorldSetup};
 use controller_core::base::BaseParams;
 use controller_core::safety::supervisor::State;
@@ -20,7 +21,7 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug)]
 pub struct BaseFlight {
     /// As of any other run; the motors were the chip's.
-    pub trace: DriveTrace,
+    pub trace: Trace,
     /// Chip against host.
     pub parity: Parity,
     /// Instructions on the chip.

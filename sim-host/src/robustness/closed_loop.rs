@@ -2,13 +2,15 @@
 
 use super::body::Body;
 use super::condition::Disturbance;
-use super::default_law;
-use super::law::{self, ComparedLaw, LawUnderTest, PaperLaw};
-use super::sensor::Sensor;
+use super::law::{self, ComparedLaw};
 use super::{Case, StudyError};
+use crate::controller_port;
 use crate::metrics::{PARKED, SETTLED};
-use crate::scenario;
+use crate::mission::{AccelerationAt, Mission, Sequencer};
+use crate::run::{Law, PaperLaw};
+use crate::scenario::ControlLaw;
 use controller_core::maths::{Libm, Maths};
+use controller_core::motion::Task;
 use controller_core::pose_error::pose_error;
 use controller_core::types::Wrench;
 
@@ -78,44 +80,52 @@ pub fn run(
     seed: u64,
 ) -> Result<Run, StudyError> {
     let scenario = law::scenario(case, disturbance)?;
-    let mission = law::mission(&scenario, disturbance);
-    let brain: Box<dyn LawUnderTest> = match law {
-        ComparedLaw::Neural => Box::new(PaperLaw::new(&scenario, scenario::ControlLaw::Neural)?),
-        ComparedLaw::Plain => Box::new(PaperLaw::new(&scenario, scenario::ControlLaw::Plain)?),
-        ComparedLaw::Default => default_law::default_law(&mission, disturbance)?,
+    let mut mission = scenario.mission(law::base_with_limits(disturbance));
+    let kind = match law {
+        ComparedLaw::Neural => ControlLaw::Neural,
+        ComparedLaw::Plain => ControlLaw::Plain,
+        ComparedLaw::Default => {
+            law::hand_over_by_distance(&mut mission);
+            let mut law = law::default_law(&mission, disturbance)?;
+            let sequencer = Sequencer::new(&mission, AccelerationAt::MiddleOfHold);
+            return close(&mission, sequencer, law.as_mut(), disturbance, seed);
+        }
     };
-    let body = Body::new(&mission.base.robot, &scenario.start, disturbance)?;
-    let sensor = Sensor::new(disturbance, seed);
-    Ok(close(brain, body, sensor, disturbance))
+    let mut controller = controller_port::for_scenario(&scenario.with_law(kind))?;
+    let sequencer = Sequencer::new(&mission, AccelerationAt::Tick);
+    let mut law = PaperLaw::new(controller.as_mut());
+    close(&mission, sequencer, &mut law, disturbance, seed)
 }
 
 fn close(
-    mut brain: Box<dyn LawUnderTest + '_>,
-    mut body: Body,
-    mut sensor: Sensor,
+    mission: &Mission,
+    mut sequencer: Sequencer<'_>,
+    law: &mut dyn Law,
     disturbance: &Disturbance,
-) -> Run {
+    seed: u64,
+) -> Result<Run, StudyError> {
+    let mut body = Body::new(&mission.base.robot, &mission.start, disturbance, seed)?;
     let dt = disturbance.period_s;
     let ticks = (disturbance.duration_s / dt).round() as usize;
     let mut observer = RunObserver::new(disturbance);
     for tick in 0..=ticks {
+        let t = tick as f64 * dt;
         let truth = body.truth();
-        let Some(step) = brain.tick(tick, &sensor.measure(&truth)) else {
+        let command = law.command();
+        let distance = |speed| law.hand_over_distance(speed);
+        let orders = sequencer.at(tick, t, &body.measure(), &command, distance);
+        let Ok(computed) = law.tick(dt, &orders) else {
             observer.run.verdict = RunVerdict::Refused;
             break;
         };
-        let error = pose_error::<f64, Libm>(step.target.pose(), &truth.pose);
-        let exerted = body.advance(&step.torques, dt);
+        let error = pose_error::<f64, Libm>(orders.target.pose(), &truth.pose);
+        let exerted = body.advance(&computed.report.torques)?;
         observer.position_m = Libm::sqrt(error.x * error.x + error.y * error.y);
         observer.heading_rad = error.theta.abs();
-        observer.see(
-            tick as f64 * dt,
-            error.norm::<Libm>(),
-            step.parking,
-            &exerted,
-        );
+        let parking = matches!(orders.task, Task::Park(_));
+        observer.see(t, error.norm::<Libm>(), parking, &exerted);
     }
-    observer.finish()
+    Ok(observer.finish())
 }
 
 /// Collects the figures of a run tick by tick.

@@ -1,15 +1,14 @@
-//! The laws that are compared, behind one call per tick.
+//! The laws that are compared, and their course.
 
 use super::condition::Disturbance;
 use super::{Case, StudyError};
-use crate::controller_port::{self, ControllerPort};
 use crate::mission::{BaseSpec, Course, Mission, When};
 use crate::precision::Precision;
-use crate::run::Sequencer;
-use crate::scenario::{self, BuiltIn, MathsBackEnd, PAPER, Scenario};
-use controller_core::paper::demand::Demand;
-use controller_core::reference::Reference;
-use controller_core::types::{Measured, WheelTorques};
+use crate::run::{Law, MotionLaw};
+use crate::scenario::{BuiltIn, MathsBackEnd, PAPER, Scenario};
+use controller_core::maths::{Libm, Maths, Single};
+use controller_core::motion::MotionParams;
+use controller_core::scalar::Scalar;
 
 /// Who drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,20 +35,6 @@ impl ComparedLaw {
     }
 }
 
-/// What a law makes of a tick.
-pub(super) struct LawOutput {
-    pub(super) torques: WheelTorques<f64>,
-    /// Where the robot is to be: the moving reference, then the goal.
-    pub(super) target: Reference<f64>,
-    /// The goal is the target.
-    pub(super) parking: bool,
-}
-
-/// A law at work, once a tick, beginning at tick 0. `None`: the controller refuses to go on.
-pub(super) trait LawUnderTest {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput>;
-}
-
 /// A case as a scenario for the paper's laws.
 pub(super) fn scenario(case: Case, disturbance: &Disturbance) -> Result<Scenario, StudyError> {
     let missing = || StudyError::Missing(case.name());
@@ -68,9 +53,8 @@ pub(super) fn scenario(case: Case, disturbance: &Disturbance) -> Result<Scenario
     Ok(scenario)
 }
 
-/// The same case for the default law, which hands over by its own rule.
-pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission {
-    let mut mission = scenario.mission(base_with_limits(disturbance));
+/// The default law hands over by its own rule.
+pub(super) fn hand_over_by_distance(mission: &mut Mission) {
     if let Course::Follow {
         hand_over: Some(rule),
         ..
@@ -79,7 +63,6 @@ pub(super) fn mission(scenario: &Scenario, disturbance: &Disturbance) -> Mission
         rule.end_s = TARGET_AT_S;
         rule.when = When::Distance;
     }
-    mission
 }
 
 /// N of both cases \[s\].
@@ -113,38 +96,25 @@ pub fn base_with_limits(disturbance: &Disturbance) -> BaseSpec {
 /// The share of force and moment that commands may ask for.
 const COMMANDED: f64 = 0.85;
 
-/// A law of the paper.
-pub(super) struct PaperLaw {
-    period_s: f64,
-    sequencer: Sequencer,
-    controller: Box<dyn ControllerPort>,
-    parking: bool,
-}
-
-impl PaperLaw {
-    pub(super) fn new(scenario: &Scenario, law: scenario::ControlLaw) -> Result<Self, StudyError> {
-        Ok(Self {
-            period_s: scenario.period_s,
-            sequencer: Sequencer::new(scenario),
-            controller: controller_port::for_scenario(&scenario.with_law(law))?,
-            parking: false,
-        })
+/// The default law, in the precision asked for.
+pub(super) fn default_law(
+    mission: &Mission,
+    disturbance: &Disturbance,
+) -> Result<Box<dyn Law>, StudyError> {
+    match disturbance.precision {
+        Precision::F64 => with_pose_noise::<f64, Libm>(mission, disturbance),
+        Precision::F32 => with_pose_noise::<f32, Single>(mission, disturbance),
     }
 }
 
-impl LawUnderTest for PaperLaw {
-    fn tick(&mut self, tick: usize, measured: &Measured<f64>) -> Option<LawOutput> {
-        let dt = self.period_s;
-        let (demand, target) = self.sequencer.at(tick, tick as f64 * dt);
-        let answer = match (tick, &demand) {
-            (0, Demand::Track(reference)) => self.controller.start(reference, measured),
-            _ => self.controller.step(dt, &demand, measured),
-        };
-        self.parking |= matches!(demand, Demand::HandOver { .. });
-        Some(LawOutput {
-            torques: answer.ok()?.report.torques,
-            target,
-            parking: self.parking,
-        })
-    }
+/// It knows what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
+fn with_pose_noise<T: Scalar, M: Maths<T> + 'static>(
+    mission: &Mission,
+    disturbance: &Disturbance,
+) -> Result<Box<dyn Law>, StudyError> {
+    let robot = mission.base.robot.cast();
+    let limits = mission.base.limits.cast();
+    let sigma = T::from_f64(disturbance.position_noise_m);
+    let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
+    Ok(Box::new(MotionLaw::<T, M>::new(params.validate()?)))
 }

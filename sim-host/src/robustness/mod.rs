@@ -1,5 +1,6 @@
 //! How much the laws stand: the paper's two cases under everything that is wrong with a real robot.
 //!
+//! The plant is the realistic one, [`crate::world`], perfect but for the disturbance: ideal torques, a pose with each tick.
 //! A [`Condition`] changes one thing (control period, mass, saturation, noise, latency, friction,
 //! precision) or several; [`study`] runs it with both cases and all laws, those with noise many
 //! times. Beside the figures of the paper's law stand those of an independent double-precision
@@ -19,10 +20,7 @@ mod catalogue;
 mod closed_loop;
 mod condition;
 mod csv;
-mod default_law;
-mod friction;
 mod law;
-mod sensor;
 mod study;
 mod table;
 
@@ -35,6 +33,7 @@ pub use study::{Spread, StudyOutcome, StudyRow, runs, study};
 pub use table::{tables, three_digits};
 
 use crate::scenario::ScenarioError;
+use crate::world::{ActuationError, WorldError};
 use controller_core::error::ParamError;
 
 /// A case of the paper: from rest 1 m beside the reference to 4 m along it.
@@ -81,6 +80,12 @@ pub enum StudyError {
     /// Parameters that the core refuses.
     #[error("{0}")]
     Params(ParamError),
+    /// A plant that cannot be.
+    #[error("world.{0}")]
+    World(#[from] WorldError),
+    /// Torques that are no numbers.
+    #[error(transparent)]
+    Actuation(#[from] ActuationError),
 }
 
 impl From<ParamError> for StudyError {

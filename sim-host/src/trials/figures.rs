@@ -1,7 +1,8 @@
 //! What came of a trial. True errors, SI units.
 
-use crate::drive::{DriveMetrics, DriveRow, DriveTrace, StopFigures};
+use crate::drive::{DriveMetrics, StopFigures};
 use crate::mission::Mission;
+use crate::trace::{Trace, TraceRow};
 use controller_core::maths::{Libm, Maths};
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::State;
@@ -48,12 +49,12 @@ pub struct Figures {
 
 impl Figures {
     /// The figures of a trace.
-    pub fn of(mission: &Mission, trace: &DriveTrace) -> Self {
+    pub fn of(mission: &Mission, trace: &Trace) -> Self {
         let rows = &trace.rows;
         let limit = mission.base.limits.wheel_torque_nm;
         let metrics = DriveMetrics::of(mission, trace);
         let end_s = rows.last().map_or(0.0, |row| row.t);
-        let rests = |row: &&DriveRow| row.base.is_some_and(|b| b.state == State::Parked);
+        let rests = |row: &&TraceRow| row.base.is_some_and(|b| b.state == State::Parked);
         let resting = rows.iter().rev().take_while(rests).count();
         let rest = rows.get(rows.len() - resting..).unwrap_or_default();
         let since_s = rest.first().map_or(end_s, |row| row.t);
@@ -86,7 +87,7 @@ impl Figures {
 }
 
 /// A figure of the torques asked of each wheel: the larger one.
-fn worse<'a>(rows: impl Iterator<Item = &'a DriveRow>, figure: fn(&[f64]) -> f64) -> f64 {
+fn worse<'a>(rows: impl Iterator<Item = &'a TraceRow>, figure: fn(&[f64]) -> f64) -> f64 {
     let asked = rows.filter_map(|row| row.base).map(|base| base.asked);
     let (right, left): (Vec<f64>, Vec<f64>) = asked.map(|t| (t.right, t.left)).unzip();
     figure(&right).max(figure(&left))

@@ -12,19 +12,16 @@ pub use figures::{Figures, Peak, REST_S};
 pub use floor::{Condition, setup};
 
 use crate::closed_loop::ClosedLoopError;
-use crate::drive::DriveTrace;
-use crate::drive::drive_and_observe;
 use crate::mission::Mission;
+use crate::run::drive_and_observe;
+use crate::trace::Trace;
 use crate::world::WorldSetup;
 
 /// Runs a mission in a world and observes the base at rest for [`REST_S`].
 ///
 /// # Errors
 /// Parameters out of their range.
-pub fn run(
-    mission: &Mission,
-    setup: &WorldSetup,
-) -> Result<(DriveTrace, Figures), ClosedLoopError> {
+pub fn run(mission: &Mission, setup: &WorldSetup) -> Result<(Trace, Figures), ClosedLoopError> {
     let trace = drive_and_observe(mission, setup, REST_S)?;
     let figures = Figures::of(mission, &trace);
     Ok((trace, figures))

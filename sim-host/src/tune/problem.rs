@@ -2,9 +2,10 @@
 
 use super::score::{Score, health};
 use crate::closed_loop::ClosedLoopError;
-use crate::drive::{DriveTrace, FileError, FileRun};
+use crate::drive::{FileError, FileRun};
 use crate::import::TimeScaling;
 use crate::mission::{BaseSpec, Course as Way, Mission};
+use crate::trace::Trace;
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::motion::MotionGains;
 use rayon::prelude::*;
@@ -111,7 +112,7 @@ impl TuningProblem {
         mission: usize,
         gains: &MotionGains<f64>,
         seed: u64,
-    ) -> Result<(DriveTrace, Figures), TuneError> {
+    ) -> Result<(Trace, Figures), TuneError> {
         let number = if mission < self.missions.len() {
             mission
         } else {

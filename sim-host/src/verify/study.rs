@@ -2,9 +2,9 @@
 
 use super::{badness, grid, shortcoming};
 use crate::closed_loop::ClosedLoopError;
-use crate::drive::DriveTrace;
 use crate::mission::{BaseSpec, Mission};
 use crate::rate::Rate;
+use crate::trace::Trace;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -118,7 +118,7 @@ fn run(
     course: Course,
     condition: Condition,
     seed: u64,
-) -> Result<(DriveTrace, Figures), VerifyError> {
+) -> Result<(Trace, Figures), VerifyError> {
     let setup = trials::setup(&mission.base, condition, seed);
     trials::run(mission, &setup).map_err(|cause| VerifyError {
         course: course.name(),
@@ -170,7 +170,7 @@ impl Run {
     ///
     /// # Errors
     /// None that the run itself did not have.
-    pub fn again(&self, base: &BaseSpec) -> Result<DriveTrace, VerifyError> {
+    pub fn again(&self, base: &BaseSpec) -> Result<Trace, VerifyError> {
         let mission = self.course.mission(base);
         run(&mission, self.course, self.condition, self.seed).map(|(trace, _)| trace)
     }

@@ -128,7 +128,11 @@ pub(super) fn fly(bench: &mut Bench, scenarios: &[Scenario]) -> Compared {
         let rate = flight.parity.ticks as f64 / flight.elapsed.as_secs_f64();
         println!("{:?} {name}: {rate:.0} ticks/s", bench.machine());
         assert!(flight.parity.is_exact(), "{name}: {:?}", flight.parity);
-        let saturated = flight.trace.rows.iter().filter(|row| row.report.saturated);
+        let saturated = flight
+            .trace
+            .rows
+            .iter()
+            .filter(|row| row.report.limited.torque);
         flown.saturated += saturated.count();
         flown.parity.merge(&flight.parity);
         flown.cost.merge(&flight.cost);

@@ -1,8 +1,94 @@
-//! What the host does: commands, trajectories, goals.
+//! What the host of a run does: commands, trajectories, goals.
 
-use super::*;
+use super::Checked;
+use super::mutation::Mutation;
+use crate::campaign::expected::no_number;
+use crate::campaign::fault_injection::{FaultInjection, What};
+use crate::campaign::host::{Answered, Host, Manner, park, stops};
+use crate::campaign::plan::Plan;
+use crate::closed_loop::Board;
+use controller_core::safety::supervisor::State;
+use controller_core::types::Pose;
+use protocol::{Command, Decoder, MAX_CONTENT, RejectReason};
 
-impl Runner<'_, '_> {
+/// The button.
+pub(super) const BUTTON: Command = Command::EmergencyStop { brake: true };
+
+/// What the host wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Intent {
+    Quiet,
+    Follow,
+    Park(Pose<f64>),
+}
+
+/// Frames that reached the base between two ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Received {
+    /// Any, with every byte as it was sent.
+    pub(super) any: bool,
+    /// Any that the protocol reads.
+    pub(super) read: bool,
+    /// One that may lead out of a stop.
+    pub(super) frees: bool,
+    /// A reset.
+    pub(super) reset: bool,
+    /// A stop, with no such frame after it; an emergency stop if so.
+    pub(super) stop: Option<bool>,
+}
+
+/// The host of a plan, and what of its frames reached the base.
+pub(super) struct HostOfRun<'a> {
+    plan: &'a Plan,
+    limit_speed: f64,
+    host: Host,
+    /// Of the bytes that reach the base, beside its own.
+    reader: Decoder<Command, MAX_CONTENT>,
+    pub(super) intent: Intent,
+    /// What reached the base for this tick.
+    pub(super) received: Received,
+    /// Time by which a stop is due \[s\].
+    stop_at_s: Option<f64>,
+    /// Something was refused that had to be.
+    pub(super) refused: bool,
+}
+
+impl<'a> HostOfRun<'a> {
+    pub(super) fn new(plan: &'a Plan, limit_speed: f64) -> Self {
+        Self {
+            plan,
+            limit_speed,
+            host: Host::new(plan.setup.seed),
+            reader: Decoder::new(),
+            intent: Intent::Quiet,
+            received: Received::default(),
+            stop_at_s: None,
+            refused: false,
+        }
+    }
+
+    pub(super) fn arm(&mut self) {
+        self.host.ask(Command::Arm);
+    }
+
+    pub(super) fn stop(&mut self, command: Command) {
+        self.host.stop(command);
+    }
+
+    /// Everything is answered.
+    pub(super) fn is_content(&self) -> bool {
+        self.host.is_content()
+    }
+
+    pub(super) const fn waits_to_stop(&self) -> bool {
+        self.stop_at_s.is_some()
+    }
+
+    pub(super) fn follow(&mut self) {
+        self.intent = Intent::Follow;
+        self.host.follow();
+    }
+
     /// Sends the base to a goal.
     pub(super) fn park(&mut self, goal: Pose<f64>) {
         self.intent = Intent::Park(goal);
@@ -10,81 +96,77 @@ impl Runner<'_, '_> {
         self.host.ask(park(&goal));
     }
 
-    /// Arms a base that waits, and gives it a goal.
-    pub(super) fn wake(&mut self) {
-        if self.manner().silent {
+    /// The host's part of an injection that begins.
+    pub(super) fn injure(&mut self, injection: &FaultInjection) {
+        match injection.what {
+            What::EmergencyStop => self.host.stop(BUTTON),
+            What::OrderNan { park } => self.host.ask_in_vain(no_number(park)),
+            _ => {}
+        }
+    }
+
+    /// The trouble began at `t` \[s\]: the plan's stop comes so long after it.
+    pub(super) fn plan_stop(&mut self, t: f64) {
+        self.stop_at_s = self.plan.stop.map(|(after, _)| t + after);
+    }
+
+    /// The stop of the plan, if it is due; whether it was.
+    pub(super) fn stops_when_due(&mut self, t: f64) -> bool {
+        let due = self.stop_at_s.is_some_and(|at| t >= at);
+        if due {
+            self.stop_at_s = None;
+            if let Some((_, button)) = self.plan.stop {
+                self.host.stop(if button { BUTTON } else { Command::Stop });
+                self.intent = Intent::Quiet;
+            }
+        }
+        due
+    }
+
+    /// Arms a base that waits, and gives it a goal ahead of its pose.
+    pub(super) fn wake(&mut self, board: &Board<'_>, manner: &Manner) {
+        if manner.silent {
             return;
         }
-        if self.state() == State::Fault {
+        let state = board.report().state;
+        if state == State::Fault {
             self.host.ask_in_vain(Command::Arm);
             self.host.ask(Command::ResetFault);
         }
-        if matches!(self.state(), State::Idle | State::Stopped | State::Fault) {
+        if matches!(state, State::Idle | State::Stopped | State::Fault) {
             self.host.ask(Command::Arm);
         }
-        self.park(self.goal_ahead());
-    }
-
-    /// The stop of a plan.
-    pub(super) fn stop_by_host(&mut self) {
-        self.stop_at = None;
-        if let Some((_, button)) = self.plan.stop {
-            self.host.stop(if button { BUTTON } else { Command::Stop });
-            self.intent = Intent::Quiet;
-        }
-    }
-
-    pub(super) fn goal_ahead(&self) -> Pose<f64> {
-        let ahead = 0.6 * self.limit_speed;
-        let measured = self.board.report().measured;
+        let measured = board.report().measured;
         let at = measured.map_or(Pose::default(), |measured| measured.pose);
+        let ahead = 0.6 * self.limit_speed;
         let (x, y, theta) = (f64::from(at.x), f64::from(at.y), f64::from(at.theta));
-        Pose::new(x + ahead * theta.cos(), y + ahead * theta.sin(), theta)
+        self.park(Pose::new(
+            x + ahead * theta.cos(),
+            y + ahead * theta.sin(),
+            theta,
+        ));
     }
 
     /// For how long a trajectory has been under way \[s\].
-    pub(super) fn followed(&self) -> f64 {
-        self.host
-            .followed_since()
-            .map_or(0.0, |since| self.t - 1.0e-6 * since as f64)
+    pub(super) fn followed_s(&self, t: f64) -> f64 {
+        let since = self.host.followed_since();
+        since.map_or(0.0, |since| t - 1.0e-6 * since as f64)
     }
 
-    pub(super) fn park_ahead(&mut self) {
+    /// Leaves the trajectory for a goal on it.
+    pub(super) fn park_ahead(&mut self, t: f64) {
         let path = &self.plan.path;
-        let way = path.way(self.followed());
+        let way = path.way(self.followed_s(t));
         let speed = path.speed;
         let ahead = speed * speed / path.accel + 0.3 * self.limit_speed;
         self.park(path.pose(way + ahead));
     }
 
-    /// Share of the poses that reach the base, and how much later than they say \[s\].
-    pub(super) fn poses(&self) -> (f64, f64) {
-        /// A pose's frame with its delimiters.
-        const BYTES: i32 = 27;
-        let mut manner = Manner::default();
-        for injection in self.upsets() {
-            injection.hinder(&mut manner);
-        }
-        // Behind a flood a pose finds the queue full, before it does not: either every other time.
-        let share: f64 = if manner.flood > 0 { 0.5 } else { 1.0 };
-        let share = share.min((1.0 - manner.line.damaged).powi(BYTES));
-        (share, 1.0e-6 * manner.line.delay_us as f64)
-    }
-
-    /// What is wrong with host and line now.
-    pub(super) fn manner(&self) -> Manner {
-        let mut manner = Manner::default();
-        for injection in self.active_upsets() {
-            injection.hinder(&mut manner);
-        }
-        manner
-    }
-
     /// Frames onto the line, and what has arrived into the base.
-    pub(super) fn exchange(&mut self) {
-        let (now_us, manner) = (self.board.world().now_us(), self.manner());
+    pub(super) fn exchange(&mut self, board: &mut Board<'_>, manner: &Manner, mutation: &Mutation) {
+        let now_us = board.world().now_us();
         self.host
-            .speak(&manner, now_us, &self.plan.path, self.board.world());
+            .speak(manner, now_us, &self.plan.path, board.world());
         self.received = Received::default();
         while let Some(sent) = self.host.arrived(now_us) {
             if sent.intact {
@@ -99,61 +181,57 @@ impl Runner<'_, '_> {
                 let button = sent.what != Command::Stop || self.received.stop == Some(true);
                 self.received.stop = Some(button);
             }
-            if self.mutation == Mutation::LosesStops && stops(&sent.what) {
+            if *mutation == Mutation::LosesStops && stops(&sent.what) {
                 continue;
             }
             for byte in sent.bytes {
-                if let Some(answer) = self.board.receive(byte) {
-                    self.host.answer(&manner, now_us, &answer);
+                if let Some(answer) = board.receive(byte) {
+                    self.host.answer(manner, now_us, &answer);
                 }
             }
         }
     }
 
     /// Answers of the tick, and what the host makes of them.
-    pub(super) fn answers(&mut self) -> Checked<()> {
-        let (now_us, manner) = (self.board.world().now_us(), self.manner());
-        while let Some(answer) = self.board.pending() {
-            self.host.answer(&manner, now_us, &answer);
+    pub(super) fn answers(&mut self, board: &mut Board<'_>, manner: &Manner) -> Checked<()> {
+        let now_us = board.world().now_us();
+        while let Some(answer) = board.pending() {
+            self.host.answer(manner, now_us, &answer);
         }
         while let Some(answered) = self.host.hear(now_us) {
-            self.answered(&answered)?;
+            self.refused |= answered.has_to_fail;
+            judge(&answered, board.report().state)?;
         }
         Ok(())
     }
+}
 
-    fn answered(&mut self, answered: &Answered) -> Checked<()> {
-        let Answered {
-            command,
-            result,
-            has_to_fail,
-        } = answered;
-        if *has_to_fail {
-            self.refused = true;
-            return match result {
-                Ok(()) => Err(format!("{command:?} is taken")),
-                Err(_) => Ok(()),
-            };
+/// Whether an answer is right for a base in this state.
+fn judge(answered: &Answered, state: State) -> Checked<()> {
+    let Answered {
+        command,
+        result,
+        has_to_fail,
+    } = answered;
+    let reason = match (result, has_to_fail) {
+        (Ok(()), true) => return Err(format!("{command:?} is taken")),
+        (Ok(()), false) | (Err(_), true) => return Ok(()),
+        (Err(reason), false) => reason,
+    };
+    // A base that trouble stopped meanwhile refuses rightly, and so does one that a second frame reached.
+    let waits = matches!(state, State::Idle | State::Stopped);
+    match command {
+        Command::Stop | Command::EmergencyStop { .. } => {
+            Err(format!("{command:?} is refused: {reason}"))
         }
-        let Err(reason) = result else {
-            return Ok(());
-        };
-        let state = self.state();
-        // A base that trouble stopped meanwhile refuses rightly, and so does one that a second frame reached.
-        let waits = matches!(state, State::Idle | State::Stopped);
-        match command {
-            Command::Stop | Command::EmergencyStop { .. } => {
-                Err(format!("{command:?} is refused: {reason}"))
-            }
-            Command::Arm if waits => Err(format!("Arm is refused in {state:?}: {reason}")),
-            Command::ResetFault if state == State::Fault => {
-                Err(format!("ResetFault is refused: {reason}"))
-            }
-            Command::Park { .. } if *reason != RejectReason::State => {
-                Err(format!("a goal is refused: {reason}"))
-            }
-            _ => Ok(()),
+        Command::Arm if waits => Err(format!("Arm is refused in {state:?}: {reason}")),
+        Command::ResetFault if state == State::Fault => {
+            Err(format!("ResetFault is refused: {reason}"))
         }
+        Command::Park { .. } if *reason != RejectReason::State => {
+            Err(format!("a goal is refused: {reason}"))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::{Quantity as Q, Verdict};
 use super::document::rounded;
-use super::{Told, Update};
+use super::{Estimate, Update};
 
 /// What the currents' torque explains: gear losses end up in it.
 const MECHANICAL: [Q; 6] = [
@@ -68,7 +68,7 @@ impl Update<'_> {
             ("viscous_nm_s", Q::ViscousRight, Q::ViscousLeft),
         ] {
             let name = format!("[friction] {key}");
-            let Some(Told { value, half_width }) = self.mean(&name, right, left) else {
+            let Some(Estimate { value, half_width }) = self.mean(&name, right, left) else {
                 continue;
             };
             if value >= 0.0 {
@@ -101,12 +101,12 @@ impl Update<'_> {
 
     /// Shares that the log shows for both motors, of which the file has one.
     fn drivetrain(&mut self, key: &'static str, name: &str) {
-        let sides = ["right", "left"].map(|side| self.shown(&format!("{name}_{side}")));
+        let sides = ["right", "left"].map(|side| self.side_estimate(&format!("{name}_{side}")));
         let key_name = format!("[motor] {key}");
         let Some(sides) = self.pair(&key_name, sides) else {
             return;
         };
-        let Told { value, half_width } = self.mean_of(&key_name, sides);
+        let Estimate { value, half_width } = self.mean_of(&key_name, sides);
         let bounded = value.clamp(0.0, 1.0);
         if bounded != value {
             self.notes.push(format!(
@@ -119,7 +119,7 @@ impl Update<'_> {
     fn losses(&mut self) {
         if ["right", "left"]
             .iter()
-            .all(|side| self.shown(&format!("efficiency_{side}")).is_some())
+            .all(|side| self.side_estimate(&format!("efficiency_{side}")).is_some())
         {
             return;
         }

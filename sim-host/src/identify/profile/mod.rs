@@ -17,7 +17,7 @@
 //! The sums in m and I leave the inertia that the wheels see as it is: with r^2 = r_R r_L,
 //! r^2 (m/4 + I/l^2) + J and m/4 - I/l^2 are the same on both sides.
 //!
-//! Logs of torques, and those that do not show a motor braking, tell no efficiency. With torques at the motor, before the
+//! Logs of torques, and those that do not show a motor braking, do not show the efficiency. With torques at the motor, before the
 //! gear, a share e arrives when the motor drives (2 - e when it is driven), so mass, inertia and friction come out too
 //! large by 1/e to 1/(2 - e). Then a file with a smaller efficiency than 1 gets a note.
 
@@ -68,7 +68,7 @@ pub fn update(text: &str, found: &Identified, gear: Option<f64>) -> Result<Updat
     // First the gear, which the body's inertia needs.
     update.hardware(gear);
     update.radii();
-    if let Some(track) = update.told(Q::Track) {
+    if let Some(track) = update.estimate(Q::Track) {
         update.file.set("robot", "l", track.value);
     }
     update.body();
@@ -86,9 +86,9 @@ pub fn current_limit_a(text: &str) -> Option<f64> {
     (limit.is_finite() && limit > 0.0).then_some(limit)
 }
 
-/// A number and half its interval, nothing if it is stated.
+/// A value and half of its 95 % interval, 0 for a stated one.
 #[derive(Clone, Copy, Debug)]
-struct Told {
+struct Estimate {
     value: f64,
     half_width: f64,
 }
@@ -100,46 +100,46 @@ struct Update<'a> {
 }
 
 impl Update<'_> {
-    fn told(&self, quantity: Quantity) -> Option<Told> {
+    fn estimate(&self, quantity: Quantity) -> Option<Estimate> {
         let (value, half_width) = match self.found.of(quantity)? {
             Verdict::Stated { value } => (*value, 0.0),
             Verdict::Identified { value, half_width } => (*value, *half_width),
             Verdict::NotIdentifiable { .. } => return None,
         };
-        Some(Told { value, half_width })
+        Some(Estimate { value, half_width })
     }
 
-    /// What the log told of a side beside the quantities.
-    fn shown(&self, name: &str) -> Option<Told> {
+    /// An estimate of one side that is none of the quantities, by its name.
+    fn side_estimate(&self, name: &str) -> Option<Estimate> {
         let mut entries = self.found.combinations.iter();
         match entries.find(|entry| entry.name == name)?.verdict {
-            Verdict::Identified { value, half_width } => Some(Told { value, half_width }),
+            Verdict::Identified { value, half_width } => Some(Estimate { value, half_width }),
             _ => None,
         }
     }
 
     /// Both sides of what has one key.
-    fn both(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<[Told; 2]> {
-        let told = [right, left].map(|side| self.told(side));
-        self.pair(key, told)
+    fn both(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<[Estimate; 2]> {
+        let sides = [right, left].map(|side| self.estimate(side));
+        self.pair(key, sides)
     }
 
-    fn pair(&mut self, key: &str, told: [Option<Told>; 2]) -> Option<[Told; 2]> {
-        if let [Some(_), None] | [None, Some(_)] = told {
+    fn pair(&mut self, key: &str, sides: [Option<Estimate>; 2]) -> Option<[Estimate; 2]> {
+        if let [Some(_), None] | [None, Some(_)] = sides {
             self.notes
                 .push(format!("{key} is left as it was: one side alone is known"));
         }
-        let [right, left] = told;
+        let [right, left] = sides;
         Some([right?, left?])
     }
 
     /// Their mean, with a note if they differ.
-    fn mean(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<Told> {
+    fn mean(&mut self, key: &str, right: Quantity, left: Quantity) -> Option<Estimate> {
         let sides = self.both(key, right, left)?;
         Some(self.mean_of(key, sides))
     }
 
-    fn mean_of(&mut self, key: &str, [r, l]: [Told; 2]) -> Told {
+    fn mean_of(&mut self, key: &str, [r, l]: [Estimate; 2]) -> Estimate {
         // Of the difference of two independent estimates; each side has its own noise.
         let both = r.half_width.hypot(l.half_width);
         if (r.value - l.value).abs() > both {
@@ -149,7 +149,7 @@ impl Update<'_> {
                 r.value, r.half_width, l.value, l.half_width
             ));
         }
-        Told {
+        Estimate {
             value: 0.5 * (r.value + l.value),
             half_width: 0.5 * both,
         }
@@ -181,7 +181,7 @@ impl Update<'_> {
 
     /// Mass and inertia, with the wheels' turning but not the rotors'.
     fn body(&mut self) {
-        let of_wheels = self.told(Q::WheelInertia).map_or(0.0, |j| j.value);
+        let of_wheels = self.estimate(Q::WheelInertia).map_or(0.0, |j| j.value);
         let motor = |key| self.file.number("motor", key);
         let of_rotors = match (motor("gear_ratio"), motor("rotor_inertia_kg_m2")) {
             (Some(gear), Some(rotor)) => gear * gear * rotor,
@@ -197,7 +197,7 @@ impl Update<'_> {
         let per_mass = lengths.map(|(r2, _)| 2.0 * turning / r2);
         let per_inertia = lengths.map(|(r2, track)| 0.5 * turning * track * track / r2);
         for (key, quantity, more) in [("m", Q::Mass, per_mass), ("I", Q::Inertia, per_inertia)] {
-            let Some(told) = self.told(quantity) else {
+            let Some(estimate) = self.estimate(quantity) else {
                 continue;
             };
             let more = if turning == 0.0 { Some(0.0) } else { more };
@@ -208,7 +208,7 @@ impl Update<'_> {
                 ));
                 continue;
             };
-            let value = told.value + more;
+            let value = estimate.value + more;
             if value <= 0.0 {
                 self.notes.push(format!(
                     "[robot] {key} is left as it was: rotors of {of_rotors:.3e} kg m^2 each at the \
@@ -220,7 +220,7 @@ impl Update<'_> {
                 self.notes.push(format!(
                     "[robot] {key} is {:.4} with {more:+.4}: it holds the wheels' turning but not \
                      the rotors', which [motor] has",
-                    told.value
+                    estimate.value
                 ));
             }
             self.file.set("robot", key, value);

@@ -1,9 +1,10 @@
-//! A mission in a world.
+//! A mission in a world, with the whole base.
 
-use super::note::BaseNote;
-use super::trace::{DriveHandOver, DriveRow, DriveTrace};
+use super::OBSERVE_S;
+use super::recorder::Recorder;
 use crate::closed_loop::{ClosedLoop, ClosedLoopError, Mirror, order};
-use crate::mission::{Mission, Sequencer};
+use crate::mission::{AccelerationAt, Mission, Sequencer};
+use crate::trace::{BaseNote, HandOver, Trace, TraceRow};
 use crate::world::WorldSetup;
 use controller_core::base::BaseReport;
 use controller_core::maths::Libm;
@@ -14,23 +15,9 @@ use controller_core::safety::supervisor::State;
 use controller_core::types::{Twist, Wrench};
 use protocol::Command;
 
-/// For how long a base is observed after it parked \[s\].
-const OBSERVE_S: f64 = 1.0;
-
 /// Runs a mission in a world: arms, follows, hands over, parks.
 ///
-/// The trace ends early when the base stopped or failed for good, or has been parked for a second.
-///
-/// # Errors
-/// Parameters out of their range.
-pub fn drive_in_world(
-    mission: &Mission,
-    setup: &WorldSetup,
-) -> Result<DriveTrace, ClosedLoopError> {
-    drive_and_observe(mission, setup, OBSERVE_S)
-}
-
-/// The same, but a base that parked is observed for `observe_s` \[s\].
+/// The trace ends early when the base stopped or failed for good, or has been parked for `observe_s` \[s\].
 ///
 /// # Errors
 /// Parameters out of their range.
@@ -38,11 +25,11 @@ pub fn drive_and_observe(
     mission: &Mission,
     setup: &WorldSetup,
     observe_s: f64,
-) -> Result<DriveTrace, ClosedLoopError> {
+) -> Result<Trace, ClosedLoopError> {
     run(mission, setup, None, observe_s)
 }
 
-/// As [`drive_in_world`], with the same base somewhere else whose motors move the plant.
+/// As [`super::drive`], with the same base somewhere else whose motors move the plant.
 ///
 /// # Errors
 /// Parameters out of their range, or no answer from there.
@@ -50,7 +37,7 @@ pub fn fly(
     mission: &Mission,
     setup: &WorldSetup,
     mirror: &mut dyn Mirror,
-) -> Result<DriveTrace, ClosedLoopError> {
+) -> Result<Trace, ClosedLoopError> {
     run(mission, setup, Some(mirror), OBSERVE_S)
 }
 
@@ -59,53 +46,38 @@ fn run(
     setup: &WorldSetup,
     mirror: Option<&mut dyn Mirror>,
     observe_s: f64,
-) -> Result<DriveTrace, ClosedLoopError> {
+) -> Result<Trace, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let mirror = mirror.map(|mirror| mirror as _);
     let mut closed_loop = ClosedLoop::new(queue.split().1, mission, setup, mirror)?;
-    let mut sequencer = Sequencer::new(mission);
-    let mut trace = DriveTrace {
-        period_s: mission.period_s,
-        ..DriveTrace::default()
-    };
-    let mut parked_since = None;
-    let last_event = mission.events.last().map_or(0.0, |event| event.at_s);
+    let mut sequencer = Sequencer::new(mission, AccelerationAt::MiddleOfHold);
+    let mut recorder = Recorder::new(mission, observe_s);
     loop {
         closed_loop.advance()?;
         let t = 1.0e-6 * closed_loop.world().now_us() as f64 - mission.period_s;
         if t > mission.longest_s() {
             break;
         }
-        let mut row = tick(mission, &mut closed_loop, &mut sequencer, t)?;
-        let state = closed_loop.report().state;
+        let (mut row, hand_over) = tick(mission, &mut closed_loop, &mut sequencer, t)?;
         if closed_loop.report().motion.is_none() {
             // The motion law is off: what it said last stands.
-            let before = trace.rows.last().map(|row: &DriveRow| row.report);
-            row.0.report.mode = before.map_or_else(Default::default, |report| report.mode);
-            row.0.report.outcome = match (state, before) {
+            let before = recorder.trace.rows.last().map(|row| row.report);
+            row.report.mode = before.map_or_else(Default::default, |report| report.mode);
+            row.report.outcome = match (closed_loop.report().state, before) {
                 (State::Parked, _) => Outcome::Parked,
                 (_, Some(report)) => report.outcome,
                 (_, None) => Outcome::default(),
             };
         }
-        if let Some(hand_over) = row.1 {
-            trace.hand_over = Some(DriveHandOver {
-                row: trace.rows.len(),
-                ..hand_over
-            });
-        }
-        trace.rows.push(row.0);
-        parked_since = match state {
-            State::Parked => parked_since.or(Some(t)),
-            _ => None,
-        };
-        let done = matches!(state, State::Stopped | State::Fault)
-            || parked_since.is_some_and(|since| t >= since.max(last_event) + observe_s);
-        if done {
+        let hand_over = hand_over.map(|hand_over| HandOver {
+            row: recorder.trace.rows.len(),
+            ..hand_over
+        });
+        if recorder.ends_with(row, hand_over) {
             break;
         }
     }
-    Ok(trace)
+    Ok(recorder.trace)
 }
 
 /// One tick of a mission.
@@ -114,7 +86,7 @@ fn tick(
     closed_loop: &mut ClosedLoop<'_>,
     sequencer: &mut Sequencer<'_>,
     t: f64,
-) -> Result<(DriveRow, Option<DriveHandOver>), ClosedLoopError> {
+) -> Result<(TraceRow, Option<HandOver>), ClosedLoopError> {
     let truth = closed_loop.world().truth();
     let report = closed_loop.report();
     let believed = report
@@ -139,9 +111,10 @@ fn tick(
     let report = *closed_loop.tick(&order(&orders.task))?;
     let hand_over = followed.map(|(left, distance_m, followed)| {
         let parks = wrench(&report);
-        DriveHandOver {
+        HandOver {
             row: 0,
             left,
+            goal: *orders.target.pose(),
             distance_m,
             error_before: pose_error::<f64, Libm>(left.pose(), &truth.pose),
             torque_step: Wrench {
@@ -154,7 +127,7 @@ fn tick(
         .measured
         .map_or(mission.start.pose, |measured| measured.pose.cast());
     let asked = report.action.torques().unwrap_or_default();
-    let row = DriveRow {
+    let row = TraceRow {
         t,
         truth,
         measured,
@@ -163,6 +136,7 @@ fn tick(
         report: report
             .motion
             .map_or_else(MotionReport::default, |motion| motion.cast()),
+        paper: None,
         base: Some(BaseNote {
             state: report.state,
             cause: report.cause,

@@ -1,0 +1,54 @@
+//! A base that says it is parked truly is where it should be.
+
+use super::Checked;
+use super::timeline::Timeline;
+use crate::campaign::bounds::Bounds;
+use crate::campaign::outcome::Failing;
+use crate::closed_loop::Board;
+use crate::mission::BaseSpec;
+use controller_core::angle::wrap;
+use controller_core::types::Pose;
+
+#[derive(Default)]
+pub(super) struct ParkedCheck {
+    /// Largest distance from the goal, and largest heading error \[m, rad\].
+    pub(super) worst: Option<(f64, f64)>,
+    /// What went wrong as it is stated to.
+    pub(super) failed: Option<Failing>,
+}
+
+impl ParkedCheck {
+    pub(super) fn check(
+        &mut self,
+        goal: &Pose<f64>,
+        base: &BaseSpec,
+        board: &Board<'_>,
+        bounds: &Bounds,
+        timeline: &Timeline<'_>,
+    ) -> Checked<()> {
+        let pose = board.world().truth().pose;
+        let off = (
+            (pose.x - goal.x).hypot(pose.y - goal.y),
+            wrap(pose.theta - goal.theta).abs(),
+        );
+        let worst = self.worst.unwrap_or_default();
+        self.worst = Some((worst.0.max(off.0), worst.1.max(off.1)));
+        let (shift, turn) = timeline.pose_offset();
+        let core = board.task().controller().base();
+        let (most_m, most_rad) = bounds.parked(core, base, timeline.poses());
+        if off.0 > most_m + shift || off.1 > most_rad + turn {
+            if timeline.is_known(Failing::Misplaced) {
+                self.failed = Some(Failing::Misplaced);
+                return Ok(());
+            }
+            return Err(format!(
+                "parked {:.1} mm and {:.1} mrad off, beyond {:.1} and {:.1}",
+                1.0e3 * off.0,
+                1.0e3 * off.1,
+                1.0e3 * (most_m + shift),
+                1.0e3 * (most_rad + turn)
+            ));
+        }
+        Ok(())
+    }
+}

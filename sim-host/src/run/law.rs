@@ -1,0 +1,102 @@
+//! A law in the loop, and the paper's as one.
+
+use crate::controller_port::{ControllerPort, ControllerPortError};
+use crate::mission::Orders;
+use crate::trace::PaperTerms;
+use controller_core::motion::{Limited, Mode, MotionReport, Task};
+use controller_core::paper::demand::Demand;
+use controller_core::paper::report::{Phase, StepReport};
+use controller_core::types::{Twist, Wrench};
+
+/// A control law, tick by tick. The first tick starts it.
+pub(crate) trait Law {
+    /// One tick, `dt` \[s\] after the last.
+    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Computed, ControllerPortError>;
+
+    /// What it commanded last.
+    fn command(&self) -> Twist<f64>;
+
+    /// The distance \[m\] at which parking takes over from `speed` \[m/s\].
+    fn hand_over_distance(&self, speed: f64) -> f64;
+}
+
+/// What a law computed in a tick.
+pub(crate) struct Computed {
+    pub(crate) report: MotionReport<f64>,
+    pub(crate) paper: Option<PaperTerms>,
+    /// What parking demands minus what following would have, if this tick handed over.
+    pub(crate) hand_over_step: Option<Wrench<f64>>,
+}
+
+/// A law of the paper.
+pub(crate) struct PaperLaw<'a> {
+    controller: &'a mut dyn ControllerPort,
+    started: bool,
+    command: Twist<f64>,
+}
+
+impl<'a> PaperLaw<'a> {
+    pub(crate) fn new(controller: &'a mut dyn ControllerPort) -> Self {
+        Self {
+            controller,
+            started: false,
+            command: Twist::default(),
+        }
+    }
+}
+
+impl Law for PaperLaw<'_> {
+    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Computed, ControllerPortError> {
+        let demand = match (orders.task, orders.left) {
+            (Task::Park(goal), Some((reference, _))) => Demand::HandOver { reference, goal },
+            (Task::Park(_), None) => Demand::Park,
+            (Task::Follow(reference), _) => Demand::Track(reference),
+        };
+        let measured = &orders.measured;
+        let answer = match &demand {
+            Demand::Track(reference) if !self.started => self.controller.start(reference, measured),
+            _ => self.controller.step(dt, &demand, measured),
+        }?;
+        self.started = true;
+        self.command = answer.report.command;
+        Ok(Computed {
+            report: common(&answer.report),
+            paper: Some(PaperTerms {
+                neurons: answer.report.neurons,
+                relaxing: answer.relaxing,
+            }),
+            hand_over_step: answer.hand_over_step,
+        })
+    }
+
+    fn command(&self) -> Twist<f64> {
+        self.command
+    }
+
+    /// It parks at a time, not at a distance.
+    fn hand_over_distance(&self, _: f64) -> f64 {
+        0.0
+    }
+}
+
+/// What the paper's report has in common with the default law's.
+fn common(report: &StepReport<f64>) -> MotionReport<f64> {
+    MotionReport {
+        mode: match report.phase {
+            Phase::Tracking => Mode::Following,
+            Phase::Parking => Mode::Parking,
+        },
+        error: report.error,
+        command: report.command,
+        command_rate: report.command_rate,
+        velocity_error: report.velocity_error,
+        transition_offset: report.transition_offset,
+        wrench: report.wrench,
+        torques: report.torques,
+        limited: Limited {
+            torque: report.saturated,
+            ..Limited::default()
+        },
+        ..MotionReport::default()
+    }
+}

@@ -1,0 +1,163 @@
+//! The closed loop: measure, decide what is to be done, compute, hold the torque to the next tick.
+//!
+//! [`run`] is a scenario under a law of the paper, [`drive`] a mission under the default law, both on the plant of
+//! [`crate::plant`]; a mission with a world runs there, with the whole base.
+
+mod law;
+mod motion;
+mod recorder;
+mod world;
+
+pub(crate) use law::{Law, PaperLaw};
+pub(crate) use motion::MotionLaw;
+pub use world::{drive_and_observe, fly};
+
+use crate::closed_loop::ClosedLoopError;
+use crate::controller_port::{self, ControllerPort, ControllerPortError};
+use crate::mission::{AccelerationAt, BaseSpec, End, Mission, Sequencer};
+use crate::plant::Plant;
+use crate::scenario::Scenario;
+use crate::trace::{HandOver, Trace, TraceRow};
+use controller_core::error::ParamError;
+use controller_core::maths::Libm;
+use controller_core::pose_error::pose_error;
+use recorder::Recorder;
+
+/// Why a run did not reach its end.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The controller refused a tick, or cannot be reached.
+    #[error("{name}: stopped at t = {time_s} s: {cause}")]
+    ControllerPort {
+        /// The scenario.
+        name: String,
+        /// When \[s\].
+        time_s: f64,
+        /// Why.
+        #[source]
+        cause: ControllerPortError,
+    },
+    /// Parameters that the core refuses.
+    #[error("{name}: {cause}")]
+    Params {
+        /// The scenario.
+        name: String,
+        /// Which parameter and why.
+        cause: ParamError,
+    },
+    /// The base or the world cannot be.
+    #[error("{name}: {cause}")]
+    ClosedLoop {
+        /// The mission.
+        name: String,
+        /// Why.
+        cause: ClosedLoopError,
+    },
+}
+
+/// For how long a robot is observed after it parked \[s\].
+const OBSERVE_S: f64 = 1.0;
+
+/// Runs a scenario with the controller that it names.
+///
+/// # Errors
+/// The first fault of the controller, with its time.
+pub fn run(scenario: &Scenario) -> Result<Trace, RunError> {
+    let controller = controller_port::for_scenario(scenario);
+    let mut controller = controller.map_err(|cause| refused(&scenario.name, cause))?;
+    run_with(scenario, controller.as_mut())
+}
+
+/// Runs a scenario with any controller.
+///
+/// # Errors
+/// The first fault of the controller, with its time.
+pub fn run_with(
+    scenario: &Scenario,
+    controller: &mut dyn ControllerPort,
+) -> Result<Trace, RunError> {
+    let base = BaseSpec {
+        robot: scenario.params.robot,
+        ..BaseSpec::default()
+    };
+    let mission = scenario.mission(base);
+    let sequencer = Sequencer::new(&mission, AccelerationAt::Tick);
+    on_ideal_plant(&mission, sequencer, &mut PaperLaw::new(controller))
+}
+
+/// Runs a mission with the default law: in its world if it has one, else on the ideal plant.
+///
+/// # Errors
+/// The first fault of the controller, with its time; parameters out of their range.
+pub fn drive(mission: &Mission) -> Result<Trace, RunError> {
+    if let Some(setup) = &mission.setup {
+        return drive_and_observe(mission, setup, OBSERVE_S).map_err(|cause| {
+            RunError::ClosedLoop {
+                name: mission.name.clone(),
+                cause,
+            }
+        });
+    }
+    let law = motion::motion_law(&mission.base, mission.precision);
+    let mut law = law.map_err(|cause| refused(&mission.name, cause))?;
+    let sequencer = Sequencer::new(mission, AccelerationAt::MiddleOfHold);
+    on_ideal_plant(mission, sequencer, law.as_mut())
+}
+
+fn refused(name: &str, cause: ParamError) -> RunError {
+    let name = name.to_owned();
+    RunError::Params { name, cause }
+}
+
+fn on_ideal_plant(
+    mission: &Mission,
+    mut sequencer: Sequencer<'_>,
+    law: &mut dyn Law,
+) -> Result<Trace, RunError> {
+    let dt = mission.period_s;
+    let ticks = (mission.longest_s() / dt).round() as usize;
+    let mut plant = Plant::new(mission.robot, &mission.start);
+    let observe_s = match mission.end {
+        End::Parked(_) => OBSERVE_S,
+        End::At(_) => f64::INFINITY,
+    };
+    let mut recorder = Recorder::new(mission, observe_s);
+    for tick in 0..=ticks {
+        // The product, not a running sum: times do not drift.
+        let t = tick as f64 * dt;
+        let truth = plant.truth();
+        let command = law.command();
+        let distance = |speed| law.hand_over_distance(speed);
+        let orders = sequencer.at(tick, t, &truth, &command, distance);
+        let computed = law.tick(dt, &orders);
+        let computed = computed.map_err(|cause| RunError::ControllerPort {
+            name: mission.name.clone(),
+            time_s: t,
+            cause,
+        })?;
+        let hand_over = orders.left.map(|(left, distance_m)| HandOver {
+            row: tick,
+            left,
+            goal: *orders.target.pose(),
+            distance_m,
+            error_before: pose_error::<f64, Libm>(left.pose(), &orders.measured.pose),
+            torque_step: computed.hand_over_step.unwrap_or_default(),
+        });
+        let row = TraceRow {
+            t,
+            truth,
+            measured: orders.measured.pose,
+            reference: orders.target,
+            error: pose_error::<f64, Libm>(orders.target.pose(), &truth.pose),
+            report: computed.report,
+            paper: computed.paper,
+            base: None,
+        };
+        if recorder.ends_with(row, hand_over) {
+            break;
+        }
+        plant.advance(&computed.report.torques, dt);
+    }
+    Ok(recorder.trace)
+}

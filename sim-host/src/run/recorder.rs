@@ -1,0 +1,44 @@
+//! Collects the rows of a run and says when it has ended.
+
+use crate::mission::Mission;
+use crate::trace::{HandOver, Trace, TraceRow};
+use controller_core::motion::Outcome;
+use controller_core::safety::supervisor::State;
+
+pub(super) struct Recorder {
+    pub(super) trace: Trace,
+    /// For how long a parked robot is observed \[s\].
+    observe_s: f64,
+    last_event_s: f64,
+    parked_since: Option<f64>,
+}
+
+impl Recorder {
+    pub(super) fn new(mission: &Mission, observe_s: f64) -> Self {
+        Self {
+            trace: Trace {
+                period_s: mission.period_s,
+                ..Trace::default()
+            },
+            observe_s,
+            last_event_s: mission.events.last().map_or(0.0, |event| event.at_s),
+            parked_since: None,
+        }
+    }
+
+    /// Takes a row. The run ends with it if the base stopped or failed for good, or has been parked for long enough.
+    pub(super) fn ends_with(&mut self, row: TraceRow, hand_over: Option<HandOver>) -> bool {
+        let (parked, stopped) = match row.base.map(|base| base.state) {
+            Some(state) => (
+                state == State::Parked,
+                matches!(state, State::Stopped | State::Fault),
+            ),
+            None => (row.report.outcome == Outcome::Parked, false),
+        };
+        self.parked_since = parked.then(|| self.parked_since.unwrap_or(row.t));
+        self.trace.hand_over = hand_over.or(self.trace.hand_over);
+        self.trace.rows.push(row);
+        let observed = |since: f64| row.t >= since.max(self.last_event_s) + self.observe_s;
+        stopped || self.parked_since.is_some_and(observed)
+    }
+}
