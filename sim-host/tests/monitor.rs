@@ -8,7 +8,7 @@ use protocol::{
     tick_flags,
 };
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use sim_host::monitor::{COLUMNS, Log, Monitor, Port, Received};
+use sim_host::monitor::{Log, Monitor, Port, Received, column_names};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::os::unix::net::UnixListener;
@@ -117,11 +117,11 @@ fn log_reads_back_bit_for_bit() {
     drop(log);
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     let header = reader.headers().expect("a header").clone();
-    assert!(header.iter().eq(COLUMNS));
+    assert!(header.iter().eq(column_names()));
     let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
     assert_eq!(rows.len(), 3);
     let cell = |row: usize, name: &str| {
-        let at = COLUMNS.iter().position(|column| *column == name);
+        let at = header.iter().position(|column| column == name);
         rows[row][at.expect("a column")].to_owned()
     };
     let number = |row, name| cell(row, name).parse::<f32>().expect("a number");

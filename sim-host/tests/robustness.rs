@@ -1,8 +1,8 @@
 //! The study of robustness: against an independent calculation, and as a program.
 
 use sim_host::robustness::{
-    COLUMNS, Case, ComparedLaw, Condition, Expected, Group, RunVerdict, Spread, StudyOutcome,
-    StudyRow, catalogue, study, three_digits, write_csv,
+    Case, ComparedLaw, Condition, Expected, Group, RunVerdict, Spread, StudyOutcome, StudyRow,
+    catalogue, column_names, study, three_digits, write_csv,
 };
 use std::num::NonZeroU32;
 use std::process::Command;
@@ -329,7 +329,7 @@ fn the_program_writes_table_figure_and_numbers() {
     let rows: Vec<_> = csv.records().map(|row| row.expect("a row")).collect();
     // Two conditions, two cases, three laws.
     assert_eq!(rows.len(), 12);
-    assert!(rows.iter().all(|row| row.len() == COLUMNS.len()));
+    assert!(rows.iter().all(|row| row.len() == column_names().len()));
     assert_eq!(&rows[0][4], "2");
 
     let refused = run(&["--only", "earthquake"]);

@@ -1,13 +1,14 @@
 //! The campaign for people and for spreadsheets.
 
-use super::outcome::RunOutcome;
+use super::outcome::{End, RunOutcome};
 use super::run::Tick;
 use super::summary::{Cell, CellRecord};
-use crate::csv_out::write_numbers;
+use crate::csv_out::{Column, columns, names, write_file, write_row};
 use crate::scenario::BASES;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
-use controller_core::types::Measured;
+use controller_core::base::WheelAction;
+use controller_core::types::{Measured, WheelTorques};
 use serde::Serialize;
 use std::io::Write;
 
@@ -88,74 +89,47 @@ pub fn violation(outcome: &RunOutcome) -> Option<String> {
     ))
 }
 
-/// The columns of [`write_runs`]. SI units; empty where there is nothing.
-pub const COLUMNS: [&str; 18] = [
-    "run",
-    "base",
-    "state",
-    "trouble",
-    "second",
-    "at_s",
-    "end",
-    "by",
-    "found_as",
-    "found_after_s",
-    "found_after_m",
-    "stop_m",
-    "bound_m",
-    "fastest_m_s",
-    "counted_s",
-    "parked_off_m",
-    "parked_off_rad",
-    "violation",
-];
+/// SI units; empty where there is nothing.
+fn columns<'a>() -> [Column<&'a RunOutcome>; 18] {
+    columns![run;
+        "run" => run.run,
+        "base" => BASES[run.base].name,
+        "state" => run.target.name(),
+        "trouble" => run.injection.name(),
+        "second" => run.second.map(|second| second.name()),
+        "at_s" => run.at_s,
+        "end" => end(run).0,
+        "by" => end(run).1,
+        "found_as" => run.found.map(|found| found.why.name()),
+        "found_after_s" => run.found.map(|found| found.after_s),
+        "found_after_m" => run.found.map(|found| found.way_m),
+        "stop_m" => run.stop.way_m,
+        "bound_m" => run.stop.bound_m,
+        "fastest_m_s" => run.fastest,
+        "counted_s" => run.counted_s,
+        "parked_off_m" => run.parked.map(|(m, _)| m),
+        "parked_off_rad" => run.parked.map(|(_, rad)| rad),
+        "violation" => run.end.as_ref().err().map(|violation| &violation.what),
+    ]
+}
+
+/// How a run ended, and by what.
+fn end(run: &RunOutcome) -> (&'static str, &'static str) {
+    match &run.end {
+        Ok(End::Held) => ("held", ""),
+        Ok(End::Parked) => ("parked", ""),
+        Ok(End::Stopped(why)) => ("stopped", why.name()),
+        Ok(End::Known(failing)) => ("known", failing.name()),
+        Err(_) => ("violation", ""),
+    }
+}
 
 /// A row for each run.
 ///
 /// # Errors
 /// Those of the writer.
 pub fn write_runs(outcomes: &[RunOutcome], out: impl Write) -> csv::Result<()> {
-    use super::outcome::End;
-    let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(COLUMNS)?;
-    for outcome in outcomes {
-        let (end, by) = match &outcome.end {
-            Ok(End::Held) => ("held", ""),
-            Ok(End::Parked) => ("parked", ""),
-            Ok(End::Stopped(why)) => ("stopped", why.name()),
-            Ok(End::Known(failing)) => ("known", failing.name()),
-            Err(_) => ("violation", ""),
-        };
-        for text in [
-            outcome.run.to_string().as_str(),
-            BASES[outcome.base].name,
-            outcome.target.name(),
-            outcome.injection.name(),
-            outcome.second.map_or("", |second| second.name()),
-            outcome.at_s.to_string().as_str(),
-            end,
-            by,
-            outcome.found.map_or("", |found| found.why.name()),
-        ] {
-            writer.write_field(text)?;
-        }
-        for number in [
-            outcome.found.map(|found| found.after_s),
-            outcome.found.map(|found| found.way_m),
-            Some(outcome.stop.way_m),
-            Some(outcome.stop.bound_m),
-            Some(outcome.fastest),
-            Some(outcome.counted_s),
-            outcome.parked.map(|(m, _)| m),
-            outcome.parked.map(|(_, rad)| rad),
-        ] {
-            writer.write_field(number.map_or_else(String::new, |n| n.to_string()))?;
-        }
-        writer.write_field(outcome.end.as_ref().err().map_or("", |v| v.what.as_str()))?;
-        writer.write_record(None::<&[u8]>)?;
-    }
-    writer.flush()?;
-    Ok(())
+    write_file(&columns(), outcomes, out)
 }
 
 /// The campaign as it stands in a file.
@@ -182,28 +156,50 @@ impl Record {
 /// The trace of one run as CSV, a row for each tick.
 pub struct TraceWriter<W: Write>(csv::Writer<W>);
 
-/// The columns of [`TraceWriter`]. SI units, radians; true pose and twist, then the base's.
-pub const TRACE_COLUMNS: [&str; 19] = [
-    "t",
-    "state",
-    "cause",
-    "active_faults",
-    "action",
-    "trouble",
-    "x",
-    "y",
-    "theta",
-    "v",
-    "w",
-    "x_base",
-    "y_base",
-    "v_base",
-    "w_base",
-    "torque_right",
-    "torque_left",
-    "stop_m",
-    "bound_m",
-];
+/// SI units, radians; true pose and twist, then the base's.
+fn trace_columns<'a, 'b, 'c>() -> [Column<&'a Tick<'b, 'c>>; 19] {
+    columns![tick;
+        "t" => tick.t,
+        "state" => format!("{:?}", tick.board.report().state),
+        "cause" => format!("{:?}", tick.board.report().cause),
+        "active_faults" => active_faults(tick),
+        "action" => match tick.board.report().action {
+            WheelAction::Release => "release",
+            WheelAction::Brake => "brake",
+            WheelAction::Drive(_) => "drive",
+        },
+        "trouble" => tick.injection,
+        "x" => tick.board.world().truth().pose.x,
+        "y" => tick.board.world().truth().pose.y,
+        "theta" => tick.board.world().truth().pose.theta,
+        "v" => tick.board.world().truth().twist.linear,
+        "w" => tick.board.world().truth().twist.angular,
+        "x_base" => f64::from(measured(tick).pose.x),
+        "y_base" => f64::from(measured(tick).pose.y),
+        "v_base" => f64::from(measured(tick).twist.linear),
+        "w_base" => f64::from(measured(tick).twist.angular),
+        "torque_right" => f64::from(torques(tick).right),
+        "torque_left" => f64::from(torques(tick).left),
+        "stop_m" => tick.stop.way_m,
+        "bound_m" => tick.stop.bound_m,
+    ]
+}
+
+fn active_faults(tick: &Tick<'_, '_>) -> String {
+    let faults = tick.board.report().active_faults.iter();
+    faults
+        .map(|fault| fault.to_string())
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+fn measured(tick: &Tick<'_, '_>) -> Measured<f32> {
+    tick.board.report().measured.unwrap_or_default()
+}
+
+fn torques(tick: &Tick<'_, '_>) -> WheelTorques<f32> {
+    tick.board.report().action.torques().unwrap_or_default()
+}
 
 impl<W: Write> TraceWriter<W> {
     /// With the header written.
@@ -212,7 +208,7 @@ impl<W: Write> TraceWriter<W> {
     /// Those of the writer.
     pub fn new(out: W) -> csv::Result<Self> {
         let mut writer = csv::Writer::from_writer(out);
-        writer.write_record(TRACE_COLUMNS)?;
+        writer.write_record(names(&trace_columns()))?;
         Ok(Self(writer))
     }
 
@@ -221,42 +217,7 @@ impl<W: Write> TraceWriter<W> {
     /// # Errors
     /// Those of the writer.
     pub fn row(&mut self, tick: &Tick<'_, '_>) -> csv::Result<()> {
-        use controller_core::base::WheelAction;
-        let report = tick.board.report();
-        let Measured { pose, twist } = tick.board.world().truth();
-        let measured = report.measured.unwrap_or_default();
-        let active_faults: Vec<_> = report.active_faults.iter().map(|f| f.to_string()).collect();
-        let action = match &report.action {
-            WheelAction::Release => "release",
-            WheelAction::Brake => "brake",
-            WheelAction::Drive(_) => "drive",
-        };
-        let torques = report.action.torques().unwrap_or_default();
-        let writer = &mut self.0;
-        for text in [
-            tick.t.to_string(),
-            format!("{:?}", report.state),
-            format!("{:?}", report.cause),
-            active_faults.join("; "),
-            action.to_owned(),
-            u8::from(tick.injection).to_string(),
-        ] {
-            writer.write_field(text)?;
-        }
-        let f = f64::from;
-        let truth = [pose.x, pose.y, pose.theta, twist.linear, twist.angular];
-        let base = [
-            f(measured.pose.x),
-            f(measured.pose.y),
-            f(measured.twist.linear),
-            f(measured.twist.angular),
-            f(torques.right),
-            f(torques.left),
-            tick.stop.way_m,
-            tick.stop.bound_m,
-        ];
-        write_numbers(writer, truth.into_iter().chain(base))?;
-        writer.write_record(None::<&[u8]>)
+        write_row(&mut self.0, &trace_columns(), &tick)
     }
 
     /// Everything is written.

@@ -78,13 +78,7 @@ pub fn all(
             "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}\n\n"
         ))?;
     }
-    let failed = |error: csv::Error| CommandError::Write {
-        path: output.out.join(format!("{NAME}.csv")),
-        cause: error.to_string(),
-    };
-    let mut csv = Vec::new();
-    write_runs(&outcomes, &mut csv).map_err(failed)?;
-    writer.bytes(&format!("{NAME}.csv"), &csv)?;
+    writer.rows(NAME, |out| write_runs(&outcomes, out))?;
     writer.json(NAME, &[Record::of(seed, &outcomes, &cells)])?;
     say(&format!(
         "{} of {} runs against the rules; results are in {}\n",

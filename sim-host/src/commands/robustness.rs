@@ -31,12 +31,7 @@ pub fn all(seeds: NonZeroU32, only: &[String], output: &Output) -> Result<(), Co
     let svg = figure(&rows)?;
     writer.bytes(&format!("{NAME}.svg"), svg.as_bytes())?;
     writer.bytes(&format!("{NAME}.png"), &png(&svg)?)?;
-    let mut csv = Vec::new();
-    write_csv(&rows, &mut csv).map_err(|error| CommandError::Write {
-        path: output.out.join(format!("{NAME}.csv")),
-        cause: error.to_string(),
-    })?;
-    writer.bytes(&format!("{NAME}.csv"), &csv)?;
+    writer.rows(NAME, |out| write_csv(&rows, out))?;
     say(&format!("results are in {}\n", output.out.display()))
 }
 

@@ -58,12 +58,7 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
         cases: &verification.cases,
     };
     writer.json(&name, &[record])?;
-    let mut csv = Vec::new();
-    write_csv(&verification.runs, &mut csv).map_err(|error| CommandError::Write {
-        path: output.out.join(format!("{name}.csv")),
-        cause: error.to_string(),
-    })?;
-    writer.bytes(&format!("{name}.csv"), &csv)?;
+    writer.rows(&name, |out| write_csv(&verification.runs, out))?;
     say(&format!("results are in {}\n", output.out.display()))?;
     match verification.holds() {
         true => Ok(()),

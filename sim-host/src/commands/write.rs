@@ -115,15 +115,19 @@ impl<'a> Writer<'a> {
     }
 
     pub fn csv(&self, name: &str, trace: &Trace, columns: Columns) -> Result<(), CommandError> {
+        let every = self.output.every.get();
+        self.rows(name, |out| csv_out::write(trace, columns, every, out))
+    }
+
+    /// A CSV file, by what writes it.
+    pub fn rows(
+        &self,
+        name: &str,
+        write: impl FnOnce(BufWriter<File>) -> csv::Result<()>,
+    ) -> Result<(), CommandError> {
         let path = self.path(&format!("{name}.csv"));
         let file = File::create(&path).map_err(|error| failed(&path, &error))?;
-        csv_out::write(
-            trace,
-            columns,
-            self.output.every.get(),
-            BufWriter::new(file),
-        )
-        .map_err(|error| failed(&path, &error))
+        write(BufWriter::new(file)).map_err(|error| failed(&path, &error))
     }
 
     pub fn metrics(&self, name: &str, records: &[Record<'_>]) -> Result<(), CommandError> {

@@ -8,7 +8,7 @@ mod log;
 mod port;
 
 pub use decode::{LatestTelemetry, Monitor};
-pub use log::{COLUMNS, Log};
+pub use log::{Log, column_names};
 pub use port::{Port, Received};
 
 use std::io;

@@ -27,7 +27,7 @@ mod table;
 pub use catalogue::catalogue;
 pub use closed_loop::{LOST, Run, RunVerdict, run};
 pub use condition::{Condition, Disturbance, Expected, Group, Range};
-pub use csv::{COLUMNS, write as write_csv};
+pub use csv::{column_names, write as write_csv};
 pub use law::{ComparedLaw, base_with_limits};
 pub use study::{Spread, StudyOutcome, StudyRow, runs, study};
 pub use table::{tables, three_digits};

@@ -8,7 +8,7 @@ mod csv;
 mod study;
 mod table;
 
-pub use csv::{COLUMNS, write as write_csv};
+pub use csv::write as write_csv;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 
