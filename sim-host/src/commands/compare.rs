@@ -141,7 +141,7 @@ fn one_by_law(
         writer.figure(&file, &title, main, Some(below))?;
     }
     let records: Vec<Record<'_>> = runs.iter().map(Record::from).collect();
-    writer.metrics(name, &records)?;
+    writer.json(name, &records)?;
     if csv {
         for run in &runs {
             writer.csv(
@@ -169,7 +169,7 @@ fn beside_each_other(
         .collect();
     print_table(runs, &labels)?;
     let records: Vec<Record<'_>> = runs.iter().map(Record::from).collect();
-    writer.metrics(&labels.join("-vs-"), &records)?;
+    writer.json(&labels.join("-vs-"), &records)?;
     let mut labelled = labels
         .iter()
         .zip(runs)

@@ -214,7 +214,7 @@ fn write(
         chip: Some(chip),
         ..Record::from(&run)
     };
-    writer.metrics(&file, &[record])?;
+    writer.json(&file, &[record])?;
     writer.csv(&file, trace, Columns::Paper)
 }
 

@@ -34,7 +34,7 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
         let trace = &run.trace;
         let title = format!("{name}: {}", scenario.description);
         writer.figure(name, &title, Labelled { label, trace }, None)?;
-        writer.metrics(name, &[Record::from(&run)])?;
+        writer.json(name, &[Record::from(&run)])?;
         if csv {
             writer.csv(name, trace, Columns::Paper)?;
         }

@@ -130,10 +130,6 @@ impl<'a> Writer<'a> {
         write(BufWriter::new(file)).map_err(|error| failed(&path, &error))
     }
 
-    pub fn metrics(&self, name: &str, records: &[Record<'_>]) -> Result<(), CommandError> {
-        self.json(name, records)
-    }
-
     /// A file of that very name.
     pub fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), CommandError> {
         let path = self.path(name);

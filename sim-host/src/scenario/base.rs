@@ -77,10 +77,7 @@ impl BaseSpec {
     /// # Errors
     /// A file that cannot be read, or [`BaseSpec::parse`]'s.
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
-        let file = path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|error| source::unreadable(&file, &error))?;
-        Self::parse(&file, &text)
+        source::load(path, Self::parse)
     }
 
     /// A base from its text; `file` is the name that errors show.

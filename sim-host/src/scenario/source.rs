@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 /// A scenario that cannot be used: which file, which line, which key, and why.
@@ -152,14 +153,21 @@ fn path_to(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> 
     false
 }
 
-/// An error of a file that could not be read at all.
-pub(super) fn unreadable(file: &str, error: &std::io::Error) -> ScenarioError {
-    ScenarioError {
-        file: file.to_owned(),
-        line: None,
-        key: String::new(),
-        message: format!("cannot be read: {error}"),
-        excerpt: String::new(),
+/// What `parse` makes of a file; it gets the file's name and text.
+pub(super) fn load<T>(
+    path: &Path,
+    parse: impl FnOnce(&str, &str) -> Result<T, ScenarioError>,
+) -> Result<T, ScenarioError> {
+    let file = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => parse(&file, &text),
+        Err(error) => Err(ScenarioError {
+            file,
+            line: None,
+            key: String::new(),
+            message: format!("cannot be read: {error}"),
+            excerpt: String::new(),
+        }),
     }
 }
 
