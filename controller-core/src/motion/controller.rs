@@ -1,7 +1,6 @@
 //! The controller for a real base: one tick from pose to wheel torques.
 
 use super::arrival::AtRest;
-use super::bridge::Bridges;
 use super::disturbance::{Observer, Watch};
 use super::error_view::ErrorView;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
@@ -12,6 +11,7 @@ use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
 use super::setpoint::Setpoint;
 use super::task::Task;
+use super::transition_offset::TransitionOffset;
 use super::velocity_loop::{achieved, stands, wrench};
 use crate::check::{check_measured, check_tick};
 use crate::error::{Input, StepFault};
@@ -30,7 +30,7 @@ struct State<T> {
     pose_law: PoseLaw<T>,
     stall: Stall<T>,
     observer: Observer<T>,
-    bridges: Bridges<T>,
+    offset: TransitionOffset<T>,
     command: Command<T>,
     /// The caller said that the pose will jump.
     declared: bool,
@@ -105,7 +105,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             pose_law,
             stall: Stall::default(),
             observer: Observer::start(&measured.twist),
-            bridges: Bridges::between(&command, &desired.setpoint, T::ONE, T::ZERO),
+            offset: TransitionOffset::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
             declared: false,
             released: false,
@@ -176,9 +176,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             .pose_law
             .advance::<U, M>(motion, task, &view, moving, step);
         let resting = state.pose_law.is_resting();
-        state.bridges = if jumped || desired.rebase {
+        state.offset = if jumped || desired.rebase {
             let kept = self.kept(jumped, dt);
-            Bridges::between(&state.command, &desired.setpoint, kept, dt)
+            TransitionOffset::between(&state.command, &desired.setpoint, kept, dt)
         } else {
             let decay = if resting {
                 T::from_f64(STOPPING_DECAY)
@@ -186,13 +186,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
                 motion.gains().decay
             };
             let fade = T::ONE + M::exp_m1(-(decay * dt));
-            state.bridges.advance(decay, dt, fade)
+            state.offset.advance(decay, dt, fade)
         };
         state.released &= resting;
         let mut limited = if state.released {
             Limited::default()
         } else {
-            let setpoint = state.bridges.added_to(&desired.setpoint);
+            let setpoint = state.offset.added_to(&desired.setpoint);
             let (command, limited) = state.command.advance(motion, &setpoint, dt);
             state.command = command;
             limited
@@ -309,7 +309,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             error: found.error,
             desired: found.setpoint.twist,
             desired_rate: found.setpoint.rate,
-            transition_offset: state.bridges.twist(),
+            transition_offset: state.offset.twist(),
             command: command.twist,
             command_rate: command.rate,
             velocity_error,
@@ -344,7 +344,7 @@ impl<T: Scalar> State<T> {
 
     /// No memory is infinite or NaN: a wild input is refused, and does not stay.
     fn is_finite(&self) -> bool {
-        self.observer.is_finite() && self.pose_law.is_finite() && self.bridges.is_finite()
+        self.observer.is_finite() && self.pose_law.is_finite() && self.offset.is_finite()
     }
 }
 

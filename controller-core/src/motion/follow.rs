@@ -39,7 +39,7 @@ impl<T: Scalar> Follower<T> {
     /// w_d = w_r + k₃ (s₂ + sin e_θ + s₃)
     /// ```
     ///
-    /// | neuron | wish | bound |
+    /// | neuron | demand | bound |
     /// | --- | --- | --- |
     /// | s₁ | k₁ e_x | `along_bound` |
     /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to 1.3 | 1.3 |
@@ -62,25 +62,25 @@ impl<T: Scalar> Follower<T> {
         let slope = gains.lateral / gains.heading * v / (v * v + gains.slow * gains.slow);
         let ahead = slope * now.error.x;
         let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
-        let wishes = (
+        let demands = (
             gains.longitudinal * now.error.x,
             clamp(across, T::from_f64(1.3)),
             self.turn_around(now.error.theta, sine),
         );
         match two_per_dt {
             Some(two_per_dt) => {
-                let step = |lag: &super::lag::Lag<T>, state: &LagState<T>, wish| {
-                    lag.advance::<U, M>(state, wish, two_per_dt)
+                let step = |lag: &super::lag::Lag<T>, state: &LagState<T>, demand| {
+                    lag.advance::<U, M>(state, demand, two_per_dt)
                 };
-                self.along = step(&motion.along, &self.along, wishes.0);
-                self.across = step(&motion.across, &self.across, wishes.1);
-                self.around = step(&motion.around, &self.around, wishes.2);
+                self.along = step(&motion.along, &self.along, demands.0);
+                self.across = step(&motion.across, &self.across, demands.1);
+                self.around = step(&motion.around, &self.around, demands.2);
             }
             None => {
                 let turned = (command.angular - reference.angular) / gains.heading - sine;
-                self.along = motion.along.reset(command.linear - v * cosine, wishes.0);
-                self.across = motion.across.reset(turned, wishes.1);
-                self.around = motion.around.reset(T::ZERO, wishes.2);
+                self.along = motion.along.reset(command.linear - v * cosine, demands.0);
+                self.across = motion.across.reset(turned, demands.1);
+                self.around = motion.around.reset(T::ZERO, demands.2);
             }
         }
         let heading_rate = reference.angular - now.turn_rate;

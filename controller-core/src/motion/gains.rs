@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionGains<T = f32> {
-    /// A \[1/s\]: decay of the pose neurons and of the bridges. 0.1 to 100.
+    /// A \[1/s\]: decay of the pose neurons and of the transition offset. 0.1 to 100.
     pub decay: T,
     /// k₁ \[1/s\]: along the path. 1e-3 to 100.
     pub longitudinal: T,

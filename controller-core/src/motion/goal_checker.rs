@@ -5,7 +5,7 @@ use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist};
 
-/// Decay of the bridge that stops a parked robot \[1/s\]: faster than the pose neurons' 5, since the
+/// Decay of the transition offset that stops a parked robot \[1/s\]: faster than the pose neurons' 5, since the
 /// speeds left are small, so that nothing moves a second after arrival.
 pub(crate) const STOPPING_DECAY: f64 = 12.0;
 
@@ -31,7 +31,7 @@ pub(crate) struct GoalView<T> {
 impl<T: Scalar> GoalChecker<T> {
     /// The latch after a tick of `dt`.
     ///
-    /// Enters when the place where the stopping bridge would end is inside the tolerance: a bridge
+    /// Enters when the place where the stop would end is inside the tolerance: a transition offset
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
     /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or 1.3 times the heading, but not in
     /// the first second, while it still settles.
@@ -80,8 +80,8 @@ impl<T: Scalar> GoalChecker<T> {
 /// How far a command and a speed still carry once the setpoint is zero.
 fn travel<T: Scalar>(command: T, rate: T, speed: T, dt: T, bandwidth: T) -> T {
     let decay = T::from_f64(STOPPING_DECAY);
-    let bridge = (rate + (decay + decay) * command) / (decay * decay);
-    bridge + (speed - command - dt * rate) / bandwidth
+    let offset = (rate + (decay + decay) * command) / (decay * decay);
+    offset + (speed - command - dt * rate) / bandwidth
 }
 
 impl<T: Scalar> ValidMotionParams<T> {

@@ -64,7 +64,7 @@ impl<T: Scalar> ValidMotionParams<T> {
     /// Distance to the goal \[m\], along the path, at which to change from following to parking: far
     /// enough for the robot not to overshoot from `speed` \[m/s\].
     ///
-    /// The approach decays as exp(−k₄ t), and the bridge from the speed at hand-over carries the
+    /// The approach decays as exp(−k₄ t), and the transition offset from the speed at hand-over carries the
     /// robot on by its share: v (1/(2 k₄) + 1/A). Where k₄ v is more than the planned deceleration
     /// p, braking at p takes over: v²/(2p) + p/(8 k₄²) + v/A.
     pub fn hand_over_distance(&self, speed: T) -> T {

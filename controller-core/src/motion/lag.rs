@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 use crate::shunting::NeuronParams;
 use crate::shunting::{NeuronUpdate, Shunting};
 
-/// Eq. (4) with B = D and its input scaled by A/B: for a constant wish x the state goes to
+/// Eq. (4) with B = D and its input scaled by A/B: for a constant demand x the state goes to
 /// x/(1 + |x|/B), which is x where it is small and never beyond ±B.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lag<T> {
@@ -39,21 +39,21 @@ impl<T: Scalar> Lag<T> {
     }
 
     /// The state that starts from `value`, or as near to it as the bound allows.
-    pub(crate) fn reset(&self, value: T, wish: T) -> LagState<T> {
+    pub(crate) fn reset(&self, value: T, demand: T) -> LagState<T> {
         LagState {
             value: self.neuron.clip(value),
-            input: self.scale * wish,
+            input: self.scale * demand,
         }
     }
 
-    /// The state after a tick, for a wish that was the last one at its begin and is `wish` at its end.
+    /// The state after a tick, for a demand that was the last one at its begin and is `demand` at its end.
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &self,
         last: &LagState<T>,
-        wish: T,
+        demand: T,
         two_per_dt: T,
     ) -> LagState<T> {
-        let input = self.scale * wish;
+        let input = self.scale * demand;
         let twice = U::twice_input(last.input, input);
         LagState {
             value: self.neuron.advance::<U, M>(last.value, twice, two_per_dt),

@@ -6,8 +6,8 @@
 //!
 //! ```text
 //! task, pose -> error view -> pose law (follow, polar) -> setpoint: a twist and its exact rate
-//!    -> bridge (jumps of the setpoint fade)  -> governor (limits on speed, acceleration, jerk)
-//!    -> velocity loop (with feed-forward)    -> wheels (limit, shared by a policy; told back)
+//!    -> transition offset (jumps fade) -> governor (limits on speed, acceleration, jerk)
+//!    -> velocity loop (with feed-forward)    -> wheels (limit, shared by a policy; fed back)
 //! ```
 //!
 //! * Reference accelerations are fed forward exactly; neurons shape only the feedback.
@@ -22,7 +22,6 @@
 //! `docs/motion.md` derives the laws and has the measurements.
 
 mod arrival;
-mod bridge;
 mod controller;
 mod disturbance;
 mod error_view;
@@ -41,6 +40,7 @@ mod retry;
 mod saturation;
 mod setpoint;
 mod task;
+mod transition_offset;
 mod velocity_loop;
 
 pub use arrival::{Arrival, AtRest};

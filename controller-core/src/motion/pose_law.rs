@@ -46,7 +46,7 @@ pub(crate) struct Step<T> {
 /// What a pose law made of a tick.
 pub(crate) struct Wanted<T> {
     pub(crate) setpoint: Setpoint<T>,
-    /// Parked and not, or a new aim: the setpoint starts a new bridge.
+    /// Parked and not, or a new aim: the setpoint starts a new transition offset.
     pub(crate) rebase: bool,
 }
 

@@ -69,7 +69,7 @@ pub struct MotionReport<T = f32> {
     pub disturbance: Wrench<T>,
     /// What the law asks for, before the wheels' limit.
     pub wrench: Wrench<T>,
-    /// What the wheels are to be told \[N m\], within their limit.
+    /// What the wheels are to exert \[N m\], within their limit.
     pub torques: WheelTorques<T>,
     /// Limits at work.
     pub limited: Limited,

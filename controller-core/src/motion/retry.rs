@@ -58,7 +58,7 @@ impl<T: Scalar> Retry<T> {
     ///
     /// A robot is stuck that for [`ValidMotionParams::patience`] is near the goal, or hardly moves, and is not parked, or for
     /// six times as long is closer than a retry drives out; beside the goal a quarter of the time is enough. A
-    /// stall (a speed is asked for and not reached) is told as one, and is no reason to try again.
+    /// stall (a speed is asked for and not reached) is reported as one, and is no reason to try again.
     pub(crate) fn advance<M: Maths<T>>(
         &self,
         motion: &ValidMotionParams<T>,

@@ -98,9 +98,9 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
         (place, values, speeds, [r.al.0, r.ar.0, r.fl.0, r.fr.0])
     }));
     let mut repairs = Repairs::default();
-    let told = columns.has_turn_rate();
+    let stated = columns.has_turn_rate();
     let track = track.filter(|t| t.is_finite() && *t > 0.0);
-    if !told {
+    if !stated {
         let from = if track.is_some() {
             "vl, vr and the track width"
         } else {
@@ -122,7 +122,7 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
         .map(|(place, r)| {
             let speeds = r.vl.0.zip(r.vr.0).filter(|_| !bad.speeds);
             let w = match track {
-                _ if told && !bad.omega => r.omega.0,
+                _ if stated && !bad.omega => r.omega.0,
                 Some(track) => speeds.map(|(l, r)| (r - l) / track),
                 None => None,
             };

@@ -87,7 +87,7 @@ impl Columns {
         self.rows.iter().all(|r| r.omega.is_some())
     }
 
-    /// The worst row of a column: pairs (told, derived) over intervals, compared as means.
+    /// The worst row of a column: pairs (stated, derived) over intervals, compared as means.
     fn worst(&self, pair: impl Fn(&Row, &Row, f64) -> Option<(f64, f64)>) -> Option<(usize, f64)> {
         let mut scale: f64 = 0.0;
         let mut worst = (0, 0.0);
@@ -97,12 +97,12 @@ impl Columns {
             if !(SHORT..LONG).contains(&dt) {
                 continue;
             }
-            let Some((told, derived)) = pair(from, to, dt) else {
+            let Some((stated, derived)) = pair(from, to, dt) else {
                 continue;
             };
             scale = scale.max(derived.abs());
-            if (told - derived).abs() > worst.1 {
-                worst = (i, (told - derived).abs());
+            if (stated - derived).abs() > worst.1 {
+                worst = (i, (stated - derived).abs());
             }
         }
         (worst.1 > SLACK + PART * scale).then_some(worst)

@@ -10,12 +10,12 @@ use crate::types::{Accel, Twist};
 /// Set at a jump so that the setpoint's value and rate go on from those of the command; from then on
 /// both fade together. `rate` is the exact rate of `value`: command and feed-forward agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Bridge<T> {
+struct AxisOffset<T> {
     value: T,
     rate: T,
 }
 
-impl<T: Scalar> Bridge<T> {
+impl<T: Scalar> AxisOffset<T> {
     fn is_finite(&self) -> bool {
         self.value.is_finite() && self.rate.is_finite()
     }
@@ -32,20 +32,20 @@ impl<T: Scalar> Bridge<T> {
     }
 }
 
-/// Bridges of speed and turn rate.
+/// Transition offsets of speed and turn rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Bridges<T> {
-    linear: Bridge<T>,
-    angular: Bridge<T>,
+pub(crate) struct TransitionOffset<T> {
+    linear: AxisOffset<T>,
+    angular: AxisOffset<T>,
 }
 
-impl<T: Scalar> Bridges<T> {
-    /// Bridges with which the setpoint, from now on, goes on from where a command would be after `dt`, in
+impl<T: Scalar> TransitionOffset<T> {
+    /// Offsets with which the setpoint, from now on, goes on from where a command would be after `dt`, in
     /// value and, as far as it is `kept` (0 to 1), in rate.
     pub(crate) fn between(command: &Command<T>, setpoint: &Setpoint<T>, kept: T, dt: T) -> Self {
-        let bridge = |speed: T, accel: T, to: T, to_rate: T| {
+        let offset = |speed: T, accel: T, to: T, to_rate: T| {
             let rate = kept * (accel - to_rate);
-            Bridge {
+            AxisOffset {
                 value: speed + dt * (to_rate + rate) - to,
                 rate,
             }
@@ -53,8 +53,8 @@ impl<T: Scalar> Bridges<T> {
         let (twist, rate) = (&command.twist, &command.rate);
         let (to, to_rate) = (&setpoint.twist, &setpoint.rate);
         Self {
-            linear: bridge(twist.linear, rate.linear, to.linear, to_rate.linear),
-            angular: bridge(twist.angular, rate.angular, to.angular, to_rate.angular),
+            linear: offset(twist.linear, rate.linear, to.linear, to_rate.linear),
+            angular: offset(twist.angular, rate.angular, to.angular, to_rate.angular),
         }
     }
 
@@ -66,7 +66,7 @@ impl<T: Scalar> Bridges<T> {
         }
     }
 
-    /// The setpoint with the bridges on top.
+    /// The setpoint with the offsets on top.
     pub(crate) fn added_to(&self, setpoint: &Setpoint<T>) -> Setpoint<T> {
         Setpoint {
             twist: Twist {
