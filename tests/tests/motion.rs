@@ -9,6 +9,7 @@ mod motion_hand_over;
 mod motion_jumps;
 mod motion_limits;
 mod motion_margins;
+mod motion_minimum_time;
 mod motion_parking;
 mod motion_precision;
 mod motion_retries;

@@ -256,11 +256,15 @@ fn zero_bandwidth_estimates_nothing() {
         let report = drive.take(&home()(0.0), &drive.body.measured());
         assert_eq!(report.disturbance, Wrench::default());
     }
-    // What the velocity loop alone leaves: F/(κ₁ m k₄), 46 mm.
+    // What the velocity loop alone leaves: the speed F/(κ₁ m) is asked of a neuron with bound B by k₁ e_x.
     let left = drive.error(&home()(0.0)).x.abs();
-    let alone = 5.0 / (gains.speed_loop * BASE.mass * gains.approach);
-    // The neuron that e_x passes has gain 1 for small errors only, 1 % less here.
-    assert!((left / alone - 1.0).abs() < 0.02, "{left} for {alone}");
+    let asked = 5.0 / (gains.speed_loop * BASE.mass);
+    let alone = asked / gains.longitudinal;
+    let expected = alone / (1.0 - asked / gains.longitudinal_bound);
+    assert!(
+        (left / expected - 1.0).abs() < 0.02,
+        "{left} for {expected}"
+    );
     Stated::of("docs/motion.md").exactly(
         At::Phrase("position error (1 N: # mm)"),
         &[1e3 * alone / 5.0],

@@ -64,6 +64,9 @@ fn motion<T: Scalar, M: Maths<T>>(base: Base, at_rest: AtRest) -> ValidMotionPar
     params.validate().expect("valid")
 }
 
+/// Way in ten seconds at rest that is no movement \[m\]: a fiftieth of the tolerance.
+const CREPT: f64 = 1e-5;
+
 /// Parked within 1 mm, and held or let go without hunting.
 fn nothing_is_left<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     name: &str,
@@ -80,7 +83,9 @@ fn nothing_is_left<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         assert!(all.left.0 < ARRIVED && all.left.1 < ARRIVED, "{name}");
         // The stop of the last roll, with its counter-torque; from then on nothing.
         assert!(all.hunting.0 <= 2 && all.hunting.1 < 1.0, "{name}");
-        assert_eq!(all.crept, 0.0, "{name}");
+        // Friction that the estimate makes up for no longer stops the robot: what is left of its speed decays, down to
+        // the rounding of single precision.
+        assert!(all.crept < CREPT, "{name}: {}", all.crept);
         sum.add(&all, runs.len());
         if at_rest == AtRest::Release {
             assert!(
@@ -129,7 +134,7 @@ fn dry_friction_of_each_wheel_is_parked_or_told() {
     sum.state("0.06 N to break away", true);
     // Those with friction per axis are done sooner, and are held to 1 s.
     Stated::of("docs/motion.md").exactly(
-        At::Phrase("more than twice, none later than # s"),
+        At::Phrase("more than six times, the last after # s"),
         &[latest],
     );
 }
@@ -149,14 +154,15 @@ fn on_wheels<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     assert!(all.left.0 < ARRIVED && all.left.1 < ARRIVED, "{name}");
     assert!(f64::from(all.lost) <= told * runs.len() as f64, "{name}");
     sum.add(&all, runs.len());
-    assert!(all.hunting.0 <= 2 && all.hunting.1 < 1.0, "{name}");
+    // Where each wheel sticks by itself, one of many runs lets go of what a wheel holds long after it was parked.
+    assert!(all.hunting.0 <= 6, "{name}");
     for run in &runs {
         assert!(matches!(
             run.outcome,
             Outcome::Parked | Outcome::OutOfTolerance
         ));
         // Who gave up moving may still come to rest.
-        assert!(run.crept < 1e-6);
+        assert!(run.crept < CREPT, "{run:?}");
     }
 }
 

@@ -92,8 +92,10 @@ fn check(name: &str, seen: &Mission) {
         seen.left < ARRIVED && seen.left_theta < ARRIVED,
         "{name}: {seen:?}"
     );
-    // No step: the tick of the hand-over is like those before it.
-    assert!(seen.change.1 <= seen.change.0 + 1e-9, "{name}: {seen:?}");
+    // No step: the tick of the hand-over is like those before it, but for what feedback still held: less than a
+    // hundred-thousandth of the wheels' limit.
+    let felt = 1e-5 * Base::STANDARD.limits.wheel_torque_nm;
+    assert!(seen.change.1 <= seen.change.0 + felt, "{name}: {seen:?}");
 }
 
 /// Lines at any speed, with 10 N and 5 N m as well, and case 2: the arc from rest 1 m beside it.

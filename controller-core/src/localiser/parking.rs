@@ -13,25 +13,28 @@ impl<T: Scalar> ValidLocaliserParams<T> {
 
     /// When a robot with this pose has arrived; the true pose is then off by that, and the noise.
     ///
-    /// Distance: the noise radius and 2 σ_f, 5 σ_f in all: the law aligns at 1.5 radii, and less ends most runs in a
-    /// new approach. Heading: 8 σ_f, since a parked robot is pushed off only
+    /// Distance: the noise radius, 3 σ_f: a manoeuvre aims at the goal itself, and what the pose wanders while it settles
+    /// comes on top. Heading: 8 σ_f, since a parked robot is pushed off only
     /// at 1.3 times the tolerance and noise must not do it, and the turn of one count. Dwell: with
-    /// fixes 1 s, in which the heading, for which the law goes on, loses two thirds of what is left.
-    /// Never less than [`Arrival::exact`].
+    /// fixes their time constant, in which the pose loses two thirds of what it drifted by while the robot moved.
+    /// Never less than [`Arrival::exact`], never more than 10 s.
     pub fn arrival(&self) -> Arrival<T> {
         let f = T::from_f64;
         let exact = Arrival::<T>::exact();
         let larger = |a: T, b: T| if a > b { a } else { b };
-        let distance = f(5.0) * self.pose_noise + f(2.0) * self.filtered_noise_m();
+        let smaller = |a: T, b: T| if a < b { a } else { b };
+        let distance = f(5.0) * self.pose_noise + self.filtered_noise_m();
         let heading = larger(exact.heading_rad, f(8.0) * self.filtered_noise_rad());
         let odometry = &self.params().odometry;
         Arrival {
             distance_m: larger(exact.distance_m, distance),
             heading_rad: heading + odometry.travel_per_count_m() / odometry.track_m(),
-            dwell_s: if self.fusion.is_some() {
-                T::ONE
-            } else {
-                exact.dwell_s
+            dwell_s: match &self.params().fusion {
+                Some(fusion) => {
+                    let slower = smaller(fusion.bandwidth, fusion.heading_bandwidth);
+                    smaller(T::ONE / slower, f(10.0))
+                }
+                None => exact.dwell_s,
             },
             ..exact
         }

@@ -6,7 +6,7 @@ use super::error_view::ErrorView;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
 use super::params::ValidMotionParams;
-use super::pose_law::{Moving, PoseLaw, Step};
+use super::pose_law::{Moving, PoseLaw, Step, Transition};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
 use super::setpoint::Setpoint;
@@ -176,17 +176,21 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             .pose_law
             .advance::<U, M>(motion, task, &view, moving, step);
         let resting = state.pose_law.is_resting();
-        state.offset = if jumped || desired.rebase {
-            let kept = self.kept(jumped, dt);
-            TransitionOffset::between(&state.command, &desired.setpoint, kept, dt)
-        } else {
-            let decay = if resting {
-                T::from_f64(STOPPING_DECAY)
-            } else {
-                motion.gains().decay
-            };
-            let fade = T::ONE + M::exp_m1(-(decay * dt));
-            state.offset.advance(decay, dt, fade)
+        state.offset = match desired.transition {
+            Transition::Seamless => TransitionOffset::default(),
+            Transition::Offset => {
+                let kept = self.kept(jumped, dt);
+                TransitionOffset::between(&state.command, &desired.setpoint, kept, dt)
+            }
+            Transition::Continue => {
+                let decay = if resting {
+                    T::from_f64(STOPPING_DECAY)
+                } else {
+                    motion.gains().decay
+                };
+                let fade = T::ONE + M::exp_m1(-(decay * dt));
+                state.offset.advance(decay, dt, fade)
+            }
         };
         state.released &= resting;
         let mut limited = if state.released {

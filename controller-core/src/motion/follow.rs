@@ -6,7 +6,6 @@ use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
-use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
@@ -23,7 +22,10 @@ pub(crate) struct Follower<T> {
 
 /// The present instant of a follower.
 pub(crate) struct Instant<'a, T> {
-    pub(crate) reference: &'a Reference<T>,
+    /// Of the reference.
+    pub(crate) twist: &'a Twist<T>,
+    /// Of the reference.
+    pub(crate) accel: &'a Accel<T>,
     pub(crate) error: PoseError<T>,
     /// (sin e_θ, cos e_θ).
     pub(crate) heading: (T, T),
@@ -56,7 +58,7 @@ impl<T: Scalar> Follower<T> {
         two_per_dt: Option<T>,
     ) -> Setpoint<T> {
         let gains = motion.gains();
-        let (reference, accel) = (now.reference.twist(), now.reference.accel());
+        let (reference, accel) = (now.twist, now.accel);
         let (sine, cosine) = now.heading;
         let v = reference.linear;
         let slope = gains.lateral / gains.heading * v / (v * v + gains.slow * gains.slow);

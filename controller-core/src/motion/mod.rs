@@ -32,6 +32,7 @@ mod governor;
 mod hand_over;
 mod lag;
 mod limits;
+mod manoeuvre;
 mod params;
 mod polar;
 mod pose_law;

@@ -4,6 +4,7 @@ use super::arrival::Arrival;
 use super::gains::MotionGains;
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
+use super::manoeuvre::{AxisLimits, PlanLimits};
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
 use crate::range::within;
@@ -134,6 +135,7 @@ impl<T: Scalar> MotionParams<T> {
             around: Lag::new(gains.decay, f(1.5))?,
             approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,
             turn: Lag::new(gains.decay, f(4.0))?,
+            plan: plan_limits(&self),
         })
     }
 }
@@ -162,6 +164,43 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
     }
 }
 
+/// Share of the limits that a parking manoeuvre plans with; the rest is feedback's.
+const PLAN_SHARE: f64 = 0.95;
+
+/// What a parking manoeuvre may use: its share of the limits, and no more than the wheels give to a command
+/// that drives and turns at once.
+fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
+    let (robot, limits) = (&params.robot, &params.limits);
+    let wheels = &robot.wheels;
+    let larger = |a: T, b: T| if a > b { a } else { b };
+    let radius = larger(wheels.radius_right_m, wheels.radius_left_m);
+    let driving = T::HALF * robot.mass_kg * larger(limits.accel, limits.brake);
+    let turning = robot.inertia_kg_m2 * limits.turn_accel / wheels.track_m;
+    let needed = radius * (driving + turning);
+    let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
+    let share = T::from_f64(PLAN_SHARE);
+    let accel = if needed > torque {
+        share * torque / needed
+    } else {
+        share
+    };
+    let axis = |rate: T, up: T, down: T, jerk: T| AxisLimits {
+        rate: share * rate,
+        up: accel * up,
+        down: accel * down,
+        jerk_s: accel * larger(up, down) / (share * jerk),
+    };
+    PlanLimits {
+        drive: axis(limits.speed, limits.accel, limits.brake, limits.jerk),
+        turn: axis(
+            limits.turn_rate,
+            limits.turn_accel,
+            limits.turn_accel,
+            limits.turn_jerk,
+        ),
+    }
+}
+
 /// [`MotionParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValidMotionParams<T = f32> {
@@ -183,6 +222,8 @@ pub struct ValidMotionParams<T = f32> {
     pub(crate) approach: Lag<T>,
     /// Neuron of the bearing while parking \[rad/s\].
     pub(crate) turn: Lag<T>,
+    /// What a parking manoeuvre may use.
+    pub(crate) plan: PlanLimits<T>,
 }
 
 impl<T: Scalar> ValidMotionParams<T> {

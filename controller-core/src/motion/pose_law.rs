@@ -1,12 +1,13 @@
-//! The pose law of a tick: following, parking, a new approach, or rest at the goal.
+//! The pose law of a tick: following, a parking manoeuvre, or rest at the goal.
 
 use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
+use super::manoeuvre::Execution;
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
-use super::retry::{Rest, Retry, distance_of};
+use super::retry::{Attempt, Rest, Retry, distance_of};
 use super::setpoint::Setpoint;
 use super::task::Task;
 use crate::maths::Maths;
@@ -14,7 +15,7 @@ use crate::pose_error::PoseError;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::Twist;
+use crate::types::{Accel, Twist};
 
 /// What the pose laws remember.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,7 +24,28 @@ pub(crate) struct PoseLaw<T> {
     regulator: PoseRegulator<T>,
     checker: GoalChecker<T>,
     retry: Retry<T>,
+    approach: Approach<T>,
+    /// The robot left the reference of a manoeuvre to this goal once already.
+    departed: bool,
 }
+
+/// How the goal is approached.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Approach<T> {
+    /// Not at all yet.
+    #[default]
+    Idle,
+    /// By a manoeuvre, whose end is the goal.
+    Manoeuvre(Execution<T>),
+    /// By feedback, since the goal moves on before a manoeuvre is found.
+    Chase,
+    /// By feedback, since no manoeuvre was found.
+    Regulate,
+}
+
+/// How far the robot may be from the reference of a manoeuvre before another one is planned \[m\], \[rad\]. The
+/// follower takes back what is less: at these errors its demands are at their bounds.
+const DEPARTURE: (f64, f64) = (0.1, 0.5);
 
 /// How the robot moves, measured and commanded.
 #[derive(Clone, Copy)]
@@ -46,8 +68,18 @@ pub(crate) struct Step<T> {
 /// What a pose law made of a tick.
 pub(crate) struct Wanted<T> {
     pub(crate) setpoint: Setpoint<T>,
-    /// Parked and not, or a new aim: the setpoint starts a new transition offset.
-    pub(crate) rebase: bool,
+    pub(crate) transition: Transition,
+}
+
+/// How a setpoint goes on from the command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Transition {
+    /// From the last setpoint: the transition offset goes on fading.
+    Continue,
+    /// It may jump: a new transition offset starts from the command.
+    Offset,
+    /// From the command itself, rate and acceleration: there is no offset.
+    Seamless,
 }
 
 impl<T: Scalar> PoseLaw<T> {
@@ -76,18 +108,24 @@ impl<T: Scalar> PoseLaw<T> {
         two_per_dt: Option<T>,
     ) -> Wanted<T> {
         let now = Instant {
-            reference,
+            twist: reference.twist(),
+            accel: reference.accel(),
             error: view.error,
             heading: view.heading,
             turn_rate: moving.twist.angular,
         };
         self.checker = GoalChecker::default();
+        self.approach = Approach::Idle;
         let command = &moving.command.twist;
         Wanted {
             setpoint: self
                 .follower
                 .advance::<U, M>(motion, &now, command, two_per_dt),
-            rebase: false,
+            transition: if two_per_dt.is_some() {
+                Transition::Continue
+            } else {
+                Transition::Offset
+            },
         }
     }
 
@@ -107,58 +145,187 @@ impl<T: Scalar> PoseLaw<T> {
             twist: *moving.twist,
             command: moving.command.twist,
             command_rate: moving.command.rate,
-            backing: self.regulator.is_backing(),
+            backing: self.is_backing(),
         };
-        self.checker = match (two_per_dt, self.retry.may_park()) {
-            (Some(_), true) => self.checker.advance(motion, &at, dt),
-            (None, true) => GoalChecker::default().advance(motion, &at, dt),
-            (_, false) => GoalChecker::default(),
+        // A manoeuvre ends at the goal by itself, sooner than a stop that is begun before.
+        let driving = self.is_under_way() && !was_resting;
+        self.checker = if driving || !self.retry.may_park() {
+            GoalChecker::default()
+        } else if two_per_dt.is_some() {
+            self.checker.advance(motion, &at, dt)
+        } else {
+            GoalChecker::default().advance(motion, &at, dt)
         };
         let rest = match (was_parked && two_per_dt.is_some(), self.checker.parked) {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
+            (false, false) if driving => Rest::Driving,
+            (false, false) if matches!(self.approach, Approach::Manoeuvre(_)) => Rest::Beside,
             (false, false) => Rest::Moving,
         };
-        let (retry, new_aim) = self.retry.advance::<M>(motion, &at, rest, dt);
+        let (retry, attempt) = self.retry.advance::<M>(motion, &at, rest, dt);
         self.retry = retry;
         let resting = self.is_resting();
-        let setpoint = if resting {
+        let (setpoint, transition) = if resting {
             self.regulator.rest();
-            Setpoint::default()
+            let transition = if was_resting && two_per_dt.is_some() {
+                Transition::Continue
+            } else {
+                Transition::Offset
+            };
+            (Setpoint::default(), transition)
         } else {
-            // Pushed off its goal, or with a new aim, the law starts afresh.
-            let afresh = was_resting || new_aim;
-            let advance = if afresh { None } else { two_per_dt };
-            let (aim, far) = self.aim::<M>(motion, error, distance);
-            let command = &moving.command.twist;
-            self.regulator
-                .advance::<U, M>(motion, &aim, far, command, advance)
+            // Pushed off its goal, or beside it, the robot starts afresh.
+            match attempt {
+                Attempt::Aim => self.approach = Approach::Regulate,
+                Attempt::GoOn | Attempt::Manoeuvre => {}
+            }
+            let attempt = if was_resting {
+                Attempt::Manoeuvre
+            } else {
+                attempt
+            };
+            self.approach::<U, M>(motion, &at, &moving, step, attempt)
         };
         Wanted {
             setpoint,
-            rebase: new_aim || resting != was_resting,
+            transition,
         }
     }
 
-    /// What to drive at, and how far it is: the goal, or the place that a retry drives out to.
+    /// A manoeuvre has still to be found or driven.
+    fn is_under_way(&self) -> bool {
+        matches!(&self.approach, Approach::Manoeuvre(execution) if !execution.is_over())
+    }
+
+    /// The setpoint of an approach, and how it goes on from the command.
+    fn approach<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        at: &GoalView<T>,
+        moving: &Moving<'_, T>,
+        step: Step<T>,
+        attempt: Attempt,
+    ) -> (Setpoint<T>, Transition) {
+        if step.dt == T::ZERO {
+            // At the start: the first tick tells how long ticks are.
+            self.approach = Approach::Idle;
+            let setpoint = Setpoint {
+                twist: moving.command.twist,
+                rate: Accel::default(),
+            };
+            return (setpoint, Transition::Offset);
+        }
+        let jumped = step.two_per_dt.is_none();
+        let begun = match &self.approach {
+            Approach::Chase => !jumped,
+            Approach::Idle => true,
+            // A pose that jumped moves the robot against its reference. If that is far, it has departed.
+            Approach::Manoeuvre(_) | Approach::Regulate => attempt == Attempt::Manoeuvre,
+        };
+        if begun {
+            self.approach = Approach::begin::<M>(motion, at, moving.command, step.dt);
+        }
+        let mut begun = begun;
+        let mut two_per_dt = if begun || attempt == Attempt::Aim {
+            None
+        } else {
+            step.two_per_dt
+        };
+        if let Approach::Manoeuvre(execution) = &mut self.approach {
+            let plan = &motion.plan;
+            let since = if begun { T::ZERO } else { step.dt };
+            let mut moment = execution.advance::<M>(plan, &at.error, since, step.dt);
+            let departed = |error: &PoseError<T>| {
+                let (far, turned) = DEPARTURE;
+                distance_of::<T, M>(error) > T::from_f64(far)
+                    || error.theta.abs() > T::from_f64(turned)
+            };
+            // A robot that does not move is stalled, and has departed from nothing.
+            let moves = T::from_f64(10.0) * motion.rim_speed(moving.twist)
+                >= motion.rim_speed(&moving.command.twist);
+            let gone = moment
+                .as_ref()
+                .is_some_and(|moment| departed(&moment.error));
+            if gone && moves && !execution.is_searching() {
+                begun = true;
+                two_per_dt = None;
+                if self.departed {
+                    // Whatever keeps it off would do so again: feedback needs no plan.
+                    moment = None;
+                } else {
+                    self.departed = true;
+                    *execution = Execution::start::<M>(plan, &at.error, moving.command, step.dt);
+                    moment = execution.advance::<M>(plan, &at.error, T::ZERO, step.dt);
+                }
+            }
+            if let Some(moment) = moment {
+                let now = Instant {
+                    twist: &moment.twist,
+                    accel: &moment.accel,
+                    error: moment.error,
+                    heading: M::sin_cos_near(moment.error.theta),
+                    turn_rate: moving.twist.angular,
+                };
+                let command = &moving.command.twist;
+                let setpoint = self
+                    .follower
+                    .advance::<U, M>(motion, &now, command, two_per_dt);
+                let transition = match (begun, execution.is_over()) {
+                    // Held where it is: nothing leads there from how it moves.
+                    (true, true) => Transition::Offset,
+                    (true, false) => Transition::Seamless,
+                    (false, _) if jumped => Transition::Offset,
+                    (false, _) => Transition::Continue,
+                };
+                return (setpoint, transition);
+            }
+            self.approach = Approach::Regulate;
+            two_per_dt = None;
+        }
+        let command = &moving.command.twist;
+        let (aim, distance) = self.aim::<M>(motion, at);
+        let setpoint = self
+            .regulator
+            .advance::<U, M>(motion, &aim, distance, command, two_per_dt);
+        let transition = if two_per_dt.is_some() {
+            Transition::Continue
+        } else {
+            Transition::Offset
+        };
+        (setpoint, transition)
+    }
+
+    /// What to drive at by feedback, and how far it is: the goal, or the place that a retry drives out to.
     fn aim<M: Maths<T>>(
         &self,
         motion: &ValidMotionParams<T>,
-        error: &PoseError<T>,
-        distance: T,
+        at: &GoalView<T>,
     ) -> (PoseError<T>, T) {
         if self.retry.is_out() {
-            let aim = self.retry.aim::<M>(motion, error);
+            let aim = self.retry.aim::<M>(motion, &at.error);
             let far = distance_of::<T, M>(&aim);
             (aim, far)
         } else {
-            (*error, distance)
+            (at.error, at.distance)
         }
     }
 
     /// Another goal: all approaches are to be had again.
     pub(crate) fn renew_retries(&mut self) {
         self.retry = Retry::default();
+        self.departed = false;
+        // A goal that moves again before the manoeuvre to it was found is chased.
+        let chased = match &self.approach {
+            Approach::Manoeuvre(execution) => execution.is_searching(),
+            Approach::Chase => true,
+            Approach::Idle | Approach::Regulate => false,
+        };
+        self.approach = if chased {
+            Approach::Chase
+        } else {
+            Approach::Idle
+        };
     }
 
     /// Nothing is asked for any more: parked, or given up.
@@ -183,10 +350,41 @@ impl<T: Scalar> PoseLaw<T> {
 
     /// While parking: the robot backs up.
     pub(crate) fn is_backing(&self) -> bool {
-        self.regulator.is_backing()
+        match &self.approach {
+            Approach::Manoeuvre(execution) => execution.is_backing(),
+            Approach::Idle | Approach::Chase | Approach::Regulate => self.regulator.is_backing(),
+        }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        self.follower.is_finite() && self.regulator.is_finite()
+        let approach = match &self.approach {
+            Approach::Manoeuvre(execution) => execution.is_finite(),
+            Approach::Idle | Approach::Chase | Approach::Regulate => true,
+        };
+        self.follower.is_finite() && self.regulator.is_finite() && approach
     }
+}
+
+impl<T: Scalar> Approach<T> {
+    /// By a manoeuvre; a robot that is where it should be has none to make.
+    fn begin<M: Maths<T>>(
+        motion: &ValidMotionParams<T>,
+        at: &GoalView<T>,
+        command: &Command<T>,
+        dt: T,
+    ) -> Self {
+        Self::Manoeuvre(if is_inside(motion, at) {
+            Execution::at_goal()
+        } else {
+            Execution::start::<M>(&motion.plan, &at.error, command, dt)
+        })
+    }
+}
+
+/// Slow, and within tolerance: what holds the robot there brings it to rest.
+fn is_inside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+    let arrival = &motion.params().arrival;
+    motion.rim_speed(&at.command) <= arrival.stall_speed
+        && at.distance < arrival.distance_m
+        && at.error.theta.abs() < arrival.heading_rad
 }

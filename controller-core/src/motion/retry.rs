@@ -1,4 +1,5 @@
-//! A robot that stands beside its goal: a bounded number of new approaches, then the truth.
+//! A robot that stands beside its goal: manoeuvres as long as they help, a bounded number of new approaches, then
+//! the truth.
 
 use super::goal_checker::GoalView;
 use super::params::ValidMotionParams;
@@ -15,6 +16,10 @@ const LOSSES: u8 = 3;
 /// can bring is the heading, and a better pose. A quarter of it is two time constants of the approach and a dwell.
 const BESIDE: f64 = 4.0;
 
+/// Manoeuvres beyond the first before an attempt is spent. Each leaves what the pose and the knowledge of friction and mass
+/// leave, a few per cent of its way: from 3 m two bring a robot to a millimetre.
+const MANOEUVRES: u8 = 2;
+
 /// Where a robot is in its attempts to arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Retry<T> {
@@ -30,12 +35,29 @@ pub(crate) struct Retry<T> {
     since_s: T,
     /// The last approach from afar: 1 forward, −1 backward.
     came: T,
+    /// Manoeuvres since the last attempt, beyond the first.
+    manoeuvres: u8,
+}
+
+/// What is to be done about a robot that is not parked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Attempt {
+    /// Nothing new.
+    GoOn,
+    /// Another manoeuvre.
+    Manoeuvre,
+    /// Another aim, approached by feedback: the place to drive out to, or the goal again.
+    Aim,
 }
 
 /// What the latch made of the tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rest {
-    /// Not parked.
+    /// Not parked, with a manoeuvre under way.
+    Driving,
+    /// Not parked, after a manoeuvre.
+    Beside,
+    /// Not parked, approaching by feedback.
     Moving,
     /// Parked.
     Parked,
@@ -54,7 +76,10 @@ impl<T: Scalar> Retry<T> {
         self.out != T::ZERO
     }
 
-    /// The attempts after a tick of `dt`, and whether the robot has a new aim.
+    /// The attempts after a tick of `dt`, and what is to be done.
+    ///
+    /// After a manoeuvre that ended beside the goal up to [`MANOEUVRES`] more are had for nothing, and an approach by feedback. Then an attempt
+    /// is spent: the robot drives out and comes back by feedback, which learns friction on the way.
     ///
     /// A robot is stuck that for [`ValidMotionParams::patience`] is near the goal, or hardly moves, and is not parked, or for
     /// six times as long is closer than a retry drives out; beside the goal a quarter of the time is enough. A
@@ -65,10 +90,10 @@ impl<T: Scalar> Retry<T> {
         at: &GoalView<T>,
         rest: Rest,
         dt: T,
-    ) -> (Self, bool) {
+    ) -> (Self, Attempt) {
         let mut next = *self;
         if self.given_up {
-            return (next, false);
+            return (next, Attempt::GoOn);
         }
         let way_out = motion.way_out();
         if self.is_out() {
@@ -79,13 +104,18 @@ impl<T: Scalar> Retry<T> {
                 next.out = T::ZERO;
                 next.since_s = T::ZERO;
             }
-            return (next, !next.is_out());
+            let attempt = if next.is_out() {
+                Attempt::GoOn
+            } else {
+                Attempt::Aim
+            };
+            return (next, attempt);
         }
         let arrival = &motion.params().arrival;
         match rest {
-            Rest::Parked => {
+            Rest::Parked | Rest::Driving => {
                 next.since_s = T::ZERO;
-                return (next, false);
+                return (next, Attempt::GoOn);
             }
             Rest::Lost => {
                 // A push by hand does more.
@@ -95,6 +125,7 @@ impl<T: Scalar> Retry<T> {
                 if !slightly {
                     next.count = 0;
                     next.losses = 0;
+                    next.manoeuvres = 0;
                 } else if self.losses < LOSSES {
                     next.losses = self.losses.saturating_add(1);
                 } else {
@@ -102,15 +133,19 @@ impl<T: Scalar> Retry<T> {
                     next.spend(motion);
                 }
                 next.since_s = T::ZERO;
-                return (next, false);
+                return (next, Attempt::GoOn);
             }
-            Rest::Moving => {}
+            Rest::Beside | Rest::Moving => {}
         }
         if at.distance > way_out {
             next.came = if at.backing { -T::ONE } else { T::ONE };
         }
-        if is_stuck(motion, at) {
-            let weight = if is_beside(motion, at) {
+        if rest == Rest::Beside && is_aside(motion, at) {
+            next.since_s = self.since_s + motion.patience() / motion.aside_patience() * dt;
+        } else if is_stuck(motion, at) {
+            let weight = if rest == Rest::Beside {
+                motion.patience() / motion.hold_patience()
+            } else if is_beside(motion, at) {
                 T::from_f64(BESIDE)
             } else {
                 T::ONE
@@ -126,13 +161,22 @@ impl<T: Scalar> Retry<T> {
             next.since_s = T::ZERO;
         }
         if next.since_s <= motion.patience() {
-            return (next, false);
+            return (next, Attempt::GoOn);
         }
         next.since_s = T::ZERO;
+        if rest == Rest::Beside && self.manoeuvres < MANOEUVRES {
+            next.manoeuvres = self.manoeuvres.saturating_add(1);
+            return (next, Attempt::Manoeuvre);
+        }
+        if self.manoeuvres == MANOEUVRES {
+            // The first approach by feedback, from where the robot is, is no new one.
+            next.manoeuvres = self.manoeuvres.saturating_add(1);
+            return (next, Attempt::Aim);
+        }
         if next.spend(motion) {
             next.out = if self.came < T::ZERO { -T::ONE } else { T::ONE };
         }
-        (next, true)
+        (next, Attempt::Aim)
     }
 
     /// Takes one attempt, if there is one left; gives up if not.
@@ -174,6 +218,12 @@ fn is_beside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool
     at.distance > tolerance && at.error.x.abs() < T::HALF * tolerance
 }
 
+/// Slow, and too far to the side: wheels cannot go there, and waiting changes nothing but the pose.
+fn is_aside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+    let arrival = &motion.params().arrival;
+    at.error.y.abs() > arrival.distance_m && motion.rim_speed(&at.command) <= arrival.stall_speed
+}
+
 fn is_stuck<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
     let arrival = &motion.params().arrival;
     let ten = T::from_f64(10.0);
@@ -212,5 +262,30 @@ impl<T: Scalar> ValidMotionParams<T> {
     fn patience(&self) -> T {
         let f = T::from_f64;
         f(8.0) / self.gains().approach + f(4.0) * self.params().arrival.dwell_s
+    }
+
+    /// How long a robot may stand near its goal after a manoeuvre before it tries again \[s\]: eight time constants of the
+    /// following law, which holds it there, and four dwells.
+    fn hold_patience(&self) -> T {
+        let f = T::from_f64;
+        let gains = self.gains();
+        let slower = if gains.longitudinal < gains.heading {
+            gains.longitudinal
+        } else {
+            gains.heading
+        };
+        f(8.0) / slower + f(4.0) * self.params().arrival.dwell_s
+    }
+
+    /// How long a robot may stand aside of its goal before another manoeuvre \[s\]: until its velocity has settled, and a
+    /// filtered pose, whose time constant the dwell is.
+    fn aside_patience(&self) -> T {
+        let gains = self.gains();
+        let slower = if gains.speed_loop < gains.turn_loop {
+            gains.speed_loop
+        } else {
+            gains.turn_loop
+        };
+        T::ONE / slower + self.params().arrival.dwell_s
     }
 }

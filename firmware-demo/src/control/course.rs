@@ -1,10 +1,8 @@
 //! From references and goals to the order of a tick.
 
-use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::hal::WheelDrive;
-use controller_core::maths::{Maths, Single};
-use controller_core::motion::Remaining;
+use controller_core::maths::Single;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
@@ -79,10 +77,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
 
     fn follow(&mut self, now_s: f32) -> Order<f32> {
         match self.references.at::<Single>(now_s) {
-            Ok(reference) => match self.near_end(&reference) {
-                Some(goal) => self.end(goal),
-                None => Order::Follow(reference),
-            },
+            Ok(reference) => Order::Follow(reference),
             // A trajectory that ends at rest is complete.
             Err(Gap::Underrun { last }) if rests(&last.reference) => {
                 self.end(*last.reference.pose())
@@ -91,36 +86,8 @@ impl<D: WheelDrive> ControlTask<'_, D> {
             Err(_) => Order::None,
         }
     }
-
-    /// The end of the trajectory, if it is at rest and near enough for parking: way and turn that are left, and what
-    /// the base is behind, are within the distance that it needs from its speed.
-    fn near_end(&self, reference: &Reference<f32>) -> Option<Pose<f32>> {
-        let (next, last) = self.references.end()?;
-        let motion = self.controller.report().motion?;
-        if !rests(&last.reference) {
-            return None;
-        }
-        let (here, next, goal) = (
-            reference.pose(),
-            next.reference.pose(),
-            last.reference.pose(),
-        );
-        let remaining = Remaining {
-            path_m: distance(here, next) + distance(next, goal),
-            turn_rad: wrap(next.theta - here.theta).abs() + wrap(goal.theta - next.theta).abs(),
-        };
-        let remaining = remaining.with_error(reference, &motion.error);
-        let law = self.controller.base().motion();
-        let near = law.parking_is_due::<Single>(&remaining, &motion.command);
-        near.then_some(*goal)
-    }
 }
 
 fn rests(reference: &Reference<f32>) -> bool {
     *reference.twist() == Twist::default()
-}
-
-fn distance(a: &Pose<f32>, b: &Pose<f32>) -> f32 {
-    let (dx, dy) = (a.x - b.x, a.y - b.y);
-    Single::sqrt(dx * dx + dy * dy)
 }

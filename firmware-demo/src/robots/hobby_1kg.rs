@@ -60,9 +60,9 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         pose_noise_m: 0.00041717783,
         arrival: Arrival {
-            distance_m: 0.0034726379,
+            distance_m: 0.0027792635,
             heading_rad: 0.0063139847,
-            dwell_s: 1.0,
+            dwell_s: 1.2500001,
             at_rest: AtRest::Hold,
             stall_speed: 0.05,
             stall_s: 2.0,

@@ -60,9 +60,9 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         pose_noise_m: 0.0004212939,
         arrival: Arrival {
-            distance_m: 0.0034932182,
+            distance_m: 0.002799844,
             heading_rad: 0.006204415,
-            dwell_s: 1.0,
+            dwell_s: 1.2500001,
             at_rest: AtRest::Hold,
             stall_speed: 0.05,
             stall_s: 2.0,

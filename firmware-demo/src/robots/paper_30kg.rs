@@ -60,9 +60,9 @@ pub const BASE: BaseParams<f32> = BaseParams {
         },
         pose_noise_m: 0.00042534707,
         arrival: Arrival {
-            distance_m: 0.003513484,
+            distance_m: 0.0028201097,
             heading_rad: 0.006160587,
-            dwell_s: 1.0,
+            dwell_s: 1.2500001,
             at_rest: AtRest::Hold,
             stall_speed: 0.05,
             stall_s: 2.0,

@@ -83,6 +83,12 @@ impl ReferenceSampler {
         Some(self.references.get(tick).copied().unwrap_or_else(resting))
     }
 
+    /// It comes to rest at its end: it is followed until then.
+    pub(super) fn rests_at_end(&self) -> bool {
+        let last = self.references.last();
+        last.is_some_and(|last| *last.twist() == Twist::default())
+    }
+
     /// Metres and radians still to go from a tick on.
     pub(super) fn to_go(&self, tick: usize) -> (f64, f64) {
         let all = self.travelled.last().copied().unwrap_or_default();

@@ -105,8 +105,9 @@ impl<'a> Sequencer<'a> {
             let due = match rule.when {
                 When::Time(time) => t >= time - 1e-9,
                 When::Distance => {
+                    let passes_on = !self.sampler.rests_at_end();
                     self.sampler.is_over(tick)
-                        || remaining.is_short::<Libm>(command, self.lever, distance)
+                        || (passes_on && remaining.is_short::<Libm>(command, self.lever, distance))
                 }
             };
             // Tick 0 starts, so it cannot hand over.

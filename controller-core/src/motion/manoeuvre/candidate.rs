@@ -1,0 +1,250 @@
+//! Shapes of manoeuvres: which turns and drives overlap, and by how much.
+
+use super::path::{Path, Vector};
+use super::profile::{AxisLimits, Profile};
+use crate::maths::Maths;
+use crate::scalar::Scalar;
+
+/// What a manoeuvre may use, of both axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlanLimits<T> {
+    pub(crate) drive: AxisLimits<T>,
+    pub(crate) turn: AxisLimits<T>,
+}
+
+impl<T: Scalar> PlanLimits<T> {
+    /// With half the jerk: for a robot that moves, where ramps of two motions may coincide.
+    pub(crate) fn smoother(&self) -> Self {
+        let axis = |axis: &AxisLimits<T>| AxisLimits {
+            jerk_s: axis.jerk_s + axis.jerk_s,
+            ..*axis
+        };
+        Self {
+            drive: axis(&self.drive),
+            turn: axis(&self.turn),
+        }
+    }
+}
+
+/// Where a manoeuvre has to lead, in the frame of the robot at its begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Target<T> {
+    pub(crate) position: Vector<T>,
+    /// Turn left when the motion at the begin has come to rest \[rad\], in (−π, π].
+    pub(crate) turn: T,
+    /// Bearing from there, for the first guess \[rad\].
+    pub(crate) bearing: T,
+    /// Distance from there \[m\].
+    pub(crate) distance: T,
+}
+
+/// The shape of a manoeuvre. Two numbers are left, which the end position determines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Candidate<T> {
+    /// Turn, drive, turn. Left: angle of the first turn, distance.
+    OneDrive {
+        /// Backward.
+        backward: bool,
+        /// Share of the first turn that the drive overlaps.
+        first: T,
+        /// Share of the last turn that the drive overlaps.
+        last: T,
+    },
+    /// Two drives while the robot turns, once or there and back. Left: both distances.
+    TwoDrives {
+        /// Angle of the first turn \[rad\]; the second one makes up for it.
+        swing: T,
+        /// Share of the time without a drive before the first one.
+        before: T,
+        /// The same between the two.
+        between: T,
+    },
+}
+
+/// Overlaps of turn, drive, turn: all at once where turns are short against the drive, less where they are long.
+const ONE_DRIVE: [(f64, f64); 4] = [(1.0, 1.0), (0.75, 1.0), (0.5, 1.0), (0.5, 0.75)];
+
+/// Gaps of two drives: early, late, in the middle, apart.
+const TWO_DRIVES: [(f64, f64); 4] = [(0.0, 0.0), (1.0, 0.0), (0.25, 0.25), (0.0, 0.5)];
+
+/// Swings, in units of the angle whose turn takes as long as the drive ([`Candidate::numbered`]).
+const SWINGS: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
+
+const ONE: u8 = 8;
+/// Number of shapes.
+pub(crate) const CANDIDATES: u8 = ONE + 20;
+
+impl<T: Scalar> Candidate<T> {
+    /// Shape `index` < [`CANDIDATES`]. `near`: the goal is a matter of turning, so two drives come first.
+    ///
+    /// The unit of swings, √(d α/a): turning by it, and driving d, take the same time, and with s ∝ a T² and
+    /// φ ∝ α T² a sideways shift of φ s takes the least.
+    pub(crate) fn numbered<M: Maths<T>>(
+        index: u8,
+        near: bool,
+        limits: &PlanLimits<T>,
+        target: &Target<T>,
+    ) -> Self {
+        let f = T::from_f64;
+        let two = CANDIDATES - ONE;
+        let (one_drive, index) = match (near, index) {
+            (false, i) if i < ONE => (true, i),
+            (false, i) => (false, i - ONE),
+            (true, i) if i < two => (false, i),
+            (true, i) => (true, i - two),
+        };
+        if one_drive {
+            let (first, last) = ONE_DRIVE[usize::from(index / 2) % ONE_DRIVE.len()];
+            Self::OneDrive {
+                backward: index % 2 == 1,
+                first: f(first),
+                last: f(last),
+            }
+        } else {
+            let unit = M::sqrt(target.distance * limits.turn.up / limits.drive.up);
+            let most = T::FRAC_PI_2;
+            let unit = if unit > most { most } else { unit };
+            let (before, between) = TWO_DRIVES[usize::from(index) % TWO_DRIVES.len()];
+            Self::TwoDrives {
+                swing: unit * f(SWINGS[usize::from(index / 4) % SWINGS.len()]),
+                before: f(before),
+                between: f(between),
+            }
+        }
+    }
+
+    /// The first guess of the two numbers; `None` if this shape cannot take less than `best` \[s\].
+    pub(crate) fn guess<M: Maths<T>>(
+        &self,
+        limits: &PlanLimits<T>,
+        target: &Target<T>,
+        best: T,
+    ) -> Option<[T; 2]> {
+        let f = T::from_f64;
+        let straight = limits.drive.profile::<M>(target.distance).duration();
+        let turning = |angle| limits.turn.profile::<M>(angle).duration();
+        match *self {
+            Self::OneDrive {
+                backward,
+                first,
+                last,
+            } => {
+                let (turned, distance) = if backward {
+                    (T::PI, -target.distance)
+                } else {
+                    (T::ZERO, target.distance)
+                };
+                let angle = (target.bearing + turned).wrap_angle();
+                // The turns of the curved way are shorter than those of the straight one: by a fifth is assumed.
+                let apart = (T::ONE - first) * turning(angle)
+                    + (T::ONE - last) * turning(target.turn - angle);
+                (straight + f(0.8) * apart < best).then_some([angle, distance])
+            }
+            Self::TwoDrives { swing, .. } => {
+                let least = turning(swing) + turning(target.turn - swing);
+                let half = T::HALF * target.distance;
+                // Drives that take longer than all turning want turns of their own.
+                (least < best && straight < f(1.2) * least).then_some([half, -half])
+            }
+        }
+    }
+
+    /// The manoeuvre with these two numbers, after the motion in `path` at its begin, from `ready` on \[s\].
+    pub(crate) fn path<M: Maths<T>>(
+        &self,
+        limits: &PlanLimits<T>,
+        target: &Target<T>,
+        numbers: &[T; 2],
+        begin: &Path<T>,
+        ready: T,
+    ) -> Path<T> {
+        let [first_number, second_number] = *numbers;
+        let (turns, drives) = match *self {
+            Self::OneDrive { first, last, .. } => {
+                let a = limits.turn.profile::<M>(first_number);
+                let b = limits.turn.profile::<M>(target.turn - first_number);
+                let drive = limits.drive.profile::<M>(second_number);
+                let start = a.duration() * (T::ONE - first);
+                let wanted = start + drive.duration() - last * b.duration();
+                // One ends before the other starts: ramps that overlap would add up their jerks.
+                let earliest = a.duration();
+                let second = if wanted > earliest { wanted } else { earliest };
+                (
+                    [a, b.starting(second)],
+                    [drive.starting(start), Profile::default()],
+                )
+            }
+            Self::TwoDrives {
+                swing,
+                before,
+                between,
+            } => {
+                let a = limits.turn.profile::<M>(swing);
+                let b = limits.turn.profile::<M>(target.turn - swing);
+                let c = limits.drive.profile::<M>(first_number);
+                let d = limits.drive.profile::<M>(second_number);
+                let slack = a.duration() + b.duration() - c.duration() - d.duration();
+                let (turn, one, other) = if slack > T::ZERO {
+                    let one = before * slack;
+                    (T::ZERO, one, one + between * slack + c.duration())
+                } else {
+                    (-(before * slack), T::ZERO, c.duration())
+                };
+                (
+                    [a.starting(turn), b.starting(turn + a.duration())],
+                    [c.starting(one), d.starting(other)],
+                )
+            }
+        };
+        // What adds to the motion at the begin brakes when that has come to rest, what is against it starts then:
+        // decelerations do not add up.
+        let mut shift = ready;
+        for (profiles, stop) in [(&turns, &begin.stop_turn), (&drives, &begin.stop_drive)] {
+            for profile in profiles {
+                let busy = if profile.peak * stop.rate() < T::ZERO {
+                    profile.start
+                } else {
+                    profile.start + profile.rise + profile.hold
+                };
+                let wait = stop.duration() - busy;
+                if !profile.is_empty() && wait > shift {
+                    shift = wait;
+                }
+            }
+        }
+        let shifted = |profile: Profile<T>| profile.starting(profile.start + shift);
+        Path {
+            turns: turns.map(shifted),
+            drives: drives.map(shifted),
+            ..*begin
+        }
+    }
+
+    /// Derivative of the end by the two numbers, as the ends of both drives tell it.
+    ///
+    /// An end is about proportional to its distance. Turning earlier turns the whole drive; what overlaps the
+    /// turn is turned less, by three tenths is assumed. The steps after the first measure it.
+    pub(crate) fn slope(&self, numbers: &[T; 2], ends: &[Vector<T>; 2]) -> [Vector<T>; 2] {
+        let per = |end: Vector<T>, number: T| {
+            if number == T::ZERO {
+                Vector {
+                    x: T::ONE,
+                    y: T::ZERO,
+                }
+            } else {
+                end.scaled(T::ONE / number)
+            }
+        };
+        match self {
+            Self::OneDrive { .. } => {
+                let turned = T::from_f64(0.7);
+                let turning = Vector {
+                    x: -turned * ends[0].y,
+                    y: turned * ends[0].x,
+                };
+                [turning, per(ends[0], numbers[1])]
+            }
+            Self::TwoDrives { .. } => [per(ends[0], numbers[0]), per(ends[1], numbers[1])],
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! Motion of one axis from rest to rest, and from motion to rest, with limited jerk.
+
+use crate::maths::Maths;
+use crate::scalar::Scalar;
+
+/// What one axis of a manoeuvre may use: metres and seconds for driving, radians and seconds for turning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxisLimits<T> {
+    /// Largest rate.
+    pub(crate) rate: T,
+    /// Largest acceleration away from rest.
+    pub(crate) up: T,
+    /// Largest deceleration towards rest.
+    pub(crate) down: T,
+    /// Time in which the larger of the two is reached at the largest jerk \[s\].
+    pub(crate) jerk_s: T,
+}
+
+/// Position, rate and acceleration of an axis at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct AxisSample<T> {
+    pub(crate) position: T,
+    pub(crate) rate: T,
+    pub(crate) accel: T,
+}
+
+/// A change of rate from 0 to 1: acceleration rises and falls linearly over `jerk_s` each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Ramp<T> {
+    duration: T,
+    jerk_s: T,
+}
+
+impl<T: Scalar> Ramp<T> {
+    /// Integral, value and slope at `t`, for −∞ < t < ∞.
+    ///
+    /// With τ the jerk time and a = 1/(T − τ): a t²/(2τ) first, a (t − τ/2) then, mirrored at the end.
+    fn at(&self, t: T) -> AxisSample<T> {
+        let (duration, rise) = (self.duration, self.jerk_s);
+        if t <= T::ZERO {
+            return AxisSample::default();
+        }
+        if t >= duration {
+            return AxisSample {
+                position: t - T::HALF * duration,
+                rate: T::ONE,
+                accel: T::ZERO,
+            };
+        }
+        let slope = T::ONE / (duration - rise);
+        let third = T::from_f64(1.0 / 3.0);
+        let left = duration - t;
+        let corner = |t: T| {
+            let accel = slope * t / rise;
+            let rate = T::HALF * accel * t;
+            AxisSample {
+                position: third * rate * t,
+                rate,
+                accel,
+            }
+        };
+        if t < rise {
+            corner(t)
+        } else if left < rise {
+            let AxisSample {
+                position,
+                rate,
+                accel,
+            } = corner(left);
+            AxisSample {
+                position: T::HALF * duration - left + position,
+                rate: T::ONE - rate,
+                accel,
+            }
+        } else {
+            let past = t - T::HALF * rise;
+            let sixth = T::HALF * third;
+            AxisSample {
+                // a τ²/24 is what the corner adds to that of a straight ramp.
+                position: T::HALF * slope * (past * past + sixth * T::HALF * rise * rise),
+                rate: slope * past,
+                accel: slope,
+            }
+        }
+    }
+}
+
+/// A motion from rest to rest: up to a rate, on with it, and down again.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Profile<T> {
+    /// When it starts \[s\].
+    pub(crate) start: T,
+    /// Signed.
+    pub(crate) peak: T,
+    /// Duration of the ramp up \[s\].
+    pub(crate) rise: T,
+    /// Time at the peak \[s\].
+    pub(crate) hold: T,
+    /// Duration of the ramp down \[s\].
+    pub(crate) fall: T,
+    jerk_s: T,
+}
+
+impl<T: Scalar> AxisLimits<T> {
+    /// Shortest ramp to `rate` ≥ 0 with this acceleration.
+    ///
+    /// The jerk time is the same for every ramp: below a τ the acceleration is less, not the time.
+    fn ramp(&self, rate: T, accel: T) -> T {
+        let straight = rate / accel;
+        self.jerk_s
+            + if straight > self.jerk_s {
+                straight
+            } else {
+                self.jerk_s
+            }
+    }
+
+    /// The quickest motion over `distance`, from rest to rest, starting at 0.
+    ///
+    /// The peak rate v solves |s| = v/2 (R_u(v) + R_d(v)), R_a(v) = max(v/a, τ) + τ:
+    ///
+    /// | | v |
+    /// | --- | --- |
+    /// | both ramps reach their acceleration | (−τ + √(τ² + 2 c \|s\|))/c, c = 1/u + 1/d |
+    /// | only the weaker one (l) does | l (−3τ/2 + √(9τ²/4 + 2 \|s\|/l)) |
+    /// | neither does | \|s\|/(2τ) |
+    pub(crate) fn profile<M: Maths<T>>(&self, distance: T) -> Profile<T> {
+        let f = T::from_f64;
+        let (way, tau) = (distance.abs(), self.jerk_s);
+        if way == T::ZERO {
+            return Profile::default();
+        }
+        let (low, high) = if self.up < self.down {
+            (self.up, self.down)
+        } else {
+            (self.down, self.up)
+        };
+        let c = T::ONE / self.up + T::ONE / self.down;
+        let mut peak = (M::sqrt(tau * tau + c * (way + way)) - tau) / c;
+        if peak < high * tau {
+            let root = M::sqrt(f(2.25) * tau * tau + (way + way) / low);
+            peak = low * (root - f(1.5) * tau);
+            if peak < low * tau {
+                peak = way / (tau + tau);
+            }
+        }
+        let capped = peak > self.rate;
+        if capped {
+            peak = self.rate;
+        }
+        let (rise, fall) = (self.ramp(peak, self.up), self.ramp(peak, self.down));
+        let hold = if capped {
+            way / peak - T::HALF * (rise + fall)
+        } else {
+            T::ZERO
+        };
+        Profile {
+            start: T::ZERO,
+            peak: if distance < T::ZERO { -peak } else { peak },
+            rise,
+            hold,
+            fall,
+            jerk_s: tau,
+        }
+    }
+
+    /// From a rate and an acceleration to rest, from 0 on: the acceleration fades first, at the largest jerk.
+    pub(crate) fn stop(&self, rate: T, accel: T) -> Stop<T> {
+        let largest = if self.up > self.down {
+            self.up
+        } else {
+            self.down
+        };
+        let fade = accel.abs() * self.jerk_s / largest;
+        let faded = rate + T::HALF * accel * fade;
+        Stop {
+            rate,
+            accel,
+            fade,
+            faded,
+            ramp: Ramp {
+                duration: if faded == T::ZERO {
+                    T::ZERO
+                } else {
+                    self.ramp(faded.abs(), self.down)
+                },
+                jerk_s: self.jerk_s,
+            },
+        }
+    }
+}
+
+impl<T: Scalar> Profile<T> {
+    /// Nothing moves.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.peak == T::ZERO
+    }
+
+    /// How long it takes \[s\].
+    pub(crate) fn duration(&self) -> T {
+        self.rise + self.hold + self.fall
+    }
+
+    /// When it ends \[s\]; 0 for one that moves nothing.
+    pub(crate) fn end(&self) -> T {
+        if self.is_empty() {
+            T::ZERO
+        } else {
+            self.start + self.duration()
+        }
+    }
+
+    /// Where one ramp or the hold begins or ends \[s\].
+    pub(crate) fn corners(&self) -> [T; 4] {
+        let risen = self.start + self.rise;
+        [self.start, risen, risen + self.hold, self.end()]
+    }
+
+    /// Where a ramp's acceleration is reached, and left \[s\].
+    pub(crate) fn jerks(&self) -> [T; 4] {
+        let [start, risen, held, end] = self.corners();
+        let tau = self.jerk_s;
+        [start + tau, risen - tau, held + tau, end - tau]
+    }
+
+    /// The same, starting at another time.
+    pub(crate) fn starting(self, start: T) -> Self {
+        Self { start, ..self }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn cast_for_test(&self) -> Profile<f64> {
+        Profile {
+            start: self.start.to_f64(),
+            peak: self.peak.to_f64(),
+            rise: self.rise.to_f64(),
+            hold: self.hold.to_f64(),
+            fall: self.fall.to_f64(),
+            jerk_s: self.jerk_s.to_f64(),
+        }
+    }
+
+    /// At time `t`, before, within and after it.
+    pub(crate) fn at(&self, t: T) -> AxisSample<T> {
+        if self.is_empty() {
+            return AxisSample::default();
+        }
+        let t = t - self.start;
+        let ramp = |duration| Ramp {
+            duration,
+            jerk_s: self.jerk_s,
+        };
+        let up = ramp(self.rise).at(t);
+        let down = ramp(self.fall).at(t - self.rise - self.hold);
+        AxisSample {
+            position: self.peak * (up.position - down.position),
+            rate: self.peak * (up.rate - down.rate),
+            accel: self.peak * (up.accel - down.accel),
+        }
+    }
+}
+
+/// From a rate and an acceleration at time 0 to rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Stop<T> {
+    rate: T,
+    accel: T,
+    /// Until the acceleration is 0 \[s\].
+    fade: T,
+    /// Rate then.
+    faded: T,
+    /// From then on.
+    ramp: Ramp<T>,
+}
+
+impl<T: Scalar> Stop<T> {
+    /// When it stands \[s\].
+    pub(crate) fn duration(&self) -> T {
+        self.fade + self.ramp.duration
+    }
+
+    /// Where the acceleration has faded, and the deceleration is reached, and left \[s\].
+    pub(crate) fn jerks(&self) -> [T; 3] {
+        let Ramp { duration, jerk_s } = self.ramp;
+        let ramp = if duration > T::ZERO {
+            [jerk_s, duration - jerk_s]
+        } else {
+            [T::ZERO; 2]
+        };
+        [self.fade, self.fade + ramp[0], self.fade + ramp[1]]
+    }
+
+    /// The rate that it brakes from.
+    pub(crate) fn rate(&self) -> T {
+        self.faded
+    }
+
+    /// At time `t`, a little before the begin as well.
+    pub(crate) fn at(&self, t: T) -> AxisSample<T> {
+        if t <= T::ZERO {
+            let gained = self.accel * t;
+            return AxisSample {
+                position: t * (self.rate + T::HALF * gained),
+                rate: self.rate + gained,
+                accel: self.accel,
+            };
+        }
+        if t < self.fade {
+            // a(t) = a₀ (1 − t/T)
+            let left = T::ONE - t / self.fade;
+            let third = T::from_f64(1.0 / 3.0);
+            let gained = T::HALF * self.accel * t;
+            return AxisSample {
+                position: t * (self.rate + third * gained * (left + T::ONE + T::ONE)),
+                rate: self.rate + gained * (left + T::ONE),
+                accel: self.accel * left,
+            };
+        }
+        let third = T::from_f64(1.0 / 3.0);
+        let before = self.fade * (self.rate + third * self.accel * self.fade);
+        let t = t - self.fade;
+        let ramp = self.ramp.at(t);
+        if self.faded == T::ZERO {
+            return AxisSample {
+                position: before,
+                ..AxisSample::default()
+            };
+        }
+        AxisSample {
+            position: before + self.faded * (t - ramp.position),
+            rate: self.faded * (T::ONE - ramp.rate),
+            accel: -(self.faded * ramp.accel),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AxisLimits, AxisSample};
+    use crate::maths::Libm;
+
+    const AXES: [AxisLimits<f64>; 3] = [
+        AxisLimits {
+            rate: 1.2,
+            up: 1.0,
+            down: 1.5,
+            jerk_s: 0.075,
+        },
+        AxisLimits {
+            rate: 3.0,
+            up: 0.9,
+            down: 0.9,
+            jerk_s: 0.0225,
+        },
+        AxisLimits {
+            rate: 0.5,
+            up: 2.0,
+            down: 0.7,
+            jerk_s: 0.1,
+        },
+    ];
+
+    /// Covers the distance, ends at rest, stays within every limit, and its samples are each other's
+    /// derivatives, for distances over all cases of the peak rate.
+    #[test]
+    fn profiles_end_where_they_should() {
+        for axis in AXES {
+            for i in 0..60 {
+                let way = 1e-5 * 1.25_f64.powi(i);
+                for way in [way, -way] {
+                    let profile = axis.profile::<Libm>(way).starting(0.3);
+                    let end = profile.at(profile.end());
+                    assert!(
+                        (end.position - way).abs() < 1e-12 * way.abs().max(1.0),
+                        "{way}"
+                    );
+                    assert!(end.rate.abs() < 1e-12 && profile.peak.abs() <= axis.rate);
+                    check(|t| profile.at(t), 0.3, profile.duration(), &axis);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stops_end_at_rest() {
+        for axis in AXES {
+            for rate in [-0.4, -0.01, 0.0, 0.2, 0.5] {
+                for share in [-1.0, -0.3, 0.0, 0.9] {
+                    let accel = share * axis.up.min(axis.down);
+                    let stop = axis.stop(rate, accel);
+                    let start = stop.at(0.0);
+                    assert!((start.rate, start.accel, start.position) == (rate, accel, 0.0));
+                    assert!(stop.at(stop.duration()).rate.abs() < 1e-12);
+                    if stop.duration() > 0.0 {
+                        check(|t| stop.at(t), 0.0, stop.duration(), &axis);
+                    }
+                }
+            }
+        }
+    }
+
+    fn check(
+        at: impl Fn(f64) -> AxisSample<f64>,
+        start: f64,
+        duration: f64,
+        axis: &AxisLimits<f64>,
+    ) {
+        let largest = axis.up.max(axis.down);
+        let n = 2000;
+        let h = duration / f64::from(n);
+        for i in 1..n {
+            let t = start + f64::from(i) * h;
+            let (a, b, c) = (at(t - h), at(t), at(t + h));
+            assert!(b.accel.abs() <= largest * (1.0 + 1e-9));
+            assert!((c.accel - b.accel).abs() <= largest / axis.jerk_s * h * (1.0 + 1e-6) + 1e-9);
+            // Central differences err by h² times a third derivative.
+            let jerk = largest / axis.jerk_s;
+            assert!(((c.position - a.position) / (2.0 * h) - b.rate).abs() <= jerk * h * h + 1e-9);
+            assert!(((c.rate - a.rate) / (2.0 * h) - b.accel).abs() <= jerk * h + 1e-9);
+        }
+    }
+}
