@@ -6,7 +6,7 @@
 use controller_core::base::BaseParams;
 use controller_core::localiser::LocaliserParams;
 use controller_core::motion::{
-    Arrival, AtRest, Limits, MotionGains, MotionParams, SaturationPolicy,
+    Arrival, AtRest, Limits, MotionGains, MotionParams, Parking, SaturationPolicy,
 };
 use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
@@ -63,6 +63,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             distance_m: 0.0005,
             heading_rad: 0.001364725,
             dwell_s: 0.05,
+            parking: Parking::Planned,
             at_rest: AtRest::Hold,
             stall_speed: 0.05,
             stall_s: 2.0,

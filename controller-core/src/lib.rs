@@ -22,7 +22,7 @@
 //!
 //! ```
 //! use controller_core::motion::SaturationPolicy;
-//! use controller_core::{Limits, Measured, MotionController, MotionParams, Pose, Robot, Task};
+//! use controller_core::{Limits, Measured, MotionController, MotionParams, Outcome, Pose, Robot, Task};
 //!
 //! // Robot and limits are yours; gains follow from them.
 //! let limits = Limits {
@@ -34,7 +34,7 @@
 //! let mut controller: MotionController = MotionController::start(&motion, &task, &measured)?;
 //! // Every tick: measure, step, set the wheels.
 //! let report = controller.step(0.01, &task, &measured)?;
-//! assert!(report.torques.right > 0.0);
+//! assert_eq!(report.outcome, Outcome::Driving);
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 #![no_std]

@@ -1,7 +1,7 @@
 //! Margins agree with the loop itself: just below them it settles, just above it grows.
 
 use controller_core::maths::Libm;
-use controller_core::motion::{MotionGains, MotionParams, Task};
+use controller_core::motion::{MotionGains, MotionParams, Parking, Task};
 use controller_core::tuning::motion::margins;
 use controller_core::types::{Pose, Twist};
 use tests::motion_base::Body;
@@ -107,7 +107,7 @@ fn mass_margin_is_where_the_loop_starts_to_grow() {
     }
 }
 
-/// Parking from 1 m with a bearing of 1 mrad: poses half as late as the margin of the bearing's loop let the bearing
+/// Parking by feedback from 1 m with a bearing of 1 mrad: poses half as late as the margin of the bearing's loop let the bearing
 /// fall, twice as late they make it grow fivefold. No closer than that: the distance, and with it the loop, is gone
 /// within some time constants.
 #[test]
@@ -118,6 +118,8 @@ fn bearing_grows_beyond_its_delay_margin() {
         .flat_map(|name| [(name, base(name)), (name, shipped(name))])
     {
         let margin = margins::<f64, Libm>(&params.gains).bearing.pose_delay_s;
+        let mut params = params;
+        params.arrival.parking = Parking::Feedback;
         let bearing = |share: f64| {
             let truth = Truth {
                 pose_late: ticks(margin, share),

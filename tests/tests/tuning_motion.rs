@@ -1,7 +1,7 @@
 //! Gains from a design specification for the law for a real base: met in closed loop, refused where they cannot be, never larger for more time.
 
 use controller_core::maths::{Libm, Single};
-use controller_core::motion::{MotionGains, MotionParams, Task};
+use controller_core::motion::{MotionGains, MotionParams, Parking, Task};
 use controller_core::tuning::motion::{MotionDesignSpec, gains, margins};
 use controller_core::tuning::{
     DesignError, DesignParameter, Why, disturbance_bandwidth, disturbance_damping,
@@ -41,8 +41,16 @@ fn times(params: &MotionParams<f64>, settling_s: f64) -> (f64, f64, f64) {
     let path = steady(speed, 0.0);
     let across = drive(params, AS_BELIEVED, start(0.0, offset), path, end);
     let along = drive(params, AS_BELIEVED, start(-offset, 0.0), path, end);
+    let mut by_feedback = *params;
+    by_feedback.arrival.parking = Parking::Feedback;
     let park = |_| Task::Park(Pose::default());
-    let arrival = drive(params, AS_BELIEVED, Body::at(-0.05, 0.0, 0.0), park, end);
+    let arrival = drive(
+        &by_feedback,
+        AS_BELIEVED,
+        Body::at(-0.05, 0.0, 0.0),
+        park,
+        end,
+    );
     (
         settled(&across, 0.1 * offset, |now| now.error.1),
         settled(&along, 0.1 * offset, |now| now.error.0),

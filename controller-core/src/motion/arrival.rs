@@ -15,6 +15,8 @@ pub struct Arrival<T = f32> {
     pub heading_rad: T,
     /// How long the predicted stop has to be inside \[s\], 0 to 10.
     pub dwell_s: T,
+    /// How the robot gets to its goal.
+    pub parking: Parking,
     /// What the wheels do once parked.
     pub at_rest: AtRest,
     /// A command above this \[m/s, or at the wheels' distance of the track\] with less than a tenth
@@ -26,6 +28,18 @@ pub struct Arrival<T = f32> {
     /// How often a robot that stands outside of the tolerance drives out and tries again before
     /// [`super::Outcome::OutOfTolerance`].
     pub retries: u8,
+}
+
+/// How a robot gets to its goal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Parking {
+    /// By a manoeuvre near the least time, planned in the ticks before it.
+    #[default]
+    Planned,
+    /// By feedback alone: two to four times as late, with ticks of the same small cost, for a chip that has no time to plan.
+    Feedback,
 }
 
 /// What the wheels do once parked.
@@ -52,6 +66,7 @@ impl<T: Scalar> Arrival<T> {
             distance_m: f(5.0e-4),
             heading_rad: f(7.0e-4),
             dwell_s: f(0.05),
+            parking: Parking::Planned,
             at_rest: AtRest::Hold,
             stall_speed: f(0.05),
             stall_s: f(2.0),

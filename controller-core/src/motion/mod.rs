@@ -44,7 +44,7 @@ mod task;
 mod transition_offset;
 mod velocity_loop;
 
-pub use arrival::{Arrival, AtRest};
+pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
 pub use gains::MotionGains;
 pub use hand_over::Remaining;

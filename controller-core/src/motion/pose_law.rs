@@ -1,5 +1,6 @@
 //! The pose law of a tick: following, a parking manoeuvre, or rest at the goal.
 
+use super::arrival::Parking;
 use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
@@ -255,7 +256,8 @@ impl<T: Scalar> PoseLaw<T> {
                     moment = None;
                 } else {
                     self.departed = true;
-                    *execution = Execution::start::<M>(plan, &at.error, moving.command, step.dt);
+                    let Command { twist, rate } = moving.command;
+                    *execution = Execution::start::<M>(plan, &at.error, twist, rate, step.dt);
                     moment = execution.advance::<M>(plan, &at.error, T::ZERO, step.dt);
                 }
             }
@@ -366,18 +368,25 @@ impl<T: Scalar> PoseLaw<T> {
 }
 
 impl<T: Scalar> Approach<T> {
-    /// By a manoeuvre; a robot that is where it should be has none to make.
+    /// By a manoeuvre; a robot that is where it should be has none to make. With ticks longer than the time constant of the
+    /// follower's neurons by feedback: the follower holds no robot at rest then, and the regulator is slower.
     fn begin<M: Maths<T>>(
         motion: &ValidMotionParams<T>,
         at: &GoalView<T>,
-        command: &Command<T>,
+        from: &Command<T>,
         dt: T,
     ) -> Self {
-        Self::Manoeuvre(if is_inside(motion, at) {
-            Execution::at_goal()
+        let (plan, Command { twist, rate }) = (&motion.plan, from);
+        let planned = motion.params().arrival.parking == Parking::Planned;
+        if !planned || motion.gains().decay * dt > T::ONE {
+            Self::Regulate
+        } else if is_inside(motion, at) {
+            Self::Manoeuvre(Execution::at_goal())
+        } else if is_there(motion, at, from) {
+            Self::Manoeuvre(Execution::turning::<M>(plan, &at.error, twist, rate, dt))
         } else {
-            Execution::start::<M>(&motion.plan, &at.error, command, dt)
-        })
+            Self::Manoeuvre(Execution::start::<M>(plan, &at.error, twist, rate, dt))
+        }
     }
 }
 
@@ -387,4 +396,10 @@ fn is_inside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool
     motion.rim_speed(&at.command) <= arrival.stall_speed
         && at.distance < arrival.distance_m
         && at.error.theta.abs() < arrival.heading_rad
+}
+
+/// At the goal but for the heading, with a fifth of the tolerance to spare: what a turn moves it aside.
+fn is_there<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>, from: &Command<T>) -> bool {
+    let tolerance = T::from_f64(0.8) * motion.params().arrival.distance_m;
+    at.distance < tolerance && *from == Command::default()
 }

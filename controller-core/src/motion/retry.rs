@@ -33,6 +33,8 @@ pub(crate) struct Retry<T> {
     out: T,
     /// How long the robot has been fit to be called stuck, or has been driving out.
     since_s: T,
+    /// How long it has been parked \[s\].
+    parked_s: T,
     /// The last approach from afar: 1 forward, −1 backward.
     came: T,
     /// Manoeuvres since the last attempt, beyond the first.
@@ -113,16 +115,23 @@ impl<T: Scalar> Retry<T> {
         }
         let arrival = &motion.params().arrival;
         match rest {
-            Rest::Parked | Rest::Driving => {
+            Rest::Driving => {
                 next.since_s = T::ZERO;
                 return (next, Attempt::GoOn);
             }
+            Rest::Parked => {
+                next.since_s = T::ZERO;
+                next.parked_s = self.parked_s + dt;
+                return (next, Attempt::GoOn);
+            }
             Rest::Lost => {
-                // A push by hand does more.
+                // A push by hand does more, and comes when it likes.
                 let four = T::from_f64(4.0);
                 let slightly = at.distance <= motion.leave_distance()
                     && at.error.theta.abs() <= four * arrival.heading_rad;
-                if !slightly {
+                let soon = self.parked_s < motion.patience();
+                next.parked_s = T::ZERO;
+                if !(slightly || soon && is_near(motion, at)) {
                     next.count = 0;
                     next.losses = 0;
                     next.manoeuvres = 0;
@@ -140,7 +149,7 @@ impl<T: Scalar> Retry<T> {
         if at.distance > way_out {
             next.came = if at.backing { -T::ONE } else { T::ONE };
         }
-        if rest == Rest::Beside && is_aside(motion, at) {
+        if rest == Rest::Beside && (is_aside(motion, at) || is_held(motion, at)) {
             next.since_s = self.since_s + motion.patience() / motion.aside_patience() * dt;
         } else if is_stuck(motion, at) {
             let weight = if rest == Rest::Beside {
@@ -168,12 +177,13 @@ impl<T: Scalar> Retry<T> {
             next.manoeuvres = self.manoeuvres.saturating_add(1);
             return (next, Attempt::Manoeuvre);
         }
-        if self.manoeuvres == MANOEUVRES {
-            // The first approach by feedback, from where the robot is, is no new one.
+        // The first approach by feedback is no new one. It begins outside as well: near the goal friction would hold the
+        // robot again, and on the way it is learnt.
+        let first = self.manoeuvres == MANOEUVRES;
+        if first {
             next.manoeuvres = self.manoeuvres.saturating_add(1);
-            return (next, Attempt::Aim);
         }
-        if next.spend(motion) {
+        if (first && at.distance < way_out) || (!first && next.spend(motion)) {
             next.out = if self.came < T::ZERO { -T::ONE } else { T::ONE };
         }
         (next, Attempt::Aim)
@@ -224,16 +234,29 @@ fn is_aside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool 
     at.error.y.abs() > arrival.distance_m && motion.rim_speed(&at.command) <= arrival.stall_speed
 }
 
+/// Within ten tolerances of its goal.
+fn is_near<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+    let ten = T::from_f64(10.0);
+    let heading = motion.params().arrival.heading_rad;
+    at.distance < ten * motion.least() && at.error.theta.abs() < ten * heading
+}
+
+/// Outside of the tolerance, and friction holds it there: what the integral of the following law needs seconds for, a
+/// manoeuvre's feed-forward does at once.
+fn is_held<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+    let arrival = &motion.params().arrival;
+    let outside = at.distance > arrival.distance_m || at.error.theta.abs() > arrival.heading_rad;
+    let (asked, done) = (motion.rim_speed(&at.command), motion.rim_speed(&at.twist));
+    outside && asked <= arrival.stall_speed && done <= T::from_f64(0.1) * asked
+}
+
 fn is_stuck<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
     let arrival = &motion.params().arrival;
-    let ten = T::from_f64(10.0);
-    let near =
-        at.distance < ten * motion.least() && at.error.theta.abs() < ten * arrival.heading_rad;
     let asked = motion.rim_speed(&at.command);
     // Slower than the approach is over four times the distance that counts as nothing.
     let four = T::from_f64(4.0);
     let creeps = motion.rim_speed(&at.twist) < four * motion.gains().approach * motion.least();
-    near || (creeps && asked <= arrival.stall_speed)
+    is_near(motion, at) || (creeps && asked <= arrival.stall_speed)
 }
 
 impl<T: Scalar> ValidMotionParams<T> {

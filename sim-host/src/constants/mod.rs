@@ -66,7 +66,7 @@ pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
 use controller_core::base::BaseParams;
 use controller_core::localiser::{localiser};
 use controller_core::motion::{{
-    Arrival, AtRest, {jump}Limits, MotionGains, MotionParams, SaturationPolicy,
+    Arrival, AtRest, {jump}Limits, MotionGains, MotionParams, Parking, SaturationPolicy,
 }};
 {motor}use controller_core::odometry::{{Calibration, OdometryParams}};
 use controller_core::robot::Robot;

@@ -4,7 +4,6 @@ use super::candidate::PlanLimits;
 use super::path::{Path, Vector};
 use super::search::{Progress, Search};
 use crate::maths::Maths;
-use crate::motion::governor::Command;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist};
@@ -24,6 +23,8 @@ pub(crate) struct Execution<T> {
     velocity: Vector<T>,
     change: Vector<T>,
     backing: bool,
+    /// The position is good as it is.
+    turn_only: bool,
     /// What the poses seen while searching say of the goal, beside the first one.
     seen: Seen<T>,
 }
@@ -47,15 +48,15 @@ pub(crate) struct Moment<T> {
 }
 
 impl<T: Scalar> Execution<T> {
-    /// Begins to search, from a robot that sees its goal at `error` and was commanded `command` a tick ago. The
+    /// Begins to search, from a robot that sees its goal at `error` and was commanded `last` a tick ago, with `rate`. The
     /// reference goes on from there: it jumps neither in rate nor in acceleration.
     pub(crate) fn start<M: Maths<T>>(
         limits: &PlanLimits<T>,
         error: &PoseError<T>,
-        command: &Command<T>,
+        last: &Twist<T>,
+        rate: &Accel<T>,
         dt: T,
     ) -> Self {
-        let Command { twist: last, rate } = command;
         // An acceleration is held for a tick, and meant for its middle: the clock of the manoeuvre starts half a tick
         // from now, and so does its frame.
         let half = T::HALF * dt;
@@ -101,7 +102,26 @@ impl<T: Scalar> Execution<T> {
                 y: now.linear * now.angular,
             },
             backing: now.linear < T::ZERO,
+            turn_only: false,
             seen: Seen::default(),
+        }
+    }
+
+    /// [`Self::start`] for a robot at rest whose position is good as it is: it turns on the spot.
+    pub(crate) fn turning<M: Maths<T>>(
+        limits: &PlanLimits<T>,
+        error: &PoseError<T>,
+        last: &Twist<T>,
+        rate: &Accel<T>,
+        dt: T,
+    ) -> Self {
+        let turn = PoseError {
+            theta: error.theta,
+            ..PoseError::default()
+        };
+        Self {
+            turn_only: true,
+            ..Self::start::<M>(limits, &turn, last, rate, dt)
         }
     }
 
@@ -116,6 +136,7 @@ impl<T: Scalar> Execution<T> {
             velocity: Vector::default(),
             change: Vector::default(),
             backing: false,
+            turn_only: false,
             seen: Seen::default(),
         }
     }
@@ -136,8 +157,11 @@ impl<T: Scalar> Execution<T> {
         if let Some(search) = &mut self.search {
             let moving = self.path.duration() > T::ZERO;
             let limits = &if moving { limits.smoother() } else { *limits };
-            match search.advance::<M>(limits) {
+            // Ticks that became shorter may find it when it should have started.
+            let late = moving && self.t > search.ready();
+            match search.advance::<M>(limits, dt) {
                 Progress::Searching => {}
+                Progress::Found(_) if late => return None,
                 Progress::Found(path) => {
                     self.search = None;
                     self.path = path;
@@ -219,10 +243,12 @@ impl<T: Scalar> Execution<T> {
             // In the frame of the begin, by the heading of the reference.
             let heading = self.path.turn_at(self.t).position;
             let (sine, cosine) = M::sin_cos_near(heading);
-            self.seen.moved = self.seen.moved.plus(Vector {
-                x: error.x * cosine - error.y * sine - self.remaining.x,
-                y: error.x * sine + error.y * cosine - self.remaining.y,
-            });
+            if !self.turn_only {
+                self.seen.moved = self.seen.moved.plus(Vector {
+                    x: error.x * cosine - error.y * sine - self.remaining.x,
+                    y: error.x * sine + error.y * cosine - self.remaining.y,
+                });
+            }
             self.seen.turned += (heading + error.theta - self.goal).wrap_angle();
             self.seen.count += T::ONE;
         } else if self.seen.count > T::ZERO {

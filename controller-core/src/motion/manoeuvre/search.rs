@@ -7,8 +7,15 @@ use crate::pose_error::PoseError;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// Evaluations of a path's end in a tick; a polishing one, four times as fine, counts as all of them.
-const PER_TICK: u8 = 4;
+/// Evaluations of a path's end in a second of ticks. One of 5,000 instructions every 2.5 ms is 2 % of a chip of
+/// 100 MHz, and a search takes 0.3 s at most.
+const PER_SECOND: f64 = 400.0;
+
+/// The most evaluations in a tick, however long it is; one is the least.
+const MOST_PER_TICK: u8 = 16;
+
+/// Evaluations that a polishing one counts as: it has some four times their nodes.
+const FINE: u8 = 4;
 
 /// Evaluations in a search; then the best so far is polished.
 const EVALUATIONS: u8 = 120;
@@ -68,6 +75,16 @@ pub(crate) enum Progress<T> {
     Failed,
 }
 
+/// Evaluations in a tick of `dt` \[s\]: their rate is the same at every period that a chip may have.
+fn per_tick<T: Scalar>(dt: T) -> u8 {
+    let due = T::from_f64(PER_SECOND) * dt + T::HALF;
+    let mut count = 1;
+    while count < MOST_PER_TICK && T::from_i32(i32::from(count) + 1) <= due {
+        count += 1;
+    }
+    count
+}
+
 impl<T: Scalar> Search<T> {
     /// A search for the way to `error`, the goal as the robot sees it now, while it moves on as in `begin`.
     pub(crate) fn start<M: Maths<T>>(
@@ -101,9 +118,9 @@ impl<T: Scalar> Search<T> {
             target,
             begin: *begin,
             ready: if moving {
-                T::from_i32(i32::from(
-                    EVALUATIONS / PER_TICK + STEPS / PER_TICK + POLISHING + 3,
-                )) * dt
+                let all = EVALUATIONS + STEPS + FINE * (POLISHING + 1);
+                let ticks = all / per_tick(dt) + 3;
+                T::from_i32(i32::from(ticks)) * dt
             } else {
                 T::ZERO
             },
@@ -128,47 +145,63 @@ impl<T: Scalar> Search<T> {
         self.target.turn = (self.target.turn + turned).wrap_angle();
     }
 
-    /// Some steps on.
-    pub(crate) fn advance<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Progress<T> {
-        if self.polishing {
-            return self.polish::<M>(limits);
-        }
-        for _ in 0..PER_TICK {
-            if self.solver.is_none() {
-                self.solver = self.next_guess::<M>(limits);
-            }
-            let Some(solver) = self.solver else {
-                return self.begin_polishing();
-            };
-            self.evaluations += 1;
-            let candidate = self.candidate::<M>(self.index, limits);
-            let (path, ends) =
-                self.evaluate::<M>(&candidate, limits, &solver.numbers, Quality::Rough);
-            let residual = self.residual(&ends);
-            let miss = residual.norm::<M>();
-            let enough = T::from_f64(5.0e-4) * self.target.distance;
-            if miss <= enough {
-                let duration = path.duration();
-                if self.best.is_none_or(|best| duration < best.duration) {
-                    self.best = Some(Best {
-                        index: self.index,
-                        numbers: solver.numbers,
-                        duration,
-                    });
-                }
-                self.next_shape();
-            } else if let Some(next) = solver.next(
-                &candidate,
-                &ends.drives,
-                residual,
-                miss,
-                &self.target,
-                false,
-            ) {
-                self.solver = Some(next);
+    /// When the manoeuvre starts, at the earliest \[s\].
+    pub(crate) fn ready(&self) -> T {
+        self.ready
+    }
+
+    /// A tick of `dt` on: as many evaluations as belong to it.
+    pub(crate) fn advance<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, dt: T) -> Progress<T> {
+        let mut left = per_tick(dt);
+        while left > 0 {
+            let (progress, work) = if self.polishing {
+                (self.polish::<M>(limits), FINE)
             } else {
-                self.next_shape();
+                (self.compare::<M>(limits), 1)
+            };
+            if progress != Progress::Searching {
+                return progress;
             }
+            left = left.saturating_sub(work);
+        }
+        Progress::Searching
+    }
+
+    /// One rough evaluation of the shape that is being tried.
+    fn compare<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Progress<T> {
+        if self.solver.is_none() {
+            self.solver = self.next_guess::<M>(limits);
+        }
+        let Some(solver) = self.solver else {
+            return self.begin_polishing();
+        };
+        self.evaluations += 1;
+        let candidate = self.candidate::<M>(self.index, limits);
+        let (path, ends) = self.evaluate::<M>(&candidate, limits, &solver.numbers, Quality::Rough);
+        let residual = self.residual(&ends);
+        let miss = residual.norm::<M>();
+        let enough = T::from_f64(5.0e-4) * self.target.distance;
+        if miss <= enough {
+            let duration = path.duration();
+            if self.best.is_none_or(|best| duration < best.duration) {
+                self.best = Some(Best {
+                    index: self.index,
+                    numbers: solver.numbers,
+                    duration,
+                });
+            }
+            self.next_shape();
+        } else if let Some(next) = solver.next(
+            &candidate,
+            &ends.drives,
+            residual,
+            miss,
+            &self.target,
+            false,
+        ) {
+            self.solver = Some(next);
+        } else {
+            self.next_shape();
         }
         Progress::Searching
     }
@@ -394,7 +427,7 @@ mod tests {
                 let mut ticks = 0;
                 let path = loop {
                     ticks += 1;
-                    match search.advance::<M>(&limits) {
+                    match search.advance::<M>(&limits, dt) {
                         Progress::Searching => {}
                         Progress::Found(path) => break path,
                         Progress::Failed => panic!("{error:?}"),
