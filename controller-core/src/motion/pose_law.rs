@@ -5,7 +5,7 @@ use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::Execution;
+use super::manoeuvre::{Execution, PlanLimits};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::retry::{Attempt, Rest, Retry, distance_of};
@@ -179,12 +179,11 @@ impl<T: Scalar> PoseLaw<T> {
             // Pushed off its goal, or beside it, the robot starts afresh.
             match attempt {
                 Attempt::Aim => self.approach = Approach::Regulate,
-                Attempt::GoOn | Attempt::Manoeuvre => {}
+                Attempt::GoOn | Attempt::Hold | Attempt::Manoeuvre => {}
             }
-            let attempt = if was_resting {
-                Attempt::Manoeuvre
-            } else {
-                attempt
+            let attempt = match attempt {
+                Attempt::GoOn if was_resting => Attempt::Manoeuvre,
+                _ => attempt,
             };
             self.approach::<U, M>(motion, &at, &moving, step, attempt)
         };
@@ -222,10 +221,18 @@ impl<T: Scalar> PoseLaw<T> {
             Approach::Chase => !jumped,
             Approach::Idle => true,
             // A pose that jumped moves the robot against its reference. If that is far, it has departed.
-            Approach::Manoeuvre(_) | Approach::Regulate => attempt == Attempt::Manoeuvre,
+            Approach::Manoeuvre(_) | Approach::Regulate => {
+                matches!(attempt, Attempt::Manoeuvre | Attempt::Hold)
+            }
         };
         if begun {
-            self.approach = Approach::begin::<M>(motion, at, moving.command, step.dt);
+            let plan = if self.retry.is_another() {
+                motion.plan.slower()
+            } else {
+                motion.plan
+            };
+            let hold = attempt == Attempt::Hold || is_inside(motion, at);
+            self.approach = Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
         }
         let mut begun = begun;
         let mut two_per_dt = if begun || attempt == Attempt::Aim {
@@ -234,12 +241,11 @@ impl<T: Scalar> PoseLaw<T> {
             step.two_per_dt
         };
         if let Approach::Manoeuvre(execution) = &mut self.approach {
-            let plan = &motion.plan;
             let since = if begun { T::ZERO } else { step.dt };
-            let mut moment = execution.advance::<M>(plan, &at.error, since, step.dt);
+            let mut moment = execution.advance::<M>(&at.error, since, step.dt);
             let departed = |error: &PoseError<T>| {
                 let (far, turned) = DEPARTURE;
-                distance_of::<T, M>(error) > T::from_f64(far)
+                distance_of::<T, M>(error) > T::from_f64(far) + motion.near
                     || error.theta.abs() > T::from_f64(turned)
             };
             // A robot that does not move is stalled, and has departed from nothing.
@@ -257,8 +263,9 @@ impl<T: Scalar> PoseLaw<T> {
                 } else {
                     self.departed = true;
                     let Command { twist, rate } = moving.command;
-                    *execution = Execution::start::<M>(plan, &at.error, twist, rate, step.dt);
-                    moment = execution.advance::<M>(plan, &at.error, T::ZERO, step.dt);
+                    let plan = motion.plan.slower();
+                    *execution = Execution::start::<M>(&plan, &at.error, twist, rate, step.dt);
+                    moment = execution.advance::<M>(&at.error, T::ZERO, step.dt);
                 }
             }
             if let Some(moment) = moment {
@@ -372,15 +379,17 @@ impl<T: Scalar> Approach<T> {
     /// follower's neurons by feedback: the follower holds no robot at rest then, and the regulator is slower.
     fn begin<M: Maths<T>>(
         motion: &ValidMotionParams<T>,
+        plan: &PlanLimits<T>,
         at: &GoalView<T>,
         from: &Command<T>,
+        hold: bool,
         dt: T,
     ) -> Self {
-        let (plan, Command { twist, rate }) = (&motion.plan, from);
+        let Command { twist, rate } = from;
         let planned = motion.params().arrival.parking == Parking::Planned;
         if !planned || motion.gains().decay * dt > T::ONE {
             Self::Regulate
-        } else if is_inside(motion, at) {
+        } else if hold {
             Self::Manoeuvre(Execution::at_goal())
         } else if is_there(motion, at, from) {
             Self::Manoeuvre(Execution::turning::<M>(plan, &at.error, twist, rate, dt))

@@ -46,6 +46,8 @@ pub(crate) struct Retry<T> {
 pub(crate) enum Attempt {
     /// Nothing new.
     GoOn,
+    /// To hold where the goal is, which the robot has just left by a little.
+    Hold,
     /// Another manoeuvre.
     Manoeuvre,
     /// Another aim, approached by feedback: the place to drive out to, or the goal again.
@@ -71,6 +73,11 @@ impl<T: Scalar> Retry<T> {
     /// Neither driving out, where the goal is left on purpose, nor given up.
     pub(crate) fn may_park(&self) -> bool {
         !(self.is_out() || self.given_up)
+    }
+
+    /// Not the first manoeuvre to this goal.
+    pub(crate) fn is_another(&self) -> bool {
+        self.manoeuvres > 0 || self.count > 0
     }
 
     /// Driving out.
@@ -131,7 +138,8 @@ impl<T: Scalar> Retry<T> {
                     && at.error.theta.abs() <= four * arrival.heading_rad;
                 let soon = self.parked_s < motion.patience();
                 next.parked_s = T::ZERO;
-                if !(slightly || soon && is_near(motion, at)) {
+                let pushed = !(slightly || soon && is_near(motion, at));
+                if pushed {
                     next.count = 0;
                     next.losses = 0;
                     next.manoeuvres = 0;
@@ -142,7 +150,12 @@ impl<T: Scalar> Retry<T> {
                     next.spend(motion);
                 }
                 next.since_s = T::ZERO;
-                return (next, Attempt::GoOn);
+                let attempt = if slightly {
+                    Attempt::Hold
+                } else {
+                    Attempt::Manoeuvre
+                };
+                return (next, attempt);
             }
             Rest::Beside | Rest::Moving => {}
         }
@@ -177,13 +190,15 @@ impl<T: Scalar> Retry<T> {
             next.manoeuvres = self.manoeuvres.saturating_add(1);
             return (next, Attempt::Manoeuvre);
         }
-        // The first approach by feedback is no new one. It begins outside as well: near the goal friction would hold the
-        // robot again, and on the way it is learnt.
-        let first = self.manoeuvres == MANOEUVRES;
+        // The first approach by feedback is no new one. It begins outside as well, where friction holds the robot, which would
+        // hold it again near the goal and is learnt on the way, and where the robot would have to turn aside for millimetres.
+        let first = rest == Rest::Beside && self.manoeuvres <= MANOEUVRES;
         if first {
-            next.manoeuvres = self.manoeuvres.saturating_add(1);
+            next.manoeuvres = MANOEUVRES + 1;
         }
-        if (first && at.distance < way_out) || (!first && next.spend(motion)) {
+        if (first && at.distance < way_out && (is_held(motion, at) || is_aside(motion, at)))
+            || (!first && next.spend(motion))
+        {
             next.out = if self.came < T::ZERO { -T::ONE } else { T::ONE };
         }
         (next, Attempt::Aim)

@@ -13,6 +13,20 @@ pub(crate) struct PlanLimits<T> {
 }
 
 impl<T: Scalar> PlanLimits<T> {
+    /// With half the accelerations, which twice the stated mass leaves to the same wheels: where the robot did not follow at full
+    /// ones.
+    pub(crate) fn slower(&self) -> Self {
+        let axis = |axis: &AxisLimits<T>| AxisLimits {
+            up: T::HALF * axis.up,
+            down: T::HALF * axis.down,
+            ..*axis
+        };
+        Self {
+            drive: axis(&self.drive),
+            turn: axis(&self.turn),
+        }
+    }
+
     /// With half the jerk: for a robot that moves, where ramps of two motions may coincide.
     pub(crate) fn smoother(&self) -> Self {
         let axis = |axis: &AxisLimits<T>| AxisLimits {

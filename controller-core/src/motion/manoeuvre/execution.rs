@@ -148,7 +148,6 @@ impl<T: Scalar> Execution<T> {
     /// dt²/12 (f₀′ − f₁′): wrong by dt⁵. At the end of the manoeuvre the reference is the goal.
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
-        limits: &PlanLimits<T>,
         error: &PoseError<T>,
         step: T,
         dt: T,
@@ -156,10 +155,9 @@ impl<T: Scalar> Execution<T> {
         self.look::<M>(error);
         if let Some(search) = &mut self.search {
             let moving = self.path.duration() > T::ZERO;
-            let limits = &if moving { limits.smoother() } else { *limits };
             // Ticks that became shorter may find it when it should have started.
             let late = moving && self.t > search.ready();
-            match search.advance::<M>(limits, dt) {
+            match search.advance::<M>(dt) {
                 Progress::Searching => {}
                 Progress::Found(_) if late => return None,
                 Progress::Found(path) => {

@@ -29,6 +29,7 @@ const POLISHING: u8 = 5;
 /// A search under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Search<T> {
+    limits: PlanLimits<T>,
     target: Target<T>,
     /// The motion at the begin.
     begin: Path<T>,
@@ -115,6 +116,7 @@ impl<T: Scalar> Search<T> {
         let aside = limits.turn.profile::<M>(turn).duration();
         let across = limits.turn.profile::<M>(T::FRAC_PI_2).duration();
         Self {
+            limits: *limits,
             target,
             begin: *begin,
             ready: if moving {
@@ -151,13 +153,13 @@ impl<T: Scalar> Search<T> {
     }
 
     /// A tick of `dt` on: as many evaluations as belong to it.
-    pub(crate) fn advance<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, dt: T) -> Progress<T> {
+    pub(crate) fn advance<M: Maths<T>>(&mut self, dt: T) -> Progress<T> {
         let mut left = per_tick(dt);
         while left > 0 {
             let (progress, work) = if self.polishing {
-                (self.polish::<M>(limits), FINE)
+                (self.polish::<M>(), FINE)
             } else {
-                (self.compare::<M>(limits), 1)
+                (self.compare::<M>(), 1)
             };
             if progress != Progress::Searching {
                 return progress;
@@ -168,16 +170,16 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One rough evaluation of the shape that is being tried.
-    fn compare<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Progress<T> {
+    fn compare<M: Maths<T>>(&mut self) -> Progress<T> {
         if self.solver.is_none() {
-            self.solver = self.next_guess::<M>(limits);
+            self.solver = self.next_guess::<M>();
         }
         let Some(solver) = self.solver else {
             return self.begin_polishing();
         };
         self.evaluations += 1;
-        let candidate = self.candidate::<M>(self.index, limits);
-        let (path, ends) = self.evaluate::<M>(&candidate, limits, &solver.numbers, Quality::Rough);
+        let candidate = self.candidate::<M>(self.index);
+        let (path, ends) = self.evaluate::<M>(&candidate, &solver.numbers, Quality::Rough);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         let enough = T::from_f64(5.0e-4) * self.target.distance;
@@ -212,15 +214,15 @@ impl<T: Scalar> Search<T> {
     }
 
     /// The first guess for the next shape that may be quicker; `None` if there is none, or time is up.
-    fn next_guess<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Option<Solver<T>> {
+    fn next_guess<M: Maths<T>>(&mut self) -> Option<Solver<T>> {
         let good = T::from_f64(1.03) * self.least + self.ready;
         let bound = self.best.map_or(T::MAX, |best| best.duration);
         if bound < good || self.evaluations >= EVALUATIONS {
             return None;
         }
         while self.index < CANDIDATES {
-            let candidate = self.candidate::<M>(self.index, limits);
-            if let Some(numbers) = candidate.guess::<M>(limits, &self.target, bound) {
+            let candidate = self.candidate::<M>(self.index);
+            if let Some(numbers) = candidate.guess::<M>(&self.limits, &self.target, bound) {
                 return Some(Solver::start(numbers));
             }
             self.index += 1;
@@ -241,12 +243,12 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One fine evaluation of the best shape.
-    fn polish<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Progress<T> {
+    fn polish<M: Maths<T>>(&mut self) -> Progress<T> {
         let Some(solver) = self.solver else {
             return Progress::Failed;
         };
-        let candidate = self.candidate::<M>(self.index, limits);
-        let (path, ends) = self.evaluate::<M>(&candidate, limits, &solver.numbers, Quality::Fine);
+        let candidate = self.candidate::<M>(self.index);
+        let (path, ends) = self.evaluate::<M>(&candidate, &solver.numbers, Quality::Fine);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         // Ten times the rounding of the sum in single precision.
@@ -264,18 +266,18 @@ impl<T: Scalar> Search<T> {
         }
     }
 
-    fn candidate<M: Maths<T>>(&self, index: u8, limits: &PlanLimits<T>) -> Candidate<T> {
-        Candidate::numbered::<M>(index, self.near, limits, &self.target)
+    fn candidate<M: Maths<T>>(&self, index: u8) -> Candidate<T> {
+        Candidate::numbered::<M>(index, self.near, &self.limits, &self.target)
     }
 
     fn evaluate<M: Maths<T>>(
         &self,
         candidate: &Candidate<T>,
-        limits: &PlanLimits<T>,
         numbers: &[T; 2],
         quality: Quality,
     ) -> (Path<T>, Ends<T>) {
-        let path = candidate.path::<M>(limits, &self.target, numbers, &self.begin, self.ready);
+        let path =
+            candidate.path::<M>(&self.limits, &self.target, numbers, &self.begin, self.ready);
         let ends = path.ends::<M>(quality);
         (path, ends)
     }
@@ -427,7 +429,7 @@ mod tests {
                 let mut ticks = 0;
                 let path = loop {
                     ticks += 1;
-                    match search.advance::<M>(&limits, dt) {
+                    match search.advance::<M>(dt) {
                         Progress::Searching => {}
                         Progress::Found(path) => break path,
                         Progress::Failed => panic!("{error:?}"),
