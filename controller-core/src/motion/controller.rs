@@ -6,7 +6,7 @@ use super::error_view::ErrorView;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
 use super::params::ValidMotionParams;
-use super::pose_law::{Moving, PoseLaw, Step, Transition};
+use super::pose_law::{Approach, Moving, PoseLaw, Step, Transition};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
 use super::setpoint::Setpoint;
@@ -71,6 +71,7 @@ struct Found<T> {
 pub struct MotionController<T = f32, M = Single, U = RationalMean> {
     motion: ValidMotionParams<T>,
     state: State<T>,
+    approach: Approach<T>,
     report: MotionReport<T>,
     back_ends: PhantomData<(M, U)>,
 }
@@ -99,7 +100,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             dt: T::ZERO,
             two_per_dt: None,
         };
-        let desired = pose_law.advance::<U, M>(motion, task, &view, moving, step);
+        let mut approach = Approach::default();
+        let desired = pose_law.advance::<U, M>(&mut approach, motion, task, &view, moving, step);
         let state = State {
             task: *task,
             pose_law,
@@ -113,6 +115,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let mut controller = Self {
             motion: *motion,
             state,
+            approach,
             report: MotionReport::default(),
             back_ends: PhantomData,
         };
@@ -155,8 +158,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
                 .advance(motion, &measured.twist, &state.command.rate, watch, dt);
         let view = ErrorView::of::<M>(task, &measured.pose);
         let new = task.is_new(&state.task);
+        let before = self.approach.kept();
         if new {
-            state.pose_law.renew_retries();
+            state.pose_law.renew_retries(&mut self.approach);
         }
         let jumped =
             new || state.declared || view.has_jumped::<M>(&self.report.error, motion.params(), dt);
@@ -172,9 +176,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             twist: &measured.twist,
             command: &state.command,
         };
-        let desired = state
-            .pose_law
-            .advance::<U, M>(motion, task, &view, moving, step);
+        let desired =
+            state
+                .pose_law
+                .advance::<U, M>(&mut self.approach, motion, task, &view, moving, step);
         let resting = state.pose_law.is_resting();
         state.offset = match desired.transition {
             Transition::Seamless => TransitionOffset::default(),
@@ -216,7 +221,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             limited,
             jumped,
         };
-        self.finish(state, &found, &measured.twist, dt)
+        if let Err(fault) = self.finish(state, &found, &measured.twist, dt) {
+            self.approach = before;
+            return Err(fault);
+        }
+        Ok(&self.report)
     }
 
     /// The next pose jumps: the localisation was corrected, or the reference replaced. Command and
@@ -274,7 +283,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         found: &Found<T>,
         twist: &Twist<T>,
         dt: T,
-    ) -> Result<&MotionReport<T>, StepFault> {
+    ) -> Result<(), StepFault> {
         let motion = &self.motion;
         let limits = &motion.params().limits;
         let command = state.command;
@@ -282,7 +291,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let disturbance = state.observer.estimate;
         let wrench = wrench(motion, &command.rate, &velocity_error, &disturbance);
         let finite = wrench.force.is_finite() && wrench.moment.is_finite();
-        if !(finite && found.is_finite() && state.is_finite()) {
+        if !(finite && found.is_finite() && state.is_finite() && self.approach.is_finite()) {
             return Err(StepFault::Overflow);
         }
         let (applied, saturated) = share(
@@ -325,11 +334,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
                 ..found.limited
             },
             jumped: found.jumped,
-            backing: state.pose_law.is_backing(),
+            backing: state.pose_law.is_backing(&self.approach),
             retries: state.pose_law.retries(),
         };
         self.state = state;
-        Ok(&self.report)
+        Ok(())
     }
 }
 

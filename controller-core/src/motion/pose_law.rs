@@ -25,14 +25,13 @@ pub(crate) struct PoseLaw<T> {
     regulator: PoseRegulator<T>,
     checker: GoalChecker<T>,
     retry: Retry<T>,
-    approach: Approach<T>,
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
 }
 
-/// How the goal is approached.
+/// How the goal is approached. Lent, not part of what every tick copies: a manoeuvre is long.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Approach<T> {
+pub(crate) enum Approach<T> {
     /// Not at all yet.
     #[default]
     Idle,
@@ -86,6 +85,7 @@ pub(crate) enum Transition {
 impl<T: Scalar> PoseLaw<T> {
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
+        approach: &mut Approach<T>,
         motion: &ValidMotionParams<T>,
         task: &Task<T>,
         view: &ErrorView<T>,
@@ -94,9 +94,10 @@ impl<T: Scalar> PoseLaw<T> {
     ) -> Wanted<T> {
         match task {
             Task::Follow(reference) => {
+                *approach = Approach::Idle;
                 self.follow::<U, M>(motion, reference, view, moving, step.two_per_dt)
             }
-            Task::Park(_) => self.park::<U, M>(motion, &view.error, moving, step),
+            Task::Park(_) => self.park::<U, M>(approach, motion, &view.error, moving, step),
         }
     }
 
@@ -116,7 +117,6 @@ impl<T: Scalar> PoseLaw<T> {
             turn_rate: moving.twist.angular,
         };
         self.checker = GoalChecker::default();
-        self.approach = Approach::Idle;
         let command = &moving.command.twist;
         Wanted {
             setpoint: self
@@ -132,6 +132,7 @@ impl<T: Scalar> PoseLaw<T> {
 
     fn park<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
+        approach: &mut Approach<T>,
         motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
         moving: Moving<'_, T>,
@@ -146,10 +147,10 @@ impl<T: Scalar> PoseLaw<T> {
             twist: *moving.twist,
             command: moving.command.twist,
             command_rate: moving.command.rate,
-            backing: self.is_backing(),
+            backing: self.is_backing(approach),
         };
         // A manoeuvre ends at the goal by itself, sooner than a stop that is begun before.
-        let driving = self.is_under_way() && !was_resting;
+        let driving = approach.is_under_way() && !was_resting;
         self.checker = if driving || !self.retry.may_park() {
             GoalChecker::default()
         } else if two_per_dt.is_some() {
@@ -161,7 +162,7 @@ impl<T: Scalar> PoseLaw<T> {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
             (false, false) if driving => Rest::Driving,
-            (false, false) if matches!(self.approach, Approach::Manoeuvre(_)) => Rest::Beside,
+            (false, false) if matches!(approach, Approach::Manoeuvre(_)) => Rest::Beside,
             (false, false) => Rest::Moving,
         };
         let (retry, attempt) = self.retry.advance::<M>(motion, &at, rest, dt);
@@ -178,14 +179,14 @@ impl<T: Scalar> PoseLaw<T> {
         } else {
             // Pushed off its goal, or beside it, the robot starts afresh.
             match attempt {
-                Attempt::Aim => self.approach = Approach::Regulate,
+                Attempt::Aim => *approach = Approach::Regulate,
                 Attempt::GoOn | Attempt::Hold | Attempt::Manoeuvre => {}
             }
             let attempt = match attempt {
                 Attempt::GoOn if was_resting => Attempt::Manoeuvre,
                 _ => attempt,
             };
-            self.approach::<U, M>(motion, &at, &moving, step, attempt)
+            self.approach::<U, M>(approach, motion, &at, &moving, step, attempt)
         };
         Wanted {
             setpoint,
@@ -193,14 +194,10 @@ impl<T: Scalar> PoseLaw<T> {
         }
     }
 
-    /// A manoeuvre has still to be found or driven.
-    fn is_under_way(&self) -> bool {
-        matches!(&self.approach, Approach::Manoeuvre(execution) if !execution.is_over())
-    }
-
     /// The setpoint of an approach, and how it goes on from the command.
     fn approach<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
+        approach: &mut Approach<T>,
         motion: &ValidMotionParams<T>,
         at: &GoalView<T>,
         moving: &Moving<'_, T>,
@@ -209,7 +206,7 @@ impl<T: Scalar> PoseLaw<T> {
     ) -> (Setpoint<T>, Transition) {
         if step.dt == T::ZERO {
             // At the start: the first tick tells how long ticks are.
-            self.approach = Approach::Idle;
+            *approach = Approach::Idle;
             let setpoint = Setpoint {
                 twist: moving.command.twist,
                 rate: Accel::default(),
@@ -217,7 +214,7 @@ impl<T: Scalar> PoseLaw<T> {
             return (setpoint, Transition::Offset);
         }
         let jumped = step.two_per_dt.is_none();
-        let begun = match &self.approach {
+        let begun = match approach {
             Approach::Chase => !jumped,
             Approach::Idle => true,
             // A pose that jumped moves the robot against its reference. If that is far, it has departed.
@@ -232,7 +229,7 @@ impl<T: Scalar> PoseLaw<T> {
                 motion.plan
             };
             let hold = attempt == Attempt::Hold || is_inside(motion, at);
-            self.approach = Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
+            *approach = Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
         }
         let mut begun = begun;
         let mut two_per_dt = if begun || attempt == Attempt::Aim {
@@ -240,7 +237,7 @@ impl<T: Scalar> PoseLaw<T> {
         } else {
             step.two_per_dt
         };
-        if let Approach::Manoeuvre(execution) = &mut self.approach {
+        if let Approach::Manoeuvre(execution) = approach {
             let since = if begun { T::ZERO } else { step.dt };
             let mut moment = execution.advance::<M>(&at.error, since, step.dt);
             let departed = |error: &PoseError<T>| {
@@ -289,7 +286,7 @@ impl<T: Scalar> PoseLaw<T> {
                 };
                 return (setpoint, transition);
             }
-            self.approach = Approach::Regulate;
+            *approach = Approach::Regulate;
             two_per_dt = None;
         }
         let command = &moving.command.twist;
@@ -321,16 +318,16 @@ impl<T: Scalar> PoseLaw<T> {
     }
 
     /// Another goal: all approaches are to be had again.
-    pub(crate) fn renew_retries(&mut self) {
+    pub(crate) fn renew_retries(&mut self, approach: &mut Approach<T>) {
         self.retry = Retry::default();
         self.departed = false;
         // A goal that moves again before the manoeuvre to it was found is chased.
-        let chased = match &self.approach {
+        let chased = match approach {
             Approach::Manoeuvre(execution) => execution.is_searching(),
             Approach::Chase => true,
             Approach::Idle | Approach::Regulate => false,
         };
-        self.approach = if chased {
+        *approach = if chased {
             Approach::Chase
         } else {
             Approach::Idle
@@ -358,23 +355,41 @@ impl<T: Scalar> PoseLaw<T> {
     }
 
     /// While parking: the robot backs up.
-    pub(crate) fn is_backing(&self) -> bool {
-        match &self.approach {
+    pub(crate) fn is_backing(&self, approach: &Approach<T>) -> bool {
+        match approach {
             Approach::Manoeuvre(execution) => execution.is_backing(),
             Approach::Idle | Approach::Chase | Approach::Regulate => self.regulator.is_backing(),
         }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        let approach = match &self.approach {
-            Approach::Manoeuvre(execution) => execution.is_finite(),
-            Approach::Idle | Approach::Chase | Approach::Regulate => true,
-        };
-        self.follower.is_finite() && self.regulator.is_finite() && approach
+        self.follower.is_finite() && self.regulator.is_finite()
     }
 }
 
 impl<T: Scalar> Approach<T> {
+    /// A manoeuvre has still to be found or driven.
+    fn is_under_way(&self) -> bool {
+        matches!(self, Self::Manoeuvre(execution) if !execution.is_over())
+    }
+
+    /// A copy to go back to; only a manoeuvre costs one.
+    pub(crate) fn kept(&self) -> Self {
+        match self {
+            Self::Manoeuvre(execution) => Self::Manoeuvre(*execution),
+            Self::Idle => Self::Idle,
+            Self::Chase => Self::Chase,
+            Self::Regulate => Self::Regulate,
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        match self {
+            Self::Manoeuvre(execution) => execution.is_finite(),
+            Self::Idle | Self::Chase | Self::Regulate => true,
+        }
+    }
+
     /// By a manoeuvre; a robot that is where it should be has none to make. With ticks longer than the time constant of the
     /// follower's neurons by feedback: the follower holds no robot at rest then, and the regulator is slower.
     fn begin<M: Maths<T>>(

@@ -157,7 +157,7 @@ impl<T: Scalar> Execution<T> {
             let moving = self.path.duration() > T::ZERO;
             // Ticks that became shorter may find it when it should have started.
             let late = moving && self.t > search.ready();
-            match search.advance::<M>(dt) {
+            match search.advance::<M>(&self.path, dt) {
                 Progress::Searching => {}
                 Progress::Found(_) if late => return None,
                 Progress::Found(path) => {

@@ -59,13 +59,9 @@ pub(crate) enum Quality {
     Fine,
 }
 
-/// Gauss' rule on (−1, 1) with three and with four points: nodes and weights of one half.
-/// The node in the middle counts half on either side.
+/// Gauss' rule on (−1, 1) with two and with four points: nodes and weights of one half.
 const GAUSS: [&[(f64, f64)]; 2] = [
-    &[
-        (0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
-        (0.0, 0.444_444_444_444_444_4),
-    ],
+    &[(0.577_350_269_189_625_8, 1.0)],
     &[
         (0.861_136_311_594_052_6, 0.347_854_845_137_453_8),
         (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
@@ -96,13 +92,23 @@ impl<T: Scalar> Path<T> {
     /// Heading, turn rate and its rate at `t`.
     pub(crate) fn turn_at(&self, t: T) -> AxisSample<T> {
         let [a, b] = &self.turns;
-        sum(self.stop_turn.at(t), sum(a.at(t), b.at(t)))
+        let both = sum(a.at(t), b.at(t));
+        if self.stop_turn.is_over() {
+            both
+        } else {
+            sum(self.stop_turn.at(t), both)
+        }
     }
 
     /// Travel, speed and acceleration at `t`.
     pub(crate) fn drive_at(&self, t: T) -> AxisSample<T> {
         let [a, b] = &self.drives;
-        sum(self.stop_drive.at(t), sum(a.at(t), b.at(t)))
+        let both = sum(a.at(t), b.at(t));
+        if self.stop_drive.is_over() {
+            both
+        } else {
+            sum(self.stop_drive.at(t), both)
+        }
     }
 
     /// Where the motion at the begin and each of the drives lead.
@@ -118,8 +124,13 @@ impl<T: Scalar> Path<T> {
         let (corners, last) = self.corners(quality);
         let (sine, cosine) = M::sin_cos_near(self.turn_at(last).position);
         let travel = |t| {
+            let stopping = if self.stop_drive.is_over() {
+                T::ZERO
+            } else {
+                self.stop_drive.at(t).position
+            };
             [
-                self.stop_drive.at(t).position,
+                stopping,
                 self.drives[0].at(t).position,
                 self.drives[1].at(t).position,
             ]
@@ -128,9 +139,9 @@ impl<T: Scalar> Path<T> {
             x: way * cosine,
             y: way * sine,
         });
-        let [three, four] = GAUSS;
+        let [two, four] = GAUSS;
         let rule = match quality {
-            Quality::Rough => three,
+            Quality::Rough => two,
             Quality::Fine => four,
         };
         for pair in corners.windows(2) {
@@ -163,18 +174,19 @@ impl<T: Scalar> Path<T> {
         }
     }
 
-    /// Where accelerations step, in `Fine` quality also where jerks do, in order, and the last of these times; behind it
+    /// Where ramps begin and end, in `Fine` quality also where jerks step, in order, and the last of these times; behind it
     /// there is nothing but [`Scalar::MAX`].
     fn corners(&self, quality: Quality) -> ([T; CORNERS], T) {
         let mut sorted = [T::MAX; CORNERS];
-        let mut last = T::ZERO;
+        let (mut last, mut count) = (T::ZERO, 0);
         let mut add = |time: T| {
             if time > last {
                 last = time;
             }
             // Pushes what is later one place on; without an index there is none to be out of bounds.
+            count += 1;
             let mut time = time;
-            for place in &mut sorted {
+            for place in sorted.iter_mut().take(count) {
                 if time < *place {
                     core::mem::swap(place, &mut time);
                 }

@@ -274,6 +274,11 @@ pub(crate) struct Stop<T> {
 }
 
 impl<T: Scalar> Stop<T> {
+    /// There was no motion at the begin.
+    pub(crate) fn is_over(&self) -> bool {
+        self.rate == T::ZERO && self.accel == T::ZERO
+    }
+
     /// When it stands \[s\].
     pub(crate) fn duration(&self) -> T {
         self.fade + self.ramp.duration

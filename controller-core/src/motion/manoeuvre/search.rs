@@ -7,18 +7,21 @@ use crate::pose_error::PoseError;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// Evaluations of a path's end in a second of ticks. One of 5,000 instructions every 2.5 ms is 2 % of a chip of
+/// Evaluations of a path's end in a second of ticks. One of 15,000 instructions every 2.5 ms is 6 % of a chip of
 /// 100 MHz, and a search takes 0.3 s at most.
 const PER_SECOND: f64 = 400.0;
 
 /// The most evaluations in a tick, however long it is; one is the least.
 const MOST_PER_TICK: u8 = 16;
 
-/// Evaluations that a polishing one counts as: it has some four times their nodes.
-const FINE: u8 = 4;
+/// Evaluations that a polishing one counts as: it has some three times their nodes.
+const FINE: u8 = 3;
 
 /// Evaluations in a search; then the best so far is polished.
 const EVALUATIONS: u8 = 120;
+
+/// Shapes that may be ruled out instead of an evaluation.
+const GUESSES: u8 = 4;
 
 /// Quasi-Newton steps for one shape.
 const STEPS: u8 = 8;
@@ -31,8 +34,6 @@ const POLISHING: u8 = 5;
 pub(crate) struct Search<T> {
     limits: PlanLimits<T>,
     target: Target<T>,
-    /// The motion at the begin.
-    begin: Path<T>,
     /// When the manoeuvre may start, for a robot that moves \[s\].
     ready: T,
     /// Turning takes longer than driving.
@@ -118,9 +119,8 @@ impl<T: Scalar> Search<T> {
         Self {
             limits: *limits,
             target,
-            begin: *begin,
             ready: if moving {
-                let all = EVALUATIONS + STEPS + FINE * (POLISHING + 1);
+                let all = EVALUATIONS + STEPS + CANDIDATES / GUESSES + FINE * (POLISHING + 1);
                 let ticks = all / per_tick(dt) + 3;
                 T::from_i32(i32::from(ticks)) * dt
             } else {
@@ -152,14 +152,14 @@ impl<T: Scalar> Search<T> {
         self.ready
     }
 
-    /// A tick of `dt` on: as many evaluations as belong to it.
-    pub(crate) fn advance<M: Maths<T>>(&mut self, dt: T) -> Progress<T> {
+    /// A tick of `dt` on, with the motion at the begin: as many evaluations as belong to it.
+    pub(crate) fn advance<M: Maths<T>>(&mut self, begin: &Path<T>, dt: T) -> Progress<T> {
         let mut left = per_tick(dt);
         while left > 0 {
             let (progress, work) = if self.polishing {
-                (self.polish::<M>(), FINE)
+                (self.polish::<M>(begin), FINE)
             } else {
-                (self.compare::<M>(), 1)
+                (self.compare::<M>(begin), 1)
             };
             if progress != Progress::Searching {
                 return progress;
@@ -170,16 +170,19 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One rough evaluation of the shape that is being tried.
-    fn compare<M: Maths<T>>(&mut self) -> Progress<T> {
+    fn compare<M: Maths<T>>(&mut self, begin: &Path<T>) -> Progress<T> {
         if self.solver.is_none() {
+            if self.is_done() {
+                return self.begin_polishing();
+            }
             self.solver = self.next_guess::<M>();
         }
         let Some(solver) = self.solver else {
-            return self.begin_polishing();
+            return Progress::Searching;
         };
         self.evaluations += 1;
         let candidate = self.candidate::<M>(self.index);
-        let (path, ends) = self.evaluate::<M>(&candidate, &solver.numbers, Quality::Rough);
+        let (path, ends) = self.evaluate::<M>(begin, &candidate, &solver.numbers, Quality::Rough);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         let enough = T::from_f64(5.0e-4) * self.target.distance;
@@ -213,14 +216,21 @@ impl<T: Scalar> Search<T> {
         self.index += 1;
     }
 
-    /// The first guess for the next shape that may be quicker; `None` if there is none, or time is up.
-    fn next_guess<M: Maths<T>>(&mut self) -> Option<Solver<T>> {
+    /// There is no shape left that could be quicker by much, or time is up.
+    fn is_done(&self) -> bool {
         let good = T::from_f64(1.03) * self.least + self.ready;
+        self.best.is_some_and(|best| best.duration < good)
+            || self.evaluations >= EVALUATIONS
+            || self.index >= CANDIDATES
+    }
+
+    /// The first guess for the next shape that may be quicker; `None` if none of the next [`GUESSES`] may.
+    fn next_guess<M: Maths<T>>(&mut self) -> Option<Solver<T>> {
         let bound = self.best.map_or(T::MAX, |best| best.duration);
-        if bound < good || self.evaluations >= EVALUATIONS {
-            return None;
-        }
-        while self.index < CANDIDATES {
+        for _ in 0..GUESSES {
+            if self.index >= CANDIDATES {
+                return None;
+            }
             let candidate = self.candidate::<M>(self.index);
             if let Some(numbers) = candidate.guess::<M>(&self.limits, &self.target, bound) {
                 return Some(Solver::start(numbers));
@@ -243,12 +253,12 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One fine evaluation of the best shape.
-    fn polish<M: Maths<T>>(&mut self) -> Progress<T> {
+    fn polish<M: Maths<T>>(&mut self, begin: &Path<T>) -> Progress<T> {
         let Some(solver) = self.solver else {
             return Progress::Failed;
         };
         let candidate = self.candidate::<M>(self.index);
-        let (path, ends) = self.evaluate::<M>(&candidate, &solver.numbers, Quality::Fine);
+        let (path, ends) = self.evaluate::<M>(begin, &candidate, &solver.numbers, Quality::Fine);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         // Ten times the rounding of the sum in single precision.
@@ -272,12 +282,12 @@ impl<T: Scalar> Search<T> {
 
     fn evaluate<M: Maths<T>>(
         &self,
+        begin: &Path<T>,
         candidate: &Candidate<T>,
         numbers: &[T; 2],
         quality: Quality,
     ) -> (Path<T>, Ends<T>) {
-        let path =
-            candidate.path::<M>(&self.limits, &self.target, numbers, &self.begin, self.ready);
+        let path = candidate.path::<M>(&self.limits, &self.target, numbers, begin, self.ready);
         let ends = path.ends::<M>(quality);
         (path, ends)
     }
@@ -429,7 +439,7 @@ mod tests {
                 let mut ticks = 0;
                 let path = loop {
                     ticks += 1;
-                    match search.advance::<M>(dt) {
+                    match search.advance::<M>(&begin, dt) {
                         Progress::Searching => {}
                         Progress::Found(path) => break path,
                         Progress::Failed => panic!("{error:?}"),
