@@ -2,7 +2,7 @@
 
 use controller_core::motion::Limits;
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun};
-use sim_host::import::{Options, import};
+use sim_host::import::{Options, Pace, import};
 use sim_host::mission::BaseSpec;
 use sim_host::precision::Precision;
 use sim_host::run::drive;
@@ -232,7 +232,12 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
-    let table = ChipTable::of("table", &fixture("table.csv")?, &BaseSpec::default())?;
+    let table = ChipTable::of(
+        "table",
+        &fixture("table.csv")?,
+        &BaseSpec::default(),
+        Pace::Own,
+    )?;
     let samples = &table.compact.samples;
     assert!(table.compact.position_error_m < 1e-4 && samples.len() > 3);
     let rust = table.rust();

@@ -168,7 +168,8 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         say(&format!("{verdict}\n"))?;
         match &verdict {
             FileVerdict::Drivable { trajectory, .. } => {
-                let time_scaled = trajectory.time_scaled(&base.reference_limits());
+                let time_scaled =
+                    trajectory.time_scaled(&base.reference_limits(), arguments.pace());
                 let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
                 say(&format!("base       {}: {scaling}\n", base.name))?;
             }
@@ -197,7 +198,7 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
             path: file.clone(),
             cause,
         };
-        let table = ChipTable::of(&name, &bytes, &base).map_err(failed)?;
+        let table = ChipTable::of(&name, &bytes, &base, arguments.pace()).map_err(failed)?;
         writer.bytes(&format!("{name}.rs"), table.rust().as_bytes())?;
         let binary = table.binary();
         writer.bytes(&format!("{name}.bin"), &binary)?;

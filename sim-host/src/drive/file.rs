@@ -1,8 +1,8 @@
 //! Missions from trajectory files.
 
 use crate::import::{
-    Figures, FileVerdict, Format, LimitError, Options, Refusal, TimeScaling, Tolerance, Trajectory,
-    check,
+    Figures, FileVerdict, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance,
+    Trajectory, check,
 };
 use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
 use crate::precision::Precision;
@@ -24,6 +24,8 @@ pub struct FileRun {
     /// Where the robot starts: at rest, this far to the left of the first pose \[m\]; `None` is
     /// 0.15 m, or 0 on a route too short to settle from there, see [`FileRun::offset_on`].
     pub offset_m: Option<f64>,
+    /// How fast the route may be run.
+    pub pace: Pace,
     /// Number type of the controller.
     pub precision: Precision,
     /// Control period \[s\].
@@ -35,6 +37,7 @@ impl Default for FileRun {
     fn default() -> Self {
         Self {
             offset_m: None,
+            pace: Pace::Own,
             precision: Precision::F32,
             period_s: 0.01,
         }
@@ -94,7 +97,7 @@ impl FileRun {
         if !(1.0e-4..=longest).contains(&self.period_s) {
             return Err(FileError::Option("period", 1.0e-4, longest));
         }
-        let (trajectory, scaling) = fitted(bytes, base)?;
+        let (trajectory, scaling) = fitted(bytes, base, self.pace)?;
         let figures: Figures = trajectory.figures();
         let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
         let longest_s = end_s + PARKING_S;
@@ -132,20 +135,16 @@ impl FileRun {
     }
 }
 
-/// How long a route takes to get going \[s\].
-///
-/// Files that start at rest start with their full acceleration. The controller does not: its torque
-/// starts at 0 and what is missing fades in, which leaves it behind by a/A², 44 mm at 1.1 m/s². With
-/// this ramp there is nothing to fade in, at a jerk far below that of any base here.
-const RAMP_S: f64 = 0.3;
-
-/// The reference of a file for a base: time-scaled to its limits, and ramped in.
+/// The reference of a file for a base: the fastest within its limits, at a pace.
 ///
 /// # Errors
 /// A file that is refused, or a base whose limits are not positive.
-pub fn fitted(bytes: &[u8], base: &BaseSpec) -> Result<(Trajectory, TimeScaling), FileError> {
-    let (trajectory, scaling) = trajectory(bytes)?.time_scaled(&base.reference_limits())?;
-    Ok((trajectory.ramped_in(RAMP_S), scaling))
+pub fn fitted(
+    bytes: &[u8],
+    base: &BaseSpec,
+    pace: Pace,
+) -> Result<(Trajectory, TimeScaling), FileError> {
+    Ok(trajectory(bytes)?.time_scaled(&base.reference_limits(), pace)?)
 }
 
 /// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are

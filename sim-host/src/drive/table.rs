@@ -1,7 +1,7 @@
 //! Trajectories for a chip: tables for flash, in Rust and in binary.
 
 use super::file::fitted;
-use crate::import::{Compact, CompactSample, Tolerance, compact};
+use crate::import::{Compact, CompactSample, Pace, Tolerance, compact};
 use std::fmt::Write as _;
 
 /// How close the chip's interpolation stays to the trajectory: a tenth of what the base makes of
@@ -26,7 +26,7 @@ pub struct ChipTable {
 }
 
 impl ChipTable {
-    /// Compiles a trajectory file, time-scaled and ramped in as a run of it.
+    /// Compiles a trajectory file, time-scaled as a run of it.
     ///
     /// # Errors
     /// A file that is refused, or a base whose limits are not positive.
@@ -34,8 +34,9 @@ impl ChipTable {
         name: &str,
         bytes: &[u8],
         base: &crate::mission::BaseSpec,
+        pace: Pace,
     ) -> Result<Self, super::FileError> {
-        let (run, _) = fitted(bytes, base)?;
+        let (run, _) = fitted(bytes, base, pace)?;
         let upper = name.chars().map(|c| {
             if c.is_ascii_alphanumeric() {
                 c.to_ascii_uppercase()

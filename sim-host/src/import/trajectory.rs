@@ -1,6 +1,6 @@
 //! A reference that satisfies Eq. (6) at every instant.
 
-use super::fit::motion::advance;
+use super::fit::motion::{Jerk, advance};
 use super::fit::{self, CLUSTER, Node, Rest, Target};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Reason, Refusal};
@@ -175,6 +175,13 @@ impl Trajectory {
     /// Seconds that the file takes.
     pub(super) fn path_duration(&self) -> f64 {
         self.nodes.last().map_or(0.0, |n| n.t)
+    }
+
+    /// Rates of a and α at a place of the path, at the pace of the file.
+    pub(super) fn path_jerk(&self, s: f64) -> Jerk {
+        let after = self.nodes.partition_point(|n| n.t <= s);
+        let node = self.nodes.get(after.saturating_sub(1));
+        node.map_or(Jerk::zeros(), |node| node.u)
     }
 
     /// Samples in strictly increasing time, at most about 25 ms apart, from 0 to the end.

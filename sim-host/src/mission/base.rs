@@ -53,7 +53,7 @@ impl Default for BaseSpec {
     }
 }
 
-/// What a reference may use of speed and turn rate, of acceleration and torque, and of angular
+/// What a reference may use of speed and turn rate, of acceleration, torque and jerk, and of angular
 /// acceleration. The rest is for feedback: a lateral error is corrected by turning, whose demand
 /// reaches 0.7 of the angular acceleration (`docs/motion.md`), seldom where the path turns hardest.
 const SHARE: (f64, f64, f64) = (0.9, 0.75, 0.45);
@@ -93,6 +93,8 @@ impl BaseSpec {
             max_decel: push * limits.brake,
             max_angular_accel: turn * limits.turn_accel,
             max_lateral: f64::INFINITY,
+            max_jerk: push * limits.jerk,
+            max_angular_jerk: push * limits.turn_jerk,
             drive: Some(import::DriveLimits {
                 wheel_torque: push * limits.wheel_torque_nm,
                 // The larger wheel needs more torque for the same push.

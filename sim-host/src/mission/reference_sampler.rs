@@ -42,6 +42,9 @@ impl ReferenceSampler {
         let references: Vec<_> = match route {
             Route::File(file) => times
                 .map(|t| {
+                    // At the start the controller exerts nothing yet: an acceleration asked for then
+                    // fades in, and leaves it behind.
+                    let lead_s = if t > 0.0 { lead_s } else { 0.0 };
                     let (now, ahead) = (file.at(t), file.at(t + lead_s));
                     Reference::new_with::<Libm>(
                         Pose::new(now.x, now.y, now.theta),

@@ -11,7 +11,7 @@ pub(super) struct Weights {
     pub(super) pose: Vec<[f64; 3]>,
     /// Of jerk in v and w, from every knot to the next.
     pub(super) jerk: Vec<Jerk>,
-    /// Of speed and turn rate at a start or end at rest.
+    /// Of speed, turn rate and their rates at a start or end at rest.
     pub(super) rest: f64,
 }
 
@@ -70,7 +70,8 @@ pub(super) fn step(
         }
         add_cost(knots.get(k)?, targets, &weights.pose, z, &mut p, &mut q);
         if (k == 0 && rest.start) || (k + 1 == n && rest.end) {
-            for i in [3, 4] {
+            // Without acceleration either: no base has that at once.
+            for i in 3..7 {
                 p[(i, i)] += weights.rest;
                 q[i] += weights.rest * z[i];
             }
