@@ -1,7 +1,7 @@
 //! Arguments for trajectory files.
 
 use clap::{Args, ValueEnum};
-use sim_host::drive::FileRun;
+use sim_host::drive::{FileRun, Retiming};
 use sim_host::import::Pace;
 use sim_host::precision::Precision;
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ impl DriveArgs {
     pub fn file_run(&self) -> FileRun {
         FileRun {
             offset_m: self.offset,
-            pace: self.route.pace(),
+            retiming: self.route.retiming(),
             precision: match self.precision {
                 Number::F32 => Precision::F32,
                 Number::F64 => Precision::F64,
@@ -65,9 +65,9 @@ pub struct TrajectoryArgs {
 }
 
 impl TrajectoryArgs {
-    /// How fast routes may be run.
-    pub fn pace(&self) -> Pace {
-        self.route.pace()
+    /// How references are made.
+    pub fn retiming(&self) -> Retiming {
+        self.route.retiming()
     }
 }
 
@@ -77,14 +77,21 @@ struct RouteArgs {
     /// Trajectory files: as fast as the base's limits allow; else nowhere faster than the file
     #[arg(long)]
     fastest: bool,
+    /// Trajectory files: smooth the path by up to this, where that saves time [m]; 0 follows every
+    /// pose
+    #[arg(long, value_name = "M", default_value = "0.01")]
+    tolerance: f64,
 }
 
 impl RouteArgs {
-    fn pace(self) -> Pace {
-        if self.fastest {
-            Pace::Fastest
-        } else {
-            Pace::Own
+    fn retiming(self) -> Retiming {
+        Retiming {
+            pace: if self.fastest {
+                Pace::Fastest
+            } else {
+                Pace::Own
+            },
+            tolerance_m: self.tolerance,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
 use controller_core::motion::Limits;
-use sim_host::drive::{ChipTable, DriveMetrics, FileRun};
-use sim_host::import::{Options, Pace, import};
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun, Retiming};
+use sim_host::import::{Options, import};
 use sim_host::mission::BaseSpec;
 use sim_host::precision::Precision;
 use sim_host::run::drive;
@@ -236,7 +236,7 @@ fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
         "table",
         &fixture("table.csv")?,
         &BaseSpec::default(),
-        Pace::Own,
+        &Retiming::default(),
     )?;
     let samples = &table.compact.samples;
     assert!(table.compact.position_error_m < 1e-4 && samples.len() > 3);

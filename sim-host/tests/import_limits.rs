@@ -455,3 +455,107 @@ fn bends_take_the_time_of_an_independent_search() -> Result<(), Box<dyn Error>> 
     }
     Ok(())
 }
+
+/// The largest distance from points of one motion to the nearest place of another \[m\].
+fn apart(from: &Trajectory, to: &Trajectory) -> f64 {
+    let points = |t: &Trajectory, step: f64| -> Vec<Sample> {
+        let count = (t.duration() / step).ceil();
+        (0..=count as u32)
+            .map(|i| t.at((f64::from(i) * step).min(t.duration())))
+            .collect()
+    };
+    let near = points(to, 0.002);
+    points(from, 0.02)
+        .iter()
+        .map(|a| {
+            let away = near.iter().map(|b| (a.x - b.x).hypot(a.y - b.y));
+            away.fold(f64::INFINITY, f64::min)
+        })
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn a_tube_saves_time_and_is_kept() -> Result<(), Box<dyn Error>> {
+    // A heavy base, slow to turn.
+    let limits = ReferenceLimits {
+        max_speed: 2.0,
+        max_accel: 1.0,
+        max_decel: 1.0,
+        max_turn_rate: 2.5,
+        max_angular_accel: 0.5,
+        max_jerk: 15.0,
+        max_angular_jerk: 30.0,
+        ..ReferenceLimits::default()
+    };
+    let mut saved = 0;
+    // A line and an arc, over and over: the curvature jumps.
+    let (radius, quarter) = (0.3, 0.3 * std::f64::consts::FRAC_PI_2);
+    let rounded = driven(4.0 * (0.5 + quarter), 8.0, |s| {
+        let (corner, along) = ((s / (0.5 + quarter)).floor(), s % (0.5 + quarter));
+        let turned = ((along - 0.5) / radius).max(0.0);
+        let mut at = [
+            along.min(0.5) + radius * turned.sin(),
+            radius * (1.0 - turned.cos()),
+            turned,
+        ];
+        // From the corner's own frame back to the first one's.
+        for _ in 0..corner as u32 {
+            at = [
+                0.5 + radius - at[1],
+                radius + at[0],
+                at[2] + std::f64::consts::FRAC_PI_2,
+            ];
+        }
+        at
+    });
+    let rounded = import(rounded.as_bytes(), &Options::default())?;
+    let mut files = vec![("rounded", rounded)];
+    for name in [
+        "wpilib_gaps.json",
+        "wpilib_dirty.json",
+        "choreo_v1.traj",
+        "table.csv",
+    ] {
+        files.push((name, load(name)?));
+    }
+    for (name, file) in files {
+        for pace in [Pace::Own, Pace::Fastest] {
+            let (same, _) = file.time_scaled_within(&limits, pace, 0.0)?;
+            let (exact, plain) = file.time_scaled(&limits, pace)?;
+            assert_eq!(same.samples(), exact.samples(), "{name}");
+            let tube = 0.01;
+            let (run, scaling) = file.time_scaled_within(&limits, pace, tube)?;
+            assert!(
+                scaling.load <= 1.0 && run.duration() <= exact.duration(),
+                "{name}: {scaling}"
+            );
+            if pace == Pace::Own {
+                assert!(run.duration() > 0.99 * file.duration(), "{name}: {scaling}");
+            }
+            let by = scaling.departure.map_or(0.0, |by| by.position_m);
+            assert!(by <= tube && plain.departure.is_none(), "{name}: {scaling}");
+            saved += u32::from(run.duration() < 0.95 * exact.duration());
+            let (there, back) = (apart(&run, &file), apart(&file, &run));
+            // Between the places of the tube, and between points.
+            assert!(there.max(back) < tube + 3e-4, "{name}: {there} {back}");
+            for (a, b) in [
+                (file.at(0.0), run.at(0.0)),
+                (file.at(file.duration()), run.at(run.duration())),
+            ] {
+                let off = (a.x - b.x).hypot(a.y - b.y);
+                assert!(
+                    off < 2e-5 && (a.theta - b.theta).abs() < 1e-4,
+                    "{name}: {off} {a:?} {b:?}"
+                );
+            }
+            let steps = 20_000;
+            let h = run.duration() / f64::from(steps);
+            for i in 0..=steps {
+                let s = run.at((h * f64::from(i)).min(run.duration()));
+                assert!(excess(&s, &limits) < BETWEEN, "{name}: {s:?}");
+            }
+        }
+    }
+    assert!(saved > 3, "{saved}");
+    Ok(())
+}

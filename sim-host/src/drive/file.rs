@@ -18,14 +18,52 @@ pub const TOLERANCE: Tolerance = Tolerance {
     heading_rad: 5.0e-3,
 };
 
+/// How a trajectory becomes the reference of a base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retiming {
+    /// How fast it may be run.
+    pub pace: Pace,
+    /// How far its path may be departed from where that saves time \[m\].
+    pub tolerance_m: f64,
+}
+
+impl Default for Retiming {
+    /// Nowhere faster than the file, within 10 mm of it.
+    fn default() -> Self {
+        Self {
+            pace: Pace::Own,
+            tolerance_m: 0.01,
+        }
+    }
+}
+
+impl Retiming {
+    /// The reference, and how its time was scaled.
+    ///
+    /// # Errors
+    /// A base whose limits are not positive, or a tolerance out of range.
+    pub fn of(
+        &self,
+        trajectory: &Trajectory,
+        base: &BaseSpec,
+    ) -> Result<(Trajectory, TimeScaling), FileError> {
+        let tolerance = self.tolerance_m;
+        if !(0.0..=1.0).contains(&tolerance) {
+            return Err(FileError::Option("tolerance", 0.0, 1.0));
+        }
+        let limits = base.reference_limits();
+        Ok(trajectory.time_scaled_within(&limits, self.pace, tolerance)?)
+    }
+}
+
 /// How a trajectory file is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileRun {
     /// Where the robot starts: at rest, this far to the left of the first pose \[m\]; `None` is
     /// 0.15 m, or 0 on a route too short to settle from there, see [`FileRun::offset_on`].
     pub offset_m: Option<f64>,
-    /// How fast the route may be run.
-    pub pace: Pace,
+    /// How its reference is made.
+    pub retiming: Retiming,
     /// Number type of the controller.
     pub precision: Precision,
     /// Control period \[s\].
@@ -37,7 +75,7 @@ impl Default for FileRun {
     fn default() -> Self {
         Self {
             offset_m: None,
-            pace: Pace::Own,
+            retiming: Retiming::default(),
             precision: Precision::F32,
             period_s: 0.01,
         }
@@ -97,7 +135,7 @@ impl FileRun {
         if !(1.0e-4..=longest).contains(&self.period_s) {
             return Err(FileError::Option("period", 1.0e-4, longest));
         }
-        let (trajectory, scaling) = fitted(bytes, base, self.pace)?;
+        let (trajectory, scaling) = fitted(bytes, base, &self.retiming)?;
         let figures: Figures = trajectory.figures();
         let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
         let longest_s = end_s + PARKING_S;
@@ -135,16 +173,16 @@ impl FileRun {
     }
 }
 
-/// The reference of a file for a base: the fastest within its limits, at a pace.
+/// The reference of a file for a base: the fastest within its limits, at a pace, in a tube.
 ///
 /// # Errors
-/// A file that is refused, or a base whose limits are not positive.
+/// A file that is refused, a base whose limits are not positive, or a tolerance out of range.
 pub fn fitted(
     bytes: &[u8],
     base: &BaseSpec,
-    pace: Pace,
+    retiming: &Retiming,
 ) -> Result<(Trajectory, TimeScaling), FileError> {
-    Ok(trajectory(bytes)?.time_scaled(&base.reference_limits(), pace)?)
+    retiming.of(&trajectory(bytes)?, base)
 }
 
 /// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are

@@ -1,7 +1,7 @@
 //! Trajectories for a chip: tables for flash, in Rust and in binary.
 
-use super::file::fitted;
-use crate::import::{Compact, CompactSample, Pace, Tolerance, compact};
+use super::file::{Retiming, fitted};
+use crate::import::{Compact, CompactSample, Tolerance, compact};
 use std::fmt::Write as _;
 
 /// How close the chip's interpolation stays to the trajectory: a tenth of what the base makes of
@@ -34,9 +34,9 @@ impl ChipTable {
         name: &str,
         bytes: &[u8],
         base: &crate::mission::BaseSpec,
-        pace: Pace,
+        retiming: &Retiming,
     ) -> Result<Self, super::FileError> {
-        let (run, _) = fitted(bytes, base, pace)?;
+        let (run, _) = fitted(bytes, base, retiming)?;
         let upper = name.chars().map(|c| {
             if c.is_ascii_alphanumeric() {
                 c.to_ascii_uppercase()

@@ -47,6 +47,7 @@ mod time_optimal;
 mod time_scaling;
 mod time_warp;
 mod trajectory;
+mod tube;
 mod tum;
 mod verdict;
 mod wpilib;

@@ -98,6 +98,10 @@ const GAUSS: [(f64, f64); 2] = [
 ];
 /// Most steps; 25 to 60 are usual.
 const STEPS: usize = 150;
+/// The descent is lost once so many times the time could be gained.
+const LOST: f64 = 1e6;
+/// Part of the limits that a start within them uses.
+const INSIDE: f64 = 0.8;
 /// Part of a limit by which an optimum may be beyond it.
 const MISS: f64 = 1e-5;
 /// Slack at the start, at least, and what could be gained there in parts of the time.
@@ -140,19 +144,41 @@ impl Problem {
         c
     }
 
+    /// The part of all limits that coefficients use, at most.
+    fn load(&self, c: &[f64]) -> f64 {
+        let rows = self.rows.iter().map(|r| dot(&r.g, c, r.piece) / r.h);
+        let jerks = self.jerks.iter().map(|r| {
+            let q = dot(&r.value, c, r.piece).max(0.0);
+            dot(&r.g, c, r.piece).abs() * q.sqrt()
+        });
+        let boxes = c.iter().zip(&self.most).map(|(c, most)| c / most);
+        rows.chain(jerks).chain(boxes).fold(0.0, f64::max)
+    }
+
     /// Coefficients of the fastest law but for a part `gain` of its time, from positive ones that may
     /// be beyond limits.
     pub(super) fn solve(&self, start: &[f64], gain: f64) -> Vec<f64> {
-        let mut c = start.to_vec();
+        let found = self.descend(start.to_vec(), gain);
+        if found.1 {
+            return found.0;
+        }
+        // The way from beyond the limits may lead nowhere; the way from within them is longer.
+        let within = INSIDE / self.load(start).max(INSIDE);
+        self.descend(start.iter().map(|c| c * within).collect(), gain)
+            .0
+    }
+
+    /// The same by one descent; and whether it arrived.
+    fn descend(&self, mut c: Vec<f64>, gain: f64) -> (Vec<f64>, bool) {
         let mut active: Vec<Active> = Vec::new();
-        for (i, most) in self.most.iter().enumerate() {
-            // A coefficient alone, as a row of a piece that has it.
+        for (i, (most, here)) in self.most.iter().zip(&c).enumerate() {
+            // A coefficient alone, as a row of a piece that has it: positive, and at most so large.
             let piece = i.min(self.spline.pieces().saturating_sub(1));
-            let mut g = [0.0; 3];
-            if let Some(one) = g.get_mut(i - piece) {
-                *one = 1.0 / most;
-            }
-            for (g, h) in [(g, 1.0), (g.map(|g| -g), 0.0)] {
+            for (factor, h) in [(1.0 / most, 1.0), (-1.0 / here, 0.0)] {
+                let mut g = [0.0; 3];
+                if let Some(one) = g.get_mut(i - piece) {
+                    *one = factor;
+                }
                 active.push(Active::new(Row { piece, g, h }));
             }
         }
@@ -186,12 +212,12 @@ impl Problem {
             fresh = false;
             let gap: f64 = active.iter().map(|l| l.slack * l.dual).sum();
             if gap < gain * time && worst < MISS {
-                break;
+                return (c, true);
             }
             for limit in &active {
                 system.weigh(limit.row.piece, &limit.row.g, limit.dual / limit.slack);
             }
-            if !system.factorise() {
+            if gap > LOST * time || !system.factorise() {
                 break;
             }
             for limit in &active {
@@ -231,7 +257,7 @@ impl Problem {
                 *c += primal * step;
             }
         }
-        c
+        (c, false)
     }
 
     /// Tangents of what jerk may be.

@@ -3,7 +3,7 @@
 use super::limits::{Bound, LimitError, Loads, ReferenceLimits};
 use super::time_optimal::{JerkRow, Problem, Row, Spline, dot};
 use super::time_warp::{Tick, TimeWarp};
-use super::{Sample, Trajectory};
+use super::{Closeness, Sample, Trajectory};
 use std::fmt;
 
 /// A part of the trajectory that is run more slowly.
@@ -29,6 +29,8 @@ pub struct TimeScaling {
     pub places: Vec<ScaledSpan>,
     /// What the time-scaled trajectory uses of the limits, at most 1.
     pub load: f64,
+    /// How far the path departs from the file's, if it was smoothed.
+    pub departure: Option<Closeness>,
 }
 
 /// How fast a trajectory may be run.
@@ -56,7 +58,7 @@ const MARGIN: f64 = 0.002;
 /// Accelerations take this long to rise to their limit, whatever jerk may be \[s\]: two ticks.
 const RISE: f64 = 0.02;
 /// Largest pace, in the path's own: where it stands, nothing else says how fast time may pass.
-const FASTEST: f64 = 100.0;
+pub(super) const FASTEST: f64 = 100.0;
 /// Part of the time that the optimum on pieces yet to be divided, and on the last ones, may lack.
 const COARSE: f64 = 1e-3;
 const FINE: f64 = 1e-8;
@@ -84,16 +86,31 @@ impl Trajectory {
                 slowest: 1.0,
                 places: Vec::new(),
                 load,
+                departure: None,
             };
             return Ok((self.clone(), untouched));
         }
-        let plain = self.without_time_warp();
+        let own = |s: f64| self.most(s, pace);
+        let (run, load) = self.without_time_warp().fastest(limits, &own, pace);
+        let ticks = run.time_warp.iter().flat_map(TimeWarp::ticks);
+        let places: Vec<_> = ticks.map(|tick| (tick.s, tick.t, tick.rate)).collect();
+        let scaling = self.scaling(limits, &run, load, &places);
+        Ok((run, scaling))
+    }
+
+    /// The fastest run of the path, with squared rates of time up to `most`; and its load.
+    pub(super) fn fastest(
+        &self,
+        limits: &ReferenceLimits,
+        most: &dyn Fn(f64) -> f64,
+        pace: Pace,
+    ) -> (Self, f64) {
         let mut search = Search {
             spline: self.first_knots(),
             tight: Vec::new(),
-            before: self,
-            plain: &plain,
+            plain: self,
             limits,
+            most,
             pace,
         };
         let mut c = search.problem().slow();
@@ -103,28 +120,32 @@ impl Trajectory {
                 break;
             }
         }
-        let mut time_scaled;
         let mut rounds = 0;
-        let load = loop {
+        loop {
             c = search.problem().solve(&c, FINE);
             search.snap(&mut c);
-            time_scaled = plain.with_time_warp(search.law(&c));
-            let load = search.tighten(&time_scaled);
+            let law = search.law(&c);
+            let run = self.with_time_warp(law);
+            let load = search.tighten(&run);
             rounds += 1;
-            if load <= 1.0 || rounds == ROUNDS {
-                break load;
+            if load <= 1.0 {
+                return (run, load);
             }
-        };
-        if let Some(time_warp) = time_scaled.time_warp.take() {
-            // All loads fall at least as fast as time is slowed.
-            time_scaled = plain.with_time_warp(if load > 1.0 {
-                time_warp.slower(load)
-            } else {
-                time_warp
-            });
+            if rounds == ROUNDS {
+                // All loads fall at least as fast as time is slowed.
+                let slower = search.law(&c).slower(load);
+                return (self.with_time_warp(slower), 1.0);
+            }
         }
-        let scaling = report(self, &time_scaled, limits, load.min(1.0));
-        Ok((time_scaled, scaling))
+    }
+
+    /// The largest squared rate of the path's own time.
+    fn most(&self, s: f64, pace: Pace) -> f64 {
+        match (&self.time_warp, pace) {
+            (_, Pace::Fastest) => FASTEST * FASTEST,
+            (None, Pace::Own) => 1.0,
+            (Some(time_warp), Pace::Own) => time_warp.rate_at(s).powi(2),
+        }
     }
 
     /// The knots of the path's own pieces, and more between them.
@@ -141,6 +162,50 @@ impl Trajectory {
             }));
         }
         Spline { knots }
+    }
+
+    /// Where a run is slower than this trajectory, by places of it: its own time, the time of the run,
+    /// and the rate of the first by the second.
+    pub(super) fn scaling(
+        &self,
+        limits: &ReferenceLimits,
+        run: &Self,
+        load: f64,
+        places: &[(f64, f64, f64)],
+    ) -> TimeScaling {
+        let mut scaling = TimeScaling {
+            factor: run.duration() / self.duration(),
+            slowest: 1.0,
+            places: Vec::new(),
+            load,
+            departure: None,
+        };
+        let plain = self.without_time_warp();
+        let mut open: Option<ScaledSpan> = None;
+        let mut last: Option<Sample> = None;
+        for &(s, t, rate) in places {
+            let sample = plain.at(s);
+            let from = last.replace(sample).unwrap_or(sample);
+            scaling.slowest = scaling.slowest.max(rate.recip());
+            if rate >= 1.0 - 1e-9 {
+                scaling.places.extend(open.take());
+                continue;
+            }
+            let here = open.get_or_insert(ScaledSpan {
+                file_s: (s, s),
+                run_s: (t, t),
+                exceeded: None,
+            });
+            (here.file_s.1, here.run_s.1) = (s, t);
+            let mut loads = limits.loads(&sample);
+            loads.merge(&limits.jerk_loads(&from, &sample));
+            let (bound, load) = loads.largest();
+            if load > here.exceeded.map_or(1.0, |(_, most)| most) {
+                here.exceeded = Some((bound, load));
+            }
+        }
+        scaling.places.extend(open);
+        scaling
     }
 
     /// What a trajectory uses of the limits.
@@ -183,9 +248,9 @@ struct Search<'a> {
     spline: Spline,
     /// By how much limits are tightened, for every piece; empty before any is.
     tight: Vec<Loads>,
-    before: &'a Trajectory,
     plain: &'a Trajectory,
     limits: &'a ReferenceLimits,
+    most: &'a dyn Fn(f64) -> f64,
     pace: Pace,
 }
 
@@ -277,26 +342,14 @@ impl Search<'_> {
     /// The largest coefficients, by the pace.
     fn most(&self) -> Vec<f64> {
         let count = self.spline.pieces() + 2;
-        if self.pace == Pace::Fastest {
-            return vec![FASTEST * FASTEST; count];
-        }
-        let Some(time_warp) = &self.before.time_warp else {
-            return vec![1.0; count];
-        };
         // Of the pieces that a coefficient bears on, the slowest.
-        let ticks = time_warp.ticks();
         let knots = &self.spline.knots;
         let knot = |i: usize| knots.get(i.min(knots.len() - 1)).copied().unwrap_or(0.0);
         (0..count)
             .map(|i| {
                 let (from, to) = (knot(i.saturating_sub(2)), knot(i + 1));
-                let first = ticks
-                    .partition_point(|tick| tick.s <= from)
-                    .saturating_sub(1);
-                let after = ticks.partition_point(|tick| tick.s < to) + 1;
-                let near = ticks.get(first..after.min(ticks.len())).unwrap_or_default();
-                let rates = near.iter().map(|tick| tick.rate * tick.rate);
-                rates.fold(1.0, f64::min)
+                let at = |p: f64| (self.most)(from + p * (to - from));
+                at(0.0).min(at(0.5)).min(at(1.0))
             })
             .collect()
     }
@@ -407,55 +460,9 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// Where the law of time is slower than before.
-fn report(
-    before: &Trajectory,
-    after: &Trajectory,
-    limits: &ReferenceLimits,
-    load: f64,
-) -> TimeScaling {
-    let mut scaling = TimeScaling {
-        factor: after.duration() / before.duration(),
-        slowest: 1.0,
-        places: Vec::new(),
-        load,
-    };
-    let plain = after.without_time_warp();
-    let ticks = after
-        .time_warp
-        .as_ref()
-        .map(TimeWarp::ticks)
-        .unwrap_or_default();
-    let mut open: Option<ScaledSpan> = None;
-    let mut last: Option<Sample> = None;
-    for tick in ticks {
-        let sample = plain.at(tick.s);
-        let from = last.replace(sample).unwrap_or(sample);
-        scaling.slowest = scaling.slowest.max(tick.rate.recip());
-        if tick.rate >= 1.0 - 1e-9 {
-            scaling.places.extend(open.take());
-            continue;
-        }
-        let here = open.get_or_insert(ScaledSpan {
-            file_s: (tick.s, tick.s),
-            run_s: (tick.t, tick.t),
-            exceeded: None,
-        });
-        (here.file_s.1, here.run_s.1) = (tick.s, tick.t);
-        let mut loads = limits.loads(&sample);
-        loads.merge(&limits.jerk_loads(&from, &sample));
-        let (bound, load) = loads.largest();
-        if load > here.exceeded.map_or(1.0, |(_, most)| most) {
-            here.exceeded = Some((bound, load));
-        }
-    }
-    scaling.places.extend(open);
-    scaling
-}
-
 impl fmt::Display for TimeScaling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.places.is_empty() && self.factor == 1.0 {
+        if self.places.is_empty() && self.factor == 1.0 && self.departure.is_none() {
             return f.write_str("within the limits, time not scaled");
         }
         let (factor, slowest) = (self.factor, self.slowest);
@@ -463,6 +470,13 @@ impl fmt::Display for TimeScaling {
             f,
             "time scaled by {factor:.3} in all, up to {slowest:.2} locally"
         )?;
+        if let Some(by) = self.departure {
+            let (mm, mrad) = (1e3 * by.position_m, 1e3 * by.heading_rad);
+            write!(
+                f,
+                "\n  path smoothed by up to {mm:.1} mm and {mrad:.0} mrad"
+            )?;
+        }
         for place in &self.places {
             let ((from, to), (run_from, run_to)) = (place.file_s, place.run_s);
             write!(
