@@ -17,8 +17,8 @@ const STEP: f64 = 0.005;
 const MAX_STEPS: f64 = 1e6;
 /// A heading may depart by what brings a point so far ahead to the tube's edge \[m\].
 const AHEAD: f64 = 0.04;
-/// Weight of accelerations against jerk \[1/s²\]: that of ramps of 0.2 s.
-const CALM: f64 = 30.0;
+/// Weight of accelerations against jerk \[1/s²\]: more makes no heavy base quicker.
+const CALM: f64 = 300.0;
 /// Parts of the tube that are left to the ends, and to where the run is not slowed within `NEAR`
 /// seconds.
 const ENDS: f64 = 0.1;
