@@ -22,7 +22,8 @@
 //! # Limits
 //!
 //! [`Trajectory::time_scaled`] runs the same path in the least time within a base's [`ReferenceLimits`],
-//! if wished nowhere faster than the file; [`compact()`] thins a trajectory to samples for a chip.
+//! if wished nowhere faster than the file; [`Trajectory::time_scaled_within`] smooths the path inside a
+//! tube where that saves time; [`compact()`] thins a trajectory to samples for a chip.
 //!
 //! # Bounds
 //!

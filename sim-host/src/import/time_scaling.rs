@@ -182,18 +182,18 @@ impl Trajectory {
         };
         let plain = self.without_time_warp();
         let mut open: Option<ScaledSpan> = None;
-        let mut last: Option<Sample> = None;
+        let mut last: Option<(Sample, f64)> = None;
         for &(s, t, rate) in places {
             let sample = plain.at(s);
-            let from = last.replace(sample).unwrap_or(sample);
+            let (from, before) = last.replace((sample, t)).unwrap_or((sample, t));
             scaling.slowest = scaling.slowest.max(rate.recip());
             if rate >= 1.0 - 1e-9 {
                 scaling.places.extend(open.take());
                 continue;
             }
             let here = open.get_or_insert(ScaledSpan {
-                file_s: (s, s),
-                run_s: (t, t),
+                file_s: (from.t, s),
+                run_s: (before, t),
                 exceeded: None,
             });
             (here.file_s.1, here.run_s.1) = (s, t);

@@ -222,7 +222,8 @@ impl Trajectory {
         self.source
     }
 
-    /// How close the poses of the file are passed; time scaling does not change it.
+    /// How close the poses of the file are passed, but for the departure of a path that was smoothed
+    /// afterwards ([`super::TimeScaling`]).
     pub fn closeness(&self) -> Closeness {
         self.closeness
     }

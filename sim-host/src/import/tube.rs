@@ -30,6 +30,8 @@ const ROUNDS: usize = 6;
 const SAVED: f64 = 4e-3;
 /// On another path a run is as fast as the file if its rate is at least this.
 const KEPT: f64 = 0.99;
+/// Places that lose less than this are not worth a line \[s\].
+const MARKED: f64 = 1e-3;
 /// Slower than this \[m/s, rad/s\] is rest.
 const REST: f64 = 1e-6;
 
@@ -93,6 +95,10 @@ impl Trajectory {
                 })
                 .collect();
             scaling = self.scaling(limits, &run, load, &rates);
+            scaling.places.retain(|span| {
+                let ((from, to), (start, end)) = (span.file_s, span.run_s);
+                end - start > to - from + MARKED
+            });
             scaling.departure = Some(Closeness {
                 position_m: close.position,
                 heading_rad: close.heading,
