@@ -1,7 +1,8 @@
 //! Arguments for trajectory files.
 
 use clap::{Args, ValueEnum};
-use sim_host::drive::FileRun;
+use sim_host::drive::{FileRun, Retiming};
+use sim_host::import::Pace;
 use sim_host::precision::Precision;
 use std::path::PathBuf;
 
@@ -16,6 +17,8 @@ pub struct DriveArgs {
     /// route shorter than 1 m or 8 s, which leaves no time to settle
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     offset: Option<f64>,
+    #[command(flatten)]
+    route: RouteArgs,
     /// Trajectory files: number type of the controller
     #[arg(long, value_enum, default_value_t = Number::F32)]
     precision: Number,
@@ -29,6 +32,7 @@ impl DriveArgs {
     pub fn file_run(&self) -> FileRun {
         FileRun {
             offset_m: self.offset,
+            retiming: self.route.retiming(),
             precision: match self.precision {
                 Number::F32 => Precision::F32,
                 Number::F64 => Precision::F64,
@@ -56,4 +60,38 @@ pub struct TrajectoryArgs {
     /// hobby-1kg; else a 30 kg base
     #[arg(long, value_name = "FILE")]
     pub base: Option<PathBuf>,
+    #[command(flatten)]
+    route: RouteArgs,
+}
+
+impl TrajectoryArgs {
+    /// How references are made.
+    pub fn retiming(&self) -> Retiming {
+        self.route.retiming()
+    }
+}
+
+/// How the reference of a trajectory file is made.
+#[derive(Clone, Copy, Debug, Args)]
+struct RouteArgs {
+    /// Trajectory files: as fast as the base's limits allow; else nowhere faster than the file
+    #[arg(long)]
+    fastest: bool,
+    /// Trajectory files: smooth the path by up to this, where that saves time [m]; 0 follows every
+    /// pose
+    #[arg(long, value_name = "M", default_value = "0.01")]
+    tolerance: f64,
+}
+
+impl RouteArgs {
+    fn retiming(self) -> Retiming {
+        Retiming {
+            pace: if self.fastest {
+                Pace::Fastest
+            } else {
+                Pace::Own
+            },
+            tolerance_m: self.tolerance,
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
 use controller_core::motion::Limits;
-use sim_host::drive::{ChipTable, DriveMetrics, FileRun};
-use sim_host::import::{Options, import};
+use sim_host::drive::{ChipTable, DriveMetrics, FileRun, Retiming, fitted, trajectory};
+use sim_host::import::{Options, Pace, import};
 use sim_host::mission::BaseSpec;
 use sim_host::precision::Precision;
 use sim_host::run::drive;
@@ -88,14 +88,54 @@ fn references_are_as_the_document_says() -> Result<(), Box<dyn Error>> {
     let (limits, may) = (&base.limits, base.reference_limits());
     page.exactly(
         At::Phrase(
-            "more than # % of the base's speed, # % of its acceleration and torque, or # % of its",
+            "may use # % of the base's speed, # % of its acceleration, # % of its torque and jerk, and # % of its \
+             angular",
         ),
         &[
             1e2 * may.max_speed / limits.speed,
             1e2 * may.max_accel / limits.accel,
+            1e2 * may.max_jerk / limits.jerk,
             1e2 * may.max_angular_accel / limits.turn_accel,
         ],
     );
+    Ok(())
+}
+
+/// What a heavy base takes for files, and how close the three bases keep to their references.
+#[test]
+fn files_take_the_time_that_the_document_says() -> Result<(), Box<dyn Error>> {
+    let mut page = Stated::of("docs/trajectories.md");
+    let bases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
+    let mut most: f64 = 0.0;
+    for name in ["wpilib_dirty.json", "choreo_v1.traj", "table.csv"] {
+        let bytes = fixture(name)?;
+        let mut figures = vec![trajectory(&bytes)?.duration()];
+        for (pace, tolerance_m) in [(Pace::Own, 0.0), (Pace::Own, 0.01), (Pace::Fastest, 0.01)] {
+            let retiming = Retiming { pace, tolerance_m };
+            for file in ["paper-30kg.toml", "lab-10kg.toml", "hobby-1kg.toml"] {
+                let base = BaseSpec {
+                    hardware: None,
+                    ..BaseSpec::load(&bases.join(file))?
+                };
+                let run = FileRun {
+                    offset_m: Some(0.0),
+                    retiming,
+                    ..FileRun::default()
+                };
+                let (mission, scaling) = run.mission(name, &bytes, &base)?;
+                assert!(scaling.load <= 1.0, "{name}: {scaling}");
+                if file == "paper-30kg.toml" {
+                    figures.push(fitted(&bytes, &base, &retiming)?.0.duration());
+                }
+                let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
+                assert_parked(name, &metrics);
+                let tracking = metrics.tracking.ok_or(name)?;
+                most = most.max(1e3 * tracking.rms_m);
+            }
+        }
+        page.to_a_digit(At::Row("Time", &format!("`{name}`")), &figures);
+    }
+    page.at_most(At::Phrase("keep these references within # mm RMS"), &[most]);
     Ok(())
 }
 
@@ -232,7 +272,12 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
-    let table = ChipTable::of("table", &fixture("table.csv")?, &BaseSpec::default())?;
+    let table = ChipTable::of(
+        "table",
+        &fixture("table.csv")?,
+        &BaseSpec::default(),
+        &Retiming::default(),
+    )?;
     let samples = &table.compact.samples;
     assert!(table.compact.position_error_m < 1e-4 && samples.len() > 3);
     let rust = table.rust();

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use sim_host::import::{
-    Bound, DriveLimits, Options, ReferenceLimits, Sample, Tolerance, Trajectory, compact, import,
+    Bound, DriveLimits, Options, Pace, ReferenceLimits, Sample, Tolerance, Trajectory, compact,
+    import,
 };
 use std::error::Error;
 use std::fs;
@@ -78,6 +79,7 @@ fn limits() -> impl Strategy<Value = ReferenceLimits> {
             max_angular_accel: alpha,
             max_lateral: lateral,
             drive,
+            ..ReferenceLimits::default()
         }
     })
 }
@@ -89,7 +91,7 @@ proptest! {
     fn stretched_keeps_every_limit_and_the_path(index in 0..NAMES.len(), limits in limits()) {
         let name = NAMES.get(index).copied().unwrap_or_default();
         let file = load(name).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        let (run, scaling) = file.time_scaled(&limits).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        let (run, scaling) = file.time_scaled(&limits, Pace::Own).map_err(|e| TestCaseError::fail(e.to_string()))?;
         prop_assert!(scaling.factor >= 1.0 - 1e-9 && scaling.load <= 1.0);
         prop_assert_eq!(scaling.places.is_empty(), run.duration() == file.duration());
         let steps = 20_000;
@@ -124,7 +126,7 @@ fn file_within_limits_is_untouched() -> Result<(), Box<dyn Error>> {
             max_angular_accel: 1.01 * figures.angular_accel,
             ..ReferenceLimits::default()
         };
-        let (run, scaling) = file.time_scaled(&limits)?;
+        let (run, scaling) = file.time_scaled(&limits, Pace::Own)?;
         assert_eq!(
             (scaling.factor, scaling.places.len()),
             (1.0, 0),
@@ -143,7 +145,7 @@ fn stretch_is_local_and_names_what_was_exceeded() -> Result<(), Box<dyn Error>> 
         max_turn_rate: 2.0,
         ..ReferenceLimits::default()
     };
-    let (run, scaling) = file.time_scaled(&limits)?;
+    let (run, scaling) = file.time_scaled(&limits, Pace::Own)?;
     assert_eq!(scaling.places.len(), 1, "{scaling}");
     let place = scaling.places.first().ok_or("no place")?;
     assert!(place.file_s.0 > 3.3 && place.file_s.1 < 4.0, "{scaling}");
@@ -181,9 +183,9 @@ fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
         max_decel: 0.5,
         ..ReferenceLimits::default()
     };
-    let (run, scaling) = file.time_scaled(&limits)?;
+    let (run, scaling) = file.time_scaled(&limits, Pace::Own)?;
     assert!(run.duration() > 4.0 && run.duration() < 4.4, "{scaling}");
-    let (again, nothing) = run.time_scaled(&limits)?;
+    let (again, nothing) = run.time_scaled(&limits, Pace::Own)?;
     assert!(
         nothing.places.is_empty() && again.duration() == run.duration(),
         "{nothing}"
@@ -193,7 +195,7 @@ fn rest_to_rest_is_close_to_the_fastest() -> Result<(), Box<dyn Error>> {
         max_decel: 0.2,
         ..limits
     };
-    let (slower, _) = run.time_scaled(&tighter)?;
+    let (slower, _) = run.time_scaled(&tighter, Pace::Own)?;
     assert!(
         slower.duration() > 6.3 && slower.duration() < 7.0,
         "{}",
@@ -211,7 +213,7 @@ fn limits_that_are_not_positive_are_named() -> Result<(), Box<dyn Error>> {
             ..ReferenceLimits::default()
         };
         assert_eq!(
-            file.time_scaled(&limits).err().map(|e| e.field),
+            file.time_scaled(&limits, Pace::Own).err().map(|e| e.field),
             Some("max_decel")
         );
     }
@@ -252,5 +254,308 @@ fn compact_keeps_its_tolerance_with_few_samples() -> Result<(), Box<dyn Error>> 
         );
         assert!(finer.samples.len() > small.samples.len() && finer.position_error_m <= 1e-5);
     }
+    Ok(())
+}
+
+/// A file of a path by its length, driven in `span` seconds from rest to rest.
+fn driven(length: f64, span: f64, pose: impl Fn(f64) -> [f64; 3]) -> String {
+    let steps = (span / 0.02).round();
+    let rows = (0..=steps as u32).map(|i| {
+        let p = f64::from(i) / steps;
+        // Rest with no acceleration at both ends.
+        let part = p * p * p * (10.0 + p * (6.0 * p - 15.0));
+        let v = length / span * 30.0 * (p * (1.0 - p)).powi(2);
+        let [x, y, theta] = pose(part * length);
+        format!("{},{x},{y},{theta},{v}\n", p * span)
+    });
+    format!("t,x,y,theta,v\n{}", rows.collect::<String>())
+}
+
+/// Seconds from rest to rest over a length with limits of speed, acceleration and jerk that do not
+/// change: seven pieces of constant jerk, where the length is enough for all of them.
+fn double_s(length: f64, speed: f64, accel: f64, jerk: f64) -> f64 {
+    let ramp = speed / accel + accel / jerk;
+    assert!(accel * accel <= speed * jerk && speed * ramp <= length);
+    length / speed + ramp
+}
+
+/// The time of the run beside the optimum; it keeps every limit, and ends where the path does.
+fn beside_optimum(
+    file: &str,
+    limits: &ReferenceLimits,
+    pace: Pace,
+    optimum: f64,
+) -> Result<(), Box<dyn Error>> {
+    let file = import(file.as_bytes(), &Options::default())?;
+    let (run, scaling) = file.time_scaled(limits, pace)?;
+    assert!(scaling.load <= 1.0, "{scaling}");
+    let ratio = run.duration() / optimum;
+    assert!((0.999..1.03).contains(&ratio), "{ratio}: {optimum}");
+    let tick = 0.002;
+    let mut before = run.at(0.0);
+    for i in 1..=(run.duration() / tick) as u32 {
+        let s = run.at(tick * f64::from(i));
+        assert!(excess(&s, limits) < BETWEEN, "{s:?}");
+        let jerk = [s.a - before.a, s.alpha - before.alpha].map(|d| (d / tick).abs());
+        assert!(jerk[0] < 1.01 * limits.max_jerk, "{s:?}");
+        assert!(jerk[1] < 1.01 * limits.max_angular_jerk, "{s:?}");
+        before = s;
+    }
+    let (a, b) = (file.at(file.duration()), run.at(run.duration()));
+    assert!((a.x - b.x).hypot(a.y - b.y) < 1e-9 && b.v.abs() < 1e-6);
+    Ok(())
+}
+
+#[test]
+fn straight_lines_take_the_time_of_the_closed_form() -> Result<(), Box<dyn Error>> {
+    for (jerk, speed) in [(2.0, 0.6), (20.0, 0.6), (0.8, 0.5), (20.0, 1.0)] {
+        let limits = ReferenceLimits {
+            max_speed: speed,
+            max_accel: 0.5,
+            max_decel: 0.5,
+            max_jerk: jerk,
+            ..ReferenceLimits::default()
+        };
+        let optimum = double_s(3.0, speed, 0.5, jerk);
+        let line = |span| driven(3.0, span, |s| [s, 0.0, 0.0]);
+        // Planned in a third of the time; in ten times of it, where only the limits count.
+        beside_optimum(&line(optimum / 3.0), &limits, Pace::Own, optimum)?;
+        beside_optimum(&line(10.0 * optimum), &limits, Pace::Fastest, optimum)?;
+    }
+    Ok(())
+}
+
+#[test]
+fn circles_take_the_time_of_the_closed_form() -> Result<(), Box<dyn Error>> {
+    let radius = 0.8;
+    let limits = ReferenceLimits {
+        max_speed: 1.0,
+        max_accel: 0.7,
+        max_decel: 0.7,
+        max_turn_rate: 1.0,
+        max_angular_accel: 2.0,
+        max_jerk: 20.0,
+        max_angular_jerk: 4.0,
+        drive: Some(DriveLimits {
+            wheel_torque: 0.3,
+            wheel_radius: 0.08,
+            track: 0.4,
+            mass: 12.0,
+            inertia: 1.0,
+        }),
+        ..ReferenceLimits::default()
+    };
+    // The outer wheel: half the force, and the moment by the track.
+    let accel = 0.3 / (0.08 * (0.5 * 12.0 + 1.0 / radius / 0.4));
+    assert!(accel < 0.7 && accel < 2.0 * radius);
+    let length = 1.5 * std::f64::consts::PI * radius;
+    let optimum = double_s(length, 1.0 * radius, accel, 4.0 * radius);
+    let circle = |span| {
+        driven(length, span, |s| {
+            let theta = s / radius;
+            [radius * theta.sin(), radius * (1.0 - theta.cos()), theta]
+        })
+    };
+    beside_optimum(&circle(optimum / 3.0), &limits, Pace::Own, optimum)?;
+    beside_optimum(&circle(5.0 * optimum), &limits, Pace::Fastest, optimum)
+}
+
+/// A path of curvature K sin(2π s/L) has headings and positions by quadrature.
+fn weave(length: f64, sharpest: f64, s: f64) -> [f64; 3] {
+    let theta = |s: f64| {
+        let turn = std::f64::consts::TAU / length;
+        sharpest / turn * (1.0 - (turn * s).cos())
+    };
+    let steps = 400;
+    let h = s / f64::from(steps);
+    let (mut x, mut y) = (0.0, 0.0);
+    for i in 0..steps {
+        let (sin, cos) = theta(h * (f64::from(i) + 0.5)).sin_cos();
+        x += h * cos;
+        y += h * sin;
+    }
+    [x, y, theta(s)]
+}
+
+/// The least time over it without a limit of jerk, in small steps of the length: the largest v² that
+/// can still come to rest, backwards, and then forwards the largest acceleration that stays below.
+fn without_jerk(length: f64, sharpest: f64, limits: &ReferenceLimits) -> f64 {
+    let steps = 20_000;
+    let h = length / f64::from(steps);
+    let turn = std::f64::consts::TAU / length;
+    let curve = |i: i32| {
+        let at = turn * h * f64::from(i);
+        (sharpest * at.sin(), sharpest * turn * at.cos())
+    };
+    // Accelerations that turning allows: |k a + k′ v²| within its limit.
+    let range = |i: i32, square: f64| {
+        let (k, rate) = curve(i);
+        let most = limits.max_angular_accel;
+        let (a, b) = ((-most - rate * square) / k, (most - rate * square) / k);
+        if k.abs() < 1e-9 {
+            (-limits.max_decel, limits.max_accel)
+        } else {
+            (
+                a.min(b).max(-limits.max_decel),
+                a.max(b).min(limits.max_accel),
+            )
+        }
+    };
+    let ceiling = |i: i32| {
+        let (k, rate) = curve(i);
+        let turning = (limits.max_turn_rate / k).powi(2);
+        let bend = (limits.max_angular_accel / rate).abs();
+        // Without curvature no acceleration helps against k′ v².
+        let bend = if k.abs() < 1e-3 * sharpest {
+            bend
+        } else {
+            f64::INFINITY
+        };
+        limits.max_speed.powi(2).min(turning).min(bend)
+    };
+    let mut square = vec![0.0; steps as usize + 1];
+    for i in (1..steps).rev() {
+        let (mut good, mut bad) = (0.0, ceiling(i));
+        for _ in 0..40 {
+            let middle = 0.5 * (good + bad);
+            let (brake, push) = range(i, middle);
+            let fits = brake <= push && middle + 2.0 * h * brake <= square[i as usize + 1];
+            (good, bad) = if fits { (middle, bad) } else { (good, middle) };
+        }
+        square[i as usize] = good;
+    }
+    let mut time = 0.0;
+    for i in 0..steps as usize {
+        let (_, push) = range(i as i32, square[i]);
+        if i > 0 || square[1] > 2.0 * h * push {
+            square[i + 1] = square[i + 1].min(square[i] + 2.0 * h * push);
+        }
+        time += 2.0 * h / (square[i].sqrt() + square[i + 1].sqrt());
+    }
+    time
+}
+
+#[test]
+fn bends_take_the_time_of_an_independent_search() -> Result<(), Box<dyn Error>> {
+    let (length, sharpest) = (4.0, 3.0);
+    for (turn_rate, angular_accel) in [(1.0, 8.0), (2.0, 2.0), (3.0, 1.0), (5.0, 0.4)] {
+        let limits = ReferenceLimits {
+            max_speed: 1.2,
+            max_accel: 0.8,
+            max_decel: 0.8,
+            max_turn_rate: turn_rate,
+            max_angular_accel: angular_accel,
+            max_jerk: 60.0,
+            max_angular_jerk: 60.0 * angular_accel,
+            ..ReferenceLimits::default()
+        };
+        let optimum = without_jerk(length, sharpest, &limits);
+        let file = driven(length, 2.0, |s| weave(length, sharpest, s));
+        beside_optimum(&file, &limits, Pace::Own, optimum)?;
+    }
+    Ok(())
+}
+
+/// The largest distance from points of one motion to the nearest place of another \[m\].
+fn apart(from: &Trajectory, to: &Trajectory) -> f64 {
+    let points = |t: &Trajectory, step: f64| -> Vec<Sample> {
+        let count = (t.duration() / step).ceil();
+        (0..=count as u32)
+            .map(|i| t.at((f64::from(i) * step).min(t.duration())))
+            .collect()
+    };
+    let near = points(to, 0.002);
+    points(from, 0.02)
+        .iter()
+        .map(|a| {
+            let away = near.iter().map(|b| (a.x - b.x).hypot(a.y - b.y));
+            away.fold(f64::INFINITY, f64::min)
+        })
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn a_tube_saves_time_and_is_kept() -> Result<(), Box<dyn Error>> {
+    // A heavy base, slow to turn.
+    let limits = ReferenceLimits {
+        max_speed: 2.0,
+        max_accel: 1.0,
+        max_decel: 1.0,
+        max_turn_rate: 2.5,
+        max_angular_accel: 0.5,
+        max_jerk: 15.0,
+        max_angular_jerk: 30.0,
+        ..ReferenceLimits::default()
+    };
+    let mut saved = 0;
+    // A line and an arc, over and over: the curvature jumps.
+    let (radius, quarter) = (0.3, 0.3 * std::f64::consts::FRAC_PI_2);
+    let rounded = driven(4.0 * (0.5 + quarter), 8.0, |s| {
+        let (corner, along) = ((s / (0.5 + quarter)).floor(), s % (0.5 + quarter));
+        let turned = ((along - 0.5) / radius).max(0.0);
+        let mut at = [
+            along.min(0.5) + radius * turned.sin(),
+            radius * (1.0 - turned.cos()),
+            turned,
+        ];
+        // From the corner's own frame back to the first one's.
+        for _ in 0..corner as u32 {
+            at = [
+                0.5 + radius - at[1],
+                radius + at[0],
+                at[2] + std::f64::consts::FRAC_PI_2,
+            ];
+        }
+        at
+    });
+    let rounded = import(rounded.as_bytes(), &Options::default())?;
+    let mut files = vec![("rounded", rounded)];
+    for name in [
+        "wpilib_gaps.json",
+        "wpilib_dirty.json",
+        "choreo_v1.traj",
+        "table.csv",
+    ] {
+        files.push((name, load(name)?));
+    }
+    for (name, file) in files {
+        for pace in [Pace::Own, Pace::Fastest] {
+            let (same, _) = file.time_scaled_within(&limits, pace, 0.0)?;
+            let (exact, plain) = file.time_scaled(&limits, pace)?;
+            assert_eq!(same.samples(), exact.samples(), "{name}");
+            let tube = 0.01;
+            let (run, scaling) = file.time_scaled_within(&limits, pace, tube)?;
+            assert!(
+                scaling.load <= 1.0 && run.duration() <= exact.duration(),
+                "{name}: {scaling}"
+            );
+            if pace == Pace::Own {
+                assert!(run.duration() > 0.99 * file.duration(), "{name}: {scaling}");
+            }
+            let by = scaling.departure.map_or(0.0, |by| by.position_m);
+            assert!(by <= tube && plain.departure.is_none(), "{name}: {scaling}");
+            saved += u32::from(run.duration() < 0.95 * exact.duration());
+            let (there, back) = (apart(&run, &file), apart(&file, &run));
+            // Between the places of the tube, and between points.
+            assert!(there.max(back) < tube + 3e-4, "{name}: {there} {back}");
+            for (a, b) in [
+                (file.at(0.0), run.at(0.0)),
+                (file.at(file.duration()), run.at(run.duration())),
+            ] {
+                let off = (a.x - b.x).hypot(a.y - b.y);
+                assert!(
+                    off < 2e-5 && (a.theta - b.theta).abs() < 1e-4,
+                    "{name}: {off} {a:?} {b:?}"
+                );
+            }
+            let steps = 20_000;
+            let h = run.duration() / f64::from(steps);
+            for i in 0..=steps {
+                let s = run.at((h * f64::from(i)).min(run.duration()));
+                assert!(excess(&s, &limits) < BETWEEN, "{name}: {s:?}");
+            }
+        }
+    }
+    assert!(saved > 3, "{saved}");
     Ok(())
 }

@@ -31,6 +31,9 @@ struct DriveRecord<'a> {
     /// Of a trajectory file.
     #[serde(skip_serializing_if = "Option::is_none")]
     stretched_by: Option<f64>,
+    /// Of a trajectory file whose path was smoothed: its largest departure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    departure_m: Option<f64>,
     /// Of a trajectory file, one line each.
     repairs: Vec<String>,
     metrics: &'a DriveMetrics,
@@ -124,6 +127,7 @@ pub fn results(
         period_s: mission.period_s,
         duration_s: trace.rows.last().map_or(0.0, |row| row.t),
         stretched_by: file.map(|file| file.scaling.factor),
+        departure_m: file.and_then(|file| Some(file.scaling.departure?.position_m)),
         repairs,
         metrics: &metrics,
         chip: chip.as_ref(),
@@ -168,8 +172,12 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
         say(&format!("{verdict}\n"))?;
         match &verdict {
             FileVerdict::Drivable { trajectory, .. } => {
-                let time_scaled = trajectory.time_scaled(&base.reference_limits());
-                let (_, scaling) = time_scaled.map_err(CommandError::Limits)?;
+                let failed = |cause| CommandError::Trajectory {
+                    path: file.clone(),
+                    cause,
+                };
+                let time_scaled = arguments.retiming().of(trajectory, &base);
+                let (_, scaling) = time_scaled.map_err(failed)?;
                 say(&format!("base       {}: {scaling}\n", base.name))?;
             }
             FileVerdict::Refused(_) => refused += 1,
@@ -197,7 +205,7 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
             path: file.clone(),
             cause,
         };
-        let table = ChipTable::of(&name, &bytes, &base).map_err(failed)?;
+        let table = ChipTable::of(&name, &bytes, &base, &arguments.retiming()).map_err(failed)?;
         writer.bytes(&format!("{name}.rs"), table.rust().as_bytes())?;
         let binary = table.binary();
         writer.bytes(&format!("{name}.bin"), &binary)?;

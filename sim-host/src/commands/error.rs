@@ -4,7 +4,6 @@ use sim_host::constants::ConstantsError;
 use sim_host::drive::FileError;
 use sim_host::figure::FigureError;
 use sim_host::identify::{IdentifyError, KnownError, LogError};
-use sim_host::import::LimitError;
 use sim_host::monitor::MonitorError;
 use sim_host::pil::PilError;
 use sim_host::robustness::StudyError;
@@ -27,8 +26,6 @@ pub enum CommandError {
     },
     #[error("{}: {cause}", path.display())]
     Trajectory { path: PathBuf, cause: FileError },
-    #[error(transparent)]
-    Limits(LimitError),
     #[error("{count} of {of} files refused: see above")]
     Refused { count: usize, of: usize },
     #[error("{}: a scenario, not a trajectory", .0.display())]

@@ -1,8 +1,8 @@
 //! Missions from trajectory files.
 
 use crate::import::{
-    Figures, FileVerdict, Format, LimitError, Options, Refusal, TimeScaling, Tolerance, Trajectory,
-    check,
+    Figures, FileVerdict, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance,
+    Trajectory, check,
 };
 use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
 use crate::precision::Precision;
@@ -18,12 +18,52 @@ pub const TOLERANCE: Tolerance = Tolerance {
     heading_rad: 5.0e-3,
 };
 
+/// How a trajectory becomes the reference of a base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retiming {
+    /// How fast it may be run.
+    pub pace: Pace,
+    /// How far its path may be departed from where that saves time \[m\].
+    pub tolerance_m: f64,
+}
+
+impl Default for Retiming {
+    /// Nowhere faster than the file, within 10 mm of it.
+    fn default() -> Self {
+        Self {
+            pace: Pace::Own,
+            tolerance_m: 0.01,
+        }
+    }
+}
+
+impl Retiming {
+    /// The reference, and how its time was scaled.
+    ///
+    /// # Errors
+    /// A base whose limits are not positive, or a tolerance out of range.
+    pub fn of(
+        &self,
+        trajectory: &Trajectory,
+        base: &BaseSpec,
+    ) -> Result<(Trajectory, TimeScaling), FileError> {
+        let tolerance = self.tolerance_m;
+        if !(0.0..=1.0).contains(&tolerance) {
+            return Err(FileError::Option("tolerance", 0.0, 1.0));
+        }
+        let limits = base.reference_limits();
+        Ok(trajectory.time_scaled_within(&limits, self.pace, tolerance)?)
+    }
+}
+
 /// How a trajectory file is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileRun {
     /// Where the robot starts: at rest, this far to the left of the first pose \[m\]; `None` is
     /// 0.15 m, or 0 on a route too short to settle from there, see [`FileRun::offset_on`].
     pub offset_m: Option<f64>,
+    /// How its reference is made.
+    pub retiming: Retiming,
     /// Number type of the controller.
     pub precision: Precision,
     /// Control period \[s\].
@@ -35,6 +75,7 @@ impl Default for FileRun {
     fn default() -> Self {
         Self {
             offset_m: None,
+            retiming: Retiming::default(),
             precision: Precision::F32,
             period_s: 0.01,
         }
@@ -94,7 +135,7 @@ impl FileRun {
         if !(1.0e-4..=longest).contains(&self.period_s) {
             return Err(FileError::Option("period", 1.0e-4, longest));
         }
-        let (trajectory, scaling) = fitted(bytes, base)?;
+        let (trajectory, scaling) = fitted(bytes, base, &self.retiming)?;
         let figures: Figures = trajectory.figures();
         let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
         let longest_s = end_s + PARKING_S;
@@ -132,20 +173,16 @@ impl FileRun {
     }
 }
 
-/// How long a route takes to get going \[s\].
-///
-/// Files that start at rest start with their full acceleration. The controller does not: its torque
-/// starts at 0 and what is missing fades in, which leaves it behind by a/A², 44 mm at 1.1 m/s². With
-/// this ramp there is nothing to fade in, at a jerk far below that of any base here.
-const RAMP_S: f64 = 0.3;
-
-/// The reference of a file for a base: time-scaled to its limits, and ramped in.
+/// The reference of a file for a base: the fastest within its limits, at a pace, in a tube.
 ///
 /// # Errors
-/// A file that is refused, or a base whose limits are not positive.
-pub fn fitted(bytes: &[u8], base: &BaseSpec) -> Result<(Trajectory, TimeScaling), FileError> {
-    let (trajectory, scaling) = trajectory(bytes)?.time_scaled(&base.reference_limits())?;
-    Ok((trajectory.ramped_in(RAMP_S), scaling))
+/// A file that is refused, a base whose limits are not positive, or a tolerance out of range.
+pub fn fitted(
+    bytes: &[u8],
+    base: &BaseSpec,
+    retiming: &Retiming,
+) -> Result<(Trajectory, TimeScaling), FileError> {
+    retiming.of(&trajectory(bytes)?, base)
 }
 
 /// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are

@@ -1,6 +1,6 @@
 //! Trajectories for a chip: tables for flash, in Rust and in binary.
 
-use super::file::fitted;
+use super::file::{Retiming, fitted};
 use crate::import::{Compact, CompactSample, Tolerance, compact};
 use std::fmt::Write as _;
 
@@ -26,7 +26,7 @@ pub struct ChipTable {
 }
 
 impl ChipTable {
-    /// Compiles a trajectory file, time-scaled and ramped in as a run of it.
+    /// Compiles a trajectory file, time-scaled as a run of it.
     ///
     /// # Errors
     /// A file that is refused, or a base whose limits are not positive.
@@ -34,8 +34,9 @@ impl ChipTable {
         name: &str,
         bytes: &[u8],
         base: &crate::mission::BaseSpec,
+        retiming: &Retiming,
     ) -> Result<Self, super::FileError> {
-        let (run, _) = fitted(bytes, base)?;
+        let (run, _) = fitted(bytes, base, retiming)?;
         let upper = name.chars().map(|c| {
             if c.is_ascii_alphanumeric() {
                 c.to_ascii_uppercase()

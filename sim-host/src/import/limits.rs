@@ -34,6 +34,10 @@ pub struct ReferenceLimits {
     pub max_angular_accel: f64,
     /// Largest |v w| \[m/s²\].
     pub max_lateral: f64,
+    /// Largest rate of the acceleration \[m/s³\].
+    pub max_jerk: f64,
+    /// Largest rate of α \[rad/s³\].
+    pub max_angular_jerk: f64,
     /// Torque limit of the wheels.
     pub drive: Option<DriveLimits>,
 }
@@ -48,6 +52,8 @@ impl Default for ReferenceLimits {
             max_turn_rate: f64::INFINITY,
             max_angular_accel: f64::INFINITY,
             max_lateral: f64::INFINITY,
+            max_jerk: f64::INFINITY,
+            max_angular_jerk: f64::INFINITY,
             drive: None,
         }
     }
@@ -77,6 +83,62 @@ pub enum Bound {
     AngularAcceleration,
     /// Torque of a wheel.
     WheelTorque,
+    /// Rate of the acceleration.
+    Jerk,
+    /// Rate of the angular acceleration.
+    AngularJerk,
+}
+
+/// What a motion uses of every limit, by [`Bound`]: 1 is on the limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Loads([f64; 8]);
+
+impl Loads {
+    const BOUNDS: [Bound; 8] = [
+        Bound::Speed,
+        Bound::TurnRate,
+        Bound::Lateral,
+        Bound::Acceleration,
+        Bound::AngularAcceleration,
+        Bound::WheelTorque,
+        Bound::Jerk,
+        Bound::AngularJerk,
+    ];
+
+    pub(super) fn of(&self, bound: Bound) -> f64 {
+        self.0.get(bound as usize).copied().unwrap_or_default()
+    }
+
+    /// Takes a load into account.
+    pub(super) fn include(&mut self, bound: Bound, load: f64) {
+        if let Some(most) = self.0.get_mut(bound as usize) {
+            *most = most.max(load);
+        }
+    }
+
+    /// Takes another motion's loads into account.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for (most, load) in self.0.iter_mut().zip(other.0) {
+            *most = most.max(load);
+        }
+    }
+
+    /// Multiplies by the loads beyond 1, and a little.
+    pub(super) fn tighten(&mut self, passed: &Self) {
+        for (tight, load) in self.0.iter_mut().zip(passed.0) {
+            if load > 1.0 {
+                *tight = tight.max(1.0) * load * 1.001;
+            }
+        }
+    }
+
+    /// The largest, and what it is a load of.
+    pub(super) fn largest(&self) -> (Bound, f64) {
+        let all = Self::BOUNDS.into_iter().zip(self.0);
+        all.fold((Bound::Speed, 0.0), |most, here| {
+            if here.1 > most.1 { here } else { most }
+        })
+    }
 }
 
 impl fmt::Display for Bound {
@@ -88,6 +150,8 @@ impl fmt::Display for Bound {
             Self::Acceleration => "acceleration",
             Self::AngularAcceleration => "angular acceleration",
             Self::WheelTorque => "wheel torque",
+            Self::Jerk => "jerk",
+            Self::AngularJerk => "angular jerk",
         })
     }
 }
@@ -102,8 +166,8 @@ pub(super) struct BoundRow {
     pub(super) high: f64,
 }
 
-/// Slower than this, speeding up and braking are the same \[m/s\].
-const STANDING: f64 = 1e-6;
+/// Slower than this, the limits of speeding up and of braking both hold \[m/s\].
+const STANDING: f64 = 1e-3;
 /// Smallest limit taken: smaller ones would take the path longer than anyone waits.
 const SMALLEST: f64 = 1e-6;
 
@@ -124,6 +188,8 @@ impl ReferenceLimits {
             ("max_turn_rate", self.max_turn_rate),
             ("max_angular_accel", self.max_angular_accel),
             ("max_lateral", self.max_lateral),
+            ("max_jerk", self.max_jerk),
+            ("max_angular_jerk", self.max_angular_jerk),
             ("drive.wheel_torque", drive.wheel_torque),
             ("drive.wheel_radius", drive.wheel_radius),
             ("drive.track", drive.track),
@@ -137,10 +203,13 @@ impl ReferenceLimits {
         Ok(())
     }
 
-    /// Bounds on rates at a state of the path: linear in q and q′.
-    pub(super) fn rows(&self, s: &Sample) -> [BoundRow; 4] {
+    /// Bounds on rates at a state of the path: linear in q and q′. Where the direction changes, those
+    /// of both.
+    pub(super) fn rows(&self, s: &Sample, reverses: bool) -> [BoundRow; 4] {
         let (up, down) = (self.max_accel, self.max_decel);
-        let (low, high) = if s.v > STANDING {
+        let (low, high) = if reverses {
+            (-up.min(down), up.min(down))
+        } else if s.v > STANDING {
             (-down, up)
         } else if s.v < -STANDING {
             (-up, down)
@@ -172,59 +241,36 @@ impl ReferenceLimits {
         ]
     }
 
-    /// Largest q at a state of the path, and what bounds it; 1 is the file's own time.
-    pub(super) fn ceiling(&self, s: &Sample) -> (f64, Option<Bound>) {
-        let mut ceiling = (1.0, None);
-        for (bound, q) in [
+    /// Largest q by each limit of speed at a state of the path; 1 is the path's own time.
+    pub(super) fn ceilings(&self, s: &Sample) -> [(Bound, f64); 3] {
+        [
             (Bound::Speed, (self.max_speed / s.v).powi(2)),
             (Bound::TurnRate, (self.max_turn_rate / s.w).powi(2)),
             (Bound::Lateral, (self.max_lateral / (s.v * s.w)).abs()),
-        ] {
-            if q < ceiling.0 {
-                ceiling = (q, Some(bound));
-            }
-        }
-        ceiling
+        ]
     }
 
-    /// By how much a sample exceeds each kind of bound: 1 is on the limit.
-    pub(super) fn load(&self, s: &Sample) -> [(Bound, f64); 6] {
-        let mut load = [
-            (Bound::Speed, s.v.abs() / self.max_speed),
-            (Bound::TurnRate, s.w.abs() / self.max_turn_rate),
-            (Bound::Lateral, (s.v * s.w).abs() / self.max_lateral),
-            (Bound::Acceleration, 0.0),
-            (Bound::AngularAcceleration, 0.0),
-            (Bound::WheelTorque, 0.0),
-        ];
-        for row in self.rows(s) {
-            let part = (row.c / row.high).max(row.c / row.low);
-            for (bound, worst) in &mut load {
-                if *bound == row.bound {
-                    *worst = worst.max(part);
-                }
-            }
+    /// What a sample uses of the limits; jerk is between samples.
+    pub(super) fn loads(&self, s: &Sample) -> Loads {
+        let mut loads = Loads::default();
+        loads.include(Bound::Speed, s.v.abs() / self.max_speed);
+        loads.include(Bound::TurnRate, s.w.abs() / self.max_turn_rate);
+        loads.include(Bound::Lateral, (s.v * s.w).abs() / self.max_lateral);
+        for row in self.rows(s, false) {
+            loads.include(row.bound, (row.c / row.high).max(row.c / row.low));
         }
-        load
+        loads
     }
 
-    /// The limits with those of each kind multiplied by a factor.
-    pub(super) fn scaled(&self, factors: &[(Bound, f64); 6]) -> Self {
-        let of = |bound| {
-            let found = factors.iter().find(|(b, _)| *b == bound);
-            found.map_or(1.0, |(_, f)| *f)
-        };
-        Self {
-            max_speed: self.max_speed * of(Bound::Speed),
-            max_accel: self.max_accel * of(Bound::Acceleration),
-            max_decel: self.max_decel * of(Bound::Acceleration),
-            max_turn_rate: self.max_turn_rate * of(Bound::TurnRate),
-            max_angular_accel: self.max_angular_accel * of(Bound::AngularAcceleration),
-            max_lateral: self.max_lateral * of(Bound::Lateral),
-            drive: self.drive.map(|d| DriveLimits {
-                wheel_torque: d.wheel_torque * of(Bound::WheelTorque),
-                ..d
-            }),
+    /// What the mean jerk from one sample to a later one uses.
+    pub(super) fn jerk_loads(&self, from: &Sample, to: &Sample) -> Loads {
+        let mut loads = Loads::default();
+        let dt = to.t - from.t;
+        if dt > 0.0 {
+            loads.include(Bound::Jerk, ((to.a - from.a) / dt).abs() / self.max_jerk);
+            let angular = ((to.alpha - from.alpha) / dt).abs();
+            loads.include(Bound::AngularJerk, angular / self.max_angular_jerk);
         }
+        loads
     }
 }

@@ -21,8 +21,9 @@
 //!
 //! # Limits
 //!
-//! [`Trajectory::time_scaled`] runs the same path more slowly where a base's [`ReferenceLimits`] would be
-//! exceeded, [`Trajectory::ramped_in`] lets it begin gently; [`compact()`] thins a trajectory to samples for a chip.
+//! [`Trajectory::time_scaled`] runs the same path in the least time within a base's [`ReferenceLimits`],
+//! if wished nowhere faster than the file; [`Trajectory::time_scaled_within`] smooths the path inside a
+//! tube where that saves time; [`compact()`] thins a trajectory to samples for a chip.
 //!
 //! # Bounds
 //!
@@ -39,16 +40,15 @@ mod format;
 mod json;
 mod limits;
 mod options;
-mod ramp_in;
 mod raw;
 mod refusal;
 mod repair;
 mod table;
-mod time_law;
 mod time_optimal;
 mod time_scaling;
 mod time_warp;
 mod trajectory;
+mod tube;
 mod tum;
 mod verdict;
 mod wpilib;
@@ -60,7 +60,7 @@ pub use limits::{Bound, DriveLimits, LimitError, ReferenceLimits};
 pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
-pub use time_scaling::{ScaledSpan, TimeScaling};
+pub use time_scaling::{Pace, ScaledSpan, TimeScaling};
 pub use trajectory::{Closeness, Sample, Trajectory};
 pub use verdict::{FileVerdict, check};
 

@@ -1,103 +1,410 @@
-//! The fastest law of time within limits: reachability along the path, backwards, then forwards.
+//! The fastest law of time within limits, jerk included.
 //!
-//! The path is the trajectory itself with its own time s as parameter, run at ds/dt ≤ 1. With
-//! q = (ds/dt)², speeds scale with √q, and accelerations are a q + v q′/2: linear in q and q′, so
-//! standstill is no singular point. Backwards, the largest q from which the end can be reached
-//! within limits; forwards, the largest step that stays below it.
+//! The path is the trajectory itself with its own time s as parameter. With q = (ds/dt)², speeds
+//! scale with √q, accelerations are a q + v q′/2, and jerk is √q (j q + 3 a q′/2 + v q″/2): the first
+//! two are linear in q, so that standstill is no singular point, and the third is, divided by √q.
+//! What jerk may be, J/√q, is convex; its tangent is below it, hence a problem with the tangent in
+//! its place is convex and has only motions that keep the limit, and renewed at every step it
+//! leads to the optimum.
+//!
+//! q is a quadratic spline. Sought is the least ∫ ds/√q, by a primal-dual interior-point method. A
+//! spline's piece depends on three coefficients, so that each step solves equations with five
+//! diagonals: linear in the number of pieces.
 
-use super::limits::BoundRow;
+/// A row of limits: `g` on the coefficients of a piece is at most `h`, in parts of the limit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub(super) piece: usize,
+    pub(super) g: [f64; 3],
+    pub(super) h: f64,
+}
 
-/// The path at one of its points, evenly spaced in s.
+/// |√q g| is at most 1, with q from `value` on the coefficients of the piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JerkRow {
+    pub(super) piece: usize,
+    pub(super) g: [f64; 3],
+    pub(super) value: [f64; 3],
+}
+
+/// Pieces of a quadratic spline: `n + 1` knots, `n + 2` coefficients.
 #[derive(Clone, Debug)]
-pub(super) struct GridPoint {
-    /// Largest q by the limits on speeds.
-    pub(super) ceiling: f64,
-    /// Limits on accelerations.
-    pub(super) rows: [BoundRow; 4],
+pub(super) struct Spline {
+    /// Increasing.
+    pub(super) knots: Vec<f64>,
 }
 
-const BISECTIONS: usize = 48;
+impl Spline {
+    /// Number of pieces.
+    pub(super) fn pieces(&self) -> usize {
+        self.knots.len().saturating_sub(1)
+    }
 
-/// q at every grid point; `ds` is their distance. All q are positive.
-pub(super) fn fastest(grid: &[GridPoint], ds: f64) -> Vec<f64> {
-    let n = grid.len();
-    let mut q: Vec<f64> = grid.iter().map(|s| s.ceiling).collect();
-    for i in (0..n.saturating_sub(1)).rev() {
-        if let (Some(from), Some(to), Some(&next)) = (grid.get(i), grid.get(i + 1), q.get(i + 1)) {
-            let reach = reachable(from, to, ds, next);
-            if let Some(here) = q.get_mut(i) {
-                *here = reach;
+    fn length(&self, piece: Option<usize>) -> f64 {
+        let ends = piece.and_then(|i| Some((self.knots.get(i)?, self.knots.get(i + 1)?)));
+        ends.map_or(0.0, |(from, to)| to - from)
+    }
+
+    /// Value, first and second derivative at a part `p` of a piece, as factors of its coefficients.
+    pub(super) fn factors(&self, piece: usize, p: f64) -> [[f64; 3]; 3] {
+        let h = self.length(Some(piece));
+        let before = self.length(piece.checked_sub(1));
+        let after = self.length(Some(piece + 1));
+        // Control points: the ends are between neighbouring coefficients, the middle is one.
+        let (start, end) = (before / (before + h), h / (h + after));
+        let bezier = [
+            [1.0 - start, start, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 1.0 - end, end],
+        ];
+        let r = 1.0 - p;
+        let combine = |weights: [f64; 3]| {
+            let mut sum = [0.0; 3];
+            for (weight, point) in weights.iter().zip(&bezier) {
+                for (sum, part) in sum.iter_mut().zip(point) {
+                    *sum += weight * part;
+                }
+            }
+            sum
+        };
+        [
+            combine([r * r, 2.0 * p * r, p * p]),
+            combine([-2.0 * r / h, 2.0 * (r - p) / h, 2.0 * p / h]),
+            combine([2.0, -4.0, 2.0].map(|c| c / (h * h))),
+        ]
+    }
+}
+
+/// The product of a row with the coefficients of its piece.
+pub(super) fn dot(g: &[f64; 3], coefficients: &[f64], piece: usize) -> f64 {
+    let part = coefficients.get(piece..piece + 3).unwrap_or_default();
+    g.iter().zip(part).map(|(g, c)| g * c).sum()
+}
+
+/// The problem: the largest coefficients, rows of limits.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    pub(super) spline: Spline,
+    /// Of every coefficient.
+    pub(super) most: Vec<f64>,
+    pub(super) rows: Vec<Row>,
+    pub(super) jerks: Vec<JerkRow>,
+}
+
+/// Abscissae and weights of two points on \[0, 1\].
+const GAUSS: [(f64, f64); 2] = [
+    (0.211_324_865_405_187_1, 0.5),
+    (0.788_675_134_594_812_9, 0.5),
+];
+/// Most steps; 25 to 60 are usual.
+const STEPS: usize = 150;
+/// The descent is lost once so many times the time could be gained.
+const LOST: f64 = 1e6;
+/// Part of the limits that a start within them uses.
+const INSIDE: f64 = 0.8;
+/// Part of a limit by which an optimum may be beyond it.
+const MISS: f64 = 1e-5;
+/// Slack at the start, at least, and what could be gained there in parts of the time.
+const FIRST_SLACK: f64 = 0.05;
+const FIRST_GAP: f64 = 0.1;
+/// A step goes this part of the way to the nearest limit.
+const NEAR: f64 = 0.99;
+
+/// A limit as the method sees it.
+struct Active {
+    row: Row,
+    /// What is left of it.
+    slack: f64,
+    /// Its multiplier.
+    dual: f64,
+    /// By how much the coefficients have more left than the slack says.
+    miss: f64,
+    /// By how much the step lowers the slack.
+    falls: f64,
+    /// What the product of slack and multiplier is to be.
+    aim: f64,
+}
+
+impl Problem {
+    /// Coefficients that are slow enough if q changes little.
+    pub(super) fn slow(&self) -> Vec<f64> {
+        let mut c = self.most.clone();
+        let mut lower = |piece: usize, most: f64| {
+            for c in c.get_mut(piece..piece + 3).unwrap_or_default() {
+                *c = c.min(0.5 * most);
+            }
+        };
+        for row in &self.rows {
+            lower(row.piece, row.h / row.g.iter().sum::<f64>().max(0.0));
+        }
+        for row in &self.jerks {
+            let steady = row.g.iter().sum::<f64>();
+            lower(row.piece, steady.abs().powf(-2.0 / 3.0));
+        }
+        c
+    }
+
+    /// The part of all limits that coefficients use, at most.
+    fn load(&self, c: &[f64]) -> f64 {
+        let rows = self.rows.iter().map(|r| dot(&r.g, c, r.piece) / r.h);
+        let jerks = self.jerks.iter().map(|r| {
+            let q = dot(&r.value, c, r.piece).max(0.0);
+            dot(&r.g, c, r.piece).abs() * q.sqrt()
+        });
+        let boxes = c.iter().zip(&self.most).map(|(c, most)| c / most);
+        rows.chain(jerks).chain(boxes).fold(0.0, f64::max)
+    }
+
+    /// Coefficients of the fastest law but for a part `gain` of its time, from positive ones that may
+    /// be beyond limits.
+    pub(super) fn solve(&self, start: &[f64], gain: f64) -> Vec<f64> {
+        let found = self.descend(start.to_vec(), gain);
+        if found.1 {
+            return found.0;
+        }
+        // The way from beyond the limits may lead nowhere; the way from within them is longer.
+        let within = INSIDE / self.load(start).max(INSIDE);
+        self.descend(start.iter().map(|c| c * within).collect(), gain)
+            .0
+    }
+
+    /// The same by one descent; and whether it arrived.
+    fn descend(&self, mut c: Vec<f64>, gain: f64) -> (Vec<f64>, bool) {
+        let mut active: Vec<Active> = Vec::new();
+        for (i, (most, here)) in self.most.iter().zip(&c).enumerate() {
+            // A coefficient alone, as a row of a piece that has it: positive, and at most so large.
+            let piece = i.min(self.spline.pieces().saturating_sub(1));
+            for (factor, h) in [(1.0 / most, 1.0), (-1.0 / here, 0.0)] {
+                let mut g = [0.0; 3];
+                if let Some(one) = g.get_mut(i - piece) {
+                    *one = factor;
+                }
+                active.push(Active::new(Row { piece, g, h }));
+            }
+        }
+        active.extend(self.rows.iter().map(|row| Active::new(*row)));
+        let first_jerk = active.len();
+        for row in &self.jerks {
+            let blank = Row {
+                piece: row.piece,
+                g: row.g,
+                h: 1.0,
+            };
+            active.extend([Active::new(blank), Active::new(blank)]);
+        }
+        let mut system = Banded::new(c.len());
+        let mut fresh = true;
+        for _ in 0..STEPS {
+            self.renew(&c, active.get_mut(first_jerk..).unwrap_or_default());
+            let time = self.cost(&c, &mut system);
+            let count = active.len() as f64;
+            let mut worst: f64 = 0.0;
+            for limit in &mut active {
+                let left = limit.row.h - dot(&limit.row.g, &c, limit.row.piece);
+                if fresh {
+                    limit.slack = left.max(FIRST_SLACK);
+                    limit.dual = FIRST_GAP * time / (count * limit.slack);
+                }
+                limit.slack = limit.slack.max(left);
+                limit.miss = left - limit.slack;
+                worst = worst.max(-limit.miss);
+            }
+            fresh = false;
+            let gap: f64 = active.iter().map(|l| l.slack * l.dual).sum();
+            if gap < gain * time && worst < MISS {
+                return (c, true);
+            }
+            for limit in &active {
+                system.weigh(limit.row.piece, &limit.row.g, limit.dual / limit.slack);
+            }
+            if gap > LOST * time || !system.factorise() {
+                break;
+            }
+            for limit in &active {
+                let push = limit.dual * limit.miss / limit.slack;
+                system.push(limit.row.piece, &limit.row.g, push);
+            }
+            // Straight for the optimum, to see how far that goes; then with what this says of the
+            // centre, and of how slack and multiplier change together.
+            let straight = system.solve();
+            for limit in &mut active {
+                limit.falls = dot(&limit.row.g, &straight, limit.row.piece) - limit.miss;
+                limit.aim = 0.0;
+            }
+            let (primal, dual) = longest(&active, 1.0);
+            let after: f64 = active
+                .iter()
+                .map(|l| (l.slack - primal * l.falls) * (l.dual + dual * l.change()))
+                .sum();
+            let mu = (after / gap).powi(3) * gap / count;
+            for limit in &mut active {
+                limit.aim = mu + limit.falls * limit.change();
+                system.push(limit.row.piece, &limit.row.g, -limit.aim / limit.slack);
+            }
+            let step = system.solve();
+            if !step.iter().all(|step| step.is_finite()) {
+                break;
+            }
+            for limit in &mut active {
+                limit.falls = dot(&limit.row.g, &step, limit.row.piece) - limit.miss;
+            }
+            let (primal, dual) = longest(&active, NEAR);
+            for limit in &mut active {
+                limit.dual += dual * limit.change();
+                limit.slack -= primal * limit.falls;
+            }
+            for (c, step) in c.iter_mut().zip(&step) {
+                *c += primal * step;
+            }
+        }
+        (c, false)
+    }
+
+    /// Tangents of what jerk may be.
+    fn renew(&self, c: &[f64], limits: &mut [Active]) {
+        for (row, pair) in self.jerks.iter().zip(limits.chunks_exact_mut(2)) {
+            let q = dot(&row.value, c, row.piece).max(f64::MIN_POSITIVE);
+            let root = q.sqrt();
+            for (limit, sign) in pair.iter_mut().zip([root, -root]) {
+                for ((g, jerk), value) in limit.row.g.iter_mut().zip(row.g).zip(row.value) {
+                    *g = sign * jerk + 0.5 * value / q;
+                }
+                limit.row.h = 1.5;
             }
         }
     }
-    for i in 1..n {
-        if let (Some(from), Some(to), Some(&before), Some(&limit)) =
-            (grid.get(i - 1), grid.get(i), q.get(i - 1), q.get(i))
-        {
-            let (_, high) = interval(from, to, ds, before);
-            if let Some(here) = q.get_mut(i) {
-                *here = limit.min(high).max(SLOWEST);
+
+    /// The time that the law takes; the system is set to its slope and curvature.
+    fn cost(&self, c: &[f64], system: &mut Banded) -> f64 {
+        system.clear();
+        let mut time = 0.0;
+        for piece in 0..self.spline.pieces() {
+            let h = self.spline.length(Some(piece));
+            for (p, weight) in GAUSS {
+                let [value, ..] = self.spline.factors(piece, p);
+                let q = dot(&value, c, piece);
+                let here = h * weight / q.sqrt();
+                time += here;
+                system.weigh(piece, &value, 0.75 * here / (q * q));
+                system.push(piece, &value, 0.5 * here / q);
+            }
+        }
+        time
+    }
+}
+
+impl Active {
+    fn new(row: Row) -> Self {
+        Self {
+            row,
+            slack: 1.0,
+            dual: 0.0,
+            miss: 0.0,
+            falls: 0.0,
+            aim: 0.0,
+        }
+    }
+
+    /// The change of the multiplier that goes with the step.
+    fn change(&self) -> f64 {
+        (self.aim + self.dual * self.falls) / self.slack - self.dual
+    }
+}
+
+/// The longest steps of coefficients and of multipliers, at most 1, that go a part of the way to the
+/// nearest limit.
+fn longest(active: &[Active], part: f64) -> (f64, f64) {
+    let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
+    for limit in active {
+        if limit.falls > 0.0 {
+            primal = primal.min(part * limit.slack / limit.falls);
+        }
+        let change = limit.change();
+        if change < 0.0 {
+            dual = dual.min(-part * limit.dual / change);
+        }
+    }
+    (primal, dual)
+}
+
+/// A symmetric system with five diagonals.
+struct Banded {
+    /// The diagonal, and the two beside it.
+    rows: Vec<[f64; 3]>,
+    right: Vec<f64>,
+}
+
+impl Banded {
+    fn new(n: usize) -> Self {
+        Self {
+            rows: vec![[0.0; 3]; n],
+            right: vec![0.0; n],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.rows.fill([0.0; 3]);
+        self.right.fill(0.0);
+    }
+
+    /// Adds `weight` g gᵀ.
+    fn weigh(&mut self, piece: usize, g: &[f64; 3], weight: f64) {
+        let rows = self.rows.get_mut(piece..piece + 3).unwrap_or_default();
+        for (i, row) in rows.iter_mut().enumerate() {
+            let right = g.get(i..).unwrap_or_default();
+            let own = right.first().copied().unwrap_or_default();
+            for (sum, other) in row.iter_mut().zip(right) {
+                *sum += weight * own * other;
             }
         }
     }
-    q
-}
 
-/// Part of a limit that rounding may use.
-const SLACK: f64 = 1e-6;
-/// q changes by no more than e-fold in 1/STEADINESS seconds of the file: where the base starts from
-/// rest, steps of q between grid points would cost nothing, and mean nothing.
-const STEADINESS: f64 = 40.0;
-/// Time never quite stops.
-const SLOWEST: f64 = 1e-9;
-
-/// The largest q at `from` with a next one of at most `next` at `to`. Zero is always feasible and
-/// the feasible set convex, so bisection finds it.
-fn reachable(from: &GridPoint, to: &GridPoint, ds: f64, next: f64) -> f64 {
-    let feasible = |q: f64| {
-        let (low, high) = interval(from, to, ds, q);
-        low <= high.min(next)
-    };
-    if feasible(from.ceiling) {
-        return from.ceiling;
-    }
-    let (mut good, mut bad) = (0.0, from.ceiling);
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (good + bad);
-        if feasible(middle) {
-            good = middle;
-        } else {
-            bad = middle;
+    /// Adds `push` g on the right.
+    fn push(&mut self, piece: usize, g: &[f64; 3], push: f64) {
+        let right = self.right.get_mut(piece..piece + 3).unwrap_or_default();
+        for (sum, g) in right.iter_mut().zip(g) {
+            *sum += push * g;
         }
     }
-    good.max(SLOWEST)
-}
 
-/// The q that `to` can have after `q` at `from`; empty if low > high.
-fn interval(from: &GridPoint, to: &GridPoint, ds: f64, q: f64) -> (f64, f64) {
-    let grip = (STEADINESS * ds).exp();
-    let (mut low, mut high) = (q / grip, to.ceiling.min(q * grip));
-    // low ≤ c q + d (y − q)/ds ≤ high at the start of the step, c y + d (y − q)/ds at its end.
-    let starts = from
-        .rows
-        .iter()
-        .map(|r| (r, r.d / ds, (r.c - r.d / ds) * q));
-    let ends = to.rows.iter().map(|r| (r, r.c + r.d / ds, -r.d / ds * q));
-    for (row, slope, rest) in starts.chain(ends) {
-        let (a, b) = (row.low - rest, row.high - rest);
-        // At rest, but for rounding, y does not matter: it moves the row by less than the slack.
-        let slack = SLACK * row.high.min(-row.low);
-        if slope.abs() < slack {
-            if a > slack || b < -slack {
-                return (1.0, 0.0);
+    /// Factorises in place; false if the numbers ran away.
+    fn factorise(&mut self) -> bool {
+        for k in 0..self.rows.len() {
+            let [d, e, f] = self.rows.get(k).copied().unwrap_or_default();
+            if !(d > 0.0 && d.is_finite()) {
+                return false;
             }
-        } else if slope > 0.0 {
-            low = low.max(a / slope);
-            high = high.min(b / slope);
-        } else {
-            low = low.max(b / slope);
-            high = high.min(a / slope);
+            let (l1, l2) = (e / d, f / d);
+            if let Some(row) = self.rows.get_mut(k) {
+                *row = [d, l1, l2];
+            }
+            if let Some(row) = self.rows.get_mut(k + 1) {
+                row[0] -= l1 * e;
+                row[1] -= l1 * f;
+            }
+            if let Some(row) = self.rows.get_mut(k + 2) {
+                row[0] -= l2 * f;
+            }
         }
+        true
     }
-    (low, high)
+
+    /// Solves with what is on the right; [`Self::factorise`] comes first.
+    fn solve(&self) -> Vec<f64> {
+        let mut x = self.right.clone();
+        for (k, [_, l1, l2]) in self.rows.iter().enumerate() {
+            let here = x.get(k).copied().unwrap_or_default();
+            for (next, l) in x.iter_mut().skip(k + 1).zip([l1, l2]) {
+                *next -= l * here;
+            }
+        }
+        for (k, [d, l1, l2]) in self.rows.iter().enumerate().rev() {
+            let after = x.get(k + 1..).unwrap_or_default().iter();
+            let carried: f64 = after.zip([l1, l2]).map(|(x, l)| x * l).sum();
+            if let Some(x) = x.get_mut(k) {
+                *x = *x / d - carried;
+            }
+        }
+        x
+    }
 }

@@ -1,10 +1,9 @@
-//! Time scaling: the reference runs more slowly where a base could not follow.
+//! Time scaling: the reference runs more slowly where a base could not follow, or as fast as it can.
 
-use super::limits::{Bound, LimitError, ReferenceLimits};
-use super::time_law::{law, smoothed};
-use super::time_optimal::{GridPoint, fastest};
-use super::time_warp::TimeWarp;
-use super::{Sample, Trajectory};
+use super::limits::{Bound, LimitError, Loads, ReferenceLimits};
+use super::time_optimal::{JerkRow, Problem, Row, Spline, dot};
+use super::time_warp::{Tick, TimeWarp};
+use super::{Closeness, Sample, Trajectory};
 use std::fmt;
 
 /// A part of the trajectory that is run more slowly.
@@ -30,176 +29,440 @@ pub struct TimeScaling {
     pub places: Vec<ScaledSpan>,
     /// What the time-scaled trajectory uses of the limits, at most 1.
     pub load: f64,
+    /// How far the path departs from the file's, if it was smoothed.
+    pub departure: Option<Closeness>,
 }
 
-/// Distance of grid points in the file's time \[s\], unless there would be too many.
-const SPACING: f64 = 0.004;
-const MAX_GRID_POINTS: f64 = 1e6;
-/// Accelerations change over twice this many grid points, not at once.
-const SMOOTHING: usize = 8;
-/// Rounds of tightening before everything is slowed by what is left.
-const ROUNDS: usize = 6;
+/// How fast a trajectory may be run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// Nowhere faster than now.
+    #[default]
+    Own,
+    /// As fast as the limits allow.
+    Fastest,
+}
+
+/// Pieces of the law are this long in the path's own time at first \[s\], then at most so long in
+/// the time of the run, unless there would be too many.
+const SPACING: f64 = 0.008;
+const RUN_SPACING: f64 = 0.006;
+const MAX_PIECES: f64 = 1e5;
+/// Times that the pieces are divided.
+const REFINEMENTS: usize = 3;
+/// Rounds of tightening where a limit is passed between the points that the problem looks at, before
+/// everything is slowed by what is left.
+const ROUNDS: usize = 4;
+/// The problem leaves this part of every limit to what is between those points.
+const MARGIN: f64 = 0.002;
+/// Accelerations take this long to rise to their limit, whatever jerk may be \[s\]: two ticks.
+const RISE: f64 = 0.02;
+/// Largest pace, in the path's own: where it stands, nothing else says how fast time may pass.
+pub(super) const FASTEST: f64 = 100.0;
+/// Part of the time that the optimum on pieces yet to be divided, and on the last ones, may lack.
+const COARSE: f64 = 1e-3;
+const FINE: f64 = 1e-8;
+/// Within this part of its own pace a trajectory keeps it.
+const KEPT: f64 = 1e-5;
 
 impl Trajectory {
     /// The same path, run more slowly where `limits` would be exceeded, and what was scaled.
     ///
-    /// Within the limits nothing changes. Elsewhere it is the fastest law of time that keeps them,
-    /// smoothed over 0.1 s, so that jerk is finite; it ends as it began, at rest if the file does.
+    /// Within the limits nothing changes, with [`Pace::Own`]. Elsewhere it is the fastest law of
+    /// time that keeps them (`time_optimal`); it ends as it began, at rest if the file does.
     ///
     /// # Errors
     /// A limit that is not positive.
-    pub fn time_scaled(&self, limits: &ReferenceLimits) -> Result<(Self, TimeScaling), LimitError> {
+    pub fn time_scaled(
+        &self,
+        limits: &ReferenceLimits,
+        pace: Pace,
+    ) -> Result<(Self, TimeScaling), LimitError> {
         limits.validate()?;
-        let own = worst(self, limits);
-        let load = own.iter().fold(0.0, |worst: f64, (_, l)| worst.max(*l));
-        if load <= 1.0 {
+        let (_, load) = self.loads(limits).largest();
+        if load <= 1.0 && pace == Pace::Own {
             let untouched = TimeScaling {
                 factor: 1.0,
                 slowest: 1.0,
                 places: Vec::new(),
                 load,
+                departure: None,
             };
             return Ok((self.clone(), untouched));
         }
-        let span = self.path_duration();
-        let count = (span / SPACING).clamp(64.0, MAX_GRID_POINTS).ceil();
-        let ds = span / count;
-        // Along the path at the pace it has now, so that scaling twice is possible.
-        let plain = self.without_time_warp();
-        let points: Vec<Sample> = (0..=count as usize)
-            .map(|i| plain.at((i as f64 * ds).min(span)))
-            .collect();
-        let pace = pace(self, &points);
-        let mut tight = *limits;
-        let mut factors = own.map(|(bound, _)| (bound, 1.0));
-        let mut time_scaled = plain.clone();
-        for _ in 0..ROUNDS {
-            let grid: Vec<GridPoint> = points
-                .iter()
-                .zip(&pace)
-                .map(|(point, pace)| GridPoint {
-                    ceiling: tight.ceiling(point).0.min(*pace),
-                    rows: tight.rows(point),
-                })
-                .collect();
-            let q = smoothed(&fastest(&grid, ds), SMOOTHING);
-            time_scaled = plain.with_time_warp(law(&q, ds));
-            let used = worst(&time_scaled, limits);
-            if used.iter().all(|(_, load)| *load <= 1.0) {
+        let own = |s: f64| self.most(s, pace);
+        let (run, load) = self.without_time_warp().fastest(limits, &own, pace);
+        let ticks = run.time_warp.iter().flat_map(TimeWarp::ticks);
+        let places: Vec<_> = ticks.map(|tick| (tick.s, tick.t, tick.rate)).collect();
+        let scaling = self.scaling(limits, &run, load, &places);
+        Ok((run, scaling))
+    }
+
+    /// The fastest run of the path, with squared rates of time up to `most`; and its load.
+    pub(super) fn fastest(
+        &self,
+        limits: &ReferenceLimits,
+        most: &dyn Fn(f64) -> f64,
+        pace: Pace,
+    ) -> (Self, f64) {
+        let mut search = Search {
+            spline: self.first_knots(),
+            tight: Vec::new(),
+            plain: self,
+            limits,
+            most,
+            pace,
+        };
+        let mut c = search.problem().slow();
+        for _ in 0..REFINEMENTS {
+            c = search.problem().solve(&c, COARSE);
+            if !search.refine(&mut c) {
                 break;
             }
-            for ((_, factor), (_, load)) in factors.iter_mut().zip(used) {
-                *factor /= load.max(1.0) * if load > 1.0 { 1.002 } else { 1.0 };
-            }
-            tight = limits.scaled(&factors);
         }
-        let used = worst(&time_scaled, limits);
-        let load = used.iter().fold(0.0, |worst: f64, (_, l)| worst.max(*l));
-        if let Some(time_warp) = time_scaled.time_warp.take() {
-            // All loads fall at least as fast as time is slowed.
-            time_scaled = plain.with_time_warp(if load > 1.0 {
-                time_warp.slower(load)
-            } else {
-                time_warp
+        let mut rounds = 0;
+        loop {
+            c = search.problem().solve(&c, FINE);
+            search.snap(&mut c);
+            let law = search.law(&c);
+            let run = self.with_time_warp(law);
+            let load = search.tighten(&run);
+            rounds += 1;
+            if load <= 1.0 {
+                return (run, load);
+            }
+            if rounds == ROUNDS {
+                // All loads fall at least as fast as time is slowed.
+                let slower = search.law(&c).slower(load);
+                return (self.with_time_warp(slower), 1.0);
+            }
+        }
+    }
+
+    /// The largest squared rate of the path's own time.
+    fn most(&self, s: f64, pace: Pace) -> f64 {
+        match (&self.time_warp, pace) {
+            (_, Pace::Fastest) => FASTEST * FASTEST,
+            (None, Pace::Own) => 1.0,
+            (Some(time_warp), Pace::Own) => time_warp.rate_at(s).powi(2),
+        }
+    }
+
+    /// The knots of the path's own pieces, and more between them.
+    fn first_knots(&self) -> Spline {
+        let end = self.path_duration();
+        let spacing = SPACING.max(end / MAX_PIECES);
+        let mut knots = vec![0.0];
+        for pair in self.nodes.windows(2) {
+            let [from, to] = pair else { continue };
+            let parts = ((to.t - from.t) / spacing).ceil().max(1.0);
+            knots.extend((1..=parts as usize).map(|i| {
+                let p = i as f64 / parts;
+                from.t + p * (to.t - from.t)
+            }));
+        }
+        Spline { knots }
+    }
+
+    /// Where a run is slower than this trajectory, by places of it: its own time, the time of the run,
+    /// and the rate of the first by the second.
+    pub(super) fn scaling(
+        &self,
+        limits: &ReferenceLimits,
+        run: &Self,
+        load: f64,
+        places: &[(f64, f64, f64)],
+    ) -> TimeScaling {
+        let mut scaling = TimeScaling {
+            factor: run.duration() / self.duration(),
+            slowest: 1.0,
+            places: Vec::new(),
+            load,
+            departure: None,
+        };
+        let plain = self.without_time_warp();
+        let mut open: Option<ScaledSpan> = None;
+        let mut last: Option<(Sample, f64)> = None;
+        for &(s, t, rate) in places {
+            let sample = plain.at(s);
+            let (from, before) = last.replace((sample, t)).unwrap_or((sample, t));
+            scaling.slowest = scaling.slowest.max(rate.recip());
+            if rate >= 1.0 - 1e-9 {
+                scaling.places.extend(open.take());
+                continue;
+            }
+            let here = open.get_or_insert(ScaledSpan {
+                file_s: (from.t, s),
+                run_s: (before, t),
+                exceeded: None,
             });
-        }
-        let scaling = report(self, &time_scaled, limits, load.min(1.0));
-        Ok((time_scaled, scaling))
-    }
-}
-
-/// The largest loads of a trajectory.
-fn worst(trajectory: &Trajectory, limits: &ReferenceLimits) -> [(Bound, f64); 6] {
-    let mut worst = limits.load(&Sample::default());
-    let mut include = |t| {
-        for ((_, most), (_, here)) in worst.iter_mut().zip(limits.load(&trajectory.at(t))) {
-            *most = most.max(here);
-        }
-    };
-    match &trajectory.time_warp {
-        Some(time_warp) => {
-            for pair in time_warp.ticks().windows(2) {
-                let [from, to] = pair else { continue };
-                for i in 0..4 {
-                    include(from.t + (to.t - from.t) * f64::from(i) / 4.0);
-                }
-            }
-        }
-        None => {
-            for pair in trajectory.nodes.windows(2) {
-                let [from, to] = pair else { continue };
-                for i in 0..4 {
-                    include(from.t + (to.t - from.t) * f64::from(i) / 4.0);
-                }
-            }
-        }
-    }
-    include(trajectory.duration());
-    worst
-}
-
-/// The squared rate of time that a trajectory has already, at points of its path.
-fn pace(trajectory: &Trajectory, points: &[Sample]) -> Vec<f64> {
-    let Some(time_warp) = &trajectory.time_warp else {
-        return vec![1.0; points.len()];
-    };
-    let ticks = time_warp.ticks();
-    points
-        .iter()
-        .map(|point| {
-            let after = ticks.partition_point(|tick| tick.s <= point.t);
-            let near = after.saturating_sub(1)..(after + 1).min(ticks.len());
-            let rates = ticks.get(near).unwrap_or_default().iter();
-            rates.map(|tick| tick.rate * tick.rate).fold(1.0, f64::min)
-        })
-        .collect()
-}
-
-/// Where the law of time is slower than before.
-fn report(
-    before: &Trajectory,
-    after: &Trajectory,
-    limits: &ReferenceLimits,
-    load: f64,
-) -> TimeScaling {
-    let mut scaling = TimeScaling {
-        factor: after.duration() / before.duration(),
-        slowest: 1.0,
-        places: Vec::new(),
-        load,
-    };
-    let plain = after.without_time_warp();
-    let ticks = after
-        .time_warp
-        .as_ref()
-        .map(TimeWarp::ticks)
-        .unwrap_or_default();
-    let mut open: Option<ScaledSpan> = None;
-    for tick in ticks {
-        scaling.slowest = scaling.slowest.max(tick.rate.recip());
-        if tick.rate >= 1.0 - 1e-9 {
-            scaling.places.extend(open.take());
-            continue;
-        }
-        let here = open.get_or_insert(ScaledSpan {
-            file_s: (tick.s, tick.s),
-            run_s: (tick.t, tick.t),
-            exceeded: None,
-        });
-        (here.file_s.1, here.run_s.1) = (tick.s, tick.t);
-        for (bound, load) in limits.load(&plain.at(tick.s)) {
+            (here.file_s.1, here.run_s.1) = (s, t);
+            let mut loads = limits.loads(&sample);
+            loads.merge(&limits.jerk_loads(&from, &sample));
+            let (bound, load) = loads.largest();
             if load > here.exceeded.map_or(1.0, |(_, most)| most) {
                 here.exceeded = Some((bound, load));
             }
         }
+        scaling.places.extend(open);
+        scaling
     }
-    scaling.places.extend(open);
-    scaling
+
+    /// What a trajectory uses of the limits.
+    fn loads(&self, limits: &ReferenceLimits) -> Loads {
+        let mut most = Loads::default();
+        for loads in self.piece_loads(limits) {
+            most.merge(&loads);
+        }
+        most
+    }
+
+    /// The same of every piece of its law of time, or of its path if time is not scaled.
+    fn piece_loads(&self, limits: &ReferenceLimits) -> Vec<Loads> {
+        let ends: Vec<f64> = match &self.time_warp {
+            Some(time_warp) => time_warp.ticks().iter().map(|tick| tick.t).collect(),
+            None => self.nodes.iter().map(|node| node.t).collect(),
+        };
+        let mut from = self.at(0.0);
+        let of_piece = |pair: &[f64]| {
+            let [start, end] = pair else {
+                return Loads::default();
+            };
+            let to = self.at(*end);
+            let mut most = limits.jerk_loads(&from, &to);
+            most.merge(&limits.loads(&from));
+            for i in 1..4 {
+                let t = start + (end - start) * f64::from(i) / 4.0;
+                most.merge(&limits.loads(&self.at(t)));
+            }
+            most.merge(&limits.loads(&to));
+            from = to;
+            most
+        };
+        ends.windows(2).map(of_piece).collect()
+    }
 }
+
+/// The search for a law of time.
+struct Search<'a> {
+    spline: Spline,
+    /// By how much limits are tightened, for every piece; empty before any is.
+    tight: Vec<Loads>,
+    plain: &'a Trajectory,
+    limits: &'a ReferenceLimits,
+    most: &'a dyn Fn(f64) -> f64,
+    pace: Pace,
+}
+
+impl Search<'_> {
+    /// Limits at every piece.
+    fn problem(&self) -> Problem {
+        let knots = &self.spline.knots;
+        let most = self.most();
+        let (mut rows, mut jerks) = (Vec::new(), Vec::new());
+        let tight = |piece: usize, bound| {
+            let found = self.tight.get(piece).map(|tight| tight.of(bound));
+            (1.0 - MARGIN) / found.unwrap_or_default().max(1.0)
+        };
+        let limits = self.limits;
+        let accel = limits.max_accel.max(limits.max_decel);
+        let jerks_within = [
+            limits.max_jerk.min(accel / RISE),
+            limits.max_angular_jerk.min(limits.max_angular_accel / RISE),
+        ];
+        let pieces = self.spline.pieces();
+        for (piece, pair) in knots.windows(2).enumerate() {
+            let [from, to] = pair else { continue };
+            // Next to a knot the direction may change: there the limits of both hold.
+            let near = knots.get(piece.saturating_sub(1)..(piece + 3).min(knots.len()));
+            let speeds = near.unwrap_or_default().iter().map(|s| self.plain.at(*s).v);
+            let (back, ahead) = speeds.fold((0.0_f64, 0.0_f64), |(b, a), v| (b.min(v), a.max(v)));
+            let reverses = back < 0.0 && ahead > 0.0;
+            let last = (piece + 1 == pieces).then_some((*to, 1.0));
+            for (s, p) in [Some((*from, 0.0)), last].into_iter().flatten() {
+                let point = self.plain.at(s);
+                let [value, slope, _] = self.spline.factors(piece, p);
+                for (bound, high) in self.limits.ceilings(&point) {
+                    if high.is_finite() {
+                        let share = high * tight(piece, bound).powi(2);
+                        let g = value.map(|v| v / share);
+                        rows.push(Row { piece, g, h: 1.0 });
+                    }
+                }
+                for row in self.limits.rows(&point, reverses) {
+                    if !row.high.is_finite() && !row.low.is_finite() {
+                        continue;
+                    }
+                    let share = tight(piece, row.bound);
+                    for limit in [row.high * share, row.low * share] {
+                        let mut g = [0.0; 3];
+                        for ((g, value), slope) in g.iter_mut().zip(value).zip(slope) {
+                            *g = (row.c * value + row.d * slope) / limit;
+                        }
+                        rows.push(Row { piece, g, h: 1.0 });
+                    }
+                }
+            }
+            for p in [0.25, 0.75] {
+                let s = from + p * (to - from);
+                let point = self.plain.at(s);
+                let jerk = self.plain.path_jerk(s);
+                let [value, slope, bend] = self.spline.factors(piece, p);
+                for (bound, limit, j, a, v) in [
+                    (Bound::Jerk, jerks_within[0], jerk[0], point.a, point.v),
+                    (
+                        Bound::AngularJerk,
+                        jerks_within[1],
+                        jerk[1],
+                        point.alpha,
+                        point.w,
+                    ),
+                ] {
+                    if !limit.is_finite() {
+                        continue;
+                    }
+                    let limit = limit * tight(piece, bound);
+                    let mut g = [0.0; 3];
+                    let factors = value.into_iter().zip(slope).zip(bend);
+                    for (g, ((value, slope), bend)) in g.iter_mut().zip(factors) {
+                        *g = (j * value + 1.5 * a * slope + 0.5 * v * bend) / limit;
+                    }
+                    jerks.push(JerkRow { piece, g, value });
+                }
+            }
+        }
+        Problem {
+            spline: self.spline.clone(),
+            most,
+            rows,
+            jerks,
+        }
+    }
+
+    /// The largest coefficients, by the pace.
+    fn most(&self) -> Vec<f64> {
+        let count = self.spline.pieces() + 2;
+        // Of the pieces that a coefficient bears on, the slowest.
+        let knots = &self.spline.knots;
+        let knot = |i: usize| knots.get(i.min(knots.len() - 1)).copied().unwrap_or(0.0);
+        (0..count)
+            .map(|i| {
+                let (from, to) = (knot(i.saturating_sub(2)), knot(i + 1));
+                let at = |p: f64| (self.most)(from + p * (to - from));
+                at(0.0).min(at(0.5)).min(at(1.0))
+            })
+            .collect()
+    }
+
+    /// Divides the pieces that take long, and the law with them; false if none does.
+    fn refine(&mut self, c: &mut Vec<f64>) -> bool {
+        let law = self.law(c);
+        let spacing = RUN_SPACING.max(law.duration() / MAX_PIECES);
+        let mut knots = Vec::new();
+        let mut divided = false;
+        for pair in law.ticks().windows(2) {
+            let [from, to] = pair else { continue };
+            let parts = ((to.t - from.t) / spacing).ceil().clamp(1.0, 64.0);
+            divided |= parts > 2.0;
+            knots.extend((0..parts as usize).map(|i| {
+                let p = i as f64 / parts;
+                from.s + p * (to.s - from.s)
+            }));
+        }
+        knots.extend(self.spline.knots.last());
+        let spline = Spline { knots };
+        // The old law at the middles of three knots, which is where a coefficient acts.
+        let old = std::mem::replace(&mut self.spline, spline);
+        let value = |s: f64| {
+            let after = old.knots.partition_point(|knot| *knot <= s);
+            let piece = after.clamp(1, old.pieces()) - 1;
+            let h = old
+                .knots
+                .get(piece..piece + 2)
+                .map_or([0.0, 1.0], |k| [k[0], k[1]]);
+            let p = ((s - h[0]) / (h[1] - h[0])).clamp(0.0, 1.0);
+            dot(&old.factors(piece, p)[0], c, piece)
+        };
+        let knots = &self.spline.knots;
+        let mut finer = vec![value(0.0)];
+        finer.extend(
+            knots
+                .windows(2)
+                .map(|pair| value(0.5 * (pair[0] + pair[1]))),
+        );
+        finer.push(value(knots.last().copied().unwrap_or_default()));
+        *c = finer;
+        divided
+    }
+
+    /// Where the law is at the pace that is allowed but for rounding, it keeps that pace.
+    fn snap(&self, c: &mut [f64]) {
+        if self.pace == Pace::Own {
+            for (c, most) in c.iter_mut().zip(self.most()) {
+                if *c > most * (1.0 - KEPT) {
+                    *c = most;
+                }
+            }
+        }
+    }
+
+    /// The law of time of coefficients.
+    fn law(&self, c: &[f64]) -> TimeWarp {
+        let mut t = 0.0;
+        let mut ticks = Vec::with_capacity(self.spline.knots.len());
+        let tick = |piece, p, s, t| {
+            let [value, slope, _] = self.spline.factors(piece, p);
+            Tick {
+                t,
+                s,
+                rate: dot(&value, c, piece).sqrt(),
+                rate_dot: 0.5 * dot(&slope, c, piece),
+            }
+        };
+        for (piece, pair) in self.spline.knots.windows(2).enumerate() {
+            let [from, to] = pair else { continue };
+            ticks.push(tick(piece, 0.0, *from, t));
+            for (p, weight) in GAUSS {
+                let [value, ..] = self.spline.factors(piece, p);
+                t += weight * (to - from) / dot(&value, c, piece).sqrt();
+            }
+            if piece + 1 == self.spline.pieces() {
+                ticks.push(tick(piece, 1.0, *to, t));
+            }
+        }
+        TimeWarp::new(ticks)
+    }
+
+    /// Tightens the limits that a law passes, where it does, and returns the largest load.
+    fn tighten(&mut self, time_scaled: &Trajectory) -> f64 {
+        let pieces = time_scaled.piece_loads(self.limits);
+        let mut largest: f64 = 0.0;
+        self.tight.resize(pieces.len(), Loads::default());
+        for (piece, loads) in pieces.iter().enumerate() {
+            let (_, load) = loads.largest();
+            largest = largest.max(load);
+            if load <= 1.0 {
+                continue;
+            }
+            let near = piece.saturating_sub(1)..(piece + 2).min(pieces.len());
+            for tight in self.tight.get_mut(near).unwrap_or_default() {
+                tight.tighten(loads);
+            }
+        }
+        largest
+    }
+}
+
+/// Abscissae and weights of three points on \[0, 1\].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 4.0 / 9.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
 
 impl fmt::Display for TimeScaling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.places.is_empty() {
+        if self.places.is_empty() && self.factor == 1.0 && self.departure.is_none() {
             return f.write_str("within the limits, time not scaled");
         }
         let (factor, slowest) = (self.factor, self.slowest);
@@ -207,6 +470,13 @@ impl fmt::Display for TimeScaling {
             f,
             "time scaled by {factor:.3} in all, up to {slowest:.2} locally"
         )?;
+        if let Some(by) = self.departure {
+            let (mm, mrad) = (1e3 * by.position_m, 1e3 * by.heading_rad);
+            write!(
+                f,
+                "\n  path smoothed by up to {mm:.1} mm and {mrad:.0} mrad"
+            )?;
+        }
         for place in &self.places {
             let ((from, to), (run_from, run_to)) = (place.file_s, place.run_s);
             write!(

@@ -72,6 +72,35 @@ impl TimeWarp {
         (s, rate, rate_dot)
     }
 
+    /// The rate at s: of the ticks beside it, the lower one.
+    pub(super) fn rate_at(&self, s: f64) -> f64 {
+        let after = self.ticks.partition_point(|tick| tick.s <= s);
+        let near = after.saturating_sub(1)..(after + 1).min(self.ticks.len());
+        let rates = self.ticks.get(near).unwrap_or_default().iter();
+        rates.map(|tick| tick.rate).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The time at which the law is at s.
+    pub(super) fn time_of(&self, s: f64) -> f64 {
+        let after = self.ticks.partition_point(|tick| tick.s <= s);
+        let (Some(from), Some(to)) = (
+            self.ticks.get(after.saturating_sub(1)),
+            self.ticks.get(after),
+        ) else {
+            return self.duration();
+        };
+        let (mut low, mut high) = (from.t, to.t);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if self.at(middle).0 < s {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
     /// Instants of samples: knots, thinned, with the first and the last.
     pub(super) fn times(&self) -> Vec<f64> {
         let mut times: Vec<f64> = Vec::new();

@@ -1,6 +1,6 @@
 //! A reference that satisfies Eq. (6) at every instant.
 
-use super::fit::motion::advance;
+use super::fit::motion::{Jerk, advance};
 use super::fit::{self, CLUSTER, Node, Rest, Target};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Reason, Refusal};
@@ -71,6 +71,7 @@ impl Trajectory {
                 x: s.x,
                 y: s.y,
                 theta: s.theta,
+                room: 1.0,
             })
             .collect();
         let at_rest = |sample: Option<&RawSample>| {
@@ -92,12 +93,12 @@ impl Trajectory {
                 ..*t
             })
             .collect();
-        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance) else {
+        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance, 0.0) else {
             let span = samples.last().map_or(0.0, |s| s.t);
             let place = samples.last().map(|s| s.place.clone()).unwrap_or_default();
             return Err(Refusal::new(format, place, Reason::TooShort(span)));
         };
-        if close.position > tolerance[0] || close.heading > tolerance[1] {
+        if close.excess > 1.0 {
             return Err(undrivable(format, &samples, &close, tolerance[0]));
         }
         for node in &mut nodes {
@@ -177,6 +178,35 @@ impl Trajectory {
         self.nodes.last().map_or(0.0, |n| n.t)
     }
 
+    /// Rates of a and α at a place of the path, at the pace of the file.
+    pub(super) fn path_jerk(&self, s: f64) -> Jerk {
+        let after = self.nodes.partition_point(|n| n.t <= s);
+        let node = self.nodes.get(after.saturating_sub(1));
+        node.map_or(Jerk::zeros(), |node| node.u)
+    }
+
+    /// The path's own time at a time of the run.
+    pub(super) fn path_time(&self, t: f64) -> f64 {
+        self.time_warp
+            .as_ref()
+            .map_or(t, |time_warp| time_warp.at(t).0)
+    }
+
+    /// The time of the run at a time of the path.
+    pub(super) fn run_time(&self, s: f64) -> f64 {
+        self.time_warp
+            .as_ref()
+            .map_or(s, |time_warp| time_warp.time_of(s))
+    }
+
+    /// Another path, at its own pace.
+    pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
+        Self {
+            nodes,
+            ..self.without_time_warp()
+        }
+    }
+
     /// Samples in strictly increasing time, at most about 25 ms apart, from 0 to the end.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
@@ -192,7 +222,8 @@ impl Trajectory {
         self.source
     }
 
-    /// How close the poses of the file are passed; time scaling does not change it.
+    /// How close the poses of the file are passed, but for the departure of a path that was smoothed
+    /// afterwards ([`super::TimeScaling`]).
     pub fn closeness(&self) -> Closeness {
         self.closeness
     }

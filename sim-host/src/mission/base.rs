@@ -53,10 +53,29 @@ impl Default for BaseSpec {
     }
 }
 
-/// What a reference may use of speed and turn rate, of acceleration and torque, and of angular
-/// acceleration. The rest is for feedback: a lateral error is corrected by turning, whose demand
-/// reaches 0.7 of the angular acceleration (`docs/motion.md`), seldom where the path turns hardest.
-const SHARE: (f64, f64, f64) = (0.9, 0.75, 0.45);
+/// What a reference may use of the base's limits; the rest is for feedback.
+struct Shares {
+    /// Of speed and turn rate: what is behind catches up with the rest.
+    speed: f64,
+    /// Of acceleration and braking.
+    accel: f64,
+    /// Of the angular acceleration. A lateral error is corrected by turning, whose demand reaches
+    /// 0.7 of it (`docs/motion.md`), seldom where the path turns hardest: with 0.7 a 30 kg base that
+    /// starts 0.15 m beside a winding path no longer reaches it on the way.
+    turn_accel: f64,
+    /// Of the wheels' torque: as much as commands get.
+    torque: f64,
+    /// Of the rates of both accelerations: a tick's change of feedback has the rest.
+    jerk: f64,
+}
+
+const SHARE: Shares = Shares {
+    speed: 0.95,
+    accel: 0.85,
+    turn_accel: 0.6,
+    torque: 0.75,
+    jerk: 0.75,
+};
 
 impl BaseSpec {
     /// The controller's parameters.
@@ -83,18 +102,19 @@ impl BaseSpec {
 
     /// Limits for a reference, with room for feedback.
     pub fn reference_limits(&self) -> import::ReferenceLimits {
-        let (speed, push, turn) = SHARE;
         let (robot, limits) = (&self.robot, &self.limits);
         let wheels = &robot.wheels;
         import::ReferenceLimits {
-            max_speed: speed * limits.speed,
-            max_turn_rate: speed * limits.turn_rate,
-            max_accel: push * limits.accel,
-            max_decel: push * limits.brake,
-            max_angular_accel: turn * limits.turn_accel,
+            max_speed: SHARE.speed * limits.speed,
+            max_turn_rate: SHARE.speed * limits.turn_rate,
+            max_accel: SHARE.accel * limits.accel,
+            max_decel: SHARE.accel * limits.brake,
+            max_angular_accel: SHARE.turn_accel * limits.turn_accel,
             max_lateral: f64::INFINITY,
+            max_jerk: SHARE.jerk * limits.jerk,
+            max_angular_jerk: SHARE.jerk * limits.turn_jerk,
             drive: Some(import::DriveLimits {
-                wheel_torque: push * limits.wheel_torque_nm,
+                wheel_torque: SHARE.torque * limits.wheel_torque_nm,
                 // The larger wheel needs more torque for the same push.
                 wheel_radius: wheels.radius_right_m.max(wheels.radius_left_m),
                 track: wheels.track_m,

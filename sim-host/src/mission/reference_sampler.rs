@@ -14,6 +14,9 @@ pub(crate) enum AccelerationAt {
     MiddleOfHold,
 }
 
+/// Slower than this is rest \[m/s, rad/s\]: a route that is made of numbers ends with their rounding.
+const REST: f64 = 1e-6;
+
 /// The reference at each tick, and the way that it goes.
 pub(super) struct ReferenceSampler {
     /// Pose and twist of the tick, acceleration as the law takes it.
@@ -42,6 +45,9 @@ impl ReferenceSampler {
         let references: Vec<_> = match route {
             Route::File(file) => times
                 .map(|t| {
+                    // At the start the controller exerts nothing yet: an acceleration asked for then
+                    // fades in, and leaves it behind.
+                    let lead_s = if t > 0.0 { lead_s } else { 0.0 };
                     let (now, ahead) = (file.at(t), file.at(t + lead_s));
                     Reference::new_with::<Libm>(
                         Pose::new(now.x, now.y, now.theta),
@@ -86,7 +92,10 @@ impl ReferenceSampler {
     /// It comes to rest at its end: it is followed until then.
     pub(super) fn rests_at_end(&self) -> bool {
         let last = self.references.last();
-        last.is_some_and(|last| *last.twist() == Twist::default())
+        last.is_some_and(|last| {
+            let twist = last.twist();
+            twist.linear.abs() < REST && twist.angular.abs() < REST
+        })
     }
 
     /// Metres and radians still to go from a tick on.

@@ -37,6 +37,8 @@ pub(super) struct Closeness {
     /// Largest distance \[m\] and angle \[rad\].
     pub(super) position: f64,
     pub(super) heading: f64,
+    /// The larger of the two in tolerances; at most 1 if all poses are passed within theirs.
+    pub(super) excess: f64,
     /// The target where distance or angle, in tolerances, is largest.
     pub(super) worst: usize,
 }
@@ -70,12 +72,13 @@ const MOST: f64 = 1e14;
 /// Along and across together are a distance.
 const SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Fits; the closeness says whether the tolerance was reached. `None` for less than two knots, or
+/// Fits; `calm` weighs accelerations against jerk \[1/s²\]; the closeness says whether the tolerance was reached. `None` for less than two knots, or
 /// if no iterate was finite.
 pub(super) fn fit(
     targets: &[Target],
     rest: Rest,
     tolerance: [f64; 2],
+    calm: f64,
 ) -> Option<(Vec<Node>, Closeness)> {
     let knots = knots(targets);
     if knots.len() < 2 {
@@ -84,14 +87,18 @@ pub(super) fn fit(
     let box_size = [SIDE * tolerance[0], SIDE * tolerance[0], tolerance[1]];
     let pull = box_size.map(|b| FIRST_PULL / (b * b));
     let mut weights = Weights {
-        pose: vec![pull; targets.len()],
+        pose: targets
+            .iter()
+            .map(|target| pull.map(|p| p / target.room.powi(2)))
+            .collect(),
         jerk: vec![Jerk::new(1.0, ARM * ARM); knots.len()],
+        accel: calm * Jerk::new(1.0, ARM * ARM),
         rest: 1e10,
     };
     let ends = [0, targets.len() - 1];
     for end in ends {
         if let Some(weight) = weights.pose.get_mut(end) {
-            *weight = pull.map(|p| ENDS * p);
+            *weight = weight.map(|p| ENDS * p);
         }
     }
     let mut iterate = guess(&knots, targets);
@@ -106,7 +113,7 @@ pub(super) fn fit(
         iterate = next;
         let roughness = soften(&knots, &iterate, &mut weights.jerk);
         let (closeness, misses) = closeness(&nodes(&knots, &iterate), targets, box_size);
-        let excess = (closeness.position / tolerance[0]).max(closeness.heading / tolerance[1]);
+        let excess = closeness.excess;
         let candidate = Candidate {
             iterate: iterate.clone(),
             closeness,
@@ -194,6 +201,7 @@ fn closeness(nodes: &[Node], targets: &[Target], box_size: [f64; 3]) -> (Closene
     let mut found = Closeness {
         position: 0.0,
         heading: 0.0,
+        excess: 0.0,
         worst: 0,
     };
     let mut misses = Vec::with_capacity(targets.len());
@@ -210,10 +218,13 @@ fn closeness(nodes: &[Node], targets: &[Target], box_size: [f64; 3]) -> (Closene
         let heading = (z[2] - target.theta).abs();
         found.position = found.position.max(dx.hypot(dy));
         found.heading = found.heading.max(heading);
+        let room = box_size.map(|size| size * target.room);
+        let away = SIDE * dx.hypot(dy) / room[0];
+        found.excess = found.excess.max(away).max(heading / room[2]);
         let miss = [
-            (dx * cos + dy * sin).abs() / box_size[0],
-            (dy * cos - dx * sin).abs() / box_size[1],
-            heading / box_size[2],
+            (dx * cos + dy * sin).abs() / room[0],
+            (dy * cos - dx * sin).abs() / room[1],
+            heading / room[2],
         ];
         let here = miss.into_iter().fold(0.0, f64::max);
         if here > largest {
