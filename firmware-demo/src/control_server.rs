@@ -277,9 +277,14 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
             ends.telemetry
                 .offer(|| unasked(Telemetry::Tick(task.telemetry())));
         }
-        let takes = matches!(task.state(), State::Armed | State::Tracking | State::Parked);
+        let takes = match task.state() {
+            State::Armed | State::Parked => true,
+            // While it drives by velocity a trajectory would wait for nothing.
+            State::Tracking => task.follows(),
+            _ => false,
+        };
         // Tracking goes on with the trajectory that it was started with.
-        if task.state() != State::Tracking {
+        if task.state() != State::Tracking || !takes {
             self.word = task.changes() << 1 | u32::from(takes);
         }
         let shared = ends.shared;

@@ -290,7 +290,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// The time of a tick for a link with the host, before its [`tick`](Self::tick): [`Event::LinkLost`] when no frame has come
     /// for `DetectorParams::command`, looked at a tick ahead.
     ///
-    /// Where a link says whether the host is there, a base needs orders only while it follows references. Without a link this is
+    /// Where a link says whether the host is there, a base needs orders only while it follows references or drives by velocity. Without a link this is
     /// not called: then orders are the host's only sign, and [`Fault::CommandStale`] says in every state that they ceased.
     pub fn watch_link(&mut self, dt_us: u32) {
         let detectors = self.base.detectors.params();
