@@ -10,7 +10,7 @@ use super::report::BaseReport;
 use crate::error::{Input, StepFault};
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
-use crate::motion::Outcome;
+use crate::motion::{Mode, Outcome};
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode};
 use crate::scalar::Scalar;
@@ -161,7 +161,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     fn exerted_accel(&self) -> Accel<T> {
-        let wrench = self.base.motion.wheels().wrench(&self.exerted);
+        let mut wrench = self.base.motion.wheels().wrench(&self.exerted);
+        // What friction and slopes take of it accelerates nothing. Parking knows it otherwise: a wheel that stands has to be pushed.
+        if let Some(report) = self.driving.report()
+            && report.mode == Mode::Driving
+        {
+            wrench.force += report.disturbance.force;
+            wrench.moment += report.disturbance.moment;
+        }
         let robot = &self.base.motion.params().robot;
         Accel {
             linear: wrench.force / robot.mass_kg,

@@ -2,13 +2,14 @@
 
 use super::io::{DriveCommand, WheelAction};
 use super::locate::Located;
+use super::rolling::rolling;
 use crate::error::StepFault;
 use crate::maths::Maths;
-use crate::motion::{MotionController, MotionReport, Outcome, Task, ValidMotionParams};
+use crate::motion::{Mode, MotionController, MotionReport, Outcome, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques};
+use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques, WheelsRolling};
 
 /// What is driven, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub(super) struct Driving<T, M, U> {
     motion: Option<MotionController<T, M, U>>,
     /// Of a controlled stop, and the time since its begin \[s\].
     stop: Option<(StopPlan<T>, T)>,
+    /// While driving by velocity.
+    rolling: WheelsRolling,
 }
 
 /// What came of a tick.
@@ -43,6 +46,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         task: None,
         motion: None,
         stop: None,
+        rolling: WheelsRolling::NONE,
     };
 
     /// What the wheels are to do in `mode`. `speeds` are those of the wheels, as measured.
@@ -64,10 +68,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         match mode {
             OutputMode::Drive | OutputMode::Hold => match (self.task, &located.measured) {
                 (Some(task), Some(measured)) => {
-                    let report = self.step(motion, &task, measured, jumped, dt)?;
+                    let report = *self.step(motion, &task, measured, jumped, dt)?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
-                        action: drive(motion, report, speeds),
+                        action: self.drive(motion, &report, speeds),
                         at_goal: matches!(task, Task::Park(_)).then_some(at_goal),
                     })
                 }
@@ -76,8 +80,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             },
             OutputMode::ControlledStop => match &located.measured {
                 Some(measured) => {
-                    let report = self.brake_along_plan(motion, measured, jumped, dt)?;
-                    Ok(Driven::only(drive(motion, report, speeds)))
+                    let report = *self.brake_along_plan(motion, measured, jumped, dt)?;
+                    Ok(Driven::only(self.drive(motion, &report, speeds)))
                 }
                 None => Ok(self.without_torque()),
             },
@@ -172,17 +176,25 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             None => Ok(false),
         }
     }
-}
 
-/// Torques of a step, and what a motor driver needs with them.
-fn drive<T: Scalar>(
-    motion: &ValidMotionParams<T>,
-    report: &MotionReport<T>,
-    speeds: WheelSpeeds<T>,
-) -> WheelAction<T> {
-    WheelAction::Drive(DriveCommand {
-        torques: report.torques,
-        desired: motion.wheels().wheel_speeds(&report.command),
-        speeds,
-    })
+    /// Torques of a step, and what a motor driver needs with them.
+    fn drive(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        report: &MotionReport<T>,
+        speeds: WheelSpeeds<T>,
+    ) -> WheelAction<T> {
+        let desired = motion.wheels().wheel_speeds(&report.command);
+        self.rolling = if report.mode == Mode::Driving {
+            rolling(self.rolling, &desired, &speeds)
+        } else {
+            WheelsRolling::NONE
+        };
+        WheelAction::Drive(DriveCommand {
+            torques: report.torques,
+            desired,
+            speeds,
+            rolling: self.rolling,
+        })
+    }
 }

@@ -20,19 +20,21 @@ impl Motor<f32> {
         let Observed {
             speeds,
             desired,
+            rolling,
             supply_v,
         } = observed;
-        let command = |torque_nm, desired_speed_rad_s, speed_rad_s| {
+        let command = |torque_nm, desired_speed_rad_s, speed_rad_s, rolls| {
             let demand = WheelDemand {
                 torque_nm,
                 desired_speed_rad_s,
                 speed_rad_s,
+                rolls,
             };
             self.command(&demand, *supply_v)
         };
         WheelCommands {
-            right: command(torques.right, desired.right, speeds.right),
-            left: command(torques.left, desired.left, speeds.left),
+            right: command(torques.right, desired.right, speeds.right, rolling.right),
+            left: command(torques.left, desired.left, speeds.left, rolling.left),
         }
     }
 }
