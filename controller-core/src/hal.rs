@@ -7,7 +7,7 @@
 //! Wheels are stopped in two ways, and hardware that can distinguishes them: *released* they are free to coast, *braked*
 //! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].
 
-use crate::types::{WheelSpeeds, WheelTorques, WheelsRolling};
+use crate::types::{WheelSpeeds, WheelTorques};
 use core::fmt;
 
 /// An error of a driver, reduced to what a supervisor can act on.
@@ -75,8 +75,9 @@ pub struct Observed {
     pub speeds: WheelSpeeds<f32>,
     /// Commanded by the controller, for friction.
     pub desired: WheelSpeeds<f32>,
-    /// Wheels that roll, whose stiction is behind them.
-    pub rolling: WheelsRolling,
+    /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]; `None` where it has not: stiction
+    /// then goes by the measured speed.
+    pub beyond_coulomb: Option<WheelTorques<f32>>,
     /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
     /// supply, and reported: [`crate::motor::MotorCommand::limited`].
     pub supply_v: f32,
@@ -88,7 +89,7 @@ impl Default for Observed {
         Self {
             speeds: WheelSpeeds::default(),
             desired: WheelSpeeds::default(),
-            rolling: WheelsRolling::default(),
+            beyond_coulomb: None,
             supply_v: f32::NAN,
         }
     }

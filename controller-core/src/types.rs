@@ -81,24 +81,6 @@ pub struct WheelSpeeds<T = f32> {
 
 cast!(WheelSpeeds { right, left });
 
-/// Which wheels are known to roll.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct WheelsRolling {
-    /// Right wheel.
-    pub right: bool,
-    /// Left wheel.
-    pub left: bool,
-}
-
-impl WheelsRolling {
-    /// Neither, or nobody knows.
-    pub const NONE: Self = Self {
-        right: false,
-        left: false,
-    };
-}
-
 /// What the base knows of itself at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

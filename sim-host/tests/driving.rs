@@ -7,6 +7,16 @@ use sim_host::scenario::BASES;
 use driving_slow::{ORDERS, drive};
 
 #[test]
+fn trace() {
+    if std::env::var("TRACE").is_err() { return; }
+    let b: usize = std::env::var("B").unwrap().parse().unwrap();
+    let o: usize = std::env::var("O").unwrap().parse().unwrap();
+    let s: u64 = std::env::var("S").unwrap().parse().unwrap();
+    let base = BASES[b].base().expect("built in");
+    println!("{:?}", drive(&base, &ORDERS[o], s, 12.0));
+}
+
+#[test]
 fn study() {
     let seeds: u64 = std::env::var("SEEDS").map_or(8, |s| s.parse().unwrap());
     for base in BASES {

@@ -42,7 +42,7 @@ fn scaled(motor: &Motor<f64>, [torque, desired, speed]: [f64; 3]) -> WheelDemand
         torque_nm: torque * motor.max_torque_nm(),
         desired_speed_rad_s: desired * motor.no_load_speed_rad_s(),
         speed_rad_s: speed * motor.no_load_speed_rad_s(),
-        rolls: false,
+        beyond_coulomb_nm: None,
     }
 }
 

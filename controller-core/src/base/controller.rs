@@ -7,6 +7,7 @@ use super::locate::{Located, Locator};
 use super::orders;
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
+use super::wheel_friction::Turning;
 use crate::error::{Input, StepFault};
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
@@ -128,7 +129,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         });
         // Whether that can be believed, the supervisor knows from the active faults.
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, &located, &mut active_faults);
+        let action = self.act(dt, &located, sensed, &mut active_faults);
         self.exerted = action.torques().unwrap_or_default();
         self.report = BaseReport {
             action,
@@ -215,10 +216,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         &mut self,
         dt: T,
         located: &Located<T>,
+        sensed: &Sensed<T>,
         active_faults: &mut ActiveFaults,
     ) -> WheelAction<T> {
         let mode = self.supervisor.output();
-        match self.act_as(mode, dt, located) {
+        match self.act_as(mode, dt, located, sensed) {
             Ok(driven) => {
                 match driven.at_goal {
                     Some(true) => {
@@ -242,7 +244,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                     mode if mode.has_torque() => OutputMode::Release,
                     mode => mode,
                 };
-                let driven = self.act_as(mode, dt, located);
+                let driven = self.act_as(mode, dt, located, sensed);
                 driven.map_or(WheelAction::Release, |driven| driven.action)
             }
         }
@@ -253,10 +255,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         mode: OutputMode,
         dt: T,
         located: &Located<T>,
+        sensed: &Sensed<T>,
     ) -> Result<Driven<T>, StepFault> {
         let speeds = self.locator.wheel_speeds();
-        self.driving
-            .act(&self.base.motion, mode, located, speeds, dt)
+        let motion = &self.base.motion;
+        let turning = self.base.motor.as_ref().map(|motor| Turning {
+            friction: &motor.params().friction,
+            per_count: (T::PI + T::PI) / self.base.localisation.params().odometry.counts_per_turn,
+            counts: sensed.counts.ok(),
+            commanded: motion.wheels().wheel_speeds(&self.driving.command()),
+            torques: self.exerted,
+            dt,
+        });
+        self.driving.act(motion, mode, located, speeds, turning, dt)
     }
 
     /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or

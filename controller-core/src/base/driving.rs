@@ -2,14 +2,14 @@
 
 use super::io::{DriveCommand, WheelAction};
 use super::locate::Located;
-use super::rolling::rolling;
+use super::wheel_friction::{FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
-use crate::motion::{Mode, MotionController, MotionReport, Outcome, Task, ValidMotionParams};
+use crate::motion::{MotionController, MotionReport, Outcome, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques, WheelsRolling};
+use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques};
 
 /// What is driven, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub(super) struct Driving<T, M, U> {
     /// Of a controlled stop, and the time since its begin \[s\].
     stop: Option<(StopPlan<T>, T)>,
     /// While driving by velocity.
-    rolling: WheelsRolling,
+    friction: Option<FrictionWatch<T>>,
 }
 
 /// What came of a tick.
@@ -46,7 +46,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         task: None,
         motion: None,
         stop: None,
-        rolling: WheelsRolling::NONE,
+        friction: None,
     };
 
     /// What the wheels are to do in `mode`. `speeds` are those of the wheels, as measured.
@@ -59,8 +59,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         mode: OutputMode,
         located: &Located<T>,
         speeds: WheelSpeeds<T>,
+        turning: Option<Turning<'_, T>>,
         dt: T,
     ) -> Result<Driven<T>, StepFault> {
+        let beyond = self.beyond_coulomb(turning);
         if mode != OutputMode::ControlledStop {
             self.stop = None;
         }
@@ -71,7 +73,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
                     let report = *self.step(motion, &task, measured, jumped, dt)?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
-                        action: self.drive(motion, &report, speeds),
+                        action: drive(motion, &report, speeds, beyond),
                         at_goal: matches!(task, Task::Park(_)).then_some(at_goal),
                     })
                 }
@@ -81,7 +83,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             OutputMode::ControlledStop => match &located.measured {
                 Some(measured) => {
                     let report = *self.brake_along_plan(motion, measured, jumped, dt)?;
-                    Ok(Driven::only(self.drive(motion, &report, speeds)))
+                    Ok(Driven::only(drive(motion, &report, speeds, beyond)))
                 }
                 None => Ok(self.without_torque()),
             },
@@ -93,6 +95,20 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             OutputMode::Release => {
                 self.let_go();
                 Ok(Driven::only(WheelAction::Release))
+            }
+        }
+    }
+
+    /// What the wheels' friction is found to be beyond its Coulomb part, while the base drives by velocity and has motors.
+    fn beyond_coulomb(&mut self, turning: Option<Turning<'_, T>>) -> Option<WheelTorques<T>> {
+        match (self.task, turning) {
+            (Some(Task::Drive { .. }), Some(turning)) => {
+                let watch = self.friction.get_or_insert_default();
+                Some(watch.advance(&turning))
+            }
+            _ => {
+                self.friction = None;
+                None
             }
         }
     }
@@ -176,25 +192,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             None => Ok(false),
         }
     }
+}
 
-    /// Torques of a step, and what a motor driver needs with them.
-    fn drive(
-        &mut self,
-        motion: &ValidMotionParams<T>,
-        report: &MotionReport<T>,
-        speeds: WheelSpeeds<T>,
-    ) -> WheelAction<T> {
-        let desired = motion.wheels().wheel_speeds(&report.command);
-        self.rolling = if report.mode == Mode::Driving {
-            rolling(self.rolling, &desired, &speeds)
-        } else {
-            WheelsRolling::NONE
-        };
-        WheelAction::Drive(DriveCommand {
-            torques: report.torques,
-            desired,
-            speeds,
-            rolling: self.rolling,
-        })
-    }
+/// Torques of a step, and what a motor driver needs with them.
+fn drive<T: Scalar>(
+    motion: &ValidMotionParams<T>,
+    report: &MotionReport<T>,
+    speeds: WheelSpeeds<T>,
+    beyond_coulomb: Option<WheelTorques<T>>,
+) -> WheelAction<T> {
+    WheelAction::Drive(DriveCommand {
+        torques: report.torques,
+        desired: motion.wheels().wheel_speeds(&report.command),
+        speeds,
+        beyond_coulomb,
+    })
 }

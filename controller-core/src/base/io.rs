@@ -4,7 +4,7 @@ use crate::hal::{ErrorKind, WheelCounts};
 use crate::localiser::Fix;
 use crate::reference::Reference;
 use crate::safety::Currents;
-use crate::types::{Pose, Twist, WheelSpeeds, WheelTorques, WheelsRolling};
+use crate::types::{Pose, Twist, WheelSpeeds, WheelTorques};
 
 /// What the host, or a trajectory in flash, wants of this tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,6 +87,6 @@ pub struct DriveCommand<T = f32> {
     pub desired: WheelSpeeds<T>,
     /// Speeds that are measured, for the back-EMF \[rad/s\].
     pub speeds: WheelSpeeds<T>,
-    /// Wheels that roll, whose stiction is behind them. Only while driving by velocity.
-    pub rolling: WheelsRolling,
+    /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]. Only while driving by velocity.
+    pub beyond_coulomb: Option<WheelTorques<T>>,
 }

@@ -25,7 +25,7 @@ mod locate;
 mod orders;
 mod params;
 mod report;
-mod rolling;
+mod wheel_friction;
 
 pub use controller::{BaseController, REMEMBERED};
 pub use io::{DriveCommand, Order, Sensed, WheelAction};
