@@ -90,9 +90,9 @@ pub fn drive(base: &BaseSpec, order: &Twist<f64>, seed: u64, longest_s: f64) -> 
         let report = closed.tick(&asked).expect("no mirror");
         if std::env::var("TRACE").is_ok() && t < 8.0 {
             let r = *report; let m = r.motion.unwrap_or_default(); let d = match r.action { controller_core::base::WheelAction::Drive(d) => d, _ => Default::default() };
-            let tr = closed.world().truth().twist;
+            let tr = closed.world().truth().twist; let tr = Twist::new(tr.linear, if turns {tr.angular} else {tr.linear}); let mm = r.measured.unwrap_or_default().twist; let mw = if turns {mm.angular} else {mm.linear};
             let c = closed.world().counts().unwrap();
-            println!("{t:.3} true {:.4} meas {:.4} cmd {:.4} d {:.4} M {:.4} tr {:.4} tl {:.4} wr {:.3} wl {:.3} bey {:.4} {:.4} c {} {} lim {}", tr.angular, r.measured.unwrap_or_default().twist.angular, m.command.angular, m.disturbance.moment, m.wrench.moment, m.torques.right, m.torques.left, d.speeds.right, d.speeds.left, d.beyond_coulomb.unwrap_or_default().right, d.beyond_coulomb.unwrap_or_default().left, c.right, c.left, m.limited.disturbance);
+            println!("{t:.3} true {:.4} meas {:.4} cmd {:.4} d {:.4} M {:.4} tr {:.4} tl {:.4} wr {:.3} wl {:.3} bey {:.4} {:.4} c {} {} lim {}", tr.angular, mw, m.command.linear, m.disturbance.moment, m.wrench.moment, m.torques.right, m.torques.left, d.speeds.right, d.speeds.left, d.beyond_coulomb.unwrap_or_default().right, d.beyond_coulomb.unwrap_or_default().left, c.right, c.left, m.limited.disturbance);
         }
         let report = closed.report();
         let believed = report.measured.map_or(0.0, |measured| of(&measured.twist.cast()));

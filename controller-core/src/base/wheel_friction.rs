@@ -31,8 +31,10 @@ pub(super) struct FrictionWatch<T> {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Wheel<T> {
-    /// Compensated beyond the Coulomb friction of the parameters, in the sense of the command \[N m\].
-    beyond: T,
+    /// Compensated beyond the Coulomb friction of the parameters while it rolls, in the sense of the command \[N m\].
+    rolling: T,
+    /// On top, since it came to a halt.
+    gathered: T,
     /// Time since the last count that way \[s\].
     silent_s: T,
     commanded: T,
@@ -68,8 +70,8 @@ impl<T: Scalar> FrictionWatch<T> {
         self.left
             .advance(now, moved.1, commanded.left, torques.left);
         WheelTorques {
-            right: self.right.beyond,
-            left: self.left.beyond,
+            right: self.right.rolling + self.right.gathered,
+            left: self.left.rolling + self.left.gathered,
         }
     }
 }
@@ -89,8 +91,14 @@ impl<T: Scalar> Wheel<T> {
         if moved != 0 && (moved > 0) == forward {
             if self.halted {
                 let torque = if forward { torque } else { -torque };
-                let broke = friction.coulomb_nm + self.beyond + torque;
-                self.beyond = f(SLIDING) * broke - torque - friction.coulomb_nm;
+                let known = friction.coulomb_nm + torque;
+                let broke = known + self.rolling + self.gathered;
+                let left = f(SLIDING) * broke - known;
+                // A wheel that was only slow says nothing new. What is too much the disturbance estimate takes back.
+                if left > self.rolling {
+                    self.rolling = left;
+                }
+                self.gathered = T::ZERO;
             }
             self.silent_s = T::ZERO;
             self.halted = false;
@@ -100,9 +108,9 @@ impl<T: Scalar> Wheel<T> {
         let patience = f(OVERDUE) * now.per_count / commanded.abs() + now.dt;
         if self.silent_s > patience {
             self.halted = true;
-            let more = self.beyond + friction.stiction_nm * now.dt / f(RISE_S);
-            let most = f(MOST) * friction.stiction_nm;
-            self.beyond = if more < most { more } else { most };
+            let more = self.gathered + friction.stiction_nm * now.dt / f(RISE_S);
+            let most = f(MOST) * friction.stiction_nm - self.rolling;
+            self.gathered = if more < most { more } else { most };
         }
     }
 }
