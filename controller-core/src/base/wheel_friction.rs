@@ -114,3 +114,90 @@ impl<T: Scalar> Wheel<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{FrictionWatch, Turning};
+    use crate::hal::WheelCounts;
+    use crate::motor::WheelFriction;
+    use crate::types::{WheelSpeeds, WheelTorques};
+
+    const FRICTION: WheelFriction<f64> = WheelFriction {
+        coulomb_nm: 0.04,
+        stiction_nm: 0.04,
+        viscous_nm_s: 0.0,
+        blend_rad_s: 0.02,
+    };
+    const PER_COUNT: f64 = 0.003;
+
+    /// A tick of 5 ms with both wheels alike.
+    fn tick(watch: &mut FrictionWatch<f64>, counts: i32, commanded: f64, torque: f64) -> f64 {
+        let both = |value| (value, value);
+        let (right, left) = both(commanded);
+        let turning = Turning {
+            friction: &FRICTION,
+            per_count: PER_COUNT,
+            counts: Some(WheelCounts {
+                right: counts,
+                left: counts,
+            }),
+            commanded: WheelSpeeds { right, left },
+            torques: WheelTorques {
+                right: torque,
+                left: torque,
+            },
+            dt: 0.005,
+        };
+        let found = watch.advance(&turning);
+        assert_eq!(found.right, found.left);
+        found.right
+    }
+
+    /// 0.1 rad/s are a count in 30 ms: after 75 ms without one the compensation rises, by a stiction in 0.1 s, to one and a half.
+    #[test]
+    fn a_wheel_that_stands_is_pushed_more_and_more() {
+        for way in [1.0, -1.0] {
+            let mut watch = FrictionWatch::default();
+            let rise: [f64; 100] = core::array::from_fn(|_| tick(&mut watch, 0, 0.1 * way, 0.0));
+            assert!(rise[..16].iter().all(|beyond| *beyond == 0.0));
+            assert!((rise[37] - rise[17] - 0.04).abs() < 1e-12, "{rise:?}");
+            assert!((rise[99] - 0.06).abs() < 1e-12);
+            // Told to stand it is not pushed; what was found stays.
+            assert!((tick(&mut watch, 0, 0.0, 0.0) - 0.06).abs() < 1e-12);
+        }
+    }
+
+    /// Loose at 0.04 + 0.04 N m, of which the law gave 0.004: two thirds are left.
+    #[test]
+    fn what_broke_it_loose_tells_its_friction() {
+        let mut watch = FrictionWatch::default();
+        let mut beyond = 0.0;
+        while beyond < 0.0359 {
+            beyond = tick(&mut watch, 0, 0.1, 0.004);
+        }
+        let known = 0.04 + 0.004;
+        let rolling = 2.0 / 3.0 * (known + beyond) - known;
+        assert!((tick(&mut watch, 1, 0.1, 0.004) - rolling).abs() < 1e-12);
+        // A count in every 30 ms: it rolls, and nothing more is added.
+        for number in 0..120 {
+            let found = tick(&mut watch, 2 + number / 6, 0.1, 0.004);
+            assert!((found - rolling).abs() < 1e-12);
+        }
+        // Slow for a while, and no more friction than before.
+        for _ in 0..18 {
+            tick(&mut watch, 21, 0.1, 0.004);
+        }
+        assert!((tick(&mut watch, 22, 0.1, 0.004) - rolling).abs() < 1e-12);
+    }
+
+    /// Counts of a wheel that is pushed back are none of its way.
+    #[test]
+    fn counts_the_other_way_do_not_free_it() {
+        let mut watch = FrictionWatch::default();
+        let mut last = 0.0;
+        for number in 0..60 {
+            last = tick(&mut watch, -number, 0.1, 0.0);
+        }
+        assert!(last > 0.03, "{last}");
+    }
+}
