@@ -132,6 +132,7 @@ fn slow_orders_are_held_on_bad_floors() {
     let number = |name: &str| std::env::var(name).ok()?.parse::<u64>().ok();
     let first = number("DRIVING_SEED").unwrap_or(FIRST_SEED);
     let seeds = number("DRIVING_SEEDS").unwrap_or(SEEDS);
+    let mut failed = Vec::new();
     for base in BASES {
         let base = base.base().expect("a base that is built in");
         for order in ORDERS {
@@ -152,12 +153,20 @@ fn slow_orders_are_held_on_bad_floors() {
                 100.0 * worst(|slow| slow.rms),
                 worst(|slow| slow.stood_s),
             );
-            for (run, slow) in runs.iter().zip(&results) {
-                let what = format!("{} {order:?} {run:?}: {slow:?}", base.name);
-                assert!(slow.drives, "{what}");
-                assert!(slow.rms <= 0.1, "{what}");
-                assert!(slow.stood_s <= 0.1, "{what}");
+            for ((condition, seed), slow) in runs.iter().zip(&results) {
+                if !slow.drives || slow.rms > 0.1 || slow.stood_s > 0.1 {
+                    let name = condition.name();
+                    failed.push(format!(
+                        "{} {order:?}, {name}, seed {seed}: {slow:?}",
+                        base.name
+                    ));
+                }
             }
         }
     }
+    assert!(
+        failed.is_empty(),
+        "{} runs failed: {failed:#?}",
+        failed.len()
+    );
 }

@@ -32,6 +32,9 @@ pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
     }
 }
 
+/// A robot that is ordered to stand does so below this speed and turn rate \[m/s, rad/s\].
+const STILL: f64 = 0.01;
+
 /// What driving by velocity remembers: the heading that it holds. Everything else is in the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct DriveLaw<T> {
@@ -85,7 +88,7 @@ impl<T: Scalar> DriveLaw<T> {
     /// A a/e at most, so that the jerk limit j makes no command overshoot its order.
     ///
     /// The heading that is held is the integral of w_s. Its error is bounded to a quarter of a turn, where the sine is largest. A
-    /// robot that is ordered to stand holds none: noise of the pose would turn it.
+    /// robot that is ordered to stand holds it until it does, and none at rest: noise of the pose would turn it.
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
@@ -117,7 +120,9 @@ impl<T: Scalar> DriveLaw<T> {
             decay(limits.turn_jerk, limits.turn_accel),
             now.dt,
         );
-        *self = if now.hold_heading && order != Twist::default() {
+        let still = T::from_f64(STILL);
+        let moves = order != Twist::default() || linear.abs() > still || angular.abs() > still;
+        *self = if now.hold_heading && moves {
             let error = if self.held.is_some() {
                 clamp(now.error, T::FRAC_PI_2)
             } else {

@@ -99,8 +99,11 @@ pub fn teleoperate(
         }
     }
     line.send(&Command::Stop)?;
-    // Its answer, and the news of its state.
-    line.pass(5 * ORDER_PERIOD, &mut monitor)?;
+    for _ in 0..LAST_ORDERS {
+        if !line.pass(ORDER_PERIOD, &mut monitor)? || is_over(&monitor) {
+            break;
+        }
+    }
     show(&monitor, stick);
     Ok(monitor)
 }
@@ -112,10 +115,15 @@ fn order(line: &mut impl Line, stick: &Stick, monitor: &mut Monitor) -> Result<b
 
 /// The base stands, or is not driving any more.
 fn rests(monitor: &Monitor) -> bool {
-    let latest = monitor.latest();
-    let slow = latest
+    let slow = monitor
+        .latest()
         .report
         .is_some_and(|report| report.v.abs() < RESTS.0 && report.w.abs() < RESTS.1);
+    slow || is_over(monitor)
+}
+
+/// The base has said that it is stopped, or something like it.
+fn is_over(monitor: &Monitor) -> bool {
     let over = |(state, _)| matches!(state, State::Idle | State::Stopped | State::Fault);
-    slow || latest.state.is_some_and(over)
+    monitor.latest().state.is_some_and(over)
 }
