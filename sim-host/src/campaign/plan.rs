@@ -1,7 +1,7 @@
 //! A run, drawn from its seed.
 
 use super::fault_injection::{FaultInjection, FaultInjectionKind};
-use super::path::Path;
+use super::path::{Path, VelocityOrders};
 use super::random::Random;
 use crate::mission::BaseSpec;
 use crate::scenario::{BASES, ScenarioError};
@@ -114,6 +114,8 @@ pub struct Plan {
     /// On a line in trouble: the host stops the base so long after the trouble began \[s\], by the button if so.
     pub(super) stop: Option<(f64, bool)>,
     pub(super) path: Path,
+    /// The host drives by velocity instead of sending a trajectory.
+    pub(super) orders: Option<VelocityOrders>,
     pub(super) goal: Pose<f64>,
     /// The true plant.
     pub setup: WorldSetup,
@@ -214,6 +216,9 @@ impl Plan {
                 world: world(base, random),
                 seed: random.word(),
             },
+            orders: random
+                .chance(0.5)
+                .then(|| VelocityOrders::draw(limits, random)),
         }
     }
 }

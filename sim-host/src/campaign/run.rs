@@ -264,7 +264,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
                 && self.host.intent == Intent::Follow
                 && after > self.plan.follow_s.1
             {
-                self.host.park_ahead(self.t);
+                self.host.park_ahead(self.t, &self.board);
             }
             let stops = matches!(self.state(), State::Stopping(_) | State::Braking(_));
             if stops && stopping_since.is_none() {
