@@ -71,16 +71,17 @@ pub(super) struct VelocityOrders {
 }
 
 impl VelocityOrders {
-    /// Drawn for a base: steps in 0.1 to 1.5 s, up to its limits, and for some beyond them.
-    pub(super) fn draw(limits: &Limits<f64>, random: &mut Random) -> Self {
+    /// Drawn for a base: steps in 0.1 to 1.5 s, up to its limits, and for some beyond them. What is to be stopped on its way has to
+    /// come to some speed: `fast`.
+    pub(super) fn draw(limits: &Limits<f64>, fast: bool, random: &mut Random) -> Self {
         let share = if random.chance(0.2) {
             2.0
         } else {
-            random.between(0.1, 0.8)
+            random.between(if fast { 0.5 } else { 0.1 }, 0.8)
         };
         Self {
             seed: random.word(),
-            lasts_s: random.between(0.1, 1.5),
+            lasts_s: random.between(if fast { 1.0 } else { 0.1 }, 1.5),
             most: (share * limits.speed, share * limits.turn_rate),
             hold_heading: random.chance(0.5),
         }

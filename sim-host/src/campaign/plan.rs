@@ -81,6 +81,11 @@ impl Target {
         }
     }
 
+    /// It is a stop on the way.
+    pub(super) const fn is_a_stop(self) -> bool {
+        matches!(self, Self::Stopping | Self::Braking)
+    }
+
     /// Nothing moves and nothing is asked to.
     pub(super) const fn waits(self) -> bool {
         matches!(self, Self::Idle | Self::Armed | Self::Stopped | Self::Fault)
@@ -218,7 +223,7 @@ impl Plan {
             },
             orders: random
                 .chance(0.5)
-                .then(|| VelocityOrders::draw(limits, random)),
+                .then(|| VelocityOrders::draw(limits, target.is_a_stop(), random)),
         }
     }
 }

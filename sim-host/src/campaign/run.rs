@@ -196,7 +196,8 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         }
         let mut stopped = false;
         while Target::of(self.state()) != target {
-            if self.host.followed_s(self.t) > self.plan.follow_s.0 && !stopped {
+            let due = self.host.followed_s(self.t) > self.plan.follow_s.0;
+            if due && !stopped && self.host.has_it_drive(&self.board) {
                 stopped = true;
                 match target {
                     Target::Stopping | Target::Stopped => self.host.stop(Command::Stop),

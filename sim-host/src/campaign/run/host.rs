@@ -154,6 +154,13 @@ impl<'a> HostOfRun<'a> {
         ));
     }
 
+    /// The base is fast enough for a stop that does not end at once: as the slowest trajectory is. Velocity orders may be to stand.
+    pub(super) fn has_it_drive(&self, board: &Board<'_>) -> bool {
+        let speed = board.world().truth().twist.linear.abs();
+        let any = self.plan.orders.is_none() || !self.plan.target.is_a_stop();
+        any || speed > 0.3 * self.limit_speed
+    }
+
     /// For how long a trajectory has been under way \[s\].
     pub(super) fn followed_s(&self, t: f64) -> f64 {
         let since = self.host.followed_since();
