@@ -207,7 +207,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             limited
         };
         limited.disturbance = bounded;
-        limited.speed |= task.is_beyond(&motion.params().limits);
+        limited.speed |= task.is_beyond(motion);
         state.task = *task;
         state.declared = false;
         let pushing = Pushing {

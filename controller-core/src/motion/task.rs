@@ -1,7 +1,7 @@
 //! What the robot is to do.
 
-use super::drive::check_order;
-use super::limits::Limits;
+use super::drive::{check_order, within_limits};
+use super::params::ValidMotionParams;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::reference::Reference;
@@ -65,11 +65,9 @@ impl<T: Scalar> Task<T> {
     }
 
     /// An order beyond the limits, which is driven at the limits.
-    pub(crate) fn is_beyond(&self, limits: &Limits<T>) -> bool {
+    pub(crate) fn is_beyond(&self, motion: &ValidMotionParams<T>) -> bool {
         match self {
-            Self::Drive { twist, .. } => {
-                twist.linear.abs() > limits.speed || twist.angular.abs() > limits.turn_rate
-            }
+            Self::Drive { twist, .. } => within_limits(motion, twist) != *twist,
             Self::Follow(_) | Self::Park(_) => false,
         }
     }
