@@ -1,6 +1,6 @@
 //! Where keys come from.
 
-use std::io::{self, Read};
+use std::io::{self, BufRead};
 
 /// What a source of keys has at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +32,8 @@ pub struct Script<R> {
     waits: u8,
 }
 
-impl<R: Read> Script<R> {
-    /// Of a reader, buffered or short.
+impl<R: BufRead> Script<R> {
+    /// Of a reader.
     pub fn new(reader: R) -> Self {
         Self {
             bytes: reader.bytes(),
@@ -42,7 +42,7 @@ impl<R: Read> Script<R> {
     }
 }
 
-impl<R: Read> KeySource for Script<R> {
+impl<R: BufRead> KeySource for Script<R> {
     fn next(&mut self) -> io::Result<Input> {
         if self.waits > 0 {
             self.waits -= 1;
