@@ -62,6 +62,8 @@ pub enum Input {
     Accel,
     /// The wheel torques that were really exerted.
     Applied,
+    /// The speed and turn rate that are ordered.
+    Order,
 }
 
 /// A tick, or a start, that was refused. The controller's state is what it was before the call;
@@ -83,6 +85,8 @@ pub enum StepFault {
     WrongPhase,
     /// Finite inputs so large that a torque came out infinite or NaN.
     Overflow,
+    /// An input is finite and beyond what any base can do.
+    OutOfRange(Input),
 }
 
 impl fmt::Display for StepFault {
@@ -95,6 +99,7 @@ impl fmt::Display for StepFault {
             }
             Self::WrongPhase => f.write_str("the demand does not fit the phase"),
             Self::Overflow => f.write_str("the inputs are too large for a finite torque"),
+            Self::OutOfRange(input) => write!(f, "{input:?} is out of its range"),
         }
     }
 }

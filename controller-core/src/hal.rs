@@ -75,6 +75,9 @@ pub struct Observed {
     pub speeds: WheelSpeeds<f32>,
     /// Commanded by the controller, for friction.
     pub desired: WheelSpeeds<f32>,
+    /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]; `None` where it has not: stiction
+    /// then goes by the measured speed.
+    pub beyond_coulomb: Option<WheelTorques<f32>>,
     /// Measured at the bridges \[V\]; NaN where nothing measures it. What is not believable is replaced by the nominal
     /// supply, and reported: [`crate::motor::MotorCommand::limited`].
     pub supply_v: f32,
@@ -86,6 +89,7 @@ impl Default for Observed {
         Self {
             speeds: WheelSpeeds::default(),
             desired: WheelSpeeds::default(),
+            beyond_coulomb: None,
             supply_v: f32::NAN,
         }
     }

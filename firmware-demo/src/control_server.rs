@@ -3,13 +3,14 @@
 //!
 //! ```text
 //! bytes -> CommandReceiver --requests--> ControlServer::tick -> wheels
+//!             |   --velocity orders--> |
 //!             |      ----stops---> |
 //!             |      --samples---> (control task)
 //!             v                        |
 //! bytes <- answers <----telemetry------+
 //! ```
 //!
-//! All three queues are bounded and lock-free, so neither side ever waits for the other. A full queue of requests refuses
+//! All queues are bounded and lock-free, so neither side ever waits for the other. A full queue of requests refuses
 //! them with [`RejectReason::Full`].
 //!
 //! # Stops
@@ -41,7 +42,7 @@ use crate::control::ControlTask;
 use crate::queue::{self, Receiver};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::TelemetryQueue;
-use protocol::{Command, Frame, Origin, RejectReason, Telemetry};
+use protocol::{Command, Frame, Origin, RejectReason, Telemetry, WireTwist};
 
 mod command_receiver;
 mod stops;
@@ -54,6 +55,8 @@ pub use command_receiver::CommandReceiver;
 pub const SAMPLES: usize = 64;
 /// Slots for commands under way to the tick.
 pub const REQUESTS: usize = 8;
+/// Slots for velocity orders under way to the tick: a queue of their own, so that other commands, however many, make none stale.
+pub const ORDERS: usize = 4;
 /// Slots for telemetry under way to the line.
 pub const REPORTS: usize = 16;
 
@@ -61,6 +64,29 @@ pub const REPORTS: usize = 16;
 struct Request {
     number: u32,
     frame: Frame<Command>,
+}
+
+/// A velocity order, and its place among all that is on its way to the tick.
+struct VelocityOrder {
+    number: u32,
+    sequence: u16,
+    twist: WireTwist,
+    hold_heading: bool,
+}
+
+impl From<VelocityOrder> for Request {
+    fn from(order: VelocityOrder) -> Self {
+        Self {
+            number: order.number,
+            frame: Frame {
+                sequence: order.sequence,
+                message: Command::Drive {
+                    twist: order.twist,
+                    hold_heading: order.hold_heading,
+                },
+            },
+        }
+    }
 }
 
 type Answer = Frame<Telemetry>;
@@ -86,6 +112,7 @@ struct Shared {
 pub struct Queues {
     samples: ReferenceQueue<f32, SAMPLES>,
     requests: Queue<Request, REQUESTS>,
+    orders: Queue<VelocityOrder, ORDERS>,
     answers: Queue<Answer, REPORTS>,
     shared: Shared,
 }
@@ -93,6 +120,9 @@ pub struct Queues {
 /// Ends of the queues for the tick.
 pub struct TickEnds<'queue> {
     requests: Receiver<'queue, Request, REQUESTS>,
+    orders: Receiver<'queue, VelocityOrder, ORDERS>,
+    /// The first of each queue, which waits for the other's.
+    next: (Option<Request>, Option<VelocityOrder>),
     telemetry: TelemetryQueue<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
 }
@@ -110,15 +140,40 @@ impl Queues {
     ) {
         let (producer, consumer) = self.samples.split();
         let (sender, requests) = queue::split(&mut self.requests);
+        let (order_sender, orders) = queue::split(&mut self.orders);
         let (telemetry, answers) = TelemetryQueue::split(&mut self.answers, decimate);
         let shared = &self.shared;
-        let receiver = CommandReceiver::new(producer, sender, answers, shared);
+        let receiver = CommandReceiver::new(producer, sender, order_sender, answers, shared);
         let ends = TickEnds {
             requests,
+            orders,
+            next: (None, None),
             telemetry,
             shared,
         };
         (consumer, ends, receiver)
+    }
+}
+
+impl TickEnds<'_> {
+    /// The next command or velocity order, in the sequence in which they came.
+    fn receive(&mut self) -> Option<Request> {
+        let (request, order) = &mut self.next;
+        if request.is_none() {
+            *request = self.requests.receive();
+        }
+        if order.is_none() {
+            *order = self.orders.receive();
+        }
+        let order_first = match (&*request, &*order) {
+            (Some(request), Some(order)) => stops::is_before(order.number, request.number),
+            (request, _) => request.is_none(),
+        };
+        if order_first {
+            order.take().map(Request::from)
+        } else {
+            request.take()
+        }
     }
 }
 
@@ -188,9 +243,9 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
         }
         let mut stops = self.stops.news(&self.ends.shared.stops);
         // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
-        // queue by then, which holds one less than there are rounds: the stop is obeyed within them.
-        for _ in 0..REQUESTS {
-            let request = self.ends.requests.receive();
+        // queues by then, which hold less than there are rounds: the stop is obeyed within them.
+        for _ in 0..REQUESTS + ORDERS {
+            let request = self.ends.receive();
             let number = request.as_ref().map(|request| request.number);
             while let Some(stop) = stops.next_before(number) {
                 // Nothing refuses a stop.
@@ -277,9 +332,14 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
             ends.telemetry
                 .offer(|| unasked(Telemetry::Tick(task.telemetry())));
         }
-        let takes = matches!(task.state(), State::Armed | State::Tracking | State::Parked);
+        let takes = match task.state() {
+            State::Armed | State::Parked => true,
+            // While it drives by velocity a trajectory would wait for nothing.
+            State::Tracking => task.follows(),
+            _ => false,
+        };
         // Tracking goes on with the trajectory that it was started with.
-        if task.state() != State::Tracking {
+        if task.state() != State::Tracking || !takes {
             self.word = task.changes() << 1 | u32::from(takes);
         }
         let shared = ends.shared;

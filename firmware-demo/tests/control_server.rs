@@ -15,7 +15,7 @@ use firmware_demo::storage::{RamFlash, Slots};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::{
-    Command, Frame, MAX_FRAME, Telemetry, TimedSample, WirePose, WireReference, encode,
+    Command, Frame, MAX_FRAME, Telemetry, TimedSample, WirePose, WireReference, WireTwist, encode,
 };
 
 const LIMIT: f32 = 3.0;
@@ -74,6 +74,10 @@ fn command() -> impl Strategy<Value = Command> {
         }),
         (real(), real(), real()).prop_map(|(x, y, theta)| Command::Park {
             goal: WirePose { x, y, theta },
+        }),
+        (real(), real(), any::<bool>()).prop_map(|(v, w, hold_heading)| Command::Drive {
+            twist: WireTwist { v, w },
+            hold_heading,
         }),
         (0_u8..20, real(), real()).prop_map(|(t, x, v)| {
             let mut reference = WireReference::default();

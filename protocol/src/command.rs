@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::values::real;
-use super::{FieldParams, TimedSample, WirePose};
+use super::{FieldParams, TimedSample, WirePose, WireTwist};
 
 /// A message to the robot.
 // The receiver keeps one of these by value and moves it once; a box would need an allocator.
@@ -54,4 +54,12 @@ pub enum Command {
     GetParameters,
     /// Send the counters.
     GetCounters,
+    /// Drive with a speed and a turn rate until the next one, which is due within the timeout `command`: then the base stops as
+    /// its policy says. A base that parks or is parked takes it as well; it has to be armed.
+    Drive {
+        /// Ordered; beyond the limits of the base it drives at its limits.
+        twist: WireTwist,
+        /// Keep the heading that the turn rates lead to.
+        hold_heading: bool,
+    },
 }

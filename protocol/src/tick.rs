@@ -23,7 +23,7 @@ pub mod tick_flags {
     pub const BACKING: u16 = 1 << 6;
     /// The encoders gave nothing; the pose is extrapolated.
     pub const BLIND: u16 = 1 << 7;
-    /// The law is parking, else following.
+    /// The law is parking; without this and `DRIVING` it is following.
     pub const PARKING: u16 = 1 << 8;
     /// A law is at work: its terms mean something.
     pub const LAW: u16 = 1 << 9;
@@ -31,6 +31,8 @@ pub mod tick_flags {
     pub const FIX_USED: u16 = 1 << 10;
     /// An external pose was an outlier, or no use.
     pub const FIX_REFUSED: u16 = 1 << 11;
+    /// The law drives by velocity.
+    pub const DRIVING: u16 = 1 << 12;
 }
 
 /// The output to the wheels.

@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
-pub use board::{Chip, LawArg, Link, MonitorArgs};
+pub use board::{Chip, LawArg, Link, MonitorArgs, TeleopArgs};
 pub use identify::IdentifyArgs;
 
 const EXAMPLES: &str = "\
@@ -29,6 +29,7 @@ Examples:
   sim-host tune robot.toml                  gains for your own robot, searched on bad floors
   sim-host verify robot.toml                whether it does its courses there
   sim-host constants robot.toml             the same robot as constants for a firmware
+  sim-host teleop --base robot.toml         drive it by the keyboard, simulated or with --port
   sim-host monitor /dev/ttyACM0             live numbers of a real board
   sim-host identify drive.csv               mass, lengths, friction, motors of a real robot";
 
@@ -213,6 +214,18 @@ Examples:
 Examples:
   sim-host constants mine.toml --out firmware/src")]
     Constants(ConstantsArgs),
+    /// Drive a base by the keyboard, in a simulated world or over a serial port
+    ///
+    /// Speed and turn rate in steps of a tenth; orders go out 25 times a second, and a base that gets none any more
+    /// stops by itself. Ends with q. Without --port the firmware drives in a world drawn for the base, a bad floor
+    /// as of `verify`, in real time. If standard input is no terminal it is a script of keys, in which a dot lets
+    /// 0.2 s pass; a simulated base then runs as fast as it can.
+    #[command(after_help = "\
+Examples:
+  sim-host teleop --base lab-10kg
+  sim-host teleop --port /dev/ttyACM0 --base robot.toml --speed 0.3
+  printf 'wwww.......... q' | sim-host teleop --hold-heading")]
+    Teleop(TeleopArgs),
     /// Show and log what a board sends over its serial port
     ///
     /// Only listens, unless it is to poll. Ends with the line, after --seconds, or with Ctrl-C.

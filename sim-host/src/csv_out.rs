@@ -203,6 +203,7 @@ fn mode(line: &Line<'_>, moving: &'static str) -> &'static str {
     match line.row.report.mode {
         Mode::Following => moving,
         Mode::Parking => "parking",
+        Mode::Driving => "driving",
     }
 }
 

@@ -51,6 +51,7 @@ pub mod robustness;
 pub mod run;
 pub mod scenario;
 pub mod table;
+pub mod teleop;
 pub mod trace;
 pub mod trials;
 pub mod tune;

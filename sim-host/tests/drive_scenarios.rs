@@ -159,6 +159,21 @@ fn what_is_wrong_is_named_with_its_line() {
         ),
         (
             "x = 1\n",
+            "x = 1\n[[event]]\nat = 1\ndrive = { v = 101 }\n",
+            "event",
+        ),
+        (
+            "x = 1\n",
+            "x = 1\n[[event]]\nat = 1\nfollow = true\ndrive = { v = 0.1 }\n",
+            "event",
+        ),
+        (
+            "x = 1\n",
+            "x = 1\n[[event]]\nat = 1\ndrive = { w = inf }\n",
+            "event",
+        ),
+        (
+            "x = 1\n",
             "x = 1\n[plant]\nmass_factor = 0\n",
             "plant.mass_factor",
         ),

@@ -87,6 +87,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Drive<T, M, U> {
         let goal = match order {
             Task::Follow(reference) => *reference.pose(),
             Task::Park(goal) => *goal,
+            // Where it is is where it should be.
+            Task::Drive { .. } => self.body.pose,
         };
         pose_error::<f64, Libm>(&goal, &self.body.pose)
     }
@@ -104,6 +106,7 @@ fn convert<T: Scalar, M: Maths<T>>(order: &Order) -> Task<T> {
                 Accel::new(f(accel.linear), f(accel.angular)),
             ))
         }
+        Task::Drive { .. } => order.cast_with::<T, M>(),
     }
 }
 
@@ -126,6 +129,7 @@ pub fn goal(order: &Order) -> Pose<f64> {
     match order {
         Task::Follow(reference) => *reference.pose(),
         Task::Park(goal) => *goal,
+        Task::Drive { .. } => panic!("a velocity order has no pose"),
     }
 }
 

@@ -81,6 +81,7 @@ impl Rig {
         supervisor.on(Event::Arm);
         supervisor.on(match order {
             Task::Follow(_) => Event::Track,
+            Task::Drive { .. } => Event::Drive,
             Task::Park(_) => Event::Park,
         });
         Self {

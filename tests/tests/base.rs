@@ -65,7 +65,11 @@ fn largest(torques: &WheelTorques<f32>) -> f32 {
 fn an_order_that_is_not_a_number_brakes_and_latches() {
     let nowhere = Pose::new(f32::NAN, 0.0, 0.0);
     let along = Reference::new(nowhere, Twist::new(0.4, 0.0), Accel::default());
-    for order in [Order::Park(nowhere), Order::Follow(along)] {
+    let drive = Order::Drive {
+        twist: Twist::new(f32::NAN, 0.0),
+        hold_heading: false,
+    };
+    for order in [Order::Park(nowhere), Order::Follow(along), drive] {
         let mut queue = ReferenceQueue::new();
         let mut closed_loop = closed_loop(&mut queue);
         following(&mut closed_loop, 100);

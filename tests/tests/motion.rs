@@ -2,6 +2,7 @@
 
 mod motion_arrival;
 mod motion_disturbance;
+mod motion_drive;
 mod motion_faults;
 mod motion_feed_forward;
 mod motion_friction;

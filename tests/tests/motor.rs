@@ -42,6 +42,7 @@ fn scaled(motor: &Motor<f64>, [torque, desired, speed]: [f64; 3]) -> WheelDemand
         torque_nm: torque * motor.max_torque_nm(),
         desired_speed_rad_s: desired * motor.no_load_speed_rad_s(),
         speed_rad_s: speed * motor.no_load_speed_rad_s(),
+        beyond_coulomb_nm: None,
     }
 }
 
@@ -165,6 +166,7 @@ proptest! {
             torque_nm: -demand.torque_nm,
             desired_speed_rad_s: -demand.desired_speed_rad_s,
             speed_rad_s: -demand.speed_rad_s,
+            ..demand
         };
         let (there, back) = (motor.command(&demand, p.supply_v), motor.command(&opposite, p.supply_v));
         prop_assert_eq!(there.duty, -back.duty);

@@ -33,6 +33,7 @@ fn step() -> impl Strategy<Value = Step> {
         (0_u32..2_000_000, any::<bool>()).prop_map(|(us, rests)| Step::Tick(us, rests)),
         Just(Step::On(Event::Arm)),
         Just(Step::On(Event::Track)),
+        Just(Step::On(Event::Drive)),
         Just(Step::Button),
     ]
 }
@@ -58,7 +59,7 @@ proptest! {
                 Step::Button => { supervisor.emergency_stop(); }
             }
             let (now, after) = (supervisor.state(), supervisor.output());
-            let asked = matches!(step, Step::On(Event::Track | Event::Park | Event::TrajectoryEnded));
+            let asked = matches!(step, Step::On(Event::Track | Event::Park | Event::Drive | Event::TrajectoryEnded));
             let armed = matches!(state, State::Armed | State::Parked) || state.drives();
             prop_assert!(!now.drives() || state.drives() || (asked && armed), "{step:?} in {state:?}");
             let fails = matches!(step, Step::Found(_) | Step::Button | Step::On(Event::Fault(_)));

@@ -7,10 +7,11 @@ use super::locate::{Located, Locator};
 use super::orders;
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
+use super::wheel_friction::Turning;
 use crate::error::{Input, StepFault};
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
-use crate::motion::Outcome;
+use crate::motion::{Mode, Outcome};
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode};
 use crate::scalar::Scalar;
@@ -128,7 +129,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         });
         // Whether that can be believed, the supervisor knows from the active faults.
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, &located, &mut active_faults);
+        let action = self.act(dt, &located, sensed, &mut active_faults);
         self.exerted = action.torques().unwrap_or_default();
         self.report = BaseReport {
             action,
@@ -161,7 +162,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     fn exerted_accel(&self) -> Accel<T> {
-        let wrench = self.base.motion.wheels().wrench(&self.exerted);
+        let mut wrench = self.base.motion.wheels().wrench(&self.exerted);
+        // What friction and slopes take of it accelerates nothing. Parking knows it otherwise: a wheel that stands has to be pushed.
+        if let Some(report) = self.driving.report()
+            && report.mode == Mode::Driving
+        {
+            wrench.force += report.disturbance.force;
+            wrench.moment += report.disturbance.moment;
+        }
         let robot = &self.base.motion.params().robot;
         Accel {
             linear: wrench.force / robot.mass_kg,
@@ -208,10 +216,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         &mut self,
         dt: T,
         located: &Located<T>,
+        sensed: &Sensed<T>,
         active_faults: &mut ActiveFaults,
     ) -> WheelAction<T> {
         let mode = self.supervisor.output();
-        match self.act_as(mode, dt, located) {
+        match self.act_as(mode, dt, located, sensed) {
             Ok(driven) => {
                 match driven.at_goal {
                     Some(true) => {
@@ -235,7 +244,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                     mode if mode.has_torque() => OutputMode::Release,
                     mode => mode,
                 };
-                let driven = self.act_as(mode, dt, located);
+                let driven = self.act_as(mode, dt, located, sensed);
                 driven.map_or(WheelAction::Release, |driven| driven.action)
             }
         }
@@ -246,10 +255,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         mode: OutputMode,
         dt: T,
         located: &Located<T>,
+        sensed: &Sensed<T>,
     ) -> Result<Driven<T>, StepFault> {
         let speeds = self.locator.wheel_speeds();
-        self.driving
-            .act(&self.base.motion, mode, located, speeds, dt)
+        let motion = &self.base.motion;
+        let turning = self.base.motor.as_ref().map(|motor| Turning {
+            friction: &motor.params().friction,
+            per_count: (T::PI + T::PI) / self.base.localisation.params().odometry.counts_per_turn,
+            counts: sensed.counts.ok(),
+            commanded: motion.wheels().wheel_speeds(&self.driving.command()),
+            torques: self.exerted,
+            dt,
+        });
+        self.driving.act(motion, mode, located, speeds, turning, dt)
     }
 
     /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or
@@ -290,7 +308,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// The time of a tick for a link with the host, before its [`tick`](Self::tick): [`Event::LinkLost`] when no frame has come
     /// for `DetectorParams::command`, looked at a tick ahead.
     ///
-    /// Where a link says whether the host is there, a base needs orders only while it follows references. Without a link this is
+    /// Where a link says whether the host is there, a base needs orders only while it follows references or drives by velocity. Without a link this is
     /// not called: then orders are the host's only sign, and [`Fault::CommandStale`] says in every state that they ceased.
     pub fn watch_link(&mut self, dt_us: u32) {
         let detectors = self.base.detectors.params();

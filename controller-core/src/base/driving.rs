@@ -2,6 +2,7 @@
 
 use super::io::{DriveCommand, WheelAction};
 use super::locate::Located;
+use super::wheel_friction::{FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
 use crate::motion::{MotionController, MotionReport, Outcome, Task, ValidMotionParams};
@@ -19,6 +20,8 @@ pub(super) struct Driving<T, M, U> {
     motion: Option<MotionController<T, M, U>>,
     /// Of a controlled stop, and the time since its begin \[s\].
     stop: Option<(StopPlan<T>, T)>,
+    /// While driving by velocity.
+    friction: Option<FrictionWatch<T>>,
 }
 
 /// What came of a tick.
@@ -43,6 +46,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         task: None,
         motion: None,
         stop: None,
+        friction: None,
     };
 
     /// What the wheels are to do in `mode`. `speeds` are those of the wheels, as measured.
@@ -55,8 +59,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         mode: OutputMode,
         located: &Located<T>,
         speeds: WheelSpeeds<T>,
+        turning: Option<Turning<'_, T>>,
         dt: T,
     ) -> Result<Driven<T>, StepFault> {
+        let beyond = self.beyond_coulomb(turning);
         if mode != OutputMode::ControlledStop {
             self.stop = None;
         }
@@ -64,10 +70,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         match mode {
             OutputMode::Drive | OutputMode::Hold => match (self.task, &located.measured) {
                 (Some(task), Some(measured)) => {
-                    let report = self.step(motion, &task, measured, jumped, dt)?;
+                    let report = *self.step(motion, &task, measured, jumped, dt)?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
-                        action: drive(motion, report, speeds),
+                        action: drive(motion, &report, speeds, beyond),
                         at_goal: matches!(task, Task::Park(_)).then_some(at_goal),
                     })
                 }
@@ -76,8 +82,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             },
             OutputMode::ControlledStop => match &located.measured {
                 Some(measured) => {
-                    let report = self.brake_along_plan(motion, measured, jumped, dt)?;
-                    Ok(Driven::only(drive(motion, report, speeds)))
+                    let report = *self.brake_along_plan(motion, measured, jumped, dt)?;
+                    Ok(Driven::only(drive(motion, &report, speeds, beyond)))
                 }
                 None => Ok(self.without_torque()),
             },
@@ -89,6 +95,20 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             OutputMode::Release => {
                 self.let_go();
                 Ok(Driven::only(WheelAction::Release))
+            }
+        }
+    }
+
+    /// What the wheels' friction is found to be beyond its Coulomb part, while the base drives by velocity and has motors.
+    fn beyond_coulomb(&mut self, turning: Option<Turning<'_, T>>) -> Option<WheelTorques<T>> {
+        match (self.task, turning) {
+            (Some(Task::Drive { .. }), Some(turning)) => {
+                let watch = self.friction.get_or_insert_default();
+                Some(watch.advance(&turning))
+            }
+            _ => {
+                self.friction = None;
+                None
             }
         }
     }
@@ -179,10 +199,12 @@ fn drive<T: Scalar>(
     motion: &ValidMotionParams<T>,
     report: &MotionReport<T>,
     speeds: WheelSpeeds<T>,
+    beyond_coulomb: Option<WheelTorques<T>>,
 ) -> WheelAction<T> {
     WheelAction::Drive(DriveCommand {
         torques: report.torques,
         desired: motion.wheels().wheel_speeds(&report.command),
         speeds,
+        beyond_coulomb,
     })
 }

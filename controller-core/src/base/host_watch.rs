@@ -7,7 +7,7 @@
 //! | the host is gone: no frame comes | where there is a link, [`BaseController::watch_link`](super::BaseController::watch_link) | `Event::LinkLost`, a controlled stop whatever the policy says |
 //! | the host is there and gives no order where one is due | [`BaseController::tick`](super::BaseController::tick) | `Fault::CommandStale`, answered by the policy |
 //!
-//! An order is due in every tick while the base follows references. Where there is no link, orders are the only sign of the host, and
+//! An order is due in every tick while the base follows references or drives by velocity. Where there is no link, orders are the only sign of the host, and
 //! one is due in every state.
 
 use crate::safety::{Silence, Timeout};

@@ -4,19 +4,27 @@ use crate::hal::{ErrorKind, WheelCounts};
 use crate::localiser::Fix;
 use crate::reference::Reference;
 use crate::safety::Currents;
-use crate::types::{Pose, WheelSpeeds, WheelTorques};
+use crate::types::{Pose, Twist, WheelSpeeds, WheelTorques};
 
 /// What the host, or a trajectory in flash, wants of this tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Order<T = f32> {
     /// Nothing new: a base that parks goes on parking; one that follows goes on along its last
-    /// reference, as that moved, until the command is stale.
+    /// reference, as that moved, and one that drives by velocity with its last order, until the command is stale.
     #[default]
     None,
     /// Follow this sample, of the present instant.
     Follow(Reference<T>),
     /// Go to this pose and stay.
     Park(Pose<T>),
+    /// Drive with this speed and turn rate until the next order, which is due within the same time as the next sample
+    /// of a reference ([`DetectorParams::command`](crate::safety::DetectorParams)).
+    Drive {
+        /// Ordered \[m/s, rad/s\]; see [`check_order`](crate::motion::check_order).
+        twist: Twist<T>,
+        /// Keep the heading; see [`Task::Drive`](crate::motion::Task::Drive).
+        hold_heading: bool,
+    },
 }
 
 /// What the base measured since the last tick.
@@ -79,4 +87,6 @@ pub struct DriveCommand<T = f32> {
     pub desired: WheelSpeeds<T>,
     /// Speeds that are measured, for the back-EMF \[rad/s\].
     pub speeds: WheelSpeeds<T>,
+    /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]. Only while driving by velocity.
+    pub beyond_coulomb: Option<WheelTorques<T>>,
 }

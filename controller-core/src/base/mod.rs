@@ -25,6 +25,7 @@ mod locate;
 mod orders;
 mod params;
 mod report;
+mod wheel_friction;
 
 pub use controller::{BaseController, REMEMBERED};
 pub use io::{DriveCommand, Order, Sensed, WheelAction};

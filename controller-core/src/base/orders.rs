@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::types::{Accel, Measured};
 
 /// Takes an order into the task, as far as the supervisor's state allows; whether it was refused. Without
-/// an order a reference moves on by `dt`, at its twist.
+/// an order a reference moves on by `dt`, at its twist, and a velocity order stays.
 pub(super) fn take<T: Scalar, M: Maths<T>>(
     order: &Order<T>,
     task: &mut Option<Task<T>>,
@@ -26,6 +26,16 @@ pub(super) fn take<T: Scalar, M: Maths<T>>(
         }
         Order::Follow(reference) => (Task::Follow(*reference), Event::Track),
         Order::Park(goal) => (Task::Park(*goal), Event::Park),
+        &Order::Drive {
+            twist,
+            hold_heading,
+        } => (
+            Task::Drive {
+                twist,
+                hold_heading,
+            },
+            Event::Drive,
+        ),
     };
     let goes_on = match (&*task, &new) {
         (Some(Task::Park(old)), Task::Park(new)) => {

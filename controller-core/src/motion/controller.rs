@@ -46,7 +46,7 @@ struct Found<T> {
     jumped: bool,
 }
 
-/// Follows any trajectory and parks exactly, within the limits of the base. See [`crate::motion`].
+/// Follows any trajectory, parks exactly, drives by velocity, within the limits of the base. See [`crate::motion`].
 ///
 /// ```
 /// use controller_core::maths::Single;
@@ -90,9 +90,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         check_measured(measured)?;
         task.check()?;
         let command = Command::of_robot(motion, &measured.twist);
-        let view = ErrorView::of::<M>(task, &measured.pose);
+        let view = ErrorView::of::<M>(task, &measured.pose, T::ZERO);
         let mut pose_law = PoseLaw::default();
         let moving = Moving {
+            heading: measured.pose.theta,
             twist: &measured.twist,
             command: &command,
         };
@@ -156,7 +157,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             state
                 .observer
                 .advance(motion, &measured.twist, &state.command.rate, watch, dt);
-        let view = ErrorView::of::<M>(task, &measured.pose);
+        let drive = &mut state.pose_law.drive;
+        drive.turn_on(&state.command, dt);
+        let turned = drive.error(measured.pose.theta);
+        let view = ErrorView::of::<M>(task, &measured.pose, turned);
         let new = task.is_new(&state.task);
         let before = self.approach.kept();
         if new {
@@ -173,6 +177,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             },
         };
         let moving = Moving {
+            heading: measured.pose.theta,
             twist: &measured.twist,
             command: &state.command,
         };
@@ -207,6 +212,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             limited
         };
         limited.disturbance = bounded;
+        limited.speed |= task.is_beyond(motion);
         state.task = *task;
         state.declared = false;
         let pushing = Pushing {
@@ -317,6 +323,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             mode: match state.task {
                 Task::Follow(_) => Mode::Following,
                 Task::Park(_) => Mode::Parking,
+                Task::Drive { .. } => Mode::Driving,
             },
             outcome: state.outcome(motion),
             error: found.error,

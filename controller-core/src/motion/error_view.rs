@@ -18,7 +18,8 @@ pub(crate) struct ErrorView<T> {
 }
 
 impl<T: Scalar> ErrorView<T> {
-    pub(crate) fn of<M: Maths<T>>(task: &Task<T>, pose: &Pose<T>) -> Self {
+    /// `turned` is the heading error of a robot that drives by velocity.
+    pub(crate) fn of<M: Maths<T>>(task: &Task<T>, pose: &Pose<T>, turned: T) -> Self {
         match task {
             Task::Follow(reference) => {
                 let (error, heading) = tracking_error::<T, M>(reference, pose);
@@ -31,6 +32,14 @@ impl<T: Scalar> ErrorView<T> {
             }
             Task::Park(goal) => Self {
                 error: pose_error::<T, M>(goal, pose),
+                heading: (T::ZERO, T::ONE),
+                reference_speed: T::ZERO,
+            },
+            Task::Drive { .. } => Self {
+                error: PoseError {
+                    theta: turned,
+                    ..PoseError::default()
+                },
                 heading: (T::ZERO, T::ONE),
                 reference_speed: T::ZERO,
             },

@@ -1,11 +1,11 @@
-//! The law for a real base: any trajectory, any start, exact parking, within stated limits.
+//! The law for a real base: any trajectory, any start, exact parking, driving by velocity, within stated limits.
 //!
 //! The paper's law ([`crate::paper`]) divides by v_r, leaves a lateral error at the target and
 //! knows no limit. This one keeps what is good in it, errors that pass through bounded neurons and
 //! torques that never jump, and goes on:
 //!
 //! ```text
-//! task, pose -> error view -> pose law (follow, polar) -> setpoint: a twist and its exact rate
+//! task, pose -> error view -> pose law (follow, polar, drive) -> setpoint: a twist and its exact rate
 //!    -> transition offset (jumps fade) -> governor (limits on speed, acceleration, jerk)
 //!    -> velocity loop (with feed-forward)    -> wheels (limit, shared by a policy; fed back)
 //! ```
@@ -24,6 +24,7 @@
 mod arrival;
 mod controller;
 mod disturbance;
+mod drive;
 mod error_view;
 mod follow;
 mod gains;
@@ -46,6 +47,7 @@ mod velocity_loop;
 
 pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
+pub use drive::check_order;
 pub use gains::MotionGains;
 pub use hand_over::Remaining;
 pub use limits::{Limits, SaturationPolicy};

@@ -1,6 +1,7 @@
 //! The pose law of a tick: following, a parking manoeuvre, or rest at the goal.
 
 use super::arrival::Parking;
+use super::drive::{self, DriveLaw};
 use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
@@ -27,6 +28,7 @@ pub(crate) struct PoseLaw<T> {
     retry: Retry<T>,
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
+    pub(crate) drive: DriveLaw<T>,
 }
 
 /// How the goal is approached. Lent, not part of what every tick copies: a manoeuvre is long.
@@ -50,6 +52,8 @@ const DEPARTURE: (f64, f64) = (0.1, 0.5);
 /// How the robot moves, measured and commanded.
 #[derive(Clone, Copy)]
 pub(crate) struct Moving<'a, T> {
+    /// Measured.
+    pub(crate) heading: T,
     /// Measured.
     pub(crate) twist: &'a Twist<T>,
     /// Of the last tick.
@@ -98,6 +102,27 @@ impl<T: Scalar> PoseLaw<T> {
                 self.follow::<U, M>(motion, reference, view, moving, step.two_per_dt)
             }
             Task::Park(_) => self.park::<U, M>(approach, motion, &view.error, moving, step),
+            Task::Drive {
+                twist,
+                hold_heading,
+            } => {
+                self.checker = GoalChecker::default();
+                *approach = Approach::Idle;
+                let now = drive::Now {
+                    order: twist,
+                    hold_heading: *hold_heading,
+                    heading: moving.heading,
+                    turn_rate: moving.twist.angular,
+                    error: view.error.theta,
+                    command: moving.command,
+                    jumped: step.two_per_dt.is_none(),
+                    dt: step.dt,
+                };
+                Wanted {
+                    setpoint: self.drive.advance::<M>(motion, &now),
+                    transition: Transition::Seamless,
+                }
+            }
         }
     }
 
@@ -363,7 +388,8 @@ impl<T: Scalar> PoseLaw<T> {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        self.follower.is_finite() && self.regulator.is_finite()
+        let laws = self.follower.is_finite() && self.regulator.is_finite();
+        laws && self.drive.is_finite()
     }
 }
 

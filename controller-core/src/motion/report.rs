@@ -12,6 +12,8 @@ pub enum Mode {
     Following,
     /// Going to a pose at rest.
     Parking,
+    /// Driving by velocity.
+    Driving,
 }
 
 /// What came of it so far.
@@ -32,7 +34,7 @@ pub enum Outcome {
 /// Which limits were at work in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Limited {
-    /// The command was held at the largest speed or turn rate.
+    /// The command was held at the largest speed or turn rate, or more than that is ordered.
     pub speed: bool,
     /// The command was slewed by acceleration, braking or what the wheels can exert.
     pub accel: bool,
@@ -47,11 +49,11 @@ pub struct Limited {
 /// The report of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionReport<T = f32> {
-    /// Following or parking.
+    /// Following, parking or driving by velocity.
     pub mode: Mode,
     /// Whether the robot got there.
     pub outcome: Outcome,
-    /// Pose error in the body frame, Eq. (8).
+    /// Pose error in the body frame, Eq. (8); while driving by velocity that of the heading that is held.
     pub error: PoseError<T>,
     /// What the pose law wants.
     pub desired: Twist<T>,

@@ -1,10 +1,12 @@
 //! What the robot is to do.
 
+use super::drive::{check_order, within_limits};
+use super::params::ValidMotionParams;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
-use crate::types::Pose;
+use crate::types::{Pose, Twist};
 
 /// What the robot is to do in a tick. May change at any time; command and torque do not jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +17,15 @@ pub enum Task<T = f32> {
     Follow(Reference<T>),
     /// Go to this pose and stay.
     Park(Pose<T>),
+    /// Drive with this speed and turn rate, as an operator or a navigation stack orders them. Orders may change at any tick and by
+    /// any size; what is beyond the limits is driven at the limits.
+    Drive {
+        /// Ordered \[m/s, rad/s\]; see [`check_order`](super::check_order) for its range.
+        twist: Twist<T>,
+        /// Keep the heading that the ordered turn rates lead to, against pushes and wheels that are not alike. A robot at
+        /// rest keeps none.
+        hold_heading: bool,
+    },
 }
 
 impl<T: Scalar> Task<T> {
@@ -23,6 +34,13 @@ impl<T: Scalar> Task<T> {
         match self {
             Self::Follow(reference) => Task::Follow(reference.cast_with::<S, M>()),
             Self::Park(goal) => Task::Park(goal.cast()),
+            &Self::Drive {
+                twist,
+                hold_heading,
+            } => Task::Drive {
+                twist: twist.cast(),
+                hold_heading,
+            },
         }
     }
 
@@ -32,16 +50,25 @@ impl<T: Scalar> Task<T> {
                 Err(StepFault::NotFinite(Input::Reference))
             }
             Self::Park(goal) if !goal.is_finite() => Err(StepFault::NotFinite(Input::Goal)),
-            _ => Ok(()),
+            Self::Drive { twist, .. } => check_order(twist),
+            Self::Follow(_) | Self::Park(_) => Ok(()),
         }
     }
 
-    /// Another goal than `last`, or from following to parking or back.
+    /// Another goal than `last`, or another kind of task.
     pub(crate) fn is_new(&self, last: &Self) -> bool {
         match (last, self) {
-            (Self::Follow(_), Self::Follow(_)) => false,
+            (Self::Follow(_), Self::Follow(_)) | (Self::Drive { .. }, Self::Drive { .. }) => false,
             (Self::Park(old), Self::Park(new)) => old != new,
             _ => true,
+        }
+    }
+
+    /// An order beyond the limits, which is driven at the limits.
+    pub(crate) fn is_beyond(&self, motion: &ValidMotionParams<T>) -> bool {
+        match self {
+            Self::Drive { twist, .. } => within_limits(motion, twist) != *twist,
+            Self::Follow(_) | Self::Park(_) => false,
         }
     }
 }

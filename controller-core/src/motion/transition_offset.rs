@@ -10,9 +10,9 @@ use crate::types::{Accel, Twist};
 /// Set at a jump so that the setpoint's value and rate go on from those of the command; from then on
 /// both fade together. `rate` is the exact rate of `value`: command and feed-forward agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct AxisOffset<T> {
-    value: T,
-    rate: T,
+pub(crate) struct AxisOffset<T> {
+    pub(crate) value: T,
+    pub(crate) rate: T,
 }
 
 impl<T: Scalar> AxisOffset<T> {
@@ -22,7 +22,7 @@ impl<T: Scalar> AxisOffset<T> {
 
     /// The exact solution after `dt`, with `fade` = exp(−A dt): b ← (b + q dt) fade with
     /// q = b′ + A b, and b′ ← (q − A (b + q dt)) fade.
-    fn advance(&self, decay: T, dt: T, fade: T) -> Self {
+    pub(crate) fn advance(&self, decay: T, dt: T, fade: T) -> Self {
         let q = self.rate + decay * self.value;
         let moved = self.value + q * dt;
         Self {

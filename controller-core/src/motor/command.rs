@@ -13,6 +13,8 @@ pub struct WheelDemand<T> {
     pub desired_speed_rad_s: T,
     /// ω \[rad/s\], measured. For the back-EMF only.
     pub speed_rad_s: T,
+    /// Friction beyond the Coulomb part \[N m\], where it is known; else stiction goes by the measured speed.
+    pub beyond_coulomb_nm: Option<T>,
 }
 
 /// What limited a wheel command.
@@ -99,7 +101,10 @@ impl<T: Scalar> Motor<T> {
     pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
         let (supply, supply_unknown) = self.believed(supply_v);
         let sense = clamp(demand.desired_speed_rad_s * self.per_blend, T::ONE);
-        let level = self.coulomb + self.stiction * self.standing(demand.speed_rad_s);
+        let beyond = demand
+            .beyond_coulomb_nm
+            .unwrap_or_else(|| self.stiction * self.standing(demand.speed_rad_s));
+        let level = self.coulomb + beyond;
         let friction = level * sense + self.viscous * demand.desired_speed_rad_s;
         let torque = demand.torque_nm + friction;
         let current = self.gear.current(torque, sense);

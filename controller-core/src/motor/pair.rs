@@ -20,19 +20,31 @@ impl Motor<f32> {
         let Observed {
             speeds,
             desired,
+            beyond_coulomb,
             supply_v,
         } = observed;
-        let command = |torque_nm, desired_speed_rad_s, speed_rad_s| {
+        let command = |torque_nm, desired_speed_rad_s, speed_rad_s, beyond_coulomb_nm| {
             let demand = WheelDemand {
                 torque_nm,
                 desired_speed_rad_s,
                 speed_rad_s,
+                beyond_coulomb_nm,
             };
             self.command(&demand, *supply_v)
         };
         WheelCommands {
-            right: command(torques.right, desired.right, speeds.right),
-            left: command(torques.left, desired.left, speeds.left),
+            right: command(
+                torques.right,
+                desired.right,
+                speeds.right,
+                beyond_coulomb.map(|beyond| beyond.right),
+            ),
+            left: command(
+                torques.left,
+                desired.left,
+                speeds.left,
+                beyond_coulomb.map(|beyond| beyond.left),
+            ),
         }
     }
 }

@@ -26,6 +26,8 @@ fn run() {
         match task {
             Task::Follow(_) => follow.add(count),
             Task::Park(_) => park.add(count),
+            // On no route.
+            Task::Drive { .. } => {}
         }
         result
     });

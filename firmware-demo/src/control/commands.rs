@@ -2,6 +2,7 @@
 
 use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;
+use controller_core::motion::check_order;
 use controller_core::safety::supervisor::{Action, Event, next};
 use controller_core::types::Pose;
 
@@ -34,6 +35,24 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                     return Err(RejectReason::State);
                 }
                 self.course = Course::Depart(goal);
+                Ok(())
+            }
+            Command::Drive {
+                twist,
+                hold_heading,
+            } => {
+                let twist = twist.into();
+                check_order(&twist).map_err(|_| RejectReason::Value)?;
+                if matches!(next(self.state(), Event::Drive).1, Action::Refuse) {
+                    return Err(RejectReason::State);
+                }
+                // What was sent of a trajectory is not driven any more.
+                self.references.clear();
+                self.course = Course::Drive {
+                    twist,
+                    hold_heading: *hold_heading,
+                    new: true,
+                };
                 Ok(())
             }
             Command::SetPose { pose } => {

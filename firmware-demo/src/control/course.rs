@@ -26,6 +26,13 @@ pub(super) enum Course {
     Depart(Pose<f32>),
     /// To a goal.
     Park(Pose<f32>),
+    /// With a speed and a turn rate.
+    Drive {
+        twist: Twist<f32>,
+        hold_heading: bool,
+        /// Not ordered yet. Each order is given once: the base counts how old it is.
+        new: bool,
+    },
 }
 
 impl<D: WheelDrive> ControlTask<'_, D> {
@@ -34,6 +41,25 @@ impl<D: WheelDrive> ControlTask<'_, D> {
         let state = self.state();
         match self.course {
             Course::Depart(goal) => self.park(goal),
+            Course::Drive {
+                twist,
+                hold_heading,
+                new,
+            } => {
+                self.course = Course::Drive {
+                    twist,
+                    hold_heading,
+                    new: false,
+                };
+                if new {
+                    Order::Drive {
+                        twist,
+                        hold_heading,
+                    }
+                } else {
+                    Order::None
+                }
+            }
             Course::Follow { first_s, run_us } if state == State::Tracking => {
                 let run_us = run_us.saturating_add(elapsed_us.into());
                 self.course = Course::Follow { first_s, run_us };

@@ -151,6 +151,11 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         self.controller.supervisor().state()
     }
 
+    /// Following references, and not driving by velocity.
+    pub(crate) const fn follows(&self) -> bool {
+        matches!(self.course, Course::Follow { .. })
+    }
+
     /// Why it is that.
     pub const fn cause(&self) -> Cause {
         self.controller.supervisor().cause()

@@ -14,6 +14,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 self.drive.observe(&Observed {
                     speeds: drive.speeds,
                     desired: drive.desired,
+                    beyond_coulomb: drive.beyond_coulomb,
                     supply_v: supply_v.unwrap_or(f32::NAN),
                 });
                 self.drive.set_torques(drive.torques)

@@ -4,7 +4,7 @@ use core::sync::atomic::Ordering;
 
 use controller_core::queue::{PushError, ReferenceProducer};
 
-use super::{Answer, REPORTS, REQUESTS, Request, Shared, outcome};
+use super::{Answer, ORDERS, REPORTS, REQUESTS, Request, Shared, VelocityOrder, outcome};
 use crate::queue::{Receiver, Sender};
 use protocol::{
     Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
@@ -15,6 +15,7 @@ pub struct CommandReceiver<'queue> {
     decoder: Decoder<Command, MAX_CONTENT>,
     samples: ReferenceProducer<'queue, f32>,
     requests: Sender<'queue, Request, REQUESTS>,
+    orders: Sender<'queue, VelocityOrder, ORDERS>,
     answers: Receiver<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
     /// Of the last command on its way to the tick.
@@ -29,6 +30,7 @@ impl<'queue> CommandReceiver<'queue> {
     pub(super) const fn new(
         samples: ReferenceProducer<'queue, f32>,
         requests: Sender<'queue, Request, REQUESTS>,
+        orders: Sender<'queue, VelocityOrder, ORDERS>,
         answers: Receiver<'queue, Answer, REPORTS>,
         shared: &'queue Shared,
     ) -> Self {
@@ -36,6 +38,7 @@ impl<'queue> CommandReceiver<'queue> {
             decoder: Decoder::new(),
             samples,
             requests,
+            orders,
             answers,
             shared,
             number: 0,
@@ -66,6 +69,22 @@ impl<'queue> CommandReceiver<'queue> {
                 stack_bytes: stack_bytes(),
             }),
             Command::Sample(sample) => outcome(self.sample(&sample)),
+            Command::Drive {
+                twist,
+                hold_heading,
+            } => {
+                self.number = self.number.wrapping_add(1);
+                let order = VelocityOrder {
+                    number: self.number,
+                    sequence,
+                    twist,
+                    hold_heading,
+                };
+                if self.orders.send(order) {
+                    return None;
+                }
+                Telemetry::Nack(RejectReason::Full)
+            }
             command => {
                 self.number = self.number.wrapping_add(1);
                 let number = self.number;

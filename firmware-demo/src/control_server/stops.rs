@@ -83,7 +83,7 @@ impl Pending {
 }
 
 /// Whether one number was given before another; they wrap around.
-const fn is_before(one: u32, other: u32) -> bool {
+pub(super) const fn is_before(one: u32, other: u32) -> bool {
     one != other && other.wrapping_sub(one) <= u32::MAX / 2
 }
 

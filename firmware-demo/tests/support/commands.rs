@@ -130,6 +130,10 @@ pub fn command() -> impl Strategy<Value = Command> {
         field().prop_map(Command::SetParameters),
         any::<bool>().prop_map(|brake| Command::EmergencyStop { brake }),
         pose().prop_map(|pose| Command::SetPose { pose }),
+        (real(), real(), any::<bool>()).prop_map(|(v, w, hold_heading)| Command::Drive {
+            twist: WireTwist { v, w },
+            hold_heading,
+        }),
         (pose(), real()).prop_map(|(pose, age_s)| Command::Fix { pose, age_s }),
         Just(Command::SaveParameters),
         Just(Command::LoadDefaults),

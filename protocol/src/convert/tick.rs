@@ -26,6 +26,7 @@ impl BaseTick {
             (law.backing, flags::BACKING),
             (report.blind, flags::BLIND),
             (law.mode == Mode::Parking, flags::PARKING),
+            (law.mode == Mode::Driving, flags::DRIVING),
             (report.motion.is_some(), flags::LAW),
             (fused, flags::FIX_USED),
             (unused, flags::FIX_REFUSED),

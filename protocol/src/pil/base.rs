@@ -9,7 +9,7 @@ use controller_core::safety::{DetectorParams, PolicyParams};
 use controller_core::types::Pose;
 use serde::{Deserialize, Serialize};
 
-use crate::{BaseTick, Command, Counters, Hello, RejectReason, WirePose, WireReference};
+use crate::{BaseTick, Command, Counters, Hello, RejectReason, WirePose, WireReference, WireTwist};
 
 /// A question to a chip that has the whole base. Each has one answer.
 // See `Question`: moved once, never boxed.
@@ -117,6 +117,13 @@ pub enum WireOrder {
     Follow(WireReference),
     /// Go to this pose and stay.
     Park(WirePose),
+    /// Drive with this speed and turn rate.
+    Drive {
+        /// Ordered.
+        twist: WireTwist,
+        /// Keep the heading.
+        hold_heading: bool,
+    },
 }
 
 impl From<&Order<f32>> for WireOrder {
@@ -125,6 +132,13 @@ impl From<&Order<f32>> for WireOrder {
             Order::None => Self::None,
             Order::Follow(reference) => Self::Follow(reference.into()),
             Order::Park(goal) => Self::Park(goal.into()),
+            Order::Drive {
+                twist,
+                hold_heading,
+            } => Self::Drive {
+                twist: twist.into(),
+                hold_heading: *hold_heading,
+            },
         }
     }
 }
@@ -135,6 +149,13 @@ impl From<&WireOrder> for Order<f32> {
             WireOrder::None => Self::None,
             WireOrder::Follow(reference) => Self::Follow(reference.into()),
             WireOrder::Park(goal) => Self::Park(goal.into()),
+            WireOrder::Drive {
+                twist,
+                hold_heading,
+            } => Self::Drive {
+                twist: twist.into(),
+                hold_heading: *hold_heading,
+            },
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::rate::Rate;
 use crate::world::{PlantFault, PoseSourceParams};
 use controller_core::base::BaseParams;
 use controller_core::safety::{FaultKind, Reaction, Response, Timeout};
-use protocol::{Command, TimedSample, WirePose, WireReference};
+use protocol::{Command, TimedSample, WirePose, WireReference, WireTwist};
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,7 +152,15 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
         ),
         rule(U::LateTick, fault(F::TickTooLong), &[], C::Long),
         rule(U::LateTicks, fault(F::TickJitter), &[], C::All),
-        rule(U::HostSilent, Some(Why::Link), &[], C::SinceFrame),
+        rule(
+            U::HostSilent,
+            Some(Why::Link),
+            &[(
+                Why::Fault(F::CommandStale),
+                "the last velocity order is older than the last sign of life",
+            )],
+            C::SinceFrame,
+        ),
         rule(U::OrderNan, Some(Why::Refused), &[], C::All),
         rule(U::EmergencyStop, Some(Why::Button), &[], C::All),
         rule(U::LineFull, None, &[], C::None),
@@ -162,7 +170,7 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
             &[
                 (
                     Why::Fault(F::CommandStale),
-                    "frames come, but so many samples are lost that the trajectory ends",
+                    "frames come, but so many samples or velocity orders are lost that the trajectory ends, or the last order is stale",
                 ),
                 (
                     Why::Fault(F::PoseStale),
@@ -354,14 +362,22 @@ pub(super) fn applies(
     }
 }
 
-/// A goal or a sample that is not a number.
-pub(super) fn no_number(park: bool) -> Command {
+/// A goal, and else a sample or a velocity order, that is not a number.
+pub(super) fn no_number(park: bool, drives: bool) -> Command {
     let pose = WirePose {
         x: f32::NAN,
         ..WirePose::default()
     };
     if park {
         Command::Park { goal: pose }
+    } else if drives {
+        Command::Drive {
+            twist: WireTwist {
+                v: f32::NAN,
+                w: 0.0,
+            },
+            hold_heading: false,
+        }
     } else {
         Command::Sample(TimedSample {
             t: 0.0,

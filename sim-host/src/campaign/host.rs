@@ -1,7 +1,7 @@
 //! A host as a real one is: it speaks in frames, waits for answers, and asks again where none comes.
 
 use super::line::{Line, LineFault};
-use super::path::{Path, narrow};
+use super::path::{Path, VelocityOrders, narrow};
 use super::random::Random;
 use crate::world::World;
 use controller_core::types::Pose;
@@ -28,6 +28,15 @@ pub(super) struct Manner {
     /// So many frames that nobody needs come with its own.
     pub flood: usize,
     pub line: LineFault,
+}
+
+/// What a host has driven.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Course<'a> {
+    /// A trajectory, sample by sample.
+    Path(&'a Path),
+    /// Velocity orders.
+    Orders(&'a VelocityOrders),
 }
 
 /// A command that waits for its answer.
@@ -136,7 +145,7 @@ impl Host {
     }
 
     /// Puts a tick's frames on the line.
-    pub fn speak(&mut self, manner: &Manner, now_us: u64, path: &Path, world: &World) {
+    pub fn speak(&mut self, manner: &Manner, now_us: u64, course: Course<'_>, world: &World) {
         if manner.silent {
             return;
         }
@@ -167,7 +176,10 @@ impl Host {
             let pose = (&narrow(&pose)).into();
             self.say(manner, now_us, &Command::Fix { pose, age_s });
         }
-        self.samples(manner, now_us, path);
+        match course {
+            Course::Path(path) => self.samples(manner, now_us, path),
+            Course::Orders(orders) => self.orders(manner, now_us, orders),
+        }
         if manner.flood > 0 && !flood_first {
             self.flood(manner, now_us, stop_now);
         }
@@ -198,6 +210,25 @@ impl Host {
             next += 1;
         }
         self.stream = Some((Some(since), next));
+    }
+
+    /// An order with every sign of life, from when all that was asked for before is answered.
+    fn orders(&mut self, manner: &Manner, now_us: u64, orders: &VelocityOrders) {
+        let Some((since, next)) = self.stream else {
+            return;
+        };
+        if since.is_none() && !self.asked.is_empty() {
+            return;
+        }
+        let since = since.unwrap_or(now_us);
+        let run_us = now_us - since;
+        self.stream = Some((Some(since), next));
+        if run_us >= u64::from(next) * BEAT_US {
+            let order = orders.at(1.0e-6 * run_us as f64);
+            self.say(manner, now_us, &order);
+            let next = (run_us / BEAT_US + 1) as u32;
+            self.stream = Some((Some(since), next));
+        }
     }
 
     /// What nobody needs. Before a stop there may be an order to arm: the stop has the last word.

@@ -1,7 +1,7 @@
 //! A run, drawn from its seed.
 
 use super::fault_injection::{FaultInjection, FaultInjectionKind};
-use super::path::Path;
+use super::path::{Path, VelocityOrders};
 use super::random::Random;
 use crate::mission::BaseSpec;
 use crate::scenario::{BASES, ScenarioError};
@@ -81,6 +81,11 @@ impl Target {
         }
     }
 
+    /// It is a stop on the way.
+    pub(super) const fn is_a_stop(self) -> bool {
+        matches!(self, Self::Stopping | Self::Braking)
+    }
+
     /// Nothing moves and nothing is asked to.
     pub(super) const fn waits(self) -> bool {
         matches!(self, Self::Idle | Self::Armed | Self::Stopped | Self::Fault)
@@ -114,6 +119,8 @@ pub struct Plan {
     /// On a line in trouble: the host stops the base so long after the trouble began \[s\], by the button if so.
     pub(super) stop: Option<(f64, bool)>,
     pub(super) path: Path,
+    /// The host drives by velocity instead of sending a trajectory.
+    pub(super) orders: Option<VelocityOrders>,
     pub(super) goal: Pose<f64>,
     /// The true plant.
     pub setup: WorldSetup,
@@ -214,6 +221,9 @@ impl Plan {
                 world: world(base, random),
                 seed: random.word(),
             },
+            orders: random
+                .chance(0.5)
+                .then(|| VelocityOrders::draw(limits, target.is_a_stop(), random)),
         }
     }
 }

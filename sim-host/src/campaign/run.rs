@@ -196,7 +196,8 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         }
         let mut stopped = false;
         while Target::of(self.state()) != target {
-            if self.host.followed_s(self.t) > self.plan.follow_s.0 && !stopped {
+            let due = self.host.followed_s(self.t) > self.plan.follow_s.0;
+            if due && !stopped && self.host.has_it_drive(&self.board) {
                 stopped = true;
                 match target {
                     Target::Stopping | Target::Stopped => self.host.stop(Command::Stop),
@@ -264,7 +265,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
                 && self.host.intent == Intent::Follow
                 && after > self.plan.follow_s.1
             {
-                self.host.park_ahead(self.t);
+                self.host.park_ahead(self.t, &self.board);
             }
             let stops = matches!(self.state(), State::Stopping(_) | State::Braking(_));
             if stops && stopping_since.is_none() {

@@ -1,5 +1,6 @@
 //! Arguments for chips and boards.
 
+use crate::seed_args::SeedArgs;
 use clap::{Args, ValueEnum};
 use firmware_demo::host::{LinkKind, Machine};
 use std::path::PathBuf;
@@ -22,6 +23,31 @@ pub struct MonitorArgs {
     /// Ask for the board's own counters once a second. To the board this is a host that lives!
     #[arg(long)]
     pub poll: bool,
+}
+
+/// What is driven by keys, and how fast.
+#[derive(Clone, Debug, Args)]
+pub struct TeleopArgs {
+    /// The base, a file with [robot] and [limits] or one of paper-30kg, lab-10kg, hobby-1kg; else lab-10kg
+    #[arg(long, value_name = "FILE")]
+    pub base: Option<PathBuf>,
+    /// A real base: its serial port, or the Unix socket of an emulator
+    #[arg(long, value_name = "PORT")]
+    pub port: Option<PathBuf>,
+    /// Bits per second of a serial port
+    #[arg(long, value_name = "N", default_value = "115200")]
+    pub baud: u32,
+    /// Speed at the end of ten steps [m/s]; else half of what the base can
+    #[arg(long, value_name = "M/S")]
+    pub speed: Option<f64>,
+    /// Turn rate at the end of ten steps [rad/s]; else half of what the base can
+    #[arg(long, value_name = "RAD/S")]
+    pub turn_rate: Option<f64>,
+    /// Hold the heading from the beginning
+    #[arg(long)]
+    pub hold_heading: bool,
+    #[command(flatten)]
+    pub seed: SeedArgs,
 }
 
 /// Control laws.

@@ -134,6 +134,13 @@ impl From<&WheelOutput> for Actuation {
 pub(crate) fn order(task: &Task<f64>) -> Order<f32> {
     match task {
         Task::Park(goal) => Order::Park(goal.cast()),
+        &Task::Drive {
+            twist,
+            hold_heading,
+        } => Order::Drive {
+            twist: twist.cast(),
+            hold_heading,
+        },
         Task::Follow(reference) => Order::Follow(reference.cast_with::<f32, Single>()),
     }
 }

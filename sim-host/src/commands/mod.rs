@@ -13,6 +13,7 @@ mod pil;
 mod robot;
 mod robustness;
 mod run;
+mod teleop;
 mod tune;
 mod verify;
 mod write;
@@ -84,6 +85,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         }
         Command::Constants(arguments) => constants::write(arguments, output),
         Command::Tune(arguments) => tune::robot(arguments, output),
+        Command::Teleop(arguments) => teleop::drive_by_keys(arguments),
         Command::Monitor(arguments) => monitor::listen(arguments),
         Command::Identify(arguments) => identify::run(arguments, output),
         Command::List { directory } => list::list(directory.as_deref()),

@@ -133,8 +133,8 @@ fn stopped(rows: &[TraceRow]) -> Option<StopFigures> {
 fn tracking(trace: &Trace) -> Option<TrackingFigures> {
     let end = trace.hand_over.map_or(trace.rows.len(), |h| h.row);
     let rows = trace.rows.get(..end)?;
-    let parks = |row: &TraceRow| row.report.mode == Mode::Parking;
-    let back = rows.iter().rposition(parks).map_or(0, |last| last + 1);
+    let leaves = |row: &TraceRow| row.report.mode != Mode::Following;
+    let back = rows.iter().rposition(leaves).map_or(0, |last| last + 1);
     let rows = rows.get(back..)?;
     let distance = |row: &TraceRow| Libm::sqrt(row.error.x.powi(2) + row.error.y.powi(2));
     let on_path = rows

@@ -17,7 +17,7 @@ use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use crate::world::WorldSetup;
 use controller_core::robot::Robot;
-use controller_core::types::{Measured, Pose};
+use controller_core::types::{Measured, Pose, Twist};
 
 /// A closed loop with the law for a real base, checked: every field is within its range.
 #[derive(Clone, Debug)]
@@ -51,6 +51,8 @@ pub struct Mission {
 pub enum Course {
     /// Goes to a pose.
     Park(Pose<f64>),
+    /// Drives by the velocity orders of its events; stands before the first.
+    Drive,
     /// Follows a route.
     Follow {
         /// The route.
@@ -105,9 +107,20 @@ pub enum Change {
     Goal(Pose<f64>),
     /// Back to the route.
     Follow,
+    /// The robot is to drive with this speed and turn rate, whatever it is doing.
+    Drive(VelocityOrder),
     /// The localisation corrects itself by this much, and is right from then on (but for later
     /// jumps). It is declared to the controller.
     Jump(Pose<f64>),
+}
+
+/// A velocity order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VelocityOrder {
+    /// \[m/s, rad/s\].
+    pub twist: Twist<f64>,
+    /// Keep the heading that the turn rates lead to.
+    pub hold_heading: bool,
 }
 
 /// When a run ends.

@@ -1,12 +1,12 @@
 //! The task of each tick: from route, events and hand-over rule.
 
 use super::reference_sampler::{AccelerationAt, ReferenceSampler};
-use super::{Change, Course, Event, HandOverRule, Mission, When};
+use super::{Change, Course, Event, HandOverRule, Mission, VelocityOrder, When};
 use controller_core::maths::Libm;
 use controller_core::motion::{Remaining, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
-use controller_core::types::{Measured, Pose, Twist};
+use controller_core::types::{Accel, Measured, Pose, Twist};
 
 /// Gives the orders of each tick.
 pub(crate) struct Sequencer<'a> {
@@ -15,10 +15,17 @@ pub(crate) struct Sequencer<'a> {
     events: &'a [Event],
     /// Half the distance of the wheels \[m\]: what a turn makes a wheel travel.
     lever: f64,
-    /// Parking there; following if there is none.
-    goal: Option<Pose<f64>>,
+    now: Now,
     /// How far the localisation is still off: what is to be added to it.
     correction: Pose<f64>,
+}
+
+/// What the robot is doing.
+#[derive(Clone, Copy)]
+enum Now {
+    Follows,
+    Parks(Pose<f64>),
+    Drives(VelocityOrder),
 }
 
 /// A tick's orders.
@@ -36,9 +43,10 @@ pub(crate) struct Orders {
 
 impl<'a> Sequencer<'a> {
     pub(crate) fn new(mission: &'a Mission, acceleration: AccelerationAt) -> Self {
-        let (rule, goal) = match &mission.course {
-            Course::Park(goal) => (None, Some(*goal)),
-            Course::Follow { hand_over, .. } => (*hand_over, None),
+        let (rule, now) = match &mission.course {
+            Course::Park(goal) => (None, Now::Parks(*goal)),
+            Course::Drive => (None, Now::Drives(VelocityOrder::default())),
+            Course::Follow { hand_over, .. } => (*hand_over, Now::Follows),
         };
         let mut correction = Pose::default();
         for event in &mission.events {
@@ -53,7 +61,7 @@ impl<'a> Sequencer<'a> {
             rule,
             events: &mission.events,
             lever: 0.5 * mission.base.robot.wheels.track_m,
-            goal,
+            now,
             correction,
         }
     }
@@ -77,8 +85,9 @@ impl<'a> Sequencer<'a> {
         {
             self.events = rest;
             match event.change {
-                Change::Goal(goal) => self.goal = Some(goal),
-                Change::Follow => self.goal = None,
+                Change::Goal(goal) => self.now = Now::Parks(goal),
+                Change::Follow => self.now = Now::Follows,
+                Change::Drive(order) => self.now = Now::Drives(order),
                 Change::Jump(jump) => {
                     self.correction.x -= jump.x;
                     self.correction.y -= jump.y;
@@ -96,7 +105,7 @@ impl<'a> Sequencer<'a> {
             twist: truth.twist,
         };
         let mut left = None;
-        if self.goal.is_none()
+        if matches!(self.now, Now::Follows)
             && let (Some(rule), Some(reference)) = (self.rule, self.sampler.at(tick))
         {
             let error = pose_error::<f64, Libm>(reference.pose(), &measured.pose);
@@ -112,20 +121,29 @@ impl<'a> Sequencer<'a> {
             };
             // Tick 0 starts, so it cannot hand over.
             if due && tick > 0 {
-                self.goal = Some(rule.goal);
+                self.now = Now::Parks(rule.goal);
                 left = Some((reference, remaining.path_m));
             }
         }
-        let target = match self.goal {
-            Some(goal) => Reference::at_rest_with::<Libm>(goal),
-            None => self
-                .sampler
-                .at(tick)
-                .unwrap_or_else(|| Reference::at_rest_with::<Libm>(measured.pose)),
-        };
-        let task = match self.goal {
-            Some(goal) => Task::Park(goal),
-            None => Task::Follow(target),
+        let (target, task) = match self.now {
+            Now::Parks(goal) => (Reference::at_rest_with::<Libm>(goal), Task::Park(goal)),
+            Now::Follows => {
+                let target = self.sampler.at(tick);
+                let target =
+                    target.unwrap_or_else(|| Reference::at_rest_with::<Libm>(measured.pose));
+                (target, Task::Follow(target))
+            }
+            // It has no place to be: it is where it is.
+            Now::Drives(VelocityOrder {
+                twist,
+                hold_heading,
+            }) => (
+                Reference::new_with::<Libm>(measured.pose, twist, Accel::default()),
+                Task::Drive {
+                    twist,
+                    hold_heading,
+                },
+            ),
         };
         Orders {
             task,

@@ -51,6 +51,8 @@ impl Law for PaperLaw<'_> {
             (Task::Park(goal), Some((reference, _))) => Demand::HandOver { reference, goal },
             (Task::Park(_), None) => Demand::Park,
             (Task::Follow(reference), _) => Demand::Track(reference),
+            // They know references only.
+            (Task::Drive { .. }, _) => Demand::Track(orders.target),
         };
         let measured = &orders.measured;
         let answer = match &demand {

@@ -53,6 +53,7 @@ impl<T: Scalar, M: Maths<T>> Law for MotionLaw<T, M> {
             let pose = match &orders.task {
                 Task::Follow(reference) => *reference.pose(),
                 Task::Park(goal) => *goal,
+                Task::Drive { .. } => orders.measured.pose,
             };
             (pose.x, pose.y)
         });
@@ -128,5 +129,6 @@ fn near_task<T: Scalar, M: Maths<T>>(task: &Task<f64>, origin: (f64, f64)) -> Ta
             reference.accel().cast(),
         )),
         Task::Park(goal) => Task::Park(near(goal, origin).cast()),
+        Task::Drive { .. } => task.cast_with::<T, M>(),
     }
 }

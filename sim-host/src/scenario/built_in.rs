@@ -44,6 +44,7 @@ built_in![
     "weak-base",
     "retarget",
     "back-to-tracking",
+    "drive-and-park",
     "fast",
     "bad-floor-line",
     "bad-floor-curve",

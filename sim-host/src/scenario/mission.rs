@@ -5,11 +5,14 @@ use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
 use super::source::{Checked, Source};
 use super::{BuiltInBase, Scenario, ScenarioError, belief, ranges};
-use crate::mission::{BaseSpec, Change, Course, End, Event, HandOverRule, Mission, Route, When};
+use crate::mission::{
+    BaseSpec, Change, Course, End, Event, HandOverRule, Mission, Route, VelocityOrder, When,
+};
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use crate::world::WorldKeys;
 use crate::world::WorldSetup;
+use controller_core::motion::check_order;
 use controller_core::types::{Measured, Pose, Twist};
 use serde::Deserialize;
 use std::path::Path;
@@ -65,6 +68,18 @@ struct EventKeys {
     jump: Option<PoseKeys>,
     #[serde(default)]
     follow: bool,
+    drive: Option<DriveKeys>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DriveKeys {
+    #[serde(default)]
+    v: f64,
+    #[serde(default)]
+    w: f64,
+    #[serde(default)]
+    hold_heading: bool,
 }
 
 impl Mission {
@@ -189,7 +204,11 @@ fn course(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Course> {
             let message = "is to be parked at from the start: leave out [reference], or say [hand_over] target";
             Err(place.error("goal", message))
         }
-        (None, None) => Err(place.error("reference", "is missing, or a [goal] to park at")),
+        (None, None) if keys.event.iter().any(|event| event.drive.is_some()) => Ok(Course::Drive),
+        (None, None) => {
+            let message = "is missing, or a [goal] to park at, or an [[event]] with drive";
+            Err(place.error("reference", message))
+        }
         (None, Some(goal)) => match keys.hand_over {
             Some(_) => Err(place.error("hand_over", "needs a [reference]")),
             None => Ok(Course::Park(pose(goal))),
@@ -255,12 +274,22 @@ fn events(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Vec<Event>>
         if events.last().is_some_and(|last| last.at_s > keys_of.at) {
             return error("is before the one above it");
         }
-        let change = match (keys_of.goal, keys_of.jump, keys_of.follow) {
-            (Some(goal), None, false) => Change::Goal(pose(goal)),
-            (None, Some(jump), false) => Change::Jump(pose(jump)),
-            (None, None, true) if keys.reference.is_some() => Change::Follow,
-            (None, None, true) => return error("follows, but there is no [reference]"),
-            _ => return error("needs one of goal, jump, follow = true"),
+        let change = match (keys_of.goal, keys_of.jump, keys_of.follow, keys_of.drive) {
+            (Some(goal), None, false, None) => Change::Goal(pose(goal)),
+            (None, Some(jump), false, None) => Change::Jump(pose(jump)),
+            (None, None, true, None) if keys.reference.is_some() => Change::Follow,
+            (None, None, true, None) => return error("follows, but there is no [reference]"),
+            (None, None, false, Some(drive)) => {
+                let twist = Twist::new(drive.v, drive.w);
+                if check_order(&twist).is_err() {
+                    return error("drives with more than 100 m/s or 100 rad/s");
+                }
+                Change::Drive(VelocityOrder {
+                    twist,
+                    hold_heading: drive.hold_heading,
+                })
+            }
+            _ => return error("needs one of goal, jump, follow = true, drive"),
         };
         events.push(Event {
             at_s: keys_of.at,

@@ -137,7 +137,7 @@ impl TuningProblem {
 /// A mission and the time at which its route ends.
 fn with_end(mission: Mission) -> (Mission, Option<f64>) {
     let end_s = match &mission.course {
-        Way::Park(_) => None,
+        Way::Park(_) | Way::Drive => None,
         Way::Follow { hand_over, .. } => hand_over.map(|rule| rule.end_s),
     };
     (mission, end_s)

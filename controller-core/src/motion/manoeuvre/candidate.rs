@@ -215,7 +215,7 @@ impl<T: Scalar> Candidate<T> {
         let mut shift = ready;
         for (profiles, stop) in [(&turns, &begin.stop_turn), (&drives, &begin.stop_drive)] {
             for profile in profiles {
-                let busy = if profile.peak * stop.rate() < T::ZERO {
+                let busy = if profile.peak * stop.braked_from() < T::ZERO {
                     profile.start
                 } else {
                     profile.start + profile.rise + profile.hold

@@ -296,7 +296,7 @@ impl<T: Scalar> Stop<T> {
     }
 
     /// The rate that it brakes from.
-    pub(crate) fn rate(&self) -> T {
+    pub(crate) fn braked_from(&self) -> T {
         self.faded
     }
 

@@ -88,7 +88,7 @@ impl Supervisor {
     /// Takes an event from host, mission or caller, and says what to do.
     pub fn on(&mut self, event: Event) -> Action {
         let cause = match event {
-            Event::Arm | Event::Park | Event::Stop | Event::Reset => Cause::Host,
+            Event::Arm | Event::Park | Event::Drive | Event::Stop | Event::Reset => Cause::Host,
             Event::Track => Cause::References,
             Event::TrajectoryEnded => Cause::TrajectoryEnded,
             Event::Reached => Cause::Reached,

@@ -36,7 +36,7 @@ pub enum State {
     Idle,
     /// Outputs enabled at zero torque, waiting for references or a goal.
     Armed,
-    /// Following references.
+    /// Following references, or driving by velocity: an order of the host is due in every tick.
     Tracking,
     /// Driving to a goal.
     Parking,
@@ -88,6 +88,8 @@ pub enum Event {
     Track,
     /// The host gives a goal.
     Park,
+    /// The host orders a speed and a turn rate.
+    Drive,
     /// The last reference of a complete trajectory was used.
     TrajectoryEnded,
     /// The base stands at its goal.
@@ -116,10 +118,11 @@ pub enum Event {
 
 impl Event {
     /// All of them, with every response.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Arm,
         Self::Track,
         Self::Park,
+        Self::Drive,
         Self::TrajectoryEnded,
         Self::Reached,
         Self::GoalUnreachable,
@@ -150,7 +153,7 @@ pub enum Action {
     Refuse,
     /// Enable the outputs at zero torque.
     Enable,
-    /// Start the controller on the first reference.
+    /// Start the controller on the first reference or velocity order.
     StartTracking,
     /// Go to the commanded goal.
     StartParking,

@@ -21,13 +21,13 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         }
 
         (S::Idle, E::Arm) => (S::Armed, A::Enable),
-        (S::Idle, E::Track | E::Park | E::Reset) => (S::Idle, A::Refuse),
+        (S::Idle, E::Track | E::Park | E::Drive | E::Reset) => (S::Idle, A::Refuse),
         (S::Idle, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Idle, A::Continue),
         (S::Idle, E::Halted | E::StopTimedOut | E::LinkLost) => (S::Idle, A::Continue),
         (S::Idle, E::Stop) => (S::Stopped, A::Release),
 
         (S::Armed, E::Arm) => (S::Armed, A::Continue),
-        (S::Armed, E::Track) => (S::Tracking, A::StartTracking),
+        (S::Armed, E::Track | E::Drive) => (S::Tracking, A::StartTracking),
         (S::Armed, E::Park) => (S::Parking, A::StartParking),
         (S::Armed, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Armed, A::Continue),
         (S::Armed, E::Halted | E::StopTimedOut) => (S::Armed, A::Continue),
@@ -36,8 +36,8 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Armed, E::Reset) => (S::Armed, A::Refuse),
 
         (S::Tracking, E::Arm | E::Reset) => (S::Tracking, A::Refuse),
-        // More references for a trajectory under way.
-        (S::Tracking, E::Track) => (S::Tracking, A::Continue),
+        // More references for a trajectory under way, more orders, or the other of both.
+        (S::Tracking, E::Track | E::Drive) => (S::Tracking, A::Continue),
         (S::Tracking, E::Park) => (S::Parking, A::StartParking),
         (S::Tracking, E::TrajectoryEnded) => (S::Parking, A::ParkAtLastReference),
         (S::Tracking, E::GoalUnreachable | E::Stop | E::LinkLost) => {
@@ -49,6 +49,8 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         // References that come late do not call the base back from its last goal.
         (S::Parking, E::Arm | E::Track | E::Reset) => (S::Parking, A::Refuse),
         (S::Parking, E::Park) => (S::Parking, A::StartParking),
+        // An operator takes over.
+        (S::Parking, E::Drive) => (S::Tracking, A::StartTracking),
         (S::Parking, E::TrajectoryEnded) => (S::Parking, A::Continue),
         (S::Parking, E::Halted | E::StopTimedOut) => (S::Parking, A::Continue),
         (S::Parking, E::Reached) => (S::Parked, A::Release),
@@ -57,7 +59,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         }
 
         (S::Parked, E::Arm) => (S::Armed, A::Enable),
-        (S::Parked, E::Track) => (S::Tracking, A::StartTracking),
+        (S::Parked, E::Track | E::Drive) => (S::Tracking, A::StartTracking),
         (S::Parked, E::Park) => (S::Parking, A::StartParking),
         (S::Parked, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => {
             (S::Parked, A::Continue)
@@ -67,7 +69,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Parked, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
         (S::Parked, E::Reset) => (S::Parked, A::Refuse),
 
-        (S::Stopping(_) | S::Braking(_), E::Arm | E::Track | E::Park | E::Reset) => {
+        (S::Stopping(_) | S::Braking(_), E::Arm | E::Track | E::Park | E::Drive | E::Reset) => {
             (state, A::Refuse)
         }
         (
@@ -80,7 +82,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         (S::Braking(then), E::StopTimedOut) => (then.state(), A::Release),
 
         (S::Stopped, E::Arm) => (S::Armed, A::Enable),
-        (S::Stopped, E::Track | E::Park | E::Reset) => (S::Stopped, A::Refuse),
+        (S::Stopped, E::Track | E::Park | E::Drive | E::Reset) => (S::Stopped, A::Refuse),
         (S::Stopped, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => {
             (S::Stopped, A::Continue)
         }
@@ -88,7 +90,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
         // Told again: a stop is never too much.
         (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
 
-        (S::Fault, E::Arm | E::Track | E::Park) => (S::Fault, A::Refuse),
+        (S::Fault, E::Arm | E::Track | E::Park | E::Drive) => (S::Fault, A::Refuse),
         (S::Fault, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Fault, A::Continue),
         (S::Fault, E::Halted | E::StopTimedOut) => (S::Fault, A::Continue),
         (S::Fault, E::Stop | E::LinkLost) => (S::Fault, A::Release),

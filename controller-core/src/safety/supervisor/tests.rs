@@ -11,20 +11,20 @@ mod run;
 /// X fault), then the action (`.` continue, `!` refuse, `e` enable, `t` track, `p` park, `l` park at last,
 /// `c` controlled stop, `b` brake, `r` release).
 ///
-/// Arm Track Park | trajectory ended, reached, goal unreachable | halted, timed out | stop, link lost |
+/// Arm Track Park Drive | trajectory ended, reached, goal unreachable | halted, timed out | stop, link lost |
 /// emergency brake, release | ignored | controlled | brake | release, each passing and latched | reset
 const TABLE: [&str; 11] = [
-    "Ae I! I! I. I. I. I. I. Sr I. Xr Xr I. I. Sr Xr Sr Xr Sr Xr I!",
-    "A. Tt Pp A. A. A. A. A. Sr Sr Bb Xr A. A. Sr Xr bb Bb Sr Xr A!",
-    "T! T. Pp Pl T. cc T. T. cc cc Bb Xr T. T. cc Cc bb Bb Sr Xr T!",
-    "P! P! Pp P. Dr cc P. P. cc cc Bb Xr P. P. cc Cc bb Bb Sr Xr P!",
-    "Ae Tt Pp D. D. D. D. D. Sr Sr Bb Xr D. D. Sr Xr bb Bb Sr Xr D!",
-    "c! c! c! c. c. c. Sr bb c. c. Bb Xr c. c. c. C. bb Bb Sr Xr c!",
-    "C! C! C! C. C. C. Xr Bb C. C. Bb Xr C. C. C. C. Bb Bb Xr Xr C!",
-    "b! b! b! b. b. b. Sr Sr b. b. B. Xr b. b. b. B. b. B. Sr Xr b!",
-    "B! B! B! B. B. B. Xr Xr B. B. B. Xr B. B. B. B. B. B. Xr Xr B!",
-    "Ae S! S! S. S. S. S. S. Sr Sr Xr Xr S. S. Sr Xr Sr Xr Sr Xr S!",
-    "X! X! X! X. X. X. X. X. Xr Xr Xr Xr X. X. Xr Xr Xr Xr Xr Xr Ir",
+    "Ae I! I! I! I. I. I. I. I. Sr I. Xr Xr I. I. Sr Xr Sr Xr Sr Xr I!",
+    "A. Tt Pp Tt A. A. A. A. A. Sr Sr Bb Xr A. A. Sr Xr bb Bb Sr Xr A!",
+    "T! T. Pp T. Pl T. cc T. T. cc cc Bb Xr T. T. cc Cc bb Bb Sr Xr T!",
+    "P! P! Pp Tt P. Dr cc P. P. cc cc Bb Xr P. P. cc Cc bb Bb Sr Xr P!",
+    "Ae Tt Pp Tt D. D. D. D. D. Sr Sr Bb Xr D. D. Sr Xr bb Bb Sr Xr D!",
+    "c! c! c! c! c. c. c. Sr bb c. c. Bb Xr c. c. c. C. bb Bb Sr Xr c!",
+    "C! C! C! C! C. C. C. Xr Bb C. C. Bb Xr C. C. C. C. Bb Bb Xr Xr C!",
+    "b! b! b! b! b. b. b. Sr Sr b. b. B. Xr b. b. b. B. b. B. Sr Xr b!",
+    "B! B! B! B! B. B. B. Xr Xr B. B. B. Xr B. B. B. B. B. B. Xr Xr B!",
+    "Ae S! S! S! S. S. S. S. S. Sr Sr Xr Xr S. S. Sr Xr Sr Xr Sr Xr S!",
+    "X! X! X! X! X. X. X. X. X. Xr Xr Xr Xr X. X. Xr Xr Xr Xr Xr Xr Ir",
 ];
 
 fn letters(state: State, action: Action) -> [u8; 2] {
@@ -191,7 +191,7 @@ fn what_is_not_armed_does_not_begin_to_drive() {
         let (after, _) = next(state, event);
         let armed = matches!(state, State::Armed | State::Parked) || state.drives();
         assert!(!after.drives() || armed, "{event:?} in {state:?}");
-        if !armed && matches!(event, Event::Track | Event::Park) {
+        if !armed && matches!(event, Event::Track | Event::Park | Event::Drive) {
             assert_eq!(next(state, event), (state, Action::Refuse));
         }
     }

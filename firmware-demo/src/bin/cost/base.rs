@@ -55,6 +55,8 @@ pub fn motion(meter: &mut Meter) {
         match task {
             Task::Follow(_) => follow.add(cost),
             Task::Park(_) => park.add(cost),
+            // On no route.
+            Task::Drive { .. } => {}
         }
         result
     });

@@ -125,6 +125,7 @@ pub fn motor(meter: &mut Meter) {
             torque_nm: inputs.real(0.3),
             desired_speed_rad_s: inputs.real(20.0),
             speed_rad_s: inputs.real(20.0),
+            beyond_coulomb_nm: None,
         };
         let supply = black_box(11.0 + inputs.real::<f32>(1.0));
         let cost = meter

@@ -4,7 +4,7 @@ use super::Checked;
 use super::mutation::Mutation;
 use crate::campaign::expected::no_number;
 use crate::campaign::fault_injection::{FaultInjection, What};
-use crate::campaign::host::{Answered, Host, Manner, park, stops};
+use crate::campaign::host::{Answered, Course, Host, Manner, park, stops};
 use crate::campaign::plan::Plan;
 use crate::closed_loop::Board;
 use controller_core::safety::supervisor::State;
@@ -100,7 +100,9 @@ impl<'a> HostOfRun<'a> {
     pub(super) fn injure(&mut self, injection: &FaultInjection) {
         match injection.what {
             What::EmergencyStop => self.host.stop(BUTTON),
-            What::OrderNan { park } => self.host.ask_in_vain(no_number(park)),
+            What::OrderNan { park } => self
+                .host
+                .ask_in_vain(no_number(park, self.plan.orders.is_some())),
             _ => {}
         }
     }
@@ -136,6 +138,11 @@ impl<'a> HostOfRun<'a> {
         if matches!(state, State::Idle | State::Stopped | State::Fault) {
             self.host.ask(Command::Arm);
         }
+        self.park_before(board);
+    }
+
+    /// Gives a goal ahead of the base's pose.
+    fn park_before(&mut self, board: &Board<'_>) {
         let measured = board.report().measured;
         let at = measured.map_or(Pose::default(), |measured| measured.pose);
         let ahead = 0.6 * self.limit_speed;
@@ -147,14 +154,24 @@ impl<'a> HostOfRun<'a> {
         ));
     }
 
+    /// The base is fast enough for a stop that does not end at once: as the slowest trajectory is. Velocity orders may be to stand.
+    pub(super) fn has_it_drive(&self, board: &Board<'_>) -> bool {
+        let speed = board.world().truth().twist.linear.abs();
+        let any = self.plan.orders.is_none() || !self.plan.target.is_a_stop();
+        any || speed > 0.3 * self.limit_speed
+    }
+
     /// For how long a trajectory has been under way \[s\].
     pub(super) fn followed_s(&self, t: f64) -> f64 {
         let since = self.host.followed_since();
         since.map_or(0.0, |since| t - 1.0e-6 * since as f64)
     }
 
-    /// Leaves the trajectory for a goal on it.
-    pub(super) fn park_ahead(&mut self, t: f64) {
+    /// Leaves the trajectory for a goal on it, or orders for one ahead.
+    pub(super) fn park_ahead(&mut self, t: f64, board: &Board<'_>) {
+        if self.plan.orders.is_some() {
+            return self.park_before(board);
+        }
         let path = &self.plan.path;
         let way = path.way(self.followed_s(t));
         let speed = path.speed;
@@ -165,8 +182,11 @@ impl<'a> HostOfRun<'a> {
     /// Frames onto the line, and what has arrived into the base.
     pub(super) fn exchange(&mut self, board: &mut Board<'_>, manner: &Manner, mutation: &Mutation) {
         let now_us = board.world().now_us();
-        self.host
-            .speak(manner, now_us, &self.plan.path, board.world());
+        let course = match &self.plan.orders {
+            Some(orders) => Course::Orders(orders),
+            None => Course::Path(&self.plan.path),
+        };
+        self.host.speak(manner, now_us, course, board.world());
         self.received = Received::default();
         while let Some(sent) = self.host.arrived(now_us) {
             if sent.intact {
@@ -244,7 +264,7 @@ impl Received {
                 self.reset |= *command == Command::ResetFault;
                 self.stop = None;
             }
-            Command::Park { .. } | Command::Sample(_) => self.frees = true,
+            Command::Park { .. } | Command::Sample(_) | Command::Drive { .. } => self.frees = true,
             _ => {}
         }
     }

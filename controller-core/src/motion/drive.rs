@@ -1,0 +1,202 @@
+//! Driving by velocity: a speed and a turn rate as a host or an operator orders them.
+
+use super::goal_checker::STOPPING_DECAY;
+use super::governor::Command;
+use super::params::ValidMotionParams;
+use super::setpoint::Setpoint;
+use super::transition_offset::AxisOffset;
+use crate::angle::wrap;
+use crate::error::{Input, StepFault};
+use crate::maths::Maths;
+use crate::range::clamp;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Twist};
+
+/// Largest speed \[m/s\] and turn rate \[rad/s\] of an order: as of [`Limits`](super::Limits), so that every base can be
+/// ordered its limits, and what is beyond is a mistake in the unit or in the sender.
+const LARGEST: f64 = 100.0;
+
+/// Looks whether a velocity order is one: finite, and within ±100 m/s and ±100 rad/s. What is beyond the limits of a base and
+/// within these is driven at the limits, and reported as [`Limited::speed`](super::Limited::speed).
+///
+/// # Errors
+/// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`] of [`Input::Order`].
+pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
+    let most = T::from_f64(LARGEST);
+    if !twist.is_finite() {
+        Err(StepFault::NotFinite(Input::Order))
+    } else if twist.linear.abs() > most || twist.angular.abs() > most {
+        Err(StepFault::OutOfRange(Input::Order))
+    } else {
+        Ok(())
+    }
+}
+
+/// A robot that is ordered to stand does so below this speed and turn rate \[m/s, rad/s\].
+const STILL: f64 = 0.01;
+
+/// What driving by velocity remembers: the heading that it holds. Everything else is in the command.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct DriveLaw<T> {
+    /// The heading ordered so far, while one is held \[rad\].
+    held: Option<T>,
+    /// What the heading adds to the turn rate, and the rate of that.
+    added: T,
+    added_rate: T,
+}
+
+/// The present instant of a velocity order.
+pub(crate) struct Now<'a, T> {
+    pub(crate) order: &'a Twist<T>,
+    pub(crate) hold_heading: bool,
+    /// Measured.
+    pub(crate) heading: T,
+    /// Measured.
+    pub(crate) turn_rate: T,
+    /// Heading error, of [`DriveLaw::held`].
+    pub(crate) error: T,
+    /// Of the last tick.
+    pub(crate) command: &'a Command<T>,
+    pub(crate) jumped: bool,
+    pub(crate) dt: T,
+}
+
+impl<T: Scalar> DriveLaw<T> {
+    /// The heading goes on by what was commanded since the last tick, without what the heading itself added.
+    pub(crate) fn turn_on(&mut self, command: &Command<T>, dt: T) {
+        if let Some(held) = &mut self.held {
+            let turned = command.twist.angular - self.added;
+            let rate = command.rate.angular - self.added_rate;
+            *held = wrap(*held + dt * (turned + T::HALF * dt * rate));
+        }
+    }
+
+    /// The heading error of a robot that looks to `heading`; 0 while none is held.
+    pub(crate) fn error(&self, heading: T) -> T {
+        self.held.map_or(T::ZERO, |held| wrap(held - heading))
+    }
+
+    /// The setpoint goes from the command to the order as two lags in cascade do,
+    ///
+    /// ```text
+    /// v_d″ + 2 A_v v_d′ + A_v² (v_d − v) = 0        A_v = min(12/s, e j/a)
+    /// w_d = w_s + k₃ sin e_θ                        w_s likewise towards w
+    /// ```
+    ///
+    /// with the exact solution over a tick, from where the governor left the command: what it limited is not asked for again, and
+    /// orders may change in every tick. The faster of both lags brakes from the largest acceleration a with a jerk of
+    /// A a/e at most, so that the jerk limit j makes no command overshoot its order.
+    ///
+    /// The heading that is held is the integral of w_s. Its error is bounded to a quarter of a turn, where the sine is largest. A
+    /// robot that is ordered to stand holds it until it does, and none at rest: noise of the pose would turn it.
+    pub(crate) fn advance<M: Maths<T>>(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        now: &Now<'_, T>,
+    ) -> Setpoint<T> {
+        if now.jumped {
+            *self = Self::default();
+        }
+        let limits = &motion.params().limits;
+        let order = within_limits(motion, now.order);
+        let (twist, rate) = (&now.command.twist, &now.command.rate);
+        let accel = if limits.accel > limits.brake {
+            limits.accel
+        } else {
+            limits.brake
+        };
+        let (linear, linear_rate) = lagged::<T, M>(
+            (twist.linear, rate.linear),
+            order.linear,
+            decay(limits.jerk, accel),
+            now.dt,
+        );
+        let (angular, angular_rate) = lagged::<T, M>(
+            (twist.angular - self.added, rate.angular - self.added_rate),
+            order.angular,
+            decay(limits.turn_jerk, limits.turn_accel),
+            now.dt,
+        );
+        let still = T::from_f64(STILL);
+        let moves = order != Twist::default() || linear.abs() > still || angular.abs() > still;
+        *self = if now.hold_heading && moves {
+            let error = if self.held.is_some() {
+                clamp(now.error, T::FRAC_PI_2)
+            } else {
+                T::ZERO
+            };
+            let (sine, cosine) = M::sin_cos_near(error);
+            let gain = motion.gains().heading;
+            Self {
+                held: Some(now.heading + error),
+                added: gain * sine,
+                added_rate: gain * cosine * (angular - now.turn_rate),
+            }
+        } else {
+            Self::default()
+        };
+        Setpoint {
+            twist: Twist {
+                linear,
+                angular: angular + self.added,
+            },
+            rate: Accel {
+                linear: linear_rate,
+                angular: angular_rate + self.added_rate,
+            },
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        let held = self.held.is_none_or(Scalar::is_finite);
+        held && self.added.is_finite() && self.added_rate.is_finite()
+    }
+}
+
+/// The order within the limits: each axis by itself, then both by one factor, so that no wheel has to turn faster than it does at the
+/// largest speed or the largest turn rate alone. Motors that are made for either have no voltage left for both.
+pub(crate) fn within_limits<T: Scalar>(
+    motion: &ValidMotionParams<T>,
+    order: &Twist<T>,
+) -> Twist<T> {
+    let limits = &motion.params().limits;
+    let linear = clamp(order.linear, limits.speed);
+    let angular = clamp(order.angular, limits.turn_rate);
+    let lever = T::HALF * motion.params().robot.wheels.track_m;
+    let turning = lever * limits.turn_rate;
+    let most = if turning > limits.speed {
+        turning
+    } else {
+        limits.speed
+    };
+    let rim = linear.abs() + lever * angular.abs();
+    if rim > most {
+        let share = most / rim;
+        Twist {
+            linear: share * linear,
+            angular: share * angular,
+        }
+    } else {
+        Twist { linear, angular }
+    }
+}
+
+/// A \[1/s\] for a jerk limit and the largest acceleration.
+fn decay<T: Scalar>(jerk: T, accel: T) -> T {
+    let (most, needed) = (
+        T::from_f64(STOPPING_DECAY),
+        T::from_f64(core::f64::consts::E) * jerk / accel,
+    );
+    if needed < most { needed } else { most }
+}
+
+/// Value and rate `dt` later, on their way to `order`.
+fn lagged<T: Scalar, M: Maths<T>>((value, rate): (T, T), order: T, decay: T, dt: T) -> (T, T) {
+    let fade = T::ONE + M::exp_m1(-(decay * dt));
+    let gap = AxisOffset {
+        value: value - order,
+        rate,
+    };
+    let gap = gap.advance(decay, dt, fade);
+    (order + gap.value, gap.rate)
+}

@@ -1,0 +1,104 @@
+//! The firmware in a simulated world, behind the same frames as a real base.
+
+use super::Line;
+use crate::closed_loop::{Board, ClosedLoopError};
+use crate::mission::BaseSpec;
+use crate::monitor::{Monitor, MonitorError};
+use crate::world::{World, WorldSetup};
+use controller_core::types::Pose;
+use firmware_demo::control_server::Queues;
+use protocol::{Command, Frame, MAX_FRAME, Telemetry, WirePose, encode};
+use std::io;
+use std::time::{Duration, Instant};
+
+/// A base on the realistic plant that knows nothing but frames.
+pub struct Simulated<'queue> {
+    board: Board<'queue>,
+    sequence: u16,
+    /// Answers of the background that the host has not read.
+    unread: Vec<u8>,
+    /// Passed, of the world's clock \[µs\].
+    due_us: u64,
+    /// When the world began, where it keeps to real time.
+    began: Option<Instant>,
+}
+
+impl<'queue> Simulated<'queue> {
+    /// A base at the origin; in real time, or as fast as it can.
+    ///
+    /// # Errors
+    /// Parameters out of their range.
+    pub fn new(
+        queues: &'queue mut Queues,
+        base: &BaseSpec,
+        setup: &WorldSetup,
+        real_time: bool,
+    ) -> Result<Self, ClosedLoopError> {
+        Ok(Self {
+            board: Board::new(queues, base, setup, |_| {})?,
+            sequence: 0,
+            unread: Vec::new(),
+            due_us: 0,
+            began: real_time.then(Instant::now),
+        })
+    }
+
+    /// The world, for what truly happens.
+    pub const fn world(&self) -> &World {
+        self.board.world()
+    }
+
+    fn read(&mut self, answer: Frame<Telemetry>) -> Result<(), MonitorError> {
+        let mut bytes = [0; MAX_FRAME];
+        let frame = encode(answer.sequence, &answer.message, &mut bytes).map_err(failed)?;
+        self.unread.extend_from_slice(frame);
+        Ok(())
+    }
+
+    fn tick(&mut self) -> Result<(), MonitorError> {
+        self.board.advance().map_err(failed)?;
+        if let Some((pose, age_s)) = self.board.world().fix() {
+            let pose: Pose<f32> = pose.cast();
+            let pose = WirePose::from(&pose);
+            let age_s = age_s as f32;
+            self.send(&Command::Fix { pose, age_s })?;
+        }
+        self.board.tick();
+        while let Some(report) = self.board.pending() {
+            self.read(report)?;
+        }
+        Ok(())
+    }
+}
+
+impl Line for Simulated<'_> {
+    fn send(&mut self, command: &Command) -> Result<(), MonitorError> {
+        let mut bytes = [0; MAX_FRAME];
+        let frame = encode(self.sequence, command, &mut bytes).map_err(failed)?;
+        self.sequence = self.sequence.wrapping_add(1);
+        for byte in frame {
+            if let Some(answer) = self.board.receive(*byte) {
+                self.read(answer)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn pass(&mut self, time: Duration, monitor: &mut Monitor) -> Result<bool, MonitorError> {
+        self.due_us += u64::try_from(time.as_micros()).unwrap_or(u64::MAX);
+        while self.board.world().now_us() < self.due_us {
+            self.tick()?;
+        }
+        monitor.take(&self.unread, |_, _| {});
+        self.unread.clear();
+        if let Some(began) = self.began {
+            let ahead = Duration::from_micros(self.due_us).saturating_sub(began.elapsed());
+            std::thread::sleep(ahead);
+        }
+        Ok(true)
+    }
+}
+
+fn failed(cause: impl std::error::Error + Send + Sync + 'static) -> MonitorError {
+    MonitorError::Line(io::Error::other(cause))
+}
