@@ -182,7 +182,7 @@ fn orders_of_any_size_change_the_wrench_by_at_most_l_dt() {
         }
     }
     Stated::of("docs/motion.md").exactly(
-        At::Phrase("Velocity orders of any size, # million ticks of 10 and 1 ms in each precision: at most # of L dt, and # of twice that"),
+        At::Phrase("Velocity orders of any size, for # million ticks at 10 and 1 ms in both precisions: a step of at most # of L dt, and # of twice that"),
         &[cases.len() as f64 * f64::from(TICKS) / 1e6, most, saturated],
     );
 }
