@@ -81,6 +81,12 @@ impl<T: Scalar> Reference<T> {
         &self.twist
     }
 
+    /// It stands: a reference that is made of numbers ends with their rounding, so slower than 1e-6 m/s and 1e-6 rad/s is rest.
+    pub fn stands(&self) -> bool {
+        let least = T::from_f64(1.0e-6);
+        self.twist.linear.abs() < least && self.twist.angular.abs() < least
+    }
+
     /// (v̇_r, ẇ_r).
     #[inline]
     pub fn accel(&self) -> &Accel<T> {
@@ -170,5 +176,28 @@ impl<T: Scalar> ParkingPlan<T> {
     /// from being one tick late.
     pub fn is_due(&self, t: T) -> bool {
         t >= self.hand_over_s - T::from_f64(1.0e-9)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ConstantTwist, Reference};
+    use crate::maths::Libm;
+    use crate::types::{Pose, Twist};
+
+    /// What a retimed file ends with in single precision is rest; the slowest order that a base holds is not.
+    #[test]
+    fn what_rounds_to_rest_stands() {
+        let with = |v, w| {
+            let motion = ConstantTwist {
+                start: Pose::<f64>::default(),
+                twist: Twist::new(v, w),
+            };
+            motion.at::<Libm>(0.0)
+        };
+        assert!(Reference::at_rest(Pose::<f64>::default()).stands());
+        assert!(with(1.3e-9, -5.1e-11).stands());
+        assert!(!with(1e-3, 0.0).stands());
+        assert!(!with(0.0, -1e-3).stands());
     }
 }

@@ -6,7 +6,7 @@ use controller_core::maths::Single;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
-use controller_core::types::{Pose, Twist};
+use controller_core::types::Pose;
 
 use super::ControlTask;
 
@@ -105,15 +105,11 @@ impl<D: WheelDrive> ControlTask<'_, D> {
         match self.references.at::<Single>(now_s) {
             Ok(reference) => Order::Follow(reference),
             // A trajectory that ends at rest is complete.
-            Err(Gap::Underrun { last }) if rests(&last.reference) => {
+            Err(Gap::Underrun { last }) if last.reference.stands() => {
                 self.end(*last.reference.pose())
             }
             // One that ends in motion was cut off: the base goes on as it went until that is too old, then stops.
             Err(_) => Order::None,
         }
     }
-}
-
-fn rests(reference: &Reference<f32>) -> bool {
-    *reference.twist() == Twist::default()
 }

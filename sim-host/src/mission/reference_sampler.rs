@@ -14,9 +14,6 @@ pub(crate) enum AccelerationAt {
     MiddleOfHold,
 }
 
-/// Slower than this is rest \[m/s, rad/s\]: a route that is made of numbers ends with their rounding.
-const REST: f64 = 1e-6;
-
 /// The reference at each tick, and the way that it goes.
 pub(super) struct ReferenceSampler {
     /// Pose and twist of the tick, acceleration as the law takes it.
@@ -91,11 +88,7 @@ impl ReferenceSampler {
 
     /// It comes to rest at its end: it is followed until then.
     pub(super) fn rests_at_end(&self) -> bool {
-        let last = self.references.last();
-        last.is_some_and(|last| {
-            let twist = last.twist();
-            twist.linear.abs() < REST && twist.angular.abs() < REST
-        })
+        self.references.last().is_some_and(Reference::stands)
     }
 
     /// Metres and radians still to go from a tick on.
