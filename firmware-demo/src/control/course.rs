@@ -6,7 +6,7 @@ use controller_core::maths::Single;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
-use controller_core::types::Pose;
+use controller_core::types::{Pose, Twist};
 
 use super::ControlTask;
 

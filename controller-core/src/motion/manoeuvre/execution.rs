@@ -276,6 +276,7 @@ impl<T: Scalar> Execution<T> {
 
     pub(crate) fn is_finite(&self) -> bool {
         let Vector { x, y } = self.remaining;
-        x.is_finite() && y.is_finite() && self.t.is_finite() && self.goal.is_finite()
+        let reachable = self.search.as_ref().is_none_or(Search::is_finite);
+        reachable && x.is_finite() && y.is_finite() && self.t.is_finite() && self.goal.is_finite()
     }
 }

@@ -136,6 +136,11 @@ impl<T: Scalar> Search<T> {
         }
     }
 
+    /// The goal is not so far that its distance is no number.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.target.distance.is_finite()
+    }
+
     /// The shape is chosen.
     pub(crate) fn is_polishing(&self) -> bool {
         self.polishing
