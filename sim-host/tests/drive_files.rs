@@ -160,8 +160,7 @@ fn clean_files_are_tracked_within_millimetres() -> Result<(), Box<dyn Error>> {
                 "{name}: {tracking:?}"
             );
             let hand_over = metrics.run.hand_over.ok_or(name)?;
-            // A file that brakes until its very end leaves a jerk-limited base some of that.
-            assert!(hand_over.overshoot_m < 2e-3, "{name}: {hand_over:?}");
+            assert!(hand_over.overshoot_m < 1e-3, "{name}: {hand_over:?}");
             assert!(metrics.run.start_torque_step.force_n == 0.0, "{name}");
         }
     }
