@@ -4,15 +4,33 @@ use crate::error::{Input, StepFault};
 use crate::scalar::Scalar;
 use crate::types::Measured;
 
-/// Refuses a measurement that is not finite.
-pub(crate) fn check_measured<T: Scalar>(measured: &Measured<T>) -> Result<(), StepFault> {
-    if !measured.pose.is_finite() {
-        Err(StepFault::NotFinite(Input::Pose))
-    } else if !measured.twist.is_finite() {
-        Err(StepFault::NotFinite(Input::Twist))
-    } else {
-        Ok(())
+/// 0 if all `values` are finite, otherwise NaN: Σ (x − x). Residues may be added up, so that many numbers cost one comparison.
+#[inline(always)]
+pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
+    let mut sum = T::ZERO;
+    for value in values {
+        sum += value - value;
     }
+    sum
+}
+
+/// Refuses a measurement that is not finite.
+#[inline]
+pub(crate) fn check_measured<T: Scalar>(measured: &Measured<T>) -> Result<(), StepFault> {
+    if measured.is_finite() {
+        Ok(())
+    } else {
+        Err(measured_fault(measured))
+    }
+}
+
+#[cold]
+fn measured_fault<T: Scalar>(measured: &Measured<T>) -> StepFault {
+    StepFault::NotFinite(if measured.pose.is_finite() {
+        Input::Twist
+    } else {
+        Input::Pose
+    })
 }
 
 /// Refuses a time step that is not positive, not a number or too long.

@@ -95,7 +95,7 @@ impl<T: Scalar> Reference<T> {
 
     /// Everything finite.
     pub fn is_finite(&self) -> bool {
-        self.pose.is_finite() && self.twist.is_finite() && self.accel.is_finite()
+        self.pose.residue() + self.twist.residue() + self.accel.residue() == T::ZERO
     }
 }
 

@@ -57,6 +57,8 @@ pub trait Scalar:
     fn from_i32(value: i32) -> Self;
     /// Widens to a double; exact.
     fn to_f64(self) -> f64;
+    /// Without its fraction; saturates, and is 0 for NaN.
+    fn to_u32(self) -> u32;
     /// The same number in another precision: rounded to nearest, exact where it widens.
     #[inline]
     fn cast<S: Scalar>(self) -> S {
@@ -96,6 +98,10 @@ impl Scalar for f32 {
     #[inline]
     fn to_f64(self) -> f64 {
         f64::from(self)
+    }
+    #[inline]
+    fn to_u32(self) -> u32 {
+        self as u32
     }
     #[inline]
     fn abs(self) -> Self {
@@ -141,6 +147,10 @@ impl Scalar for f64 {
         self
     }
     #[inline]
+    fn to_u32(self) -> u32 {
+        self as u32
+    }
+    #[inline]
     fn abs(self) -> Self {
         f64::abs(self)
     }
@@ -160,4 +170,17 @@ impl Scalar for f64 {
     fn wrap_angle(self) -> Self {
         wrap::wrap_f64(self)
     }
+}
+
+/// Microseconds in seconds. In single precision exact to a rounding up to 16.7 s.
+#[inline]
+pub(crate) fn seconds<T: Scalar>(us: u32) -> T {
+    T::from_i32(i32::try_from(us).unwrap_or(i32::MAX)) * T::from_f64(1.0e-6)
+}
+
+/// Seconds in microseconds. Saturates; what is no number is as long as can be.
+#[inline]
+pub(crate) fn microseconds<T: Scalar>(seconds: T) -> u32 {
+    let us = seconds * T::from_f64(1.0e6);
+    if us >= T::ZERO { us.to_u32() } else { u32::MAX }
 }

@@ -4,6 +4,7 @@
 //! from x. Body frame: x forward, y left. Where wheels come in pairs, right comes before left.
 
 use crate::cast::cast;
+use crate::check::residue;
 use crate::scalar::Scalar;
 
 /// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
@@ -101,7 +102,11 @@ impl<T: Scalar> Pose<T> {
 
     /// All coordinates finite.
     pub fn is_finite(&self) -> bool {
-        self.x.is_finite() && self.y.is_finite() && self.theta.is_finite()
+        self.residue() == T::ZERO
+    }
+
+    pub(crate) fn residue(&self) -> T {
+        residue([self.x, self.y, self.theta])
     }
 }
 
@@ -122,7 +127,11 @@ impl<T: Scalar> Twist<T> {
 
     /// Both components finite.
     pub fn is_finite(&self) -> bool {
-        self.linear.is_finite() && self.angular.is_finite()
+        self.residue() == T::ZERO
+    }
+
+    pub(crate) fn residue(&self) -> T {
+        residue([self.linear, self.angular])
     }
 }
 
@@ -134,13 +143,17 @@ impl<T: Scalar> Accel<T> {
 
     /// Both components finite.
     pub fn is_finite(&self) -> bool {
-        self.linear.is_finite() && self.angular.is_finite()
+        self.residue() == T::ZERO
+    }
+
+    pub(crate) fn residue(&self) -> T {
+        residue([self.linear, self.angular])
     }
 }
 
 impl<T: Scalar> Measured<T> {
     /// Everything finite.
     pub fn is_finite(&self) -> bool {
-        self.pose.is_finite() && self.twist.is_finite()
+        self.pose.residue() + self.twist.residue() == T::ZERO
     }
 }

@@ -1,6 +1,6 @@
 //! The tick of a base.
 
-use super::driving::{Driven, Driving};
+use super::driving::{Driven, Driving, Tick};
 use super::host_watch::HostWatch;
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
@@ -14,7 +14,7 @@ use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome};
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, microseconds, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Accel, Pose, Twist, WheelTorques};
 
@@ -115,9 +115,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         };
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
-        for fault in self.monitor.check(&inputs).iter() {
-            active_faults.add(fault);
-        }
+        active_faults.add_all(&self.monitor.check(&inputs));
         active_faults.add_some(self.given_up());
         self.supervisor
             .on_active_faults(&active_faults, &self.base.policy);
@@ -131,19 +129,17 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         self.supervisor.tick(dt_us, rests);
         let action = self.act(dt, &located, sensed, &mut active_faults);
         self.exerted = action.torques().unwrap_or_default();
-        self.report = BaseReport {
-            action,
-            state: self.supervisor.state(),
-            cause: self.supervisor.cause(),
-            measured: located.measured,
-            blind: located.blind,
-            curvature_bias: located.curvature_bias,
-            fix: located.fix,
-            active_faults,
-            refused,
-            motion: self.driving.report().copied(),
-        };
-        &self.report
+        let report = &mut self.report;
+        report.action = action;
+        report.state = self.supervisor.state();
+        report.cause = self.supervisor.cause();
+        report.measured = located.measured;
+        report.blind = located.blind;
+        report.curvature_bias = located.curvature_bias;
+        report.fix = located.fix;
+        report.active_faults = active_faults;
+        report.refused = refused;
+        report
     }
 
     /// The report of the last tick.
@@ -164,7 +160,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     fn exerted_accel(&self) -> Accel<T> {
         let mut wrench = self.base.motion.wheels().wrench(&self.exerted);
         // What friction and slopes take of it accelerates nothing. Parking knows it otherwise: a wheel that stands has to be pushed.
-        if let Some(report) = self.driving.report()
+        if let Some(report) = &self.report.motion
             && report.mode == Mode::Driving
         {
             wrench.force += report.disturbance.force;
@@ -184,7 +180,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             // Before the first reading: at rest, which the counts that are missing say more about.
             measured: located.measured.unwrap_or_default(),
             outside: None,
-            command: self.driving.command(),
+            command: self.commanded(),
             torques: match self.report.action {
                 WheelAction::Brake => None,
                 WheelAction::Drive(_) | WheelAction::Release => Some(self.exerted),
@@ -198,12 +194,18 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
     }
 
+    /// The command in force; none is rest.
+    fn commanded(&self) -> Twist<T> {
+        let report = self.report.motion.as_ref();
+        report.map_or_else(Twist::default, |report| report.command)
+    }
+
     /// What the motion law said in the last tick about getting there.
     fn given_up(&self) -> Option<Fault> {
         if !self.supervisor.state().drives() {
             return None;
         }
-        match self.driving.report()?.outcome {
+        match self.report.motion.as_ref()?.outcome {
             Outcome::Stalled => Some(Fault::Stalled),
             Outcome::OutOfTolerance => Some(Fault::GoalUnreachable),
             _ => None,
@@ -263,11 +265,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             friction: &motor.params().friction,
             per_count: (T::PI + T::PI) / self.base.localisation.params().odometry.counts_per_turn,
             counts: sensed.counts.ok(),
-            commanded: motion.wheels().wheel_speeds(&self.driving.command()),
+            commanded: motion.wheels().wheel_speeds(&self.commanded()),
             torques: self.exerted,
             dt,
         });
-        self.driving.act(motion, mode, located, speeds, turning, dt)
+        let tick = Tick {
+            motion,
+            mode,
+            located,
+            speeds,
+            turning,
+            dt,
+        };
+        self.driving.act(&tick, &mut self.report.motion)
     }
 
     /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or
@@ -294,7 +304,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             OutputMode::Brake => WheelAction::Brake,
             _ => WheelAction::Release,
         };
-        self.driving = Driving::IDLE;
+        self.idle();
         self.exerted = WheelTorques::default();
         self.report.action = action;
         action
@@ -348,8 +358,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         self.locator = self.locator.renewed(&base.localisation);
         self.monitor = Monitor::new(&base.detectors);
         self.supervisor.reconfigure(&base.supervisor);
-        self.driving = Driving::IDLE;
+        self.idle();
         Ok(())
+    }
+
+    /// Nothing is driven any more.
+    fn idle(&mut self) {
+        self.driving = Driving::IDLE;
+        self.report.motion = None;
     }
 
     /// Ticks that came late, by the watch over them, since the start or the last new parameters.
@@ -363,19 +379,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// # Errors
     /// A torque that is not finite; nothing is noted then.
     pub fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<(), StepFault> {
-        if self.driving.note_exerted(torques)? {
+        if self.report.motion.is_some() {
+            self.driving.note_exerted(&self.base.motion, torques)?;
             self.exerted = *torques;
         }
         Ok(())
     }
-}
-
-fn seconds<T: Scalar>(us: u32) -> T {
-    T::from_i32(i32::try_from(us).unwrap_or(i32::MAX)) * T::from_f64(1.0e-6)
-}
-
-/// Saturates; what is no number is as old as can be.
-fn microseconds<T: Scalar>(seconds: T) -> u32 {
-    let us = seconds.to_f64() * 1.0e6;
-    if us >= 0.0 { us as u32 } else { u32::MAX }
 }

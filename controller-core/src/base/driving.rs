@@ -5,23 +5,36 @@ use super::locate::Located;
 use super::wheel_friction::{FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
-use crate::motion::{MotionController, MotionReport, Outcome, Task, ValidMotionParams};
+use crate::motion::{MotionLaw, MotionReport, Outcome, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques};
+use crate::types::{Measured, WheelSpeeds, WheelTorques};
 
 /// What is driven, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Driving<T, M, U> {
     /// What the orders amount to.
     pub(super) task: Option<Task<T>>,
-    /// While its torque flows.
-    motion: Option<MotionController<T, M, U>>,
+    /// At work while there is a report of it.
+    law: MotionLaw<T, M, U>,
     /// Of a controlled stop, and the time since its begin \[s\].
     stop: Option<(StopPlan<T>, T)>,
     /// While driving by velocity.
     friction: Option<FrictionWatch<T>>,
+}
+
+/// A tick of a base, as far as driving goes.
+pub(super) struct Tick<'a, T> {
+    pub(super) motion: &'a ValidMotionParams<T>,
+    /// What the supervisor lets through.
+    pub(super) mode: OutputMode,
+    pub(super) located: &'a Located<T>,
+    /// Of the wheels, as measured.
+    pub(super) speeds: WheelSpeeds<T>,
+    /// Of a base with motors.
+    pub(super) turning: Option<Turning<'a, T>>,
+    pub(super) dt: T,
 }
 
 /// What came of a tick.
@@ -44,67 +57,73 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// Nothing to do, and no torque.
     pub(super) const IDLE: Self = Self {
         task: None,
-        motion: None,
+        law: MotionLaw::IDLE,
         stop: None,
         friction: None,
     };
 
-    /// What the wheels are to do in `mode`. `speeds` are those of the wheels, as measured.
+    /// What the wheels are to do. `report` is the motion law's of the last tick and becomes that of this one; `None` while
+    /// its torque does not flow.
     ///
     /// # Errors
     /// A step that the motion law refuses.
     pub(super) fn act(
         &mut self,
-        motion: &ValidMotionParams<T>,
-        mode: OutputMode,
-        located: &Located<T>,
-        speeds: WheelSpeeds<T>,
-        turning: Option<Turning<'_, T>>,
-        dt: T,
+        tick: &Tick<'_, T>,
+        report: &mut Option<MotionReport<T>>,
     ) -> Result<Driven<T>, StepFault> {
-        let beyond = self.beyond_coulomb(turning);
-        if mode != OutputMode::ControlledStop {
+        let beyond = self.beyond_coulomb(tick.turning.as_ref());
+        if tick.mode != OutputMode::ControlledStop {
             self.stop = None;
         }
-        let jumped = located.jumped;
-        match mode {
-            OutputMode::Drive | OutputMode::Hold => match (self.task, &located.measured) {
+        let Tick { motion, speeds, .. } = *tick;
+        match tick.mode {
+            OutputMode::Drive | OutputMode::Hold => match (&self.task, &tick.located.measured) {
                 (Some(task), Some(measured)) => {
-                    let report = *self.step(motion, &task, measured, jumped, dt)?;
+                    let jumped = tick.located.jumped;
+                    let report = step(
+                        &mut self.law,
+                        motion,
+                        task,
+                        measured,
+                        jumped,
+                        tick.dt,
+                        report,
+                    )?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
-                        action: drive(motion, &report, speeds, beyond),
+                        action: drive(motion, report, speeds, beyond),
                         at_goal: matches!(task, Task::Park(_)).then_some(at_goal),
                     })
                 }
                 // Armed before the first reading: nothing to go by yet, so nothing is exerted.
-                _ => Ok(self.without_torque()),
+                _ => Ok(without_torque(report)),
             },
-            OutputMode::ControlledStop => match &located.measured {
+            OutputMode::ControlledStop => match &tick.located.measured {
                 Some(measured) => {
-                    let report = *self.brake_along_plan(motion, measured, jumped, dt)?;
-                    Ok(Driven::only(drive(motion, &report, speeds, beyond)))
+                    let report = self.brake_along_plan(tick, measured, report)?;
+                    Ok(Driven::only(drive(motion, report, speeds, beyond)))
                 }
-                None => Ok(self.without_torque()),
+                None => Ok(without_torque(report)),
             },
-            OutputMode::ZeroTorque => Ok(self.without_torque()),
+            OutputMode::ZeroTorque => Ok(without_torque(report)),
             OutputMode::Brake => {
-                self.let_go();
+                self.let_go(report);
                 Ok(Driven::only(WheelAction::Brake))
             }
             OutputMode::Release => {
-                self.let_go();
+                self.let_go(report);
                 Ok(Driven::only(WheelAction::Release))
             }
         }
     }
 
     /// What the wheels' friction is found to be beyond its Coulomb part, while the base drives by velocity and has motors.
-    fn beyond_coulomb(&mut self, turning: Option<Turning<'_, T>>) -> Option<WheelTorques<T>> {
-        match (self.task, turning) {
+    fn beyond_coulomb(&mut self, turning: Option<&Turning<'_, T>>) -> Option<WheelTorques<T>> {
+        match (&self.task, turning) {
             (Some(Task::Drive { .. }), Some(turning)) => {
                 let watch = self.friction.get_or_insert_default();
-                Some(watch.advance(&turning))
+                Some(watch.advance(turning))
             }
             _ => {
                 self.friction = None;
@@ -113,42 +132,19 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         }
     }
 
-    /// The motion law's step, or its start.
-    fn step(
-        &mut self,
-        motion: &ValidMotionParams<T>,
-        task: &Task<T>,
-        measured: &Measured<T>,
-        jumped: bool,
-        dt: T,
-    ) -> Result<&MotionReport<T>, StepFault> {
-        match self.motion {
-            None => {
-                let started = MotionController::start(motion, task, measured)?;
-                Ok(self.motion.insert(started).report())
-            }
-            Some(ref mut controller) => {
-                if jumped {
-                    controller.declare_jump();
-                }
-                controller.step(dt, task, measured)
-            }
-        }
-    }
-
     /// The controlled stop: the motion law along a plan that begins at its last command.
-    fn brake_along_plan(
+    fn brake_along_plan<'r>(
         &mut self,
-        motion: &ValidMotionParams<T>,
+        tick: &Tick<'_, T>,
         measured: &Measured<T>,
-        jumped: bool,
-        dt: T,
-    ) -> Result<&MotionReport<T>, StepFault> {
+        report: &'r mut Option<MotionReport<T>>,
+    ) -> Result<&'r MotionReport<T>, StepFault> {
+        let &Tick { motion, dt, .. } = tick;
         let (plan, t) = match self.stop {
             Some((plan, t)) => (plan, t + dt),
             None => {
-                let command = match &self.motion {
-                    Some(controller) => controller.report().command,
+                let command = match report {
+                    Some(report) => report.command,
                     None => measured.twist,
                 };
                 (StopPlan::new::<M>(motion, &command), T::ZERO)
@@ -157,41 +153,63 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         let first = self.stop.is_none();
         self.stop = Some((plan, t));
         let task = plan.task::<M>(t, dt, &measured.pose);
-        self.step(motion, &task, measured, jumped || first, dt)
+        let jumped = tick.located.jumped || first;
+        step(&mut self.law, motion, &task, measured, jumped, dt, report)
     }
 
-    /// Enabled, with no law at work.
-    fn without_torque(&mut self) -> Driven<T> {
-        self.motion = None;
-        Driven::only(WheelAction::Drive(DriveCommand::default()))
-    }
-
-    fn let_go(&mut self) {
-        self.motion = None;
+    fn let_go(&mut self, report: &mut Option<MotionReport<T>>) {
+        *report = None;
         self.task = None;
     }
 
-    /// The motion law's report, while its torque flows.
-    pub(super) fn report(&self) -> Option<&MotionReport<T>> {
-        self.motion.as_ref().map(MotionController::report)
-    }
-
-    /// The command in force; none is rest.
-    pub(super) fn command(&self) -> Twist<T> {
-        self.report()
-            .map_or(Twist::default(), |report| report.command)
-    }
-
-    /// What the wheels really exert until the next tick; whether a law is at work that needs it.
+    /// What the wheels really exert until the next tick, for a law at work.
     ///
     /// # Errors
     /// A torque that is not finite.
-    pub(super) fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<bool, StepFault> {
-        match &mut self.motion {
-            Some(controller) => controller.note_applied(torques).map(|()| true),
-            None => Ok(false),
+    pub(super) fn note_exerted(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        torques: &WheelTorques<T>,
+    ) -> Result<(), StepFault> {
+        self.law.note_applied(motion, torques)
+    }
+}
+
+/// The motion law's step, or its start where there is no report yet.
+fn step<'r, T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
+    law: &mut MotionLaw<T, M, U>,
+    motion: &ValidMotionParams<T>,
+    task: &Task<T>,
+    measured: &Measured<T>,
+    jumped: bool,
+    dt: T,
+    report: &'r mut Option<MotionReport<T>>,
+) -> Result<&'r MotionReport<T>, StepFault> {
+    let starts = report.is_none();
+    let current = report.get_or_insert_default();
+    let taken = if starts {
+        law.begin(motion, task, measured, current)
+    } else {
+        if jumped {
+            law.declare_jump();
+        }
+        law.step(motion, dt, task, measured, current)
+    };
+    match taken {
+        Ok(()) => Ok(report.get_or_insert_default()),
+        Err(fault) => {
+            if starts {
+                *report = None;
+            }
+            Err(fault)
         }
     }
+}
+
+/// Enabled, with no law at work.
+fn without_torque<T: Scalar>(report: &mut Option<MotionReport<T>>) -> Driven<T> {
+    *report = None;
+    Driven::only(WheelAction::Drive(DriveCommand::default()))
 }
 
 /// Torques of a step, and what a motor driver needs with them.

@@ -1,6 +1,7 @@
 //! What pushes the robot beside its wheels: friction, a slope, a load, a mass that is not as stated.
 
 use super::params::ValidMotionParams;
+use crate::check::residue;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
@@ -24,16 +25,26 @@ pub(crate) enum Watch {
 }
 
 impl<T: Scalar> Observer<T> {
+    /// Nothing seen yet.
+    pub(crate) const NEW: Self = Self {
+        estimate: Wrench {
+            force: T::ZERO,
+            moment: T::ZERO,
+        },
+        twist: Twist::new(T::ZERO, T::ZERO),
+        exerted: None,
+    };
+
     /// From a robot that nobody has pushed yet.
     pub(crate) fn start(twist: &Twist<T>) -> Self {
         Self {
             twist: *twist,
-            ..Self::default()
+            ..Self::NEW
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        self.estimate.force.is_finite() && self.estimate.moment.is_finite()
+    pub(crate) fn residue(&self) -> T {
+        residue([self.estimate.force, self.estimate.moment])
     }
 
     /// What the wheels will exert until the next tick.

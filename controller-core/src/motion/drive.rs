@@ -6,6 +6,7 @@ use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use super::transition_offset::AxisOffset;
 use crate::angle::wrap;
+use crate::check::residue;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::range::clamp;
@@ -62,6 +63,13 @@ pub(crate) struct Now<'a, T> {
 }
 
 impl<T: Scalar> DriveLaw<T> {
+    /// No heading is held.
+    pub(crate) const NEW: Self = Self {
+        held: None,
+        added: T::ZERO,
+        added_rate: T::ZERO,
+    };
+
     /// The heading goes on by what was commanded since the last tick, without what the heading itself added.
     pub(crate) fn turn_on(&mut self, command: &Command<T>, dt: T) {
         if let Some(held) = &mut self.held {
@@ -147,9 +155,9 @@ impl<T: Scalar> DriveLaw<T> {
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        let held = self.held.is_none_or(Scalar::is_finite);
-        held && self.added.is_finite() && self.added_rate.is_finite()
+    pub(crate) fn residue(&self) -> T {
+        let held = self.held.unwrap_or(T::ZERO);
+        residue([held, self.added, self.added_rate])
     }
 }
 

@@ -34,6 +34,14 @@ pub(crate) struct Instant<'a, T> {
 }
 
 impl<T: Scalar> Follower<T> {
+    /// Nothing seen yet.
+    pub(crate) const NEW: Self = Self {
+        along: LagState::NEW,
+        across: LagState::NEW,
+        around: LagState::NEW,
+        side: T::ZERO,
+    };
+
     /// Eq. (15) for any v_r, with the reference fed forward and the schedule in a neuron's input.
     ///
     /// ```text
@@ -103,8 +111,8 @@ impl<T: Scalar> Follower<T> {
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        self.along.is_finite() && self.across.is_finite() && self.around.is_finite()
+    pub(crate) fn residue(&self) -> T {
+        self.along.residue() + self.across.residue() + self.around.residue()
     }
 
     /// What sin e_θ lacks beyond a quarter turn. Which way is decided once and kept near half a

@@ -29,6 +29,12 @@ pub(crate) struct GoalView<T> {
 }
 
 impl<T: Scalar> GoalChecker<T> {
+    /// Not parked.
+    pub(crate) const NEW: Self = Self {
+        parked: false,
+        inside_s: T::ZERO,
+    };
+
     /// The latch after a tick of `dt`.
     ///
     /// Enters when the place where the stop would end is inside the tolerance: a transition offset
@@ -115,6 +121,9 @@ pub(crate) struct Pushing<T> {
 }
 
 impl<T: Scalar> Stall<T> {
+    /// Not stuck.
+    pub(crate) const NEW: Self = Self { since_s: T::ZERO };
+
     pub(crate) fn advance(&self, motion: &ValidMotionParams<T>, now: &Pushing<T>, dt: T) -> Self {
         let tenth = T::from_f64(0.1);
         let (asked, done) = (motion.rim_speed(&now.command), motion.rim_speed(&now.twist));

@@ -17,6 +17,12 @@ pub(crate) struct Command<T> {
 }
 
 impl<T: Scalar> Command<T> {
+    /// Stand.
+    pub(crate) const REST: Self = Self {
+        twist: Twist::new(T::ZERO, T::ZERO),
+        rate: Accel::new(T::ZERO, T::ZERO),
+    };
+
     /// The command that asks a robot for what it does already, as far as the limits allow.
     pub(crate) fn of_robot(motion: &ValidMotionParams<T>, twist: &Twist<T>) -> Self {
         let limits = &motion.params().limits;

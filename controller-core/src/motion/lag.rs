@@ -1,5 +1,6 @@
 //! A neuron in the units of its output: slow gain 1, saturating at a bound.
 
+use crate::check::residue;
 use crate::error::ParamError;
 use crate::maths::Maths;
 use crate::scalar::Scalar;
@@ -22,8 +23,14 @@ pub(crate) struct LagState<T> {
 }
 
 impl<T: Scalar> LagState<T> {
-    pub(crate) fn is_finite(&self) -> bool {
-        self.value.is_finite() && self.input.is_finite()
+    /// At rest.
+    pub(crate) const NEW: Self = Self {
+        value: T::ZERO,
+        input: T::ZERO,
+    };
+
+    pub(crate) fn residue(&self) -> T {
+        residue([self.value, self.input])
     }
 }
 

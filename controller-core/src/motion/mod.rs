@@ -32,6 +32,7 @@ mod goal_checker;
 mod governor;
 mod hand_over;
 mod lag;
+mod law;
 mod limits;
 mod manoeuvre;
 mod params;
@@ -56,5 +57,6 @@ pub use report::{Limited, Mode, MotionReport, Outcome};
 pub use saturation::share;
 pub use task::Task;
 
+pub(crate) use law::MotionLaw;
 pub(crate) use limits::COMMAND_SHARE;
 pub(crate) use polar::{BEARING, COUPLING};

@@ -4,6 +4,7 @@ use super::lag::LagState;
 use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use crate::angle::wrap;
+use crate::check::residue;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
@@ -51,6 +52,15 @@ struct View<T> {
 }
 
 impl<T: Scalar> PoseRegulator<T> {
+    /// Nothing seen yet.
+    pub(crate) const NEW: Self = Self {
+        approach: LagState::NEW,
+        turn: LagState::NEW,
+        direction: T::ZERO,
+        beta: T::ZERO,
+        aligning: false,
+    };
+
     /// A polar law with a strict Lyapunov function, through neurons.
     ///
     /// With ρ the distance and α the bearing of the goal, β = α − e_θ and φ = atan(h β):
@@ -112,8 +122,8 @@ impl<T: Scalar> PoseRegulator<T> {
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        self.approach.is_finite() && self.turn.is_finite() && self.beta.is_finite()
+    pub(crate) fn residue(&self) -> T {
+        self.approach.residue() + self.turn.residue() + residue([self.beta])
     }
 
     /// The robot backs up.

@@ -11,7 +11,7 @@ use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::retry::{Attempt, Rest, Retry, distance_of};
 use super::setpoint::Setpoint;
-use super::task::Task;
+use super::task::{Aim, Task};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::reference::Reference;
@@ -20,7 +20,7 @@ use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
 
 /// What the pose laws remember.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PoseLaw<T> {
     follower: Follower<T>,
     regulator: PoseRegulator<T>,
@@ -29,6 +29,16 @@ pub(crate) struct PoseLaw<T> {
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
     pub(crate) drive: DriveLaw<T>,
+}
+
+/// A [`PoseLaw`] as it was before a tick, by pieces: each is small enough to be copied in a few instructions.
+pub(crate) struct Before<T> {
+    follower: Follower<T>,
+    regulator: PoseRegulator<T>,
+    checker: GoalChecker<T>,
+    retry: Retry<T>,
+    departed: bool,
+    drive: DriveLaw<T>,
 }
 
 /// How the goal is approached. Lent, not part of what every tick copies: a manoeuvre is long.
@@ -87,6 +97,16 @@ pub(crate) enum Transition {
 }
 
 impl<T: Scalar> PoseLaw<T> {
+    /// Nothing seen yet.
+    pub(crate) const NEW: Self = Self {
+        follower: Follower::NEW,
+        regulator: PoseRegulator::NEW,
+        checker: GoalChecker::NEW,
+        retry: Retry::NEW,
+        departed: false,
+        drive: DriveLaw::NEW,
+    };
+
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         approach: &mut Approach<T>,
@@ -387,9 +407,33 @@ impl<T: Scalar> PoseLaw<T> {
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        let laws = self.follower.is_finite() && self.regulator.is_finite();
-        laws && self.drive.is_finite()
+    /// Of what a tick of a task with this aim may have changed.
+    pub(crate) fn residue(&self, aim: &Aim<T>) -> T {
+        match aim {
+            Aim::Follow => self.follower.residue(),
+            Aim::Park(_) => self.follower.residue() + self.regulator.residue(),
+            Aim::Drive => self.drive.residue(),
+        }
+    }
+
+    pub(crate) const fn before(&self) -> Before<T> {
+        Before {
+            follower: self.follower,
+            regulator: self.regulator,
+            checker: self.checker,
+            retry: self.retry,
+            departed: self.departed,
+            drive: self.drive,
+        }
+    }
+
+    pub(crate) const fn restore(&mut self, before: Before<T>) {
+        self.follower = before.follower;
+        self.regulator = before.regulator;
+        self.checker = before.checker;
+        self.retry = before.retry;
+        self.departed = before.departed;
+        self.drive = before.drive;
     }
 }
 
@@ -409,10 +453,10 @@ impl<T: Scalar> Approach<T> {
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
+    pub(crate) fn residue(&self) -> T {
         match self {
-            Self::Manoeuvre(execution) => execution.is_finite(),
-            Self::Idle | Self::Chase | Self::Regulate => true,
+            Self::Manoeuvre(execution) => execution.residue(),
+            Self::Idle | Self::Chase | Self::Regulate => T::ZERO,
         }
     }
 

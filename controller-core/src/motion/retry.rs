@@ -70,6 +70,18 @@ pub(crate) enum Rest {
 }
 
 impl<T: Scalar> Retry<T> {
+    /// All approaches are to be had.
+    pub(crate) const NEW: Self = Self {
+        count: 0,
+        given_up: false,
+        losses: 0,
+        out: T::ZERO,
+        since_s: T::ZERO,
+        parked_s: T::ZERO,
+        came: T::ZERO,
+        manoeuvres: 0,
+    };
+
     /// Neither driving out, where the goal is left on purpose, nor given up.
     pub(crate) fn may_park(&self) -> bool {
         !(self.is_out() || self.given_up)

@@ -28,6 +28,14 @@ pub enum Task<T = f32> {
     },
 }
 
+/// A kind of task, and its goal if it has one: another aim is another task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Aim<T> {
+    Follow,
+    Park(Pose<T>),
+    Drive,
+}
+
 impl<T: Scalar> Task<T> {
     /// The same in another precision; see [`Reference::cast_with`].
     pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Task<S> {
@@ -55,12 +63,12 @@ impl<T: Scalar> Task<T> {
         }
     }
 
-    /// Another goal than `last`, or another kind of task.
-    pub(crate) fn is_new(&self, last: &Self) -> bool {
-        match (last, self) {
-            (Self::Follow(_), Self::Follow(_)) | (Self::Drive { .. }, Self::Drive { .. }) => false,
-            (Self::Park(old), Self::Park(new)) => old != new,
-            _ => true,
+    /// What stays the same from tick to tick while the task does.
+    pub(crate) const fn aim(&self) -> Aim<T> {
+        match self {
+            Self::Follow(_) => Aim::Follow,
+            Self::Park(goal) => Aim::Park(*goal),
+            Self::Drive { .. } => Aim::Drive,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::governor::Command;
 use super::setpoint::Setpoint;
+use crate::check::residue;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist};
 
@@ -16,9 +17,10 @@ pub(crate) struct AxisOffset<T> {
 }
 
 impl<T: Scalar> AxisOffset<T> {
-    fn is_finite(&self) -> bool {
-        self.value.is_finite() && self.rate.is_finite()
-    }
+    const NONE: Self = Self {
+        value: T::ZERO,
+        rate: T::ZERO,
+    };
 
     /// The exact solution after `dt`, with `fade` = exp(−A dt): b ← (b + q dt) fade with
     /// q = b′ + A b, and b′ ← (q − A (b + q dt)) fade.
@@ -40,6 +42,12 @@ pub(crate) struct TransitionOffset<T> {
 }
 
 impl<T: Scalar> TransitionOffset<T> {
+    /// Nothing is owed.
+    pub(crate) const NONE: Self = Self {
+        linear: AxisOffset::NONE,
+        angular: AxisOffset::NONE,
+    };
+
     /// Offsets with which the setpoint, from now on, goes on from where a command would be after `dt`, in
     /// value and, as far as it is `kept` (0 to 1), in rate.
     pub(crate) fn between(command: &Command<T>, setpoint: &Setpoint<T>, kept: T, dt: T) -> Self {
@@ -88,7 +96,8 @@ impl<T: Scalar> TransitionOffset<T> {
         }
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        self.linear.is_finite() && self.angular.is_finite()
+    pub(crate) fn residue(&self) -> T {
+        let (linear, angular) = (&self.linear, &self.angular);
+        residue([linear.value, linear.rate, angular.value, angular.rate])
     }
 }

@@ -1,5 +1,6 @@
 //! Thresholds and times of the detectors: plain data, checked once.
 
+use super::monitor::{LEAST_COUNTS, WINDOW};
 use crate::error::{Field, ParamError};
 use crate::range::within;
 use crate::robot::Robot;
@@ -187,8 +188,12 @@ impl<T: Scalar> DetectorParams<T> {
         ] {
             within(field, value, low, high)?;
         }
+        let window = T::from_f64(WINDOW);
+        let area = window * window;
         Ok(ValidDetectorParams {
-            load_accel: load_accel(robot, &map, wheels.load_nm),
+            load_travel: load_accel(robot, &map, wheels.load_nm) / area,
+            slip_travel: slip.accel_rad_s2 / area,
+            least_travel: T::from_f64(LEAST_COUNTS) * per_count,
             map,
             per_count,
             params: self,
@@ -242,8 +247,12 @@ pub struct ValidDetectorParams<T> {
     pub(super) map: WheelMap<T>,
     /// Turn of a wheel per count \[rad\].
     pub(super) per_count: T,
-    /// Largest acceleration of a wheel by the load \[rad/s²\].
-    pub(super) load_accel: T,
+    /// D: what the load adds at most to the filtered turn of a wheel \[rad\]; see [`Monitor`](super::Monitor).
+    pub(super) load_travel: T,
+    /// What `slip.accel_rad_s2` adds to it \[rad\].
+    pub(super) slip_travel: T,
+    /// Turn in the filters below which nothing is said of a wheel \[rad\].
+    pub(super) least_travel: T,
 }
 
 impl<T: Scalar> ValidDetectorParams<T> {

@@ -41,8 +41,11 @@ pub(super) enum Broken {
     Driver,
 }
 
-/// Makes of the table below the faults, their kinds with codes and names, and a policy with a response for each.
+/// Makes of the table below the faults, their kinds with codes and names, a policy with a response for each, and room for
+/// the details of each.
 macro_rules! faults {
+    (@of $details:ident $kind:ident $name:ident) => { Some(Fault::$kind) };
+    (@of $details:ident $kind:ident $name:ident $detail:ty) => { $details.$name.map(Fault::$kind) };
     ($(
         $(#[$doc:meta])*
         $kind:ident $(($detail:ty))? = $code:literal, $name:ident $(or $alias:literal)?,
@@ -72,6 +75,38 @@ macro_rules! faults {
         #[allow(missing_docs)] // Each is the variant of `Fault` with the same name.
         pub enum FaultKind {
             $($kind,)*
+        }
+
+        /// What is known of faults beside their kinds: one value for each kind that has details.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub(super) struct Details {
+            $($($name: Option<$detail>,)?)*
+        }
+
+        impl Details {
+            /// Of no fault.
+            pub(super) const NONE: Self = Self {
+                $($($name: None::<$detail>,)?)*
+            };
+
+            /// Keeps what is known of `fault`.
+            pub(super) fn keep(&mut self, fault: Fault) {
+                match fault {
+                    $($(Fault::$kind(detail) => {
+                        let detail: $detail = detail;
+                        self.$name = Some(detail);
+                    })?)*
+                    _ => {}
+                }
+            }
+
+            /// The fault of a kind that was kept.
+            pub(super) fn fault(&self, kind: FaultKind) -> Option<Fault> {
+                let details = *self;
+                match kind {
+                    $(FaultKind::$kind => faults!(@of details $kind $name $($detail)?),)*
+                }
+            }
         }
 
         impl FaultKind {

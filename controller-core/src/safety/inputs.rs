@@ -1,6 +1,6 @@
 //! Inputs of the detectors, and the faults that they find.
 
-use super::fault::{Fault, FaultKind};
+use super::fault::{Details, Fault, FaultKind};
 use super::policy::ValidPolicyParams;
 use super::reaction::{Reaction, Response};
 use crate::hal::{ErrorKind, WheelCounts};
@@ -49,46 +49,71 @@ pub struct DetectorInputs<T> {
 /// The faults of a tick, at most one of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ActiveFaults {
-    slots: [Option<Fault>; FaultKind::COUNT],
+    /// A bit for each kind.
+    kinds: u32,
+    details: Details,
+}
+
+const _: () = assert!(FaultKind::COUNT <= 32);
+
+/// The bit of a kind.
+const fn bit(kind: FaultKind) -> u32 {
+    1 << kind as u32
 }
 
 impl ActiveFaults {
     /// None.
     pub const NONE: Self = Self {
-        slots: [None; FaultKind::COUNT],
+        kinds: 0,
+        details: Details::NONE,
     };
 
     /// Adds a fault, such as a refused step or a driver error that this tick met after the check. The
     /// first one of a kind stays.
+    #[inline]
     pub fn add(&mut self, fault: Fault) {
-        let kinds = FaultKind::ALL.into_iter();
-        for (slot, kind) in self.slots.iter_mut().zip(kinds) {
-            if kind == fault.kind() && slot.is_none() {
-                *slot = Some(fault);
-            }
+        let bit = bit(fault.kind());
+        if self.kinds & bit == 0 {
+            self.kinds |= bit;
+            self.details.keep(fault);
         }
     }
 
     /// Adds a fault if there is one.
+    #[inline]
     pub fn add_some(&mut self, fault: Option<Fault>) {
         if let Some(fault) = fault {
             self.add(fault);
         }
     }
 
+    /// Adds all of `others`.
+    #[inline]
+    pub fn add_all(&mut self, others: &Self) {
+        if !others.is_empty() {
+            others.iter().for_each(|fault| self.add(fault));
+        }
+    }
+
     /// Nothing was found.
-    pub fn is_empty(&self) -> bool {
-        self.slots.iter().all(Option::is_none)
+    #[inline]
+    pub const fn is_empty(&self) -> bool {
+        self.kinds == 0
     }
 
     /// All faults, by the code of their kind.
     pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {
-        self.slots.iter().flatten().copied()
+        let kinds = FaultKind::ALL.into_iter();
+        kinds.filter_map(|kind| self.get(kind))
     }
 
     /// The fault of a kind.
     pub fn get(&self, kind: FaultKind) -> Option<Fault> {
-        self.iter().find(|fault| fault.kind() == kind)
+        if self.kinds & bit(kind) == 0 {
+            None
+        } else {
+            self.details.fault(kind)
+        }
     }
 
     /// The fault with the most severe response (of equal reactions one that latches; the lowest code among equals), and
@@ -108,10 +133,12 @@ impl ActiveFaults {
     }
 
     /// Those that the policy ignores.
-    pub fn ignored(&self, policy: &ValidPolicyParams) -> impl Iterator<Item = Fault> + '_ {
-        let policy = *policy;
+    pub fn ignored<'a>(
+        &'a self,
+        policy: &'a ValidPolicyParams,
+    ) -> impl Iterator<Item = Fault> + 'a {
         self.iter()
-            .filter(move |fault| policy.response(*fault).reaction == Reaction::Ignore)
+            .filter(|fault| policy.response(*fault).reaction == Reaction::Ignore)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::candidate::PlanLimits;
 use super::path::{Path, Vector};
 use super::search::{Progress, Search};
+use crate::check::residue;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
@@ -274,9 +275,9 @@ impl<T: Scalar> Execution<T> {
         self.backing
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
+    pub(crate) fn residue(&self) -> T {
         let Vector { x, y } = self.remaining;
-        let reachable = self.search.as_ref().is_none_or(Search::is_finite);
-        reachable && x.is_finite() && y.is_finite() && self.t.is_finite() && self.goal.is_finite()
+        let search = self.search.as_ref().map_or(T::ZERO, Search::residue);
+        search + residue([x, y, self.t, self.goal])
     }
 }

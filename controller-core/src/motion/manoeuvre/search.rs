@@ -2,6 +2,7 @@
 
 use super::candidate::{CANDIDATES, Candidate, PlanLimits, Target};
 use super::path::{Ends, Path, Quality, Vector};
+use crate::check::residue;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
@@ -136,9 +137,9 @@ impl<T: Scalar> Search<T> {
         }
     }
 
-    /// The goal is not so far that its distance is no number.
-    pub(crate) fn is_finite(&self) -> bool {
-        self.target.distance.is_finite()
+    /// Of the goal's distance, which may be so far that it is no number.
+    pub(crate) fn residue(&self) -> T {
+        residue([self.target.distance])
     }
 
     /// The shape is chosen.

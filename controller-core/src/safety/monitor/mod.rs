@@ -63,7 +63,8 @@ pub(super) use debounce::Debounce;
 
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
-use wheel::{Effort, Wheel, WheelDetections, WheelInputs};
+use wheel::{Effort, Time, Wheel, WheelDetections, WheelInputs};
+pub(super) use wheel::{LEAST_COUNTS, WINDOW};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +96,7 @@ impl<T: Scalar> Monitor<T> {
 
     /// Takes a tick's evidence. A condition that lasts is found again in every tick.
     pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
-        let params = *self.settings.params();
+        let params = self.settings.params();
         let dt_us = inputs.dt_us;
         let mut found = ActiveFaults::NONE;
         self.unread = self.unread.after(dt_us, inputs.counts.is_some());
@@ -173,8 +174,9 @@ impl<T: Scalar> Monitor<T> {
                 (Some(right), Some(left))
             });
         let (right_off, left_off) = self.disagreement(inputs);
+        let time = Time::of_us(inputs.dt_us);
         let side = |moved, effort, command, outside, off| WheelInputs {
-            dt_us: inputs.dt_us,
+            time,
             moved,
             effort,
             command,

@@ -2,14 +2,14 @@
 
 use super::debounce::Debounce;
 use crate::safety::detector_params::{Timeout, ValidDetectorParams};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, seconds};
 
 /// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
 /// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
-const WINDOW: f64 = 10.0;
+pub(in crate::safety) const WINDOW: f64 = 10.0;
 /// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.
-const LEAST_COUNTS: f64 = 8.0;
+pub(in crate::safety) const LEAST_COUNTS: f64 = 8.0;
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
 /// [`LEAST_COUNTS`] in it has counted.
 const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
@@ -23,9 +23,30 @@ pub(super) struct Effort<T> {
     pub(super) accel: T,
 }
 
+/// Time since the last tick, for both wheels.
+#[derive(Clone, Copy)]
+pub(super) struct Time<T> {
+    us: u32,
+    /// \[s\].
+    dt: T,
+    /// 1/(1 + a dt).
+    shrink: T,
+}
+
+impl<T: Scalar> Time<T> {
+    pub(super) fn of_us(us: u32) -> Self {
+        let dt = seconds(us);
+        Self {
+            us,
+            dt,
+            shrink: T::ONE / (T::ONE + T::from_f64(WINDOW) * dt),
+        }
+    }
+}
+
 /// What a tick knows of one wheel.
 pub(super) struct WheelInputs<T> {
-    pub(super) dt_us: u32,
+    pub(super) time: Time<T>,
     /// Counts since the last reading; `None` without one.
     pub(super) moved: Option<i32>,
     /// `None` where torques are not known.
@@ -117,8 +138,7 @@ impl<T: Scalar> Wheel<T> {
         now: &WheelInputs<T>,
     ) -> WheelDetections {
         let a = T::from_f64(WINDOW);
-        let dt = T::from_f64(1.0e-6 * f64::from(now.dt_us));
-        let shrink = T::ONE / (T::ONE + a * dt);
+        let Time { dt, shrink, .. } = now.time;
         let step = T::from_i32(now.moved.unwrap_or(0)) * settings.per_count;
         self.seen = self.seen.high_pass(step, shrink).or_zero();
         self.expected = match now.effort {
@@ -127,7 +147,7 @@ impl<T: Scalar> Wheel<T> {
         };
         let stands = self.stands_still(settings, now);
         let still = now.moved.is_none_or(|counts| counts == 0);
-        let silent = self.silent.holds(still, now.dt_us, MOVED_WITHIN);
+        let silent = self.silent.holds(still, now.time.us, MOVED_WITHIN);
         let commanded = now.command.abs() >= settings.params.wheels.stuck.speed_rad_s;
         let blocked = now
             .outside
@@ -136,7 +156,7 @@ impl<T: Scalar> Wheel<T> {
             stuck: stands && !blocked,
             blocked: stands && blocked,
             // Counts that are missing are not counts that stand still.
-            against: (self.moves_against(settings, now.dt_us) && now.moved.is_some())
+            against: (self.moves_against(settings, now.time.us) && now.moved.is_some())
                 || self.turns_back(settings, now),
             silent,
             dead: silent && commanded,
@@ -166,7 +186,7 @@ impl<T: Scalar> Wheel<T> {
         let still = Self::pushed(settings, now) != 0 && (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
         self.stands
-            .holds(still, now.dt_us, settings.params.wheels.stuck.after)
+            .holds(still, now.time.us, settings.params.wheels.stuck.after)
     }
 
     /// Pushed, and at least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
@@ -182,17 +202,15 @@ impl<T: Scalar> Wheel<T> {
         self.back = if against { back } else { 0 };
         let lasts = self
             .backs
-            .holds(against, now.dt_us, settings.params.wheels.stuck.after);
+            .holds(against, now.time.us, settings.params.wheels.stuck.after);
         lasts && T::from_i32(self.back) <= -T::from_f64(LEAST_COUNTS)
     }
 
     /// y sgn x ≤ −|x|/2 where |x| is at least 2 D and 8 counts; see the [module](super).
     fn moves_against(&mut self, settings: &ValidDetectorParams<T>, dt_us: u32) -> bool {
         let (expected, along) = self.compared();
-        let a = T::from_f64(WINDOW);
-        let load = settings.load_accel / (a * a);
-        let counts = T::from_f64(LEAST_COUNTS) * settings.per_count;
-        let enough = expected >= load + load && expected >= counts;
+        let load = settings.load_travel;
+        let enough = expected >= load + load && expected >= settings.least_travel;
         // An encoder that dies on the way looks like braking against the torque: while it may be found stuck,
         // this waits.
         let against = enough && along <= -(T::HALF * expected) && self.stands == Debounce::NONE;
@@ -208,11 +226,10 @@ impl<T: Scalar> Wheel<T> {
     fn moves_beyond(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
         let (expected, along) = self.compared();
         let slip = &settings.params.wheels.slip;
-        let a = T::from_f64(WINDOW);
-        let pushed = expected >= T::HALF * settings.load_accel / (a * a);
-        let most = expected + expected + slip.accel_rad_s2 / (a * a);
+        let pushed = expected >= T::HALF * settings.load_travel;
+        let most = expected + expected + settings.slip_travel;
         let beyond = (pushed && along > most) || now.off.abs() > slip.speed_m_s;
-        self.beyond.holds(beyond, now.dt_us, slip.after)
+        self.beyond.holds(beyond, now.time.us, slip.after)
     }
 
     /// |x| and y sgn x.

@@ -117,6 +117,9 @@ impl Supervisor {
         active_faults: &ActiveFaults,
         policy: &ValidPolicyParams,
     ) -> Action {
+        if active_faults.is_empty() {
+            return Action::Continue;
+        }
         for fault in active_faults.ignored(policy) {
             self.ignored = self.ignored.saturating_add(1);
             self.last_ignored = Some(fault);
