@@ -7,11 +7,11 @@ use crate::types::Measured;
 /// 0 if all `values` are finite, otherwise NaN: Σ (x − x). Residues may be added up, so that many numbers cost one comparison.
 #[inline(always)]
 pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
-    let mut sum = T::ZERO;
-    for value in values {
-        sum += value - value;
-    }
-    sum
+    // From -0, which added to anything is that.
+    let start = -T::ZERO;
+    values
+        .into_iter()
+        .fold(start, |sum, value| sum + (value - value))
 }
 
 /// Refuses a measurement that is not finite.

@@ -4,6 +4,7 @@ use super::law::MotionLaw;
 use super::params::ValidMotionParams;
 use super::report::MotionReport;
 use super::task::Task;
+use crate::check::check_measured;
 use crate::error::StepFault;
 use crate::maths::{Maths, Single};
 use crate::scalar::Scalar;
@@ -49,6 +50,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<Self, StepFault> {
+        check_measured(measured)?;
         let mut controller = Self {
             motion: *motion,
             law: MotionLaw::IDLE,
@@ -69,6 +71,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<&MotionReport<T>, StepFault> {
+        check_measured(measured)?;
         let Self {
             motion,
             law,

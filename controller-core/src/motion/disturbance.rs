@@ -1,7 +1,6 @@
 //! What pushes the robot beside its wheels: friction, a slope, a load, a mass that is not as stated.
 
 use super::params::ValidMotionParams;
-use crate::check::residue;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
@@ -41,10 +40,6 @@ impl<T: Scalar> Observer<T> {
             twist: *twist,
             ..Self::NEW
         }
-    }
-
-    pub(crate) fn residue(&self) -> T {
-        residue([self.estimate.force, self.estimate.moment])
     }
 
     /// What the wheels will exert until the next tick.

@@ -1,11 +1,13 @@
 //! Following a moving reference, at any speed and from any heading.
 
+use super::error_view::ErrorView;
 use super::lag::LagState;
 use super::params::ValidMotionParams;
-use super::setpoint::Setpoint;
+use super::setpoint::{Moving, Setpoint, Transition, Wanted};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
+use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
@@ -113,6 +115,33 @@ impl<T: Scalar> Follower<T> {
 
     pub(crate) fn residue(&self) -> T {
         self.along.residue() + self.across.residue() + self.around.residue()
+    }
+
+    /// A tick along a reference.
+    pub(crate) fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        reference: &Reference<T>,
+        view: &ErrorView<T>,
+        moving: Moving<'_, T>,
+        two_per_dt: Option<T>,
+    ) -> Wanted<T> {
+        let now = Instant {
+            twist: reference.twist(),
+            accel: reference.accel(),
+            error: view.error,
+            heading: view.heading,
+            turn_rate: moving.twist.angular,
+        };
+        let command = &moving.command.twist;
+        Wanted {
+            setpoint: self.advance::<U, M>(motion, &now, command, two_per_dt),
+            transition: if two_per_dt.is_some() {
+                Transition::Continue
+            } else {
+                Transition::Offset
+            },
+        }
     }
 
     /// What sin e_θ lacks beyond a quarter turn. Which way is decided once and kept near half a

@@ -2,18 +2,20 @@
 
 use super::arrival::AtRest;
 use super::disturbance::{Observer, Watch};
+use super::drive::{self, DriveLaw};
 use super::error_view::ErrorView;
+use super::follow::Follower;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
 use super::params::ValidMotionParams;
-use super::pose_law::{Approach, Before as PoseLawBefore, Moving, PoseLaw, Step, Transition};
+use super::parking::{self, Lent, ParkingLaw};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
-use super::setpoint::Setpoint;
+use super::setpoint::{Moving, Setpoint, Step, Transition, Wanted};
 use super::task::{Aim, Task};
 use super::transition_offset::TransitionOffset;
 use super::velocity_loop::{achieved, stands, wrench};
-use crate::check::{check_measured, check_tick, residue};
+use crate::check::{check_tick, residue};
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -27,7 +29,9 @@ use core::marker::PhantomData;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MotionLaw<T, M, U> {
     aim: Aim<T>,
-    pose_law: PoseLaw<T>,
+    follower: Follower<T>,
+    parking: ParkingLaw<T>,
+    drive: DriveLaw<T>,
     stall: Stall<T>,
     observer: Observer<T>,
     offset: TransitionOffset<T>,
@@ -36,43 +40,37 @@ pub(crate) struct MotionLaw<T, M, U> {
     declared: bool,
     /// Parked without torque: the command is what the robot does by itself.
     released: bool,
-    approach: Approach<T>,
     back_ends: PhantomData<(M, U)>,
 }
 
-/// What a tick may change, as it was before: a tick that is refused changes nothing. In pieces, which are copied in
-/// a few instructions each.
-struct Before<T> {
-    aim: Aim<T>,
-    pose_law: PoseLawBefore<T>,
-    stall: Stall<T>,
-    observer: Observer<T>,
-    offset: TransitionOffset<T>,
-    command: Command<T>,
-    flags: (bool, bool),
-    approach: Approach<T>,
-}
-
-/// What a tick found on its way to the torque, for its report.
+/// What a tick found on its way to the torque.
 struct Found<T> {
+    aim: Aim<T>,
     error: PoseError<T>,
     setpoint: Setpoint<T>,
     limited: Limited,
     jumped: bool,
+    /// Parked without torque until now, and still.
+    released: bool,
+    observer: Observer<T>,
+    offset: TransitionOffset<T>,
+    command: Command<T>,
+    stall: Stall<T>,
 }
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     /// Nothing seen, nothing asked for.
     pub(crate) const IDLE: Self = Self {
         aim: Aim::Follow,
-        pose_law: PoseLaw::NEW,
+        follower: Follower::NEW,
+        parking: ParkingLaw::NEW,
+        drive: DriveLaw::NEW,
         stall: Stall::NEW,
         observer: Observer::NEW,
         offset: TransitionOffset::NONE,
         command: Command::REST,
         declared: false,
         released: false,
-        approach: Approach::Idle,
         back_ends: PhantomData,
     };
 
@@ -87,36 +85,34 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         measured: &Measured<T>,
         report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
-        check_measured(measured)?;
         task.check()?;
         *self = Self::IDLE;
-        self.aim = task.aim();
-        self.observer = Observer::start(&measured.twist);
-        self.command = Command::of_robot(motion, &measured.twist);
         let view = ErrorView::of::<M>(task, &measured.pose, T::ZERO);
-        let moving = Moving {
-            heading: measured.pose.theta,
-            twist: &measured.twist,
-            command: &self.command,
-        };
+        let command = Command::of_robot(motion, &measured.twist);
         let step = Step {
             dt: T::ZERO,
             two_per_dt: None,
         };
-        let desired =
-            self.pose_law
-                .advance::<U, M>(&mut self.approach, motion, task, &view, moving, step);
-        self.offset = TransitionOffset::between(&self.command, &desired.setpoint, T::ONE, T::ZERO);
+        let now = (measured, &command);
+        let mut parking = parking::Before::nothing();
+        let desired = self.pose_law(motion, (task, true), &view, now, step, &mut parking);
         let found = Found {
+            aim: task.aim(),
             error: view.error,
             setpoint: desired.setpoint,
             limited: Limited::default(),
             jumped: true,
+            released: false,
+            observer: Observer::start(&measured.twist),
+            offset: TransitionOffset::between(&command, &desired.setpoint, T::ONE, T::ZERO),
+            command,
+            stall: Stall::NEW,
         };
-        self.finish(motion, &found, &measured.twist, T::ZERO, report)
+        self.finish(motion, found, &measured.twist, T::ZERO, report)
     }
 
-    /// One tick, `dt` \[s\] after the last, whose `report` becomes that of this one.
+    /// One tick, `dt` \[s\] after the last, whose `report` becomes that of this one. What is `measured` has been looked at: if it is
+    /// not finite all the same, no torque is, and the tick is refused for that.
     ///
     /// # Errors
     /// Any [`StepFault`]; law and report are then unchanged, and the wheels are the caller's to make safe.
@@ -129,29 +125,31 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
         check_tick(dt, motion.params().max_tick_s)?;
-        check_measured(measured)?;
         task.check()?;
-        let before = self.before();
-        if self.released {
-            self.command = Command::of_robot(motion, &measured.twist);
-        }
-        let watch = if self.pose_law.is_resting() && motion.releases() {
+        let aim = task.aim();
+        let new = aim != self.aim;
+        // What the laws change before it is known whether the tick is refused.
+        let (follower, drive) = (self.follower, self.drive);
+        let mut command = if self.released {
+            Command::of_robot(motion, &measured.twist)
+        } else {
+            self.command
+        };
+        let watch = if self.is_resting(&self.aim) && motion.releases() {
             Watch::Fade
         } else {
             Watch::Observe
         };
-        let bounded = self
-            .observer
-            .advance(motion, &measured.twist, &self.command.rate, watch, dt);
-        let drive = &mut self.pose_law.drive;
-        drive.turn_on(&self.command, dt);
-        let turned = drive.error(measured.pose.theta);
+        let mut observer = self.observer;
+        let bounded = observer.advance(motion, &measured.twist, &command.rate, watch, dt);
+        let turned = match task {
+            Task::Drive { .. } => {
+                self.drive.turn_on(&command, dt);
+                self.drive.error(measured.pose.theta)
+            }
+            Task::Follow(_) | Task::Park(_) => T::ZERO,
+        };
         let view = ErrorView::of::<M>(task, &measured.pose, turned);
-        let aim = task.aim();
-        let new = aim != self.aim;
-        if new {
-            self.pose_law.renew_retries(&mut self.approach);
-        }
         let jumped =
             new || self.declared || view.has_jumped::<M>(&report.error, motion.params(), dt);
         let step = Step {
@@ -162,20 +160,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                 Some((T::ONE + T::ONE) / dt)
             },
         };
-        let moving = Moving {
-            heading: measured.pose.theta,
-            twist: &measured.twist,
-            command: &self.command,
-        };
-        let desired =
-            self.pose_law
-                .advance::<U, M>(&mut self.approach, motion, task, &view, moving, step);
-        let resting = self.pose_law.is_resting();
-        self.offset = match desired.transition {
+        let now = (measured, &command);
+        let mut parking = parking::Before::nothing();
+        let desired = self.pose_law(motion, (task, new), &view, now, step, &mut parking);
+        let resting = self.is_resting(&aim);
+        let offset = match desired.transition {
             Transition::Seamless => TransitionOffset::NONE,
             Transition::Offset => {
                 let kept = Self::kept(motion, jumped && report.jumped, dt);
-                TransitionOffset::between(&self.command, &desired.setpoint, kept, dt)
+                TransitionOffset::between(&command, &desired.setpoint, kept, dt)
             }
             Transition::Continue => {
                 let decay = if resting {
@@ -187,36 +180,95 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                 self.offset.advance(decay, dt, fade)
             }
         };
-        self.released &= resting;
-        let mut limited = if self.released {
+        let released = self.released && resting;
+        let mut limited = if released {
             Limited::default()
         } else {
-            let setpoint = self.offset.added_to(&desired.setpoint);
-            let (command, limited) = self.command.advance(motion, &setpoint, dt);
-            self.command = command;
+            let limited;
+            let setpoint = offset.added_to(&desired.setpoint);
+            (command, limited) = command.advance(motion, &setpoint, dt);
             limited
         };
         limited.disturbance = bounded;
         limited.speed |= task.is_beyond(motion);
-        self.aim = aim;
-        self.declared = false;
         let pushing = Pushing {
-            command: self.command.twist,
+            command: command.twist,
             twist: measured.twist,
             saturated: report.limited.torque,
         };
-        self.stall = self.stall.advance(motion, &pushing, dt);
         let found = Found {
+            aim,
             error: view.error,
             setpoint: desired.setpoint,
             limited,
             jumped,
+            released,
+            observer,
+            offset,
+            command,
+            stall: self.stall.advance(motion, &pushing, dt),
         };
-        let finished = self.finish(motion, &found, &measured.twist, dt, report);
+        let finished = self.finish(motion, found, &measured.twist, dt, report);
         if finished.is_err() {
-            self.restore(before);
+            (self.follower, self.drive) = (follower, drive);
+            self.parking.restore(&parking);
         }
         finished
+    }
+
+    /// The law of the task; `before` keeps what parking changes. A `new` goal is parked at anew.
+    #[inline(always)]
+    fn pose_law(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        (task, new): (&Task<T>, bool),
+        view: &ErrorView<T>,
+        (measured, command): (&Measured<T>, &Command<T>),
+        step: Step<T>,
+        before: &mut parking::Before<T>,
+    ) -> Wanted<T> {
+        let moving = Moving {
+            twist: &measured.twist,
+            command,
+        };
+        match task {
+            Task::Follow(reference) => {
+                let two_per_dt = step.two_per_dt;
+                self.follower
+                    .follow::<U, M>(motion, reference, view, moving, two_per_dt)
+            }
+            Task::Park(_) => {
+                self.parking.keep(before);
+                if new {
+                    self.parking.renew(matches!(self.aim, Aim::Park(_)), before);
+                }
+                let mut lent = Lent {
+                    follower: &mut self.follower,
+                    before,
+                };
+                self.parking
+                    .advance::<U, M>(&mut lent, motion, &view.error, moving, step)
+            }
+            Task::Drive {
+                twist,
+                hold_heading,
+            } => {
+                let now = drive::Now {
+                    order: twist,
+                    hold_heading: *hold_heading,
+                    heading: measured.pose.theta,
+                    turn_rate: measured.twist.angular,
+                    error: view.error.theta,
+                    command,
+                    jumped: step.two_per_dt.is_none(),
+                    dt: step.dt,
+                };
+                Wanted {
+                    setpoint: self.drive.advance::<M>(motion, &now),
+                    transition: Transition::Seamless,
+                }
+            }
+        }
     }
 
     /// The next pose jumps; see [`MotionController::declare_jump`](super::MotionController::declare_jump).
@@ -257,48 +309,29 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         }
     }
 
-    fn before(&self) -> Before<T> {
-        Before {
-            aim: self.aim,
-            pose_law: self.pose_law.before(),
-            stall: self.stall,
-            observer: self.observer,
-            offset: self.offset,
-            command: self.command,
-            flags: (self.declared, self.released),
-            approach: self.approach.kept(),
-        }
-    }
-
-    #[cold]
-    fn restore(&mut self, before: Before<T>) {
-        self.aim = before.aim;
-        self.pose_law.restore(before.pose_law);
-        self.stall = before.stall;
-        self.observer = before.observer;
-        self.offset = before.offset;
-        self.command = before.command;
-        (self.declared, self.released) = before.flags;
-        self.approach = before.approach;
-    }
-
     /// The end of a tick: torque for the command with the measured `twist`, the wheels' limit and what it does to the
-    /// command, the report.
+    /// command, the report. Everything that was found is kept, unless it is not finite.
+    #[inline(always)]
     fn finish(
         &mut self,
         motion: &ValidMotionParams<T>,
-        found: &Found<T>,
+        found: Found<T>,
         twist: &Twist<T>,
         dt: T,
         report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
         let limits = &motion.params().limits;
-        let command = self.command;
+        let command = found.command;
         let velocity_error = twist.minus(&command.twist);
-        let disturbance = self.observer.estimate;
+        let disturbance = found.observer.estimate;
         let wrench = wrench(motion, &command.rate, &velocity_error, &disturbance);
-        let own = found.residue() + self.residue();
-        if own + residue([wrench.force, wrench.moment]) != T::ZERO {
+        // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
+        let law = match &found.aim {
+            Aim::Follow => T::ZERO,
+            Aim::Park(_) => self.follower.residue() + self.parking.residue(),
+            Aim::Drive => self.drive.residue(),
+        };
+        if law + found.residue() + residue([wrench.force, wrench.moment]) != T::ZERO {
             return Err(StepFault::Overflow);
         }
         let (applied, saturated) = share(
@@ -307,24 +340,36 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limits.wheel_torque_nm,
             limits.policy,
         );
+        self.aim = found.aim;
+        self.declared = false;
+        self.stall = found.stall;
+        self.offset = found.offset;
+        self.command = command;
         if saturated {
             self.command.twist = achieved(motion, &command, twist, &applied, &disturbance);
         }
-        self.released = self.pose_law.is_resting()
-            && motion.releases()
-            && (self.released || stands(motion, &self.command.twist, &velocity_error, &wrench, dt));
+        let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
+        self.released =
+            self.is_resting(&self.aim) && motion.releases() && (found.released || stands());
+        self.observer = found.observer;
         self.observer.note((!self.released).then_some(applied));
+        let parking = matches!(self.aim, Aim::Park(_)).then_some(&self.parking);
         *report = MotionReport {
             mode: match self.aim {
                 Aim::Follow => Mode::Following,
                 Aim::Park(_) => Mode::Parking,
                 Aim::Drive => Mode::Driving,
             },
-            outcome: self.outcome(motion),
+            outcome: match parking {
+                Some(parking) if parking.is_parked() => Outcome::Parked,
+                Some(parking) if parking.has_given_up() => Outcome::OutOfTolerance,
+                _ if self.stall.is_stalled(motion) => Outcome::Stalled,
+                _ => Outcome::Driving,
+            },
             error: found.error,
             desired: found.setpoint.twist,
             desired_rate: found.setpoint.rate,
-            transition_offset: self.offset.twist(),
+            transition_offset: found.offset.twist(),
             command: command.twist,
             command_rate: command.rate,
             velocity_error,
@@ -340,37 +385,27 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                 ..found.limited
             },
             jumped: found.jumped,
-            backing: self.pose_law.is_backing(&self.approach),
-            retries: self.pose_law.retries(),
+            backing: parking.is_some_and(ParkingLaw::is_backing),
+            retries: parking.map_or(0, ParkingLaw::retries),
         };
         Ok(())
     }
 
-    fn outcome(&self, motion: &ValidMotionParams<T>) -> Outcome {
-        if self.pose_law.is_parked() {
-            Outcome::Parked
-        } else if self.pose_law.has_given_up() {
-            Outcome::OutOfTolerance
-        } else if self.stall.is_stalled(motion) {
-            Outcome::Stalled
-        } else {
-            Outcome::Driving
-        }
-    }
-
-    /// No memory is infinite or NaN: a wild input is refused, and does not stay.
-    fn residue(&self) -> T {
-        let laws = self.pose_law.residue(&self.aim) + self.approach.residue();
-        self.observer.residue() + self.offset.residue() + laws
+    /// With this aim nothing is asked for any more.
+    fn is_resting(&self, aim: &Aim<T>) -> bool {
+        matches!(aim, Aim::Park(_)) && self.parking.is_resting()
     }
 }
 
 impl<T: Scalar> Found<T> {
+    /// Nothing is infinite or NaN: a wild input is refused, and does not stay.
     fn residue(&self) -> T {
         let Setpoint { twist, rate } = &self.setpoint;
         let PoseError { x, y, theta } = self.error;
         let error = residue([x, y, theta]);
-        error + residue([twist.linear, twist.angular, rate.linear, rate.angular])
+        self.offset.residue()
+            + error
+            + residue([twist.linear, twist.angular, rate.linear, rate.angular])
     }
 }
 

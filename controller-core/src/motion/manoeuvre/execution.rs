@@ -14,20 +14,29 @@ use crate::types::{Accel, Twist};
 pub(crate) struct Execution<T> {
     search: Option<Search<T>>,
     path: Path<T>,
-    /// Since the begin \[s\].
-    t: T,
+    /// Of the path \[s\].
+    duration: T,
     /// Heading of the goal, from that of the robot at the begin \[rad\].
     goal: T,
+    reference: Reference<T>,
+    /// The position is good as it is.
+    turn_only: bool,
+    /// What the poses seen while searching say of the goal, beside the first one.
+    seen: Seen<T>,
+}
+
+/// Where the reference is: what a tick changes of a manoeuvre under way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Reference<T> {
+    /// Since the begin \[s\].
+    t: T,
     /// From the reference to the goal, in the frame of the robot at the begin \[m\].
     remaining: Vector<T>,
     /// v (cos θ, sin θ) of the reference, and its rate.
     velocity: Vector<T>,
     change: Vector<T>,
-    backing: bool,
-    /// The position is good as it is.
-    turn_only: bool,
-    /// What the poses seen while searching say of the goal, beside the first one.
-    seen: Seen<T>,
+    /// The last speed that was not zero \[m/s\]; its sign is the direction of travel.
+    speed: T,
 }
 
 /// Sums of corrections of the goal, and their number.
@@ -91,18 +100,21 @@ impl<T: Scalar> Execution<T> {
         Self {
             search: Some(Search::start::<M>(limits, &error, &path, dt)),
             path,
-            t: -half,
+            duration: path.duration(),
             goal: error.theta,
-            remaining,
-            velocity: Vector {
-                x: now.linear,
-                y: T::ZERO,
+            reference: Reference {
+                t: -half,
+                remaining,
+                velocity: Vector {
+                    x: now.linear,
+                    y: T::ZERO,
+                },
+                change: Vector {
+                    x: rate.linear,
+                    y: now.linear * now.angular,
+                },
+                speed: now.linear,
             },
-            change: Vector {
-                x: rate.linear,
-                y: now.linear * now.angular,
-            },
-            backing: now.linear < T::ZERO,
             turn_only: false,
             seen: Seen::default(),
         }
@@ -131,12 +143,15 @@ impl<T: Scalar> Execution<T> {
         Self {
             search: None,
             path: Path::default(),
-            t: T::ZERO,
+            duration: T::ZERO,
             goal: T::ZERO,
-            remaining: Vector::default(),
-            velocity: Vector::default(),
-            change: Vector::default(),
-            backing: false,
+            reference: Reference {
+                t: T::ZERO,
+                remaining: Vector::default(),
+                velocity: Vector::default(),
+                change: Vector::default(),
+                speed: T::ZERO,
+            },
             turn_only: false,
             seen: Seen::default(),
         }
@@ -155,25 +170,26 @@ impl<T: Scalar> Execution<T> {
     ) -> Option<Moment<T>> {
         self.look::<M>(error);
         if let Some(search) = &mut self.search {
-            let moving = self.path.duration() > T::ZERO;
+            let moving = self.duration > T::ZERO;
             // Ticks that became shorter may find it when it should have started.
-            let late = moving && self.t > search.ready();
+            let late = moving && self.reference.t > search.ready();
             match search.advance::<M>(&self.path, dt) {
                 Progress::Searching => {}
                 Progress::Found(_) if late => return None,
                 Progress::Found(path) => {
                     self.search = None;
                     self.path = path;
+                    self.duration = path.duration();
                     if path.stop_drive.duration() == T::ZERO && path.stop_turn.duration() == T::ZERO
                     {
                         // Nothing has moved: the clock starts now.
-                        self.t = -step;
+                        self.reference.t = -step;
                     }
                 }
                 Progress::Failed => return None,
             }
         }
-        self.t += step;
+        self.reference.t += step;
         if self.is_over() {
             return Some(Moment {
                 twist: Twist::default(),
@@ -181,7 +197,10 @@ impl<T: Scalar> Execution<T> {
                 error: *error,
             });
         }
-        let (turn, drive) = (self.path.turn_at(self.t), self.path.drive_at(self.t));
+        let (turn, drive) = (
+            self.path.turn_at(self.reference.t),
+            self.path.drive_at(self.reference.t),
+        );
         let (sine, cosine) = M::sin_cos_near(turn.position);
         let velocity = Vector {
             x: drive.rate * cosine,
@@ -195,26 +214,27 @@ impl<T: Scalar> Execution<T> {
         let half = T::HALF * step;
         let correction = step * step * T::from_f64(1.0 / 12.0);
         let moved = self
+            .reference
             .velocity
             .plus(velocity)
             .scaled(half)
-            .plus(self.change.minus(change).scaled(correction));
-        self.remaining = self.remaining.minus(moved);
-        self.velocity = velocity;
-        self.change = change;
+            .plus(self.reference.change.minus(change).scaled(correction));
+        self.reference.remaining = self.reference.remaining.minus(moved);
+        self.reference.velocity = velocity;
+        self.reference.change = change;
         if drive.rate != T::ZERO {
-            self.backing = drive.rate < T::ZERO;
+            self.reference.speed = drive.rate;
         }
         // The robot's heading in the frame of the begin.
         let heading = self.goal - error.theta;
         let (sine, cosine) = M::sin_cos_near(heading);
-        let Vector { x, y } = self.remaining;
+        let Vector { x, y } = self.reference.remaining;
         let error = PoseError {
             x: error.x - (x * cosine + y * sine),
             y: error.y - (y * cosine - x * sine),
             theta: (turn.position - heading).wrap_angle(),
         };
-        let ahead = self.t + T::HALF * dt;
+        let ahead = self.reference.t + T::HALF * dt;
         Some(Moment {
             twist: Twist {
                 linear: drive.rate,
@@ -234,18 +254,18 @@ impl<T: Scalar> Execution<T> {
         let Some(search) = &mut self.search else {
             return;
         };
-        if self.path.duration() > T::ZERO {
+        if self.duration > T::ZERO {
             // What a moving robot lacks of its reference is not the pose's noise alone.
             return;
         }
         if !search.is_polishing() {
             // In the frame of the begin, by the heading of the reference.
-            let heading = self.path.turn_at(self.t).position;
+            let heading = self.path.turn_at(self.reference.t).position;
             let (sine, cosine) = M::sin_cos_near(heading);
             if !self.turn_only {
                 self.seen.moved = self.seen.moved.plus(Vector {
-                    x: error.x * cosine - error.y * sine - self.remaining.x,
-                    y: error.x * sine + error.y * cosine - self.remaining.y,
+                    x: error.x * cosine - error.y * sine - self.reference.remaining.x,
+                    y: error.x * sine + error.y * cosine - self.reference.remaining.y,
                 });
             }
             self.seen.turned += (heading + error.theta - self.goal).wrap_angle();
@@ -253,16 +273,26 @@ impl<T: Scalar> Execution<T> {
         } else if self.seen.count > T::ZERO {
             let share = T::ONE / self.seen.count;
             let (moved, turned) = (self.seen.moved.scaled(share), share * self.seen.turned);
-            self.remaining = self.remaining.plus(moved);
+            self.reference.remaining = self.reference.remaining.plus(moved);
             self.goal += turned;
             search.correct(moved, turned);
             self.seen = Seen::default();
         }
     }
 
+    /// Where the reference is.
+    pub(crate) const fn reference(&self) -> Reference<T> {
+        self.reference
+    }
+
+    /// Back to where the reference was.
+    pub(crate) const fn return_to(&mut self, reference: &Reference<T>) {
+        self.reference = *reference;
+    }
+
     /// The reference stands at the goal.
     pub(crate) fn is_over(&self) -> bool {
-        self.search.is_none() && self.t >= self.path.duration()
+        self.search.is_none() && self.reference.t >= self.duration
     }
 
     /// The manoeuvre is not known yet.
@@ -272,12 +302,12 @@ impl<T: Scalar> Execution<T> {
 
     /// The reference backs up, or did last.
     pub(crate) fn is_backing(&self) -> bool {
-        self.backing
+        self.reference.speed < T::ZERO
     }
 
     pub(crate) fn residue(&self) -> T {
-        let Vector { x, y } = self.remaining;
+        let Vector { x, y } = self.reference.remaining;
         let search = self.search.as_ref().map_or(T::ZERO, Search::residue);
-        search + residue([x, y, self.t, self.goal])
+        search + residue([x, y, self.reference.t, self.goal])
     }
 }

@@ -14,14 +14,17 @@ pub(super) struct OverCurrent {
 }
 
 impl OverCurrent {
-    /// The motors that have been above the limit for too long. What is not a number counts as above.
+    /// The motors that have been above the limit for too long. What is not a number counts as above, what is not measured does not.
     pub(super) fn advance<T: Scalar>(
         &mut self,
         settings: &CurrentDetectorParams<T>,
         currents: Option<Currents<T>>,
         dt_us: u32,
     ) -> Option<Side> {
-        let Currents { right, left } = currents.unwrap_or_default();
+        let Some(Currents { right, left }) = currents else {
+            *self = Self::default();
+            return None;
+        };
         let above = |current: T| !current.is_finite() || current.abs() > settings.limit_a;
         let right = self.right.holds(above(right), dt_us, settings.after);
         let left = self.left.holds(above(left), dt_us, settings.after);

@@ -101,32 +101,28 @@ impl<T: Scalar> Monitor<T> {
         let mut found = ActiveFaults::NONE;
         self.unread = self.unread.after(dt_us, inputs.counts.is_some());
         let (jitter, long) = self.ticks.advance(&params.ticks, dt_us);
-        for (holds, fault) in [
-            (
-                self.unread.exceeds(params.measurement),
-                Fault::MeasurementStale,
-            ),
-            (params.pose.passed(inputs.pose_age_us), Fault::PoseStale),
-            (
-                params.command.passed(inputs.command_age_us),
-                Fault::CommandStale,
-            ),
-            (
-                !inputs.measured.pose.is_finite(),
-                Fault::NotFinite(Input::Pose),
-            ),
-            (
-                !inputs.measured.twist.is_finite(),
-                Fault::NotFinite(Input::Twist),
-            ),
-            (jitter, Fault::TickJitter),
-            (long, Fault::TickTooLong),
-            (inputs.pose_jumped, Fault::PoseJump),
-        ] {
+        let mut add = |holds: bool, fault: Fault| {
             if holds {
                 found.add(fault);
             }
+        };
+        add(
+            self.unread.exceeds(params.measurement),
+            Fault::MeasurementStale,
+        );
+        add(params.pose.passed(inputs.pose_age_us), Fault::PoseStale);
+        add(
+            params.command.passed(inputs.command_age_us),
+            Fault::CommandStale,
+        );
+        if !inputs.measured.is_finite() {
+            let pose = inputs.measured.pose.is_finite();
+            let input = if pose { Input::Twist } else { Input::Pose };
+            add(true, Fault::NotFinite(input));
         }
+        add(jitter, Fault::TickJitter);
+        add(long, Fault::TickTooLong);
+        add(inputs.pose_jumped, Fault::PoseJump);
         found.add_some(inputs.driver.map(Fault::Driver));
         let over = self
             .current
@@ -199,6 +195,9 @@ impl<T: Scalar> Monitor<T> {
         );
         let right = self.right.advance(settings, &right);
         let left = self.left.advance(settings, &left);
+        if !(right.is_finding() || left.is_finding()) {
+            return;
+        }
         let of = |what: fn(&WheelDetections) -> bool| Side::of(what(&right), what(&left));
         let (dead, reversed) = (dead(&right, &left), reversed(&right, &left));
         found.add_some(of(|wheel| wheel.stuck).or(dead).map(Fault::EncoderStuck));

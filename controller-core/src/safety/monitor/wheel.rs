@@ -1,6 +1,7 @@
 //! One wheel: stuck, reversed, slipping.
 
 use super::debounce::Debounce;
+use crate::check::residue;
 use crate::safety::detector_params::{Timeout, ValidDetectorParams};
 use crate::scalar::{Scalar, seconds};
 
@@ -72,6 +73,13 @@ pub(super) struct WheelDetections {
     pub(super) slips: bool,
 }
 
+impl WheelDetections {
+    /// There is something that a fault may come of. Silence is none: a wheel may stand.
+    pub(super) const fn is_finding(&self) -> bool {
+        self.stuck | self.blocked | self.against | self.slips
+    }
+}
+
 /// Two equal filters in a row, by the implicit Euler step: stable for any tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Twice<T> {
@@ -104,7 +112,7 @@ impl<T: Scalar> Twice<T> {
 
     /// Wild inputs are forgotten instead of kept.
     fn or_zero(self) -> Self {
-        if self.first.is_finite() && self.second.is_finite() {
+        if residue([self.first, self.second]) == T::ZERO {
             self
         } else {
             Self::default()
@@ -145,7 +153,9 @@ impl<T: Scalar> Wheel<T> {
             Some(effort) => self.expected.low_pass(effort.accel, dt, shrink).or_zero(),
             None => Twice::settled(self.seen.second, a),
         };
-        let stands = self.stands_still(settings, now);
+        let way = Self::pushed(settings, now);
+        let stands = self.stands_still(settings, now, way);
+        let compared = self.compared();
         let still = now.moved.is_none_or(|counts| counts == 0);
         let silent = self.silent.holds(still, now.time.us, MOVED_WITHIN);
         let commanded = now.command.abs() >= settings.params.wheels.stuck.speed_rad_s;
@@ -156,11 +166,11 @@ impl<T: Scalar> Wheel<T> {
             stuck: stands && !blocked,
             blocked: stands && blocked,
             // Counts that are missing are not counts that stand still.
-            against: (self.moves_against(settings, now.time.us) && now.moved.is_some())
-                || self.turns_back(settings, now),
+            against: (self.moves_against(settings, compared, now.time.us) && now.moved.is_some())
+                || self.turns_back(settings, now, way),
             silent,
             dead: silent && commanded,
-            slips: self.moves_beyond(settings, now),
+            slips: self.moves_beyond(settings, compared, now),
         }
     }
 
@@ -179,11 +189,16 @@ impl<T: Scalar> Wheel<T> {
 
     /// Pushed, and no more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
     /// that holds a place is not commanded to turn and never counts.
-    fn stands_still(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
+    fn stands_still(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        now: &WheelInputs<T>,
+        way: i32,
+    ) -> bool {
         // Without a reading the wheel is not known to stand; that is a fault of its own.
         let moved = now.moved.unwrap_or(i32::MAX);
         let crept = self.crept.saturating_add(moved);
-        let still = Self::pushed(settings, now) != 0 && (-1..=1).contains(&crept);
+        let still = way != 0 && (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
         self.stands
             .holds(still, now.time.us, settings.params.wheels.stuck.after)
@@ -194,8 +209,12 @@ impl<T: Scalar> Wheel<T> {
     /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
     /// speed, and no acceleration shows it. A sound wheel is turned back only by more than it is pushed with, three times the
     /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
-    fn turns_back(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
-        let way = Self::pushed(settings, now);
+    fn turns_back(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        now: &WheelInputs<T>,
+        way: i32,
+    ) -> bool {
         let along = now.moved.map(|moved| moved.saturating_mul(way));
         let against = way != 0 && along.is_some_and(|along| along <= 0);
         let back = self.back.saturating_add(along.unwrap_or(0));
@@ -207,8 +226,12 @@ impl<T: Scalar> Wheel<T> {
     }
 
     /// y sgn x ≤ −|x|/2 where |x| is at least 2 D and 8 counts; see the [module](super).
-    fn moves_against(&mut self, settings: &ValidDetectorParams<T>, dt_us: u32) -> bool {
-        let (expected, along) = self.compared();
+    fn moves_against(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        (expected, along): (T, T),
+        dt_us: u32,
+    ) -> bool {
         let load = settings.load_travel;
         let enough = expected >= load + load && expected >= settings.least_travel;
         // An encoder that dies on the way looks like braking against the torque: while it may be found stuck,
@@ -223,8 +246,12 @@ impl<T: Scalar> Wheel<T> {
     ///
     /// A wheel with grip moves the whole robot, as x expects; one without moves only itself, and a wheel is
     /// lighter than half a robot by far. Twice |x| forgives a robot that is half as heavy as stated.
-    fn moves_beyond(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> bool {
-        let (expected, along) = self.compared();
+    fn moves_beyond(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        (expected, along): (T, T),
+        now: &WheelInputs<T>,
+    ) -> bool {
         let slip = &settings.params.wheels.slip;
         let pushed = expected >= T::HALF * settings.load_travel;
         let most = expected + expected + settings.slip_travel;

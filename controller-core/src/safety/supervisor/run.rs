@@ -227,6 +227,10 @@ impl Supervisor {
     }
 
     fn apply(&mut self, event: Event, cause: Cause) -> Action {
+        // Every tick of a base that is driven: nothing changes, for whatever demands more than that had it leave this state.
+        if self.state == State::Tracking && matches!(event, Event::Track | Event::Drive) {
+            return Action::Continue;
+        }
         let event = not_milder(event, self.output().severity());
         let (state, action) = next(self.state, event);
         let reaction = demanded(event);

@@ -1,49 +1,40 @@
-//! The pose law of a tick: following, a parking manoeuvre, or rest at the goal.
+//! The parking law: a manoeuvre, feedback, or rest at the goal.
 
 use super::arrival::Parking;
-use super::drive::{self, DriveLaw};
-use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::{Execution, PlanLimits};
+use super::manoeuvre::{Execution, PlanLimits, Reference};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::retry::{Attempt, Rest, Retry, distance_of};
-use super::setpoint::Setpoint;
-use super::task::{Aim, Task};
+use super::setpoint::{Moving, Setpoint, Step, Transition, Wanted};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
-use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Accel, Twist};
+use crate::types::Accel;
 
-/// What the pose laws remember.
+/// What parking remembers. It means something while the robot parks, and begins anew with every goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PoseLaw<T> {
-    follower: Follower<T>,
+pub(crate) struct ParkingLaw<T> {
+    memory: Memory<T>,
+    approach: Approach<T>,
+}
+
+/// Beside the approach. Together, and no more than 64 bytes: so it is copied in a few instructions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Memory<T> {
     regulator: PoseRegulator<T>,
     checker: GoalChecker<T>,
     retry: Retry<T>,
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
-    pub(crate) drive: DriveLaw<T>,
 }
 
-/// A [`PoseLaw`] as it was before a tick, by pieces: each is small enough to be copied in a few instructions.
-pub(crate) struct Before<T> {
-    follower: Follower<T>,
-    regulator: PoseRegulator<T>,
-    checker: GoalChecker<T>,
-    retry: Retry<T>,
-    departed: bool,
-    drive: DriveLaw<T>,
-}
-
-/// How the goal is approached. Lent, not part of what every tick copies: a manoeuvre is long.
+/// How the goal is approached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Approach<T> {
+enum Approach<T> {
     /// Not at all yet.
     #[default]
     Idle,
@@ -55,129 +46,123 @@ pub(crate) enum Approach<T> {
     Regulate,
 }
 
+/// What a tick of parking changed, as it was before: a tick that is refused changes nothing.
+pub(crate) struct Before<T> {
+    memory: Option<Memory<T>>,
+    /// Of a manoeuvre under way.
+    reference: Option<Reference<T>>,
+    /// An approach that was searched for, or replaced: then it changed by more than its reference.
+    approach: Option<Approach<T>>,
+}
+
 /// How far the robot may be from the reference of a manoeuvre before another one is planned \[m\], \[rad\]. The
 /// follower takes back what is less: at these errors its demands are at their bounds.
 const DEPARTURE: (f64, f64) = (0.1, 0.5);
 
-/// How the robot moves, measured and commanded.
-#[derive(Clone, Copy)]
-pub(crate) struct Moving<'a, T> {
-    /// Measured.
-    pub(crate) heading: T,
-    /// Measured.
-    pub(crate) twist: &'a Twist<T>,
-    /// Of the last tick.
-    pub(crate) command: &'a Command<T>,
+/// What parking borrows for a tick.
+pub(crate) struct Lent<'a, T> {
+    /// Drives along manoeuvres.
+    pub(crate) follower: &'a mut Follower<T>,
+    /// Where is kept what is about to change.
+    pub(crate) before: &'a mut Before<T>,
 }
 
-/// Time since the last tick.
-#[derive(Clone, Copy)]
-pub(crate) struct Step<T> {
-    /// \[s\].
-    pub(crate) dt: T,
-    /// 2/dt \[1/s\]; `None` where the laws start afresh from the command: at the start, and after a jump.
-    pub(crate) two_per_dt: Option<T>,
+impl<T: Scalar> Before<T> {
+    /// Nothing changed. No constant: that would be copied as a whole.
+    #[inline(always)]
+    pub(crate) const fn nothing() -> Self {
+        Self {
+            memory: None,
+            reference: None,
+            approach: None,
+        }
+    }
+
+    /// Keeps an approach that is about to be replaced, if it is the first of the tick.
+    fn keep(&mut self, approach: &Approach<T>) {
+        if self.approach.is_none() {
+            self.approach = Some(match approach {
+                Approach::Manoeuvre(execution) => Approach::Manoeuvre(*execution),
+                Approach::Idle => Approach::Idle,
+                Approach::Chase => Approach::Chase,
+                Approach::Regulate => Approach::Regulate,
+            });
+        }
+    }
+
+    fn keep_manoeuvre(&mut self, execution: &Execution<T>) {
+        if self.approach.is_none() {
+            self.approach = Some(Approach::Manoeuvre(*execution));
+        }
+    }
 }
 
-/// What a pose law made of a tick.
-pub(crate) struct Wanted<T> {
-    pub(crate) setpoint: Setpoint<T>,
-    pub(crate) transition: Transition,
-}
-
-/// How a setpoint goes on from the command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Transition {
-    /// From the last setpoint: the transition offset goes on fading.
-    Continue,
-    /// It may jump: a new transition offset starts from the command.
-    Offset,
-    /// From the command itself, rate and acceleration: there is no offset.
-    Seamless,
-}
-
-impl<T: Scalar> PoseLaw<T> {
-    /// Nothing seen yet.
+impl<T: Scalar> ParkingLaw<T> {
+    /// No goal yet.
     pub(crate) const NEW: Self = Self {
-        follower: Follower::NEW,
-        regulator: PoseRegulator::NEW,
-        checker: GoalChecker::NEW,
-        retry: Retry::NEW,
-        departed: false,
-        drive: DriveLaw::NEW,
+        memory: Memory {
+            regulator: PoseRegulator::NEW,
+            checker: GoalChecker::NEW,
+            retry: Retry::NEW,
+            departed: false,
+        },
+        approach: Approach::Idle,
     };
 
+    /// Keeps what every tick changes.
+    #[inline(always)]
+    pub(crate) fn keep(&self, before: &mut Before<T>) {
+        before.memory = Some(self.memory);
+        if let Approach::Manoeuvre(execution) = &self.approach {
+            before.reference = Some(execution.reference());
+            if execution.is_searching() {
+                before.keep(&self.approach);
+            }
+        }
+    }
+
+    /// Back to what was before a tick.
+    #[cold]
+    pub(crate) fn restore(&mut self, before: &Before<T>) {
+        if let Some(memory) = before.memory {
+            self.memory = memory;
+        }
+        if let Some(approach) = &before.approach {
+            self.approach = *approach;
+        }
+        if let (Approach::Manoeuvre(execution), Some(reference)) =
+            (&mut self.approach, &before.reference)
+        {
+            execution.return_to(reference);
+        }
+    }
+
+    /// Another goal: all approaches are to be had again. `goes_on` if the robot was on its way to one.
+    pub(crate) fn renew(&mut self, goes_on: bool, before: &mut Before<T>) {
+        before.keep(&self.approach);
+        self.memory.retry = Retry::NEW;
+        self.memory.departed = false;
+        // A goal that moves again before the manoeuvre to it was found is chased.
+        let chased = goes_on
+            && match &self.approach {
+                Approach::Manoeuvre(execution) => execution.is_searching(),
+                Approach::Chase => true,
+                Approach::Idle | Approach::Regulate => false,
+            };
+        self.approach = if chased {
+            Approach::Chase
+        } else {
+            Approach::Idle
+        };
+        if !goes_on {
+            self.memory.checker = GoalChecker::NEW;
+        }
+    }
+
+    /// A tick.
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        approach: &mut Approach<T>,
-        motion: &ValidMotionParams<T>,
-        task: &Task<T>,
-        view: &ErrorView<T>,
-        moving: Moving<'_, T>,
-        step: Step<T>,
-    ) -> Wanted<T> {
-        match task {
-            Task::Follow(reference) => {
-                *approach = Approach::Idle;
-                self.follow::<U, M>(motion, reference, view, moving, step.two_per_dt)
-            }
-            Task::Park(_) => self.park::<U, M>(approach, motion, &view.error, moving, step),
-            Task::Drive {
-                twist,
-                hold_heading,
-            } => {
-                self.checker = GoalChecker::default();
-                *approach = Approach::Idle;
-                let now = drive::Now {
-                    order: twist,
-                    hold_heading: *hold_heading,
-                    heading: moving.heading,
-                    turn_rate: moving.twist.angular,
-                    error: view.error.theta,
-                    command: moving.command,
-                    jumped: step.two_per_dt.is_none(),
-                    dt: step.dt,
-                };
-                Wanted {
-                    setpoint: self.drive.advance::<M>(motion, &now),
-                    transition: Transition::Seamless,
-                }
-            }
-        }
-    }
-
-    fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
-        &mut self,
-        motion: &ValidMotionParams<T>,
-        reference: &Reference<T>,
-        view: &ErrorView<T>,
-        moving: Moving<'_, T>,
-        two_per_dt: Option<T>,
-    ) -> Wanted<T> {
-        let now = Instant {
-            twist: reference.twist(),
-            accel: reference.accel(),
-            error: view.error,
-            heading: view.heading,
-            turn_rate: moving.twist.angular,
-        };
-        self.checker = GoalChecker::default();
-        let command = &moving.command.twist;
-        Wanted {
-            setpoint: self
-                .follower
-                .advance::<U, M>(motion, &now, command, two_per_dt),
-            transition: if two_per_dt.is_some() {
-                Transition::Continue
-            } else {
-                Transition::Offset
-            },
-        }
-    }
-
-    fn park<U: NeuronUpdate<T>, M: Maths<T>>(
-        &mut self,
-        approach: &mut Approach<T>,
+        lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
         moving: Moving<'_, T>,
@@ -185,36 +170,39 @@ impl<T: Scalar> PoseLaw<T> {
     ) -> Wanted<T> {
         let Step { dt, two_per_dt } = step;
         let distance = distance_of::<T, M>(error);
-        let (was_parked, was_resting) = (self.checker.parked, self.is_resting());
+        let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
         let at = GoalView {
             error: *error,
             distance,
             twist: *moving.twist,
             command: moving.command.twist,
             command_rate: moving.command.rate,
-            backing: self.is_backing(approach),
+            backing: self.is_backing(),
         };
         // A manoeuvre ends at the goal by itself, sooner than a stop that is begun before.
-        let driving = approach.is_under_way() && !was_resting;
-        self.checker = if driving || !self.retry.may_park() {
+        let driving = self.approach.is_under_way() && !was_resting;
+        self.memory.checker = if driving || !self.memory.retry.may_park() {
             GoalChecker::default()
         } else if two_per_dt.is_some() {
-            self.checker.advance(motion, &at, dt)
+            self.memory.checker.advance(motion, &at, dt)
         } else {
             GoalChecker::default().advance(motion, &at, dt)
         };
-        let rest = match (was_parked && two_per_dt.is_some(), self.checker.parked) {
+        let rest = match (
+            was_parked && two_per_dt.is_some(),
+            self.memory.checker.parked,
+        ) {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
             (false, false) if driving => Rest::Driving,
-            (false, false) if matches!(approach, Approach::Manoeuvre(_)) => Rest::Beside,
+            (false, false) if matches!(self.approach, Approach::Manoeuvre(_)) => Rest::Beside,
             (false, false) => Rest::Moving,
         };
-        let (retry, attempt) = self.retry.advance::<M>(motion, &at, rest, dt);
-        self.retry = retry;
+        let (retry, attempt) = self.memory.retry.advance::<M>(motion, &at, rest, dt);
+        self.memory.retry = retry;
         let resting = self.is_resting();
         let (setpoint, transition) = if resting {
-            self.regulator.rest();
+            self.memory.regulator.rest();
             let transition = if was_resting && two_per_dt.is_some() {
                 Transition::Continue
             } else {
@@ -224,14 +212,17 @@ impl<T: Scalar> PoseLaw<T> {
         } else {
             // Pushed off its goal, or beside it, the robot starts afresh.
             match attempt {
-                Attempt::Aim => *approach = Approach::Regulate,
+                Attempt::Aim => {
+                    lent.before.keep(&self.approach);
+                    self.approach = Approach::Regulate;
+                }
                 Attempt::GoOn | Attempt::Hold | Attempt::Manoeuvre => {}
             }
             let attempt = match attempt {
                 Attempt::GoOn if was_resting => Attempt::Manoeuvre,
                 _ => attempt,
             };
-            self.approach::<U, M>(approach, motion, &at, &moving, step, attempt)
+            self.approach::<U, M>(lent, motion, &at, &moving, step, attempt)
         };
         Wanted {
             setpoint,
@@ -242,7 +233,7 @@ impl<T: Scalar> PoseLaw<T> {
     /// The setpoint of an approach, and how it goes on from the command.
     fn approach<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        approach: &mut Approach<T>,
+        lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
         at: &GoalView<T>,
         moving: &Moving<'_, T>,
@@ -251,7 +242,8 @@ impl<T: Scalar> PoseLaw<T> {
     ) -> (Setpoint<T>, Transition) {
         if step.dt == T::ZERO {
             // At the start: the first tick tells how long ticks are.
-            *approach = Approach::Idle;
+            lent.before.keep(&self.approach);
+            self.approach = Approach::Idle;
             let setpoint = Setpoint {
                 twist: moving.command.twist,
                 rate: Accel::default(),
@@ -259,7 +251,7 @@ impl<T: Scalar> PoseLaw<T> {
             return (setpoint, Transition::Offset);
         }
         let jumped = step.two_per_dt.is_none();
-        let begun = match approach {
+        let begun = match self.approach {
             Approach::Chase => !jumped,
             Approach::Idle => true,
             // A pose that jumped moves the robot against its reference. If that is far, it has departed.
@@ -268,13 +260,14 @@ impl<T: Scalar> PoseLaw<T> {
             }
         };
         if begun {
-            let plan = if self.retry.is_another() {
+            let plan = if self.memory.retry.is_another() {
                 motion.plan.slower()
             } else {
                 motion.plan
             };
             let hold = attempt == Attempt::Hold || is_inside(motion, at);
-            *approach = Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
+            lent.before.keep(&self.approach);
+            self.approach = Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
         }
         let mut begun = begun;
         let mut two_per_dt = if begun || attempt == Attempt::Aim {
@@ -282,7 +275,7 @@ impl<T: Scalar> PoseLaw<T> {
         } else {
             step.two_per_dt
         };
-        if let Approach::Manoeuvre(execution) = approach {
+        if let Approach::Manoeuvre(execution) = &mut self.approach {
             let since = if begun { T::ZERO } else { step.dt };
             let mut moment = execution.advance::<M>(&at.error, since, step.dt);
             let departed = |error: &PoseError<T>| {
@@ -299,13 +292,14 @@ impl<T: Scalar> PoseLaw<T> {
             if gone && moves && !execution.is_searching() {
                 begun = true;
                 two_per_dt = None;
-                if self.departed {
+                if self.memory.departed {
                     // Whatever keeps it off would do so again: feedback needs no plan.
                     moment = None;
                 } else {
-                    self.departed = true;
+                    self.memory.departed = true;
                     let Command { twist, rate } = moving.command;
                     let plan = motion.plan.slower();
+                    lent.before.keep_manoeuvre(execution);
                     *execution = Execution::start::<M>(&plan, &at.error, twist, rate, step.dt);
                     moment = execution.advance::<M>(&at.error, T::ZERO, step.dt);
                 }
@@ -319,7 +313,7 @@ impl<T: Scalar> PoseLaw<T> {
                     turn_rate: moving.twist.angular,
                 };
                 let command = &moving.command.twist;
-                let setpoint = self
+                let setpoint = lent
                     .follower
                     .advance::<U, M>(motion, &now, command, two_per_dt);
                 let transition = match (begun, execution.is_over()) {
@@ -331,12 +325,14 @@ impl<T: Scalar> PoseLaw<T> {
                 };
                 return (setpoint, transition);
             }
-            *approach = Approach::Regulate;
+            lent.before.keep(&self.approach);
+            self.approach = Approach::Regulate;
             two_per_dt = None;
         }
         let command = &moving.command.twist;
         let (aim, distance) = self.aim::<M>(motion, at);
         let setpoint = self
+            .memory
             .regulator
             .advance::<U, M>(motion, &aim, distance, command, two_per_dt);
         let transition = if two_per_dt.is_some() {
@@ -353,8 +349,8 @@ impl<T: Scalar> PoseLaw<T> {
         motion: &ValidMotionParams<T>,
         at: &GoalView<T>,
     ) -> (PoseError<T>, T) {
-        if self.retry.is_out() {
-            let aim = self.retry.aim::<M>(motion, &at.error);
+        if self.memory.retry.is_out() {
+            let aim = self.memory.retry.aim::<M>(motion, &at.error);
             let far = distance_of::<T, M>(&aim);
             (aim, far)
         } else {
@@ -362,78 +358,42 @@ impl<T: Scalar> PoseLaw<T> {
         }
     }
 
-    /// Another goal: all approaches are to be had again.
-    pub(crate) fn renew_retries(&mut self, approach: &mut Approach<T>) {
-        self.retry = Retry::default();
-        self.departed = false;
-        // A goal that moves again before the manoeuvre to it was found is chased.
-        let chased = match approach {
-            Approach::Manoeuvre(execution) => execution.is_searching(),
-            Approach::Chase => true,
-            Approach::Idle | Approach::Regulate => false,
-        };
-        *approach = if chased {
-            Approach::Chase
-        } else {
-            Approach::Idle
-        };
-    }
-
     /// Nothing is asked for any more: parked, or given up.
     pub(crate) fn is_resting(&self) -> bool {
-        self.checker.parked || self.retry.given_up
+        self.memory.checker.parked || self.memory.retry.given_up
     }
 
     /// At the goal within tolerance.
     pub(crate) fn is_parked(&self) -> bool {
-        self.checker.parked
+        self.memory.checker.parked
     }
 
     /// At rest outside of the tolerance, after all retries.
     pub(crate) fn has_given_up(&self) -> bool {
-        self.retry.given_up
+        self.memory.retry.given_up
     }
 
     /// New approaches so far.
     pub(crate) fn retries(&self) -> u8 {
-        self.retry.count
+        self.memory.retry.count
     }
 
-    /// While parking: the robot backs up.
-    pub(crate) fn is_backing(&self, approach: &Approach<T>) -> bool {
-        match approach {
+    /// The robot backs up.
+    pub(crate) fn is_backing(&self) -> bool {
+        match &self.approach {
             Approach::Manoeuvre(execution) => execution.is_backing(),
-            Approach::Idle | Approach::Chase | Approach::Regulate => self.regulator.is_backing(),
+            Approach::Idle | Approach::Chase | Approach::Regulate => {
+                self.memory.regulator.is_backing()
+            }
         }
     }
 
-    /// Of what a tick of a task with this aim may have changed.
-    pub(crate) fn residue(&self, aim: &Aim<T>) -> T {
-        match aim {
-            Aim::Follow => self.follower.residue(),
-            Aim::Park(_) => self.follower.residue() + self.regulator.residue(),
-            Aim::Drive => self.drive.residue(),
-        }
-    }
-
-    pub(crate) const fn before(&self) -> Before<T> {
-        Before {
-            follower: self.follower,
-            regulator: self.regulator,
-            checker: self.checker,
-            retry: self.retry,
-            departed: self.departed,
-            drive: self.drive,
-        }
-    }
-
-    pub(crate) const fn restore(&mut self, before: Before<T>) {
-        self.follower = before.follower;
-        self.regulator = before.regulator;
-        self.checker = before.checker;
-        self.retry = before.retry;
-        self.departed = before.departed;
-        self.drive = before.drive;
+    pub(crate) fn residue(&self) -> T {
+        let approach = match &self.approach {
+            Approach::Manoeuvre(execution) => execution.residue(),
+            Approach::Idle | Approach::Chase | Approach::Regulate => T::ZERO,
+        };
+        self.memory.regulator.residue() + approach
     }
 }
 
@@ -441,23 +401,6 @@ impl<T: Scalar> Approach<T> {
     /// A manoeuvre has still to be found or driven.
     fn is_under_way(&self) -> bool {
         matches!(self, Self::Manoeuvre(execution) if !execution.is_over())
-    }
-
-    /// A copy to go back to; only a manoeuvre costs one.
-    pub(crate) fn kept(&self) -> Self {
-        match self {
-            Self::Manoeuvre(execution) => Self::Manoeuvre(*execution),
-            Self::Idle => Self::Idle,
-            Self::Chase => Self::Chase,
-            Self::Regulate => Self::Regulate,
-        }
-    }
-
-    pub(crate) fn residue(&self) -> T {
-        match self {
-            Self::Manoeuvre(execution) => execution.residue(),
-            Self::Idle | Self::Chase | Self::Regulate => T::ZERO,
-        }
     }
 
     /// By a manoeuvre; a robot that is where it should be has none to make. With ticks longer than the time constant of the
