@@ -89,7 +89,7 @@ impl World {
         };
         self.body.substep(&drive, &outside, time_s, h);
         let mean = [0, 1].map(|i| 0.5 * (before[i] + self.body.omega[i]));
-        self.electric.settle(mean, h);
+        self.electric.settle(mean);
     }
 
     /// Poses taken within a substep. Between its ends the way is straight to a h²/8, some 1e-8 m.
