@@ -29,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 pub mod advice;
+pub mod bench;
 pub mod campaign;
 pub mod closed_loop;
 pub mod constants;
