@@ -13,8 +13,10 @@ pub(crate) const SHARE: f32 = 0.9;
 const MOVES: f32 = 0.05;
 /// A robot that is beside its goal so long after the end of its plan plans again \[s\].
 const PATIENCE: f32 = 0.5;
-/// So much of a drive or of a turn is worth planning \[m, rad\].
-const WORTH: (f32, f32) = (1.0e-3, 1.0e-3);
+/// A turn below this is not worth planning \[rad\].
+const LEAST_TURN: f32 = 1.0e-3;
+/// Part of the tolerance within which a robot only turns at its goal.
+const PLACED: f32 = 0.8;
 
 /// A reference to a goal: turn, drive, turn, with trapezoids; from motion a stop along the path that it is on.
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +98,9 @@ impl Plan {
             Some(course) if course.goal == *goal && !self.has_missed(&course, now) => course,
             _ => {
                 self.t = 0.0;
-                *self.course.insert(Course::new(&self.limits, self.share, now, goal))
+                let placed = PLACED * self.tolerance.0;
+                let course = Course::new((&self.limits, self.share, placed), now, goal);
+                *self.course.insert(course)
             }
         };
         course.at(self.t)
@@ -111,11 +115,15 @@ impl Plan {
 }
 
 impl Course {
-    fn new(limits: &Limits<f32>, share: f32, now: &Now, goal: &Pose<f32>) -> Self {
+    fn new(
+        (limits, share, placed): (&Limits<f32>, f32, f32),
+        now: &Now,
+        goal: &Pose<f32>,
+    ) -> Self {
         let (dx, dy) = (goal.x - now.pose.x, goal.y - now.pose.y);
         let way = norm(dx, dy);
         let Twist { linear, angular } = now.twist;
-        if linear.abs() > MOVES && way > WORTH.0 {
+        if linear.abs() > MOVES && way > placed {
             let needed = 0.5 * linear * linear / way;
             let brake = if needed < limits.brake {
                 needed
@@ -130,6 +138,7 @@ impl Course {
             };
             return Self { goal: *goal, legs };
         }
+        let way = if way > placed { way } else { 0.0 };
         let forward = Legs::turns(limits, share, now, goal, (dx, dy), way);
         let backward = Legs::turns(limits, share, now, goal, (-dx, -dy), -way);
         let legs = if backward.duration() < forward.duration() {
@@ -203,14 +212,13 @@ impl Legs {
         (dx, dy): (f32, f32),
         way: f32,
     ) -> Self {
-        let bearing = if way.abs() > WORTH.0 {
+        let bearing = if way.abs() > 0.0 {
             atan2(dy, dx)
         } else {
             goal.theta
         };
-        let way = if way.abs() > WORTH.0 { way } else { 0.0 };
         let turn = |angle: f32| {
-            let angle = if angle.abs() > WORTH.1 { angle } else { 0.0 };
+            let angle = if angle.abs() > LEAST_TURN { angle } else { 0.0 };
             let accel = share * limits.turn_accel;
             Trapezoid::new(angle, share * limits.turn_rate, accel, accel)
         };

@@ -22,8 +22,8 @@ pub use law::{Flavour, Law, LawKind};
 pub use study::{BenchError, Run, Settings, runs, study};
 pub use summary::{Row, Spread, Summary, summaries};
 pub use table::{Cell, HEADER, cells, console, markdown};
-pub use tracks::{FILES, TrackFile};
-pub use tuning::{Tuned, tune};
+pub use tracks::{FILES, Named, TrackFile};
+pub use tuning::{Tuned, evaluations, tune};
 
 /// What is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

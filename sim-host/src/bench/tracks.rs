@@ -64,7 +64,7 @@ pub(super) struct Case {
 }
 
 /// A base and its name.
-pub(super) type Named = (String, BaseSpec);
+pub type Named = (String, BaseSpec);
 
 /// Cases of a class on a base: `runs` of parking; on plants with noise as many of each other course as fit into `runs`.
 pub(super) fn cases(

@@ -6,7 +6,7 @@ use super::{robustness, say};
 use crate::bench_args::BenchArgs;
 use crate::cli::Output;
 use indicatif::ProgressBar;
-use sim_host::bench::{Class, Settings, TrackFile, FILES, Tuned, console, markdown, runs, study, summaries, write_csv};
+use sim_host::bench::{Class, Settings, TrackFile, FILES, Tuned, console, evaluations, tune, markdown, runs, study, summaries, write_csv};
 use sim_host::scenario::{BASES, BuiltInBase};
 use std::fs;
 
@@ -42,7 +42,16 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
         runs: if arguments.quick { QUICK } else { arguments.runs.get() },
         seed,
     };
-    let tuned = Tuned::default();
+    let tuned = if arguments.tune {
+        let bar = ProgressBar::new(evaluations(settings.bases.len())).with_style(robustness::style());
+        let tuned = tune(&settings.bases, FILES, || bar.inc(1));
+        bar.finish_and_clear();
+        let tuned = tuned?;
+        writer.bytes("tuned.csv", tuned.csv().as_bytes())?;
+        tuned
+    } else {
+        Tuned::built_in()
+    };
     let bar = ProgressBar::new(runs(&settings)? as u64).with_style(robustness::style());
     let all = study(&settings, &tuned, || bar.inc(1));
     bar.finish_and_clear();
