@@ -1,6 +1,8 @@
 //! The graceful motion law.
 
-use crate::law::{Body, Gain, Job, Now, Rival, Wanted, atan2, between, clamp, error, gain, norm, sin_cos};
+use crate::law::{
+    Body, Gain, Job, Now, Rival, Wanted, atan2, between, clamp, error, gain, norm, sin_cos,
+};
 use crate::pursuit::Progress;
 use controller_core::angle::wrap;
 use controller_core::motion::Limits;
@@ -101,7 +103,11 @@ impl Graceful {
         let least = if self.least < top { self.least } else { top };
         let v = between(if slow < v { slow } else { v }, least, top);
         let w = clamp(curvature * v, self.limits.turn_rate);
-        let v = if curvature.abs() > 1.0e-6 { w / curvature } else { v };
+        let v = if curvature.abs() > 1.0e-6 {
+            w / curvature
+        } else {
+            v
+        };
         Wanted::of(v, w)
     }
 
@@ -114,7 +120,12 @@ impl Graceful {
         if let Some(goal) = goal {
             let e = error(goal, &now.pose);
             let far = norm(e.x, e.y);
-            self.arrived = far < if self.arrived { self.near } else { 0.5 * self.near };
+            self.arrived = far
+                < if self.arrived {
+                    self.near
+                } else {
+                    0.5 * self.near
+                };
             if self.arrived {
                 return self.rotate(e.theta);
             }
@@ -135,7 +146,11 @@ impl Rival for Graceful {
             Job::Follow(path) => {
                 let view = self.progress.view(now, path, LOOKAHEAD)?;
                 let speed = view.speed.abs();
-                let top = if speed > self.least { speed } else { self.least };
+                let top = if speed > self.least {
+                    speed
+                } else {
+                    self.least
+                };
                 let headed = !(view.ends && self.last_turn);
                 let goal = view.ends.then_some(view.goal);
                 Some(self.advance_to(now, (view.ahead.pose(), top, headed), goal.as_ref()))

@@ -162,8 +162,14 @@ fn lateral(v: f64, dt: f64, (q_y, q_heading): (f64, f64), r: f64) -> [f64; 2] {
         let one: Matrix = [[1.0, 0.0], [0.0, 1.0]];
         let w = inverse(&plus(&one, &times(&g, &h)));
         let next = times(&times(&turn, &w), &turn);
-        g = plus(&g, &times(&times(&turn, &times(&w, &g)), &transposed(&turn)));
-        h = plus(&h, &times(&transposed(&turn), &times(&times(&h, &w), &turn)));
+        g = plus(
+            &g,
+            &times(&times(&turn, &times(&w, &g)), &transposed(&turn)),
+        );
+        h = plus(
+            &h,
+            &times(&transposed(&turn), &times(&times(&h, &w), &turn)),
+        );
         turn = next;
         if turn[0][0].abs() + turn[0][1].abs() + turn[1][0].abs() + turn[1][1].abs() < 1.0e-12 {
             break;

@@ -108,7 +108,11 @@ impl Mpc {
         }
         let (constraints, bounds) = self.constraints(references);
         let upper: Vec<Vec<f64>> = (0..INPUTS)
-            .map(|i| (0..INPUTS).map(|j| if i <= j { hessian[i][j] } else { 0.0 }).collect())
+            .map(|i| {
+                (0..INPUTS)
+                    .map(|j| if i <= j { hessian[i][j] } else { 0.0 })
+                    .collect()
+            })
             .collect();
         let settings = DefaultSettingsBuilder::default()
             .verbose(false)

@@ -115,11 +115,7 @@ impl Plan {
 }
 
 impl Course {
-    fn new(
-        (limits, share, placed): (&Limits<f32>, f32, f32),
-        now: &Now,
-        goal: &Pose<f32>,
-    ) -> Self {
+    fn new((limits, share, placed): (&Limits<f32>, f32, f32), now: &Now, goal: &Pose<f32>) -> Self {
         let (dx, dy) = (goal.x - now.pose.x, goal.y - now.pose.y);
         let way = norm(dx, dy);
         let Twist { linear, angular } = now.twist;
@@ -194,7 +190,10 @@ impl Course {
                     self.goal.y - to_go * sine,
                     wrap(self.goal.theta + turn),
                 );
-                let (v, a) = (sign * brake * left, if t < end { -sign * brake } else { 0.0 });
+                let (v, a) = (
+                    sign * brake * left,
+                    if t < end { -sign * brake } else { 0.0 },
+                );
                 let twist = Twist::new(v, curvature * v);
                 Reference::new(pose, twist, Accel::new(a, curvature * a))
             }

@@ -95,7 +95,12 @@ impl PurePursuit {
     fn pursue(&mut self, now: &Now, goal: &Pose<f32>, carrot: (f32, f32), speed: f32) -> Wanted {
         let e = error(goal, &now.pose);
         let far = norm(e.x, e.y);
-        self.arrived = far < if self.arrived { self.near } else { 0.5 * self.near };
+        self.arrived = far
+            < if self.arrived {
+                self.near
+            } else {
+                0.5 * self.near
+            };
         if self.arrived {
             return self.rotate(e.theta);
         }
@@ -123,7 +128,11 @@ impl PurePursuit {
         } else {
             top
         };
-        let v = if scaled < regulated { scaled } else { regulated };
+        let v = if scaled < regulated {
+            scaled
+        } else {
+            regulated
+        };
         let v = if speed < 0.0 { -v } else { v };
         Wanted::of(v, v * curvature)
     }
@@ -136,7 +145,11 @@ impl Rival for PurePursuit {
                 let view = self.progress.view(now, path, self.lookahead)?;
                 let carrot = error(view.ahead.pose(), &now.pose);
                 // The goal counts once the end of the path is in sight.
-                let goal = if view.ends { view.goal } else { *view.ahead.pose() };
+                let goal = if view.ends {
+                    view.goal
+                } else {
+                    *view.ahead.pose()
+                };
                 let speed = if view.speed.abs() > self.least {
                     view.speed
                 } else if view.speed < 0.0 {
@@ -147,9 +160,7 @@ impl Rival for PurePursuit {
                 Some(self.pursue(now, &goal, (carrot.x, carrot.y), speed))
             }
             Job::Park(goal) => {
-                let (from, _) = *self
-                    .line
-                    .get_or_insert((now.pose, *goal));
+                let (from, _) = *self.line.get_or_insert((now.pose, *goal));
                 let (dx, dy) = (goal.x - from.x, goal.y - from.y);
                 let length = norm(dx, dy);
                 let e = error(goal, &now.pose);

@@ -46,7 +46,11 @@ impl Progress {
             ahead += 1;
         }
         let last = path.samples.len().saturating_sub(1);
-        let later = path.samples.get(if self.at + LEAD < last { self.at + LEAD } else { last })?;
+        let later = path.samples.get(if self.at + LEAD < last {
+            self.at + LEAD
+        } else {
+            last
+        })?;
         let here = path.samples.get(self.at)?;
         let (v, w) = (here.twist().linear, later.twist().linear);
         Some(View {

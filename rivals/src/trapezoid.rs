@@ -52,11 +52,7 @@ impl Trapezoid {
             let all = 0.5 * self.top * (rise + end - flat) + self.top * (flat - rise);
             let left = if t < end { end - t } else { 0.0 };
             let accel = if t < end { -self.down } else { 0.0 };
-            (
-                all - 0.5 * self.down * left * left,
-                self.down * left,
-                accel,
-            )
+            (all - 0.5 * self.down * left * left, self.down * left, accel)
         };
         (self.sign * way, self.sign * speed, self.sign * accel)
     }

@@ -92,7 +92,12 @@ impl TwoPids {
     fn to(&mut self, now: &Now, goal: &Pose<f32>) -> Wanted {
         let e = error(goal, &now.pose);
         let far = norm(e.x, e.y);
-        let at_goal = far < if self.arrived { self.near } else { 0.5 * self.near };
+        let at_goal = far
+            < if self.arrived {
+                self.near
+            } else {
+                0.5 * self.near
+            };
         if at_goal != self.arrived {
             self.heading.reset();
         }

@@ -5,7 +5,7 @@ use crate::csv_out::{Column, columns, write_file};
 use std::io::Write;
 
 /// SI units, radians; torque_step over the wheel's limit. Empty: not measured.
-fn columns<'a>() -> [Column<(&'a [String], &'a Run)>; 19] {
+fn columns<'a>() -> [Column<(&'a [String], &'a Run)>; 20] {
     columns![run;
         "track" => run.1.class.track.name(),
         "plant" => run.1.class.plant.name(),
@@ -26,6 +26,7 @@ fn columns<'a>() -> [Column<(&'a [String], &'a Run)>; 19] {
         "jerk_rms" => number(run.1.figures.jerk),
         "energy" => number(run.1.figures.energy_j),
         "failed" => run.1.figures.failed,
+        "stopped" => run.1.figures.stopped,
     ]
 }
 

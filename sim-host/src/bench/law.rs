@@ -125,7 +125,9 @@ impl LawKind {
             Self::Samson => &Samson::GAINS,
             Self::TwoPids => &TwoPids::GAINS,
             Self::Mpc => &Mpc::GAINS,
-            Self::Default | Self::Neural | Self::Plain | Self::HeadingHeld | Self::RateLimits => &[],
+            Self::Default | Self::Neural | Self::Plain | Self::HeadingHeld | Self::RateLimits => {
+                &[]
+            }
         }
     }
 
@@ -176,13 +178,9 @@ impl Law {
                 let paper = [LawKind::Neural, LawKind::Plain].map(Self::usual);
                 ours.chain(with_gains).chain(paper).collect()
             }
-            Track::Velocity => [
-                LawKind::Default,
-                LawKind::HeadingHeld,
-                LawKind::RateLimits,
-            ]
-            .map(Self::usual)
-            .to_vec(),
+            Track::Velocity => [LawKind::Default, LawKind::HeadingHeld, LawKind::RateLimits]
+                .map(Self::usual)
+                .to_vec(),
         }
     }
 
@@ -260,7 +258,8 @@ impl Rival for Paper {
                 let reference = path.at(0)?.cast_with::<f64, Libm>();
                 let started = self.left.replace(reference).is_some();
                 if started {
-                    self.controller.step(dt, &Demand::Track(reference), &measured)
+                    self.controller
+                        .step(dt, &Demand::Track(reference), &measured)
                 } else {
                     self.controller.start(&reference, &measured)
                 }

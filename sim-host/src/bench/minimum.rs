@@ -48,13 +48,22 @@ impl Pool {
             own.jerk,
             own.turn_jerk,
         ];
-        (own == *limits).then(|| Self(STARTS.lines().filter_map(|line| start(line, name)).collect()))
+        (own == *limits).then(|| {
+            Self(
+                STARTS
+                    .lines()
+                    .filter_map(|line| start(line, name))
+                    .collect(),
+            )
+        })
     }
 }
 
 fn start(line: &str, name: &str) -> Option<Start> {
     let numbers = line.strip_prefix(name)?.strip_prefix(',')?;
-    let mut numbers = numbers.split(',').map(|field| field.trim().parse::<f64>().ok());
+    let mut numbers = numbers
+        .split(',')
+        .map(|field| field.trim().parse::<f64>().ok());
     let mut next = || numbers.next().flatten();
     Some(Start {
         pose: Pose::new(next()?, next()?, next()?),

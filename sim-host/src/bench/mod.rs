@@ -8,8 +8,10 @@
 
 mod csv;
 mod figures;
-pub mod minimum;
+#[cfg(feature = "cli")]
+mod html;
 mod law;
+pub mod minimum;
 mod study;
 mod summary;
 mod table;
@@ -17,11 +19,13 @@ mod tracks;
 mod tuning;
 
 pub use csv::write as write_csv;
-pub use figures::Figures;
+pub use figures::{DRIVEN, Figures};
+#[cfg(feature = "cli")]
+pub use html::html;
 pub use law::{Flavour, Law, LawKind};
 pub use study::{BenchError, Run, Settings, runs, study};
-pub use summary::{Row, Spread, Summary, summaries};
-pub use table::{Cell, HEADER, cells, console, markdown};
+pub use summary::{ALLOWED_S, Row, Spread, Summary, summaries};
+pub use table::{Cell, HEADER, better, cells, console, label, markdown, verdict};
 pub use tracks::{FILES, Named, TrackFile};
 pub use tuning::{Tuned, evaluations, tune};
 
@@ -102,5 +106,11 @@ impl Class {
 
 /// Arrived: within this distance of the goal \[m\] and this heading \[rad\], for good.
 pub const ARRIVED: (f64, f64) = (0.010, 0.020);
+/// What is asked of parking: time over least time, median, nine tenths and all; on the ideal plant, and on real hardware
+/// after [`ALLOWED_S`].
+pub const TIMES_ASKED: [(Plant, [f64; 3]); 2] = [
+    (Plant::Ideal, [1.2, 1.4, 1.6]),
+    (Plant::Realistic, [1.5, 2.0, 2.5]),
+];
 /// What is asked of the end of a run \[m, rad\]: who is closer has no advantage in a comparison of times.
 pub const ASKED: (f64, f64) = (0.005, 0.010);

@@ -48,6 +48,8 @@ pub struct Summary {
     pub time_s: Spread,
     /// The same over the least time.
     pub ratio: Spread,
+    /// The same ratio of [`ALLOWED_S`] less.
+    pub late: Spread,
     /// Distance to the goal at the end \[m\].
     pub error_m: Spread,
     /// Heading error at the end \[rad\].
@@ -81,6 +83,8 @@ pub struct Row {
     pub bases: Vec<Summary>,
 }
 
+/// What parking on real hardware may take beside its share of the least time \[s\].
+pub const ALLOWED_S: f64 = 0.5;
 /// Sooner, or closer, by less than this share is no difference.
 const DIFFERENCE: f64 = 0.01;
 
@@ -99,6 +103,10 @@ impl Summary {
             ratio: Spread::of(
                 runs.iter()
                     .map(|run| late(run.figures.arrived_s) / run.minimum_s),
+            ),
+            late: Spread::of(
+                runs.iter()
+                    .map(|run| (late(run.figures.arrived_s) - ALLOWED_S) / run.minimum_s),
             ),
             error_m: all(|run| run.figures.error_m),
             error_rad: all(|run| run.figures.error_rad),
@@ -181,7 +189,9 @@ fn judge(rows: &mut [Row], at: usize) {
         .iter()
         .filter_map(|row| row.bases.get(at).cloned())
         .collect();
-    let ours = all.iter().find(|summary| summary.law.kind == LawKind::Default);
+    let ours = all
+        .iter()
+        .find(|summary| summary.law.kind == LawKind::Default);
     for row in rows.iter_mut() {
         let Some(own) = row.bases.get_mut(at) else {
             continue;
@@ -197,8 +207,7 @@ fn judge(rows: &mut [Row], at: usize) {
             continue;
         }
         let better = |rival: f64, ours: f64| rival < (1.0 - DIFFERENCE) * ours;
-        own.wins_time =
-            own.is_as_exact_as(ours) && better(own.ratio.median, ours.ratio.median);
+        own.wins_time = own.is_as_exact_as(ours) && better(own.ratio.median, ours.ratio.median);
         own.wins_tracking = own.failed * ours.runs <= ours.failed * own.runs
             && better(own.rms_m.median, ours.rms_m.median);
     }

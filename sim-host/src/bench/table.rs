@@ -1,6 +1,6 @@
 //! The benchmark for people.
 
-use super::{Class, Flavour, LawKind, Row, Summary, Track};
+use super::{ALLOWED_S, Class, Flavour, LawKind, Plant, Row, Summary, TIMES_ASKED, Track};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell as Printed, CellAlignment, ContentArrangement, Table};
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ pub const HEADER: [&str; 9] = [
     "time [s]",
     "end [mm]",
     "end [mrad]",
-    "RMS / peak off [mm]",
+    "RMS / peak off [mm, mm/s]",
     "torque step [%]",
     "rim jerk [m/s³]; work [J]",
     "failed [%]",
@@ -37,6 +37,14 @@ impl Cell {
     }
 }
 
+/// A velocity order has no place to end at.
+fn end(summary: &Summary, error: f64) -> String {
+    match summary.class.track {
+        Track::Velocity => digits(f64::INFINITY),
+        _ => digits(1.0e3 * error),
+    }
+}
+
 /// Three digits; nothing for what is not finite.
 fn digits(value: f64) -> String {
     if !value.is_finite() {
@@ -53,17 +61,18 @@ fn digits(value: f64) -> String {
 /// The cells of a row.
 pub fn cells(row: &Row) -> Vec<Cell> {
     let plain = |figure: fn(&Summary) -> String| Cell::of(row, |s| (figure(s), false));
-    let velocity = row.class.track == Track::Velocity;
-    let unit = if velocity { 1.0 } else { 1.0e3 };
     vec![
         Cell::of(row, |s| (digits(s.ratio.median), s.wins_time)),
         plain(|s| digits(s.ratio.most)),
         plain(|s| digits(s.time_s.median)),
-        plain(|s| digits(1.0e3 * s.error_m.median)),
-        plain(|s| digits(1.0e3 * s.error_rad.median)),
+        plain(|s| end(s, s.error_m.median)),
+        plain(|s| end(s, s.error_rad.median)),
         Cell::of(row, |s| {
-            let (rms, peak) = (unit * s.rms_m.median, unit * s.peak_m.median);
-            (format!("{} / {}", digits(rms), digits(peak)), s.wins_tracking)
+            let (rms, peak) = (1.0e3 * s.rms_m.median, 1.0e3 * s.peak_m.median);
+            (
+                format!("{} / {}", digits(rms), digits(peak)),
+                s.wins_tracking,
+            )
         }),
         plain(|s| digits(1.0e2 * s.torque_step.median)),
         plain(|s| format!("{}; {}", digits(s.jerk.median), digits(s.energy_j.median))),
@@ -88,7 +97,7 @@ fn front(row: &Row) -> String {
 }
 
 /// The classes of rows, in order.
-pub fn classes(rows: &[Row]) -> Vec<Class> {
+pub(super) fn classes(rows: &[Row]) -> Vec<Class> {
     let mut classes: Vec<Class> = rows.iter().map(|row| row.class).collect();
     classes.dedup();
     classes
@@ -126,7 +135,10 @@ pub fn markdown(rows: &[Row]) -> String {
         let _ = writeln!(text, "| law | {} |", HEADER.join(" | "));
         let _ = writeln!(text, "| --- |{}", " --- |".repeat(HEADER.len()));
         for row in better(rows, class) {
-            let cells = cells(row).iter().map(|cell| cell.text(("**", "**"))).collect::<Vec<_>>();
+            let cells = cells(row)
+                .iter()
+                .map(|cell| cell.text(("**", "**")))
+                .collect::<Vec<_>>();
             let _ = writeln!(text, "| {} | {} |", label(row), cells.join(" | "));
         }
         text.push('\n');
@@ -152,7 +164,11 @@ pub fn better(rows: &[Row], class: Class) -> Vec<&Row> {
     }
     let cost = |row: &Row| {
         let failed: usize = row.bases.iter().map(|summary| summary.failed).sum();
-        let slow: f64 = row.bases.iter().map(|summary| summary.ratio.median.min(1.0e3)).sum();
+        let slow: f64 = row
+            .bases
+            .iter()
+            .map(|summary| summary.ratio.median.min(1.0e3))
+            .sum();
         (failed, slow)
     };
     let best = |kind: LawKind| {
@@ -167,4 +183,77 @@ pub fn better(rows: &[Row], class: Class) -> Vec<&Row> {
         })
     };
     kinds.into_iter().filter_map(best).collect()
+}
+
+/// What is asked of our own law in a class, beside what was measured; and who beats it.
+pub fn verdict(rows: &[Row], class: Class, bases: &[String]) -> String {
+    let mut text = String::new();
+    let of_class = || rows.iter().filter(|row| row.class == class);
+    let asked = TIMES_ASKED.iter().find(|(plant, _)| *plant == class.plant);
+    if let (Track::Parking, Some((_, asked))) = (class.track, asked) {
+        let allowed = if class.plant == Plant::Ideal {
+            0.0
+        } else {
+            ALLOWED_S
+        };
+        let [median, most, all] = asked;
+        let _ = writeln!(
+            text,
+            "asked of the default law: time less {allowed} s over least time, median {median}, 90 % {most}, all {all}"
+        );
+        for own in of_class().filter(|row| row.law.kind == LawKind::Default) {
+            for summary in &own.bases {
+                let spread = if class.plant == Plant::Ideal {
+                    summary.ratio
+                } else {
+                    summary.late
+                };
+                let holds =
+                    spread.median <= *median && spread.most <= *most && spread.worst <= *all;
+                let _ = writeln!(
+                    text,
+                    "  {:12} {} · {} · {}: {}",
+                    name(bases, summary),
+                    digits(spread.median),
+                    digits(spread.most),
+                    digits(spread.worst),
+                    if holds { "holds" } else { "does not hold" }
+                );
+            }
+        }
+    }
+    let mut beaten = false;
+    for row in of_class() {
+        for summary in &row.bases {
+            let what = match (summary.wins_time, summary.wins_tracking) {
+                (false, false) => continue,
+                (true, false) => "sooner",
+                (false, true) => "closer",
+                (true, true) => "sooner and closer",
+            };
+            beaten = true;
+            let _ = writeln!(text, "{} is {what} on {}", label(row), name(bases, summary));
+        }
+    }
+    let front = of_class()
+        .filter(|row| row.law.kind == LawKind::Default)
+        .flat_map(|row| &row.bases)
+        .filter(|summary| !summary.on_front)
+        .map(|summary| name(bases, summary));
+    let behind: Vec<&str> = front.collect();
+    if !behind.is_empty() {
+        let _ = writeln!(
+            text,
+            "the default law is behind the front on {}",
+            behind.join(", ")
+        );
+    }
+    if !beaten && behind.is_empty() {
+        let _ = writeln!(text, "no rival is better than the default law");
+    }
+    text
+}
+
+fn name<'a>(bases: &'a [String], summary: &Summary) -> &'a str {
+    bases.get(summary.base).map_or("", String::as_str)
 }

@@ -32,7 +32,12 @@ macro_rules! files {
     };
 }
 
-files!["wpilib_gaps.json", "wpilib_2027.json", "choreo_v1.traj", "table.csv"];
+files![
+    "wpilib_gaps.json",
+    "wpilib_2027.json",
+    "choreo_v1.traj",
+    "table.csv"
+];
 
 /// How long parking may take \[s\]: ten times the slowest least time.
 const PARKING_S: f64 = 40.0;
@@ -179,7 +184,10 @@ fn parking(name: &str, base: &BaseSpec, runs: usize, seed: u64) -> Vec<(Mission,
         let course = Course::Park(Pose::default());
         let name = format!("start {number}");
         let end = End::Parked(PARKING_S);
-        (mission(name, base, start_pose, course, end), start.minimum_s)
+        (
+            mission(name, base, start_pose, course, end),
+            start.minimum_s,
+        )
     });
     all.collect()
 }

@@ -46,7 +46,9 @@ impl Tuned {
         let line = |line: &str| {
             let mut fields = line.split(';');
             let (law, base, track) = (fields.next()?, fields.next()?, fields.next()?);
-            let kind = LawKind::RIVALS.into_iter().find(|kind| kind.name() == law)?;
+            let kind = LawKind::RIVALS
+                .into_iter()
+                .find(|kind| kind.name() == law)?;
             let track = Track::ALL.into_iter().find(|of| of.name() == track)?;
             let gains = fields.next()?.split_whitespace();
             let gains = gains.map(|gain| gain.parse().ok()).collect::<Option<_>>()?;
@@ -73,7 +75,13 @@ impl Tuned {
         let mut text = "law;base;track;gains\n".to_owned();
         for (kind, base, track, gains) in &self.0 {
             let gains: Vec<String> = gains.iter().map(ToString::to_string).collect();
-            let _ = writeln!(text, "{};{base};{};{}", kind.name(), track.name(), gains.join(" "));
+            let _ = writeln!(
+                text,
+                "{};{base};{};{}",
+                kind.name(),
+                track.name(),
+                gains.join(" ")
+            );
         }
         text
     }
@@ -172,7 +180,9 @@ fn search(
     };
     let published = cost_of(kind, missions)?;
     let found = simplex::minimise(looked, (evaluations, starts), cost, done)?;
-    let best = found.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a });
+    let best = found
+        .into_iter()
+        .reduce(|a, b| if b.0 < a.0 { b } else { a });
     Ok(match best {
         // Zeros that the search cannot have may still be best.
         Some((value, logs)) if value < published => gains(&logs),

@@ -6,7 +6,11 @@ use super::{robustness, say};
 use crate::bench_args::BenchArgs;
 use crate::cli::Output;
 use indicatif::ProgressBar;
-use sim_host::bench::{Class, Settings, TrackFile, FILES, Tuned, console, evaluations, tune, markdown, runs, study, summaries, write_csv};
+use sim_host::bench::{
+    ARRIVED, Class, DRIVEN, FILES, Settings, TrackFile, Tuned, console, evaluations, html,
+    markdown, runs, study, summaries, tune, verdict, write_csv,
+};
+use sim_host::figure::{pareto, png};
 use sim_host::scenario::{BASES, BuiltInBase};
 use std::fs;
 
@@ -19,8 +23,11 @@ pub fn bench(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError>
     match arguments.threads {
         None => work(),
         Some(threads) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build();
-            pool.map_err(|error| CommandError::Threads(error.to_string()))?.install(work)
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.get())
+                .build();
+            pool.map_err(|error| CommandError::Threads(error.to_string()))?
+                .install(work)
         }
     }
 }
@@ -29,8 +36,13 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
     let mut owned = Vec::new();
     for path in &arguments.file {
-        let bytes = fs::read(path).map_err(|cause| CommandError::Read { path: path.clone(), cause })?;
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let bytes = fs::read(path).map_err(|cause| CommandError::Read {
+            path: path.clone(),
+            cause,
+        })?;
+        let name = path
+            .file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         owned.push((name, bytes));
     }
     let more = owned.iter().map(|(name, bytes)| TrackFile { name, bytes });
@@ -39,11 +51,16 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
         bases: bases(&arguments.bases)?,
         classes: classes(&arguments.only)?,
         files: FILES.iter().copied().chain(more).collect(),
-        runs: if arguments.quick { QUICK } else { arguments.runs.get() },
+        runs: if arguments.quick {
+            QUICK
+        } else {
+            arguments.runs.get()
+        },
         seed,
     };
     let tuned = if arguments.tune {
-        let bar = ProgressBar::new(evaluations(settings.bases.len())).with_style(robustness::style());
+        let bar =
+            ProgressBar::new(evaluations(settings.bases.len())).with_style(robustness::style());
         let tuned = tune(&settings.bases, FILES, || bar.inc(1));
         bar.finish_and_clear();
         let tuned = tuned?;
@@ -56,15 +73,56 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
     let all = study(&settings, &tuned, || bar.inc(1));
     bar.finish_and_clear();
     let all = all?;
-    let names: Vec<String> = settings.bases.iter().map(|(name, _)| name.clone()).collect();
+    let names: Vec<String> = settings
+        .bases
+        .iter()
+        .map(|(name, _)| name.clone())
+        .collect();
     let rows = summaries(&all);
-    say(&format!("{}: seed {seed}, {} runs of each class\n", names.join(" · "), settings.runs))?;
+    let about = about(&settings, &names);
+    say(&format!("{about}\n"))?;
+    let mut figures = Vec::new();
     for class in &settings.classes {
-        say(&format!("{}\n", console(&rows, *class)))?;
+        say(&format!(
+            "{}\n{}\n",
+            console(&rows, *class),
+            verdict(&rows, *class, &names)
+        ))?;
+        let svg = pareto(&rows, *class, &names)?;
+        let file = format!(
+            "{NAME}-{}",
+            class.name().replace(", ", "-").replace(' ', "-")
+        );
+        writer.bytes(&format!("{file}.svg"), svg.as_bytes())?;
+        writer.bytes(&format!("{file}.png"), &png(&svg)?)?;
+        figures.push(svg);
     }
+    say(
+        "figures of bases side by side, medians of runs; !: better than the default law; front: * on the Pareto front of time and exactness\n",
+    )?;
     writer.rows(NAME, |out| write_csv(&names, &all, out))?;
     writer.bytes(&format!("{NAME}.md"), markdown(&rows).as_bytes())?;
+    writer.bytes(
+        &format!("{NAME}.html"),
+        html(&rows, &names, &about, &figures).as_bytes(),
+    )?;
     say(&format!("results are in {}\n", output.out.display()))
+}
+
+/// What was run.
+fn about(settings: &Settings<'_>, names: &[String]) -> String {
+    let files: Vec<&str> = settings.files.iter().map(|file| file.name).collect();
+    format!(
+        "bases   {}\nseed    {}\nruns    {} of each class and base; one of a course on the ideal plant, but for parking\n\
+         files   {}\narrived within {:.0} mm and {:.0} mrad for good, truly; velocity orders: within {:.0} % of the limits",
+        names.join(" · "),
+        settings.seed,
+        settings.runs,
+        files.join(", "),
+        1.0e3 * ARRIVED.0,
+        1.0e3 * ARRIVED.1,
+        1.0e2 * DRIVEN,
+    )
 }
 
 /// The bases of these names; all built-in ones without a name.
@@ -86,10 +144,11 @@ fn bases(names: &[String]) -> Result<Vec<(String, sim_host::mission::BaseSpec)>,
 /// The classes whose names contain one of the words; all without a word.
 fn classes(only: &[String]) -> Result<Vec<Class>, CommandError> {
     let mut classes = Class::all();
-    if let Some(word) = only
-        .iter()
-        .find(|word| !classes.iter().any(|class| class.name().contains(word.as_str())))
-    {
+    if let Some(word) = only.iter().find(|word| {
+        !classes
+            .iter()
+            .any(|class| class.name().contains(word.as_str()))
+    }) {
         return Err(CommandError::NoClass {
             word: word.clone(),
             names: classes.into_iter().map(Class::name).collect(),

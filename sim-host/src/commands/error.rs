@@ -63,7 +63,9 @@ pub enum CommandError {
     Bench(#[from] sim_host::bench::BenchError),
     #[error("no threads: {0}")]
     Threads(String),
-    #[error("{0}: no least times are known of this base; there are those of paper-30kg, lab-10kg, hobby-1kg")]
+    #[error(
+        "{0}: no least times are known of this base; there are those of paper-30kg, lab-10kg, hobby-1kg"
+    )]
     NoLeastTimes(String),
     #[error("no class has {word} in its name; there are: {}", names.join("; "))]
     NoClass { word: String, names: Vec<String> },

@@ -42,7 +42,10 @@ impl Driver {
             rival,
             body,
             decay: mission.base.motion().gains.decay as f32,
-            samples: samples.iter().map(Reference::cast_with::<f32, Single>).collect(),
+            samples: samples
+                .iter()
+                .map(Reference::cast_with::<f32, Single>)
+                .collect(),
             t: None,
             smoothed: Twist::default(),
             arrived_at: None,
@@ -100,7 +103,11 @@ impl Driver {
         };
         let twist = self.within_limits(wanted.twist);
         // Rates that a law does not know are those of its wishes, behind a filter as quick as the core's.
-        let share = if since > 0.0 { dt * self.decay / (1.0 + dt * self.decay) } else { 0.0 };
+        let share = if since > 0.0 {
+            dt * self.decay / (1.0 + dt * self.decay)
+        } else {
+            0.0
+        };
         self.smoothed.linear += share * (twist.linear - self.smoothed.linear);
         self.smoothed.angular += share * (twist.angular - self.smoothed.angular);
         let accel = wanted.accel.unwrap_or_else(|| Accel {

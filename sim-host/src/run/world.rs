@@ -1,7 +1,7 @@
 //! A mission in a world, with the whole base.
 
-use super::OBSERVE_S;
 use super::Driver;
+use super::OBSERVE_S;
 use super::recorder::Recorder;
 use crate::closed_loop::{ClosedLoop, ClosedLoopError, Mirror, order};
 use crate::mission::{AccelerationAt, Mission, Sequencer};

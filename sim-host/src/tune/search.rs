@@ -72,7 +72,9 @@ pub fn search(
     let budget = (search.evaluations, search.starts);
     let cost = |logs: &[f64]| Ok(problem.score(&gains(&before, logs), &seeds)?.total());
     let found = simplex::minimise(looked, budget, cost, done)?;
-    let found = found.into_iter().map(|(cost, logs)| (cost, gains(&before, &logs)));
+    let found = found
+        .into_iter()
+        .map(|(cost, logs)| (cost, gains(&before, &logs)));
     let both = [before, elect(problem, search, before, found)?];
     let training = [
         problem.score(&both[0], &seeds)?,

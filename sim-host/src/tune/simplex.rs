@@ -16,7 +16,9 @@ const REACH: f64 = 2.303;
 
 /// How many sets the first look has of so many evaluations.
 pub(crate) fn look(evaluations: u64) -> usize {
-    usize::try_from(evaluations / LOOK).unwrap_or(usize::MAX).max(1)
+    usize::try_from(evaluations / LOOK)
+        .unwrap_or(usize::MAX)
+        .max(1)
 }
 
 /// Rates the sets of a first look, and goes on from the best of them, a simplex each, until `evaluations` are spent. The
@@ -62,7 +64,10 @@ pub(crate) fn minimise<E: Send>(
         state.failed.map_or(Ok(state.best), Err)
     });
     let found: Vec<_> = found.collect::<Result<_, _>>()?;
-    Ok(seen.into_iter().chain(found.into_iter().flatten()).collect())
+    Ok(seen
+        .into_iter()
+        .chain(found.into_iter().flatten())
+        .collect())
 }
 
 /// A corner at the start and one beyond it for each gain, up and down in turn, so that the corners do not
