@@ -22,6 +22,9 @@ pub struct BenchArgs {
     /// Only classes whose name contains this, as `parking, ideal`; may be given several times
     #[arg(long, value_name = "TEXT")]
     pub only: Vec<String>,
+    /// Only laws whose name contains this, beside the default law; may be given several times
+    #[arg(long, value_name = "TEXT")]
+    pub law: Vec<String>,
     /// A trajectory file more; may be given several times
     #[arg(long, value_name = "FILE")]
     pub file: Vec<PathBuf>,

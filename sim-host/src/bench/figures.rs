@@ -77,7 +77,9 @@ impl Figures {
             let (driven_s, off) = driven(mission, rows);
             (driven_s.filter(|_| stopped.is_none()), off)
         } else {
-            let tracking = DriveMetrics::of(mission, trace).and_then(|metrics| metrics.tracking);
+            let follows = matches!(mission.course, Course::Follow { .. });
+            let metrics = follows.then(|| DriveMetrics::of(mission, trace)).flatten();
+            let tracking = metrics.and_then(|metrics| metrics.tracking);
             let off = tracking.map(|tracking| (tracking.rms_m, tracking.peak_m));
             (since.map(|row| row.t), off)
         };

@@ -78,6 +78,18 @@ pub struct Law {
 }
 
 impl LawKind {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let ends = [
+            Self::Neural,
+            Self::Plain,
+            Self::HeadingHeld,
+            Self::RateLimits,
+        ];
+        let ours = std::iter::once(Self::Default);
+        ours.chain(Self::RIVALS).chain(ends).collect()
+    }
+
     /// Those with gains of their own, in the order of tables.
     pub const RIVALS: [Self; 10] = [
         Self::TurnDriveTurn,

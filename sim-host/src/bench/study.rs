@@ -28,6 +28,8 @@ pub struct Settings<'a> {
     pub runs: usize,
     /// Settles everything that is drawn.
     pub seed: u64,
+    /// Laws beside our own; all of them if empty.
+    pub laws: Vec<LawKind>,
 }
 
 /// Why there is no benchmark.
@@ -87,8 +89,13 @@ fn jobs(settings: &Settings<'_>) -> Result<Vec<(Case, Law)>, BenchError> {
         .map(|(class, base)| cases(class, base, &settings.files, settings.runs, settings.seed))
         .collect::<Result<_, _>>()?;
     let with_laws = all.into_iter().flatten().flat_map(|case| {
-        let laws = Law::of(case.class.track);
-        laws.into_iter().map(move |law| (case.clone(), law))
+        let chosen = &settings.laws;
+        let laws = Law::of(case.class.track).into_iter().filter(|law| {
+            chosen.is_empty() || law.kind == LawKind::Default || chosen.contains(&law.kind)
+        });
+        laws.collect::<Vec<_>>()
+            .into_iter()
+            .map(move |law| (case.clone(), law))
     });
     Ok(with_laws.collect())
 }

@@ -203,7 +203,7 @@ fn judge(rows: &mut [Row], at: usize) {
         });
         own.on_front = time.is_finite() && off.is_finite() && !beaten;
         let Some(ours) = ours else { continue };
-        if own.law.kind == LawKind::Default {
+        if matches!(own.law.kind, LawKind::Default | LawKind::HeadingHeld) {
             continue;
         }
         let better = |rival: f64, ours: f64| rival < (1.0 - DIFFERENCE) * ours;

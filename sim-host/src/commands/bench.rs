@@ -7,7 +7,7 @@ use crate::bench_args::BenchArgs;
 use crate::cli::Output;
 use indicatif::ProgressBar;
 use sim_host::bench::{
-    ARRIVED, Class, DRIVEN, FILES, Settings, TrackFile, Tuned, console, evaluations, html,
+    ARRIVED, Class, DRIVEN, FILES, LawKind, Settings, TrackFile, Tuned, console, evaluations, html,
     markdown, runs, study, summaries, tune, verdict, write_csv,
 };
 use sim_host::figure::{pareto, png};
@@ -57,6 +57,7 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
             arguments.runs.get()
         },
         seed,
+        laws: laws(&arguments.law)?,
     };
     let tuned = if arguments.tune {
         let bar =
@@ -139,6 +140,26 @@ fn bases(names: &[String]) -> Result<Vec<(String, sim_host::mission::BaseSpec)>,
         .into_iter()
         .map(|built_in| Ok((built_in.name.to_owned(), built_in.base()?)))
         .collect()
+}
+
+/// The laws whose names contain one of the words; all without a word.
+fn laws(only: &[String]) -> Result<Vec<LawKind>, CommandError> {
+    let all = LawKind::all();
+    let has =
+        |law: &LawKind, word: &String| law.name().to_lowercase().contains(&word.to_lowercase());
+    if let Some(word) = only
+        .iter()
+        .find(|word| !all.iter().any(|law| has(law, word)))
+    {
+        return Err(CommandError::NoLaw {
+            word: word.clone(),
+            names: all.into_iter().map(LawKind::name).collect(),
+        });
+    }
+    let chosen = all
+        .into_iter()
+        .filter(|law| only.iter().any(|word| has(law, word)));
+    Ok(chosen.collect())
 }
 
 /// The classes whose names contain one of the words; all without a word.

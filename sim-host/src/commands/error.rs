@@ -67,6 +67,11 @@ pub enum CommandError {
         "{0}: no least times are known of this base; there are those of paper-30kg, lab-10kg, hobby-1kg"
     )]
     NoLeastTimes(String),
+    #[error("no law has {word} in its name; there are: {}", names.join("; "))]
+    NoLaw {
+        word: String,
+        names: Vec<&'static str>,
+    },
     #[error("no class has {word} in its name; there are: {}", names.join("; "))]
     NoClass { word: String, names: Vec<String> },
     #[error(transparent)]

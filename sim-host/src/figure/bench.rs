@@ -1,7 +1,7 @@
 //! The benchmark: time beside exactness, a panel for each base, and the front of both.
 
 use super::FigureError;
-use super::style::{self, BLACK, Panel, entry};
+use super::style::{self, Panel, entry};
 use super::typeset;
 use crate::bench::{Class, LawKind, Row, Summary, better};
 use kuva::backend::svg::SvgBackend;
@@ -18,6 +18,8 @@ const WIDTHS: (f64, f64) = (470.0, 740.0);
 const HEIGHT: f64 = 430.0;
 /// Where a law that never arrives is drawn, beyond the slowest that does.
 const NEVER: f64 = 1.6;
+/// Of the line along the front.
+const FRONT: &str = "#bbbbbb";
 /// Finer than this nothing differs \[mm, or mm/s\].
 const FINEST: f64 = 0.01;
 
@@ -99,7 +101,7 @@ fn panel(rows: &[&Row], at: usize, count: usize, bases: &[String]) -> Panel {
         .map(|summary| place(summary))
         .collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let line = LinePlot::new().with_data(front).with_color("#bbbbbb");
+    let line = LinePlot::new().with_data(front).with_color(FRONT);
     plots.push(line.with_stroke_width(1.5).into());
     for summary in &own {
         let (time, off) = place(summary);
@@ -156,7 +158,7 @@ fn with_legend(layout: Layout, rows: &[&Row]) -> Layout {
             None,
         )
     };
-    let front = entry("front", BLACK, LegendShape::Line, None);
+    let front = entry("front", FRONT, LegendShape::Line, None);
     let entries: Vec<LegendEntry> = rows.iter().map(law).chain([front]).collect();
     layout
         .with_legend_entries(entries)
