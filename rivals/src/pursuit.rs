@@ -1,13 +1,14 @@
 //! Where on a path a robot is, for laws that follow paths and not times.
 
-use crate::law::{Now, Path, error, norm};
+use crate::law::{Now, Path};
 use controller_core::reference::Reference;
 use controller_core::types::Pose;
 
-/// The sample next to the robot; it never goes back.
+/// The sample next to the robot, and the one ahead of it; they never go back.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Progress {
     at: usize,
+    ahead: usize,
 }
 
 /// A path as seen from a robot on it.
@@ -30,8 +31,8 @@ impl Progress {
     pub(crate) fn view(&mut self, now: &Now, path: &Path<'_>, lookahead: f32) -> Option<View> {
         let far = |at: usize| {
             path.samples.get(at).map(|sample| {
-                let e = error(sample.pose(), &now.pose);
-                norm(e.x, e.y)
+                let (dx, dy) = (sample.pose().x - now.pose.x, sample.pose().y - now.pose.y);
+                dx * dx + dy * dy
             })
         };
         let mut nearest = far(self.at)?;
@@ -41,9 +42,12 @@ impl Progress {
             nearest = next;
             self.at += 1;
         }
-        let mut ahead = self.at;
-        while far(ahead + 1).is_some() && far(ahead).is_some_and(|way| way < lookahead) {
-            ahead += 1;
+        if self.ahead < self.at {
+            self.ahead = self.at;
+        }
+        let reach = lookahead * lookahead;
+        while far(self.ahead + 1).is_some() && far(self.ahead).is_some_and(|way| way < reach) {
+            self.ahead += 1;
         }
         let last = path.samples.len().saturating_sub(1);
         let later = path.samples.get(if self.at + LEAD < last {
@@ -54,10 +58,10 @@ impl Progress {
         let here = path.samples.get(self.at)?;
         let (v, w) = (here.twist().linear, later.twist().linear);
         Some(View {
-            ahead: *path.samples.get(ahead)?,
+            ahead: *path.samples.get(self.ahead)?,
             goal: *path.samples.last()?.pose(),
             speed: if w.abs() > v.abs() { w } else { v },
-            ends: ahead == last,
+            ends: self.ahead == last,
         })
     }
 }

@@ -6,6 +6,7 @@
 //! those that a search finds with the budget and the score of [`crate::tune`]. Everything follows from a seed; nothing
 //! depends on the number of threads.
 
+mod chip;
 mod csv;
 mod figures;
 #[cfg(feature = "cli")]
@@ -18,6 +19,7 @@ mod table;
 mod tracks;
 mod tuning;
 
+pub use chip::instructions;
 pub use csv::write as write_csv;
 pub use figures::{DRIVEN, Figures};
 #[cfg(feature = "cli")]

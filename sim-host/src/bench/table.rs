@@ -1,12 +1,14 @@
 //! The benchmark for people.
 
-use super::{ALLOWED_S, Class, Flavour, LawKind, Plant, Row, Summary, TIMES_ASKED, Track};
+use super::{
+    ALLOWED_S, Class, Flavour, LawKind, Plant, Row, Summary, TIMES_ASKED, Track, instructions,
+};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell as Printed, CellAlignment, ContentArrangement, Table};
 use std::fmt::Write as _;
 
 /// Titles of the columns after the law. Each has a figure for each base.
-pub const HEADER: [&str; 9] = [
+pub const HEADER: [&str; 10] = [
     "time : least, median",
     "90 %",
     "time [s]",
@@ -16,6 +18,7 @@ pub const HEADER: [&str; 9] = [
     "torque step [%]",
     "rim jerk [m/s³]; work [J]",
     "failed [%]",
+    "instructions a tick",
 ];
 
 /// A cell: texts of the bases, and whether each is better than that of our own law.
@@ -77,7 +80,17 @@ pub fn cells(row: &Row) -> Vec<Cell> {
         plain(|s| digits(1.0e2 * s.torque_step.median)),
         plain(|s| format!("{}; {}", digits(s.jerk.median), digits(s.energy_j.median))),
         plain(|s| format!("{:.0}", 100.0 * s.failed as f64 / s.runs.max(1) as f64)),
+        Cell(vec![(on_chip(row), false)]),
     ]
+}
+
+/// Most instructions of a tick, following or parking as the class has it.
+fn on_chip(row: &Row) -> String {
+    let parks = row.class.track == Track::Parking;
+    instructions(row.law.kind).map_or_else(
+        || "–".to_owned(),
+        |[follow, park]| if parks { park } else { follow }.to_string(),
+    )
 }
 
 /// The label of a row; `*` on the front for a base each.
