@@ -1,5 +1,6 @@
 //! What each command does.
 
+mod bench;
 mod compare;
 mod constants;
 mod drive;
@@ -76,6 +77,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             only,
             run,
         } => faults::all(*runs, seed.draw()?, only, *run, output),
+        Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {
             // Nobody to read it is no reason to stop.
