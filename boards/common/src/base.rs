@@ -132,6 +132,7 @@ where
         let sensed = Sensed {
             counts: self.encoders.counts().map_err(|error| error.kind()),
             fix: None,
+            gyro: None,
             // No board measures supply or currents yet.
             supply_v: None,
             currents: None,
