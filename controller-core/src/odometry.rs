@@ -100,9 +100,9 @@ pub(crate) struct Moved<T> {
 }
 
 impl<T> Moved<T> {
-    /// Neither wheel moved by a count.
-    pub(crate) const fn is_still(&self) -> bool {
-        matches!(self.counts, (0, 0))
+    /// Whether the right and the left wheel moved by a count.
+    pub(crate) const fn counted(&self) -> (bool, bool) {
+        (self.counts.0 != 0, self.counts.1 != 0)
     }
 }
 

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | the same reading, again and again, while the wheels turn the base | the gyro: stuck |
 //! | turns of the same size the other way | the gyro: reversed; no wheel that slides turns a base so |
+//! | turns as if one wheel had turned the other way | that wheel's encoder: reversed |
 //! | external headings side with the wheels | the gyro |
 //! | none of these for 0.15 s, and a wheel turns | a wheel slides |
 
@@ -30,9 +31,28 @@ pub(super) struct Disagreement<T> {
     over_s: T,
     /// Turn of the gyro less that of the wheels, what came before the first sign included \[rad\].
     pub(super) apart: T,
-    /// Turns since the first sign \[rad\].
+    /// Turns since the first sign \[rad\], and twice the way over the track.
     gyro: T,
     wheels: T,
+    way: T,
+}
+
+/// A wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Right.
+    Right,
+    /// Left.
+    Left,
+}
+
+/// What a disagreement turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Finding {
+    /// The gyro lies.
+    Gyro(GyroFault),
+    /// An encoder counts the wrong way.
+    Encoder(Side),
 }
 
 /// What a reading showed.
@@ -42,6 +62,8 @@ pub(super) struct Turned<T> {
     /// Turns by gyro and wheels \[rad\].
     pub(super) gyro: T,
     pub(super) wheels: T,
+    /// Way of the middle \[m\].
+    pub(super) travel: T,
     /// Equal readings in a row.
     pub(super) same: u8,
 }
@@ -53,7 +75,7 @@ impl<T: Scalar> Disagreement<T> {
         gyro: &ValidGyroParams<T>,
         turned: &Turned<T>,
         seen: Option<T>,
-    ) -> Option<GyroFault> {
+    ) -> Option<Finding> {
         let f = T::from_f64;
         if self.lasts_s <= T::ZERO {
             if let Some(apart) = seen {
@@ -65,6 +87,7 @@ impl<T: Scalar> Disagreement<T> {
         self.apart += turned.gyro - turned.wheels;
         self.gyro += turned.gyro;
         self.wheels += turned.wheels;
+        self.way += turned.travel * gyro.two_per_track;
         if seen.is_some() {
             self.lasts_s += turned.t;
             self.over_s = T::ZERO;
@@ -75,15 +98,23 @@ impl<T: Scalar> Disagreement<T> {
             }
             return None;
         }
-        let wheels = self.wheels.abs();
-        if self.lasts_s < f(SIGNATURE_S) || wheels < gyro.rounding {
+        let (wheels, way) = (self.wheels.abs(), self.way.abs());
+        if self.lasts_s < f(SIGNATURE_S) {
             return None;
         }
-        if turned.same >= SAME {
-            return Some(GyroFault::Stuck);
+        let large = |turn: T| turn > gyro.rounding + gyro.rounding;
+        if large(wheels) && turned.same >= SAME {
+            return Some(Finding::Gyro(GyroFault::Stuck));
         }
-        let mirrored = (self.gyro + self.wheels).abs() < f(MIRRORED) * wheels;
-        mirrored.then_some(GyroFault::Reversed)
+        if large(wheels) && (self.gyro + self.wheels).abs() < f(MIRRORED) * wheels {
+            return Some(Finding::Gyro(GyroFault::Reversed));
+        }
+        // The way of a wheel of the wrong sign counts twice: (r − l)/track is −2 way/track with −r for r, +2 with −l for l.
+        if large(way) && (self.gyro + self.way).abs() < f(MIRRORED) * way {
+            return Some(Finding::Encoder(Side::Right));
+        }
+        let left = large(way) && (self.gyro - self.way).abs() < f(MIRRORED) * way;
+        left.then_some(Finding::Encoder(Side::Left))
     }
 
     /// An external heading is off by `off` from the gyro's, with this variance of the two: whether it is the wheels' instead.
@@ -97,7 +128,10 @@ impl<T: Scalar> Disagreement<T> {
     /// A wheel slides. `same` equal readings may be those of a gyro that is stuck.
     pub(super) fn slides(&self, same: u8) -> bool {
         let now = self.over_s <= T::ZERO;
-        now && self.lasts_s > T::from_f64(SLIDES_S) && same < SAME
+        // Without a turn, and without a way, it may be either encoder.
+        let suspected = |way: T| (self.gyro + way).abs() < T::from_f64(MIRRORED) * self.wheels.abs();
+        let encoder = suspected(self.way) || suspected(-self.way);
+        now && self.lasts_s > T::from_f64(SLIDES_S) && same < SAME && !encoder
     }
 
     pub(super) fn lasts(&self) -> bool {

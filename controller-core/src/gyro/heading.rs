@@ -1,9 +1,9 @@
 //! The heading by wheels and gyro together.
 
-use super::disagreement::{Disagreement, Turned};
+use super::disagreement::{Disagreement, Finding, Side, Turned};
 use super::params::{ValidGyroParams, WINDOW_S};
 use super::reading::{GyroFault, GyroOutcome, GyroReading, GyroRefusal};
-use super::spread::Spread;
+use super::spread::{Gain, Spread};
 use crate::angle::wrap;
 use crate::range::clamp;
 use crate::scalar::Scalar;
@@ -21,6 +21,8 @@ const STRETCH_M: f64 = 0.3;
 const TAKEN: f64 = 0.3;
 /// Only where the wheels differ by less than this share of the way: in curves the track matters more.
 const STRAIGHT: f64 = 0.1;
+/// A wheel that turns counts at least once in this time \[s\].
+const COUNTS_S: f64 = 0.05;
 /// The bias is held to what the wheels say with this time constant \[s\], while it is known worse than that.
 const WHEELS_S: f64 = 1.0;
 
@@ -31,8 +33,8 @@ pub struct Rolled<T> {
     pub travel: T,
     /// Turn, what is known of the wheels' curvature bias included \[rad\].
     pub turn: T,
-    /// Neither wheel moved by a count.
-    pub still: bool,
+    /// Whether the right and the left wheel moved by a count.
+    pub counted: (bool, bool),
     /// Time since the last tick \[s\].
     pub dt: T,
 }
@@ -49,6 +51,8 @@ pub struct GyroReport<T> {
     pub slid: T,
     /// It has lasted for 0.1 s while a wheel turned, and nothing speaks against the gyro.
     pub slips: bool,
+    /// The encoder of this wheel counts the wrong way: the gyro turns as if it did.
+    pub reversed: Option<Side>,
     /// The gyro lies; the heading goes by the wheels.
     pub fault: Option<GyroFault>,
 }
@@ -68,7 +72,7 @@ pub struct GyroReport<T> {
 /// let mut heading = GyroHeading::new(&gyro);
 /// let reading = GyroReading { rate: 0.5, heading: None, age_s: 0.0 };
 /// // The wheels say 0.4 rad/s, the gyro 0.5: a tick of 10 ms turns by 5 mrad. The first reading only begins.
-/// let rolled = Rolled { travel: 0.004, turn: 0.004, still: false, dt: 0.01 };
+/// let rolled = Rolled { travel: 0.004, turn: 0.004, counted: (true, true), dt: 0.01 };
 /// heading.advance(&gyro, &rolled, Some(&reading));
 /// let turn = heading.advance(&gyro, &rolled, Some(&reading));
 /// assert!((turn - 0.005).abs() < 1e-6);
@@ -77,6 +81,8 @@ pub struct GyroReport<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GyroHeading<T> {
     bias: T,
+    /// Learnt scale, less 1.
+    scale: T,
     spread: Spread<T>,
     /// Time since the last reading came, and its age then \[s\].
     since_s: T,
@@ -94,9 +100,10 @@ pub struct GyroHeading<T> {
     off: T,
     way: T,
     turned: T,
-    /// Time that the wheels have stood, and that readings have been steady meanwhile; their mean, and the turn that they were
-    /// taken for.
-    still_s: T,
+    /// Time without a count of the right and the left wheel; way that the next reading is about.
+    quiet_s: (T, T),
+    travelled: T,
+    /// Time that readings have been steady at rest; their mean, and the turn that they were taken for.
     steady_s: T,
     steady: T,
     steady_turn: T,
@@ -108,6 +115,7 @@ pub struct GyroHeading<T> {
     /// Since curvature bias was learnt: way, turn, gyro less wheels.
     stretch: (T, T, T),
     outcome: GyroOutcome,
+    reversed: Option<Side>,
 }
 
 impl<T: Scalar> GyroHeading<T> {
@@ -116,7 +124,8 @@ impl<T: Scalar> GyroHeading<T> {
         let zero = T::ZERO;
         Self {
             bias: zero,
-            spread: Spread::new(zero, gyro.prior),
+            scale: zero,
+            spread: Spread::new(zero, gyro.prior, gyro.scale),
             since_s: zero,
             age_s: zero,
             begun: false,
@@ -128,7 +137,8 @@ impl<T: Scalar> GyroHeading<T> {
             off: zero,
             way: zero,
             turned: zero,
-            still_s: zero,
+            quiet_s: (zero, zero),
+            travelled: zero,
             steady_s: zero,
             steady: zero,
             steady_turn: zero,
@@ -138,6 +148,7 @@ impl<T: Scalar> GyroHeading<T> {
             alone: zero,
             stretch: (zero, zero, zero),
             outcome: GyroOutcome::Absent,
+            reversed: None,
         }
     }
 
@@ -160,7 +171,10 @@ impl<T: Scalar> GyroHeading<T> {
         let lag = (self.lag + rolled.turn) * (self.age_s / (self.age_s + dt));
         self.behind += rolled.turn - (lag - self.lag);
         self.lag = lag;
-        self.still_s = if rolled.still { self.still_s + dt } else { T::ZERO };
+        let quiet = |counted: bool, quiet_s: T| if counted { T::ZERO } else { quiet_s + dt };
+        self.quiet_s.0 = quiet(rolled.counted.0, self.quiet_s.0);
+        self.quiet_s.1 = quiet(rolled.counted.1, self.quiet_s.1);
+        self.travelled += rolled.travel;
         self.stretch.0 += rolled.travel;
         self.stretch.1 += rolled.turn.abs();
         if self.fault.is_some() {
@@ -205,8 +219,9 @@ impl<T: Scalar> GyroHeading<T> {
         self.last_heading = reading.heading;
         self.since_s = T::ZERO;
         self.age_s = reading.age_s;
-        let wheels = self.behind;
+        let (wheels, travel) = (self.behind, self.travelled);
         self.behind = T::ZERO;
+        self.travelled = T::ZERO;
         self.outcome = if self.fault.is_none() { GyroOutcome::Used } else { GyroOutcome::Compared };
         if !self.begun {
             self.begun = true;
@@ -221,8 +236,9 @@ impl<T: Scalar> GyroHeading<T> {
         };
         let turned = Turned {
             t,
-            gyro: fused.unwrap_or((reading.rate - self.bias) * t),
+            gyro: (T::ONE + self.scale) * fused.unwrap_or((reading.rate - self.bias) * t),
             wheels,
+            travel,
             same: self.same,
         };
         let apart = turned.gyro - turned.wheels;
@@ -236,14 +252,17 @@ impl<T: Scalar> GyroHeading<T> {
             self.prove(gyro, &turned, seen);
             return T::ZERO;
         }
-        if let Some(lie) = self.disagreement.take(gyro, &turned, seen) {
-            return apart - self.lies(lie);
+        self.reversed = None;
+        match self.disagreement.take(gyro, &turned, seen) {
+            None => {}
+            Some(Finding::Gyro(lie)) => return apart - self.lies(lie),
+            Some(Finding::Encoder(side)) => self.reversed = Some(side),
         }
-        let noise = gyro.noise * t + gyro.scaled * turned.gyro.abs();
         if fused.is_some() {
-            self.spread.pass(T::ZERO, noise, T::ZERO);
+            self.spread.pass(T::ZERO, turned.gyro, gyro.noise * t, T::ZERO);
         } else {
-            self.spread.pass(t, noise, gyro.walk * t);
+            let (noise, walk) = (gyro.noise * t, gyro.walk * t);
+            self.spread.pass(t, turned.gyro, noise, walk);
             self.hold_to_wheels(gyro, apart, t);
         }
         apart
@@ -253,7 +272,7 @@ impl<T: Scalar> GyroHeading<T> {
     fn beyond_honest(&self, gyro: &ValidGyroParams<T>, fused: bool) -> Option<T> {
         let beyond = self.off.abs() - self.geometry(gyro);
         let f = T::from_f64;
-        let bias = if fused { T::ZERO } else { f(9.0 * WINDOW_S * WINDOW_S) * self.spread.bias };
+        let bias = if fused { T::ZERO } else { f(9.0 * WINDOW_S * WINDOW_S) * self.spread.bb };
         (beyond > T::ZERO && beyond * beyond > gyro.honest + bias).then_some(self.off)
     }
 
@@ -266,7 +285,7 @@ impl<T: Scalar> GyroHeading<T> {
     /// turn that the reading is worth, and all that steady ones were taken for before is taken back.
     fn rest(&mut self, gyro: &ValidGyroParams<T>, turned: &Turned<T>, fused: bool) -> Option<T> {
         let (t, rest) = (turned.t, gyro.params.rest_s);
-        if self.still_s < rest {
+        if self.still_s() < rest {
             self.steady_s = T::ZERO;
             return None;
         }
@@ -312,13 +331,13 @@ impl<T: Scalar> GyroHeading<T> {
     fn learn(&mut self, gyro: &ValidGyroParams<T>, t: T) -> T {
         let off = self.last_rate - self.bias;
         let variance = gyro.noise / t + gyro.rounded;
-        self.spread.pass(T::ZERO, T::ZERO, gyro.walk * t);
-        if off * off > T::from_f64(STEADY) * (self.spread.bias + variance) {
+        self.spread.pass(T::ZERO, T::ZERO, T::ZERO, gyro.walk * t);
+        if off * off > T::from_f64(STEADY) * (self.spread.bb + variance) {
             // It has jumped within its limit: what was learnt is worth nothing.
             self.spread.forget_bias(gyro.prior);
         }
         let gain = self.spread.see_bias(variance);
-        self.bias = clamp(self.bias + gain.bias * off, gyro.params.bias_limit);
+        self.correct(gyro, gain, off);
         gain.heading * off
     }
 
@@ -326,11 +345,11 @@ impl<T: Scalar> GyroHeading<T> {
     fn hold_to_wheels(&mut self, gyro: &ValidGyroParams<T>, apart: T, t: T) {
         let doubt = self.geometry(gyro) * T::from_f64(1.0 / WINDOW_S);
         let doubt = doubt * doubt;
-        if self.spread.bias > doubt && !self.disagreement.lasts() {
+        if self.spread.bb > doubt && !self.disagreement.lasts() {
             let share = clamp(t * T::from_f64(1.0 / WHEELS_S), T::ONE);
-            let share = share * (T::ONE - doubt / self.spread.bias);
+            let share = share * (T::ONE - doubt / self.spread.bb);
             self.bias = clamp(self.bias + share * apart / t, gyro.params.bias_limit);
-            self.spread.bias = self.spread.bias * (T::ONE - share);
+            self.spread.narrow_bias(T::ONE - share);
         }
     }
 
@@ -348,7 +367,7 @@ impl<T: Scalar> GyroHeading<T> {
         self.proof = if seen.is_some() { T::ZERO } else { self.proof + turned.wheels.abs() };
         if self.proof > T::from_f64(PROOF) {
             self.believe();
-            self.spread.bias = gyro.prior;
+            self.spread.forget_bias(gyro.prior);
         }
     }
 
@@ -358,28 +377,39 @@ impl<T: Scalar> GyroHeading<T> {
         self.off = T::ZERO;
         // Not more than all around.
         let alone = clamp(self.alone, T::PI);
-        self.spread = Spread::new(self.spread.heading + alone * alone, self.spread.bias);
+        self.spread.set_heading(self.spread.hh + alone * alone);
         self.alone = T::ZERO;
     }
 
     /// A fix was fused; the share of what its heading is off by that is to be taken. `None` where the gyro is not believed.
-    pub(crate) fn fused(&mut self, off: T, variance: T) -> Option<T> {
+    pub(crate) fn fused(
+        &mut self,
+        gyro: &ValidGyroParams<T>,
+        off: T,
+        variance: T,
+    ) -> Option<T> {
         if self.fault.is_some() {
             return None;
         }
         let gain = self.spread.see_heading(variance);
-        self.bias += gain.bias * off;
+        self.correct(gyro, gain, off);
         Some(gain.heading)
+    }
+
+    fn correct(&mut self, gyro: &ValidGyroParams<T>, gain: Gain<T>, off: T) {
+        let params = &gyro.params;
+        self.bias = clamp(self.bias + gain.bias * off, params.bias_limit);
+        self.scale = clamp(self.scale + gain.scale * off, params.scale_error);
     }
 
     /// The pose was set to one whose heading has this variance.
     pub(crate) fn set(&mut self, variance: T) {
-        self.spread = Spread::new(variance, self.spread.bias);
+        self.spread.set_heading(variance);
     }
 
     /// An external heading is off by `off` from this one; the turn to be taken back where it says that the gyro lies.
     pub(crate) fn judge(&mut self, off: T, variance: T) -> Option<T> {
-        let variance = variance + self.spread.heading;
+        let variance = variance + self.spread.hh;
         if self.fault.is_some() || !self.disagreement.sides_with_wheels(off, variance) {
             return None;
         }
@@ -410,23 +440,32 @@ impl<T: Scalar> GyroHeading<T> {
 
     /// Variance of the heading \[rad²\].
     pub fn heading_variance(&self) -> T {
-        self.spread.heading
+        self.spread.hh
     }
 
     /// Variance of the bias \[rad²/s²\].
     pub fn bias_variance(&self) -> T {
-        self.spread.bias
+        self.spread.bb
     }
 
     /// What is known after the tick.
     pub fn report(&self) -> GyroReport<T> {
-        let turns = self.still_s < T::from_f64(WINDOW_S);
+        // Counts that cease are another fault.
+        let counts = |quiet_s: T| quiet_s < T::from_f64(COUNTS_S);
+        let turns = counts(self.quiet_s.0) && counts(self.quiet_s.1);
         GyroReport {
             outcome: self.outcome,
             bias: self.bias,
             slid: -self.disagreement.apart,
             slips: turns && self.disagreement.slides(self.same),
+            reversed: self.reversed,
             fault: self.fault,
         }
+    }
+
+    /// Both wheels have stood for so long.
+    fn still_s(&self) -> T {
+        let (right, left) = self.quiet_s;
+        if right < left { right } else { left }
     }
 }

@@ -103,11 +103,12 @@ impl<T: Scalar> GyroParams<T> {
             honest: f(0.5 * WINDOW_S * GATE * GATE) * noise + f(WINDOW_S * WINDOW_S) * step,
             noise,
             rounded: f(1.0 / 12.0) * step,
-            scaled: self.scale_error * self.scale_error,
+            scale: f(1.0 / 3.0) * self.scale_error * self.scale_error,
             walk: self.bias_walk * self.bias_walk,
             prior: f(1.0 / 3.0) * self.bias_limit * self.bias_limit,
             silent_s: if silent > least { silent } else { least },
             wheels_half_track: T::HALF * wheels.track_m(),
+            two_per_track: per_track + per_track,
             params: self,
         })
     }
@@ -134,8 +135,8 @@ pub struct ValidGyroParams<T = f32> {
     pub(super) honest: T,
     /// n² \[rad²/s\].
     pub(super) noise: T,
-    /// Variance of the heading by the scale, after a radian; it grows with the turn \[rad²/rad\].
-    pub(super) scaled: T,
+    /// Variance of a scale that is anywhere within its error.
+    pub(super) scale: T,
     /// Variance of the output's rounding \[rad²/s²\].
     pub(super) rounded: T,
     /// Of the bias, per time \[rad²/s³\].
@@ -145,6 +146,7 @@ pub struct ValidGyroParams<T = f32> {
     /// Without a reading for longer it is silent \[s\].
     pub(super) silent_s: T,
     pub(super) wheels_half_track: T,
+    pub(super) two_per_track: T,
 }
 
 impl<T: Copy> ValidGyroParams<T> {

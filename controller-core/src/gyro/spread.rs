@@ -1,78 +1,121 @@
-//! How far heading and bias may be off: the covariance of a Kalman filter of two states.
+//! How far heading, bias and scale may be off: the covariance of a Kalman filter of three states.
 //!
 //! ```text
-//! h' = −β          h: heading, true less estimated;  β: bias, true less estimated
+//! Δh = −T β + φ κ     h: heading, true less estimated;  β: bias, true less estimated;  κ: scale, likewise
 //! ```
+//!
+//! over a reading of the time T and the turn φ.
 
 use crate::scalar::Scalar;
 
-/// Covariance of heading and bias \[rad², rad²/s, rad²/s²\].
+/// Covariance of heading h \[rad\], bias b \[rad/s\] and scale s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Spread<T> {
-    pub(super) heading: T,
-    cross: T,
-    pub(super) bias: T,
+    pub(super) hh: T,
+    hb: T,
+    hs: T,
+    pub(super) bb: T,
+    bs: T,
+    ss: T,
 }
 
-/// What an observation moves.
+/// What an observation moves, as shares of what is off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gain<T> {
     pub(super) heading: T,
     pub(super) bias: T,
+    pub(super) scale: T,
 }
 
+/// The scale is never known better than to 1e-4: no gyro is more linear.
+const LINEAR: f64 = 1.0e-8;
+
 impl<T: Scalar> Spread<T> {
-    pub(super) fn new(heading: T, bias: T) -> Self {
-        let cross = T::ZERO;
+    pub(super) fn new(heading: T, bias: T, scale: T) -> Self {
         Self {
-            heading,
-            cross,
-            bias,
+            hh: heading,
+            bb: bias,
+            ss: scale,
+            ..Self::default()
         }
     }
 
-    /// Over a time `t` with heading noise of variance `noise` and bias noise of variance `walk`:
-    /// P ← F P Fᵀ + Q with F = (1, −t; 0, 1).
-    pub(super) fn pass(&mut self, t: T, noise: T, walk: T) {
-        let moved = self.cross - t * self.bias;
-        self.heading = self.heading - t * (self.cross + moved) + noise;
-        self.cross = moved;
-        self.bias += walk;
+    /// P ← F P Fᵀ + Q with F = (1, −t, turn; 0, 1, 0; 0, 0, 1), where `noise` and `walk` are the variances that come to heading and bias.
+    pub(super) fn pass(&mut self, t: T, turn: T, noise: T, walk: T) {
+        let hb = self.hb - t * self.bb + turn * self.bs;
+        let hs = self.hs - t * self.bs + turn * self.ss;
+        self.hh = self.hh - t * (self.hb + hb) + turn * (self.hs + hs) + noise;
+        self.hb = hb;
+        self.hs = hs;
+        self.bb += walk;
     }
 
     /// The heading was seen with this variance: K = P H/(H P Hᵀ + r).
     pub(super) fn see_heading(&mut self, variance: T) -> Gain<T> {
-        let per = T::ONE / (self.heading + variance);
+        let per = T::ONE / (self.hh + variance);
         let gain = Gain {
-            heading: self.heading * per,
-            bias: self.cross * per,
+            heading: self.hh * per,
+            bias: self.hb * per,
+            scale: self.hs * per,
         };
-        // Rounding makes no variance negative.
-        self.bias = above_zero(self.bias - gain.bias * self.cross);
-        self.cross = self.cross - gain.heading * self.cross;
-        self.heading = gain.heading * variance;
+        self.bb = above_zero(self.bb - gain.bias * self.hb);
+        self.bs = self.bs - gain.bias * self.hs;
+        self.ss = self.ss - gain.scale * self.hs;
+        self.keep_scale();
+        self.hb = self.hb - gain.heading * self.hb;
+        self.hs = self.hs - gain.heading * self.hs;
+        self.hh = gain.heading * variance;
         gain
     }
 
     /// The bias was seen with this variance.
     pub(super) fn see_bias(&mut self, variance: T) -> Gain<T> {
-        let per = T::ONE / (self.bias + variance);
+        let per = T::ONE / (self.bb + variance);
         let gain = Gain {
-            heading: self.cross * per,
-            bias: self.bias * per,
+            heading: self.hb * per,
+            bias: self.bb * per,
+            scale: self.bs * per,
         };
-        self.heading = above_zero(self.heading - gain.heading * self.cross);
-        self.cross = self.cross - gain.bias * self.cross;
-        self.bias = gain.bias * variance;
+        self.hh = above_zero(self.hh - gain.heading * self.hb);
+        self.hs = self.hs - gain.heading * self.bs;
+        self.ss = self.ss - gain.scale * self.bs;
+        self.keep_scale();
+        self.hb = self.hb - gain.heading * self.bb;
+        self.bs = self.bs - gain.bias * self.bs;
+        self.bb = gain.bias * variance;
         gain
     }
 
-    /// Nothing is known of the bias but that it is within its limit, and less of the heading.
-    pub(super) fn forget_bias(&mut self, bias: T) {
-        *self = Self::new(self.heading, bias);
+    fn keep_scale(&mut self) {
+        let least = T::from_f64(LINEAR);
+        if self.ss < least {
+            self.ss = least;
+        }
+    }
+
+    /// The bias is known better, by another way: `left` of its variance.
+    pub(super) fn narrow_bias(&mut self, left: T) {
+        self.bb = self.bb * left;
+        self.hb = self.hb * left;
+        self.bs = self.bs * left;
+    }
+
+    /// Nothing is known of the bias but that it is within its limit.
+    pub(super) fn forget_bias(&mut self, variance: T) {
+        self.bb = variance;
+        self.hb = T::ZERO;
+        self.bs = T::ZERO;
+    }
+
+    /// The heading is what it is for another reason.
+    pub(super) fn set_heading(&mut self, variance: T) {
+        self.hh = variance;
+        self.hb = T::ZERO;
+        self.hs = T::ZERO;
     }
 }
 
+/// Rounding makes no variance negative.
 fn above_zero<T: Scalar>(value: T) -> T {
     if value > T::ZERO { value } else { T::ZERO }
 }
@@ -84,24 +127,36 @@ mod tests {
     /// Seen once a second for a minute with noise of 5 mrad: the variance of a slope through 60 such points is 12 σ²/n³.
     #[test]
     fn a_line_through_headings_has_the_spread_of_a_regression() {
-        let mut spread = Spread::<f64>::new(1.0, 1.0);
+        let mut spread = Spread::<f64>::new(1.0, 1.0, 0.0);
         for _ in 0..60 {
-            spread.pass(1.0, 0.0, 0.0);
+            spread.pass(1.0, 0.0, 0.0, 0.0);
             spread.see_heading(25.0e-6);
         }
         let slope = 12.0 * 25.0e-6 / f64::powi(60.0, 3);
-        assert!((spread.bias / slope - 1.0).abs() < 0.01, "{spread:?}");
+        assert!((spread.bb / slope - 1.0).abs() < 0.01, "{spread:?}");
         // At the end of a line the value is known to 4 σ²/n.
-        assert!((spread.heading / (4.0 * 25.0e-6 / 60.0) - 1.0).abs() < 0.05);
+        assert!((spread.hh / (4.0 * 25.0e-6 / 60.0) - 1.0).abs() < 0.05);
+    }
+
+    /// The same by turn: ten radians in sixty steps leave 12 σ²/(n Φ²) of the scale.
+    #[test]
+    fn turning_shows_the_scale() {
+        let mut spread = Spread::<f64>::new(1.0, 0.0, 1.0e-4);
+        for _ in 0..60 {
+            spread.pass(1.0, 1.0 / 6.0, 0.0, 0.0);
+            spread.see_heading(25.0e-6);
+        }
+        let slope = 12.0 * 25.0e-6 / (60.0 * 100.0);
+        assert!((spread.ss / slope - 1.0).abs() < 0.02, "{spread:?}");
     }
 
     #[test]
     fn a_bias_that_is_seen_leaves_less_of_the_heading_in_doubt() {
-        let mut spread = Spread::<f64>::new(0.0, 1.0e-4);
-        spread.pass(10.0, 0.0, 0.0);
-        assert!((spread.heading - 1.0e-2).abs() < 1e-12);
+        let mut spread = Spread::<f64>::new(0.0, 1.0e-4, 0.0);
+        spread.pass(10.0, 0.0, 0.0, 0.0);
+        assert!((spread.hh - 1.0e-2).abs() < 1e-12);
         let gain = spread.see_bias(1.0e-10);
         assert!((gain.bias - 1.0).abs() < 1e-5 && (gain.heading + 10.0).abs() < 1e-3);
-        assert!(spread.heading < 2.0e-8 && spread.bias < 1.1e-10);
+        assert!(spread.hh < 2.0e-8 && spread.bb < 1.1e-10);
     }
 }

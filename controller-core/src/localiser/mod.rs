@@ -230,7 +230,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                 let rolled = Rolled {
                     travel: rolled.travel,
                     turn: rolled.turn,
-                    still: rolled.is_still(),
+                    counted: rolled.counted(),
                     dt,
                 };
                 let turn = heading.advance(gyro, &rolled, reading);
@@ -279,7 +279,10 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                         innovation = correction.compare::<M>(fix, then, &measured.pose);
                     }
                     correction.take::<M>(fusion, fix, &innovation, &measured.pose, |off| {
-                        gyro.as_mut().and_then(|gyro| gyro.fused(off, variance))
+                        match (gyro, &self.localisation.gyro) {
+                            (Some(heading), Some(gyro)) => heading.fused(gyro, off, variance),
+                            _ => None,
+                        }
                     })
                 }
             },
