@@ -1,4 +1,4 @@
-//! What a base has to offer to be driven: wheel torques, encoders, a clock.
+//! What a base has to offer to be driven: wheel torques, encoders, a gyro if it has one, a clock.
 //!
 //! In the manner of `embedded-hal`: an associated error with a generic kind, implementations for
 //! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
@@ -7,6 +7,7 @@
 //! Wheels are stopped in two ways, and hardware that can distinguishes them: *released* they are free to coast, *braked*
 //! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].
 
+use crate::gyro::GyroReading;
 use crate::types::{WheelSpeeds, WheelTorques};
 use core::fmt;
 
@@ -234,6 +235,38 @@ pub trait WheelEncoders: ErrorType {
 impl<E: WheelEncoders + ?Sized> WheelEncoders for &mut E {
     fn counts(&mut self) -> Result<WheelCounts, Self::Error> {
         (**self).counts()
+    }
+}
+
+/// A gyro about the vertical.
+pub trait YawGyro: ErrorType {
+    /// What has come since the last call, `None` if nothing has: with the mean rate of all samples, as of a FIFO, and the age of the
+    /// newest; [`GyroParams::latency_s`](crate::gyro::GyroParams::latency_s) where the hardware knows no better.
+    ///
+    /// The sign and the scale are the implementation's: rad/s, counter-clockwise seen from above. The bias is left in; the base learns it.
+    ///
+    /// # Errors
+    /// What the hardware reports. To a base that is as no reading: it finds that the gyro is silent.
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, Self::Error>;
+}
+
+impl<G: YawGyro + ?Sized> YawGyro for &mut G {
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, Self::Error> {
+        (**self).reading()
+    }
+}
+
+/// The gyro of a base that has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NoGyro;
+
+impl ErrorType for NoGyro {
+    type Error = core::convert::Infallible;
+}
+
+impl YawGyro for NoGyro {
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, Self::Error> {
+        Ok(None)
     }
 }
 

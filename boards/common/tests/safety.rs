@@ -113,6 +113,7 @@ impl Board {
             left: side(left, Wire::default()),
             enable,
             encoders: world.clone(),
+            gyro: NoGyro,
             clock: world.clone(),
             memory,
         };

@@ -9,7 +9,7 @@ use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use super::wheel_friction::Turning;
 use crate::error::{Input, StepFault};
-use crate::gyro::{self, GyroReport};
+use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome};
@@ -124,12 +124,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
         active_faults.add_some(self.given_up());
         active_faults.add_some(located.gyro.fault.map(Fault::Gyro));
-        if let Some(side) = located.gyro.reversed {
-            active_faults.add(Fault::EncoderReversed(match side {
-                gyro::Side::Right => Side::Right,
-                gyro::Side::Left => Side::Left,
-            }));
-        } else if located.gyro.slips {
+        if located.gyro.slips {
             active_faults.add(Fault::WheelSlip(self.sliding(located.gyro.slid)));
         }
         self.supervisor

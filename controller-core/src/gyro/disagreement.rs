@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | the same reading, again and again, while the wheels turn the base | the gyro: stuck |
 //! | turns of the same size the other way | the gyro: reversed; no wheel that slides turns a base so |
-//! | turns as if one wheel had turned the other way | that wheel's encoder: reversed |
+//! | turns as if one wheel had turned the other way | perhaps its encoder, which counts the wrong way: its own detector has to say |
 //! | external headings side with the wheels | the gyro |
 //! | none of these for 0.15 s, and a wheel turns | a wheel slides |
 
@@ -22,6 +22,10 @@ const OVER_S: f64 = 0.1;
 const SAME: u8 = 4;
 /// How exactly opposite turns are reversed ones, as a share.
 const MIRRORED: f64 = 0.25;
+/// Over this turn that is no chance any more \[rad\]: a base on ice sways by some degrees.
+const LARGE: f64 = 0.1;
+/// Standard deviations from which on a heading sides with the wheels.
+const SIDES: f64 = 4.0;
 
 /// Since gyro and wheels began to disagree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,24 +39,6 @@ pub(super) struct Disagreement<T> {
     gyro: T,
     wheels: T,
     way: T,
-}
-
-/// A wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Right.
-    Right,
-    /// Left.
-    Left,
-}
-
-/// What a disagreement turned out to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Finding {
-    /// The gyro lies.
-    Gyro(GyroFault),
-    /// An encoder counts the wrong way.
-    Encoder(Side),
 }
 
 /// What a reading showed.
@@ -75,7 +61,7 @@ impl<T: Scalar> Disagreement<T> {
         gyro: &ValidGyroParams<T>,
         turned: &Turned<T>,
         seen: Option<T>,
-    ) -> Option<Finding> {
+    ) -> Option<GyroFault> {
         let f = T::from_f64;
         if self.lasts_s <= T::ZERO {
             if let Some(apart) = seen {
@@ -98,40 +84,60 @@ impl<T: Scalar> Disagreement<T> {
             }
             return None;
         }
-        let (wheels, way) = (self.wheels.abs(), self.way.abs());
         if self.lasts_s < f(SIGNATURE_S) {
             return None;
         }
-        let large = |turn: T| turn > gyro.rounding + gyro.rounding;
-        if large(wheels) && turned.same >= SAME {
-            return Some(Finding::Gyro(GyroFault::Stuck));
+        self.signature(gyro, turned.same)
+    }
+
+    /// What only a gyro that lies does.
+    fn signature(&self, gyro: &ValidGyroParams<T>, same: u8) -> Option<GyroFault> {
+        let wheels = self.wheels.abs();
+        if same >= SAME && wheels > gyro.rounding + gyro.rounding {
+            Some(GyroFault::Stuck)
+        } else if self.mirrors() && wheels > T::from_f64(LARGE) {
+            Some(GyroFault::Reversed)
+        } else {
+            None
         }
-        if large(wheels) && (self.gyro + self.wheels).abs() < f(MIRRORED) * wheels {
-            return Some(Finding::Gyro(GyroFault::Reversed));
-        }
-        // The way of a wheel of the wrong sign counts twice: (r − l)/track is −2 way/track with −r for r, +2 with −l for l.
-        if large(way) && (self.gyro + self.way).abs() < f(MIRRORED) * way {
-            return Some(Finding::Encoder(Side::Right));
-        }
-        let left = large(way) && (self.gyro - self.way).abs() < f(MIRRORED) * way;
-        left.then_some(Finding::Encoder(Side::Left))
+    }
+
+    /// The gyro turns as far as the wheels, the other way.
+    fn mirrors(&self) -> bool {
+        (self.gyro + self.wheels).abs() < T::from_f64(MIRRORED) * self.wheels.abs()
     }
 
     /// An external heading is off by `off` from the gyro's, with this variance of the two: whether it is the wheels' instead.
     ///
     /// Both began the disagreement at the same heading, so the wheels' is off by `apart` the other way, less what came since the fix.
-    pub(super) fn sides_with_wheels(&self, off: T, variance: T) -> bool {
-        let gate = T::from_f64(super::params::GATE * super::params::GATE) * variance;
-        self.lasts_s > T::ZERO && off * self.apart < T::ZERO && off * off > gate
+    pub(super) fn sides_with_wheels(
+        &self,
+        gyro: &ValidGyroParams<T>,
+        off: T,
+        variance: T,
+        same: u8,
+    ) -> Option<GyroFault> {
+        let gate = T::from_f64(SIDES * SIDES) * variance;
+        let sides = self.lasts_s > T::ZERO && off * self.apart < T::ZERO && off * off > gate;
+        let signature = self.signature(gyro, same);
+        sides.then(|| signature.unwrap_or(GyroFault::Disagrees))
     }
 
     /// A wheel slides. `same` equal readings may be those of a gyro that is stuck.
     pub(super) fn slides(&self, same: u8) -> bool {
         let now = self.over_s <= T::ZERO;
-        // Without a turn, and without a way, it may be either encoder.
-        let suspected = |way: T| (self.gyro + way).abs() < T::from_f64(MIRRORED) * self.wheels.abs();
-        let encoder = suspected(self.way) || suspected(-self.way);
-        now && self.lasts_s > T::from_f64(SLIDES_S) && same < SAME && !encoder
+        let signed = same >= SAME || self.mirrors() || self.may_be_encoder();
+        now && self.lasts_s > T::from_f64(SLIDES_S) && !signed
+    }
+
+    /// The way of a wheel whose encoder counts the wrong way counts twice: what the gyro turns is then −2 way/track on the right and
+    /// +2 way/track on the left, against the turn of the wheels.
+    fn may_be_encoder(&self) -> bool {
+        let f = T::from_f64;
+        let (gyro, wheels) = (self.gyro, self.wheels);
+        let near = |way: T| (gyro + way).abs() < f(MIRRORED) * wheels.abs();
+        let against = (gyro - wheels).abs() > f(0.75) * (gyro.abs() + wheels.abs());
+        against && (near(self.way) || near(-self.way))
     }
 
     pub(super) fn lasts(&self) -> bool {

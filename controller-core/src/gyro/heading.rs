@@ -1,6 +1,6 @@
 //! The heading by wheels and gyro together.
 
-use super::disagreement::{Disagreement, Finding, Side, Turned};
+use super::disagreement::{Disagreement, Turned};
 use super::params::{ValidGyroParams, WINDOW_S};
 use super::reading::{GyroFault, GyroOutcome, GyroReading, GyroRefusal};
 use super::spread::{Gain, Spread};
@@ -12,6 +12,8 @@ use crate::scalar::Scalar;
 const OLDEST_S: f64 = 0.1;
 /// A gyro that lied is believed again after it has agreed with the wheels over this turn \[rad\].
 const PROOF: f64 = 1.0;
+/// To this share: wheels that are believed are good to 2 %, and a curve of a radian has some of the straight in it.
+const AGREES: f64 = 0.1;
 /// A bias beyond its limit that stays so for this time at rest is a lie \[s\].
 const BIAS_S: f64 = 0.3;
 /// Standard deviations, squared, that readings of a base at rest may be apart.
@@ -51,8 +53,6 @@ pub struct GyroReport<T> {
     pub slid: T,
     /// It has lasted for 0.1 s while a wheel turned, and nothing speaks against the gyro.
     pub slips: bool,
-    /// The encoder of this wheel counts the wrong way: the gyro turns as if it did.
-    pub reversed: Option<Side>,
     /// The gyro lies; the heading goes by the wheels.
     pub fault: Option<GyroFault>,
 }
@@ -109,13 +109,13 @@ pub struct GyroHeading<T> {
     steady_turn: T,
     disagreement: Disagreement<T>,
     fault: Option<GyroFault>,
-    proof: T,
+    /// Since it lied, or failed to prove the contrary: turn of the wheels, gyro less wheels.
+    proof: (T, T),
     /// What odometry alone may have turned too much since the gyro was last believed.
     alone: T,
     /// Since curvature bias was learnt: way, turn, gyro less wheels.
     stretch: (T, T, T),
     outcome: GyroOutcome,
-    reversed: Option<Side>,
 }
 
 impl<T: Scalar> GyroHeading<T> {
@@ -144,11 +144,10 @@ impl<T: Scalar> GyroHeading<T> {
             steady_turn: zero,
             disagreement: Disagreement::default(),
             fault: None,
-            proof: zero,
+            proof: (zero, zero),
             alone: zero,
             stretch: (zero, zero, zero),
             outcome: GyroOutcome::Absent,
-            reversed: None,
         }
     }
 
@@ -247,16 +246,13 @@ impl<T: Scalar> GyroHeading<T> {
         if let Some(taken_back) = self.rest(gyro, &turned, fused.is_some()) {
             return taken_back;
         }
-        let seen = self.beyond_honest(gyro, fused.is_some());
         if self.fault.is_some() {
-            self.prove(gyro, &turned, seen);
+            self.prove(gyro, &turned);
             return T::ZERO;
         }
-        self.reversed = None;
-        match self.disagreement.take(gyro, &turned, seen) {
-            None => {}
-            Some(Finding::Gyro(lie)) => return apart - self.lies(lie),
-            Some(Finding::Encoder(side)) => self.reversed = Some(side),
+        let seen = self.beyond_honest(gyro, fused.is_some());
+        if let Some(lie) = self.disagreement.take(gyro, &turned, seen) {
+            return apart - self.lies(lie);
         }
         if fused.is_some() {
             self.spread.pass(T::ZERO, turned.gyro, gyro.noise * t, T::ZERO);
@@ -302,8 +298,9 @@ impl<T: Scalar> GyroHeading<T> {
         self.steady_s += t;
         self.steady += t / self.steady_s * off;
         if self.steady_s < rest {
+            // Not counted as a turn that the bias would explain: it will be taken back, or was one.
             self.steady_turn += turned.gyro;
-            return None;
+            return Some(turned.gyro - turned.wheels);
         }
         let false_turn = self.steady_turn;
         self.steady_turn = T::ZERO;
@@ -356,16 +353,23 @@ impl<T: Scalar> GyroHeading<T> {
     /// From now on it is not believed; the turn that it has told since it disagrees.
     fn lies(&mut self, lie: GyroFault) -> T {
         self.fault = Some(lie);
-        self.proof = T::ZERO;
+        self.proof = (T::ZERO, T::ZERO);
         let told = self.disagreement.apart;
         self.disagreement = Disagreement::default();
         told
     }
 
-    /// A gyro that lied has to agree with the wheels over a radian.
-    fn prove(&mut self, gyro: &ValidGyroParams<T>, turned: &Turned<T>, seen: Option<T>) {
-        self.proof = if seen.is_some() { T::ZERO } else { self.proof + turned.wheels.abs() };
-        if self.proof > T::from_f64(PROOF) {
+    /// A gyro that lied has to agree with the wheels over a radian one way.
+    fn prove(&mut self, gyro: &ValidGyroParams<T>, turned: &Turned<T>) {
+        let (wheels, apart) = &mut self.proof;
+        *wheels += turned.wheels;
+        *apart += turned.gyro - turned.wheels;
+        if wheels.abs() < T::from_f64(PROOF) {
+            return;
+        }
+        let agrees = apart.abs() < T::from_f64(AGREES) * wheels.abs();
+        self.proof = (T::ZERO, T::ZERO);
+        if agrees {
             self.believe();
             self.spread.forget_bias(gyro.prior);
         }
@@ -408,12 +412,20 @@ impl<T: Scalar> GyroHeading<T> {
     }
 
     /// An external heading is off by `off` from this one; the turn to be taken back where it says that the gyro lies.
-    pub(crate) fn judge(&mut self, off: T, variance: T) -> Option<T> {
+    pub(crate) fn judge(
+        &mut self,
+        gyro: &ValidGyroParams<T>,
+        off: T,
+        variance: T,
+    ) -> Option<T> {
         let variance = variance + self.spread.hh;
-        if self.fault.is_some() || !self.disagreement.sides_with_wheels(off, variance) {
+        if self.fault.is_some() {
             return None;
         }
-        Some(self.lies(GyroFault::Disagrees))
+        let lie = self
+            .disagreement
+            .sides_with_wheels(gyro, off, variance, self.same)?;
+        Some(self.lies(lie))
     }
 
     /// What the wheels turn too little per way by the gyro \[rad/m\], once after each stretch of some decimetres.
@@ -434,7 +446,7 @@ impl<T: Scalar> GyroHeading<T> {
     }
 
     /// Wheels and gyro disagree.
-    pub(crate) fn slides(&self) -> bool {
+    pub fn slides_now(&self) -> bool {
         self.disagreement.lasts()
     }
 
@@ -458,7 +470,6 @@ impl<T: Scalar> GyroHeading<T> {
             bias: self.bias,
             slid: -self.disagreement.apart,
             slips: turns && self.disagreement.slides(self.same),
-            reversed: self.reversed,
             fault: self.fault,
         }
     }

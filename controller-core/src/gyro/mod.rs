@@ -21,7 +21,6 @@ mod params;
 mod reading;
 mod spread;
 
-pub use disagreement::Side;
 pub use heading::{GyroHeading, GyroReport, Rolled};
 pub use params::{GyroParams, ValidGyroParams};
 pub use reading::{GyroFault, GyroOutcome, GyroReading, GyroRefusal};

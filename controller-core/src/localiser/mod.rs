@@ -259,7 +259,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         let carried = self.gyro.as_ref().filter(|gyro| gyro.carries());
         let carried = carried.map(|gyro| Carried {
             off: T::from_f64(SURE) * M::sqrt(gyro.heading_variance()),
-            slides: gyro.slides(),
+            slides: gyro.slides_now(),
         });
         self.correction
             .advance::<M>(fusion, &before, &measured.pose, carried.as_ref(), dt);
@@ -271,9 +271,12 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                     let variance = fusion.heading_variance;
                     let (correction, gyro) = (&mut self.correction, &mut self.gyro);
                     let mut innovation = correction.compare::<M>(fix, then, &measured.pose);
-                    let told = gyro
-                        .as_mut()
-                        .and_then(|gyro| gyro.judge(innovation.heading(), variance));
+                    let told = match (&mut *gyro, &self.localisation.gyro) {
+                        (Some(heading), Some(gyro)) => {
+                            heading.judge(gyro, innovation.heading(), variance)
+                        }
+                        _ => None,
+                    };
                     if let Some(told) = told {
                         correction.turn(-told);
                         innovation = correction.compare::<M>(fix, then, &measured.pose);

@@ -107,11 +107,7 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
             pose: pose.cast(),
             age_s: age_s as f32,
         }),
-        gyro: world.gyro().map(|sample| GyroReading {
-            rate: sample.rate as f32,
-            heading: None,
-            age_s: sample.age_s as f32,
-        }),
+        gyro: gyro(world),
         supply_v: Some(world.supply_v() as f32),
         currents: Some(Currents {
             right: right as f32,
@@ -119,6 +115,15 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
         }),
         driver: world.drive_answer(),
     }
+}
+
+/// What the gyro of a world gave in its last tick.
+pub(super) fn gyro(world: &World) -> Option<GyroReading<f32>> {
+    world.gyro().map(|sample| GyroReading {
+        rate: sample.rate as f32,
+        heading: None,
+        age_s: sample.age_s as f32,
+    })
 }
 
 impl From<&WheelOutput> for Actuation {

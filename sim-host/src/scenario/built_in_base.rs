@@ -24,8 +24,8 @@ macro_rules! bases {
 
 bases!["paper-30kg", "lab-10kg", "hobby-1kg"];
 
-/// A gyro for any of them: the file `bases/parts/icm-42688-p.toml`, which is appended to a base's.
-pub const GYRO: &str = include_str!("../../../bases/parts/icm-42688-p.toml");
+/// A gyro for any of them: the file `parts/icm-42688-p.toml`, which is appended to a base's.
+pub const GYRO: &str = include_str!("../../../parts/icm-42688-p.toml");
 
 impl BuiltInBase {
     /// The built-in base of this name.

@@ -8,7 +8,7 @@ use sim_host::scenario::BASES;
 use sim_host::world::{PlantFault, Side};
 
 /// A wheel slides that goes faster over the floor \[m/s\].
-const SLIDES: f64 = 0.05;
+const SLIDES: f64 = 0.1;
 /// Found within \[s\].
 const WITHIN_S: f64 = 0.3;
 
@@ -71,6 +71,7 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Found {
             break;
         }
         if sliding_s > WITHIN_S {
+            if !found.missed && ice { println!("  {} {seed} {:.3} slid {slid:.3} {:?} {:?}", base.name, rig.t, report.gyro, rig.world().truth().twist); }
             found.missed = true;
             found.fault_s = found.fault_s.max(sliding_s);
         }

@@ -59,6 +59,7 @@ fn gyros_that_lie_are_found() {
             let stopped = runs.iter().filter(|run| run.3).count();
             let latest = runs.iter().map(|run| run.1).fold(0.0, f64::max);
             let worst = runs.iter().map(|run| run.2).fold(0.0, f64::max);
+            println!("{:?}", runs.iter().filter(|run| run.0 != Some(Fault::Gyro(expected))).collect::<Vec<_>>());
             println!("{name} {}: {right} of {}, latest {latest:.2} s, heading {worst:.3}, stopped {stopped}", built_in.name, runs.len());
         }
     }

@@ -13,7 +13,7 @@ use sim_host::world::PlantFault;
 const FROM_S: f64 = 10.0;
 const LOST_S: f64 = 20.0;
 /// Driving by velocity until then, and then to a goal \[s\].
-const DRIVE_S: f64 = FROM_S + 14.0;
+const DRIVE_S: f64 = FROM_S + 10.0;
 
 /// Where it parked without poses, and where it ended when they were back, off the goal \[m, rad\].
 #[derive(Debug, Default)]

@@ -120,7 +120,7 @@ impl Wander {
         if t >= self.until {
             self.until = t + self.draw.between(1.0, 3.0);
             let (v, w) = (
-                self.draw.between(-0.3, 1.0) * self.speed,
+                self.draw.between(0.2, 1.0) * self.speed,
                 self.draw.between(-1.0, 1.0) * self.turn,
             );
             self.twist = Twist::new(v as f32, w as f32);
