@@ -14,6 +14,8 @@ const OLDEST_S: f64 = 0.1;
 const PROOF: f64 = 1.0;
 /// To this share: wheels that are believed are good to 2 %, and a curve of a radian has some of the straight in it.
 const AGREES: f64 = 0.1;
+/// A bias is beyond its limit from this multiple of it on: noise adds to what is just within.
+const BEYOND: f64 = 1.1;
 /// A bias beyond its limit that stays so for this time at rest is a lie \[s\].
 const BIAS_S: f64 = 0.3;
 /// Standard deviations, squared, that readings of a base at rest may be apart.
@@ -307,7 +309,7 @@ impl<T: Scalar> GyroHeading<T> {
         self.off = T::ZERO;
         self.disagreement = Disagreement::default();
         self.stretch.2 = self.stretch.2 - turned.gyro - false_turn;
-        let within = self.steady.abs() <= gyro.params.bias_limit;
+        let within = self.steady.abs() <= T::from_f64(BEYOND) * gyro.params.bias_limit;
         match self.fault {
             None if within && !fused => Some(self.learn(gyro, t) - false_turn),
             None if !within && !fused && self.steady_s > rest + T::from_f64(BIAS_S) => {
