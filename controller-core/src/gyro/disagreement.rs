@@ -87,15 +87,15 @@ impl<T: Scalar> Disagreement<T> {
         if self.lasts_s < f(SIGNATURE_S) {
             return None;
         }
-        self.signature(gyro, turned.same)
+        self.signature(gyro, turned.same, f(LARGE))
     }
 
-    /// What only a gyro that lies does.
-    fn signature(&self, gyro: &ValidGyroParams<T>, same: u8) -> Option<GyroFault> {
+    /// What only a gyro that lies does; a turn of `large` the other way is no chance.
+    fn signature(&self, gyro: &ValidGyroParams<T>, same: u8, large: T) -> Option<GyroFault> {
         let wheels = self.wheels.abs();
         if same >= SAME && wheels > gyro.rounding + gyro.rounding {
             Some(GyroFault::Stuck)
-        } else if self.mirrors() && wheels > T::from_f64(LARGE) {
+        } else if self.mirrors() && wheels > large {
             Some(GyroFault::Reversed)
         } else {
             None
@@ -119,7 +119,7 @@ impl<T: Scalar> Disagreement<T> {
     ) -> Option<GyroFault> {
         let gate = T::from_f64(SIDES * SIDES) * variance;
         let sides = self.lasts_s > T::ZERO && off * self.apart < T::ZERO && off * off > gate;
-        let signature = self.signature(gyro, same);
+        let signature = self.signature(gyro, same, gyro.rounding);
         sides.then(|| signature.unwrap_or(GyroFault::Disagrees))
     }
 

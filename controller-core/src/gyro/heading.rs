@@ -16,8 +16,6 @@ const PROOF: f64 = 1.0;
 const AGREES: f64 = 0.1;
 /// A bias is beyond its limit from this multiple of it on: noise adds to what is just within.
 const BEYOND: f64 = 1.1;
-/// A bias beyond its limit that stays so for this time at rest is a lie \[s\].
-const BIAS_S: f64 = 0.3;
 /// Standard deviations, squared, that readings of a base at rest may be apart.
 const STEADY: f64 = 25.0;
 /// Way over which the wheels' curvature bias is learnt from the gyro \[m\], and how much of what is seen is taken.
@@ -307,16 +305,15 @@ impl<T: Scalar> GyroHeading<T> {
         let false_turn = self.steady_turn;
         self.steady_turn = T::ZERO;
         self.off = T::ZERO;
-        self.disagreement = Disagreement::default();
         self.stretch.2 = self.stretch.2 - turned.gyro - false_turn;
         let within = self.steady.abs() <= T::from_f64(BEYOND) * gyro.params.bias_limit;
+        if self.fault.is_none() && !within && !fused {
+            return Some(-self.lies(GyroFault::Bias) - false_turn);
+        }
+        self.disagreement = Disagreement::default();
         match self.fault {
-            None if within && !fused => Some(self.learn(gyro, t) - false_turn),
-            None if !within && !fused && self.steady_s > rest + T::from_f64(BIAS_S) => {
-                self.lies(GyroFault::Bias);
-                Some(-false_turn)
-            }
-            None => Some(-false_turn),
+            None if fused => Some(-false_turn),
+            None => Some(self.learn(gyro, t) - false_turn),
             Some(GyroFault::Bias) if within => {
                 self.believe();
                 self.spread.forget_bias(gyro.prior);

@@ -284,8 +284,13 @@ impl Rule {
             // The last pose may be on its way yet, and the one before it was an interval ago.
             U::PoseSilent | U::PoseNan | U::FixAgeNan => {
                 let source = source?;
+                // A gyro carries the base meanwhile.
+                let carried = params
+                    .localiser
+                    .gyro
+                    .map_or(0.0, |gyro| f64::from(gyro.carry_s));
                 after(detectors.pose)
-                    .map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
+                    .map(|s| s.max(carried) + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
             }
             // As many outliers as have to agree, after the one that was on its way.
             U::PoseJump => {
