@@ -2,8 +2,8 @@
 
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
-    Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Why, cells, known,
-    study, violation,
+    Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Why, cells, known, study,
+    violation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use tests::stated::{At, Stated};

@@ -270,7 +270,10 @@ fn a_fused_heading_is_followed() {
         turned += heading.advance(&gyro, &rolled(0.1, 0.808), Some(&reading));
     }
     // The first reading only begins.
-    assert!((turned - 0.8 * DT * 1999.0 - 0.808 * DT).abs() < 1e-9, "{turned}");
+    assert!(
+        (turned - 0.8 * DT * 1999.0 - 0.808 * DT).abs() < 1e-9,
+        "{turned}"
+    );
 }
 
 /// A wheel that slides at 0.1 m/s: seen within 0.05 s, named after 0.2 s, and the heading is the gyro's all the time.
@@ -305,8 +308,12 @@ fn lies_are_named() {
     let begin = || {
         let mut heading = GyroHeading::new(&gyro);
         let mut random = Random(5);
-        drive(&mut heading, &gyro, (0.0, 0.0, 0.0), 1.0, || noise(&mut random));
-        drive(&mut heading, &gyro, (0.2, 1.0, 1.0), 1.0, || noise(&mut random));
+        drive(&mut heading, &gyro, (0.0, 0.0, 0.0), 1.0, || {
+            noise(&mut random)
+        });
+        drive(&mut heading, &gyro, (0.2, 1.0, 1.0), 1.0, || {
+            noise(&mut random)
+        });
         assert_eq!(heading.report().fault, None);
         heading
     };
@@ -334,7 +341,9 @@ fn lies_are_named() {
     assert_eq!(heading.report().fault, Some(GyroFault::Reversed));
     assert!((turned - 0.4).abs() < 0.03, "{turned}");
     // Believed again after a radian of agreement, beginning with the next radian.
-    drive(&mut heading, &gyro, (0.2, 1.0, 1.0), 2.1, || noise(&mut random));
+    drive(&mut heading, &gyro, (0.2, 1.0, 1.0), 2.1, || {
+        noise(&mut random)
+    });
     assert_eq!(heading.report().fault, None);
     // A bias beyond its limit, at rest; what it turned is taken back.
     let mut heading = begin();
@@ -360,7 +369,8 @@ fn single_precision_is_enough() {
             }
         }
         let rate = f64::from((w + 0.004 + noise(&mut random)) as f32);
-        turned.0 += f64::from(a.advance(&single, &rolled(v, 1.01 * w), Some(&reading(rate, 0.003))));
+        turned.0 +=
+            f64::from(a.advance(&single, &rolled(v, 1.01 * w), Some(&reading(rate, 0.003))));
         turned.1 += b.advance(&double, &rolled(v, 1.01 * w), Some(&reading(rate, 0.003)));
     }
     assert!((turned.0 - turned.1).abs() < 1e-3, "{turned:?}");

@@ -211,7 +211,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// torque pushes it, so forward on the right or backward on the left if `slid` is above 0.
     fn sliding(&self, slid: T) -> Side {
         let WheelTorques { right, left } = self.exerted;
-        let (right, left) = if slid > T::ZERO { (right, -left) } else { (-right, left) };
+        let (right, left) = if slid > T::ZERO {
+            (right, -left)
+        } else {
+            (-right, left)
+        };
         if right > left {
             Side::Right
         } else {

@@ -24,6 +24,8 @@ const SAME: u8 = 4;
 const MIRRORED: f64 = 0.25;
 /// Over this turn that is no chance any more \[rad\]: a base on ice sways by some degrees.
 const LARGE: f64 = 0.1;
+/// Turns are against each other that are apart by this share of both.
+const AGAINST: f64 = 0.4;
 /// Standard deviations from which on a heading sides with the wheels.
 const SIDES: f64 = 4.0;
 
@@ -136,7 +138,7 @@ impl<T: Scalar> Disagreement<T> {
         let f = T::from_f64;
         let (gyro, wheels) = (self.gyro, self.wheels);
         let near = |way: T| (gyro + way).abs() < f(MIRRORED) * wheels.abs();
-        let against = (gyro - wheels).abs() > f(0.75) * (gyro.abs() + wheels.abs());
+        let against = (gyro - wheels).abs() > f(AGAINST) * (gyro.abs() + wheels.abs());
         against && (near(self.way) || near(-self.way))
     }
 

@@ -221,7 +221,11 @@ impl<T: Scalar> GyroHeading<T> {
         let (wheels, travel) = (self.behind, self.travelled);
         self.behind = T::ZERO;
         self.travelled = T::ZERO;
-        self.outcome = if self.fault.is_none() { GyroOutcome::Used } else { GyroOutcome::Compared };
+        self.outcome = if self.fault.is_none() {
+            GyroOutcome::Used
+        } else {
+            GyroOutcome::Compared
+        };
         if !self.begun {
             self.begun = true;
             if self.fault == Some(GyroFault::Silent) {
@@ -255,7 +259,8 @@ impl<T: Scalar> GyroHeading<T> {
             return apart - self.lies(lie);
         }
         if fused.is_some() {
-            self.spread.pass(T::ZERO, turned.gyro, gyro.noise * t, T::ZERO);
+            self.spread
+                .pass(T::ZERO, turned.gyro, gyro.noise * t, T::ZERO);
         } else {
             let (noise, walk) = (gyro.noise * t, gyro.walk * t);
             self.spread.pass(t, turned.gyro, noise, walk);
@@ -268,7 +273,11 @@ impl<T: Scalar> GyroHeading<T> {
     fn beyond_honest(&self, gyro: &ValidGyroParams<T>, fused: bool) -> Option<T> {
         let beyond = self.off.abs() - self.geometry(gyro);
         let f = T::from_f64;
-        let bias = if fused { T::ZERO } else { f(9.0 * WINDOW_S * WINDOW_S) * self.spread.bb };
+        let bias = if fused {
+            T::ZERO
+        } else {
+            f(9.0 * WINDOW_S * WINDOW_S) * self.spread.bb
+        };
         (beyond > T::ZERO && beyond * beyond > gyro.honest + bias).then_some(self.off)
     }
 
@@ -292,12 +301,19 @@ impl<T: Scalar> GyroHeading<T> {
         if self.steady_s <= T::ZERO || off * off > gate {
             self.steady = self.last_rate;
             self.steady_s = t;
-            self.steady_turn = turned.gyro;
+            self.steady_turn = if self.fault.is_some() {
+                T::ZERO
+            } else {
+                turned.gyro
+            };
             return None;
         }
         self.steady_s += t;
         self.steady += t / self.steady_s * off;
         if self.steady_s < rest {
+            if self.fault.is_some() {
+                return Some(T::ZERO);
+            }
             // Not counted as a turn that the bias would explain: it will be taken back, or was one.
             self.steady_turn += turned.gyro;
             return Some(turned.gyro - turned.wheels);
@@ -385,12 +401,7 @@ impl<T: Scalar> GyroHeading<T> {
     }
 
     /// A fix was fused; the share of what its heading is off by that is to be taken. `None` where the gyro is not believed.
-    pub(crate) fn fused(
-        &mut self,
-        gyro: &ValidGyroParams<T>,
-        off: T,
-        variance: T,
-    ) -> Option<T> {
+    pub(crate) fn fused(&mut self, gyro: &ValidGyroParams<T>, off: T, variance: T) -> Option<T> {
         if self.fault.is_some() {
             return None;
         }
@@ -411,12 +422,7 @@ impl<T: Scalar> GyroHeading<T> {
     }
 
     /// An external heading is off by `off` from this one; the turn to be taken back where it says that the gyro lies.
-    pub(crate) fn judge(
-        &mut self,
-        gyro: &ValidGyroParams<T>,
-        off: T,
-        variance: T,
-    ) -> Option<T> {
+    pub(crate) fn judge(&mut self, gyro: &ValidGyroParams<T>, off: T, variance: T) -> Option<T> {
         let variance = variance + self.spread.hh;
         if self.fault.is_some() {
             return None;

@@ -274,7 +274,11 @@ impl<T: Scalar> Slack<T> {
 
     /// Where a gyro carries the heading, that is off by what its filter says, and wheels that slide take the position along.
     fn carry(&mut self, fusion: &Fusion<T>, driven: &Driven<T>, heading: &Carried<T>, dt: T) {
-        let slid = if heading.slides { dt * fusion.slide } else { T::ZERO };
+        let slid = if heading.slides {
+            dt * fusion.slide
+        } else {
+            T::ZERO
+        };
         self.m += driven.drift_m + heading.off * driven.travel + slid;
         self.rad = heading.off;
     }

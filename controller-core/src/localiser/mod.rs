@@ -235,9 +235,15 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                 };
                 let turn = heading.advance(gyro, &rolled, reading);
                 if let Some(more) = heading.curvature(gyro) {
-                    self.correction.curvature_bias.correct(gyro.most_per_way(), more);
+                    self.correction
+                        .curvature_bias
+                        .correct(gyro.most_per_way(), more);
                 }
-                self.alone_s = if heading.carries() { T::ZERO } else { self.alone_s + dt };
+                self.alone_s = if heading.carries() {
+                    T::ZERO
+                } else {
+                    self.alone_s + dt
+                };
                 turn
             }
             _ => rolled.turn,

@@ -23,7 +23,11 @@ pub fn all(
     (run, gyro): (Option<u64>, bool),
     output: &Output,
 ) -> Result<(), CommandError> {
-    let bases = if gyro { Bases::with_gyro() } else { Bases::built_in() }?;
+    let bases = if gyro {
+        Bases::with_gyro()
+    } else {
+        Bases::built_in()
+    }?;
     let writer = Writer::new(output)?;
     if let Some(number) = run {
         trace(&bases, seed, number, &writer)?;

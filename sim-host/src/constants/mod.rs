@@ -55,7 +55,10 @@ pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
         .localiser
         .fusion
         .map_or("LocaliserParams", |_| "{FusionParams, LocaliserParams}");
-    let gyro = params.localiser.gyro.map_or("", |_| "use controller_core::gyro::GyroParams;\n");
+    let gyro = params
+        .localiser
+        .gyro
+        .map_or("", |_| "use controller_core::gyro::GyroParams;\n");
     let jump = params.motion.jump.map_or("", |_| "JumpThreshold, ");
     Ok(format!(
         "\

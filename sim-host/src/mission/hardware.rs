@@ -1,8 +1,8 @@
 //! What a base has beside its body: motors, battery, encoders, a localisation.
 
 use crate::world::{
-    BatteryParams, EncoderParams, FrictionParams, GyroParams as TrueGyro, MotorParams as TrueMotor, PoseSourceParams,
-    WorldKeys,
+    BatteryParams, EncoderParams, FrictionParams, GyroParams as TrueGyro, MotorParams as TrueMotor,
+    PoseSourceParams, WorldKeys,
 };
 use controller_core::gyro::GyroParams;
 use controller_core::localiser::{FusionParams, LocaliserParams};

@@ -2,9 +2,7 @@
 
 use super::source::{Checked, Source};
 use crate::mission::{BaseSpec, Gyro, Hardware};
-use crate::world::{
-    BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams,
-};
+use crate::world::{BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams};
 use controller_core::error::Field;
 use controller_core::motion::MotionGains;
 use serde::Deserialize;

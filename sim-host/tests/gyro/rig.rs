@@ -87,13 +87,6 @@ impl<'a> Rig<'a> {
         let believed = self.base.report().measured.expect("measured").pose.theta;
         f64::from(believed) - self.world().truth().pose.theta
     }
-
-    /// Believed from true position \[m\].
-    pub fn position_error(&self) -> f64 {
-        let believed = self.base.report().measured.expect("measured").pose;
-        let truth = self.world().truth().pose;
-        (f64::from(believed.x) - truth.x).hypot(f64::from(believed.y) - truth.y)
-    }
 }
 
 /// Velocity orders within shares of a base's limits, another one every 1 to 3 s.

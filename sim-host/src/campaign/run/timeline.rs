@@ -5,6 +5,7 @@ use crate::campaign::fault_injection::{FaultInjection, FaultInjectionKind, What}
 use crate::campaign::host::Manner;
 use crate::campaign::outcome::{Failing, Why};
 use crate::campaign::plan::Plan;
+use crate::mission::BaseSpec;
 use crate::world::{PlantFault, World};
 
 /// The injections of a plan: which of them have begun, and which are still there.
@@ -135,6 +136,25 @@ impl<'a> Timeline<'a> {
         });
         // Of two the later one acts.
         jumps.last().unwrap_or_default()
+    }
+
+    /// What a base may be off by whose heading a gyro carries instead of poses \[m, rad\]: what docs/gyro.md states of 20 s without them.
+    pub(super) fn carried(&self, base: &BaseSpec) -> (f64, f64) {
+        use FaultInjectionKind as U;
+        let lost = self.begun().any(|injection| {
+            matches!(
+                injection.kind,
+                U::PoseSilent | U::PoseNan | U::FixAgeNan | U::LineDamaged
+            )
+        });
+        let gyro = base
+            .hardware
+            .is_some_and(|hardware| hardware.gyro.is_some());
+        if lost && gyro {
+            (0.03, 0.03)
+        } else {
+            (0.0, 0.0)
+        }
     }
 
     /// A driver holds its torque: until its watchdog ends it, it is beyond any command.
