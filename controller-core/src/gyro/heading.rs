@@ -321,7 +321,7 @@ impl<T: Scalar> GyroHeading<T> {
         let false_turn = self.steady_turn;
         self.steady_turn = T::ZERO;
         self.off = T::ZERO;
-        self.stretch.2 = self.stretch.2 - turned.gyro - false_turn;
+        self.stretch.2 -= turned.gyro + false_turn;
         let within = self.steady.abs() <= T::from_f64(BEYOND) * gyro.params.bias_limit;
         if self.fault.is_none() && !within && !fused {
             return Some(-self.lies(GyroFault::Bias) - false_turn);

@@ -44,7 +44,7 @@ impl<T: Scalar> Spread<T> {
     pub(super) fn pass(&mut self, t: T, turn: T, noise: T, walk: T) {
         let hb = self.hb - t * self.bb + turn * self.bs;
         let hs = self.hs - t * self.bs + turn * self.ss;
-        self.hh = self.hh - t * (self.hb + hb) + turn * (self.hs + hs) + noise;
+        self.hh -= t * (self.hb + hb) + turn * (self.hs + hs) + noise;
         self.hb = hb;
         self.hs = hs;
         self.bb += walk;
@@ -59,11 +59,11 @@ impl<T: Scalar> Spread<T> {
             scale: self.hs * per,
         };
         self.bb = above_zero(self.bb - gain.bias * self.hb);
-        self.bs = self.bs - gain.bias * self.hs;
-        self.ss = self.ss - gain.scale * self.hs;
+        self.bs -= gain.bias * self.hs;
+        self.ss -= gain.scale * self.hs;
         self.keep_scale();
-        self.hb = self.hb - gain.heading * self.hb;
-        self.hs = self.hs - gain.heading * self.hs;
+        self.hb -= gain.heading * self.hb;
+        self.hs -= gain.heading * self.hs;
         self.hh = gain.heading * variance;
         gain
     }
@@ -77,11 +77,11 @@ impl<T: Scalar> Spread<T> {
             scale: self.bs * per,
         };
         self.hh = above_zero(self.hh - gain.heading * self.hb);
-        self.hs = self.hs - gain.heading * self.bs;
-        self.ss = self.ss - gain.scale * self.bs;
+        self.hs -= gain.heading * self.bs;
+        self.ss -= gain.scale * self.bs;
         self.keep_scale();
-        self.hb = self.hb - gain.heading * self.bb;
-        self.bs = self.bs - gain.bias * self.bs;
+        self.hb -= gain.heading * self.bb;
+        self.bs -= gain.bias * self.bs;
         self.bb = gain.bias * variance;
         gain
     }

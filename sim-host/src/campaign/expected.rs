@@ -208,6 +208,20 @@ pub const GYRO_RULES: [Rule; FaultInjectionKind::GYRO.len()] = {
     ]
 };
 
+/// Other names that are right on a base with a gyro, each with the reason.
+pub const GYRO_ALSO: [(FaultInjectionKind, Why, &str); 2] = [
+    (
+        FaultInjectionKind::EncoderReversed,
+        Why::Fault(FaultKind::WheelSlip),
+        "of a wheel that turns little an encoder of the wrong sign, and a slide, turn the base alike",
+    ),
+    (
+        FaultInjectionKind::EncoderStuck,
+        Why::Fault(FaultKind::WheelSlip),
+        "counts that come back, as in a contact that fails, are those of a wheel that slid",
+    ),
+];
+
 impl Rule {
     /// Of a trouble.
     pub const fn of(injection: FaultInjectionKind) -> &'static Self {

@@ -101,6 +101,8 @@ pub struct Plan {
     pub run: u64,
     /// Which of [`BASES`].
     pub base: usize,
+    /// It has a gyro.
+    pub gyro: bool,
     /// In what state.
     pub target: Target,
     /// What.
@@ -209,6 +211,9 @@ impl Plan {
             seed,
             run,
             base: index,
+            gyro: base
+                .hardware
+                .is_some_and(|hardware| hardware.gyro.is_some()),
             target,
             injection,
             second,

@@ -1,6 +1,6 @@
 //! What goes wrong: what has begun, and what is still there.
 
-use crate::campaign::expected::{KNOWN, Rule};
+use crate::campaign::expected::{GYRO_ALSO, KNOWN, Rule};
 use crate::campaign::fault_injection::{FaultInjection, FaultInjectionKind, What};
 use crate::campaign::host::Manner;
 use crate::campaign::outcome::{Failing, Why};
@@ -96,9 +96,12 @@ impl<'a> Timeline<'a> {
     /// Whether something that has begun may be found as `why`.
     pub(super) fn allows(&self, why: Why) -> bool {
         !self.mended
-            && self
-                .begun()
-                .any(|injection| Rule::of(injection.kind).allows(why))
+            && self.begun().any(|injection| {
+                let also = GYRO_ALSO
+                    .iter()
+                    .any(|(kind, also, _)| *kind == injection.kind && *also == why);
+                Rule::of(injection.kind).allows(why) || (self.plan.gyro && also)
+            })
     }
 
     /// Whether a failing is stated for the trouble there is.
@@ -138,20 +141,26 @@ impl<'a> Timeline<'a> {
         jumps.last().unwrap_or_default()
     }
 
-    /// What a base may be off by whose heading a gyro carries instead of poses \[m, rad\]: what docs/gyro.md states of 20 s without them.
+    /// What a base with a gyro may be off by on top \[m, rad\]: where it carries the base without poses, 0.3 % of the way (radii) at 0.8 of its
+    /// top speed for half a minute, and 30 mm and 50 mrad of scale and bias; where it lies, a part of what it told until then.
     pub(super) fn carried(&self, base: &BaseSpec) -> (f64, f64) {
         use FaultInjectionKind as U;
-        let lost = self.begun().any(|injection| {
+        if !self.plan.gyro {
+            return (0.0, 0.0);
+        }
+        let lost = |kind| {
             matches!(
-                injection.kind,
+                kind,
                 U::PoseSilent | U::PoseNan | U::FixAgeNan | U::LineDamaged
             )
-        });
-        let gyro = base
-            .hardware
-            .is_some_and(|hardware| hardware.gyro.is_some());
-        if lost && gyro {
-            (0.03, 0.03)
+        };
+        if self.begun().any(|injection| lost(injection.kind)) {
+            (0.03 + 0.003 * 0.8 * 30.0 * base.limits.speed, 0.05)
+        } else if self
+            .begun()
+            .any(|injection| U::GYRO.contains(&injection.kind))
+        {
+            (0.0, 0.01)
         } else {
             (0.0, 0.0)
         }
