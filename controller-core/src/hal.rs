@@ -7,7 +7,6 @@
 //! Wheels are stopped in two ways, and hardware that can distinguishes them: *released* they are free to coast, *braked*
 //! their motors are shorted. How far a base goes either way: [`crate::motor::coast`], [`crate::motor::electrical_brake`].
 
-use crate::gyro::GyroReading;
 use crate::types::{WheelSpeeds, WheelTorques};
 use core::fmt;
 
@@ -236,6 +235,20 @@ impl<E: WheelEncoders + ?Sized> WheelEncoders for &mut E {
     fn counts(&mut self) -> Result<WheelCounts, Self::Error> {
         (**self).counts()
     }
+}
+
+/// What a gyro measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct GyroReading<T = f32> {
+    /// Turn rate about the vertical, counter-clockwise seen from above \[rad/s\]: the mean since the last reading, as of all
+    /// samples in a sensor's FIFO, or the last sample.
+    pub rate: T,
+    /// The heading, where the sensor fuses one by itself \[rad\]: from any zero, wrapped or not. Its steps are then taken
+    /// instead of the rate's integral, and no bias is taken from them.
+    pub heading: Option<T>,
+    /// How long before this tick it was valid \[s\], 0 to 0.1: delay of the sensor's filter, and time since the sample.
+    pub age_s: T,
 }
 
 /// A gyro about the vertical.

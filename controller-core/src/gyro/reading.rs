@@ -2,19 +2,7 @@
 
 use core::fmt;
 
-/// What a gyro measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct GyroReading<T = f32> {
-    /// Turn rate about the vertical, counter-clockwise seen from above \[rad/s\]: the mean since the last reading, as of all
-    /// samples in a sensor's FIFO, or the last sample.
-    pub rate: T,
-    /// The heading, where the sensor fuses one by itself \[rad\]: from any zero, wrapped or not. Its steps are then taken
-    /// instead of the rate's integral, and no bias is taken from them.
-    pub heading: Option<T>,
-    /// How long before this tick it was valid \[s\], 0 to 0.1: delay of the sensor's filter, and time since the sample.
-    pub age_s: T,
-}
+pub use crate::hal::GyroReading;
 
 /// What became of the reading of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

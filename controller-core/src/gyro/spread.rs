@@ -44,7 +44,7 @@ impl<T: Scalar> Spread<T> {
     pub(super) fn pass(&mut self, t: T, turn: T, noise: T, walk: T) {
         let hb = self.hb - t * self.bb + turn * self.bs;
         let hs = self.hs - t * self.bs + turn * self.ss;
-        self.hh -= t * (self.hb + hb) + turn * (self.hs + hs) + noise;
+        self.hh += turn * (self.hs + hs) - t * (self.hb + hb) + noise;
         self.hb = hb;
         self.hs = hs;
         self.bb += walk;
@@ -148,6 +148,15 @@ mod tests {
         }
         let slope = 12.0 * 25.0e-6 / (60.0 * 100.0);
         assert!((spread.ss / slope - 1.0).abs() < 0.02, "{spread:?}");
+    }
+
+    /// A turn of 2 rad by a scale that may be wrong by a per cent, and noise.
+    #[test]
+    fn turns_and_noise_add_to_the_doubt_of_the_heading() {
+        let mut spread = Spread::<f64>::new(0.0, 0.0, 1.0e-4);
+        spread.pass(0.0, 1.0, 1.0e-6, 0.0);
+        spread.pass(0.0, 1.0, 1.0e-6, 0.0);
+        assert!((spread.hh - (4.0e-4 + 2.0e-6)).abs() < 1e-12, "{spread:?}");
     }
 
     #[test]
