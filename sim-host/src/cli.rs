@@ -183,6 +183,9 @@ Examples:
         /// Begin with this run, and write its trace
         #[arg(long, value_name = "K")]
         run: Option<u64>,
+        /// Bases with the gyro of parts/, which can fail as well
+        #[arg(long)]
+        gyro: bool,
     },
     /// Find gains for a robot of your own
     ///

@@ -331,8 +331,8 @@ impl<T: Scalar> ValidMotionParams<T> {
     }
 
     /// How long a robot may stand aside of its goal before another manoeuvre \[s\]: until its velocity has settled, and a
-    /// filtered pose, whose time constant the dwell is. What a pose may still move by is less than the tolerance: the further
-    /// the goal is, the less it matters.
+    /// filtered pose, whose time constant the dwell is. What the pose may still move by, a tolerance at most, adds to what the next
+    /// manoeuvre misses by as squares do: a goal that is further away is not worth as long a wait.
     fn aside_patience(&self, at: &GoalView<T>) -> T {
         let gains = self.gains();
         let slower = if gains.speed_loop < gains.turn_loop {
@@ -350,6 +350,6 @@ impl<T: Scalar> ValidMotionParams<T> {
         } else {
             T::ONE
         };
-        T::ONE / slower + share * dwell_s
+        T::ONE / slower + share * share * dwell_s
     }
 }

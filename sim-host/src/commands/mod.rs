@@ -76,7 +76,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             seed,
             only,
             run,
-        } => faults::all(*runs, seed.draw()?, only, *run, output),
+            gyro,
+        } => faults::all(*runs, seed.draw()?, only, (*run, *gyro), output),
         Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {
