@@ -63,7 +63,7 @@ fn small() -> &'static [Run] {
     })
 }
 
-fn row<'a>(rows: &'a [Row], of: Class, kind: LawKind) -> &'a Row {
+fn row(rows: &[Row], of: Class, kind: LawKind) -> &Row {
     let of_class = better(rows, of);
     let mut own = of_class.into_iter().filter(|row| row.law.kind == kind);
     own.next().expect("every law ran")
