@@ -63,7 +63,7 @@ fn small() -> &'static [Run] {
     })
 }
 
-fn row<'a>(rows: &'a [Row], of: Class, kind: LawKind) -> &'a Row {
+fn row(rows: &[Row], of: Class, kind: LawKind) -> &Row {
     let of_class = better(rows, of);
     let mut own = of_class.into_iter().filter(|row| row.law.kind == kind);
     own.next().expect("every law ran")
@@ -182,7 +182,8 @@ fn turning_and_driving_takes_the_time_of_its_closed_form() -> Result<(), Box<dyn
 #[test]
 fn tuned_rivals_arrive() {
     let rows = summaries(small());
-    for kind in LAWS {
+    // Ramsete has no feedback at rest: what a plan's end leaves, it leaves (docs/bench.md).
+    for kind in LAWS.into_iter().filter(|kind| *kind != LawKind::Ramsete) {
         for summary in &row(&rows, class(Track::Parking, Plant::Ideal), kind).bases {
             let what = format!("{} on {}", kind.name(), NAMES[summary.base]);
             assert!(
@@ -198,15 +199,16 @@ fn tuned_rivals_arrive() {
 /// Threads, order of work and what else is run change nothing.
 #[test]
 fn the_same_bytes_on_any_number_of_threads() -> Result<(), Box<dyn Error>> {
-    let mut settings = settings(&Class::all(), 2)?;
-    settings.bases.truncate(2);
-    settings.laws = vec![
-        LawKind::Ramsete,
-        LawKind::Mpc,
-        LawKind::Neural,
-        LawKind::RateLimits,
+    let classes = [
+        class(Track::Parking, Plant::Realistic),
+        class(Track::Paper, Plant::BadFloor),
+        class(Track::Velocity, Plant::Realistic),
     ];
-    settings.files.truncate(1);
+    let mut settings = settings(&classes, 2)?;
+    // The base of 10 kg.
+    settings.bases.rotate_left(1);
+    settings.bases.truncate(1);
+    settings.laws = vec![LawKind::Ltv, LawKind::Neural, LawKind::RateLimits];
     let names: Vec<String> = settings
         .bases
         .iter()

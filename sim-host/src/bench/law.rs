@@ -1,7 +1,6 @@
 //! Who drives.
 
 use super::Track;
-use super::tuning::Tuned;
 use crate::controller_port::{self, ControllerPort};
 use crate::mission::{BaseSpec, Mission};
 use crate::precision::Precision;
@@ -194,15 +193,6 @@ impl Law {
                 .map(Self::usual)
                 .to_vec(),
         }
-    }
-
-    /// Its gains on a base, for a track.
-    pub(super) fn gains(&self, tuned: &Tuned, base: &str, track: Track) -> Vec<f32> {
-        let found = match self.flavour {
-            Flavour::Usual => None,
-            Flavour::Tuned => tuned.of(self.kind, base, track),
-        };
-        found.unwrap_or_else(|| self.kind.usual())
     }
 }
 

@@ -17,6 +17,7 @@ mod study;
 mod summary;
 mod table;
 mod tracks;
+mod tuned;
 mod tuning;
 
 pub use chip::instructions;
@@ -29,7 +30,8 @@ pub use study::{BenchError, Run, Settings, runs, study};
 pub use summary::{ALLOWED_S, Row, Spread, Summary, summaries};
 pub use table::{Cell, HEADER, better, cells, console, label, markdown, verdict};
 pub use tracks::{FILES, Named, TrackFile};
-pub use tuning::{Tuned, evaluations, tune};
+pub use tuned::Tuned;
+pub use tuning::{evaluations, tune};
 
 /// What is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

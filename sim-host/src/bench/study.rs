@@ -2,7 +2,7 @@
 
 use super::law::{self, Law, LawKind};
 use super::tracks::{Case, Named, TrackFile, cases};
-use super::tuning::Tuned;
+use super::tuned::Tuned;
 use super::{Class, Figures};
 use crate::closed_loop::ClosedLoopError;
 use crate::drive::FileError;
@@ -121,7 +121,7 @@ pub fn study(
     jobs.into_par_iter()
         .map(|(case, law)| {
             let (name, _) = &settings.bases[case.base];
-            let gains = law.gains(tuned, name, case.class.track);
+            let gains = tuned.gains(&law, name, case.class.track);
             let figures = drive(&case.mission, law.kind, &gains)?;
             done();
             Ok(Run {

@@ -6,6 +6,7 @@
 
 use super::study::drive;
 use super::tracks::{self, Named, TrackFile};
+use super::tuned::Tuned;
 use super::{BenchError, Class, Figures, LawKind, Plant, Track};
 use crate::mission::{Course, End, HandOverRule, Mission};
 use crate::trials;
@@ -14,7 +15,6 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
-use std::fmt::Write as _;
 
 /// Sets of gains that are tried, and simplexes: those of `tune`.
 const SEARCH: (u64, usize) = (240, 3);
@@ -28,64 +28,6 @@ const SEED: u64 = 1_000_001;
 const LEAST: f64 = 1.0e-2;
 /// How long a run may last, after the end of its reference if it has one \[s\]: who is later is as good as lost.
 const LATE_S: f64 = 15.0;
-
-/// Gains that were found.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tuned(Vec<(LawKind, String, Track, Vec<f32>)>);
-
-/// Law, base, track, gains in the order of the law's list with spaces between them.
-const FOUND: &str = include_str!("tuned.csv");
-
-impl Tuned {
-    /// Those that travel inside the program.
-    pub fn built_in() -> Self {
-        Self::parse(FOUND)
-    }
-
-    fn parse(text: &str) -> Self {
-        let line = |line: &str| {
-            let mut fields = line.split(';');
-            let (law, base, track) = (fields.next()?, fields.next()?, fields.next()?);
-            let kind = LawKind::RIVALS
-                .into_iter()
-                .find(|kind| kind.name() == law)?;
-            let track = Track::ALL.into_iter().find(|of| of.name() == track)?;
-            let gains = fields.next()?.split_whitespace();
-            let gains = gains.map(|gain| gain.parse().ok()).collect::<Option<_>>()?;
-            Some((kind, base.to_owned(), track, gains))
-        };
-        Self(text.lines().filter_map(line).collect())
-    }
-
-    /// Those of a law, on a base, for a track; the paper's cases are followed with the gains for files.
-    pub fn of(&self, kind: LawKind, base: &str, track: Track) -> Option<Vec<f32>> {
-        let track = match track {
-            Track::Paper => Track::Files,
-            track => track,
-        };
-        let found = self
-            .0
-            .iter()
-            .find(|(of, on, along, _)| *of == kind && on == base && *along == track);
-        found.map(|(.., gains)| gains.clone())
-    }
-
-    /// As they stand in a file.
-    pub fn csv(&self) -> String {
-        let mut text = "law;base;track;gains\n".to_owned();
-        for (kind, base, track, gains) in &self.0 {
-            let gains: Vec<String> = gains.iter().map(ToString::to_string).collect();
-            let _ = writeln!(
-                text,
-                "{};{base};{};{}",
-                kind.name(),
-                track.name(),
-                gains.join(" ")
-            );
-        }
-        text
-    }
-}
 
 /// How many sets [`tune`] tries.
 pub fn evaluations(bases: usize) -> u64 {
@@ -122,7 +64,7 @@ pub fn tune(
         let gains = search(kind, &missions, &done)?;
         Ok((kind, base, track, gains))
     });
-    Ok(Tuned(found.collect::<Result<_, BenchError>>()?))
+    Ok(Tuned::of_search(found.collect::<Result<_, BenchError>>()?))
 }
 
 /// What a set of gains is tried on.

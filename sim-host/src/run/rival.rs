@@ -110,7 +110,7 @@ impl Driver {
         };
         self.smoothed.linear += share * (twist.linear - self.smoothed.linear);
         self.smoothed.angular += share * (twist.angular - self.smoothed.angular);
-        let accel = wanted.accel.unwrap_or_else(|| Accel {
+        let accel = wanted.accel.unwrap_or(Accel {
             linear: self.decay * (twist.linear - self.smoothed.linear),
             angular: self.decay * (twist.angular - self.smoothed.angular),
         });
