@@ -16,6 +16,7 @@ pub mod localised;
 pub mod motion_base;
 pub mod motion_friction;
 pub mod motion_loop;
+pub mod motion_oracle;
 pub mod motion_parking;
 pub mod motion_rest;
 pub mod motion_tracking;

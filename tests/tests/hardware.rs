@@ -5,6 +5,7 @@ mod faults;
 mod localiser_curvature_bias;
 mod localiser_fusion;
 mod localiser_gate;
+mod localiser_oracle;
 mod localiser_params;
 mod localiser_parking;
 mod localiser_slide;
