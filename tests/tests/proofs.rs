@@ -3,10 +3,12 @@
 
 #[path = "proofs/neuron.rs"]
 mod neuron;
+#[path = "proofs/queue.rs"]
+mod queue;
 #[path = "proofs/saturation.rs"]
 mod saturation;
-#[path = "proofs/supervisor.rs"]
-mod supervisor;
+#[path = "proofs/storage.rs"]
+mod storage;
 #[path = "proofs/wire.rs"]
 mod wire;
 

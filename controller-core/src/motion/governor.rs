@@ -159,3 +159,6 @@ fn towards<T: Scalar>(from: T, to: T, step: T) -> (T, bool) {
         (to, false)
     }
 }
+
+#[cfg(test)]
+mod tests;

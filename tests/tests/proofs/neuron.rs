@@ -17,12 +17,18 @@ fn the_share_of_a_tick_is_below_one_by_two_roundings_for_every_number() {
         let share = <RationalMean as NeuronUpdate<f32>>::share::<Single>(f32::from_bits(bits));
         // Infinity is no time constant: 1/(2 (A + |u|)) · 2/dt is at most 250 · 1e18.
         let counts = bits < f32::INFINITY.to_bits();
-        assert!(!counts || (0.0..=most).contains(&share), "{bits:#x}: {share:e}");
+        assert!(
+            !counts || (0.0..=most).contains(&share),
+            "{bits:#x}: {share:e}"
+        );
         if counts && share > largest {
             largest = share;
         }
     }
-    println!("largest share: 1 - {:.2} epsilon", (1.0 - f64::from(largest)) / EPSILON);
+    println!(
+        "largest share: 1 - {:.2} epsilon",
+        (1.0 - f64::from(largest)) / EPSILON
+    );
 }
 
 /// Lemma 1.2, for every S in [2e-3, 1e32]: fl(S fl(1/S)) ≤ 1. With |2u| ≤ S = fl(2A + |2u|), and since rounding is monotone, what the

@@ -20,7 +20,13 @@ const POLICIES: [SaturationPolicy; 3] = [
 /// Wheels from the smallest to the largest that are accepted.
 fn wheels() -> Vec<WheelGeometry<f32>> {
     let mut all = Vec::new();
-    for (right, left) in [(1.0e-3, 1.0e-3), (0.1, 0.1), (0.03, 0.05), (10.0, 10.0), (1.0e-3, 10.0)] {
+    for (right, left) in [
+        (1.0e-3, 1.0e-3),
+        (0.1, 0.1),
+        (0.03, 0.05),
+        (10.0, 10.0),
+        (1.0e-3, 10.0),
+    ] {
         for track_m in [1.0e-2, 0.5, 100.0] {
             all.push(WheelGeometry {
                 radius_right_m: right,
@@ -57,7 +63,10 @@ fn a_shared_wrench_fits_the_wheels_at_the_corners_of_all_arguments() {
                             let torques = map.torques(&shared);
                             let most = limit * (1.0 + 4.0 * f32::EPSILON);
                             let fits = torques.right.abs() <= most && torques.left.abs() <= most;
-                            assert!(fits, "{geometry:?} {limit} {policy:?} {asked:?}: {torques:?}");
+                            assert!(
+                                fits,
+                                "{geometry:?} {limit} {policy:?} {asked:?}: {torques:?}"
+                            );
                             let shrinks = |part: f32, whole: f32| {
                                 part.abs() <= whole.abs() && part * whole >= 0.0
                             };
@@ -118,7 +127,8 @@ fn torques_are_within_the_limit_or_the_tick_is_refused_at_the_corners_of_all_mea
                                     let within = |torque: f32| (-limit..=limit).contains(&torque);
                                     assert!(
                                         within(torques.right) && within(torques.left),
-                                        "{:?} {policy:?} {v:e} {w:e}: {report:?}", params.robot
+                                        "{:?} {policy:?} {v:e} {w:e}: {report:?}",
+                                        params.robot
                                     );
                                 }
                                 Err(fault) => {
