@@ -9,6 +9,7 @@ pub mod core_loop;
 pub mod core_params;
 pub mod encoded;
 pub mod fixes;
+pub mod fuzz;
 pub mod golden;
 pub mod ideal;
 pub mod led;
