@@ -66,6 +66,9 @@ impl Dice {
     }
 }
 
+/// Inputs that are kept.
+const MOST_KEPT: usize = 5_000;
+
 /// Numbers at which something may change, as text.
 const NUMBERS: [&str; 16] = [
     "0",
@@ -179,7 +182,7 @@ pub fn fuzz(
             break;
         }
         let news = met.0.into_iter().filter(|what| known.insert(*what)).count();
-        if real || news > 0 {
+        if real || (news > 0 && outcome.kept.len() < MOST_KEPT) {
             outcome.kept.push(input);
         }
     }

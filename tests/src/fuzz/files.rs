@@ -27,16 +27,22 @@ fn folder(path: &str, longest: u64) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// A message without its numbers and quoted names: what kind of message it is.
+/// The kind of a message: the first words of it that are not the input's.
 fn kind_of(message: &str) -> String {
-    let mut kind = String::new();
-    for word in message.split_whitespace().take(12) {
-        if word.chars().all(|c| c.is_alphabetic()) {
-            kind.push_str(word);
-            kind.push(' ');
+    let mut own = String::new();
+    for (number, part) in message.split(['`', '"', '\'']).enumerate() {
+        if number % 2 == 0 {
+            own.push_str(part);
         }
     }
-    kind
+    let plain = |word: &&str| word.len() < 12 && word.bytes().all(|byte| byte.is_ascii_lowercase());
+    let words: Vec<&str> = own
+        .lines()
+        .flat_map(str::split_whitespace)
+        .filter(plain)
+        .take(4)
+        .collect();
+    words.join(" ")
 }
 
 /// Trajectory files: what is read can be evaluated, and is finite.
@@ -89,7 +95,10 @@ fn trajectory(input: &[u8], met: &mut Met) {
             }
             met.saw(("read", trajectory.samples().len().min(64)));
         }
-        Err(refusal) => met.saw(("refused", kind_of(&refusal.to_string()))),
+        Err(refusal) => met.saw((
+            format!("{:?}", refusal.format),
+            std::mem::discriminant(&refusal.reason),
+        )),
     }
 }
 

@@ -36,10 +36,7 @@ fn seeds() -> Vec<Vec<u8>> {
         y: 0.2,
         theta: 1.0,
     };
-    let twist = WireTwist {
-        v: 0.3,
-        w: -0.2,
-    };
+    let twist = WireTwist { v: 0.3, w: -0.2 };
     let field = FieldParams::from(&mission::params(TORQUE, true).expect("valid"));
     let drive = Command::Drive {
         twist,
