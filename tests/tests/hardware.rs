@@ -6,6 +6,7 @@ mod gyro;
 mod localiser_curvature_bias;
 mod localiser_fusion;
 mod localiser_gate;
+mod localiser_oracle;
 mod localiser_params;
 mod localiser_parking;
 mod localiser_slide;

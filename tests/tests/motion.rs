@@ -11,6 +11,7 @@ mod motion_jumps;
 mod motion_limits;
 mod motion_margins;
 mod motion_minimum_time;
+mod motion_oracle;
 mod motion_parking;
 mod motion_precision;
 mod motion_retries;

@@ -101,13 +101,18 @@ impl<T: Scalar> Command<T> {
         };
         let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
         let (shared, limited) = share(&motion.wheels, &wrench, torque, limits.policy);
-        if limited {
-            Accel {
-                linear: shared.force / params.robot.mass_kg,
-                angular: shared.moment / params.robot.inertia_kg_m2,
-            }
-        } else {
-            desired
+        // An axis that did not yield keeps its bits: m (x/m) may be another number than x, and would count as slewed.
+        Accel {
+            linear: if limited && shared.force != wrench.force {
+                shared.force / params.robot.mass_kg
+            } else {
+                desired.linear
+            },
+            angular: if limited && shared.moment != wrench.moment {
+                shared.moment / params.robot.inertia_kg_m2
+            } else {
+                desired.angular
+            },
         }
     }
 
@@ -154,3 +159,6 @@ fn towards<T: Scalar>(from: T, to: T, step: T) -> (T, bool) {
         (to, false)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -340,6 +340,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limits.wheel_torque_nm,
             limits.policy,
         );
+        // A finite wrench may ask large wheels for torques that are not: inf - inf leaves no factor to share by.
+        if saturated && residue([applied.force, applied.moment]) != T::ZERO {
+            return Err(StepFault::Overflow);
+        }
         self.aim = found.aim;
         self.declared = false;
         self.stall = found.stall;

@@ -17,7 +17,8 @@ pub fn share<T: Scalar>(
     policy: SaturationPolicy,
 ) -> (Wrench<T>, bool) {
     let asked = wheels.torques(desired);
-    if largest(&asked) <= limit {
+    // Both compared, so that what is not a number fits no limit.
+    if asked.right.abs() <= limit && asked.left.abs() <= limit {
         return (*desired, false);
     }
     let force = Wrench {

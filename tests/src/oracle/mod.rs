@@ -1,4 +1,4 @@
-//! Independent double precision transcription of the paper's control laws.
+//! Independent double precision transcription of the paper's control laws, and, in [`motion`] and [`localiser`], of what drives a real base.
 //!
 //! Nothing here is shared with the controller: matrices and vectors are written as a textbook writes them,
 //! so that a slip in the controller's scalar formulas is not repeated. Units are SI, angles are radians.
@@ -9,7 +9,9 @@ pub mod closed_loop;
 pub mod continuous;
 pub mod hand_over;
 pub mod laws;
+pub mod localiser;
 pub mod lyapunov;
+pub mod motion;
 pub mod neuron;
 pub mod params;
 pub mod posture;

@@ -122,7 +122,8 @@ impl<T: Scalar> Search<T> {
             target,
             ready: if moving {
                 let all = EVALUATIONS + STEPS + CANDIDATES / GUESSES + FINE * (POLISHING + 1);
-                let ticks = all / per_tick(dt) + 3;
+                // Never divided by 0, which a compiler that saves space does not see.
+                let ticks = all.checked_div(per_tick(dt)).unwrap_or(all) + 3;
                 T::from_i32(i32::from(ticks)) * dt
             } else {
                 T::ZERO

@@ -297,3 +297,6 @@ const fn same_stop(before: State, after: State) -> bool {
         )
     )
 }
+
+#[cfg(test)]
+mod model;

@@ -1,0 +1,153 @@
+//! Posture and twist from counts.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Vector2, Vector3};
+
+use super::Constants;
+
+/// Nodes of Gauss' rule with eight points on \[−1, 1\], one of each pair, and their weights.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
+];
+
+/// Loop's bandwidth times the time between counts, at most.
+const PER_COUNT: f64 = 1.5;
+/// Longest time between counts that slows the loop \[s\].
+const LONGEST: f64 = 0.2;
+/// Without a count for so long a wheel rests \[s\].
+const REST: f64 = 0.5;
+/// Counts a second of a wheel that stands.
+const STANDS: f64 = 0.01;
+/// Single counts in one direction of a wheel that rolls.
+const ROLLS: i32 = 4;
+
+/// The loop of a wheel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Wheel {
+    /// What is counted beyond what is estimated \[m\].
+    lag: f64,
+    speed: f64,
+    between: f64,
+    since: f64,
+    overdue: f64,
+    streak: i32,
+    held: f64,
+}
+
+/// Odometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Odometry {
+    /// Posture.
+    pub q: Vector3<f64>,
+    counts: [i32; 2],
+    wheels: [Wheel; 2],
+}
+
+impl Odometry {
+    /// At rest.
+    pub fn start(q: Vector3<f64>, counts: [i32; 2]) -> Self {
+        Self {
+            q,
+            counts,
+            wheels: [Wheel::default(); 2],
+        }
+    }
+
+    /// The twist, and the way of the tick.
+    pub fn advance(
+        &mut self,
+        k: &Constants,
+        counts: [i32; 2],
+        dt: f64,
+        accel: &Vector2<f64>,
+        bias: f64,
+    ) -> (Vector2<f64>, f64) {
+        let moved: [i32; 2] = std::array::from_fn(|i| counts[i].wrapping_sub(self.counts[i]));
+        self.counts = counts;
+        let per_count = k.radius * (2.0 * PI / k.counts_per_turn);
+        let ways: [f64; 2] = std::array::from_fn(|i| f64::from(moved[i]) * per_count[i]);
+        let way = (ways[0] + ways[1]) / 2.0;
+        let turn = (ways[0] - ways[1]) / k.track + bias * way;
+        // The heading turns evenly along the way.
+        let middle = self.q.z + turn / 2.0;
+        let (mut along, mut aside) = (0.0, 0.0);
+        for (node, weight) in GAUSS {
+            for side in [-1.0, 1.0] {
+                let (sine, cosine) = (middle + side * node * turn / 2.0).sin_cos();
+                along += weight / 2.0 * cosine;
+                aside += weight / 2.0 * sine;
+            }
+        }
+        self.q += Vector3::new(way * along, way * aside, turn);
+        let rim = [1.0, -1.0].map(|side| accel.x + side * k.track / 2.0 * accel.y);
+        for i in 0..2 {
+            self.wheels[i].advance(k.omega, moved[i], per_count[i], rim[i], dt);
+        }
+        let [right, left] = self.wheels.map(|wheel| wheel.speed);
+        let v = (right + left) / 2.0;
+        (Vector2::new(v, (right - left) / k.track + bias * v), way)
+    }
+}
+
+impl Wheel {
+    /// How long it is since the last count, the time between counts, and whether a single count ends a rest.
+    fn count(&mut self, counts: i32, dt: f64) -> bool {
+        let since = (self.since + dt).min(REST);
+        if counts == 0 {
+            self.since = since;
+            return false;
+        }
+        self.since = 0.0;
+        let single = counts.abs() == 1;
+        let ends_rest = single && since >= REST;
+        if ends_rest || counts.signum() != self.streak.signum() {
+            self.streak = 0;
+        }
+        self.streak += counts.signum();
+        if !single || self.streak.abs() >= ROLLS {
+            self.held = 0.0;
+        }
+        self.between = if single { since } else { dt }.min(LONGEST);
+        ends_rest
+    }
+
+    fn advance(&mut self, omega: f64, counts: i32, q: f64, accel: f64, dt: f64) {
+        let ends_rest = self.count(counts, dt);
+        let a = accel.signum() * (accel.abs() - self.held).max(0.0);
+        let omega = omega.min(PER_COUNT / self.between);
+        let x = omega * dt;
+        let ahead = self.speed * dt + a * dt.powi(2) / 2.0;
+        let e = self.lag + f64::from(counts) * q - ahead;
+        let inside = e.clamp(-q / 2.0, q / 2.0);
+        let beyond = if ends_rest { 0.0 } else { e - inside };
+        let shrink = (1.0 + x).powi(-2);
+        self.lag = if ends_rest {
+            inside
+        } else {
+            inside + beyond * shrink
+        };
+        let mut v = self.speed + a * dt + omega * x * shrink * beyond;
+        if counts == 0 && beyond * ahead < 0.0 {
+            self.overdue += dt;
+            let most = q / self.overdue;
+            if v.abs() > most {
+                v = v.clamp(-most, most);
+                self.lag = inside;
+                if a * ahead > 0.0 {
+                    self.held += a.abs();
+                }
+            }
+            if v.abs() < STANDS * q || v * ahead < 0.0 {
+                v = 0.0;
+                self.lag = inside;
+            }
+        } else {
+            self.overdue = 0.0;
+        }
+        self.speed = v;
+    }
+}
