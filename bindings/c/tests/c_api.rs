@@ -1,0 +1,187 @@
+//! What C and C++ get: the header under strict compilers, every call with every bad argument, and a mission whose bits are Rust's.
+
+#[path = "support/mission.rs"]
+mod mission;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+use std::{env, fs};
+
+use controller_core::base::BaseParams;
+use firmware_demo::robots::LAB_10KG;
+use protocol::{CRC, MAX_ROBOT_BLOB, ROBOT_BLOB_VERSION, encode_robot};
+
+const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
+
+fn here() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn scratch() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c");
+    fs::create_dir_all(&folder).expect("a folder can be made");
+    folder
+}
+
+fn succeed(command: &mut Command) -> Output {
+    let output = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(
+        output.status.success(),
+        "{command:?} failed:\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+/// The folder with the archives of the host and of both emulated boards.
+fn archives() -> &'static Path {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    BUILT.get_or_init(|| {
+        let out = scratch().join("archives");
+        succeed(
+            Command::new(env!("CARGO_BIN_EXE_archives"))
+                .env("CARGO_TARGET_DIR", scratch())
+                .arg("--out")
+                .arg(&out)
+                .args(["host", "cortex-m4f", "rv32imafc"]),
+        );
+        out
+    })
+}
+
+fn blob(params: &BaseParams<f32>) -> Vec<u8> {
+    let mut bytes = [0; MAX_ROBOT_BLOB];
+    encode_robot(params, &mut bytes)
+        .expect("a blob has room")
+        .to_vec()
+}
+
+/// With the check made right again.
+fn checked(mut bytes: Vec<u8>) -> Vec<u8> {
+    let end = bytes.len() - 4;
+    let check = CRC.checksum(&bytes[..end]).to_le_bytes();
+    bytes[end..].copy_from_slice(&check);
+    bytes
+}
+
+/// `lab_10kg.h`, with blobs that are to be refused beside the good one.
+fn robot_header() -> PathBuf {
+    let good = blob(&LAB_10KG.base);
+    let mut other_version = good.clone();
+    other_version[4..6].copy_from_slice(&(ROBOT_BLOB_VERSION + 1).to_le_bytes());
+    let mut heavy = LAB_10KG.base;
+    heavy.motion.robot.mass_kg = -1.0;
+    let mut no_parameters = good[..24].to_vec();
+    no_parameters[6..8].copy_from_slice(&12_u16.to_le_bytes());
+    let mut text = format!(
+        "#include <stdint.h>\nenum {{ lab_10kg_period_us = {} }};\n",
+        LAB_10KG.period_us
+    );
+    for (name, bytes) in [
+        ("lab_10kg", good),
+        ("other_version", checked(other_version)),
+        ("out_of_range", blob(&heavy)),
+        ("no_parameters", checked(no_parameters)),
+    ] {
+        writeln!(text, "static const uint8_t {name}[] = {{").expect("text");
+        for byte in bytes {
+            write!(text, "{byte},").expect("text");
+        }
+        text.push_str("};\n");
+    }
+    let folder = scratch().join("robot");
+    fs::create_dir_all(&folder).expect("a folder can be made");
+    fs::write(folder.join("lab_10kg.h"), text).expect("a file can be written");
+    folder
+}
+
+/// Builds a program of the host from sources of `tests/c` with the archive, in a language standard.
+fn program(name: &str, compiler: &str, standard: &str, sources: &[&str]) -> PathBuf {
+    let to = scratch().join(name);
+    succeed(
+        Command::new(compiler)
+            .args([standard, "-O1", "-ffp-contract=off"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(here().join("include"))
+            .arg("-I")
+            .arg(robot_header())
+            .args(sources.iter().map(|source| here().join("tests/c").join(source)))
+            .arg(archives().join("lib/host/libtwb.a"))
+            .arg("-o")
+            .arg(&to),
+    );
+    to
+}
+
+#[test]
+fn headers_are_clean_in_every_standard() {
+    let languages = [
+        ("gcc", "c", &["c99", "c11", "c17"][..], "twb.h"),
+        ("g++", "c++", &["c++11", "c++17", "c++20"], "twb.h"),
+        ("g++", "c++", &["c++17", "c++20"], "twb.hpp"),
+    ];
+    for (compiler, language, standards, header) in languages {
+        for standard in standards {
+            // Included twice, as programs do.
+            let source = scratch().join(format!("{language}-{standard}-{header}.source"));
+            let text = format!("#include \"{header}\"\n#include \"{header}\"\nint main(void) {{ return 0; }}\n");
+            fs::write(&source, text).expect("a file can be written");
+            succeed(
+                Command::new(compiler)
+                    .arg(format!("-std={standard}"))
+                    .args(STRICT)
+                    .args(["-fsyntax-only", "-x", language])
+                    .arg("-I")
+                    .arg(here().join("include"))
+                    .arg(&source),
+            );
+        }
+    }
+}
+
+#[test]
+fn every_call_refuses_every_bad_argument_and_changes_nothing() {
+    let program = program("bad_arguments", "gcc", "-std=c99", &["bad_arguments.c"]);
+    let output = succeed(&mut Command::new(program));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let checks: u32 = text
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse().ok())
+        .expect("a number of checks");
+    assert!(checks > 3600 && text.contains(" 0 failed"), "{text}");
+}
+
+#[test]
+fn the_class_parks_a_base() {
+    let program = program("park", "g++", "-std=c++17", &["park.cpp"]);
+    let output = succeed(&mut Command::new(program));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.starts_with("parked at 1.00") || text.starts_with("parked at 0.99"), "{text}");
+}
+
+/// Ticks of the mission: 33 cycles of parking, driving by velocity, following, stops and faults.
+const TICKS: u32 = 200_000;
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust() {
+    let expected = mission::run(&LAB_10KG.base, TICKS);
+    let numbers = |key: &str, radix| {
+        let mut words = expected.split_whitespace();
+        words.find(|word| *word == key).expect("the key");
+        u32::from_str_radix(words.next().expect("its number"), radix).expect("a number")
+    };
+    // All states but a stop that a latched fault waits for and a brake that none does; silent encoders, poses, host and driver.
+    assert_eq!(numbers("states", 16), 0b111_0011_1111, "{expected}");
+    assert_eq!(numbers("faults", 16) & 0x407, 0x407, "{expected}");
+    assert!(numbers("parked", 10) > TICKS / 5, "{expected}");
+    let program = program("mission", "gcc", "-std=c99", &["run_mission.c", "mission.c"]);
+    let output = succeed(Command::new(program).arg(TICKS.to_string()));
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), expected);
+}
