@@ -106,7 +106,9 @@ pub fn cause(code: u32) -> &'static CStr {
 /// Of a fault: its name in robots' files.
 pub fn fault(code: u32) -> &'static CStr {
     let place = code.wrapping_sub(1) as usize;
-    let name = FAULT.get(place).map(|name| CStr::from_bytes_until_nul(name));
+    let name = FAULT
+        .get(place)
+        .map(|name| CStr::from_bytes_until_nul(name));
     match name {
         Some(Ok(name)) => name,
         _ => UNKNOWN,

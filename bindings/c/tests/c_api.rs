@@ -70,7 +70,13 @@ fn checked(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// `lab_10kg.h`, with blobs that are to be refused beside the good one.
-fn robot_header() -> PathBuf {
+fn robot_header() -> &'static Path {
+    // Once, for tests run side by side.
+    static WRITTEN: OnceLock<PathBuf> = OnceLock::new();
+    WRITTEN.get_or_init(write_robots)
+}
+
+fn write_robots() -> PathBuf {
     let good = blob(&LAB_10KG.base);
     let mut other_version = good.clone();
     other_version[4..6].copy_from_slice(&(ROBOT_BLOB_VERSION + 1).to_le_bytes());
@@ -111,7 +117,11 @@ fn program(name: &str, compiler: &str, standard: &str, sources: &[&str]) -> Path
             .arg(here().join("include"))
             .arg("-I")
             .arg(robot_header())
-            .args(sources.iter().map(|source| here().join("tests/c").join(source)))
+            .args(
+                sources
+                    .iter()
+                    .map(|source| here().join("tests/c").join(source)),
+            )
             .arg(archives().join("lib/host/libtwb.a"))
             .arg("-o")
             .arg(&to),
@@ -130,7 +140,9 @@ fn headers_are_clean_in_every_standard() {
         for standard in standards {
             // Included twice, as programs do.
             let source = scratch().join(format!("{language}-{standard}-{header}.source"));
-            let text = format!("#include \"{header}\"\n#include \"{header}\"\nint main(void) {{ return 0; }}\n");
+            let text = format!(
+                "#include \"{header}\"\n#include \"{header}\"\nint main(void) {{ return 0; }}\n"
+            );
             fs::write(&source, text).expect("a file can be written");
             succeed(
                 Command::new(compiler)
@@ -163,15 +175,24 @@ fn the_class_parks_a_base() {
     let program = program("park", "g++", "-std=c++17", &["park.cpp"]);
     let output = succeed(&mut Command::new(program));
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.starts_with("parked at 1.00") || text.starts_with("parked at 0.99"), "{text}");
+    assert!(
+        text.starts_with("parked at 1.00") || text.starts_with("parked at 0.99"),
+        "{text}"
+    );
 }
 
 /// Ticks of the mission: 33 cycles of parking, driving by velocity, following, stops and faults.
 const TICKS: u32 = 200_000;
 
+/// What Rust gives.
+fn expected() -> &'static str {
+    static RUN: OnceLock<String> = OnceLock::new();
+    RUN.get_or_init(|| mission::run(&LAB_10KG.base, TICKS))
+}
+
 #[test]
 fn a_mission_from_c_has_the_bits_of_rust() {
-    let expected = mission::run(&LAB_10KG.base, TICKS);
+    let expected = expected();
     let numbers = |key: &str, radix| {
         let mut words = expected.split_whitespace();
         words.find(|word| *word == key).expect("the key");
@@ -181,7 +202,98 @@ fn a_mission_from_c_has_the_bits_of_rust() {
     assert_eq!(numbers("states", 16), 0b111_0011_1111, "{expected}");
     assert_eq!(numbers("faults", 16) & 0x407, 0x407, "{expected}");
     assert!(numbers("parked", 10) > TICKS / 5, "{expected}");
-    let program = program("mission", "gcc", "-std=c99", &["run_mission.c", "mission.c"]);
+    let program = program(
+        "mission",
+        "gcc",
+        "-std=c99",
+        &["run_mission.c", "mission.c"],
+    );
     let output = succeed(Command::new(program).arg(TICKS.to_string()));
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), expected);
+}
+
+/// A cross compiler, an emulator, and the core's archive.
+struct Board {
+    core: &'static str,
+    compiler: &'static str,
+    machine: &'static [&'static str],
+    map: &'static str,
+    emulator: &'static [&'static str],
+}
+
+const CORTEX_M4F: Board = Board {
+    core: "cortex-m4f",
+    compiler: "arm-none-eabi-gcc",
+    machine: &[
+        "-mcpu=cortex-m4",
+        "-mthumb",
+        "-mfloat-abi=hard",
+        "-mfpu=fpv4-sp-d16",
+    ],
+    map: "mps2-an386.ld",
+    emulator: &["qemu-system-arm", "-M", "mps2-an386"],
+};
+
+const RV32IMAFC: Board = Board {
+    core: "rv32imafc",
+    compiler: "riscv64-unknown-elf-gcc",
+    machine: &["-march=rv32imafc", "-mabi=ilp32f"],
+    map: "virt.ld",
+    emulator: &["qemu-system-riscv32", "-M", "virt", "-bios", "none"],
+};
+
+impl Board {
+    /// The mission in C, by the distribution's cross compiler, on the emulated board.
+    fn run(&self) -> String {
+        let sources = here().join("tests/c");
+        let image = scratch().join(self.core);
+        succeed(
+            Command::new(self.compiler)
+                .args(self.machine)
+                .args([
+                    "-std=c99",
+                    "-O2",
+                    "-ffreestanding",
+                    "-nostdlib",
+                    "-ffp-contract=off",
+                ])
+                .args(STRICT)
+                .arg(format!("-DTICKS={TICKS}u"))
+                .arg("-I")
+                .arg(here().join("include"))
+                .arg("-I")
+                .arg(robot_header())
+                .arg("-T")
+                .arg(sources.join(self.map))
+                .args([sources.join("run_emulated.c"), sources.join("mission.c")])
+                .arg(archives().join("lib").join(self.core).join("libtwb.a"))
+                .args(["-lgcc", "-o"])
+                .arg(&image),
+        );
+        let (program, arguments) = self.emulator.split_first().expect("a program");
+        let output = succeed(
+            Command::new("timeout")
+                .args(["120", program])
+                .args(arguments)
+                .args([
+                    "-nographic",
+                    "-semihosting-config",
+                    "enable=on,target=native",
+                ])
+                .arg("-kernel")
+                .arg(&image),
+        );
+        let printed = [output.stdout, output.stderr].concat();
+        String::from_utf8_lossy(&printed).trim().to_owned()
+    }
+}
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_cortex_m4f() {
+    assert_eq!(CORTEX_M4F.run(), expected());
+}
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
+    assert_eq!(RV32IMAFC.run(), expected());
 }

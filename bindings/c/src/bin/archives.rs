@@ -83,7 +83,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         fs::create_dir_all(out.join("include"))?;
         fs::copy(include.join(header), out.join("include").join(header))?;
     }
-    println!("{:<14} {:>9} {:>9}  archive", "core", "flash [B]", "size [B]");
+    println!(
+        "{:<14} {:>9} {:>9}  archive",
+        "core", "flash [B]", "size [B]"
+    );
     for core in &CORES {
         if names.is_empty() || names.iter().any(|name| name == core.name) {
             let (flash, size, archive) = build(core, &opt, &out, &api, &tools)?;
@@ -169,12 +172,18 @@ fn build(
         .args(needed)
         .arg("-o")
         .args([&linked, &library]))?;
-    let kept = api.iter().map(|name| format!("--keep-global-symbol={name}"));
+    let kept = api
+        .iter()
+        .map(|name| format!("--keep-global-symbol={name}"));
     run(tools
         .run("llvm-objcopy")
         .args(["--strip-debug", "--strip-unneeded"])
         // Bitcode for link-time optimisation by Rust, which nobody does any more.
-        .args(["--remove-section=.llvmbc", "--remove-section=.llvmcmd", "--remove-section=.comment"])
+        .args([
+            "--remove-section=.llvmbc",
+            "--remove-section=.llvmcmd",
+            "--remove-section=.comment",
+        ])
         .args(kept)
         .args([&linked, &object]))?;
     fs::remove_file(&linked)?;

@@ -1,6 +1,8 @@
 #include "mission.h"
 
-#include <string.h>
+/* Declared here: a cross compiler may come without a C library. */
+void *memcpy(void *to, const void *from, size_t bytes);
+void *memset(void *to, int value, size_t bytes);
 
 /* The plant: a rigid base of the robot's nominal mass on wheels that roll, in single precision. Nothing here may be contracted
  * to fused operations (-ffp-contract=off): Rust does not. */
