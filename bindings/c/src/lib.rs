@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`abi`] | the structs of the header, field by field, their sizes asserted here and there |
 //! | [`calls`] | the functions of the header: arguments checked, nothing changed where one is bad |
-//! | `memory` | the caller's memory: initialised or not, in a call or not; the only place that follows its pointer |
+//! | [`memory`] | the caller's memory: initialised or not, in a call or not; the only place that follows its pointer |
 //! | `convert` | between those structs and the core's types; no bit changes |
 //! | [`names`] | texts of the codes |
 //!
@@ -15,7 +15,7 @@
 pub mod abi;
 pub mod calls;
 mod convert;
-mod memory;
+pub mod memory;
 pub mod names;
 
 #[cfg(feature = "archive")]

@@ -69,11 +69,20 @@ fn checked(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// `lab_10kg.h`, with blobs that are to be refused beside the good one.
+/// `robots.h`: the robot of the examples, with blobs that are to be refused beside it.
 fn robot_header() -> &'static Path {
     // Once, for tests run side by side.
     static WRITTEN: OnceLock<PathBuf> = OnceLock::new();
     WRITTEN.get_or_init(write_robots)
+}
+
+/// The bytes of the array in a robot's header.
+fn bytes_in(header: &str) -> Vec<u8> {
+    let (_, array) = header.split_once("] = {").expect("an array");
+    let words = array.split([',', '}']).map(str::trim);
+    words
+        .map_while(|word| u8::from_str_radix(word.strip_prefix("0x")?, 16).ok())
+        .collect()
 }
 
 fn write_robots() -> PathBuf {
@@ -84,12 +93,14 @@ fn write_robots() -> PathBuf {
     heavy.motion.robot.mass_kg = -1.0;
     let mut no_parameters = good[..24].to_vec();
     no_parameters[6..8].copy_from_slice(&12_u16.to_le_bytes());
-    let mut text = format!(
-        "#include <stdint.h>\nenum {{ lab_10kg_period_us = {} }};\n",
-        LAB_10KG.period_us
+    let kept = fs::read_to_string(here().join("examples/lab_10kg.h")).expect("the examples' robot");
+    assert_eq!(
+        bytes_in(&kept),
+        good,
+        "run `sim-host constants lab-10kg --c --out bindings/c/examples`"
     );
+    let mut text = kept;
     for (name, bytes) in [
-        ("lab_10kg", good),
         ("other_version", checked(other_version)),
         ("out_of_range", blob(&heavy)),
         ("no_parameters", checked(no_parameters)),
@@ -102,7 +113,7 @@ fn write_robots() -> PathBuf {
     }
     let folder = scratch().join("robot");
     fs::create_dir_all(&folder).expect("a folder can be made");
-    fs::write(folder.join("lab_10kg.h"), text).expect("a file can be written");
+    fs::write(folder.join("robots.h"), text).expect("a file can be written");
     folder
 }
 
@@ -212,6 +223,23 @@ fn a_mission_from_c_has_the_bits_of_rust() {
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), expected);
 }
 
+#[test]
+fn cmake_finds_the_archive_and_its_example_parks() {
+    let build = scratch().join("cmake");
+    succeed(
+        Command::new("cmake")
+            .arg("-S")
+            .arg(here().join("examples/cmake"))
+            .arg("-B")
+            .arg(&build)
+            .arg(format!("-Dtwb_DIR={}", archives().display())),
+    );
+    succeed(Command::new("cmake").arg("--build").arg(&build));
+    let output = succeed(&mut Command::new(build.join("park")));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.starts_with("parked at"), "{text}");
+}
+
 /// A cross compiler, an emulator, and the core's archive.
 struct Board {
     core: &'static str,
@@ -296,4 +324,99 @@ fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_cortex_m4f() {
 #[test]
 fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
     assert_eq!(RV32IMAFC.run(), expected());
+}
+
+/// More instructions than the core takes when it is called from Rust: checks, and structs to and fro.
+const MOST_MORE: u32 = 100;
+
+/// Least, mean and most of the rows that the image of `tests/overhead` prints.
+fn overhead(
+    board: &Board,
+    target: &str,
+    run_time: &str,
+    linker: &[&str],
+    map: &str,
+    icount: &str,
+) -> u32 {
+    let folder = scratch().join("overhead").join(board.core);
+    fs::create_dir_all(folder.join("src")).expect("a folder can be made");
+    let root = here().join("../..").canonicalize().expect("the workspace");
+    let workspace = root.display();
+    let manifest = format!(
+        "[package]\nname = \"overhead\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
+         [dependencies]\n{run_time}\ncapi = {{ path = \"{workspace}/bindings/c\" }}\n\
+         controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
+         firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\", \"robots\"] }}\n\
+         protocol = {{ path = \"{workspace}/protocol\" }}\n\
+         [profile.chip]\ninherits = \"release\"\nopt-level = 3\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
+    );
+    let copy = |from: PathBuf, to: &str| {
+        fs::copy(from, folder.join(to)).expect("a file can be copied");
+    };
+    fs::write(folder.join("Cargo.toml"), manifest).expect("a file can be written");
+    copy(here().join("tests/overhead/main.rs"), "src/main.rs");
+    // The same versions, and no question to the registry.
+    copy(root.join("Cargo.lock"), "Cargo.lock");
+    copy(root.join("firmware-demo/memory").join(map), "memory.x");
+    let search = format!("-L{}", folder.display());
+    let flags: Vec<String> = linker
+        .iter()
+        .chain([&search.as_str()])
+        .map(|flag| format!("-Clink-arg={flag}"))
+        .collect();
+    let target_dir = scratch().join("overhead-target");
+    succeed(
+        Command::new(env!("CARGO"))
+            .current_dir(&folder)
+            .env("CARGO_TARGET_DIR", &target_dir)
+            .env("RUSTFLAGS", flags.join(" "))
+            .args(["build", "--quiet", "--profile", "chip", "--target", target]),
+    );
+    let (program, arguments) = board.emulator.split_first().expect("a program");
+    let output = succeed(
+        Command::new("timeout")
+            .args(["120", program])
+            .args(arguments)
+            .args([
+                "-nographic",
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-icount",
+                icount,
+            ])
+            .arg("-kernel")
+            .arg(target_dir.join(target).join("chip/overhead")),
+    );
+    let printed = [output.stdout, output.stderr].concat();
+    let printed = String::from_utf8_lossy(&printed);
+    println!("{}\n{printed}", board.core);
+    let most = |name: &str| -> u32 {
+        let row = printed.lines().find(|line| line.starts_with(name));
+        let word = row.and_then(|row| row.split_whitespace().last());
+        word.and_then(|word| word.parse().ok())
+            .unwrap_or_else(|| panic!("no row {name}:\n{printed}"))
+    };
+    assert_eq!(most("wrong"), 0, "{printed}");
+    most("more")
+}
+
+#[test]
+fn a_tick_from_c_takes_few_instructions_more() {
+    let arm = overhead(
+        &CORTEX_M4F,
+        "thumbv7em-none-eabihf",
+        "cortex-m-rt = \"0.7.5\"",
+        &["--nmagic", "-Tlink.x"],
+        "mps2-an386.x",
+        "shift=10",
+    );
+    let riscv = overhead(
+        &RV32IMAFC,
+        "riscv32imafc-unknown-none-elf",
+        "riscv-rt = { version = \"0.16\", features = [\"single-hart\"] }",
+        &["-Tmemory.x", "-Tlink.x"],
+        "virt.x",
+        "shift=0",
+    );
+    assert!(arm <= MOST_MORE && riscv <= MOST_MORE, "{arm}, {riscv}");
 }

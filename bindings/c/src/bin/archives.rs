@@ -1,7 +1,7 @@
 //! Builds `libtwb.a` for cores, as `include/twb.h` declares it.
 //!
 //! ```sh
-//! cargo run -p capi --bin archives                      # all cores, into target/c
+//! cargo run -p capi --bin archives                      # all cores, into target/twb
 //! cargo run -p capi --bin archives -- host cortex-m4f   # these
 //! cargo run -p capi --bin archives -- --opt s host      # smaller and slower
 //! ```
@@ -10,6 +10,9 @@
 //! only their names stay visible: two such archives, or another Rust library, are in nobody's way. An archive is refused if it
 //! needs a symbol that no C library has (a panic that is reachable does), if it exports another name than the header has, or if
 //! it is larger than [`MOST_BYTES`].
+//!
+//! The folder is at once what CMake (`find_package`), Zephyr (a module), ESP-IDF (a component), PlatformIO and Arduino (a library)
+//! take: headers in `include/`, archives in `lib/CORE/`; Arduino has its own copies, in `src/`, where it looks.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -27,13 +30,16 @@ struct Core {
     target: &'static str,
     /// What its archive may leave to the C library: bare targets bring their own.
     leaves: &'static [&'static str],
+    /// Where Arduino looks for it, by the board's `build.mcu` and floating-point unit.
+    arduino: &'static [&'static str],
 }
 
-const fn bare(name: &'static str, target: &'static str) -> Core {
+const fn bare(name: &'static str, target: &'static str, arduino: &'static [&'static str]) -> Core {
     Core {
         name,
         target,
         leaves: &[],
+        arduino,
     }
 }
 
@@ -42,16 +48,45 @@ const CORES: [Core; 10] = [
         name: "host",
         target: HOST,
         leaves: &["memcpy", "memmove", "memset", "memcmp", "bcmp"],
+        arduino: &[],
     },
-    bare("cortex-m0plus", "thumbv6m-none-eabi"),
-    bare("cortex-m3", "thumbv7m-none-eabi"),
-    bare("cortex-m4", "thumbv7em-none-eabi"),
-    bare("cortex-m4f", "thumbv7em-none-eabihf"),
-    bare("cortex-m33", "thumbv8m.main-none-eabi"),
-    bare("cortex-m33f", "thumbv8m.main-none-eabihf"),
-    bare("rv32imc", "riscv32imc-unknown-none-elf"),
-    bare("rv32imac", "riscv32imac-unknown-none-elf"),
-    bare("rv32imafc", "riscv32imafc-unknown-none-elf"),
+    bare(
+        "cortex-m0plus",
+        "thumbv6m-none-eabi",
+        &["cortex-m0plus", "cortex-m0"],
+    ),
+    bare("cortex-m3", "thumbv7m-none-eabi", &["cortex-m3"]),
+    bare(
+        "cortex-m4",
+        "thumbv7em-none-eabi",
+        &["cortex-m4", "cortex-m7"],
+    ),
+    bare(
+        "cortex-m4f",
+        "thumbv7em-none-eabihf",
+        &[
+            "cortex-m4/fpv4-sp-d16-hard",
+            "cortex-m7/fpv5-sp-d16-hard",
+            "cortex-m7/fpv5-d16-hard",
+        ],
+    ),
+    bare("cortex-m33", "thumbv8m.main-none-eabi", &["cortex-m33"]),
+    bare(
+        "cortex-m33f",
+        "thumbv8m.main-none-eabihf",
+        &["cortex-m33/fpv5-sp-d16-hard"],
+    ),
+    bare(
+        "rv32imc",
+        "riscv32imc-unknown-none-elf",
+        &["esp32c2", "esp32c3"],
+    ),
+    bare(
+        "rv32imac",
+        "riscv32imac-unknown-none-elf",
+        &["esp32c6", "esp32h2"],
+    ),
+    bare("rv32imafc", "riscv32imafc-unknown-none-elf", &["esp32p4"]),
 ];
 
 /// The machine that this is built on.
@@ -59,7 +94,7 @@ const HOST: &str = env!("TARGET");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut opt = "3".to_owned();
-    let mut out = target_dir().join("c");
+    let mut out = target_dir().join("twb");
     let mut names = Vec::new();
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -76,12 +111,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             return Err(format!("no core {name}: there are {}", known.join(", ")).into());
         }
     }
-    let include = root().join("bindings/c/include");
-    let api = declared(&fs::read_to_string(include.join("twb.h"))?);
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let api = declared(&fs::read_to_string(here.join("include/twb.h"))?);
     let tools = Tools::find()?;
-    for header in ["twb.h", "twb.hpp"] {
-        fs::create_dir_all(out.join("include"))?;
-        fs::copy(include.join(header), out.join("include").join(header))?;
+    copy_all(&here.join("package"), &out)?;
+    copy_all(&here.join("examples"), &out.join("examples"))?;
+    for folder in ["include", "src"] {
+        copy_all(&here.join("include"), &out.join(folder))?;
     }
     println!(
         "{:<14} {:>9} {:>9}  archive",
@@ -103,6 +139,21 @@ fn root() -> PathBuf {
 
 fn target_dir() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// Copies what is in a folder, with all below it.
+fn copy_all(from: &Path, to: &Path) -> std::io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let (from, to) = (entry.path(), to.join(entry.file_name()));
+        if entry.file_type()?.is_dir() {
+            copy_all(&from, &to)?;
+        } else {
+            fs::copy(from, to)?;
+        }
+    }
+    Ok(())
 }
 
 /// The names of the functions that a header declares, in order.
@@ -199,6 +250,11 @@ fn build(
     }
     let sections = run(tools.run("llvm-size").arg("-A").arg(&object))?;
     fs::remove_file(&object)?;
+    for place in core.arduino {
+        let folder = out.join("src").join(place);
+        fs::create_dir_all(&folder)?;
+        fs::copy(&archive, folder.join("libtwb.a"))?;
+    }
     Ok((flash(&sections), size, archive))
 }
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "lab_10kg.h"
+#include "robots.h"
 #include "twb.h"
 
 static unsigned checks, failures;
@@ -196,7 +196,7 @@ int main(void) {
     /* Neither does any of it touch a base that drives. */
     EXPECT(twb_init(&base, sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, &pose) == TWB_OK);
     EXPECT(twb_reset(&base) == TWB_REFUSED);
-    EXPECT(twb_period_us(&base, &period) == TWB_OK && period == lab_10kg_period_us);
+    EXPECT(twb_period_us(&base, &period) == TWB_OK && period == LAB_10KG_PERIOD_US);
     EXPECT(twb_tick(&base, 10000, &order, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_RELEASE);
     EXPECT(twb_arm(&base) == TWB_OK);
     order.kind = TWB_ORDER_PARK;

@@ -1,5 +1,5 @@
 // The class: a base arms, parks and says so; the plant is the wheels' torque on a mass that moves straight.
-#include "lab_10kg.h"
+#include "robots.h"
 #include "twb.hpp"
 
 #include <cstdio>
@@ -15,7 +15,7 @@ int main() {
         return 1;
     }
     std::uint32_t period_us = 0;
-    if (base.period_us(period_us) != twb::Error::ok || period_us != lab_10kg_period_us) {
+    if (base.period_us(period_us) != twb::Error::ok || period_us != LAB_10KG_PERIOD_US) {
         return 2;
     }
     float speed = 0.0f, way = 0.0f;

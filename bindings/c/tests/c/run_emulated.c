@@ -1,5 +1,5 @@
 /* The mission on an emulated board, without C library: entry, printing by semihosting, and the little that compilers call. */
-#include "lab_10kg.h"
+#include "robots.h"
 #include "mission.h"
 
 #define SYS_WRITE0 4u

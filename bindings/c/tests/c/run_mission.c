@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "mission.h"
-#include "lab_10kg.h"
+#include "robots.h"
 
 int main(int count, char **arguments) {
     static twb_base base;
