@@ -56,11 +56,21 @@ pub(crate) const fn flag(value: u32) -> Result<bool, Status> {
     }
 }
 
-/// An order. Values are the tick's to judge, only kinds are judged here.
+/// Kinds, flags and states of devices are those of the header. Values are the tick's to judge.
 #[inline]
-pub(crate) fn order(order: &abi::Order) -> Result<base::Order<f32>, Status> {
-    Ok(match order.kind {
-        order::NONE => base::Order::None,
+pub(crate) const fn check(order: &abi::Order, sensed: &abi::Sensed) -> Result<(), Status> {
+    let known = order.kind <= order::VELOCITY
+        && (order.kind != order::VELOCITY || order.hold_heading <= 1)
+        && sensed.flags & !sensed::KNOWN == 0
+        && sensed.encoders <= device::OTHER
+        && sensed.driver <= device::OTHER;
+    if known { Ok(()) } else { Err(Status::BadValue) }
+}
+
+/// An order that passed [`check`].
+#[inline]
+pub(crate) fn order(order: &abi::Order) -> base::Order<f32> {
+    match order.kind {
         order::FOLLOW => base::Order::Follow(Reference::new(
             (&order.pose).into(),
             (&order.twist).into(),
@@ -69,37 +79,34 @@ pub(crate) fn order(order: &abi::Order) -> Result<base::Order<f32>, Status> {
         order::PARK => base::Order::Park((&order.pose).into()),
         order::VELOCITY => base::Order::Drive {
             twist: (&order.twist).into(),
-            hold_heading: flag(order.hold_heading)?,
+            hold_heading: order.hold_heading != 0,
         },
-        _ => return Err(Status::BadValue),
-    })
+        _ => base::Order::None,
+    }
 }
 
-const fn device(status: u32) -> Result<Result<(), ErrorKind>, Status> {
-    Ok(Err(match status {
-        device::OK => return Ok(Ok(())),
+#[inline]
+const fn device(status: u32) -> Result<(), ErrorKind> {
+    Err(match status {
+        device::OK => return Ok(()),
         device::BUS => ErrorKind::Bus,
         device::OVER_CURRENT => ErrorKind::OverCurrent,
         device::UNDER_VOLTAGE => ErrorKind::UnderVoltage,
         device::OUT_OF_RANGE => ErrorKind::OutOfRange,
-        device::OTHER => ErrorKind::Other,
-        _ => return Err(Status::BadValue),
-    }))
+        _ => ErrorKind::Other,
+    })
 }
 
-/// What was sensed.
+/// What was sensed, checked by [`check`]. `answer` is what a driver would have answered to the last duties.
 #[inline]
-pub(crate) fn sensed(sensed: &abi::Sensed) -> Result<base::Sensed<f32>, Status> {
-    if sensed.flags & !sensed::KNOWN != 0 {
-        return Err(Status::BadValue);
-    }
+pub(crate) fn sensed(sensed: &abi::Sensed, answer: Result<(), ErrorKind>) -> base::Sensed<f32> {
     let there = |flag| sensed.flags & flag != 0;
     let counts = WheelCounts {
         right: sensed.right,
         left: sensed.left,
     };
-    Ok(base::Sensed {
-        counts: device(sensed.encoders)?.map(|()| counts),
+    base::Sensed {
+        counts: device(sensed.encoders).map(|()| counts),
         fix: there(sensed::FIX).then_some(Fix {
             pose: (&sensed.fix).into(),
             age_s: sensed.fix_age_s,
@@ -109,8 +116,8 @@ pub(crate) fn sensed(sensed: &abi::Sensed) -> Result<base::Sensed<f32>, Status> 
             right: sensed.currents.right,
             left: sensed.currents.left,
         }),
-        driver: device(sensed.driver)?,
-    })
+        driver: device(sensed.driver).and(answer),
+    }
 }
 
 /// An action without duties.
@@ -123,20 +130,21 @@ pub(crate) fn action(from: &WheelAction<f32>) -> abi::Action {
     match from {
         WheelAction::Release => of_kind(action::RELEASE),
         WheelAction::Brake => of_kind(action::BRAKE),
-        WheelAction::Drive(DriveCommand {
-            torques,
-            desired,
-            speeds,
-            beyond_coulomb,
-        }) => abi::Action {
-            kind: action::DRIVE,
-            flags: beyond_coulomb.map_or(0, |_| action::BEYOND_COULOMB),
-            torque: torques.into(),
-            duty: abi::Wheels::default(),
-            desired: desired.into(),
-            speed: speeds.into(),
-            beyond_coulomb: (&beyond_coulomb.unwrap_or_default()).into(),
-        },
+        WheelAction::Drive(drive) => driven(drive),
+    }
+}
+
+/// Torques without duties.
+#[inline]
+pub(crate) fn driven(drive: &DriveCommand<f32>) -> abi::Action {
+    abi::Action {
+        kind: action::DRIVE,
+        flags: drive.beyond_coulomb.map_or(0, |_| action::BEYOND_COULOMB),
+        torque: (&drive.torques).into(),
+        duty: abi::Wheels::default(),
+        desired: (&drive.desired).into(),
+        speed: (&drive.speeds).into(),
+        beyond_coulomb: (&drive.beyond_coulomb.unwrap_or_default()).into(),
     }
 }
 

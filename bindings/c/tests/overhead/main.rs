@@ -22,6 +22,8 @@ firmware_demo::firmware!(run);
 #[repr(C, align(8))]
 struct Memory([u8; memory::SIZE]);
 
+type Tick = unsafe extern "C" fn(*mut Base, u32, *const Order, *const Sensed, *mut Action) -> i32;
+
 /// What a driver of motors on bridges does with an action.
 fn drive(controller: &mut BaseController, supply_v: Option<f32>) -> Option<WheelCommands> {
     let WheelAction::Drive(drive) = controller.report().action else {
@@ -120,7 +122,7 @@ fn run() {
             controller.tick(10_000, &native_order, &native);
             commands = drive(&mut controller, native.supply_v);
         });
-        let call = black_box(twb_tick as unsafe extern "C" fn(_, _, _, _, _) -> _);
+        let call = black_box(twb_tick as Tick);
         let mut action = Action::default();
         let mut status = 0;
         let ((), c_cost) = meter.measure(|| {
