@@ -213,8 +213,10 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: NonNull<Action>) {
             return;
         }
     };
-    let mut action = convert::driven(drive);
-    let mut exerted = None;
+    let mut flags = drive
+        .beyond_coulomb
+        .map_or(0, |_| abi::action::BEYOND_COULOMB);
+    let (mut duty, mut exerted) = (Wheels::default(), None);
     if let Some(motor) = controller.base().motor() {
         let commands = motor.commands(
             &drive.torques,
@@ -226,23 +228,30 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: NonNull<Action>) {
             },
         );
         if commands.is_invalid() {
-            action = convert::action(&WheelAction::Release);
+            // SAFETY: of the caller.
+            unsafe { out.write(convert::action(&WheelAction::Release)) };
             *answer = Err(ErrorKind::Other);
-            exerted = Some(WheelTorques::default());
-        } else {
-            action.flags |= abi::action::DUTY;
-            action.duty = Wheels {
-                right: commands.right.duty,
-                left: commands.left.duty,
-            };
-            exerted = commands.exerted();
-            if exerted.is_some() {
-                action.flags |= abi::action::LIMITED;
-            }
+            let _ = controller.note_exerted(&WheelTorques::default());
+            return;
+        }
+        flags |= abi::action::DUTY;
+        duty = Wheels {
+            right: commands.right.duty,
+            left: commands.left.duty,
+        };
+        exerted = commands.exerted();
+        if exerted.is_some() {
+            flags |= abi::action::LIMITED;
         }
     }
     // SAFETY: of the caller.
-    unsafe { out.write(action) };
+    unsafe {
+        out.write(Action {
+            flags,
+            duty,
+            ..convert::driven(drive)
+        });
+    }
     if let Some(exerted) = exerted {
         // What is no number is not noted: the estimates go on with the commanded torques.
         let _ = controller.note_exerted(&exerted);

@@ -59,11 +59,12 @@ pub(crate) const fn flag(value: u32) -> Result<bool, Status> {
 /// Kinds, flags and states of devices are those of the header. Values are the tick's to judge.
 #[inline]
 pub(crate) const fn check(order: &abi::Order, sensed: &abi::Sensed) -> Result<(), Status> {
-    let known = order.kind <= order::VELOCITY
-        && (order.kind != order::VELOCITY || order.hold_heading <= 1)
-        && sensed.flags & !sensed::KNOWN == 0
-        && sensed.encoders <= device::OTHER
-        && sensed.driver <= device::OTHER;
+    // Without a branch each.
+    let known = (order.kind <= order::VELOCITY)
+        & ((order.kind != order::VELOCITY) | (order.hold_heading <= 1))
+        & (sensed.flags & !sensed::KNOWN == 0)
+        & (sensed.encoders <= device::OTHER)
+        & (sensed.driver <= device::OTHER);
     if known { Ok(()) } else { Err(Status::BadValue) }
 }
 
@@ -130,16 +131,17 @@ pub(crate) fn action(from: &WheelAction<f32>) -> abi::Action {
     match from {
         WheelAction::Release => of_kind(action::RELEASE),
         WheelAction::Brake => of_kind(action::BRAKE),
+        // Where nothing drives any more: a stop.
         WheelAction::Drive(drive) => driven(drive),
     }
 }
 
-/// Torques without duties.
+/// Torques without flags and duties.
 #[inline]
 pub(crate) fn driven(drive: &DriveCommand<f32>) -> abi::Action {
     abi::Action {
         kind: action::DRIVE,
-        flags: drive.beyond_coulomb.map_or(0, |_| action::BEYOND_COULOMB),
+        flags: 0,
         torque: (&drive.torques).into(),
         duty: abi::Wheels::default(),
         desired: (&drive.desired).into(),

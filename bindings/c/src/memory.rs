@@ -18,7 +18,7 @@ pub const ALIGN: usize = 8;
 
 /// Marks of memory that is a base: neither is what erased, painted or counted memory holds.
 const READY: u32 = 0x7762_A5C3;
-const BUSY: u32 = 0x7762_5A3C;
+const BUSY: u32 = READY ^ 0x80;
 
 /// Stops that came while a call was under way.
 const NO_STOP: u32 = 0;
@@ -51,12 +51,22 @@ impl Body {
 }
 
 /// A pointer of the caller that is neither NULL nor misaligned.
+#[inline]
 pub(crate) fn checked<T>(pointer: *const T) -> Result<NonNull<T>, Status> {
-    let pointer = NonNull::new(pointer.cast_mut()).ok_or(Status::Null)?;
-    if pointer.is_aligned() {
-        Ok(pointer)
+    match NonNull::new(pointer.cast_mut()) {
+        Some(sound) if sound.is_aligned() => Ok(sound),
+        refused => Err(unsound(refused.is_none())),
+    }
+}
+
+/// Apart, so that a tick does not carry it along.
+#[cold]
+#[inline(never)]
+const fn unsound(null: bool) -> Status {
+    if null {
+        Status::Null
     } else {
-        Err(Status::Misaligned)
+        Status::Misaligned
     }
 }
 
@@ -116,10 +126,13 @@ impl Handle {
         work: impl FnOnce(&mut Body) -> R,
     ) -> Result<(R, Option<WheelAction<f32>>), Status> {
         let mark = self.mark();
-        match mark.load(Ordering::Relaxed) {
-            READY => {}
-            BUSY => return Err(Status::Busy),
-            _ => return Err(Status::NotInitialised),
+        let found = mark.load(Ordering::Relaxed);
+        if found != READY {
+            return Err(if found == BUSY {
+                Status::Busy
+            } else {
+                Status::NotInitialised
+            });
         }
         mark.store(BUSY, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
