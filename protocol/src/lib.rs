@@ -23,6 +23,7 @@ mod decoder;
 mod encoder;
 mod field;
 pub mod pil;
+mod robot_blob;
 mod telemetry;
 mod tick;
 mod values;
@@ -31,6 +32,9 @@ pub use command::Command;
 pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
 pub use encoder::{EncodeError, encode};
 pub use field::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
+pub use robot_blob::{
+    MAX_ROBOT_BLOB, ROBOT_BLOB_VERSION, RobotBlobError, decode_robot, encode_robot,
+};
 pub use telemetry::{Counters, Hello, NotLoaded, Origin, RejectReason, Telemetry};
 pub use tick::{BaseTick, WireAction, WireOutcome, tick_flags};
 pub use values::{TimedSample, WirePose, WireReference, WireTwist};

@@ -229,10 +229,11 @@ Examples:
     Prove(VerifyArgs),
     /// Write a robot's constants for a firmware
     ///
-    /// NAME.rs has every parameter of the base, gains included, as the simulator uses them, bit for bit.
+    /// NAME.rs has every parameter of the base, gains included, as the simulator uses them, bit for bit; NAME.h the same for C.
     #[command(after_help = "\
 Examples:
-  sim-host constants mine.toml --out firmware/src")]
+  sim-host constants mine.toml --out firmware/src
+  sim-host constants mine.toml --c --out include")]
     Constants(ConstantsArgs),
     /// Drive a base by the keyboard, in a simulated world or over a serial port
     ///

@@ -44,4 +44,7 @@ pub struct ConstantsArgs {
     /// The robot's file, as in bases/, or one of paper-30kg, lab-10kg, hobby-1kg
     #[arg(value_name = "ROBOT.toml")]
     pub robot: PathBuf,
+    /// A header for the C interface, NAME.h, instead of Rust
+    #[arg(long)]
+    pub c: bool,
 }

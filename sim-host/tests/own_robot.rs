@@ -1,7 +1,7 @@
 //! A robot's file to gains, a verification and constants.
 
 use firmware_demo::robots;
-use sim_host::constants::{module_name, period_us, rust};
+use sim_host::constants::{c_header, module_name, period_us, rust};
 use sim_host::mission::BaseSpec;
 use sim_host::scenario::BuiltInBase;
 use sim_host::trials::Course;
@@ -91,6 +91,20 @@ fn constants_in_the_firmware_are_those_of_the_files() -> Result<(), Box<dyn Erro
             "run `sim-host constants {name} --out firmware-demo/src/robots`"
         );
     }
+    Ok(())
+}
+
+/// The robot of the C examples, which the tests of `bindings/c` compile and drive, is that of its file.
+#[test]
+fn the_robot_of_the_c_examples_is_that_of_its_file() -> Result<(), Box<dyn Error>> {
+    let name = "lab-10kg";
+    let made = c_header(&format!("{name}.toml"), name, &base(name)?).map_err(|e| e.to_string())?;
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bindings/c/examples/lab_10kg.h");
+    assert_eq!(
+        made,
+        std::fs::read_to_string(kept)?,
+        "run `sim-host constants {name} --c --out bindings/c/examples`"
+    );
     Ok(())
 }
 
@@ -303,8 +317,13 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
         Some(i32::from(!passed)),
         "{said}"
     );
-    let constants = sim_host(here.path(), &["constants", "My Robot.toml"])?;
-    assert!(constants.status.success(), "{constants:?}");
+    for arguments in [
+        &["constants", "My Robot.toml"][..],
+        &["constants", "My Robot.toml", "--c"],
+    ] {
+        let constants = sim_host(here.path(), arguments)?;
+        assert!(constants.status.success(), "{constants:?}");
+    }
     for name in [
         "My Robot-tune.svg",
         "My Robot-tune.png",
@@ -314,6 +333,7 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
         "My Robot-verify.json",
         "My Robot-verify-worst.csv",
         "my_robot.rs",
+        "my_robot.h",
     ] {
         assert!(here.path().join("out").join(name).exists(), "{name}");
     }

@@ -6,15 +6,20 @@ use super::say;
 use super::write::Writer;
 use crate::cli::Output;
 use crate::robot_args::ConstantsArgs;
-use sim_host::constants::{module_name, rust};
+use sim_host::constants::{c_header, module_name, rust};
 
 pub fn write(arguments: &ConstantsArgs, output: &Output) -> Result<(), CommandError> {
     let robot = Robot::load(&arguments.robot)?;
-    let text = rust(&robot.file, &robot.base).map_err(|cause| CommandError::Constants {
+    let (text, extension) = if arguments.c {
+        (c_header(&robot.file, &robot.name, &robot.base), "h")
+    } else {
+        (rust(&robot.file, &robot.base), "rs")
+    };
+    let text = text.map_err(|cause| CommandError::Constants {
         file: robot.file.clone(),
         cause,
     })?;
-    let name = format!("{}.rs", module_name(&robot.name));
+    let name = format!("{}.{extension}", module_name(&robot.name));
     Writer::new(output)?.bytes(&name, text.as_bytes())?;
     say(&format!("{}\n", output.out.join(name).display()))
 }

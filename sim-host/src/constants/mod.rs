@@ -11,12 +11,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod c_header;
 mod literal;
 
 use crate::closed_loop;
 use crate::mission::BaseSpec;
 use controller_core::error::ParamError;
 
+pub use c_header::c_header;
 pub use literal::NoLiteral;
 
 /// The module's name: the file's, in what Rust takes for one.
@@ -102,6 +104,9 @@ pub enum ConstantsError {
     /// A parameter of a type that has no literal.
     #[error(transparent)]
     Literal(#[from] NoLiteral),
+    /// More parameters than a blob holds.
+    #[error("the parameters are too long for a blob")]
+    TooLong,
 }
 
 impl From<ParamError> for ConstantsError {

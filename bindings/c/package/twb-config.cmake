@@ -1,0 +1,36 @@
+# find_package(twb): the archive for the core that is compiled for, as `twb::twb`.
+#
+# TWB_CORE names one of the folders of lib/; by default it follows from CMAKE_SYSTEM_PROCESSOR and the compiler's flags.
+if(NOT TWB_CORE)
+  string(JOIN " " twb_flags "${CMAKE_SYSTEM_PROCESSOR}" "${CMAKE_C_FLAGS}" "${CMAKE_CXX_FLAGS}")
+  if(NOT CMAKE_CROSSCOMPILING)
+    set(TWB_CORE host)
+  elseif(twb_flags MATCHES "cortex-m0|armv6-m")
+    set(TWB_CORE cortex-m0plus)
+  elseif(twb_flags MATCHES "cortex-m3")
+    set(TWB_CORE cortex-m3)
+  elseif(twb_flags MATCHES "cortex-m(4|7)")
+    set(TWB_CORE cortex-m4)
+  elseif(twb_flags MATCHES "cortex-m33")
+    set(TWB_CORE cortex-m33)
+  elseif(twb_flags MATCHES "rv32(imafc|imac|imc)")
+    set(TWB_CORE rv32${CMAKE_MATCH_1})
+  else()
+    message(FATAL_ERROR "twb: no archive follows from '${twb_flags}'; set TWB_CORE to a folder of ${CMAKE_CURRENT_LIST_DIR}/lib")
+  endif()
+  # Soft and hard float ABIs do not link with each other.
+  if(TWB_CORE MATCHES "^cortex-m(4|33)$" AND twb_flags MATCHES "float-abi=hard|eabihf")
+    string(APPEND TWB_CORE f)
+  endif()
+endif()
+set(twb_archive "${CMAKE_CURRENT_LIST_DIR}/lib/${TWB_CORE}/libtwb.a")
+if(NOT EXISTS "${twb_archive}")
+  message(FATAL_ERROR "twb: ${twb_archive} is missing; `cargo run -p capi --bin archives -- ${TWB_CORE}` builds it")
+endif()
+if(NOT TARGET twb::twb)
+  add_library(twb::twb STATIC IMPORTED)
+  set_target_properties(twb::twb PROPERTIES
+    IMPORTED_LOCATION "${twb_archive}"
+    INTERFACE_INCLUDE_DIRECTORIES "${CMAKE_CURRENT_LIST_DIR}/include")
+endif()
+set(twb_FOUND TRUE)

@@ -1,0 +1,462 @@
+//! The functions of the header.
+//!
+//! Each checks its arguments before it changes anything: after an error the base, and what the pointers point to, are as they
+//! were. What stands in Safety holds of every pointer of a type: NULL and misaligned ones are refused, any other one points to
+//! its type (a `twb_base`: to memory that only these calls access).
+
+#![allow(unsafe_code)]
+
+use core::ffi::c_char;
+use core::ptr::NonNull;
+use core::slice;
+
+use controller_core::base::{BaseController, BaseParams, WheelAction};
+use controller_core::hal::{ErrorKind, Observed};
+use controller_core::safety::supervisor::{self, Event};
+use controller_core::types::WheelTorques;
+use protocol::{BaseTick, decode_robot};
+
+use crate::abi::{self, Action, Order, Pose, Report, Sensed, Status, Wheels};
+use crate::memory::{self, Base, Body, Handle, checked, read};
+use crate::{convert, names};
+
+/// The code of a result.
+const fn code(result: Result<(), Status>) -> i32 {
+    match result {
+        Ok(()) => Status::Ok as i32,
+        Err(status) => status as i32,
+    }
+}
+
+/// Works on a base; what it answers.
+///
+/// # Safety
+/// Of `base`, as the [module](self) says.
+unsafe fn with(base: *const Base, work: impl FnOnce(&mut Body) -> Result<(), Status>) -> i32 {
+    // SAFETY: of the caller.
+    let result = unsafe { Handle::new(base) }
+        .and_then(|handle| handle.with(work))
+        .and_then(|(result, _)| result);
+    code(result)
+}
+
+/// An event of the host.
+///
+/// # Safety
+/// As [`with`].
+unsafe fn on(base: *mut Base, event: Event) -> i32 {
+    // SAFETY: of the caller.
+    unsafe {
+        with(base, |body| match body.controller.on(event) {
+            supervisor::Action::Refuse => Err(Status::Refused),
+            _ => Ok(()),
+        })
+    }
+}
+
+/// Bytes to parameters that were validated.
+fn robot(blob: &[u8]) -> Result<controller_core::base::ValidBaseParams<f32>, Status> {
+    let params: BaseParams<f32> = decode_robot(blob)?;
+    params.validate().map_err(|_| Status::RobotContent)
+}
+
+/// The version of calls and structs.
+#[unsafe(no_mangle)]
+pub extern "C" fn twb_api() -> u32 {
+    abi::API
+}
+
+/// Makes a base of the caller's memory, disarmed, at `start`.
+///
+/// # Safety
+/// Of `base` and `start`, as the [module](self) says; `robot` is NULL or points to `length` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_init(
+    base: *mut Base,
+    size: usize,
+    api: u32,
+    blob: *const u8,
+    length: usize,
+    start: *const Pose,
+) -> i32 {
+    let result = || {
+        // SAFETY: of the caller.
+        let (handle, start) = unsafe { (Handle::new(base)?, read(start)?) };
+        let blob = checked(blob)?;
+        if api != abi::API || size < memory::SIZE {
+            return Err(Status::Api);
+        }
+        if length > protocol::MAX_ROBOT_BLOB {
+            return Err(Status::RobotLength);
+        }
+        let start: controller_core::types::Pose<f32> = (&start).into();
+        if !start.is_finite() {
+            return Err(Status::NotFinite);
+        }
+        // SAFETY: of the caller; the length is a blob's, so that no address wraps around.
+        let params = robot(unsafe { slice::from_raw_parts(blob.as_ptr(), length) })?;
+        handle.put(Body {
+            controller: BaseController::new(&params, start),
+            ticks: 0,
+            answer: Ok(()),
+        })
+    };
+    code(result())
+}
+
+/// Enables the outputs.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_arm(base: *mut Base) -> i32 {
+    // SAFETY: of the caller.
+    unsafe { on(base, Event::Arm) }
+}
+
+/// A controlled stop; at rest the base is disarmed.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_disarm(base: *mut Base) -> i32 {
+    // SAFETY: of the caller.
+    unsafe { on(base, Event::Stop) }
+}
+
+/// Acknowledges a fault.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_reset(base: *mut Base) -> i32 {
+    // SAFETY: of the caller.
+    unsafe { on(base, Event::Reset) }
+}
+
+/// The button, also from an interrupt within another call.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_emergency_stop(
+    base: *mut Base,
+    brake: u32,
+    action: *mut Action,
+) -> i32 {
+    let result = || {
+        // SAFETY: of the caller.
+        let handle = unsafe { Handle::new(base) }?;
+        let out = checked(action)?;
+        let done = handle.stop(convert::flag(brake)?)?;
+        // SAFETY: of the caller.
+        unsafe { out.write(convert::action(&done)) };
+        Ok(())
+    };
+    code(result())
+}
+
+/// One tick.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_tick(
+    base: *mut Base,
+    dt_us: u32,
+    order: *const Order,
+    sensed: *const Sensed,
+    action: *mut Action,
+) -> i32 {
+    let result = || {
+        // SAFETY: of the caller.
+        let handle = unsafe { Handle::new(base) }?;
+        let (order, sensed, out) = (checked(order)?, checked(sensed)?, checked(action)?);
+        let (result, stopped) = handle.with(|body| {
+            // SAFETY: of the caller; nobody else looks at them during the call. They are not copied: that would be a tenth of the
+            // time that this interface takes.
+            let (order, sensed) = unsafe { (order.as_ref(), sensed.as_ref()) };
+            convert::check(order, sensed)?;
+            let order = convert::order(order);
+            let sensed = convert::sensed(sensed, body.answer);
+            body.controller.tick(dt_us, &order, &sensed);
+            body.ticks = body.ticks.wrapping_add(1);
+            // SAFETY: of the caller.
+            unsafe { drive(body, sensed.supply_v, out) };
+            Ok(())
+        })?;
+        if let Some(action) = stopped {
+            // SAFETY: of the caller.
+            unsafe { out.write(convert::action(&action)) };
+        }
+        result
+    };
+    code(result())
+}
+
+/// Writes the action, with the duties of motors on bridges; the base notes what those can exert, as under the control task of a
+/// board.
+///
+/// # Safety
+/// `out` may be written.
+#[inline]
+unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: NonNull<Action>) {
+    let Body {
+        controller, answer, ..
+    } = body;
+    *answer = Ok(());
+    let drive = match &controller.report().action {
+        WheelAction::Drive(drive) => drive,
+        other => {
+            // SAFETY: of the caller.
+            unsafe { out.write(convert::action(other)) };
+            return;
+        }
+    };
+    let mut flags = drive
+        .beyond_coulomb
+        .map_or(0, |_| abi::action::BEYOND_COULOMB);
+    let (mut duty, mut exerted) = (Wheels::default(), None);
+    if let Some(motor) = controller.base().motor() {
+        let commands = motor.commands(
+            &drive.torques,
+            &Observed {
+                speeds: drive.speeds,
+                desired: drive.desired,
+                beyond_coulomb: drive.beyond_coulomb,
+                supply_v: supply_v.unwrap_or(f32::NAN),
+            },
+        );
+        if commands.is_invalid() {
+            // SAFETY: of the caller.
+            unsafe { out.write(convert::action(&WheelAction::Release)) };
+            *answer = Err(ErrorKind::Other);
+            let _ = controller.note_exerted(&WheelTorques::default());
+            return;
+        }
+        flags |= abi::action::DUTY;
+        duty = Wheels {
+            right: commands.right.duty,
+            left: commands.left.duty,
+        };
+        exerted = commands.exerted();
+        if exerted.is_some() {
+            flags |= abi::action::LIMITED;
+        }
+    }
+    // SAFETY: of the caller.
+    unsafe {
+        out.write(Action {
+            flags,
+            duty,
+            ..convert::driven(drive)
+        });
+    }
+    if let Some(exerted) = exerted {
+        // What is no number is not noted: the estimates go on with the commanded torques.
+        let _ = controller.note_exerted(&exerted);
+    }
+}
+
+/// What the wheels really exert until the next tick.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_note_exerted(base: *mut Base, torque: *const Wheels) -> i32 {
+    // SAFETY: of the caller.
+    match unsafe { read(torque) } {
+        Err(status) => status as i32,
+        Ok(Wheels { right, left }) => {
+            let torques = WheelTorques { right, left };
+            // SAFETY: of the caller.
+            unsafe {
+                with(base, |body| {
+                    if !right.is_finite() || !left.is_finite() {
+                        return Err(Status::NotFinite);
+                    }
+                    body.controller
+                        .note_exerted(&torques)
+                        .map_err(|_| Status::NotFinite)
+                })
+            }
+        }
+    }
+}
+
+/// Puts the base elsewhere on the map.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_set_pose(base: *mut Base, pose: *const Pose) -> i32 {
+    // SAFETY: of the caller.
+    match unsafe { read(pose) } {
+        Err(status) => status as i32,
+        // SAFETY: of the caller.
+        Ok(pose) => unsafe {
+            with(base, |body| {
+                body.controller
+                    .set_pose((&pose).into())
+                    .map_err(|_| Status::NotFinite)
+            })
+        },
+    }
+}
+
+/// A sound frame came from the host.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_host_seen(base: *mut Base) -> i32 {
+    // SAFETY: of the caller.
+    unsafe {
+        with(base, |body| {
+            body.controller.frame_seen();
+            Ok(())
+        })
+    }
+}
+
+/// Before each tick of a base with a link to its host.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_watch_host(base: *mut Base, dt_us: u32) -> i32 {
+    // SAFETY: of the caller.
+    unsafe {
+        with(base, |body| {
+            body.controller.watch_link(dt_us);
+            Ok(())
+        })
+    }
+}
+
+/// The time between ticks that the robot's file states.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_period_us(base: *const Base, period_us: *mut u32) -> i32 {
+    match checked(period_us) {
+        Err(status) => status as i32,
+        Ok(out) => {
+            // SAFETY: of the caller.
+            unsafe {
+                with(base, |body| {
+                    let detectors = body.controller.base().detectors();
+                    out.write(detectors.params().period_us);
+                    Ok(())
+                })
+            }
+        }
+    }
+}
+
+/// Everything about the last tick.
+///
+/// # Safety
+/// As the [module](self) says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn twb_get_report(base: *const Base, report: *mut Report) -> i32 {
+    match checked(report) {
+        Err(status) => status as i32,
+        Ok(out) => {
+            // SAFETY: of the caller.
+            unsafe {
+                with(base, |body| {
+                    out.write(of(body));
+                    Ok(())
+                })
+            }
+        }
+    }
+}
+
+fn of(body: &Body) -> Report {
+    let controller = &body.controller;
+    let supervisor = controller.supervisor();
+    let report = controller.report();
+    let (ignored, _) = supervisor.ignored();
+    let tick = BaseTick::of(body.ticks, report, ignored);
+    // Of this instant: an emergency stop and a reset need no tick.
+    let (cause, cause_fault) = convert::cause(supervisor.cause());
+    let latched = supervisor.latched();
+    Report {
+        tick: tick.tick,
+        state: convert::state(supervisor.state()),
+        cause,
+        cause_fault,
+        latched_fault: latched.map_or(0, |fault| fault.kind().code().into()),
+        active_faults: tick.active_faults,
+        ignored,
+        changes: supervisor.changes(),
+        late_ticks: controller.late_ticks(),
+        flags: u32::from(tick.flags)
+            | if report.refused {
+                Report::ORDER_REFUSED
+            } else {
+                0
+            },
+        outcome: tick.outcome as u32,
+        retries: tick.retries.into(),
+        action: convert::action(&report.action).kind,
+        pose: Pose {
+            x: tick.x,
+            y: tick.y,
+            theta: tick.theta,
+        },
+        twist: abi::Twist {
+            v: tick.v,
+            w: tick.w,
+        },
+        error: Pose {
+            x: tick.e_x,
+            y: tick.e_y,
+            theta: tick.e_theta,
+        },
+        command: abi::Twist {
+            v: tick.v_c,
+            w: tick.w_c,
+        },
+        velocity_error: abi::Twist {
+            v: tick.e_v,
+            w: tick.e_w,
+        },
+        load_force: tick.load_force,
+        load_moment: tick.load_moment,
+        torque: Wheels {
+            right: tick.tau_right,
+            left: tick.tau_left,
+        },
+        curvature_bias: report.curvature_bias,
+        gyro_bias: report.gyro.bias,
+        gyro_slid: report.gyro.slid,
+    }
+}
+
+/// What a call's answer means.
+#[unsafe(no_mangle)]
+pub extern "C" fn twb_status_text(status: i32) -> *const c_char {
+    names::status(status).as_ptr()
+}
+
+/// The name of a state.
+#[unsafe(no_mangle)]
+pub extern "C" fn twb_state_name(state: u32) -> *const c_char {
+    names::state(state).as_ptr()
+}
+
+/// The name of a cause.
+#[unsafe(no_mangle)]
+pub extern "C" fn twb_cause_name(cause: u32) -> *const c_char {
+    names::cause(cause).as_ptr()
+}
+
+/// The name of the fault with this code, from 1 on.
+#[unsafe(no_mangle)]
+pub extern "C" fn twb_fault_name(fault: u32) -> *const c_char {
+    names::fault(fault).as_ptr()
+}

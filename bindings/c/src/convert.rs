@@ -1,0 +1,193 @@
+//! Between the header's structs and the core's types.
+
+use controller_core::base::{self, DriveCommand, WheelAction};
+use controller_core::gyro::GyroReading;
+use controller_core::hal::{ErrorKind, WheelCounts};
+use controller_core::localiser::Fix;
+use controller_core::reference::Reference;
+use controller_core::safety::Currents;
+use controller_core::safety::supervisor::{Cause, State, Then};
+use controller_core::types::{Accel, Pose, Twist, WheelSpeeds, WheelTorques};
+use protocol::RobotBlobError;
+
+use crate::abi::{self, Status, action, device, order, sensed};
+
+impl From<&abi::Pose> for Pose<f32> {
+    fn from(&abi::Pose { x, y, theta }: &abi::Pose) -> Self {
+        Self { x, y, theta }
+    }
+}
+
+impl From<&abi::Twist> for Twist<f32> {
+    fn from(&abi::Twist { v, w }: &abi::Twist) -> Self {
+        Self::new(v, w)
+    }
+}
+
+impl From<&WheelTorques<f32>> for abi::Wheels {
+    fn from(&WheelTorques { right, left }: &WheelTorques<f32>) -> Self {
+        Self { right, left }
+    }
+}
+
+impl From<&WheelSpeeds<f32>> for abi::Wheels {
+    fn from(&WheelSpeeds { right, left }: &WheelSpeeds<f32>) -> Self {
+        Self { right, left }
+    }
+}
+
+impl From<RobotBlobError> for Status {
+    fn from(error: RobotBlobError) -> Self {
+        match error {
+            RobotBlobError::Magic => Self::RobotMagic,
+            RobotBlobError::Length => Self::RobotLength,
+            RobotBlobError::Check => Self::RobotCheck,
+            RobotBlobError::Version(_) => Self::RobotVersion,
+            RobotBlobError::Content => Self::RobotContent,
+        }
+    }
+}
+
+/// A flag of the header: 0 or 1.
+pub(crate) const fn flag(value: u32) -> Result<bool, Status> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(Status::BadValue),
+    }
+}
+
+/// Kinds, flags and states of devices are those of the header. Values are the tick's to judge.
+#[inline]
+pub(crate) const fn check(order: &abi::Order, sensed: &abi::Sensed) -> Result<(), Status> {
+    // Without a branch each.
+    let known = (order.kind <= order::VELOCITY)
+        & ((order.kind != order::VELOCITY) | (order.hold_heading <= 1))
+        & (sensed.flags & !sensed::KNOWN == 0)
+        & (sensed.flags & (sensed::GYRO | sensed::GYRO_HEADING) != sensed::GYRO_HEADING)
+        & (sensed.encoders <= device::OTHER)
+        & (sensed.driver <= device::OTHER);
+    if known { Ok(()) } else { Err(Status::BadValue) }
+}
+
+/// An order that passed [`check`].
+#[inline]
+pub(crate) fn order(order: &abi::Order) -> base::Order<f32> {
+    match order.kind {
+        order::FOLLOW => base::Order::Follow(Reference::new(
+            (&order.pose).into(),
+            (&order.twist).into(),
+            Accel::new(order.accel.v, order.accel.w),
+        )),
+        order::PARK => base::Order::Park((&order.pose).into()),
+        order::VELOCITY => base::Order::Drive {
+            twist: (&order.twist).into(),
+            hold_heading: order.hold_heading != 0,
+        },
+        _ => base::Order::None,
+    }
+}
+
+#[inline]
+const fn device(status: u32) -> Result<(), ErrorKind> {
+    Err(match status {
+        device::OK => return Ok(()),
+        device::BUS => ErrorKind::Bus,
+        device::OVER_CURRENT => ErrorKind::OverCurrent,
+        device::UNDER_VOLTAGE => ErrorKind::UnderVoltage,
+        device::OUT_OF_RANGE => ErrorKind::OutOfRange,
+        _ => ErrorKind::Other,
+    })
+}
+
+/// What was sensed, checked by [`check`]. `answer` is what a driver would have answered to the last duties.
+#[inline]
+pub(crate) fn sensed(sensed: &abi::Sensed, answer: Result<(), ErrorKind>) -> base::Sensed<f32> {
+    let there = |flag| sensed.flags & flag != 0;
+    let counts = WheelCounts {
+        right: sensed.right,
+        left: sensed.left,
+    };
+    base::Sensed {
+        counts: device(sensed.encoders).map(|()| counts),
+        fix: there(sensed::FIX).then_some(Fix {
+            pose: (&sensed.fix).into(),
+            age_s: sensed.fix_age_s,
+        }),
+        gyro: there(sensed::GYRO).then_some(GyroReading {
+            rate: sensed.gyro_rate,
+            heading: there(sensed::GYRO_HEADING).then_some(sensed.gyro_heading),
+            age_s: sensed.gyro_age_s,
+        }),
+        supply_v: there(sensed::SUPPLY).then_some(sensed.supply_v),
+        currents: there(sensed::CURRENTS).then_some(Currents {
+            right: sensed.currents.right,
+            left: sensed.currents.left,
+        }),
+        driver: device(sensed.driver).and(answer),
+    }
+}
+
+/// An action without duties.
+#[inline]
+pub(crate) fn action(from: &WheelAction<f32>) -> abi::Action {
+    let of_kind = |kind| abi::Action {
+        kind,
+        ..abi::Action::default()
+    };
+    match from {
+        WheelAction::Release => of_kind(action::RELEASE),
+        WheelAction::Brake => of_kind(action::BRAKE),
+        // Where nothing drives any more: a stop.
+        WheelAction::Drive(drive) => driven(drive),
+    }
+}
+
+/// Torques without flags and duties.
+#[inline]
+pub(crate) fn driven(drive: &DriveCommand<f32>) -> abi::Action {
+    abi::Action {
+        kind: action::DRIVE,
+        flags: 0,
+        torque: (&drive.torques).into(),
+        duty: abi::Wheels::default(),
+        desired: (&drive.desired).into(),
+        speed: (&drive.speeds).into(),
+        beyond_coulomb: (&drive.beyond_coulomb.unwrap_or_default()).into(),
+    }
+}
+
+/// The place in `State::ALL`.
+pub(crate) const fn state(state: State) -> u32 {
+    match state {
+        State::Idle => 0,
+        State::Armed => 1,
+        State::Tracking => 2,
+        State::Parking => 3,
+        State::Parked => 4,
+        State::Stopping(Then::Stopped) => 5,
+        State::Stopping(Then::Fault) => 6,
+        State::Braking(Then::Stopped) => 7,
+        State::Braking(Then::Fault) => 8,
+        State::Stopped => 9,
+        State::Fault => 10,
+    }
+}
+
+/// The cause's code, and that of its fault.
+pub(crate) const fn cause(cause: Cause) -> (u32, u32) {
+    match cause {
+        Cause::PowerOn => (0, 0),
+        Cause::Host => (1, 0),
+        Cause::References => (2, 0),
+        Cause::TrajectoryEnded => (3, 0),
+        Cause::Reached => (4, 0),
+        Cause::GoalUnreachable => (5, 0),
+        Cause::LinkLost => (6, 0),
+        Cause::EmergencyStop => (7, 0),
+        Cause::Demanded => (8, 0),
+        Cause::Fault(fault) => (9, fault.kind().code() as u32),
+        // A cause that the header has no number for yet.
+        _ => (u32::MAX, 0),
+    }
+}

@@ -1,0 +1,176 @@
+//! The caller's memory.
+
+#![allow(unsafe_code)]
+
+use core::mem::MaybeUninit;
+use core::ptr::{self, NonNull};
+use core::sync::atomic::{AtomicU32, Ordering, compiler_fence};
+
+use controller_core::base::{BaseController, WheelAction};
+use controller_core::hal::ErrorKind;
+
+use crate::abi::Status;
+
+/// Bytes of `twb_base`: room for [`Base`] on every target. The header has the same number.
+pub const SIZE: usize = 4096;
+/// Alignment of `twb_base`.
+pub const ALIGN: usize = 8;
+
+/// Marks of memory that is a base: neither is what erased, painted or counted memory holds.
+const READY: u32 = 0x7762_A5C3;
+const BUSY: u32 = READY ^ 0x80;
+
+/// Stops that came while a call was under way.
+const NO_STOP: u32 = 0;
+const STOP_RELEASE: u32 = 1;
+const STOP_BRAKE: u32 = 2;
+
+/// What `twb_base` holds.
+#[repr(C, align(8))]
+pub struct Base {
+    mark: AtomicU32,
+    stop: AtomicU32,
+    body: MaybeUninit<Body>,
+}
+
+const _: () = assert!(size_of::<Base>() <= SIZE && align_of::<Base>() == ALIGN);
+
+/// The base proper.
+pub(crate) struct Body {
+    pub controller: BaseController,
+    /// Ticks so far.
+    pub ticks: u32,
+    /// The last duties could not be worked out: what a driver would answer.
+    pub answer: Result<(), ErrorKind>,
+}
+
+impl Body {
+    fn stop(&mut self, asked: u32) -> WheelAction<f32> {
+        self.controller.emergency_stop_by(asked == STOP_BRAKE)
+    }
+}
+
+/// A pointer of the caller that is neither NULL nor misaligned.
+#[inline]
+pub(crate) fn checked<T>(pointer: *const T) -> Result<NonNull<T>, Status> {
+    match NonNull::new(pointer.cast_mut()) {
+        Some(sound) if sound.is_aligned() => Ok(sound),
+        refused => Err(unsound(refused.is_none())),
+    }
+}
+
+/// Apart, so that a tick does not carry it along.
+#[cold]
+#[inline(never)]
+const fn unsound(null: bool) -> Status {
+    if null {
+        Status::Null
+    } else {
+        Status::Misaligned
+    }
+}
+
+/// What the caller's pointer refers to, copied: it may change while a call is under way.
+///
+/// # Safety
+/// If neither NULL nor misaligned, it points to a readable `T`, of which any bits are a value.
+pub(crate) unsafe fn read<T: Copy>(pointer: *const T) -> Result<T, Status> {
+    let pointer = checked(pointer)?;
+    // SAFETY: aligned and not NULL, and the caller of this function vouches for the rest.
+    Ok(unsafe { pointer.read() })
+}
+
+/// A handle on the caller's memory.
+#[derive(Clone, Copy)]
+pub(crate) struct Handle(NonNull<Base>);
+
+impl Handle {
+    /// # Safety
+    /// If neither NULL nor misaligned, it points to [`SIZE`] bytes that are the caller's and are accessed by these calls only,
+    /// from one thread, or from interrupts above it on the same core.
+    pub unsafe fn new(base: *const Base) -> Result<Self, Status> {
+        checked(base).map(Self)
+    }
+
+    fn mark(&self) -> &AtomicU32 {
+        // SAFETY: points to a `Base` by the promise at `new`; any bits are an `AtomicU32`, and only its atomic operations
+        // reach it.
+        unsafe { &*ptr::addr_of!((*self.0.as_ptr()).mark) }
+    }
+
+    fn asked(&self) -> &AtomicU32 {
+        // SAFETY: as `mark`.
+        unsafe { &*ptr::addr_of!((*self.0.as_ptr()).stop) }
+    }
+
+    /// Makes a base of the memory; one that a call is under way on stays as it is.
+    pub fn put(self, body: Body) -> Result<(), Status> {
+        if self.mark().load(Ordering::Relaxed) == BUSY {
+            return Err(Status::Busy);
+        }
+        self.mark().store(BUSY, Ordering::Relaxed);
+        compiler_fence(Ordering::SeqCst);
+        // SAFETY: room for a `Base` by the promise at `new`; the mark keeps every other call away from the body.
+        unsafe { ptr::addr_of_mut!((*self.0.as_ptr()).body).write(MaybeUninit::new(body)) };
+        self.asked().store(NO_STOP, Ordering::Relaxed);
+        compiler_fence(Ordering::SeqCst);
+        self.mark().store(READY, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Works on an initialised base that no other call is under way on. With what an emergency stop that came meanwhile asks of
+    /// the wheels.
+    #[inline]
+    pub fn with<R>(
+        self,
+        work: impl FnOnce(&mut Body) -> R,
+    ) -> Result<(R, Option<WheelAction<f32>>), Status> {
+        let mark = self.mark();
+        let found = mark.load(Ordering::Relaxed);
+        if found != READY {
+            return Err(if found == BUSY {
+                Status::Busy
+            } else {
+                Status::NotInitialised
+            });
+        }
+        mark.store(BUSY, Ordering::Relaxed);
+        compiler_fence(Ordering::SeqCst);
+        // SAFETY: READY says that `put` wrote the body; BUSY now keeps every other call away from it until it is given back.
+        let body = unsafe { (*ptr::addr_of_mut!((*self.0.as_ptr()).body)).assume_init_mut() };
+        let result = work(body);
+        let mut stopped = None;
+        loop {
+            let asked = self.asked().load(Ordering::Relaxed);
+            if asked != NO_STOP {
+                self.asked().store(NO_STOP, Ordering::Relaxed);
+                stopped = Some(body.stop(asked));
+            }
+            compiler_fence(Ordering::SeqCst);
+            mark.store(READY, Ordering::Relaxed);
+            compiler_fence(Ordering::SeqCst);
+            // An interrupt that stopped between the look and the mark saw a base in a call.
+            if self.asked().load(Ordering::Relaxed) == NO_STOP {
+                return Ok((result, stopped));
+            }
+            mark.store(BUSY, Ordering::Relaxed);
+        }
+    }
+
+    /// Stops, now or at the end of the call that is under way.
+    pub fn stop(self, brake: bool) -> Result<WheelAction<f32>, Status> {
+        let (asked, action) = if brake {
+            (STOP_BRAKE, WheelAction::Brake)
+        } else {
+            (STOP_RELEASE, WheelAction::Release)
+        };
+        match self.with(|body| body.stop(asked)) {
+            Ok((action, _)) => Ok(action),
+            Err(Status::Busy) => {
+                self.asked().store(asked, Ordering::Relaxed);
+                Ok(action)
+            }
+            Err(status) => Err(status),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+/* Every function with every bad argument: the answer, and that nothing has changed. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "robots.h"
+#include "twb.h"
+
+static unsigned checks, failures;
+
+static void expect(int holds, const char *claim, int line) {
+    checks++;
+    if (!holds) {
+        failures++;
+        printf("line %d: %s\n", line, claim);
+    }
+}
+#define EXPECT(claim) expect((claim) != 0, #claim, __LINE__)
+
+static twb_base base, before;
+static twb_order order;
+static twb_sensed sensed;
+static twb_action action, action_before;
+static twb_report report, report_before;
+static twb_pose pose;
+static twb_wheels torque;
+static uint32_t period, period_before;
+
+static void remember(void) {
+    memset(&action, 0xA5, sizeof action);
+    memset(&report, 0xA5, sizeof report);
+    period = 0xA5A5A5A5u;
+    before = base;
+    action_before = action;
+    report_before = report;
+    period_before = period;
+}
+
+static int unchanged(void) {
+    return memcmp(&base, &before, sizeof base) == 0 && memcmp(&action, &action_before, sizeof action) == 0 &&
+           memcmp(&report, &report_before, sizeof report) == 0 && period == period_before;
+}
+
+/* The call answers this, and has changed nothing. */
+#define ANSWERS(call, status)            \
+    do {                                 \
+        remember();                      \
+        EXPECT((call) == (status));      \
+        EXPECT(unchanged());             \
+    } while (0)
+
+/* One byte beside where a type belongs. */
+#define BESIDE(type, object) ((type *)(void *)((uint8_t *)(object) + 1))
+
+/* Every call on memory that is no base. */
+static void refuses_all(twb_base *to, int32_t status) {
+    ANSWERS(twb_arm(to), status);
+    ANSWERS(twb_disarm(to), status);
+    ANSWERS(twb_reset(to), status);
+    ANSWERS(twb_emergency_stop(to, 0, &action), status);
+    ANSWERS(twb_emergency_stop(to, 1, &action), status);
+    ANSWERS(twb_tick(to, 10000, &order, &sensed, &action), status);
+    ANSWERS(twb_note_exerted(to, &torque), status);
+    ANSWERS(twb_set_pose(to, &pose), status);
+    ANSWERS(twb_host_seen(to), status);
+    ANSWERS(twb_watch_host(to, 10000), status);
+    ANSWERS(twb_period_us(to, &period), status);
+    ANSWERS(twb_get_report(to, &report), status);
+}
+
+static void bad_pointers(void) {
+    ANSWERS(twb_emergency_stop(&base, 0, NULL), TWB_NULL);
+    ANSWERS(twb_emergency_stop(&base, 0, BESIDE(twb_action, &action)), TWB_MISALIGNED);
+    ANSWERS(twb_tick(&base, 10000, NULL, &sensed, &action), TWB_NULL);
+    ANSWERS(twb_tick(&base, 10000, &order, NULL, &action), TWB_NULL);
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, NULL), TWB_NULL);
+    ANSWERS(twb_tick(&base, 10000, BESIDE(twb_order, &order), &sensed, &action), TWB_MISALIGNED);
+    ANSWERS(twb_tick(&base, 10000, &order, BESIDE(twb_sensed, &sensed), &action), TWB_MISALIGNED);
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, BESIDE(twb_action, &action)), TWB_MISALIGNED);
+    ANSWERS(twb_note_exerted(&base, NULL), TWB_NULL);
+    ANSWERS(twb_note_exerted(&base, BESIDE(twb_wheels, &torque)), TWB_MISALIGNED);
+    ANSWERS(twb_set_pose(&base, NULL), TWB_NULL);
+    ANSWERS(twb_set_pose(&base, BESIDE(twb_pose, &pose)), TWB_MISALIGNED);
+    ANSWERS(twb_period_us(&base, NULL), TWB_NULL);
+    ANSWERS(twb_period_us(&base, BESIDE(uint32_t, &period)), TWB_MISALIGNED);
+    ANSWERS(twb_get_report(&base, NULL), TWB_NULL);
+    ANSWERS(twb_get_report(&base, BESIDE(twb_report, &report)), TWB_MISALIGNED);
+}
+
+static void bad_values(void) {
+    const float nan = NAN, infinite = HUGE_VALF;
+    float *const numbers[] = {&pose.x, &pose.y, &pose.theta};
+    const uint32_t flags[] = {TWB_SENSED_GYRO_HEADING, 32u, 0x80000000u};
+    size_t at;
+    for (at = 0; at < 3; at++) {
+        *numbers[at] = nan;
+        ANSWERS(twb_set_pose(&base, &pose), TWB_NOT_FINITE);
+        ANSWERS(twb_init(&base, sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, &pose), TWB_NOT_FINITE);
+        *numbers[at] = -infinite;
+        ANSWERS(twb_set_pose(&base, &pose), TWB_NOT_FINITE);
+        *numbers[at] = 0.0f;
+    }
+    torque.left = nan;
+    ANSWERS(twb_note_exerted(&base, &torque), TWB_NOT_FINITE);
+    torque.left = 0.0f;
+    torque.right = infinite;
+    ANSWERS(twb_note_exerted(&base, &torque), TWB_NOT_FINITE);
+    torque.right = 0.0f;
+    ANSWERS(twb_emergency_stop(&base, 2, &action), TWB_BAD_VALUE);
+    order.kind = 4;
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
+    order.kind = 0xFFFFFFFFu;
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
+    order.kind = TWB_ORDER_VELOCITY;
+    order.hold_heading = 2;
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
+    memset(&order, 0, sizeof order);
+    for (at = 0; at < sizeof flags / sizeof *flags; at++) {
+        sensed.flags = flags[at];
+        ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
+    }
+    sensed.flags = 0;
+    sensed.encoders = 6;
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
+    sensed.encoders = 0;
+    sensed.driver = 6;
+    ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
+    sensed.driver = 0;
+}
+
+static void bad_robots(void) {
+    uint8_t robot[sizeof lab_10kg + 1];
+    size_t at;
+    ANSWERS(twb_init(NULL, sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, &pose), TWB_NULL);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, NULL, sizeof lab_10kg, &pose), TWB_NULL);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, NULL), TWB_NULL);
+    ANSWERS(twb_init(BESIDE(twb_base, &base), sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, &pose), TWB_MISALIGNED);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, BESIDE(twb_pose, &pose)), TWB_MISALIGNED);
+    ANSWERS(twb_init(&base, sizeof base - 1, TWB_API, lab_10kg, sizeof lab_10kg, &pose), TWB_MISMATCH);
+    ANSWERS(twb_init(&base, 0, TWB_API, lab_10kg, sizeof lab_10kg, &pose), TWB_MISMATCH);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API + 1u, lab_10kg, sizeof lab_10kg, &pose), TWB_MISMATCH);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, lab_10kg, (size_t)-1, &pose), TWB_ROBOT_LENGTH);
+    for (at = 0; at < sizeof lab_10kg; at++) {
+        ANSWERS(twb_init(&base, sizeof base, TWB_API, lab_10kg, at, &pose), TWB_ROBOT_LENGTH);
+    }
+    memcpy(robot, lab_10kg, sizeof lab_10kg);
+    robot[sizeof lab_10kg] = 0;
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, robot, sizeof robot, &pose), TWB_ROBOT_LENGTH);
+    /* Any damaged byte: of the magic, of the length, and of what the check is over. */
+    for (at = 0; at < sizeof lab_10kg; at++) {
+        int32_t status = at < 4 ? TWB_ROBOT_MAGIC : at == 6 || at == 7 ? TWB_ROBOT_LENGTH : TWB_ROBOT_CHECK;
+        robot[at] ^= 0x10;
+        ANSWERS(twb_init(&base, sizeof base, TWB_API, robot, sizeof lab_10kg, &pose), status);
+        robot[at] ^= 0x10;
+    }
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, other_version, sizeof other_version, &pose), TWB_ROBOT_VERSION);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, out_of_range, sizeof out_of_range, &pose), TWB_ROBOT_CONTENT);
+    ANSWERS(twb_init(&base, sizeof base, TWB_API, no_parameters, sizeof no_parameters, &pose), TWB_ROBOT_CONTENT);
+}
+
+static void texts(void) {
+    int32_t status;
+    uint32_t code;
+    for (status = TWB_OK; status >= TWB_REFUSED; status--) {
+        EXPECT(strcmp(twb_status_text(status), "unknown") != 0);
+    }
+    EXPECT(strcmp(twb_status_text(1), "unknown") == 0);
+    EXPECT(strcmp(twb_status_text(TWB_REFUSED - 1), "unknown") == 0);
+    EXPECT(strcmp(twb_status_text((int32_t)0x80000000u), "unknown") == 0);
+    for (code = 0; code <= TWB_STATE_FAULT; code++) {
+        EXPECT(strcmp(twb_state_name(code), "unknown") != 0);
+    }
+    EXPECT(strcmp(twb_state_name(TWB_STATE_FAULT + 1u), "unknown") == 0);
+    EXPECT(strcmp(twb_state_name(0xFFFFFFFFu), "unknown") == 0);
+    EXPECT(strcmp(twb_cause_name(9), "fault") == 0);
+    EXPECT(strcmp(twb_cause_name(10), "unknown") == 0);
+    EXPECT(strcmp(twb_fault_name(0), "unknown") == 0);
+    EXPECT(strcmp(twb_fault_name(1), "measurement_stale") == 0);
+    EXPECT(strcmp(twb_fault_name(16), "goal_unreachable") == 0);
+    EXPECT(strcmp(twb_fault_name(33), "unknown") == 0);
+    EXPECT(strcmp(twb_fault_name(0xFFFFFFFFu), "unknown") == 0);
+}
+
+int main(void) {
+    EXPECT(twb_api() == TWB_API);
+    refuses_all(NULL, TWB_NULL);
+    refuses_all(BESIDE(twb_base, &base), TWB_MISALIGNED);
+    /* Zeroed, erased and painted memory is no base, and no bad robot makes one of it. */
+    refuses_all(&base, TWB_NOT_INITIALISED);
+    memset(&base, 0xFF, sizeof base);
+    refuses_all(&base, TWB_NOT_INITIALISED);
+    memset(&base, 0xA5, sizeof base);
+    refuses_all(&base, TWB_NOT_INITIALISED);
+    bad_robots();
+    refuses_all(&base, TWB_NOT_INITIALISED);
+    /* Neither does any of it touch a base that drives. */
+    EXPECT(twb_init(&base, sizeof base, TWB_API, lab_10kg, sizeof lab_10kg, &pose) == TWB_OK);
+    EXPECT(twb_reset(&base) == TWB_REFUSED);
+    EXPECT(twb_period_us(&base, &period) == TWB_OK && period == LAB_10KG_PERIOD_US);
+    EXPECT(twb_tick(&base, 10000, &order, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_RELEASE);
+    EXPECT(twb_arm(&base) == TWB_OK);
+    order.kind = TWB_ORDER_PARK;
+    order.pose.x = 1.0f;
+    EXPECT(twb_tick(&base, 10000, &order, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_DRIVE);
+    EXPECT(action.flags & TWB_ACTION_DUTY);
+    EXPECT(twb_get_report(&base, &report) == TWB_OK && report.state == TWB_STATE_PARKING && report.tick == 2);
+    memset(&order, 0, sizeof order);
+    bad_pointers();
+    bad_values();
+    bad_robots();
+    EXPECT(twb_arm(&base) == TWB_REFUSED);
+    /* A base is a value: its copy goes on where it was. */
+    before = base;
+    EXPECT(twb_tick(&before, 10000, &order, &sensed, &action_before) == TWB_OK);
+    EXPECT(twb_tick(&base, 10000, &order, &sensed, &action) == TWB_OK);
+    EXPECT(memcmp(&action, &action_before, sizeof action) == 0);
+    /* The button holds until a reset. */
+    EXPECT(twb_emergency_stop(&base, 1, &action) == TWB_OK && action.kind == TWB_ACTION_BRAKE);
+    EXPECT(twb_get_report(&base, &report) == TWB_OK && report.state == TWB_STATE_BRAKING_FAULT);
+    EXPECT(twb_tick(&base, 10000, &order, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_BRAKE);
+    EXPECT(twb_emergency_stop(&base, 0, &action) == TWB_OK && action.kind == TWB_ACTION_RELEASE);
+    EXPECT(twb_get_report(&base, &report) == TWB_OK && report.state == TWB_STATE_FAULT);
+    EXPECT(twb_arm(&base) == TWB_REFUSED);
+    EXPECT(twb_reset(&base) == TWB_OK && twb_arm(&base) == TWB_OK && twb_disarm(&base) == TWB_OK);
+    texts();
+    printf("%u checks, %u failed\n", checks, failures);
+    return failures != 0;
+}

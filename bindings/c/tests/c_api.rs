@@ -1,0 +1,436 @@
+//! What C and C++ get: the header under strict compilers, every call with every bad argument, and a mission whose bits are Rust's.
+
+#[path = "support/mission.rs"]
+mod mission;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+use std::{env, fs};
+
+use controller_core::base::BaseParams;
+use firmware_demo::robots::LAB_10KG;
+use protocol::{CRC, MAX_ROBOT_BLOB, ROBOT_BLOB_VERSION, encode_robot};
+
+const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
+
+fn here() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn scratch() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c");
+    fs::create_dir_all(&folder).expect("a folder can be made");
+    folder
+}
+
+fn succeed(command: &mut Command) -> Output {
+    let output = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(
+        output.status.success(),
+        "{command:?} failed:\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+/// The folder with the archives of the host and of both emulated boards.
+fn archives() -> &'static Path {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    BUILT.get_or_init(|| {
+        let out = scratch().join("archives");
+        succeed(
+            Command::new(env!("CARGO_BIN_EXE_archives"))
+                .env("CARGO_TARGET_DIR", scratch())
+                .arg("--out")
+                .arg(&out)
+                .args(["host", "cortex-m4f", "rv32imafc"]),
+        );
+        out
+    })
+}
+
+fn blob(params: &BaseParams<f32>) -> Vec<u8> {
+    let mut bytes = [0; MAX_ROBOT_BLOB];
+    encode_robot(params, &mut bytes)
+        .expect("a blob has room")
+        .to_vec()
+}
+
+/// With the check made right again.
+fn checked(mut bytes: Vec<u8>) -> Vec<u8> {
+    let end = bytes.len() - 4;
+    let check = CRC.checksum(&bytes[..end]).to_le_bytes();
+    bytes[end..].copy_from_slice(&check);
+    bytes
+}
+
+/// `robots.h`: the robot of the examples, with blobs that are to be refused beside it.
+fn robot_header() -> &'static Path {
+    // Once, for tests run side by side.
+    static WRITTEN: OnceLock<PathBuf> = OnceLock::new();
+    WRITTEN.get_or_init(write_robots)
+}
+
+/// The bytes of the array in a robot's header.
+fn bytes_in(header: &str) -> Vec<u8> {
+    let (_, array) = header.split_once("] = {").expect("an array");
+    let words = array.split([',', '}']).map(str::trim);
+    words
+        .map_while(|word| u8::from_str_radix(word.strip_prefix("0x")?, 16).ok())
+        .collect()
+}
+
+fn write_robots() -> PathBuf {
+    let good = blob(&LAB_10KG.base);
+    let mut other_version = good.clone();
+    other_version[4..6].copy_from_slice(&(ROBOT_BLOB_VERSION + 1).to_le_bytes());
+    let mut heavy = LAB_10KG.base;
+    heavy.motion.robot.mass_kg = -1.0;
+    let mut no_parameters = good[..24].to_vec();
+    no_parameters[6..8].copy_from_slice(&12_u16.to_le_bytes());
+    let kept = fs::read_to_string(here().join("examples/lab_10kg.h")).expect("the examples' robot");
+    assert_eq!(
+        bytes_in(&kept),
+        good,
+        "run `sim-host constants lab-10kg --c --out bindings/c/examples`"
+    );
+    let mut text = kept;
+    for (name, bytes) in [
+        ("other_version", checked(other_version)),
+        ("out_of_range", blob(&heavy)),
+        ("no_parameters", checked(no_parameters)),
+    ] {
+        writeln!(text, "static const uint8_t {name}[] = {{").expect("text");
+        for byte in bytes {
+            write!(text, "{byte},").expect("text");
+        }
+        text.push_str("};\n");
+    }
+    let folder = scratch().join("robot");
+    fs::create_dir_all(&folder).expect("a folder can be made");
+    fs::write(folder.join("robots.h"), text).expect("a file can be written");
+    folder
+}
+
+/// Builds a program of the host from sources of `tests/c` with the archive, in a language standard.
+fn program(name: &str, compiler: &str, standard: &str, sources: &[&str]) -> PathBuf {
+    let to = scratch().join(name);
+    succeed(
+        Command::new(compiler)
+            .args([standard, "-O1", "-ffp-contract=off"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(here().join("include"))
+            .arg("-I")
+            .arg(robot_header())
+            .args(
+                sources
+                    .iter()
+                    .map(|source| here().join("tests/c").join(source)),
+            )
+            .arg(archives().join("lib/host/libtwb.a"))
+            .arg("-o")
+            .arg(&to),
+    );
+    to
+}
+
+#[test]
+fn headers_are_clean_in_every_standard() {
+    let languages = [
+        ("gcc", "c", &["c99", "c11", "c17"][..], "twb.h"),
+        ("g++", "c++", &["c++11", "c++17", "c++20"], "twb.h"),
+        ("g++", "c++", &["c++17", "c++20"], "twb.hpp"),
+    ];
+    for (compiler, language, standards, header) in languages {
+        for standard in standards {
+            // Included twice, as programs do.
+            let source = scratch().join(format!("{language}-{standard}-{header}.source"));
+            let text = format!(
+                "#include \"{header}\"\n#include \"{header}\"\nint main(void) {{ return 0; }}\n"
+            );
+            fs::write(&source, text).expect("a file can be written");
+            succeed(
+                Command::new(compiler)
+                    .arg(format!("-std={standard}"))
+                    .args(STRICT)
+                    .args(["-fsyntax-only", "-x", language])
+                    .arg("-I")
+                    .arg(here().join("include"))
+                    .arg(&source),
+            );
+        }
+    }
+}
+
+#[test]
+fn every_call_refuses_every_bad_argument_and_changes_nothing() {
+    let program = program("bad_arguments", "gcc", "-std=c99", &["bad_arguments.c"]);
+    let output = succeed(&mut Command::new(program));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let checks: u32 = text
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse().ok())
+        .expect("a number of checks");
+    assert!(checks > 3600 && text.contains(" 0 failed"), "{text}");
+}
+
+#[test]
+fn the_class_parks_a_base() {
+    let program = program("park", "g++", "-std=c++17", &["park.cpp"]);
+    let output = succeed(&mut Command::new(program));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.starts_with("parked at 1.00") || text.starts_with("parked at 0.99"),
+        "{text}"
+    );
+}
+
+/// Ticks of the mission: 33 cycles of parking, driving by velocity, following, stops and faults.
+const TICKS: u32 = 200_000;
+
+/// What Rust gives.
+fn expected() -> &'static str {
+    static RUN: OnceLock<String> = OnceLock::new();
+    RUN.get_or_init(|| mission::run(&LAB_10KG.base, TICKS))
+}
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust() {
+    let expected = expected();
+    let numbers = |key: &str, radix| {
+        let mut words = expected.split_whitespace();
+        words.find(|word| *word == key).expect("the key");
+        u32::from_str_radix(words.next().expect("its number"), radix).expect("a number")
+    };
+    // All states but a stop that a latched fault waits for and a brake that none does; silent encoders, poses, host and driver.
+    assert_eq!(numbers("states", 16), 0b111_0011_1111, "{expected}");
+    assert_eq!(numbers("faults", 16) & 0x407, 0x407, "{expected}");
+    assert!(numbers("parked", 10) > TICKS / 5, "{expected}");
+    let program = program(
+        "mission",
+        "gcc",
+        "-std=c99",
+        &["run_mission.c", "mission.c"],
+    );
+    let output = succeed(Command::new(program).arg(TICKS.to_string()));
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), expected);
+}
+
+#[test]
+fn cmake_finds_the_archive_and_its_example_parks() {
+    let build = scratch().join("cmake");
+    succeed(
+        Command::new("cmake")
+            .arg("-S")
+            .arg(here().join("examples/cmake"))
+            .arg("-B")
+            .arg(&build)
+            .arg(format!("-Dtwb_DIR={}", archives().display())),
+    );
+    succeed(Command::new("cmake").arg("--build").arg(&build));
+    let output = succeed(&mut Command::new(build.join("park")));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.starts_with("parked at"), "{text}");
+}
+
+/// A cross compiler, an emulator, and the core's archive.
+struct Board {
+    core: &'static str,
+    compiler: &'static str,
+    machine: &'static [&'static str],
+    map: &'static str,
+    emulator: &'static [&'static str],
+}
+
+const CORTEX_M4F: Board = Board {
+    core: "cortex-m4f",
+    compiler: "arm-none-eabi-gcc",
+    machine: &[
+        "-mcpu=cortex-m4",
+        "-mthumb",
+        "-mfloat-abi=hard",
+        "-mfpu=fpv4-sp-d16",
+    ],
+    map: "mps2-an386.ld",
+    emulator: &["qemu-system-arm", "-M", "mps2-an386"],
+};
+
+const RV32IMAFC: Board = Board {
+    core: "rv32imafc",
+    compiler: "riscv64-unknown-elf-gcc",
+    machine: &["-march=rv32imafc", "-mabi=ilp32f"],
+    map: "virt.ld",
+    emulator: &["qemu-system-riscv32", "-M", "virt", "-bios", "none"],
+};
+
+impl Board {
+    /// The mission in C, by the distribution's cross compiler, on the emulated board.
+    fn run(&self) -> String {
+        let sources = here().join("tests/c");
+        let image = scratch().join(self.core);
+        succeed(
+            Command::new(self.compiler)
+                .args(self.machine)
+                .args([
+                    "-std=c99",
+                    "-O2",
+                    "-ffreestanding",
+                    "-nostdlib",
+                    "-ffp-contract=off",
+                ])
+                .args(STRICT)
+                .arg(format!("-DTICKS={TICKS}u"))
+                .arg("-I")
+                .arg(here().join("include"))
+                .arg("-I")
+                .arg(robot_header())
+                .arg("-T")
+                .arg(sources.join(self.map))
+                .args([sources.join("run_emulated.c"), sources.join("mission.c")])
+                .arg(archives().join("lib").join(self.core).join("libtwb.a"))
+                .args(["-lgcc", "-o"])
+                .arg(&image),
+        );
+        let (program, arguments) = self.emulator.split_first().expect("a program");
+        let output = succeed(
+            Command::new("timeout")
+                .args(["120", program])
+                .args(arguments)
+                .args([
+                    "-nographic",
+                    "-semihosting-config",
+                    "enable=on,target=native",
+                ])
+                .arg("-kernel")
+                .arg(&image),
+        );
+        let printed = [output.stdout, output.stderr].concat();
+        String::from_utf8_lossy(&printed).trim().to_owned()
+    }
+}
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_cortex_m4f() {
+    assert_eq!(CORTEX_M4F.run(), expected());
+}
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
+    assert_eq!(RV32IMAFC.run(), expected());
+}
+
+/// More instructions than the core takes when it is called from Rust: checks, and structs to and fro.
+const MOST_MORE: i64 = 100;
+
+/// A core with what an image in Rust needs of its run time.
+struct Image<'a> {
+    board: &'a Board,
+    target: &'a str,
+    run_time: &'a str,
+    linker: &'a [&'a str],
+    map: &'a str,
+    icount: &'a str,
+}
+
+impl Image<'_> {
+    /// What each tick of the image of `tests/overhead` took, and the duties of both motors.
+    fn ticks(&self, configuration: &str) -> Vec<[u32; 3]> {
+        let folder = scratch().join("overhead").join(self.board.core);
+        fs::create_dir_all(folder.join("src")).expect("a folder can be made");
+        let root = here().join("../..").canonicalize().expect("the workspace");
+        let workspace = root.display();
+        let run_time = self.run_time;
+        let manifest = format!(
+            "[package]\nname = \"overhead\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
+             [dependencies]\n{run_time}\ncapi = {{ path = \"{workspace}/bindings/c\" }}\n\
+             controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
+             firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\", \"robots\"] }}\n\
+             protocol = {{ path = \"{workspace}/protocol\" }}\n\
+             [profile.chip]\ninherits = \"release\"\nopt-level = 3\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
+        );
+        let copy = |from: PathBuf, to: &str| {
+            fs::copy(from, folder.join(to)).expect("a file can be copied");
+        };
+        fs::write(folder.join("Cargo.toml"), manifest).expect("a file can be written");
+        copy(here().join("tests/overhead/main.rs"), "src/main.rs");
+        // The same versions, and no question to the registry.
+        copy(root.join("Cargo.lock"), "Cargo.lock");
+        copy(root.join("firmware-demo/memory").join(self.map), "memory.x");
+        let search = format!("-L{}", folder.display());
+        let flags = self.linker.iter().copied().chain([search.as_str()]);
+        let flags: Vec<String> = flags.map(|flag| format!("-Clink-arg={flag}")).collect();
+        let target_dir = scratch().join("overhead-target");
+        succeed(
+            Command::new(env!("CARGO"))
+                .current_dir(&folder)
+                .env("CARGO_TARGET_DIR", &target_dir)
+                .env("RUSTFLAGS", flags.join(" "))
+                .args(["rustc", "--quiet", "--profile", "chip"])
+                .args(["--target", self.target, "--", "--cfg", configuration])
+                .args(["--check-cfg", "cfg(through_c, in_rust)"]),
+        );
+        let (program, arguments) = self.board.emulator.split_first().expect("a program");
+        let output = succeed(
+            Command::new("timeout")
+                .args(["120", program])
+                .args(arguments)
+                .args(["-nographic", "-semihosting-config"])
+                .args(["enable=on,target=native", "-icount", self.icount, "-kernel"])
+                .arg(target_dir.join(self.target).join("chip/overhead")),
+        );
+        let printed = [output.stdout, output.stderr].concat();
+        let printed = String::from_utf8_lossy(&printed);
+        let rows = printed.lines().filter_map(|line| {
+            let mut numbers = line.strip_prefix("tick ")?.split(' ');
+            let mut number = || numbers.next()?.parse().ok();
+            Some([number()?, number()?, number()?])
+        });
+        rows.collect()
+    }
+
+    /// Most and mean that a tick takes more through C than in Rust.
+    fn more(&self) -> (i64, f64) {
+        let (rust, c) = (self.ticks("in_rust"), self.ticks("through_c"));
+        assert_eq!((rust.len(), c.len()), (3000, 3000));
+        let more = rust.iter().zip(&c).map(|(rust, c)| {
+            assert_eq!(rust[1..], c[1..], "the duties");
+            i64::from(c[0]) - i64::from(rust[0])
+        });
+        let more: Vec<i64> = more.collect();
+        let mean = more.iter().sum::<i64>() as f64 / more.len() as f64;
+        let most = *more.iter().max().expect("ticks");
+        println!("{}: {mean:.1} more, at most {most}", self.board.core);
+        (most, mean)
+    }
+}
+
+#[test]
+fn a_tick_from_c_takes_few_instructions_more() {
+    let arm = Image {
+        board: &CORTEX_M4F,
+        target: "thumbv7em-none-eabihf",
+        run_time: "cortex-m-rt = \"0.7.5\"",
+        linker: &["--nmagic", "-Tlink.x"],
+        map: "mps2-an386.x",
+        icount: "shift=10",
+    };
+    let riscv = Image {
+        board: &RV32IMAFC,
+        target: "riscv32imafc-unknown-none-elf",
+        run_time: "riscv-rt = { version = \"0.16\", features = [\"single-hart\"] }",
+        linker: &["-Tmemory.x", "-Tlink.x"],
+        map: "virt.x",
+        icount: "shift=0",
+    };
+    for image in [arm, riscv] {
+        let (most, _) = image.more();
+        assert!(most <= MOST_MORE, "{}: {most}", image.board.core);
+    }
+}
