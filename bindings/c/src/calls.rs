@@ -197,8 +197,10 @@ pub unsafe extern "C" fn twb_tick(
     code(result())
 }
 
-/// The core's tick, a function of its own: within another one the compiler runs out of registers, and it takes longer.
-#[inline(never)]
+/// The core's tick. On ARM a function of its own: within another one the compiler runs out of registers there, and it takes
+/// longer; on RISC-V saving its many registers twice does.
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline)]
 fn step(
     controller: &mut BaseController,
     dt_us: u32,

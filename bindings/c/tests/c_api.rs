@@ -326,8 +326,9 @@ fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
     assert_eq!(RV32IMAFC.run(), expected());
 }
 
-/// More instructions than the core takes when it is called from Rust: a call, checks, and structs to and fro. Measured: 236, 155.
-const MOST_MORE: i64 = 250;
+/// More instructions than the core takes when it is called from Rust: a call, checks, and structs to and fro. Measured: 236 on the
+/// Cortex-M4F, 256 on the RV32IMAFC.
+const MOST_MORE: i64 = 260;
 
 /// A core with what an image in Rust needs of its run time.
 struct Image<'a> {
