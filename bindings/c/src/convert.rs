@@ -57,23 +57,11 @@ pub(crate) const fn flag(value: u32) -> Result<bool, Status> {
     }
 }
 
-/// Kinds, flags and states of devices are those of the header. Values are the tick's to judge.
+/// An order. Values are the tick's to judge, only kinds are judged here.
 #[inline]
-pub(crate) const fn check(order: &abi::Order, sensed: &abi::Sensed) -> Result<(), Status> {
-    // Without a branch each.
-    let known = (order.kind <= order::VELOCITY)
-        & ((order.kind != order::VELOCITY) | (order.hold_heading <= 1))
-        & (sensed.flags & !sensed::KNOWN == 0)
-        & (sensed.flags & (sensed::GYRO | sensed::GYRO_HEADING) != sensed::GYRO_HEADING)
-        & (sensed.encoders <= device::OTHER)
-        & (sensed.driver <= device::OTHER);
-    if known { Ok(()) } else { Err(Status::BadValue) }
-}
-
-/// An order that passed [`check`].
-#[inline]
-pub(crate) fn order(order: &abi::Order) -> base::Order<f32> {
-    match order.kind {
+pub(crate) fn order(order: &abi::Order) -> Result<base::Order<f32>, Status> {
+    Ok(match order.kind {
+        order::NONE => base::Order::None,
         order::FOLLOW => base::Order::Follow(Reference::new(
             (&order.pose).into(),
             (&order.twist).into(),
@@ -82,34 +70,49 @@ pub(crate) fn order(order: &abi::Order) -> base::Order<f32> {
         order::PARK => base::Order::Park((&order.pose).into()),
         order::VELOCITY => base::Order::Drive {
             twist: (&order.twist).into(),
-            hold_heading: order.hold_heading != 0,
+            hold_heading: flag(order.hold_heading)?,
         },
-        _ => base::Order::None,
-    }
+        _ => return Err(Status::BadValue),
+    })
 }
 
-#[inline]
-const fn device(status: u32) -> Result<(), ErrorKind> {
-    Err(match status {
-        device::OK => return Ok(()),
+/// What is wrong with a device that is not well.
+#[cold]
+const fn device(status: u32) -> Result<Result<(), ErrorKind>, Status> {
+    Ok(Err(match status {
+        device::OK => return Ok(Ok(())),
         device::BUS => ErrorKind::Bus,
         device::OVER_CURRENT => ErrorKind::OverCurrent,
         device::UNDER_VOLTAGE => ErrorKind::UnderVoltage,
         device::OUT_OF_RANGE => ErrorKind::OutOfRange,
-        _ => ErrorKind::Other,
-    })
+        device::OTHER => ErrorKind::Other,
+        _ => return Err(Status::BadValue),
+    }))
 }
 
-/// What was sensed, checked by [`check`]. `answer` is what a driver would have answered to the last duties.
+/// What was sensed. `answer` is what a driver would have answered to the last duties.
 #[inline]
-pub(crate) fn sensed(sensed: &abi::Sensed, answer: Result<(), ErrorKind>) -> base::Sensed<f32> {
+pub(crate) fn sensed(
+    sensed: &abi::Sensed,
+    answer: Result<(), ErrorKind>,
+) -> Result<base::Sensed<f32>, Status> {
     let there = |flag| sensed.flags & flag != 0;
+    let no_rate = there(sensed::GYRO_HEADING) && !there(sensed::GYRO);
+    if sensed.flags & !sensed::KNOWN != 0 || no_rate {
+        return Err(Status::BadValue);
+    }
     let counts = WheelCounts {
         right: sensed.right,
         left: sensed.left,
     };
-    base::Sensed {
-        counts: device(sensed.encoders).map(|()| counts),
+    // Nearly always both are well.
+    let (encoders, driver) = if sensed.encoders | sensed.driver == device::OK {
+        (Ok(()), Ok(()))
+    } else {
+        (device(sensed.encoders)?, device(sensed.driver)?)
+    };
+    Ok(base::Sensed {
+        counts: encoders.map(|()| counts),
         fix: there(sensed::FIX).then_some(Fix {
             pose: (&sensed.fix).into(),
             age_s: sensed.fix_age_s,
@@ -124,8 +127,8 @@ pub(crate) fn sensed(sensed: &abi::Sensed, answer: Result<(), ErrorKind>) -> bas
             right: sensed.currents.right,
             left: sensed.currents.left,
         }),
-        driver: device(sensed.driver).and(answer),
-    }
+        driver: driver.and(answer),
+    })
 }
 
 /// An action without duties.

@@ -92,6 +92,13 @@ impl Handle {
         checked(base).map(Self)
     }
 
+    /// # Safety
+    /// As [`new`](Self::new), and neither NULL nor misaligned.
+    pub unsafe fn new_unchecked(base: *mut Base) -> Self {
+        // SAFETY: of the caller.
+        Self(unsafe { NonNull::new_unchecked(base) })
+    }
+
     fn mark(&self) -> &AtomicU32 {
         // SAFETY: points to a `Base` by the promise at `new`; any bits are an `AtomicU32`, and only its atomic operations
         // reach it.

@@ -326,8 +326,9 @@ fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
     assert_eq!(RV32IMAFC.run(), expected());
 }
 
-/// More instructions than the core takes when it is called from Rust: checks, and structs to and fro.
-const MOST_MORE: i64 = 100;
+/// More instructions than the core takes when it is called from Rust: a call, checks, and structs to and fro. Measured: 236 on the
+/// Cortex-M4F, 256 on the RV32IMAFC.
+const MOST_MORE: i64 = 260;
 
 /// A core with what an image in Rust needs of its run time.
 struct Image<'a> {
@@ -359,7 +360,7 @@ impl Image<'_> {
             fs::copy(from, folder.join(to)).expect("a file can be copied");
         };
         fs::write(folder.join("Cargo.toml"), manifest).expect("a file can be written");
-        copy(here().join("tests/overhead/main.rs"), "src/main.rs");
+        copy(here().join("tests/overhead/image.rs"), "src/main.rs");
         // The same versions, and no question to the registry.
         copy(root.join("Cargo.lock"), "Cargo.lock");
         copy(root.join("firmware-demo/memory").join(self.map), "memory.x");

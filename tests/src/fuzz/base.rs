@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use controller_core::base::{BaseController, Order, Sensed, ValidBaseParams, WheelAction};
+use controller_core::gyro::GyroReading;
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::maths::Single;
@@ -213,6 +214,11 @@ fn sense(bytes: &mut Bytes<'_>, counts: &mut WheelCounts) -> (u32, Sensed<f32>) 
         },
         fix: (flags & 8 != 0).then(|| Fix {
             pose: pose(bytes),
+            age_s: bytes.float(0.1),
+        }),
+        gyro: (flags & 128 != 0).then(|| GyroReading {
+            rate: bytes.float(5.0),
+            heading: (bytes.byte() < 64).then(|| bytes.float(4.0)),
             age_s: bytes.float(0.1),
         }),
         supply_v: (flags & 16 != 0).then(|| bytes.float(24.0)),
