@@ -88,6 +88,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             bandwidth: 60.0,
         },
         fusion: None,
+        gyro: None,
     },
     motor: Some(MotorParams {
         gear_ratio: 30.0,
@@ -166,6 +167,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         step_refused: Response::latched(Reaction::Brake),
         stalled: Response::passing(Reaction::ControlledStop),
         goal_unreachable: Response::passing(Reaction::ControlledStop),
+        gyro: Response::passing(Reaction::Ignore),
     },
     supervisor: SupervisorParams {
         stop_limit: Timeout::AfterUs(5_000_000),

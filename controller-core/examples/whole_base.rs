@@ -23,6 +23,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
             bandwidth: 50.0,
         },
         fusion: None,
+        gyro: None,
     };
     let base = BaseParams::new(robot, LIMITS, localiser, None, TICK_US)?.validate()?;
     let mut controller: BaseController = BaseController::new(&base, Pose::default());

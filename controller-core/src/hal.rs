@@ -1,4 +1,4 @@
-//! What a base has to offer to be driven: wheel torques, encoders, a clock.
+//! What a base has to offer to be driven: wheel torques, encoders, a gyro if it has one, a clock.
 //!
 //! In the manner of `embedded-hal`: an associated error with a generic kind, implementations for
 //! `&mut T`, and contracts stated at the methods. Torques reach wheels through here and nowhere
@@ -234,6 +234,52 @@ pub trait WheelEncoders: ErrorType {
 impl<E: WheelEncoders + ?Sized> WheelEncoders for &mut E {
     fn counts(&mut self) -> Result<WheelCounts, Self::Error> {
         (**self).counts()
+    }
+}
+
+/// What a gyro measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct GyroReading<T = f32> {
+    /// Turn rate about the vertical, counter-clockwise seen from above \[rad/s\]: the mean since the last reading, as of all
+    /// samples in a sensor's FIFO, or the last sample.
+    pub rate: T,
+    /// The heading, where the sensor fuses one by itself \[rad\]: from any zero, wrapped or not. Its steps are then taken
+    /// instead of the rate's integral, and no bias is taken from them.
+    pub heading: Option<T>,
+    /// How long before this tick it was valid \[s\], 0 to 0.1: delay of the sensor's filter, and time since the sample.
+    pub age_s: T,
+}
+
+/// A gyro about the vertical.
+pub trait YawGyro: ErrorType {
+    /// What has come since the last call, `None` if nothing has: with the mean rate of all samples, as of a FIFO, and the age of the
+    /// newest; [`GyroParams::latency_s`](crate::gyro::GyroParams::latency_s) where the hardware knows no better.
+    ///
+    /// The sign and the scale are the implementation's: rad/s, counter-clockwise seen from above. The bias is left in; the base learns it.
+    ///
+    /// # Errors
+    /// What the hardware reports. To a base that is as no reading: it finds that the gyro is silent.
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, Self::Error>;
+}
+
+impl<G: YawGyro + ?Sized> YawGyro for &mut G {
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, Self::Error> {
+        (**self).reading()
+    }
+}
+
+/// The gyro of a base that has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NoGyro;
+
+impl ErrorType for NoGyro {
+    type Error = core::convert::Infallible;
+}
+
+impl YawGyro for NoGyro {
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, Self::Error> {
+        Ok(None)
     }
 }
 

@@ -10,7 +10,7 @@
 //! | neurons | [`shunting`] (4)(5), [`neuron`] |
 //! | the law for a real base | [`motion`]: any trajectory, exact parking, limits, jumps, arrival; [`torque`] |
 //! | a whole base | [`base`]: from encoders to wheels in one tick |
-//! | sensors, drives | [`hal`] traits for wheels, encoders, clock; [`odometry`], [`localiser`] |
+//! | sensors, drives | [`hal`] traits for wheels, encoders, gyro, clock; [`odometry`], [`gyro`], [`localiser`] |
 //! | motors | [`motor`]: torque to duty, wheel speeds for drivers that take those, braking distances |
 //! | safety | [`safety`]: faults and reactions, detectors, supervisor, stopping distance |
 //! | gains | [`tuning`]: from a design specification, with margins; [`stability`] |
@@ -45,6 +45,7 @@ pub mod base;
 mod cast;
 mod check;
 pub mod error;
+pub mod gyro;
 pub mod hal;
 pub mod localiser;
 pub mod maths;

@@ -89,6 +89,23 @@ impl<T: Scalar> OdometryParams<T> {
     }
 }
 
+/// What the wheels did between two calls.
+pub(crate) struct Moved<T> {
+    /// Counts, right and left.
+    counts: (i32, i32),
+    /// Way of the middle \[m\].
+    pub(crate) travel: T,
+    /// \[rad\].
+    pub(crate) turn: T,
+}
+
+impl<T> Moved<T> {
+    /// Whether the right and the left wheel moved by a count.
+    pub(crate) const fn counted(&self) -> (bool, bool) {
+        (self.counts.0 != 0, self.counts.1 != 0)
+    }
+}
+
 /// Integrates encoder counts to a pose along exact arcs and estimates the twist.
 ///
 /// The pose error of one step is zero for wheels that turn at constant rates in between. The speed
@@ -174,6 +191,13 @@ impl<T: Scalar> Odometry<T> {
         dt: T,
         accel: &Accel<T>,
     ) -> Measured<T> {
+        let rolled = self.roll(counts);
+        let turn = rolled.turn;
+        self.integrate::<M>(&rolled, turn, dt, accel)
+    }
+
+    /// What the wheels did since the last call, their learnt curvature bias included.
+    pub(crate) fn roll(&mut self, counts: WheelCounts) -> Moved<T> {
         let moved = (
             counts.right.wrapping_sub(self.counts.right),
             counts.left.wrapping_sub(self.counts.left),
@@ -184,6 +208,22 @@ impl<T: Scalar> Odometry<T> {
         let travel = T::HALF * (right + left);
         let turn = (right - left) / self.track + self.curvature_bias * travel;
         self.travel = travel;
+        Moved {
+            counts: moved,
+            travel,
+            turn,
+        }
+    }
+
+    /// Moves the pose by what the wheels did, with the turn `turn` \[rad\]: theirs, or one that is known better.
+    pub(crate) fn integrate<M: Maths<T>>(
+        &mut self,
+        rolled: &Moved<T>,
+        turn: T,
+        dt: T,
+        accel: &Accel<T>,
+    ) -> Measured<T> {
+        let (moved, travel) = (rolled.counts, rolled.travel);
         let half_turn = T::HALF * turn;
         let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
         let chord = travel * sinc::<T, M>(half_turn);

@@ -64,6 +64,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
         },
         // A camera or a beacon: 5 mm, 5 mrad, 20 times a second.
         fusion: fixes.then(|| FusionParams::for_source(5.0e-3, 5.0e-3, 20.0)),
+        gyro: None,
     };
     Ok(BaseParams::new(
         robot,

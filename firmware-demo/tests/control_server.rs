@@ -2,6 +2,7 @@
 //! at all outside of the states that may have one, and back in step with the host at once.
 
 use controller_core::base::Sensed;
+use controller_core::gyro::GyroReading;
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::safety::Currents;
@@ -39,11 +40,16 @@ fn sensed() -> impl Strategy<Value = Sensed<f32>> {
         0 => Err(ErrorKind::Bus),
         _ => Ok(WheelCounts { right, left }),
     });
-    (counts, vec(real(), 7), any::<[bool; 3]>()).prop_map(|(counts, v, has)| Sensed {
+    (counts, vec(real(), 10), any::<[bool; 5]>()).prop_map(|(counts, v, has)| Sensed {
         counts,
         fix: has[0].then(|| Fix {
             pose: Pose::new(v[0], v[1], v[2]),
             age_s: v[3],
+        }),
+        gyro: has[3].then(|| GyroReading {
+            rate: v[7],
+            heading: has[4].then_some(v[8]),
+            age_s: v[9],
         }),
         supply_v: has[1].then_some(v[4]),
         currents: has[2].then_some(Currents {

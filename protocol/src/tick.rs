@@ -33,6 +33,10 @@ pub mod tick_flags {
     pub const FIX_REFUSED: u16 = 1 << 11;
     /// The law drives by velocity.
     pub const DRIVING: u16 = 1 << 12;
+    /// A gyro carries the heading.
+    pub const GYRO_USED: u16 = 1 << 13;
+    /// Gyro and wheels disagree: a wheel slides, or the gyro lies.
+    pub const SLIDING: u16 = 1 << 14;
 }
 
 /// The output to the wheels.

@@ -3,6 +3,7 @@
 mod board;
 mod identify;
 
+use crate::bench_args::BenchArgs;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
 use crate::seed_args::SeedArgs;
@@ -28,6 +29,7 @@ Examples:
   sim-host faults                           everything that can fail, in every state
   sim-host tune robot.toml                  gains for your own robot, searched on bad floors
   sim-host verify robot.toml                whether it does its courses there
+  sim-host bench --quick                    the default law beside published ones
   sim-host constants robot.toml             the same robot as constants for a firmware
   sim-host teleop --base robot.toml         drive it by the keyboard, simulated or with --port
   sim-host monitor /dev/ttyACM0             live numbers of a real board
@@ -181,6 +183,9 @@ Examples:
         /// Begin with this run, and write its trace
         #[arg(long, value_name = "K")]
         run: Option<u64>,
+        /// Bases with the gyro of parts/, which can fail as well
+        #[arg(long)]
+        gyro: bool,
     },
     /// Find gains for a robot of your own
     ///
@@ -204,6 +209,21 @@ Examples:
   sim-host verify lab-10kg --seeds 50 --out results
   sim-host verify lab-10kg --seeds 556 --fresh      10,008 runs that nobody has seen")]
     Verify(VerifyArgs),
+    /// The default law beside published ones: one benchmark
+    ///
+    /// Ramsete, LTV unicycle, Nav2's graceful controller and regulated pure pursuit, Aicardi's and Samson's laws,
+    /// turn-drive-turn, two PIDs, linear MPC and the paper's laws, with their usual constants and with those that a search
+    /// finds, on the same wheels, limits, velocity loop, estimator and plant. Parking from starts whose least time is known,
+    /// trajectory files, the paper's cases, steps of velocity; ideal, realistic and on a bad floor. Prints tables in
+    /// which what beats the default law is marked; writes bench.csv (a row for each run), bench.md, a figure for each
+    /// class and bench.html, a page that needs no network. Runs on all processors; the results do not depend on how
+    /// many.
+    #[command(after_help = "\
+Examples:
+  sim-host bench --quick
+  sim-host bench lab-10kg --only parking --runs 100 --fresh
+  sim-host bench --file slalom.json --only files")]
+    Bench(BenchArgs),
     /// The old name of `verify`, for one release more
     #[command(hide = true)]
     Prove(VerifyArgs),

@@ -14,6 +14,7 @@
 //! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
+//! | beside other laws | [`bench`] |
 //! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
 //!
 //! ```
@@ -29,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 pub mod advice;
+pub mod bench;
 pub mod campaign;
 pub mod closed_loop;
 pub mod constants;

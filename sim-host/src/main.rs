@@ -1,5 +1,6 @@
 //! Desktop simulator around `controller-core`: see `sim-host --help`.
 
+mod bench_args;
 mod cli;
 mod commands;
 mod drive_args;

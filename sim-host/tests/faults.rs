@@ -2,8 +2,8 @@
 
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
-    Bases, End, FaultInjectionKind, Mutation, Plan, RULES, RunOutcome, Target, Why, cells, known,
-    study, violation,
+    Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Why, cells, known, study,
+    violation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use tests::stated::{At, Stated};
@@ -119,11 +119,12 @@ fn results(outcomes: &[RunOutcome]) -> String {
 #[test]
 fn with_nothing_wrong_only_the_host_stops_a_base() {
     let quiet = [FaultInjectionKind::Nothing, FaultInjectionKind::LineFull];
+    let bases = bases();
     let numbers: Vec<u64> = (0..12 * ALL)
-        .filter(|number| quiet.contains(&Plan::trouble(*number)))
+        .filter(|number| quiet.contains(&bases.trouble(*number)))
         .collect();
     assert!(numbers.len() > 500);
-    let outcomes = study(&bases(), KEPT + 1, numbers, &Mutation::None, || {}).expect("valid");
+    let outcomes = study(&bases, KEPT + 1, numbers, &Mutation::None, || {}).expect("valid");
     let mut parked = 0;
     for outcome in outcomes.iter().filter(|outcome| outcome.second.is_none()) {
         match outcome.end {
@@ -143,11 +144,12 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
 /// What is stated to go wrong on ice goes wrong no more often than that.
 #[test]
 fn what_fails_on_ice_is_no_worse_than_stated() {
+    let bases = bases();
     let numbers: Vec<u64> = (0..17 * ALL)
-        .filter(|number| Plan::trouble(*number) == FaultInjectionKind::WheelOnIce)
+        .filter(|number| bases.trouble(*number) == FaultInjectionKind::WheelOnIce)
         .collect();
     assert!(numbers.len() > 400);
-    let outcomes = study(&bases(), KEPT + 2, numbers, &Mutation::None, || {}).expect("valid");
+    let outcomes = study(&bases, KEPT + 2, numbers, &Mutation::None, || {}).expect("valid");
     let violations = broken(&outcomes);
     assert!(violations.is_empty(), "{}", violations.join("\n"));
     let known = known(&outcomes);

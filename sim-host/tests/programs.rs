@@ -1,5 +1,6 @@
 //! The program as it is used.
 
+mod bench;
 mod cli;
 mod drive_cli;
 mod faults;

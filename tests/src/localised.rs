@@ -26,6 +26,7 @@ pub fn localisation(file: &File, noise_m: f64, noise_rad: f64) -> ValidLocaliser
     let params = LocaliserParams {
         odometry: odometry(file, SPEED),
         fusion: Some(FusionParams::for_source(noise_m, noise_rad, 20.0)),
+        gyro: None,
     };
     params.validate_with::<Libm>().expect("valid")
 }

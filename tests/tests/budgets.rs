@@ -23,6 +23,7 @@ use budget::Table;
 use budget_image::{
     BOARDS, Board, Elf, LEVELS, Rows, build, cargo, footprint, root, run, target_dir,
 };
+use sim_host::bench::{LawKind, instructions};
 use sim_host::pil::Footprint;
 use tests::stated::{At, Stated};
 
@@ -326,6 +327,7 @@ fn the_document_states_what_is_measured() {
         .map(|m| (m.board.name, m.level, &m.cost, &m.pil, m.size))
         .collect();
     println!("{}", budget_report::images(&all));
+    rivals_cost_what_the_benchmark_says(&peers);
     let tick = |path: &str, part: &str| arm.cost.row(&format!("tick/{path}/{part}/ordinary")).1;
     page.exactly(
         At::Phrase("two `pid` PIDs #, the Ramsete law # on our maths"),
@@ -350,6 +352,32 @@ fn the_document_states_what_is_measured() {
             tick("f64-libm+exact", "park"),
         ],
     );
+}
+
+/// `sim-host bench` prints the most instructions of a rival's tick; a board counted them.
+fn rivals_cost_what_the_benchmark_says(peers: &Rows) {
+    const NAMES: [(LawKind, &str); 9] = [
+        (LawKind::TurnDriveTurn, "turn-drive-turn"),
+        (LawKind::Ramsete, "ramsete"),
+        (LawKind::Ltv, "ltv"),
+        (LawKind::Graceful, "graceful"),
+        (LawKind::GracefulOnTheWay, "graceful-on-the-way"),
+        (LawKind::PurePursuit, "pure-pursuit"),
+        (LawKind::Aicardi, "aicardi"),
+        (LawKind::Samson, "samson"),
+        (LawKind::TwoPids, "two-pids"),
+    ];
+    for (kind, name) in NAMES {
+        let counted = ["follow", "park"].map(|job| peers.row(&format!("rival/{job}/{name}")).2);
+        let counted = counted.map(|most| most as u32);
+        println!("{};{};{}", kind.name(), counted[0], counted[1]);
+        assert_eq!(
+            instructions(kind),
+            Some(counted),
+            "sim-host/src/bench/chip.csv: {}",
+            kind.name()
+        );
+    }
 }
 
 /// The peers are a workspace of their own, for their dependencies burden nobody.

@@ -2,6 +2,7 @@
 
 mod base;
 mod faults;
+mod gyro;
 mod localiser_curvature_bias;
 mod localiser_fusion;
 mod localiser_gate;

@@ -116,6 +116,7 @@ fn filtered_noise_is_what_is_promised() {
         let params = LocaliserParams {
             odometry: odometry(&file, SPEED),
             fusion: Some(fusion),
+            gyro: None,
         };
         let localisation = params.validate_with::<Libm>().expect("valid");
         let mut led = Led::<f64, 64>::start(&localisation, Encoded::new(&file, Pose::default()));
@@ -198,6 +199,7 @@ fn uneven_ticks_and_single_precision_agree() {
     let params = LocaliserParams {
         odometry: odometry::<f32>(&file, SPEED),
         fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
+        gyro: None,
     };
     let single = params.validate().expect("valid");
     let mut exact = Led::<f64, 64>::start(&double, Encoded::new(&file, Pose::default()));

@@ -254,6 +254,7 @@ fn without_fusion_it_is_odometry() {
     let params = LocaliserParams {
         odometry,
         fusion: None,
+        gyro: None,
     };
     let localisation = params.validate_with::<Libm>().expect("valid");
     let mut led = Led::<f64, 2>::start(&localisation, Encoded::new(&file, Pose::default()));

@@ -16,6 +16,7 @@ fn bad_parameters_are_named() {
         let params = LocaliserParams {
             odometry: odometry(&file, SPEED),
             fusion: Some(fusion),
+            gyro: None,
         };
         params
             .validate_with::<Libm>()
@@ -38,6 +39,7 @@ fn bad_parameters_are_named() {
     let mut params = LocaliserParams {
         odometry: odometry::<f64>(&file, SPEED),
         fusion: None,
+        gyro: None,
     };
     params.odometry.calibration.track = 3.0;
     let error = params.validate_with::<Libm>().expect_err("out of range");

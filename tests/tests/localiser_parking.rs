@@ -73,6 +73,7 @@ fn encoders_alone_park() {
         let params = LocaliserParams {
             odometry: odometry(&file, SPEED),
             fusion: None,
+            gyro: None,
         };
         let localisation = params.validate_with::<Libm>().expect("valid");
         let motion = suited(&file, &localisation);
@@ -103,6 +104,7 @@ fn three_sigma_of_filtered_noise_are_enough() {
         let params = LocaliserParams {
             odometry: odometry(&file, SPEED),
             fusion: Some(fusion),
+            gyro: None,
         };
         let localisation = params.validate_with::<Libm>().expect("valid");
         let sigma = localisation.filtered_noise_m();

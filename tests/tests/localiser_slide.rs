@@ -20,6 +20,7 @@ fn localisation(slide_m_s: f64) -> ValidLocaliserParams<f64> {
     let params = LocaliserParams {
         odometry: odometry(&file, SPEED),
         fusion: Some(fusion),
+        gyro: None,
     };
     params.validate_with::<Libm>().expect("valid")
 }

@@ -3,7 +3,7 @@
 use core::fmt::{self, Display, Formatter};
 
 use controller_core::base::Sensed;
-use controller_core::hal::{Clock, Error as _, WheelDrive, WheelEncoders};
+use controller_core::hal::{Clock, Error as _, NoGyro, WheelDrive, WheelEncoders, YawGyro};
 use controller_core::types::Pose;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
@@ -16,7 +16,7 @@ use crate::line::Line;
 use crate::{config, robot};
 
 /// What a board is made of.
-pub struct Parts<P, D, N, E, C, M = NoMemory> {
+pub struct Parts<P, D, N, E, C, M = NoMemory, G = NoGyro> {
     /// PWM and direction of the right motor.
     pub right: MotorSide<P, D>,
     /// PWM and direction of the left motor.
@@ -25,6 +25,8 @@ pub struct Parts<P, D, N, E, C, M = NoMemory> {
     pub enable: N,
     /// Both encoders.
     pub encoders: E,
+    /// A gyro, or [`NoGyro`].
+    pub gyro: G,
     /// Microseconds.
     pub clock: C,
     /// What keeps parameters while the power is off, its room made: nothing that takes longer than a tick may be left to do.
@@ -55,25 +57,26 @@ impl Display for StartError {
 impl core::error::Error for StartError {}
 
 /// Everything that happens once a tick.
-pub struct BoardBase<'queue, P, D, N, E, C, M = NoMemory> {
+pub struct BoardBase<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro> {
     server: ControlServer<'queue, MotorPair<P, D, N>, M>,
     encoders: E,
+    gyro: G,
     clock: C,
 }
 
 /// The two halves of a board: for the timer's interrupt, and for the background.
-pub type Halves<'queue, P, D, N, E, C, M = NoMemory> =
-    (BoardBase<'queue, P, D, N, E, C, M>, Line<'queue>);
+pub type Halves<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro> =
+    (BoardBase<'queue, P, D, N, E, C, M, G>, Line<'queue>);
 
 /// Makes the outputs safe and puts a robot together from its parts.
 ///
 /// # Errors
 ///
 /// [`StartError`]; the outputs are then as safe as they could be made.
-pub fn start<'queue, P, D, N, E, C, M>(
-    parts: Parts<P, D, N, E, C, M>,
+pub fn start<'queue, P, D, N, E, C, M, G>(
+    parts: Parts<P, D, N, E, C, M, G>,
     queues: &'queue mut Queues,
-) -> Result<Halves<'queue, P, D, N, E, C, M>, StartError>
+) -> Result<Halves<'queue, P, D, N, E, C, M, G>, StartError>
 where
     P: SetDutyCycle,
     D: OutputPin,
@@ -81,12 +84,14 @@ where
     E: WheelEncoders,
     C: Clock,
     M: Memory,
+    G: YawGyro,
 {
     let Parts {
         right,
         left,
         mut enable,
         mut encoders,
+        gyro,
         clock,
         memory,
     } = parts;
@@ -106,12 +111,13 @@ where
     let base = BoardBase {
         server: ControlServer::with_memory(task, ends, memory),
         encoders,
+        gyro,
         clock,
     };
     Ok((base, Line::new(receiver)))
 }
 
-impl<'queue, P, D, N, E, C, M> BoardBase<'queue, P, D, N, E, C, M>
+impl<'queue, P, D, N, E, C, M, G> BoardBase<'queue, P, D, N, E, C, M, G>
 where
     P: SetDutyCycle,
     D: OutputPin,
@@ -119,6 +125,7 @@ where
     E: WheelEncoders,
     C: Clock,
     M: Memory,
+    G: YawGyro,
 {
     /// Control task and line, to look at.
     pub const fn server(&self) -> &ControlServer<'queue, MotorPair<P, D, N>, M> {
@@ -132,6 +139,8 @@ where
         let sensed = Sensed {
             counts: self.encoders.counts().map_err(|error| error.kind()),
             fix: None,
+            // One that does not answer is silent: the base finds that by itself.
+            gyro: self.gyro.reading().unwrap_or(None),
             // No board measures supply or currents yet.
             supply_v: None,
             currents: None,

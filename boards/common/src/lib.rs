@@ -24,7 +24,9 @@ pub use bytes::Bytes;
 pub use line::{BAUD, Line};
 
 // What a board needs of the workspace, so that it depends on this crate only.
-pub use controller_core::hal::{Clock, ErrorKind, ErrorType, WheelCounts, WheelEncoders, Widened};
+pub use controller_core::hal::{
+    Clock, ErrorKind, ErrorType, NoGyro, WheelCounts, WheelEncoders, Widened, YawGyro,
+};
 pub use firmware_demo::control_server::Queues;
 pub use firmware_demo::drive::MotorSide;
 pub use firmware_demo::storage::{NoMemory, Slots};

@@ -6,8 +6,8 @@ use std::f32::consts::TAU;
 use std::rc::Rc;
 
 use board_common::{
-    Bytes, Clock, ErrorType, Halves, MotorSide, Parts, Queues, Slots, WheelCounts, WheelEncoders,
-    robot, start,
+    Bytes, Clock, ErrorType, Halves, MotorSide, NoGyro, Parts, Queues, Slots, WheelCounts,
+    WheelEncoders, robot, start,
 };
 use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
@@ -113,6 +113,7 @@ impl Board {
             left: side(left, Wire::default()),
             enable,
             encoders: world.clone(),
+            gyro: NoGyro,
             clock: world.clone(),
             memory,
         };

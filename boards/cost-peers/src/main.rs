@@ -1,4 +1,5 @@
-//! Peers of the controller in the same harness: what two common filters cost on the same emulated chip.
+//! Peers of the controller in the same harness: what two common filters and the laws of `sim-host bench` cost on the same
+//! emulated chip.
 //!
 //! `cargo run --release` prints lines `name min mean max` of executed instructions. The third peer, Ramsete, needs no
 //! dependency and is counted in `firmware-demo/src/bin/cost/ramsete.rs`.
@@ -6,6 +7,9 @@
 
 #[cfg(target_os = "none")]
 mod peers;
+
+#[cfg(target_os = "none")]
+mod rivals;
 
 #[cfg(target_os = "none")]
 firmware_demo::firmware!(peers::run);

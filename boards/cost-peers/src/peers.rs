@@ -17,6 +17,7 @@ pub fn run() {
     nops.print("thousand-nops");
     pids(&mut meter);
     biquads(&mut meter);
+    crate::rivals::run(&mut meter);
 }
 
 #[inline(never)]
@@ -103,10 +104,14 @@ fn count<B: SplitProcess<f32, f32, S>, S>(
 }
 
 /// Reproducible inputs in [−2, 2).
-struct Inputs(u32);
+pub struct Inputs(u32);
 
 impl Inputs {
-    fn real(&mut self) -> f32 {
+    pub const fn new(seed: u32) -> Self {
+        Self(seed)
+    }
+
+    pub fn real(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (self.0 as i32 >> 8) as f32 * (2.0 / 8_388_608.0)
     }

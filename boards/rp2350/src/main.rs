@@ -22,7 +22,7 @@ mod watchdog;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BoardBase, Bytes, MotorSide, NoMemory, Parts, Queues, config, robot, start};
+use board_common::{BoardBase, Bytes, MotorSide, NoGyro, NoMemory, Parts, Queues, config, robot, start};
 use critical_section::Mutex;
 use rp_pac::interrupt;
 
@@ -84,6 +84,7 @@ fn run() -> Option<()> {
         },
         enable,
         encoders: Encoders::start::<10, 11, 12, 13>(),
+        gyro: NoGyro,
         clock: Micros,
         memory: NoMemory,
     };

@@ -21,7 +21,7 @@ mod safe;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BAUD, BoardBase, Bytes, MotorSide, Parts, Queues, Slots, config, robot, start};
+use board_common::{BAUD, BoardBase, Bytes, MotorSide, NoGyro, Parts, Queues, Slots, config, robot, start};
 use cortex_m::peripheral::NVIC;
 use critical_section::Mutex;
 use embedded_hal_nb::serial::{Read as _, Write as _};
@@ -98,6 +98,7 @@ fn run() -> Option<()> {
             device.TIM3.qei((a.pa6, a.pa7), &mut rcc),
             device.TIM4.qei((b.pb6, b.pb7), &mut rcc),
         ),
+        gyro: NoGyro,
         clock: Micros::start(device.TIM2, &mut rcc),
         memory: Sectors::prepared(device.FLASH),
     };

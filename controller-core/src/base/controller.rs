@@ -9,11 +9,12 @@ use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use super::wheel_friction::Turning;
 use crate::error::{Input, StepFault};
+use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome};
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
-use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode};
+use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode, Side};
 use crate::scalar::{Scalar, microseconds, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Accel, Pose, Twist, WheelTorques};
@@ -44,6 +45,7 @@ pub const REMEMBERED: usize = 32;
 ///         wheels: robot.wheels, calibration: Calibration::NOMINAL, counts_per_turn: 2048.0, bandwidth: 50.0,
 ///     },
 ///     fusion: None,
+///     gyro: None,
 /// };
 /// let base = BaseParams::new(robot, limits, localiser, None, 10_000)?.validate()?;
 /// let mut controller: BaseController = BaseController::new(&base, Pose::default());
@@ -86,6 +88,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 blind: false,
                 curvature_bias: T::ZERO,
                 fix: FixOutcome::Absent,
+                gyro: GyroReport::default(),
                 active_faults: ActiveFaults::NONE,
                 refused: false,
                 motion: None,
@@ -110,6 +113,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                     jumped: false,
                     blind: true,
                     curvature_bias: self.report.curvature_bias,
+                    gyro: GyroReport::default(),
                 }
             }
         };
@@ -117,6 +121,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let inputs = self.inputs(dt_us, &located, sensed);
         active_faults.add_all(&self.monitor.check(&inputs));
         active_faults.add_some(self.given_up());
+        active_faults.add_some(located.gyro.fault.map(Fault::Gyro));
+        if located.gyro.slips {
+            active_faults.add(Fault::WheelSlip(self.sliding(located.gyro.slid)));
+        }
         self.supervisor
             .on_active_faults(&active_faults, &self.base.policy);
         let refused = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
@@ -137,6 +145,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         report.blind = located.blind;
         report.curvature_bias = located.curvature_bias;
         report.fix = located.fix;
+        report.gyro = located.gyro;
         report.active_faults = active_faults;
         report.refused = refused;
         report
@@ -198,6 +207,22 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     fn commanded(&self) -> Twist<T> {
         let report = self.report.motion.as_ref();
         report.map_or_else(Twist::default, |report| report.command)
+    }
+
+    /// Which wheel slides, where the wheels have turned the base by `slid` more than a gyro: a wheel slides the way that its own
+    /// torque pushes it, so forward on the right or backward on the left if `slid` is above 0.
+    fn sliding(&self, slid: T) -> Side {
+        let WheelTorques { right, left } = self.exerted;
+        let (right, left) = if slid > T::ZERO {
+            (right, -left)
+        } else {
+            (-right, left)
+        };
+        if right > left {
+            Side::Right
+        } else {
+            Side::Left
+        }
     }
 
     /// What the motion law said in the last tick about getting there.

@@ -1,5 +1,6 @@
 //! What goes into a tick and what comes out of it.
 
+use crate::gyro::GyroReading;
 use crate::hal::{ErrorKind, WheelCounts};
 use crate::localiser::Fix;
 use crate::reference::Reference;
@@ -35,6 +36,8 @@ pub struct Sensed<T = f32> {
     pub counts: Result<WheelCounts, ErrorKind>,
     /// An external pose, in the ticks in which one arrived.
     pub fix: Option<Fix<T>>,
+    /// What the gyro says, in the ticks in which a reading arrived.
+    pub gyro: Option<GyroReading<T>>,
     /// Supply of the motors \[V\], where it is measured.
     pub supply_v: Option<T>,
     /// Currents of the motors \[A\], where they are measured.
@@ -49,6 +52,7 @@ impl<T> Sensed<T> {
         Self {
             counts: Ok(counts),
             fix: None,
+            gyro: None,
             supply_v: None,
             currents: None,
             driver: Ok(()),

@@ -2,6 +2,7 @@
 
 use super::io::Sensed;
 use crate::error::StepFault;
+use crate::gyro::GyroReport;
 use crate::localiser::{Estimate, FixOutcome, Localiser, ValidLocaliserParams};
 use crate::maths::Maths;
 use crate::reference::sinc;
@@ -26,11 +27,13 @@ pub(super) struct Locator<T, const N: usize> {
 pub(super) struct Located<T> {
     pub(super) measured: Option<Measured<T>>,
     pub(super) fix: FixOutcome<T>,
-    /// \[s\]; `None` without a localisation that could be stale.
+    /// How long the base has been without poses, and without a gyro that carries it instead \[s\]; `None` without a localisation
+    /// that could be stale.
     pub(super) fix_age_s: Option<T>,
     pub(super) jumped: bool,
     pub(super) blind: bool,
     pub(super) curvature_bias: T,
+    pub(super) gyro: GyroReport<T>,
 }
 
 impl<T: Scalar, const N: usize> Locator<T, N> {
@@ -100,7 +103,13 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             Some(localiser) => {
                 // The counts of a gap came in all of it.
                 let dt = self.blind_s + dt;
-                localiser.update_with_accel::<M>(counts, dt, accel, sensed.fix.as_ref())?
+                localiser.update_with::<M>(
+                    counts,
+                    dt,
+                    accel,
+                    sensed.fix.as_ref(),
+                    sensed.gyro.as_ref(),
+                )?
             }
         };
         self.blind_s = T::ZERO;
@@ -116,7 +125,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     ) -> Located<T> {
         let fused = self.localisation.params().fusion.is_some();
         let fix_age_s = match &self.localiser {
-            Some(localiser) if fused => Some(localiser.fix_age_s() + self.blind_s),
+            Some(localiser) if fused => Some(localiser.uncarried_s() + self.blind_s),
             _ => None,
         };
         let jumped = self.set || estimate.is_some_and(|estimate| estimate.jumped);
@@ -131,6 +140,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 .localiser
                 .as_ref()
                 .map_or(T::ZERO, Localiser::curvature_bias),
+            gyro: estimate.map_or_else(GyroReport::default, |estimate| estimate.gyro),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Everything that a tick of a base computed.
 
 use super::io::WheelAction;
+use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::motion::MotionReport;
 use crate::safety::ActiveFaults;
@@ -25,6 +26,8 @@ pub struct BaseReport<T = f32> {
     pub curvature_bias: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
+    /// What is known of the gyro, where there is one.
+    pub gyro: GyroReport<T>,
     /// Faults found in this tick, ignored or not.
     pub active_faults: ActiveFaults,
     /// The order does not fit the state; nothing came of it.

@@ -102,6 +102,16 @@ pub enum Field {
     RestTime,
     RestSpeed,
     RestTurnRate,
+    GyroNoise,
+    GyroBias,
+    GyroBiasWalk,
+    GyroScale,
+    GyroRange,
+    GyroResolution,
+    GyroRate,
+    GyroLatency,
+    GyroRest,
+    GyroCarry,
 }
 
 impl Field {
@@ -205,6 +215,16 @@ impl Field {
             Self::RestTime => "rest_time",
             Self::RestSpeed => "rest_speed",
             Self::RestTurnRate => "rest_turn_rate",
+            Self::GyroNoise => "gyro_noise_density",
+            Self::GyroBias => "gyro_bias_limit",
+            Self::GyroBiasWalk => "gyro_bias_walk",
+            Self::GyroScale => "gyro_scale_error",
+            Self::GyroRange => "gyro_range",
+            Self::GyroResolution => "gyro_resolution",
+            Self::GyroRate => "gyro_rate_hz",
+            Self::GyroLatency => "gyro_latency_s",
+            Self::GyroRest => "gyro_rest_s",
+            Self::GyroCarry => "gyro_carry_s",
         }
     }
 }

@@ -66,6 +66,11 @@ impl<T: Scalar> CurvatureBias<T> {
         self.way = T::ZERO;
     }
 
+    /// A gyro turned by `more` per way than the wheels; at most `most` is believed \[rad/m\].
+    pub(super) fn correct(&mut self, most: T, more: T) {
+        self.value = clamp(self.value + more, most);
+    }
+
     /// The pose was set: what lies behind says nothing any more.
     pub(super) fn forget_way(&mut self) {
         self.way = T::ZERO;

@@ -56,6 +56,19 @@ pub(super) struct Correction<T> {
     pub(super) fix_age_s: T,
 }
 
+/// A fix beside the pose that is believed, at its own time.
+pub(super) struct Innovation<T> {
+    off: Pose<T>,
+    then: Pose<T>,
+}
+
+impl<T: Copy> Innovation<T> {
+    /// Off in the heading \[rad\].
+    pub(super) const fn heading(&self) -> T {
+        self.off.theta
+    }
+}
+
 impl<T: Scalar> Correction<T> {
     pub(super) fn new(pose: Pose<T>) -> Self {
         Self {
@@ -69,6 +82,11 @@ impl<T: Scalar> Correction<T> {
         }
     }
 
+    /// The heading was carried wrongly, by so much \[rad\].
+    pub(super) fn turn(&mut self, by: T) {
+        self.pose.theta += by;
+    }
+
     pub(super) fn set(&mut self, pose: Pose<T>) {
         self.curvature_bias.forget_way();
         *self = Self {
@@ -80,12 +98,14 @@ impl<T: Scalar> Correction<T> {
     }
 
     /// A tick in which odometry moved from `before` to `now`: the robot moves with it, and what is to
-    /// be corrected is, by the exponential that the noise is derived for, at no more than its rate.
+    /// be corrected is, by the exponential that the noise is derived for, at no more than its rate. `heading` where a gyro
+    /// carries it.
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         fusion: &Fusion<T>,
         before: &Pose<T>,
         now: &Pose<T>,
+        heading: Option<&Carried<T>>,
         dt: T,
     ) {
         self.pose = carried::<T, M>(&self.pose, before, now);
@@ -99,7 +119,10 @@ impl<T: Scalar> Correction<T> {
         self.pose = sum(&self.pose, &step, T::ONE);
         self.pending = sum(&self.pending, &step, -T::ONE);
         let driven = fusion.driven::<M>(before, now);
-        self.slack.grow(&driven);
+        match heading {
+            None => self.slack.grow(&driven),
+            Some(heading) => self.slack.carry(fusion, &driven, heading, dt),
+        }
         if let Some(candidate) = &mut self.candidate {
             candidate.slack.grow(&driven);
             candidate.sliding.grow(&driven);
@@ -108,29 +131,45 @@ impl<T: Scalar> Correction<T> {
         self.fix_age_s += dt;
     }
 
-    /// Judges a fix of the time when odometry was at `then`; it is at `now`.
+    /// Compares a fix of the time when odometry was at `then`; it is at `now`.
+    pub(super) fn compare<M: Maths<T>>(
+        &self,
+        fix: &Fix<T>,
+        then: Pose<T>,
+        now: &Pose<T>,
+    ) -> Innovation<T> {
+        let target = sum(&self.pose, &self.pending, T::ONE);
+        let off = difference(&fix.pose, &carried::<T, M>(&target, now, &then));
+        Innovation { off, then }
+    }
+
+    /// Judges a fix. Where a gyro carries the heading it says what share of a heading is to be taken, and the wheels' curvature bias
+    /// is not learnt from it.
     pub(super) fn take<M: Maths<T>>(
         &mut self,
         fusion: &Fusion<T>,
         fix: &Fix<T>,
-        then: &Pose<T>,
+        innovation: &Innovation<T>,
         now: &Pose<T>,
+        heading_gain: impl FnOnce(T) -> Option<T>,
     ) -> FixOutcome<T> {
         let (position, heading) = (&fusion.position, &fusion.heading);
-        let target = sum(&self.pose, &self.pending, T::ONE);
-        let off = difference(&fix.pose, &carried::<T, M>(&target, now, then));
+        let Innovation { off, then } = innovation;
         let gate = Slack {
             m: position.gate + self.slack.m,
             rad: heading.gate + self.slack.rad,
         };
-        if gate.allows(&off) {
+        if gate.allows(off) {
+            let carried = heading_gain(off.theta);
             let step = Pose {
                 x: position.gain * off.x,
                 y: position.gain * off.y,
-                theta: heading.gain * off.theta,
+                theta: carried.unwrap_or(heading.gain) * off.theta,
             };
             self.pending = sum(&self.pending, &step, T::ONE);
-            self.curvature_bias.learn(&fusion.learning, off.theta);
+            if carried.is_none() {
+                self.curvature_bias.learn(&fusion.learning, off.theta);
+            }
             self.slack.m = self.slack.m * (T::ONE - position.gain);
             self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
             self.candidate = None;
@@ -196,6 +235,14 @@ impl<T: Scalar> Candidate<T> {
     }
 }
 
+/// A heading that a gyro carries.
+pub(super) struct Carried<T> {
+    /// How far it may be off \[rad\].
+    pub(super) off: T,
+    /// The wheels disagree with it.
+    pub(super) slides: bool,
+}
+
 /// How far a tick drove, times the share that odometry may be wrong by.
 struct Driven<T> {
     travel: T,
@@ -223,6 +270,17 @@ impl<T: Scalar> Slack<T> {
     fn grow(&mut self, driven: &Driven<T>) {
         self.m += driven.drift_m + self.rad * driven.travel;
         self.rad += driven.drift_rad;
+    }
+
+    /// Where a gyro carries the heading, that is off by what its filter says, and wheels that slide take the position along.
+    fn carry(&mut self, fusion: &Fusion<T>, driven: &Driven<T>, heading: &Carried<T>, dt: T) {
+        let slid = if heading.slides {
+            dt * fusion.slide
+        } else {
+            T::ZERO
+        };
+        self.m += driven.drift_m + heading.off * driven.travel + slid;
+        self.rad = heading.off;
     }
 
     /// Wheels that slide, against each other at the worst, for `dt`.

@@ -29,6 +29,7 @@
 //!         wheels, calibration: Calibration::NOMINAL, counts_per_turn: 2048.0, bandwidth: 50.0,
 //!     },
 //!     fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
+//!     gyro: None,
 //! };
 //! let localisation = params.validate()?;
 //! let counts = WheelCounts::default();
@@ -51,13 +52,17 @@ pub use noise::filtered_share;
 pub use params::{FusionParams, LocaliserParams, ValidLocaliserParams};
 
 use crate::error::{Input, StepFault};
+use crate::gyro::{GyroHeading, GyroOutcome, GyroReading, GyroRefusal, GyroReport, Rolled};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
 use crate::odometry::Odometry;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, WheelSpeeds};
-use fusion::Correction;
+use fusion::{Carried, Correction};
 use history::History;
+
+/// Standard deviations by which a heading that a gyro carries may be off.
+const SURE: f64 = 3.0;
 
 /// An external pose that was valid some time ago.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -118,6 +123,8 @@ pub struct Estimate<T> {
     pub fix_age_s: T,
     /// `fix_age_s` is above `stale_s`. Never without fusion.
     pub stale: bool,
+    /// What is known of the gyro.
+    pub gyro: GyroReport<T>,
 }
 
 /// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks.
@@ -130,6 +137,9 @@ pub struct Localiser<T, const N: usize> {
     odometry: Odometry<T>,
     history: History<T, N>,
     correction: Correction<T>,
+    gyro: Option<GyroHeading<T>>,
+    /// Time since a gyro last carried the heading \[s\].
+    alone_s: T,
 }
 
 impl<T: Scalar, const N: usize> Localiser<T, N> {
@@ -152,6 +162,12 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             odometry: Odometry::of_checked(odometry, pose, counts),
             history: History::new(pose),
             correction: Correction::new(pose),
+            gyro: localisation.gyro.as_ref().map(|gyro| {
+                let mut heading = GyroHeading::new(gyro);
+                heading.set(localisation.fix_heading_variance());
+                heading
+            }),
+            alone_s: T::ZERO,
         })
     }
 
@@ -181,6 +197,21 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         accel: &Accel<T>,
         fix: Option<&Fix<T>>,
     ) -> Result<Estimate<T>, StepFault> {
+        self.update_with::<M>(counts, dt, accel, fix, None)
+    }
+
+    /// [`update_with_accel`](Self::update_with_accel) with what a gyro measured, if a reading has come.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn update_with<M: Maths<T>>(
+        &mut self,
+        counts: WheelCounts,
+        dt: T,
+        accel: &Accel<T>,
+        fix: Option<&Fix<T>>,
+        reading: Option<&GyroReading<T>>,
+    ) -> Result<Estimate<T>, StepFault> {
         if !dt.is_finite() {
             return Err(StepFault::NotFinite(Input::Tick));
         }
@@ -193,29 +224,82 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         let before = *self.odometry.pose();
         self.odometry
             .set_curvature_bias(self.correction.curvature_bias.value);
-        let measured = self.odometry.update_with_accel::<M>(counts, dt, accel);
+        let rolled = self.odometry.roll(counts);
+        let turn = match (&mut self.gyro, &self.localisation.gyro) {
+            (Some(heading), Some(gyro)) => {
+                let rolled = Rolled {
+                    travel: rolled.travel,
+                    turn: rolled.turn,
+                    counted: rolled.counted(),
+                    dt,
+                };
+                let turn = heading.advance(gyro, &rolled, reading);
+                if let Some(more) = heading.curvature(gyro) {
+                    self.correction
+                        .curvature_bias
+                        .correct(gyro.most_per_way(), more);
+                }
+                self.alone_s = if heading.carries() {
+                    T::ZERO
+                } else {
+                    self.alone_s + dt
+                };
+                turn
+            }
+            _ => rolled.turn,
+        };
+        let measured = self.odometry.integrate::<M>(&rolled, turn, dt, accel);
         let Some(fusion) = &self.localisation.fusion else {
             return Ok(Estimate {
                 measured,
                 fix: fix.map_or(FixOutcome::Absent, |_| {
                     FixOutcome::Refused(Refusal::NoFusion)
                 }),
+                curvature_bias: self.correction.curvature_bias.value,
+                gyro: self.gyro_report(reading),
                 ..Estimate::default()
             });
         };
         self.history.push(measured.pose, dt);
         self.correction.curvature_bias.drive(self.odometry.travel());
+        let carried = self.gyro.as_ref().filter(|gyro| gyro.carries());
+        let carried = carried.map(|gyro| Carried {
+            off: T::from_f64(SURE) * M::sqrt(gyro.heading_variance()),
+            slides: gyro.slides_now(),
+        });
         self.correction
-            .advance::<M>(fusion, &before, &measured.pose, dt);
+            .advance::<M>(fusion, &before, &measured.pose, carried.as_ref(), dt);
         let outcome = match fix {
             None => FixOutcome::Absent,
             Some(fix) => match self.then(fix) {
                 Err(refusal) => FixOutcome::Refused(refusal),
-                Ok(then) => self
-                    .correction
-                    .take::<M>(fusion, fix, &then, &measured.pose),
+                Ok(then) => {
+                    let variance = fusion.heading_variance;
+                    let (correction, gyro) = (&mut self.correction, &mut self.gyro);
+                    let mut innovation = correction.compare::<M>(fix, then, &measured.pose);
+                    let told = match (&mut *gyro, &self.localisation.gyro) {
+                        (Some(heading), Some(gyro)) => {
+                            heading.judge(gyro, innovation.heading(), variance)
+                        }
+                        _ => None,
+                    };
+                    if let Some(told) = told {
+                        correction.turn(-told);
+                        innovation = correction.compare::<M>(fix, then, &measured.pose);
+                    }
+                    correction.take::<M>(fusion, fix, &innovation, &measured.pose, |off| {
+                        match (gyro, &self.localisation.gyro) {
+                            (Some(heading), Some(gyro)) => heading.fused(gyro, off, variance),
+                            _ => None,
+                        }
+                    })
+                }
             },
         };
+        let jumped = outcome == FixOutcome::Relocalised;
+        if let (true, Some(gyro)) = (jumped, &mut self.gyro) {
+            gyro.set(fusion.heading_variance);
+        }
         let fix_age_s = self.correction.fix_age_s;
         Ok(Estimate {
             measured: Measured {
@@ -223,11 +307,23 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                 twist: measured.twist,
             },
             fix: outcome,
-            jumped: outcome == FixOutcome::Relocalised,
+            jumped,
             curvature_bias: self.correction.curvature_bias.value,
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
+            gyro: self.gyro_report(reading),
         })
+    }
+
+    fn gyro_report(&self, reading: Option<&GyroReading<T>>) -> GyroReport<T> {
+        match (&self.gyro, reading) {
+            (Some(gyro), _) => gyro.report(),
+            (None, Some(_)) => GyroReport {
+                outcome: GyroOutcome::Refused(GyroRefusal::NoGyro),
+                ..GyroReport::default()
+            },
+            (None, None) => GyroReport::default(),
+        }
     }
 
     /// The pose of odometry at the time of a fix.
@@ -249,6 +345,9 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             self.odometry.set_pose(pose);
         }
         self.correction.set(pose);
+        if let Some(gyro) = &mut self.gyro {
+            gyro.set(self.localisation.fix_heading_variance());
+        }
     }
 
     /// Speeds at which the wheels turn, as the encoders have it \[rad/s\].
@@ -268,6 +367,16 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
     pub fn fix_age_s(&self) -> T {
         self.correction.fix_age_s
+    }
+
+    /// The same for whoever watches over how long a base drives without fixes: while a gyro carries the heading, and for at most
+    /// [`carry_s`](crate::gyro::GyroParams::carry_s), the time since it last did not.
+    pub fn uncarried_s(&self) -> T {
+        let age = self.correction.fix_age_s;
+        match &self.localisation.params().gyro {
+            Some(gyro) if age <= gyro.carry_s && self.alone_s < age => self.alone_s,
+            _ => age,
+        }
     }
 
     /// Turn that odometry adds per way \[rad/m\]; see [`Estimate::curvature_bias`].

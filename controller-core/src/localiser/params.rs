@@ -3,6 +3,7 @@
 use super::curvature_bias::Learning;
 use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
+use crate::gyro::{GyroParams, ValidGyroParams};
 use crate::maths::{Maths, Usual};
 use crate::odometry::OdometryParams;
 use crate::range::within;
@@ -100,7 +101,12 @@ pub struct LocaliserParams<T = f32> {
     pub odometry: OdometryParams<T>,
     /// The source of fixes; `None` is odometry alone.
     pub fusion: Option<FusionParams<T>>,
+    /// The gyro, if there is one.
+    pub gyro: Option<GyroParams<T>>,
 }
+
+/// What odometry may be wrong by, as a share of the travel of a wheel, where no fusion states it: a calibrated base is within 2 %.
+const DRIFT: f64 = 0.02;
 
 impl<T: Usual> LocaliserParams<T> {
     /// [`validate_with`](Self::validate_with) the usual mathematics of the number type.
@@ -126,6 +132,13 @@ impl<T: Scalar> LocaliserParams<T> {
             }
             None => None,
         };
+        let drift = self
+            .fusion
+            .map_or(T::from_f64(DRIFT), |fusion| fusion.drift);
+        let gyro = match self.gyro {
+            Some(gyro) => Some(gyro.validate(&self.odometry, drift)?),
+            None => None,
+        };
         let filtered = fusion
             .as_ref()
             .map_or(T::ZERO, |fusion: &Fusion<T>| fusion.position.filtered);
@@ -133,6 +146,7 @@ impl<T: Scalar> LocaliserParams<T> {
             pose_noise: pose_noise::<T, M>(&self.odometry, filtered),
             params: self,
             fusion,
+            gyro,
         })
     }
 }
@@ -142,6 +156,7 @@ impl<T: Scalar> LocaliserParams<T> {
 pub struct ValidLocaliserParams<T = f32> {
     params: LocaliserParams<T>,
     pub(super) fusion: Option<Fusion<T>>,
+    pub(super) gyro: Option<ValidGyroParams<T>>,
     pub(super) pose_noise: T,
 }
 
@@ -166,6 +181,13 @@ impl<T: Scalar> ValidLocaliserParams<T> {
             .map_or(T::ZERO, |fusion| fusion.heading.filtered)
     }
 
+    /// Variance of a fix's heading \[rad²\], 0 without fixes.
+    pub(super) fn fix_heading_variance(&self) -> T {
+        self.fusion
+            .as_ref()
+            .map_or(T::ZERO, |fusion| fusion.heading_variance)
+    }
+
     /// The farthest that a coordinate of the pose is corrected in a tick of `dt` \[s\]: \[m\] and \[rad\].
     /// A relocalisation, which says so, is not bound by it.
     pub fn largest_step(&self, dt: T) -> (T, T) {
@@ -187,6 +209,8 @@ pub(super) struct Fusion<T> {
     pub(super) slide: T,
     pub(super) two_per_track: T,
     pub(super) learning: Learning<T>,
+    /// Variance of a fix's heading \[rad²\].
+    pub(super) heading_variance: T,
     pub(super) stale_s: T,
 }
 
@@ -219,6 +243,7 @@ impl<T: Scalar> Fusion<T> {
             drift: params.drift,
             slide: params.slide_m_s,
             two_per_track,
+            heading_variance: params.noise_rad * params.noise_rad,
             stale_s: params.stale_s,
         }
     }

@@ -1,6 +1,7 @@
 //! A robot that stands beside its goal: manoeuvres as long as they help, a bounded number of new approaches, then
 //! the truth.
 
+use super::arrival::Arrival;
 use super::goal_checker::GoalView;
 use super::params::ValidMotionParams;
 use crate::maths::Maths;
@@ -175,7 +176,7 @@ impl<T: Scalar> Retry<T> {
             next.came = if at.backing { -T::ONE } else { T::ONE };
         }
         if rest == Rest::Beside && (is_aside(motion, at) || is_held(motion, at)) {
-            next.since_s = self.since_s + motion.patience() / motion.aside_patience() * dt;
+            next.since_s = self.since_s + motion.patience() / motion.aside_patience(at) * dt;
         } else if is_stuck(motion, at) {
             let weight = if rest == Rest::Beside {
                 motion.patience() / motion.hold_patience()
@@ -255,10 +256,12 @@ fn is_beside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool
     at.distance > tolerance && at.error.x.abs() < T::HALF * tolerance
 }
 
-/// Slow, and too far to the side: wheels cannot go there, and waiting changes nothing but the pose.
+/// Slow, and too far to the side: wheels cannot go there, and waiting changes nothing but the pose. Twice too far need not be slow.
 fn is_aside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
     let arrival = &motion.params().arrival;
-    at.error.y.abs() > arrival.distance_m && motion.rim_speed(&at.command) <= arrival.stall_speed
+    let (aside, tolerance) = (at.error.y.abs(), arrival.distance_m);
+    let slow = motion.rim_speed(&at.command) <= arrival.stall_speed;
+    aside > tolerance && (slow || aside > tolerance + tolerance)
 }
 
 /// Within ten tolerances of its goal.
@@ -328,14 +331,25 @@ impl<T: Scalar> ValidMotionParams<T> {
     }
 
     /// How long a robot may stand aside of its goal before another manoeuvre \[s\]: until its velocity has settled, and a
-    /// filtered pose, whose time constant the dwell is.
-    fn aside_patience(&self) -> T {
+    /// filtered pose, whose time constant the dwell is. What the pose may still move by, a tolerance at most, adds to what the next
+    /// manoeuvre misses by as squares do: a goal that is further away is not worth as long a wait.
+    fn aside_patience(&self, at: &GoalView<T>) -> T {
         let gains = self.gains();
         let slower = if gains.speed_loop < gains.turn_loop {
             gains.speed_loop
         } else {
             gains.turn_loop
         };
-        T::ONE / slower + self.params().arrival.dwell_s
+        let Arrival {
+            dwell_s,
+            distance_m: tolerance,
+            ..
+        } = self.params().arrival;
+        let share = if at.distance > tolerance {
+            tolerance / at.distance
+        } else {
+            T::ONE
+        };
+        T::ONE / slower + share * share * dwell_s
     }
 }

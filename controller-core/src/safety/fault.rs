@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::reaction::{Reaction, Response};
 use crate::error::{Input, StepFault};
+use crate::gyro::GyroFault;
 use crate::hal::ErrorKind;
 
 /// Which wheel a fault is about.
@@ -262,6 +263,11 @@ faults! {
         None,
         // The goal is not reached, everything else works.
         Response::passing(STOP);
+    /// The gyro lies. The heading goes by the wheels until it agrees with them again.
+    Gyro (GyroFault) = 17, gyro,
+        None,
+        // What is left is a base without a gyro.
+        Response::IGNORE;
 }
 
 impl FaultKind {
@@ -310,6 +316,7 @@ impl fmt::Display for Fault {
             | Self::OverCurrent(side) => write!(f, "{name} ({side:?})"),
             Self::Driver(kind) => write!(f, "{name}: {kind}"),
             Self::StepRefused(fault) => write!(f, "{name}: {fault}"),
+            Self::Gyro(fault) => write!(f, "{name}: {fault}"),
             _ => f.write_str(name),
         }
     }
@@ -328,7 +335,7 @@ mod tests {
             assert_eq!(FaultKind::from_code(kind.code()), Some(kind));
         }
         assert_eq!(FaultKind::from_code(0), None);
-        assert_eq!(FaultKind::from_code(17), None);
+        assert_eq!(FaultKind::from_code(18), None);
     }
 
     #[test]

@@ -99,6 +99,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             slide_m_s: 0.5,
             stale_s: 0.5,
         }),
+        gyro: None,
     },
     motor: Some(MotorParams {
         gear_ratio: 26.0,
@@ -177,6 +178,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         step_refused: Response::latched(Reaction::Brake),
         stalled: Response::passing(Reaction::ControlledStop),
         goal_unreachable: Response::passing(Reaction::ControlledStop),
+        gyro: Response::passing(Reaction::Ignore),
     },
     supervisor: SupervisorParams {
         stop_limit: Timeout::AfterUs(5_000_000),

@@ -1,6 +1,7 @@
 //! The report of a tick of the base.
 
 use controller_core::base::{BaseReport, WheelAction};
+use controller_core::gyro::GyroOutcome;
 use controller_core::localiser::FixOutcome;
 use controller_core::motion::{Mode, Outcome};
 
@@ -30,6 +31,8 @@ impl BaseTick {
             (report.motion.is_some(), flags::LAW),
             (fused, flags::FIX_USED),
             (unused, flags::FIX_REFUSED),
+            (report.gyro.outcome == GyroOutcome::Used, flags::GYRO_USED),
+            (report.gyro.slid != 0.0, flags::SLIDING),
         ] {
             bits |= if holds { bit } else { 0 };
         }

@@ -191,10 +191,46 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
     ]
 };
 
+/// The same of [`FaultInjectionKind::GYRO`]. Nothing is done about any of them by default: the base goes on by its wheels.
+pub const GYRO_RULES: [Rule; FaultInjectionKind::GYRO.len()] = {
+    use {Clock as C, FaultInjectionKind as U, FaultKind as F};
+    const SLIP: &[(Why, &str)] = &[(
+        Why::Fault(FaultKind::WheelSlip),
+        "until a pose arrives that tells, a gyro that turns less or more than the wheels looks like a wheel that slides",
+    )];
+    [
+        rule(U::GyroSilent, fault(F::Gyro), &[], C::All),
+        rule(U::GyroNan, fault(F::Gyro), &[], C::All),
+        rule(U::GyroStuck, fault(F::Gyro), SLIP, C::None),
+        rule(U::GyroReversed, fault(F::Gyro), SLIP, C::None),
+        rule(U::GyroScale, fault(F::Gyro), SLIP, C::None),
+        rule(U::GyroBias, fault(F::Gyro), SLIP, C::None),
+    ]
+};
+
+/// Other names that are right on a base with a gyro, each with the reason.
+pub const GYRO_ALSO: [(FaultInjectionKind, Why, &str); 2] = [
+    (
+        FaultInjectionKind::EncoderReversed,
+        Why::Fault(FaultKind::WheelSlip),
+        "of a wheel that turns little an encoder of the wrong sign, and a slide, turn the base alike",
+    ),
+    (
+        FaultInjectionKind::EncoderStuck,
+        Why::Fault(FaultKind::WheelSlip),
+        "counts that come back, as in a contact that fails, are those of a wheel that slid",
+    ),
+];
+
 impl Rule {
     /// Of a trouble.
     pub const fn of(injection: FaultInjectionKind) -> &'static Self {
-        &RULES[injection as usize]
+        let place = injection as usize;
+        if place < RULES.len() {
+            &RULES[place]
+        } else {
+            &GYRO_RULES[place - RULES.len()]
+        }
     }
 
     /// Whether a finding is right.
@@ -247,6 +283,12 @@ impl Rule {
         use FaultInjectionKind as U;
         match self.injection {
             U::Nothing | U::LineFull | U::LineDelayed | U::WheelOnIce => None,
+            // Five readings, or 0.1 s; one may be on its way.
+            U::GyroSilent | U::GyroNan => params.localiser.gyro.map(|gyro| {
+                let age = f64::from(gyro.latency_s);
+                (5.0 / f64::from(gyro.rate_hz)).max(0.1) + age + ticks(2.0)
+            }),
+            U::GyroStuck | U::GyroReversed | U::GyroScale | U::GyroBias => None,
             U::EncoderStuck | U::WheelBlocked => {
                 after(detectors.wheels.stuck.after).map(|s| s + ticks(2.0))
             }
@@ -256,8 +298,13 @@ impl Rule {
             // The last pose may be on its way yet, and the one before it was an interval ago.
             U::PoseSilent | U::PoseNan | U::FixAgeNan => {
                 let source = source?;
+                // A gyro carries the base meanwhile.
+                let carried = params
+                    .localiser
+                    .gyro
+                    .map_or(0.0, |gyro| f64::from(gyro.carry_s));
                 after(detectors.pose)
-                    .map(|s| s + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
+                    .map(|s| s.max(carried) + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
             }
             // As many outliers as have to agree, after the one that was on its way.
             U::PoseJump => {
@@ -394,7 +441,7 @@ pub(super) fn no_number(park: bool, drives: bool) -> Command {
 pub(super) const fn least(kind: FaultKind) -> Response {
     use FaultKind as F;
     match kind {
-        F::PoseJump => Response::IGNORE,
+        F::PoseJump | F::Gyro => Response::IGNORE,
         F::PoseStale | F::CommandStale | F::WheelSlip | F::Stalled | F::GoalUnreachable => {
             Response::passing(Reaction::ControlledStop)
         }
@@ -414,6 +461,10 @@ mod tests {
     #[test]
     fn every_trouble_has_its_row() {
         for (injection, rule) in FaultInjectionKind::ALL.into_iter().zip(&RULES) {
+            assert_eq!(injection, rule.injection);
+            assert_eq!(Rule::of(injection), rule);
+        }
+        for (injection, rule) in FaultInjectionKind::GYRO.into_iter().zip(&GYRO_RULES) {
             assert_eq!(injection, rule.injection);
             assert_eq!(Rule::of(injection), rule);
         }

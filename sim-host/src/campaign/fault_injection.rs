@@ -53,6 +53,18 @@ pub enum FaultInjectionKind {
     LineDamaged,
     /// Bytes are on the line for longer.
     LineDelayed,
+    /// [`PlantFault::GyroSilent`].
+    GyroSilent,
+    /// [`PlantFault::GyroNan`].
+    GyroNan,
+    /// [`PlantFault::GyroStuck`].
+    GyroStuck,
+    /// [`PlantFault::GyroScale`] of −1.
+    GyroReversed,
+    /// [`PlantFault::GyroScale`].
+    GyroScale,
+    /// [`PlantFault::GyroBias`].
+    GyroBias,
 }
 
 impl FaultInjectionKind {
@@ -61,7 +73,7 @@ impl FaultInjectionKind {
         matches!(self, Self::LineFull | Self::LineDamaged | Self::LineDelayed)
     }
 
-    /// All of them.
+    /// All of a base without a gyro.
     pub const ALL: [Self; 22] = [
         Self::Nothing,
         Self::EncoderStuck,
@@ -85,6 +97,16 @@ impl FaultInjectionKind {
         Self::LineFull,
         Self::LineDamaged,
         Self::LineDelayed,
+    ];
+
+    /// What comes to them on a base with one.
+    pub const GYRO: [Self; 6] = [
+        Self::GyroSilent,
+        Self::GyroNan,
+        Self::GyroStuck,
+        Self::GyroReversed,
+        Self::GyroScale,
+        Self::GyroBias,
     ];
 
     /// For tables and files.
@@ -112,6 +134,12 @@ impl FaultInjectionKind {
             Self::LineFull => "line full",
             Self::LineDamaged => "line damaged",
             Self::LineDelayed => "line delayed",
+            Self::GyroSilent => "gyro silent",
+            Self::GyroNan => "gyro NaN",
+            Self::GyroStuck => "gyro stuck",
+            Self::GyroReversed => "gyro reversed",
+            Self::GyroScale => "gyro scale",
+            Self::GyroBias => "gyro bias",
         }
     }
 
@@ -182,6 +210,18 @@ impl FaultInjectionKind {
                     delay_us: random.between(5.0e3, 6.0e4) as u64,
                 },
                 ..Manner::default()
+            }),
+            Self::GyroSilent => What::PlantFault(PlantFault::GyroSilent),
+            Self::GyroNan => What::PlantFault(PlantFault::GyroNan),
+            Self::GyroStuck => What::PlantFault(PlantFault::GyroStuck),
+            Self::GyroReversed => What::PlantFault(PlantFault::GyroScale { factor: -1.0 }),
+            // A register that says another range: half, double.
+            Self::GyroScale => What::PlantFault(PlantFault::GyroScale {
+                factor: if random.chance(0.5) { 0.5 } else { 2.0 },
+            }),
+            // From ten times what a good one has to what a poor one has.
+            Self::GyroBias => What::PlantFault(PlantFault::GyroBias {
+                rad_s: random.between(0.1, 0.5) * if random.chance(0.5) { 1.0 } else { -1.0 },
             }),
         };
         FaultInjection { kind: self, what }

@@ -34,7 +34,7 @@ mod run;
 mod study;
 mod summary;
 
-pub use expected::{Clock, KNOWN, Known, RULES, Rule, known};
+pub use expected::{Clock, GYRO_ALSO, GYRO_RULES, KNOWN, Known, RULES, Rule, known};
 pub use fault_injection::{FaultInjection, FaultInjectionKind};
 pub use outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 pub use plan::{Bases, Plan, Target};

@@ -101,6 +101,8 @@ pub struct Plan {
     pub run: u64,
     /// Which of [`BASES`].
     pub base: usize,
+    /// It has a gyro.
+    pub gyro: bool,
     /// In what state.
     pub target: Target,
     /// What.
@@ -128,7 +130,10 @@ pub struct Plan {
 
 /// Bases, read once for all runs.
 #[derive(Clone, Debug)]
-pub struct Bases(Vec<BaseSpec>);
+pub struct Bases {
+    all: Vec<BaseSpec>,
+    kinds: Vec<FaultInjectionKind>,
+}
 
 impl Bases {
     /// Those built in.
@@ -137,45 +142,59 @@ impl Bases {
     /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn built_in() -> Result<Self, ScenarioError> {
         let bases = BASES.iter().map(crate::scenario::BuiltInBase::base);
-        Ok(Self(bases.collect::<Result<_, _>>()?))
+        Ok(Self {
+            all: bases.collect::<Result<_, _>>()?,
+            kinds: FaultInjectionKind::ALL.to_vec(),
+        })
+    }
+
+    /// Those built in, each with [`GYRO`](crate::scenario::GYRO), and what can go wrong with it.
+    ///
+    /// # Errors
+    /// As [`BaseSpec::parse`]; a test reads them all.
+    pub fn with_gyro() -> Result<Self, ScenarioError> {
+        let bases = BASES.iter().map(crate::scenario::BuiltInBase::with_gyro);
+        Ok(Self {
+            all: bases.collect::<Result<_, _>>()?,
+            kinds: [&FaultInjectionKind::ALL[..], &FaultInjectionKind::GYRO].concat(),
+        })
+    }
+
+    /// Kinds of trouble that they can have.
+    pub fn kinds(&self) -> &[FaultInjectionKind] {
+        &self.kinds
+    }
+
+    /// The trouble of run `run`, whatever the seed.
+    pub fn trouble(&self, run: u64) -> FaultInjectionKind {
+        let (states, kinds) = (Target::ALL.len() as u64, self.kinds.len() as u64);
+        self.kinds[(run / states % kinds) as usize]
     }
 
     /// All of them.
     pub fn all(&self) -> &[BaseSpec] {
-        &self.0
+        &self.all
     }
 
     /// Of a plan.
     pub fn of(&self, plan: &Plan) -> &BaseSpec {
-        &self.0[plan.base]
+        &self.all[plan.base]
     }
 }
 
 impl Plan {
-    /// The trouble of run `run`, whatever the seed.
-    pub fn trouble(run: u64) -> FaultInjectionKind {
-        let (states, kinds) = (
-            Target::ALL.len() as u64,
-            FaultInjectionKind::ALL.len() as u64,
-        );
-        FaultInjectionKind::ALL[(run / states % kinds) as usize]
-    }
-
     /// Run `run` of the campaign of `seed`. Runs go through every state with every kind of trouble
     /// on every base in turn; all else is random.
     pub fn draw(bases: &Bases, seed: u64, run: u64) -> Self {
         let random = &mut Random::new(seed, run);
-        let (states, kinds) = (
-            Target::ALL.len() as u64,
-            FaultInjectionKind::ALL.len() as u64,
-        );
+        let (states, kinds) = (Target::ALL.len() as u64, bases.kinds.len() as u64);
         let target = Target::ALL[(run % states) as usize];
-        let kind = Self::trouble(run);
-        let index = (run / (states * kinds) % bases.0.len() as u64) as usize;
-        let base = &bases.0[index];
+        let kind = bases.trouble(run);
+        let index = (run / (states * kinds) % bases.all.len() as u64) as usize;
+        let base = &bases.all[index];
         let injection = kind.draw(base, random);
         let second = random.chance(0.2).then(|| {
-            let other = FaultInjectionKind::ALL[random.below(FaultInjectionKind::ALL.len())];
+            let other = bases.kinds[random.below(bases.kinds.len())];
             (random.between(0.0, 0.3), other.draw(base, random))
         });
         let limits = &base.limits;
@@ -192,6 +211,9 @@ impl Plan {
             seed,
             run,
             base: index,
+            gyro: base
+                .hardware
+                .is_some_and(|hardware| hardware.gyro.is_some()),
             target,
             injection,
             second,

@@ -3,6 +3,7 @@
 use crate::mission::Hardware;
 use controller_core::base::{BaseParams, Order, Sensed};
 use controller_core::error::ParamError;
+use controller_core::gyro::GyroReading;
 use controller_core::localiser::{Fix, LocaliserParams};
 use controller_core::maths::Single;
 use controller_core::motion::Task;
@@ -61,6 +62,7 @@ fn plain_localiser(wheels: WheelGeometry<f32>) -> LocaliserParams<f32> {
             bandwidth: bandwidth as f32,
         },
         fusion: None,
+        gyro: None,
     }
 }
 
@@ -92,6 +94,7 @@ pub(super) fn with_hardware(
     }
     all.encoder.counts_per_turn = own.encoder.counts_per_turn;
     all.pose_source = all.pose_source.or(own.pose_source);
+    all.gyro = all.gyro.or(own.gyro);
     all
 }
 
@@ -104,6 +107,7 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
             pose: pose.cast(),
             age_s: age_s as f32,
         }),
+        gyro: gyro(world),
         supply_v: Some(world.supply_v() as f32),
         currents: Some(Currents {
             right: right as f32,
@@ -111,6 +115,15 @@ pub(super) fn sensed(world: &World) -> Sensed<f32> {
         }),
         driver: world.drive_answer(),
     }
+}
+
+/// What the gyro of a world gave in its last tick.
+pub(super) fn gyro(world: &World) -> Option<GyroReading<f32>> {
+    world.gyro().map(|sample| GyroReading {
+        rate: sample.rate as f32,
+        heading: None,
+        age_s: sample.age_s as f32,
+    })
 }
 
 impl From<&WheelOutput> for Actuation {

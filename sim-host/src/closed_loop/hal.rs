@@ -3,8 +3,9 @@
 use super::convert;
 use crate::world::{Actuation, ActuationError, World};
 use controller_core::base::Sensed;
+use controller_core::gyro::GyroReading;
 use controller_core::hal::{
-    Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders,
+    Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders, YawGyro,
 };
 use controller_core::motor::Motor;
 use controller_core::types::WheelTorques;
@@ -117,6 +118,12 @@ impl WheelDrive for PlantHal {
 impl WheelEncoders for PlantHal {
     fn counts(&mut self) -> Result<WheelCounts, ErrorKind> {
         self.world.counts()
+    }
+}
+
+impl YawGyro for PlantHal {
+    fn reading(&mut self) -> Result<Option<GyroReading<f32>>, ErrorKind> {
+        Ok(convert::gyro(&self.world))
     }
 }
 

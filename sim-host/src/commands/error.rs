@@ -60,6 +60,21 @@ pub enum CommandError {
     #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
     NoCondition { word: String, names: Vec<String> },
     #[error(transparent)]
+    Bench(#[from] sim_host::bench::BenchError),
+    #[error("no threads: {0}")]
+    Threads(String),
+    #[error(
+        "{0}: no least times are known of this base; there are those of paper-30kg, lab-10kg, hobby-1kg"
+    )]
+    NoLeastTimes(String),
+    #[error("no law has {word} in its name; there are: {}", names.join("; "))]
+    NoLaw {
+        word: String,
+        names: Vec<&'static str>,
+    },
+    #[error("no class has {word} in its name; there are: {}", names.join("; "))]
+    NoClass { word: String, names: Vec<String> },
+    #[error(transparent)]
     Verify(#[from] VerifyError),
     #[error(transparent)]
     Tune(#[from] TuneError),

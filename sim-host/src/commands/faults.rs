@@ -20,10 +20,14 @@ pub fn all(
     runs: NonZeroU64,
     seed: u64,
     only: &[String],
-    run: Option<u64>,
+    (run, gyro): (Option<u64>, bool),
     output: &Output,
 ) -> Result<(), CommandError> {
-    let bases = Bases::built_in()?;
+    let bases = if gyro {
+        Bases::with_gyro()
+    } else {
+        Bases::built_in()
+    }?;
     let writer = Writer::new(output)?;
     if let Some(number) = run {
         trace(&bases, seed, number, &writer)?;
@@ -31,16 +35,14 @@ pub fn all(
     let chosen = |kind: FaultInjectionKind| {
         only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
     };
-    if !FaultInjectionKind::ALL.into_iter().any(chosen) {
+    if !bases.kinds().iter().copied().any(chosen) {
         return Err(CommandError::NoTrouble(
-            FaultInjectionKind::ALL
-                .map(FaultInjectionKind::name)
-                .to_vec(),
+            bases.kinds().iter().map(|kind| kind.name()).collect(),
         ));
     }
     let count = usize::try_from(runs.get()).unwrap_or(usize::MAX);
     let numbers: Vec<u64> = (run.unwrap_or(0)..)
-        .filter(|number| chosen(Plan::trouble(*number)))
+        .filter(|number| chosen(bases.trouble(*number)))
         .take(count)
         .collect();
     // Hidden by itself where standard error is no terminal.
@@ -75,7 +77,8 @@ pub fn all(
     if let Some(first) = outcomes.iter().find(|outcome| outcome.end.is_err()) {
         let run = first.run;
         say(&format!(
-            "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}\n\n"
+            "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}{}\n\n",
+            if gyro { " --gyro" } else { "" }
         ))?;
     }
     writer.rows(NAME, |out| write_runs(&outcomes, out))?;

@@ -1,5 +1,6 @@
 //! What each command does.
 
+mod bench;
 mod compare;
 mod constants;
 mod drive;
@@ -75,7 +76,9 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             seed,
             only,
             run,
-        } => faults::all(*runs, seed.draw()?, only, *run, output),
+            gyro,
+        } => faults::all(*runs, seed.draw()?, only, (*run, *gyro), output),
+        Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {
             // Nobody to read it is no reason to stop.

@@ -55,6 +55,10 @@ pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
         .localiser
         .fusion
         .map_or("LocaliserParams", |_| "{FusionParams, LocaliserParams}");
+    let gyro = params
+        .localiser
+        .gyro
+        .map_or("", |_| "use controller_core::gyro::GyroParams;\n");
     let jump = params.motion.jump.map_or("", |_| "JumpThreshold, ");
     Ok(format!(
         "\
@@ -64,7 +68,7 @@ pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
 //! stands at its type.
 
 use controller_core::base::BaseParams;
-use controller_core::localiser::{localiser};
+{gyro}use controller_core::localiser::{localiser};
 use controller_core::motion::{{
     Arrival, AtRest, {jump}Limits, MotionGains, MotionParams, Parking, SaturationPolicy,
 }};

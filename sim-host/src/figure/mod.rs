@@ -4,6 +4,7 @@
 //! velocity, (d) actual and desired angular velocity, (e) force and moment. The first run is
 //! drawn strong, a second one thin and pale below it.
 
+mod bench;
 mod corner;
 mod limits;
 mod notes;
@@ -15,6 +16,7 @@ mod thin_out;
 mod time_panel;
 mod typeset;
 
+pub use bench::pareto;
 pub use png::png;
 pub use robustness::robustness;
 pub use thin_out::thin_out;

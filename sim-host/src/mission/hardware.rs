@@ -1,9 +1,10 @@
 //! What a base has beside its body: motors, battery, encoders, a localisation.
 
 use crate::world::{
-    BatteryParams, EncoderParams, FrictionParams, MotorParams as TrueMotor, PoseSourceParams,
-    WorldKeys,
+    BatteryParams, EncoderParams, FrictionParams, GyroParams as TrueGyro, MotorParams as TrueMotor,
+    PoseSourceParams, WorldKeys,
 };
+use controller_core::gyro::GyroParams;
 use controller_core::localiser::{FusionParams, LocaliserParams};
 use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
@@ -25,8 +26,40 @@ pub struct Hardware {
     pub speed_bandwidth: f64,
     /// External localisation, if there is one.
     pub pose_source: Option<PoseSourceParams>,
+    /// Gyro, if there is one.
+    pub gyro: Option<Gyro>,
     /// Control period \[s\].
     pub period_s: f64,
+}
+
+/// A gyro, and what the base makes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gyro {
+    /// The sensor.
+    pub sensor: TrueGyro,
+    /// See [`GyroParams::rest_s`].
+    pub rest_s: f64,
+    /// See [`GyroParams::carry_s`].
+    pub carry_s: f64,
+}
+
+impl Gyro {
+    /// The core's gyro.
+    pub fn params<T: Scalar>(&self) -> GyroParams<T> {
+        let (f, sensor) = (T::from_f64, &self.sensor);
+        GyroParams {
+            noise_density: f(sensor.noise_density),
+            bias_limit: f(sensor.bias_limit),
+            bias_walk: f(sensor.bias_walk),
+            scale_error: f(sensor.scale_error),
+            range: f(sensor.range),
+            resolution: f(sensor.resolution),
+            rate_hz: f(sensor.rate_hz),
+            latency_s: f(sensor.latency_s),
+            rest_s: f(self.rest_s),
+            carry_s: f(self.carry_s),
+        }
+    }
 }
 
 /// Wanted speed of a wheel, as a share of that at the base's largest speed, up to which friction
@@ -83,6 +116,7 @@ impl Hardware {
             fusion: self.pose_source.map(|source| {
                 FusionParams::for_source(f(source.noise_m), f(source.noise_rad), f(source.rate_hz))
             }),
+            gyro: self.gyro.map(|gyro| gyro.params()),
         }
     }
 
@@ -97,6 +131,7 @@ impl Hardware {
                 ..EncoderParams::default()
             },
             pose_source: self.pose_source,
+            gyro: self.gyro.map(|gyro| gyro.sensor),
             ..WorldKeys::default()
         }
     }

@@ -8,7 +8,7 @@ mod reference_sampler;
 mod sequencer;
 
 pub use base::BaseSpec;
-pub use hardware::Hardware;
+pub use hardware::{Gyro, Hardware};
 pub(crate) use reference_sampler::AccelerationAt;
 pub(crate) use sequencer::{Orders, Sequencer};
 
@@ -16,6 +16,7 @@ use crate::import::Trajectory;
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use crate::world::WorldSetup;
+use controller_core::reference::Reference;
 use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -133,6 +134,11 @@ pub enum End {
 }
 
 impl Mission {
+    /// The route, sampled at every tick; empty without one.
+    pub(crate) fn samples(&self) -> Vec<Reference<f64>> {
+        reference_sampler::ReferenceSampler::of(self, AccelerationAt::MiddleOfHold).into_samples()
+    }
+
     /// The time at which the run ends at the latest \[s\].
     pub fn longest_s(&self) -> f64 {
         match self.end {

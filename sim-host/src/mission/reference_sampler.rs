@@ -79,6 +79,11 @@ impl ReferenceSampler {
         }
     }
 
+    /// All of it.
+    pub(super) fn into_samples(self) -> Vec<Reference<f64>> {
+        self.references
+    }
+
     /// The reference at a tick; at rest behind the last one.
     pub(super) fn at(&self, tick: usize) -> Option<Reference<f64>> {
         let last = self.references.last()?;

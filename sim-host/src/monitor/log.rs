@@ -38,7 +38,7 @@ impl Row<'_> {
 
 /// Names as in the files of `run` where the quantity is the same. `time_s` is the host's, since the start;
 /// `active_faults` are the faults of the tick, joined by `+`; `ignored_faults` is how many were ignored since power-on.
-fn columns<'a>() -> [Column<Row<'a>>; 36] {
+fn columns<'a>() -> [Column<Row<'a>>; 38] {
     columns![row;
         "time_s" => format!("{:.6}", row.time_s),
         "tick" => row.tick.tick,
@@ -60,6 +60,8 @@ fn columns<'a>() -> [Column<Row<'a>>; 36] {
         "blind" => row.has(tick_flags::BLIND),
         "fix_used" => row.has(tick_flags::FIX_USED),
         "fix_refused" => row.has(tick_flags::FIX_REFUSED),
+        "gyro_used" => row.has(tick_flags::GYRO_USED),
+        "sliding" => row.has(tick_flags::SLIDING),
         "x" => row.tick.x,
         "y" => row.tick.y,
         "theta" => row.tick.theta,

@@ -6,10 +6,13 @@
 mod law;
 mod motion;
 mod recorder;
+mod rival;
 mod world;
 
 pub(crate) use law::{Law, PaperLaw};
-pub(crate) use motion::MotionLaw;
+pub(crate) use motion::{MotionLaw, motion_law};
+pub(crate) use rival::{Driver, RivalLaw};
+pub(crate) use world::ride;
 pub use world::{drive_and_observe, fly};
 
 use crate::closed_loop::ClosedLoopError;
@@ -99,7 +102,7 @@ pub fn drive(mission: &Mission) -> Result<Trace, RunError> {
             }
         });
     }
-    let law = motion::motion_law(&mission.base, mission.precision);
+    let law = motion_law(&mission.base, mission.precision);
     let mut law = law.map_err(|cause| refused(&mission.name, cause))?;
     let sequencer = Sequencer::new(mission, AccelerationAt::MiddleOfHold);
     on_ideal_plant(mission, sequencer, law.as_mut())
@@ -110,7 +113,11 @@ fn refused(name: &str, cause: ParamError) -> RunError {
     RunError::Params { name, cause }
 }
 
-fn on_ideal_plant(
+/// Runs a mission with any law, on the ideal plant.
+///
+/// # Errors
+/// The first tick that the law refuses.
+pub(crate) fn on_ideal_plant(
     mission: &Mission,
     mut sequencer: Sequencer<'_>,
     law: &mut dyn Law,

@@ -1,12 +1,13 @@
 //! A mission in a world, with the whole base.
 
+use super::Driver;
 use super::OBSERVE_S;
 use super::recorder::Recorder;
 use crate::closed_loop::{ClosedLoop, ClosedLoopError, Mirror, order};
 use crate::mission::{AccelerationAt, Mission, Sequencer};
 use crate::trace::{BaseNote, HandOver, Trace, TraceRow};
 use crate::world::WorldSetup;
-use controller_core::base::BaseReport;
+use controller_core::base::{BaseReport, Order};
 use controller_core::maths::Libm;
 use controller_core::motion::{MotionReport, Outcome, Task};
 use controller_core::pose_error::pose_error;
@@ -26,7 +27,7 @@ pub fn drive_and_observe(
     setup: &WorldSetup,
     observe_s: f64,
 ) -> Result<Trace, ClosedLoopError> {
-    run(mission, setup, None, observe_s)
+    run(mission, setup, (None, None), observe_s)
 }
 
 /// As [`super::drive`], with the same base somewhere else whose motors move the plant.
@@ -38,13 +39,26 @@ pub fn fly(
     setup: &WorldSetup,
     mirror: &mut dyn Mirror,
 ) -> Result<Trace, ClosedLoopError> {
-    run(mission, setup, Some(mirror), OBSERVE_S)
+    run(mission, setup, (Some(mirror), None), OBSERVE_S)
+}
+
+/// As [`drive_and_observe`], with a rival's wishes in place of the default law's.
+///
+/// # Errors
+/// Parameters out of their range.
+pub(crate) fn ride(
+    mission: &Mission,
+    setup: &WorldSetup,
+    driver: &mut Driver,
+    observe_s: f64,
+) -> Result<Trace, ClosedLoopError> {
+    run(mission, setup, (None, Some(driver)), observe_s)
 }
 
 fn run(
     mission: &Mission,
     setup: &WorldSetup,
-    mirror: Option<&mut dyn Mirror>,
+    (mirror, mut driver): (Option<&mut dyn Mirror>, Option<&mut Driver>),
     observe_s: f64,
 ) -> Result<Trace, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
@@ -58,7 +72,8 @@ fn run(
         if t > mission.longest_s() {
             break;
         }
-        let (mut row, hand_over) = tick(mission, &mut closed_loop, &mut sequencer, t)?;
+        let laws = (&mut sequencer, driver.as_deref_mut());
+        let (mut row, hand_over) = tick(mission, &mut closed_loop, laws, t)?;
         if closed_loop.report().motion.is_none() {
             // The motion law is off: what it said last stands.
             let before = recorder.trace.rows.last().map(|row| row.report);
@@ -84,7 +99,7 @@ fn run(
 fn tick(
     mission: &Mission,
     closed_loop: &mut ClosedLoop<'_>,
-    sequencer: &mut Sequencer<'_>,
+    (sequencer, mut driver): (&mut Sequencer<'_>, Option<&mut Driver>),
     t: f64,
 ) -> Result<(TraceRow, Option<HandOver>), ClosedLoopError> {
     let truth = closed_loop.world().truth();
@@ -108,7 +123,16 @@ fn tick(
         let order = order(&Task::Follow(left));
         (left, way, wrench(&closed_loop.would_say(&order)))
     });
-    let report = *closed_loop.tick(&order(&orders.task))?;
+    let own = order(&orders.task);
+    let given = match &mut driver {
+        None => own,
+        // What it sees is the pose of this very tick, as the default law does.
+        Some(driver) => match closed_loop.would_say(&Order::None).measured {
+            Some(seen) => driver.order(t, &seen, &orders.task),
+            None => Order::None,
+        },
+    };
+    let report = *closed_loop.tick(&given)?;
     let hand_over = followed.map(|(left, distance_m, followed)| {
         let parks = wrench(&report);
         HandOver {
@@ -138,7 +162,11 @@ fn tick(
             .map_or_else(MotionReport::default, |motion| motion.cast()),
         paper: None,
         base: Some(BaseNote {
-            state: report.state,
+            state: match driver {
+                // No supervisor knows that a rival has arrived.
+                Some(driver) if driver.has_arrived() => State::Parked,
+                _ => report.state,
+            },
             cause: report.cause,
             active_faults: report.active_faults,
             fix: report.fix,

@@ -1,7 +1,7 @@
 //! Files that describe a base, and the tables of them that a mission may have.
 
 use super::file::PoseKeys;
-use super::hardware::{ControlKeys, EncoderKeys, GainKeys, HardwareKeys};
+use super::hardware::{ControlKeys, EncoderKeys, GainKeys, GyroKeys, HardwareKeys};
 use super::source::{self, Checked, Source};
 use super::{ScenarioError, renamed};
 use crate::mission::BaseSpec;
@@ -27,6 +27,7 @@ struct File {
     friction: Option<world::FrictionParams>,
     encoder: Option<EncoderKeys>,
     pose_source: Option<world::PoseSourceParams>,
+    gyro: Option<GyroKeys>,
     control: Option<ControlKeys>,
     #[serde(default)]
     gains: GainKeys,
@@ -105,6 +106,7 @@ impl BaseSpec {
             friction: keys.friction,
             encoder: keys.encoder,
             pose_source: keys.pose_source,
+            gyro: keys.gyro,
             control: keys.control,
         };
         base.hardware = hardware.hardware(&base, &place)?;

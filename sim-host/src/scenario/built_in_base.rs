@@ -24,6 +24,9 @@ macro_rules! bases {
 
 bases!["paper-30kg", "lab-10kg", "hobby-1kg"];
 
+/// A gyro for any of them: the file `parts/icm-42688-p.toml`, which is appended to a base's.
+pub const GYRO: &str = include_str!("../../../parts/icm-42688-p.toml");
+
 impl BuiltInBase {
     /// The built-in base of this name.
     pub fn find(name: &str) -> Option<&'static Self> {
@@ -36,6 +39,15 @@ impl BuiltInBase {
     /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn base(&self) -> Result<BaseSpec, ScenarioError> {
         BaseSpec::parse(&format!("{}.toml", self.name), self.text)
+    }
+
+    /// The same with [`GYRO`].
+    ///
+    /// # Errors
+    /// As [`BaseSpec::parse`].
+    pub fn with_gyro(&self) -> Result<BaseSpec, ScenarioError> {
+        let text = format!("{}\n{GYRO}", self.text);
+        BaseSpec::parse(&format!("{}.toml", self.name), &text)
     }
 }
 

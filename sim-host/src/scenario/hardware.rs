@@ -1,8 +1,9 @@
 //! Keys of a base file beside its body and its limits.
 
 use super::source::{Checked, Source};
-use crate::mission::{BaseSpec, Hardware};
-use crate::world::{BatteryParams, FrictionParams, MotorParams, PoseSourceParams};
+use crate::mission::{BaseSpec, Gyro, Hardware};
+use crate::world::{BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams};
+use controller_core::error::Field;
 use controller_core::motion::MotionGains;
 use serde::Deserialize;
 
@@ -13,6 +14,7 @@ pub(super) struct HardwareKeys {
     pub friction: Option<FrictionParams>,
     pub encoder: Option<EncoderKeys>,
     pub pose_source: Option<PoseSourceParams>,
+    pub gyro: Option<GyroKeys>,
     pub control: Option<ControlKeys>,
 }
 
@@ -33,6 +35,45 @@ fn speed_bandwidth() -> f64 {
 #[serde(deny_unknown_fields)]
 pub(super) struct ControlKeys {
     period_s: f64,
+}
+
+/// All but the last two are the sensor's, from its data sheet.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GyroKeys {
+    noise_density: f64,
+    bias_limit: f64,
+    #[serde(default)]
+    bias_walk: f64,
+    scale_error: f64,
+    range: f64,
+    #[serde(default)]
+    resolution: f64,
+    rate_hz: f64,
+    #[serde(default)]
+    latency_s: f64,
+    rest_s: Option<f64>,
+    carry_s: Option<f64>,
+}
+
+impl GyroKeys {
+    fn gyro(&self) -> Gyro {
+        let usual = controller_core::gyro::GyroParams::<f64>::icm_42688_p();
+        Gyro {
+            sensor: GyroParams {
+                rate_hz: self.rate_hz,
+                latency_s: self.latency_s,
+                noise_density: self.noise_density,
+                bias_limit: self.bias_limit,
+                bias_walk: self.bias_walk,
+                scale_error: self.scale_error,
+                range: self.range,
+                resolution: self.resolution,
+            },
+            rest_s: self.rest_s.unwrap_or(usual.rest_s),
+            carry_s: self.carry_s.unwrap_or(usual.carry_s),
+        }
+    }
 }
 
 /// Gains that are not to follow from the limits.
@@ -65,6 +106,7 @@ impl HardwareKeys {
                 ("friction", self.friction.is_some()),
                 ("encoder", self.encoder.is_some()),
                 ("pose_source", self.pose_source.is_some()),
+                ("gyro", self.gyro.is_some()),
                 ("control", self.control.is_some()),
             ];
             return match given.iter().find(|(_, is_given)| *is_given) {
@@ -83,6 +125,7 @@ impl HardwareKeys {
                 .counts_per_turn,
             speed_bandwidth: self.encoder.map_or_else(speed_bandwidth, |e| e.bandwidth),
             pose_source: self.pose_source,
+            gyro: self.gyro.map(|keys| keys.gyro()),
             period_s: self.control.ok_or_else(|| missing("control"))?.period_s,
         };
         check(&hardware, base, place)?;
@@ -110,6 +153,11 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
             format!("is more than the {fastest:.2} m/s at which [motor] runs without load");
         return Err(place.error("limits.speed", message));
     }
+    if let Some(gyro) = &hardware.gyro {
+        let params = gyro.params::<f64>();
+        let checked = params.check();
+        checked.map_err(|error| place.error(&gyro_key(error.field), error))?;
+    }
     hardware
         .localiser::<f64>(wheels)
         .validate_with::<controller_core::maths::Libm>()
@@ -119,6 +167,13 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
         return Err(place.error("control.period_s", "must be in 1e-4 to 0.1"));
     }
     Ok(())
+}
+
+/// The key that sets a parameter of the gyro.
+fn gyro_key(field: Field) -> String {
+    let name = field.name();
+    let key = name.strip_prefix("gyro_").unwrap_or(name);
+    format!("gyro.{key}")
 }
 
 impl GainKeys {

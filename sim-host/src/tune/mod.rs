@@ -10,6 +10,7 @@ mod problem;
 mod profile;
 mod score;
 mod search;
+pub(crate) mod simplex;
 mod table;
 
 pub use knobs::{KNOBS, Knob};

@@ -55,7 +55,7 @@ impl Score {
     }
 
     /// One run, whose route ends at `end_s` and is none where the robot only parks.
-    pub(super) fn of(figures: &Figures, end_s: Option<f64>) -> Self {
+    pub(crate) fn of(figures: &Figures, end_s: Option<f64>) -> Self {
         let late = (figures.time_s - end_s.unwrap_or(0.0)).max(0.0);
         let error = figures.error_m / 5.0e-3 + figures.error_rad / 10.0e-3;
         let off = figures.tracking_m.map_or(5.0, |rms| rms / 10.0e-3);
@@ -71,7 +71,7 @@ impl Score {
     }
 
     /// The mean of runs, in their order.
-    pub(super) fn mean(runs: &[Self], health: f64) -> Self {
+    pub(crate) fn mean(runs: &[Self], health: f64) -> Self {
         let count = runs.len().max(1) as f64;
         let mean = |part: fn(&Self) -> f64| runs.iter().map(part).sum::<f64>() / count;
         Self {

@@ -2,7 +2,7 @@
 
 use super::error::WorldError;
 use super::params::{FloorParams, MotorParams, WorldParams};
-use super::sense_params::PoseSourceParams;
+use super::sense_params::{GyroParams, PoseSourceParams};
 
 const TINY: f64 = 1.0e-9;
 const HUGE: f64 = 1.0e9;
@@ -127,6 +127,9 @@ fn check_senses(p: &WorldParams) -> Result<(), WorldError> {
     if let Some(source) = &p.pose_source {
         check_source(source)?;
     }
+    if let Some(gyro) = &p.gyro {
+        check_gyro(gyro)?;
+    }
     rows(
         "noise",
         &[
@@ -158,6 +161,22 @@ fn check_source(s: &PoseSourceParams) -> Result<(), WorldError> {
             ("bias_m", s.bias_m[0], -1.0e3, 1.0e3),
             ("bias_m", s.bias_m[1], -1.0e3, 1.0e3),
             ("bias_rad", s.bias_rad, -10.0, 10.0),
+        ],
+    )
+}
+
+fn check_gyro(g: &GyroParams) -> Result<(), WorldError> {
+    rows(
+        "gyro",
+        &[
+            ("rate_hz", g.rate_hz, 1.0, 1.0e4),
+            ("latency_s", g.latency_s, 0.0, 0.1),
+            ("noise_density", g.noise_density, 0.0, 1.0),
+            ("bias_limit", g.bias_limit, 0.0, 10.0),
+            ("bias_walk", g.bias_walk, 0.0, 1.0),
+            ("scale_error", g.scale_error, 0.0, 0.5),
+            ("range", g.range, 1.0e-3, ENDLESS),
+            ("resolution", g.resolution, 0.0, 1.0),
         ],
     )
 }

@@ -14,7 +14,7 @@ pub(super) struct MotorDrives {
 }
 
 /// How a motor is fed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Feed {
     /// A share of the supply; 0 is the electrical brake.
     Voltage(f64),
@@ -44,6 +44,8 @@ pub(super) struct Electric {
     /// What each wheel lacked of its model at the start of the substep.
     behind: [f64; 2],
     integral: [f64; 2],
+    /// [`risen`] of the substep that it was worked out for: all but a few are as long.
+    risen: (f64, f64),
     /// Currents at the end of the last substep \[A\].
     pub current: [f64; 2],
     pub supply_v: f64,
@@ -65,6 +67,7 @@ impl Electric {
             model: [0.0; 2],
             behind: [0.0; 2],
             integral: [0.0; 2],
+            risen: (0.0, 0.0),
             current: [0.0; 2],
             supply_v: open_circuit_v,
         }
@@ -86,6 +89,9 @@ impl Electric {
         let Some(motor) = self.motor else {
             return self.ideal(command, omega, h);
         };
+        if self.risen.0 != h {
+            self.risen = (h, risen(&motor, h));
+        }
         let open_v = sag.unwrap_or(self.open_circuit_v);
         self.feeds = [0, 1].map(|i| self.desired(command, i, omega[i], h, &motor));
         self.supply_v = self.rail(&motor, omega, open_v, extra_a);
@@ -98,8 +104,10 @@ impl Electric {
                 }
             }
         }
-        self.feeds = limited;
-        self.supply_v = self.rail(&motor, omega, open_v, extra_a);
+        if self.feeds != limited {
+            self.feeds = limited;
+            self.supply_v = self.rail(&motor, omega, open_v, extra_a);
+        }
         let mut drive = MotorDrives::default();
         for (i, omega) in omega.into_iter().enumerate() {
             let (at_rest, per_speed) = self.mean_current(&motor, i, h);
@@ -113,15 +121,15 @@ impl Electric {
         drive
     }
 
-    /// Currents at the end of a substep over which the wheels turned at `omega` on average.
-    pub fn settle(&mut self, omega: [f64; 2], h: f64) {
+    /// Currents at the end of the substep that [`drive`](Self::drive) began, over which the wheels turned at `omega` on average.
+    pub fn settle(&mut self, omega: [f64; 2]) {
         let Some(motor) = self.motor else { return };
         for (i, omega) in omega.into_iter().enumerate() {
             self.current[i] = match self.feeds[i] {
                 Feed::Voltage(duty) => {
                     let still = duty * self.supply_v - self.constant[i] * omega;
                     let settled = still / motor.resistance_ohm;
-                    settled + (self.current[i] - settled) * (1.0 - risen(&motor, h))
+                    settled + (self.current[i] - settled) * (1.0 - self.risen.1)
                 }
                 Feed::Current(current) => current,
                 Feed::Loop { at_rest, per_speed } => at_rest - per_speed * omega,
@@ -234,6 +242,10 @@ impl Electric {
                 Feed::Open => {}
             }
         }
+        if conductance == 0.0 && power == 0.0 {
+            // What is below as well, to the last bit.
+            return source.max(0.0);
+        }
         let whole = 1.0 + self.internal_ohm * conductance;
         let inside = source * source - 4.0 * whole * self.internal_ohm * power;
         ((source + inside.max(0.0).sqrt()) / (2.0 * whole)).max(0.0)
@@ -247,7 +259,7 @@ impl Electric {
         match self.feeds[i] {
             Feed::Voltage(duty) => {
                 let kept = if m.inductance_h > 0.0 {
-                    risen(m, h) * m.inductance_h / (h * m.resistance_ohm)
+                    self.risen.1 * m.inductance_h / (h * m.resistance_ohm)
                 } else {
                     0.0
                 };

@@ -4,6 +4,7 @@ use super::actuation::Actuation;
 use super::check;
 use super::electric::Electric;
 use super::error::{ActuationError, WorldError};
+use super::gyro::{Gyro, GyroSample};
 use super::params::WorldParams;
 use super::plant::{Body, Outside};
 use super::plant_fault::{PlantFault, PlantFaults};
@@ -17,6 +18,9 @@ pub struct World {
     body: Body,
     electric: Electric,
     senses: Senses,
+    gyro: Option<Gyro>,
+    /// What the gyro gave in the last tick.
+    sample: Option<GyroSample>,
     faults: PlantFaults,
     last: Actuation,
     substep_us: u32,
@@ -36,6 +40,8 @@ impl World {
             body,
             electric,
             senses: Senses::new(params, seed),
+            gyro: Gyro::new(params, start.pose.theta, seed),
+            sample: None,
             faults: PlantFaults::default(),
             last: Actuation::Release,
             substep_us: params.substep_us,
@@ -70,11 +76,14 @@ impl World {
                 from + h_us
             };
             self.take_poses(before, from, to);
+            self.take_turns(before.theta, from, to);
         }
         self.now_us += u64::from(dt_us);
         let electric = (self.electric.supply_v, self.electric.current);
         self.senses
             .measure(self.now_us, self.body.angle, electric, &self.faults);
+        let now_us = self.now_us;
+        self.sample = self.gyro.as_mut().and_then(|gyro| gyro.arrived(now_us));
         Ok(())
     }
 
@@ -89,7 +98,7 @@ impl World {
         };
         self.body.substep(&drive, &outside, time_s, h);
         let mean = [0, 1].map(|i| 0.5 * (before[i] + self.body.omega[i]));
-        self.electric.settle(mean, h);
+        self.electric.settle(mean);
     }
 
     /// Poses taken within a substep. Between its ends the way is straight to a h²/8, some 1e-8 m.
@@ -108,6 +117,28 @@ impl World {
             );
             self.senses.take_pose(pose, &self.faults);
         }
+    }
+
+    /// Samples of the gyro taken within a substep.
+    fn take_turns(&mut self, before: f64, from: f64, to: f64) {
+        let Some(gyro) = &mut self.gyro else {
+            return;
+        };
+        while gyro.next_us() as f64 <= to {
+            let share = (gyro.next_us() as f64 - from) / (to - from);
+            let theta = before + share * (self.body.pose.theta - before);
+            gyro.take(theta, &self.faults);
+        }
+    }
+
+    /// What the gyro gave in the last tick.
+    pub fn gyro(&self) -> Option<GyroSample> {
+        self.sample
+    }
+
+    /// The true bias of the gyro \[rad/s\], if there is one.
+    pub fn gyro_bias(&self) -> Option<f64> {
+        self.gyro.as_ref().map(Gyro::bias)
     }
 
     /// Length of the next tick \[µs\] of a nominal `period_us`.

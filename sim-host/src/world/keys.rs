@@ -4,7 +4,7 @@ use super::params::{
     BatteryParams, BodyParams, FloorParams, FrictionParams, MotorParams, PushParams, SUBSTEP_US,
     WorldParams,
 };
-use super::sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};
+use super::sense_params::{EncoderParams, GyroParams, NoiseParams, PoseSourceParams, TickParams};
 use controller_core::robot::Robot;
 use serde::Deserialize;
 
@@ -42,6 +42,8 @@ pub struct WorldKeys {
     pub encoder: EncoderParams,
     /// `[world.pose_source]`; without it no pose comes.
     pub pose_source: Option<PoseSourceParams>,
+    /// A gyro.
+    pub gyro: Option<GyroParams>,
     /// `[world.noise]`.
     pub noise: NoiseParams,
     /// `[world.tick]`.
@@ -62,6 +64,7 @@ impl Default for WorldKeys {
             push: Vec::new(),
             encoder: EncoderParams::default(),
             pose_source: None,
+            gyro: None,
             noise: NoiseParams::default(),
             tick: TickParams::default(),
             substep_us: SUBSTEP_US,
@@ -128,6 +131,7 @@ impl WorldKeys {
             push: self.push.clone(),
             encoder: self.encoder,
             pose_source: self.pose_source,
+            gyro: self.gyro,
             noise: self.noise,
             tick: self.tick,
             substep_us: self.substep_us,

@@ -10,6 +10,7 @@
 //! | wheels | stiction, Coulomb, viscous and rolling friction; grip on a friction circle, slip, skid | `contact`, `slide` |
 //! | drives | battery sag, dead band, current limit, winding, gear losses | `electric` |
 //! | senses | encoders, late and noisy poses, voltage, currents, uneven ticks | `senses` |
+//! | gyro | noise, bias and its walk, scale, range, rounding, age | `gyro` |
 //! | faults | put in and taken out while it runs | [`PlantFault`] |
 //!
 //! Everything follows from parameters, start, seed and commands: the same bits on any machine and
@@ -37,6 +38,7 @@ mod contact;
 mod electric;
 mod error;
 mod floor;
+mod gyro;
 mod handle;
 mod keys;
 mod params;
@@ -51,6 +53,7 @@ mod substep;
 
 pub use actuation::{Actuation, Side};
 pub use error::{ActuationError, WorldError};
+pub use gyro::GyroSample;
 pub use handle::World;
 pub use keys::{BodyKeys, WorldKeys, WorldSetup};
 pub use params::{
@@ -58,4 +61,4 @@ pub use params::{
     PushParams, SPEED_LOOP_S, SUBSTEP_US, WorldParams,
 };
 pub use plant_fault::PlantFault;
-pub use sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};
+pub use sense_params::{EncoderParams, GyroParams, NoiseParams, PoseSourceParams, TickParams};

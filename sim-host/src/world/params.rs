@@ -1,6 +1,6 @@
 //! What there is to the plant: plain tables, SI units, defaults of a perfect world.
 
-use super::sense_params::{EncoderParams, NoiseParams, PoseSourceParams, TickParams};
+use super::sense_params::{EncoderParams, GyroParams, NoiseParams, PoseSourceParams, TickParams};
 use serde::Deserialize;
 
 /// Standard gravity \[m/s²\].
@@ -25,6 +25,8 @@ pub struct WorldParams {
     pub encoder: EncoderParams,
     /// External localisation, if there is one.
     pub pose_source: Option<PoseSourceParams>,
+    /// Gyro, if there is one.
+    pub gyro: Option<GyroParams>,
     /// Errors of what the driver measures.
     pub noise: NoiseParams,
     /// How evenly ticks come.

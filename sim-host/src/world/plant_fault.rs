@@ -51,6 +51,22 @@ pub enum PlantFault {
         /// Grip.
         mu: f64,
     },
+    /// The gyro says the same for ever.
+    GyroStuck,
+    /// No reading arrives any more.
+    GyroSilent,
+    /// Rates taken from now on are this many times the true ones: −1 for one that is mounted upside down.
+    GyroScale {
+        /// Factor.
+        factor: f64,
+    },
+    /// Rates taken from now on are off by this \[rad/s\].
+    GyroBias {
+        /// Off.
+        rad_s: f64,
+    },
+    /// Rates taken from now on are NaN.
+    GyroNan,
     /// The next tick is longer by this \[µs\]; it heals itself.
     LateTick {
         /// Microseconds.
@@ -74,6 +90,11 @@ pub(super) struct PlantFaults {
     pub blocked: [bool; 2],
     pub ice: [Option<f64>; 2],
     pub late_us: u32,
+    pub gyro_stuck: bool,
+    pub gyro_silent: bool,
+    pub gyro_scale: Option<f64>,
+    pub gyro_bias: f64,
+    pub gyro_nan: bool,
 }
 
 impl PlantFaults {
@@ -96,6 +117,11 @@ impl PlantFaults {
             PlantFault::BatterySag { volts } => self.sag_v = there.then_some(volts),
             PlantFault::WheelBlocked(side) => self.blocked[side.index()] = there,
             PlantFault::WheelOnIce { side, mu } => self.ice[side.index()] = there.then_some(mu),
+            PlantFault::GyroStuck => self.gyro_stuck = there,
+            PlantFault::GyroSilent => self.gyro_silent = there,
+            PlantFault::GyroScale { factor } => self.gyro_scale = there.then_some(factor),
+            PlantFault::GyroBias { rad_s } => self.gyro_bias = amount(rad_s),
+            PlantFault::GyroNan => self.gyro_nan = there,
             PlantFault::LateTick { us } => self.late_us = if there { us } else { 0 },
         }
     }

@@ -14,6 +14,9 @@ pub(super) enum Stream {
     PoseHeading,
     Supply,
     Current,
+    GyroDraw,
+    GyroNoise,
+    GyroWalk,
 }
 
 /// One stream. What is drawn never depends on what the numbers are used for.

@@ -51,6 +51,39 @@ pub struct PoseSourceParams {
     pub bias_rad: f64,
 }
 
+/// A gyro about the vertical; bias and scale of a run are drawn within their limits.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GyroParams {
+    /// Samples per second \[Hz\], 1 to 10,000.
+    pub rate_hz: f64,
+    /// Time from the last moment that a sample is of until it arrives \[s\], 0 to 0.1.
+    #[serde(default)]
+    pub latency_s: f64,
+    /// Noise density \[rad/s/√Hz\].
+    #[serde(default)]
+    pub noise_density: f64,
+    /// Largest bias at the start \[rad/s\].
+    #[serde(default)]
+    pub bias_limit: f64,
+    /// How fast the bias wanders \[rad/s/√s\].
+    #[serde(default)]
+    pub bias_walk: f64,
+    /// Largest error of the scale, as a share.
+    #[serde(default)]
+    pub scale_error: f64,
+    /// Rate at which it clips \[rad/s\].
+    #[serde(default = "endless")]
+    pub range: f64,
+    /// Least step of its output \[rad/s\].
+    #[serde(default)]
+    pub resolution: f64,
+}
+
+fn endless() -> f64 {
+    f64::INFINITY
+}
+
 /// Noise of the driver's measurements, once per tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]

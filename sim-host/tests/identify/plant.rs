@@ -78,6 +78,7 @@ pub fn plant(robot: &Robot) -> WorldParams {
             bias_m: [0.0; 2],
             bias_rad: 0.0,
         }),
+        gyro: None,
         noise: NoiseParams {
             supply_v: 0.0,
             current_a: 0.05,

@@ -1,6 +1,6 @@
 //! Turns and drives on one clock, and where they lead.
 
-use super::profile::{AxisSample, Profile, Stop};
+use super::profile::{AxisSample, Piece, Pieces, Profile, Stop};
 use crate::maths::Maths;
 use crate::scalar::Scalar;
 
@@ -59,14 +59,24 @@ pub(crate) enum Quality {
     Fine,
 }
 
-/// Gauss' rule on (−1, 1) with two and with four points: nodes and weights of one half.
-const GAUSS: [&[(f64, f64)]; 2] = [
-    &[(0.577_350_269_189_625_8, 1.0)],
-    &[
-        (0.861_136_311_594_052_6, 0.347_854_845_137_453_8),
-        (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
-    ],
-];
+/// Gauss' rule on (−1, 1): a node on each side of 0 and its weight, with two points and with four.
+fn gauss<T: Scalar>(quality: Quality) -> ([(T, T); 2], usize) {
+    let f = T::from_f64;
+    match quality {
+        Quality::Rough => {
+            let pair = (f(0.577_350_269_189_625_8), T::ONE);
+            ([pair; 2], 1)
+        }
+        Quality::Fine => {
+            let outer = (f(0.861_136_311_594_052_6), f(0.347_854_845_137_453_8));
+            let inner = (f(0.339_981_043_584_856_3), f(0.652_145_154_862_546_1));
+            ([outer, inner], 2)
+        }
+    }
+}
+
+/// The most stretches: eight of each of four profiles and one behind them, four corners of both stops.
+const STRETCHES: u8 = 2 * (2 * 8 + 1) + 2 * 4;
 
 /// Displacements by the motion at the begin and by both drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -111,108 +121,115 @@ impl<T: Scalar> Path<T> {
         }
     }
 
-    /// Where the motion at the begin and each of the drives lead.
+    /// Where the motion at the begin and each of the drives lead: ∫ v (cos θ, sin θ) dt.
     ///
-    /// By parts, as the travel s is smoother than the speed and counts only while the robot turns:
-    ///
-    /// ```text
-    /// ∫ v (cos θ, sin θ) dt = s(T) (cos θ(T), sin θ(T)) + ∫ s ω (sin θ, −cos θ) dt
-    /// ```
-    ///
-    /// Gauss' rule between the corners of all profiles, where the integrand is smooth.
+    /// Between the instants at which a jerk steps speed and heading are polynomials: Gauss' rule has nothing but the sine of a
+    /// cubic to err by. Where the robot does not turn, or does not drive, nothing has to be summed.
     pub(crate) fn ends<M: Maths<T>>(&self, quality: Quality) -> Ends<T> {
-        let (corners, last) = self.corners(quality);
-        let (sine, cosine) = M::sin_cos_near(self.turn_at(last).position);
-        let travel = |t| {
-            let stopping = if self.stop_drive.is_over() {
-                T::ZERO
+        let (rule, pairs) = gauss(quality);
+        let rule = rule.get(..pairs).unwrap_or_default();
+        let (mut turn, mut drive) = (Pieces::of(&self.turns), Pieces::of(&self.drives));
+        let mut ends = Ends::default();
+        let turned = self.stop_turn.at(self.stop_turn.duration()).position;
+        let mut from = T::ZERO;
+        for _ in 0..STRETCHES {
+            let mut to = if turn.until < drive.until {
+                turn.until
             } else {
-                self.stop_drive.at(t).position
+                drive.until
             };
-            [
-                stopping,
-                self.drives[0].at(t).position,
-                self.drives[1].at(t).position,
-            ]
-        };
-        let mut sums = travel(last).map(|way| Vector {
-            x: way * cosine,
-            y: way * sine,
-        });
-        let [two, four] = GAUSS;
-        let rule = match quality {
-            Quality::Rough => two,
-            Quality::Fine => four,
-        };
-        for pair in corners.windows(2) {
-            let [from, to] = *pair else { continue };
-            if to > last {
-                break;
-            }
-            let half = T::HALF * (to - from);
-            let middle = from + half;
-            if half <= T::ZERO || self.turn_at(middle).rate == T::ZERO {
-                continue;
-            }
-            for &(node, weight) in rule {
-                for node in [-node, node] {
-                    let t = middle + half * T::from_f64(node);
-                    let turn = self.turn_at(t);
-                    let (sine, cosine) = M::sin_cos_near(turn.position);
-                    let share = T::from_f64(weight) * half * turn.rate;
-                    for (sum, way) in sums.iter_mut().zip(travel(t)) {
-                        sum.x += share * way * sine;
-                        sum.y -= share * way * cosine;
+            for stop in [&self.stop_turn, &self.stop_drive] {
+                if from < stop.duration() {
+                    for jerk in stop.jerks() {
+                        if jerk > from && jerk < to {
+                            to = jerk;
+                        }
                     }
                 }
             }
-        }
-        let [stopping, a, b] = sums;
-        Ends {
-            stopping,
-            drives: [a, b],
-        }
-    }
-
-    /// Where ramps begin and end, in `Fine` quality also where jerks step, in order, and the last of these times; behind it
-    /// there is nothing but [`Scalar::MAX`].
-    fn corners(&self, quality: Quality) -> ([T; CORNERS], T) {
-        let mut sorted = [T::MAX; CORNERS];
-        let (mut last, mut count) = (T::ZERO, 0);
-        let mut add = |time: T| {
-            if time > last {
-                last = time;
+            if to == T::MAX {
+                break;
             }
-            // Pushes what is later one place on; without an index there is none to be out of bounds.
-            count += 1;
-            let mut time = time;
-            for place in sorted.iter_mut().take(count) {
-                if time < *place {
-                    core::mem::swap(place, &mut time);
+            if to > from {
+                let stretch = Stretch {
+                    from,
+                    to,
+                    stop_turn: (from < self.stop_turn.duration()).then_some(&self.stop_turn),
+                    turned,
+                    turn: turn.piece,
+                };
+                if from < self.stop_drive.duration() {
+                    let stop = &self.stop_drive;
+                    let stopped = stretch.ends::<M>(rule, |t| stop.at(t).rate);
+                    ends.stopping = ends.stopping.plus(stopped);
+                }
+                if !drive.piece.rests() {
+                    let driven = stretch.ends::<M>(rule, |t| drive.piece.rate(t));
+                    let [a, b] = &mut ends.drives;
+                    let end = if drive.number == 0 { a } else { b };
+                    *end = end.plus(driven);
                 }
             }
-        };
-        add(T::ZERO);
-        for stop in [&self.stop_turn, &self.stop_drive] {
-            add(stop.duration());
-            if quality == Quality::Fine {
-                stop.jerks().into_iter().for_each(&mut add);
+            if turn.until <= to {
+                turn.advance();
             }
-        }
-        for profile in self.turns.iter().chain(&self.drives) {
-            if !profile.is_empty() {
-                profile.corners().into_iter().for_each(&mut add);
-                if quality == Quality::Fine {
-                    profile.jerks().into_iter().for_each(&mut add);
-                }
+            if drive.until <= to {
+                drive.advance();
             }
+            from = to;
         }
-        (sorted, last)
+        ends
     }
 }
 
-/// 0, four corners of both stops, and eight of four profiles.
-const CORNERS: usize = 1 + 2 * 4 + 4 * 8;
+/// A stretch of time in which no jerk steps.
+struct Stretch<'a, T> {
+    from: T,
+    to: T,
+    /// While the turn at the begin lasts.
+    stop_turn: Option<&'a Stop<T>>,
+    /// What it turns in all.
+    turned: T,
+    turn: Piece<T>,
+}
+
+impl<T: Scalar> Stretch<'_, T> {
+    /// ∫ v (cos θ, sin θ) dt for a speed v(t).
+    fn ends<M: Maths<T>>(&self, rule: &[(T, T)], speed: impl Fn(T) -> T) -> Vector<T> {
+        let half = T::HALF * (self.to - self.from);
+        let middle = self.from + half;
+        let mut sum = Vector::default();
+        let straight = self.turn.rests() && self.stop_turn.is_none();
+        if straight {
+            // Simpson's rule: the speed is a parabola.
+            let heading = self.turned + self.turn.position(middle);
+            let (sine, cosine) = M::sin_cos_near(heading);
+            let four = T::from_f64(4.0);
+            let way = half
+                * T::from_f64(1.0 / 3.0)
+                * (speed(self.from) + four * speed(middle) + speed(self.to));
+            return Vector {
+                x: way * cosine,
+                y: way * sine,
+            };
+        }
+        for &(node, weight) in rule {
+            let (offset, weight) = (half * node, half * weight);
+            for t in [middle - offset, middle + offset] {
+                let turned = match self.stop_turn {
+                    Some(stop) => stop.at(t).position,
+                    None => self.turned,
+                };
+                let heading = turned + self.turn.position(t);
+                let (sine, cosine) = M::sin_cos_near(heading);
+                let way = weight * speed(t);
+                sum.x += way * cosine;
+                sum.y += way * sine;
+            }
+        }
+        sum
+    }
+}
 
 fn sum<T: Scalar>(a: AxisSample<T>, b: AxisSample<T>) -> AxisSample<T> {
     AxisSample {

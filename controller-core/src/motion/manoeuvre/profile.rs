@@ -210,19 +210,6 @@ impl<T: Scalar> Profile<T> {
         }
     }
 
-    /// Where one ramp or the hold begins or ends \[s\].
-    pub(crate) fn corners(&self) -> [T; 4] {
-        let risen = self.start + self.rise;
-        [self.start, risen, risen + self.hold, self.end()]
-    }
-
-    /// Where a ramp's acceleration is reached, and left \[s\].
-    pub(crate) fn jerks(&self) -> [T; 4] {
-        let [start, risen, held, end] = self.corners();
-        let tau = self.jerk_s;
-        [start + tau, risen - tau, held + tau, end - tau]
-    }
-
     /// The same, starting at another time.
     pub(crate) fn starting(self, start: T) -> Self {
         Self { start, ..self }
@@ -246,17 +233,158 @@ impl<T: Scalar> Profile<T> {
             return AxisSample::default();
         }
         let t = t - self.start;
-        let ramp = |duration| Ramp {
+        if t < self.rise {
+            let up = self.ramp(self.rise).at(t);
+            return AxisSample {
+                position: self.peak * up.position,
+                rate: self.peak * up.rate,
+                accel: self.peak * up.accel,
+            };
+        }
+        let held = t - T::HALF * self.rise;
+        let down = self.ramp(self.fall).at(t - self.rise - self.hold);
+        AxisSample {
+            position: self.peak * (held - down.position),
+            rate: self.peak * (T::ONE - down.rate),
+            accel: -(self.peak * down.accel),
+        }
+    }
+
+    fn ramp(&self, duration: T) -> Ramp<T> {
+        Ramp {
             duration,
             jerk_s: self.jerk_s,
-        };
-        let up = ramp(self.rise).at(t);
-        let down = ramp(self.fall).at(t - self.rise - self.hold);
-        AxisSample {
-            position: self.peak * (up.position - down.position),
-            rate: self.peak * (up.rate - down.rate),
-            accel: self.peak * (up.accel - down.accel),
         }
+    }
+}
+
+/// A stretch of constant jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Piece<T> {
+    from: T,
+    position: T,
+    rate: T,
+    half_accel: T,
+    sixth_jerk: T,
+}
+
+impl<T: Scalar> Piece<T> {
+    fn rest(from: T, position: T) -> Self {
+        Self {
+            from,
+            position,
+            rate: T::ZERO,
+            half_accel: T::ZERO,
+            sixth_jerk: T::ZERO,
+        }
+    }
+
+    /// Nothing moves.
+    pub(crate) fn rests(&self) -> bool {
+        self.rate == T::ZERO && self.half_accel == T::ZERO && self.sixth_jerk == T::ZERO
+    }
+
+    pub(crate) fn position(&self, t: T) -> T {
+        let t = t - self.from;
+        self.position + t * (self.rate + t * (self.half_accel + t * self.sixth_jerk))
+    }
+
+    pub(crate) fn rate(&self, t: T) -> T {
+        let t = t - self.from;
+        let (b, c) = (self.half_accel, self.sixth_jerk);
+        self.rate + t * (b + b + t * (c + c + c))
+    }
+
+    /// The stretch that follows at `t`, with another jerk.
+    fn onward(&self, t: T, sixth_jerk: T) -> Self {
+        let three = T::ONE + T::ONE + T::ONE;
+        Self {
+            from: t,
+            position: self.position(t),
+            rate: self.rate(t),
+            half_accel: self.half_accel + three * self.sixth_jerk * (t - self.from),
+            sixth_jerk,
+        }
+    }
+}
+
+/// Two profiles, one after the other, as stretches of constant jerk.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pieces<'a, T> {
+    profiles: &'a [Profile<T>; 2],
+    /// Which of the two is next, or under way; 2 behind both.
+    pub(crate) number: usize,
+    /// Stretches of it that have begun.
+    begun: u8,
+    /// The present stretch,
+    pub(crate) piece: Piece<T>,
+    /// and when it ends; [`Scalar::MAX`] for the last.
+    pub(crate) until: T,
+}
+
+impl<'a, T: Scalar> Pieces<'a, T> {
+    /// From time 0 on.
+    pub(crate) fn of(profiles: &'a [Profile<T>; 2]) -> Self {
+        let mut pieces = Self {
+            profiles,
+            number: 0,
+            begun: 0,
+            piece: Piece::rest(T::ZERO, T::ZERO),
+            until: T::MAX,
+        };
+        pieces.wait();
+        pieces
+    }
+
+    /// At rest until the next profile that is not empty.
+    fn wait(&mut self) {
+        self.begun = 0;
+        self.until = T::MAX;
+        while let Some(profile) = self.profiles.get(self.number) {
+            if !profile.is_empty() {
+                self.until = profile.start;
+                return;
+            }
+            self.number += 1;
+        }
+    }
+
+    /// The next stretch: where the last ended.
+    ///
+    /// A ramp of duration R and jerk time τ changes the rate by v with the jerk ±v/((R − τ) τ), for τ at its begin and at its end.
+    /// Where it ends the rate is known, and no rounding is carried on.
+    pub(crate) fn advance(&mut self) {
+        let Some(profile) = self.profiles.get(self.number) else {
+            return;
+        };
+        let (from, tau, peak) = (self.until, profile.jerk_s, profile.peak);
+        let jerk = |ramp: T| T::from_f64(1.0 / 6.0) * peak / ((ramp - tau) * tau);
+        let last = self.piece;
+        self.begun += 1;
+        let risen = profile.start + profile.rise;
+        let (piece, until) = match self.begun {
+            1 => (last.onward(from, jerk(profile.rise)), from + tau),
+            2 => (last.onward(from, T::ZERO), risen - tau),
+            3 => (last.onward(from, -jerk(profile.rise)), risen),
+            4 => {
+                let held = Piece {
+                    rate: peak,
+                    ..Piece::rest(from, last.position(from))
+                };
+                (held, risen + profile.hold)
+            }
+            5 => (last.onward(from, -jerk(profile.fall)), from + tau),
+            6 => (last.onward(from, T::ZERO), profile.end() - tau),
+            7 => (last.onward(from, jerk(profile.fall)), profile.end()),
+            _ => {
+                self.piece = Piece::rest(from, last.position(from));
+                self.number += 1;
+                self.wait();
+                return;
+            }
+        };
+        self.piece = piece;
+        self.until = until;
     }
 }
 
@@ -284,15 +412,16 @@ impl<T: Scalar> Stop<T> {
         self.fade + self.ramp.duration
     }
 
-    /// Where the acceleration has faded, and the deceleration is reached, and left \[s\].
-    pub(crate) fn jerks(&self) -> [T; 3] {
+    /// Where the acceleration has faded, and the deceleration is reached, left, and over \[s\].
+    pub(crate) fn jerks(&self) -> [T; 4] {
         let Ramp { duration, jerk_s } = self.ramp;
         let ramp = if duration > T::ZERO {
             [jerk_s, duration - jerk_s]
         } else {
             [T::ZERO; 2]
         };
-        [self.fade, self.fade + ramp[0], self.fade + ramp[1]]
+        let end = self.duration();
+        [self.fade, self.fade + ramp[0], self.fade + ramp[1], end]
     }
 
     /// The rate that it brakes from.

@@ -8,15 +8,15 @@ use crate::pose_error::PoseError;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 
-/// Evaluations of a path's end in a second of ticks. One of 15,000 instructions every 2.5 ms is 6 % of a chip of
+/// Evaluations of a path's end in a second of ticks. One of 4,500 instructions every 2.5 ms is 2 % of a chip of
 /// 100 MHz, and a search takes 0.3 s at most.
 const PER_SECOND: f64 = 400.0;
 
 /// The most evaluations in a tick, however long it is; one is the least.
 const MOST_PER_TICK: u8 = 16;
 
-/// Evaluations that a polishing one counts as: it has some three times their nodes.
-const FINE: u8 = 3;
+/// Evaluations that a polishing one counts as: it has twice their nodes.
+const FINE: u8 = 2;
 
 /// Evaluations in a search; then the best so far is polished.
 const EVALUATIONS: u8 = 120;
@@ -270,7 +270,7 @@ impl<T: Scalar> Search<T> {
         let miss = residual.norm::<M>();
         // Ten times the rounding of the sum in single precision.
         let f = T::from_f64;
-        let enough = f(1.0e-5) + f(1.0e-5) * self.target.distance;
+        let enough = f(2.0e-6) * (T::ONE + self.target.distance);
         if miss <= enough || solver.step >= POLISHING {
             return Progress::Found(path);
         }

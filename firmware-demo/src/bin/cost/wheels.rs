@@ -57,6 +57,7 @@ pub fn localiser(meter: &mut Meter) {
     let params = LocaliserParams {
         odometry: ODOMETRY,
         fusion: Some(FusionParams::for_source(5.0e-3_f32, 5.0e-3, 20.0)),
+        gyro: None,
     };
     let Ok(localisation) = params.validate() else {
         return complain(&["localiser"], "params", 1);

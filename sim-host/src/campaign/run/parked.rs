@@ -34,6 +34,8 @@ impl ParkedCheck {
         let worst = self.worst.unwrap_or_default();
         self.worst = Some((worst.0.max(off.0), worst.1.max(off.1)));
         let (shift, turn) = timeline.pose_offset();
+        let carried = timeline.carried(base);
+        let (shift, turn) = (shift + carried.0, turn + carried.1);
         let core = board.task().controller().base();
         let (most_m, most_rad) = bounds.parked(core, base, timeline.poses());
         if off.0 > most_m + shift || off.1 > most_rad + turn {

@@ -1,10 +1,11 @@
 //! What goes wrong: what has begun, and what is still there.
 
-use crate::campaign::expected::{KNOWN, Rule};
+use crate::campaign::expected::{GYRO_ALSO, KNOWN, Rule};
 use crate::campaign::fault_injection::{FaultInjection, FaultInjectionKind, What};
 use crate::campaign::host::Manner;
 use crate::campaign::outcome::{Failing, Why};
 use crate::campaign::plan::Plan;
+use crate::mission::BaseSpec;
 use crate::world::{PlantFault, World};
 
 /// The injections of a plan: which of them have begun, and which are still there.
@@ -95,9 +96,12 @@ impl<'a> Timeline<'a> {
     /// Whether something that has begun may be found as `why`.
     pub(super) fn allows(&self, why: Why) -> bool {
         !self.mended
-            && self
-                .begun()
-                .any(|injection| Rule::of(injection.kind).allows(why))
+            && self.begun().any(|injection| {
+                let also = GYRO_ALSO
+                    .iter()
+                    .any(|(kind, also, _)| *kind == injection.kind && *also == why);
+                Rule::of(injection.kind).allows(why) || (self.plan.gyro && also)
+            })
     }
 
     /// Whether a failing is stated for the trouble there is.
@@ -135,6 +139,31 @@ impl<'a> Timeline<'a> {
         });
         // Of two the later one acts.
         jumps.last().unwrap_or_default()
+    }
+
+    /// What a base with a gyro may be off by on top \[m, rad\]: where it carries the base without poses, 0.3 % of the way (radii) at 0.8 of its
+    /// top speed for half a minute, and 30 mm and 50 mrad of scale and bias; where it lies, a part of what it told until then.
+    pub(super) fn carried(&self, base: &BaseSpec) -> (f64, f64) {
+        use FaultInjectionKind as U;
+        if !self.plan.gyro {
+            return (0.0, 0.0);
+        }
+        let lost = |kind| {
+            matches!(
+                kind,
+                U::PoseSilent | U::PoseNan | U::FixAgeNan | U::LineDamaged
+            )
+        };
+        if self.begun().any(|injection| lost(injection.kind)) {
+            (0.03 + 0.003 * 0.8 * 30.0 * base.limits.speed, 0.05)
+        } else if self
+            .begun()
+            .any(|injection| U::GYRO.contains(&injection.kind))
+        {
+            (0.0, 0.01)
+        } else {
+            (0.0, 0.0)
+        }
     }
 
     /// A driver holds its torque: until its watchdog ends it, it is beyond any command.

@@ -1,0 +1,36 @@
+//! Instructions of a tick on the chip.
+
+use super::LawKind;
+
+/// Law; following, parking: most of the executed instructions of a tick on the emulated Cortex-M4F, counted by
+/// `boards/cost-peers`; a test compares. Of rivals the law alone: what limits and drives is the same for all.
+const COUNTED: &str = include_str!("chip.csv");
+/// Those of our own laws, limits and velocity loop included.
+const BUDGETS: &str = include_str!("../../../firmware-demo/budgets.toml");
+/// The chip and its optimisation there.
+const SECTION: &str = "[cortex-m4f.3]";
+
+/// Following and parking; none of a law that no chip runs here.
+pub fn instructions(kind: LawKind) -> Option<[u32; 2]> {
+    match kind {
+        LawKind::Default | LawKind::HeadingHeld => {
+            Some([budget("motion-follow")?, budget("motion-park")?])
+        }
+        LawKind::Neural => Some([budget("track")?, budget("park")?]),
+        _ => COUNTED.lines().find_map(|line| {
+            let mut fields = line.split(';');
+            (fields.next()? == kind.name()).then_some(())?;
+            let mut next = || fields.next()?.trim().parse().ok();
+            Some([next()?, next()?])
+        }),
+    }
+}
+
+fn budget(key: &str) -> Option<u32> {
+    let section = BUDGETS.split_once(SECTION)?.1;
+    let section = section.split("\n[").next()?;
+    section.lines().find_map(|line| {
+        let (name, value) = line.split_once('=')?;
+        (name.trim() == key).then(|| value.trim().parse().ok())?
+    })
+}

@@ -1,0 +1,217 @@
+//! A rival in the loop: its wishes go through the core's own limits, velocity loop, disturbance estimate and motor layer.
+//!
+//! The core is told to follow a reference that is where the robot is and moves as the rival wants it: its pose feedback
+//! has nothing to do, and all the rest works as for the default law.
+
+use super::law::{Computed, Law};
+use crate::controller_port::ControllerPortError;
+use crate::mission::{Mission, Orders};
+use controller_core::base::Order;
+use controller_core::error::StepFault;
+use controller_core::maths::Single;
+use controller_core::motion::{Mode, MotionController, Outcome, Task, ValidMotionParams};
+use controller_core::pose_error::pose_error;
+use controller_core::reference::Reference;
+use controller_core::shunting::RationalMean;
+use controller_core::types::{Accel, Measured, Twist};
+use rivals::{Body, Job, Now, Path, Rival, Wanted};
+
+/// A rival with what all of them share: the goal check, the limits of its wishes, and their rates.
+pub(crate) struct Driver {
+    rival: Box<dyn Rival>,
+    body: Body,
+    /// Of the filter behind the rates of wishes \[1/s\].
+    decay: f32,
+    samples: Vec<Reference<f32>>,
+    t: Option<f64>,
+    smoothed: Twist<f32>,
+    /// Inside of the tolerance since \[s\].
+    arrived_at: Option<f64>,
+    /// It had no answer to a job.
+    refused: bool,
+}
+
+/// A robot that left its goal by this many tolerances drives on.
+const LEFT: f32 = 2.0;
+
+impl Driver {
+    /// On a mission.
+    pub(crate) fn new(rival: Box<dyn Rival>, body: Body, mission: &Mission) -> Self {
+        let samples = mission.samples();
+        Self {
+            rival,
+            body,
+            decay: mission.base.motion().gains.decay as f32,
+            samples: samples
+                .iter()
+                .map(Reference::cast_with::<f32, Single>)
+                .collect(),
+            t: None,
+            smoothed: Twist::default(),
+            arrived_at: None,
+            refused: false,
+        }
+    }
+
+    /// It stands at its goal, as far as it knows.
+    pub(crate) const fn has_arrived(&self) -> bool {
+        self.arrived_at.is_some()
+    }
+
+    /// It had no answer.
+    pub(crate) const fn has_refused(&self) -> bool {
+        self.refused
+    }
+
+    /// What the base is told.
+    pub(crate) fn order(&mut self, t: f64, seen: &Measured<f32>, task: &Task<f64>) -> Order<f32> {
+        Order::Follow(self.reference(t, seen, task))
+    }
+
+    /// A reference that is where the robot is and moves as the rival wants.
+    fn reference(&mut self, t: f64, seen: &Measured<f32>, task: &Task<f64>) -> Reference<f32> {
+        let since = self.t.map_or(0.0, |before| t - before);
+        let first = self.t.is_none();
+        self.t = Some(t);
+        let dt = since as f32;
+        let wanted = match task {
+            // The loop starts from rest.
+            _ if first => Wanted::default(),
+            Task::Drive { twist, .. } => Wanted {
+                twist: twist.cast(),
+                accel: None,
+            },
+            Task::Follow(_) => {
+                self.arrived_at = None;
+                let tick = (t / f64::from(self.body.period_s)).round() as usize;
+                self.ask(seen, dt, None, tick)
+            }
+            Task::Park(goal) => {
+                let goal = goal.cast();
+                let e = pose_error::<f32, Single>(&goal, &seen.pose);
+                let wide = if self.has_arrived() { LEFT } else { 1.0 };
+                let near = wide * self.body.distance_m;
+                let inside = e.x * e.x + e.y * e.y < near * near
+                    && e.theta.abs() < wide * self.body.heading_rad;
+                self.arrived_at = inside.then(|| self.arrived_at.unwrap_or(t));
+                if inside {
+                    Wanted::default()
+                } else {
+                    self.ask(seen, dt, Some(goal), 0)
+                }
+            }
+        };
+        let twist = self.within_limits(wanted.twist);
+        // Rates that a law does not know are those of its wishes, behind a filter as quick as the core's.
+        let share = if since > 0.0 {
+            dt * self.decay / (1.0 + dt * self.decay)
+        } else {
+            0.0
+        };
+        self.smoothed.linear += share * (twist.linear - self.smoothed.linear);
+        self.smoothed.angular += share * (twist.angular - self.smoothed.angular);
+        let accel = wanted.accel.unwrap_or(Accel {
+            linear: self.decay * (twist.linear - self.smoothed.linear),
+            angular: self.decay * (twist.angular - self.smoothed.angular),
+        });
+        Reference::new(seen.pose, twist, accel)
+    }
+
+    fn ask(
+        &mut self,
+        seen: &Measured<f32>,
+        dt: f32,
+        goal: Option<controller_core::types::Pose<f32>>,
+        tick: usize,
+    ) -> Wanted {
+        let now = Now {
+            pose: seen.pose,
+            twist: seen.twist,
+            dt,
+        };
+        let job = match goal {
+            Some(goal) => Job::Park(goal),
+            None => Job::Follow(Path {
+                samples: &self.samples,
+                tick,
+            }),
+        };
+        let wanted = self.rival.advance(&now, &job);
+        self.refused |= wanted.is_none();
+        wanted.unwrap_or_default()
+    }
+
+    /// Both by one factor, so that the curvature stays; what is no number is rest.
+    fn within_limits(&self, twist: Twist<f32>) -> Twist<f32> {
+        let limits = &self.body.limits;
+        if !twist.is_finite() {
+            return Twist::default();
+        }
+        let beyond = (twist.linear.abs() / limits.speed)
+            .max(twist.angular.abs() / limits.turn_rate)
+            .max(1.0);
+        Twist::new(twist.linear / beyond, twist.angular / beyond)
+    }
+}
+
+/// A rival on the ideal plant.
+pub(crate) struct RivalLaw<'a> {
+    driver: &'a mut Driver,
+    motion: ValidMotionParams<f32>,
+    controller: Option<MotionController<f32, Single, RationalMean>>,
+    t: f64,
+}
+
+impl<'a> RivalLaw<'a> {
+    /// With the core's parameters of the base.
+    pub(crate) fn new(driver: &'a mut Driver, motion: ValidMotionParams<f32>) -> Self {
+        Self {
+            driver,
+            motion,
+            controller: None,
+            t: 0.0,
+        }
+    }
+}
+
+impl Law for RivalLaw<'_> {
+    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Computed, ControllerPortError> {
+        let mut measured: Measured<f32> = orders.measured.cast();
+        measured.pose.theta = controller_core::angle::wrap(orders.measured.pose.theta) as f32;
+        if self.controller.is_some() {
+            self.t += dt;
+        }
+        let reference = self.driver.reference(self.t, &measured, &orders.task);
+        if self.driver.has_refused() {
+            return Err(ControllerPortError::Fault(StepFault::WrongPhase));
+        }
+        let task = Task::Follow(reference);
+        let mut report = match &mut self.controller {
+            None => {
+                let started = MotionController::start(&self.motion, &task, &measured)?;
+                *self.controller.insert(started).report()
+            }
+            Some(controller) => *controller.step(dt as f32, &task, &measured)?,
+        };
+        if matches!(orders.task, Task::Park(_)) {
+            report.mode = Mode::Parking;
+            if self.driver.has_arrived() {
+                report.outcome = Outcome::Parked;
+            }
+        }
+        Ok(Computed {
+            report: report.cast(),
+            paper: None,
+            hand_over_step: None,
+        })
+    }
+
+    fn command(&self) -> Twist<f64> {
+        let controller = self.controller.as_ref();
+        controller.map_or(Twist::default(), |c| c.report().command.cast())
+    }
+
+    fn hand_over_distance(&self, speed: f64) -> f64 {
+        f64::from(self.motion.hand_over_distance(speed as f32))
+    }
+}
