@@ -2,7 +2,7 @@
 // update: a pointer to each goes where the compiler does not look, so that nothing is known about its arguments.
 
 use controller_core::{
-    angle, base::*, error::Field, hal, localiser::*, maths::*, motion::*, motor, neuron::Neuron, odometry::*, paper, pose_error::*,
+    angle, base::*, error::Field, gyro, hal, localiser::*, maths::*, motion::*, motor, neuron::Neuron, odometry::*, paper, pose_error::*,
     queue, reference::*, robot::*, safety, safety::supervisor as sv, shunting::*, single, torque, tuning, types::*, wheels::*,
 };
 
@@ -41,9 +41,13 @@ macro_rules! numbers {
                 ValidLocaliserParams::<T>::filtered_noise_m, ValidLocaliserParams::<T>::filtered_noise_rad,
                 ValidLocaliserParams::<T>::largest_step, ValidLocaliserParams::<T>::pose_noise_m, ValidLocaliserParams::<T>::arrival,
                 filtered_share::<T>,
-                Localiser::<T, 4>::start, Localiser::<T, 4>::update::<M>, Localiser::<T, 4>::update_with_accel::<M>,
+                Localiser::<T, 4>::start, Localiser::<T, 4>::update::<M>, Localiser::<T, 4>::update_with_accel::<M>, Localiser::<T, 4>::update_with::<M>, Localiser::<T, 4>::uncarried_s,
                 Localiser::<T, 4>::set_pose, Localiser::<T, 4>::wheel_speeds, Localiser::<T, 4>::pose, Localiser::<T, 4>::fix_age_s,
                 Localiser::<T, 4>::curvature_bias, Localiser::<T, 4>::localisation,
+                gyro::GyroParams::<T>::icm_42688_p, gyro::GyroParams::<T>::check, gyro::GyroParams::<T>::validate,
+                gyro::ValidGyroParams::<T>::params, gyro::GyroHeading::<T>::new, gyro::GyroHeading::<T>::advance,
+                gyro::GyroHeading::<T>::carries, gyro::GyroHeading::<T>::slides_now, gyro::GyroHeading::<T>::heading_variance,
+                gyro::GyroHeading::<T>::bias_variance, gyro::GyroHeading::<T>::report,
                 Arrival::<T>::exact, check_order::<T>, MotionGains::<T>::for_limits::<M>,
                 ValidMotionParams::<T>::hand_over_distance, ValidMotionParams::<T>::parking_is_due::<M>, Remaining::<T>::with_error,
                 MotionParams::<T>::new, MotionParams::<T>::new_with::<M>, MotionParams::<T>::with_pose_noise, MotionParams::<T>::validate,

@@ -62,6 +62,7 @@ fn draw(random: &mut Random) -> LocaliserParams<f64> {
             bandwidth: 50.0 * factor(random, 2.0),
         },
         fusion: Some(fusion),
+        gyro: None,
     }
 }
 

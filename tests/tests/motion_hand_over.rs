@@ -1,8 +1,10 @@
 //! Leaving the path at the distance that the controller names: no overshoot, no step.
 
 use controller_core::maths::Libm;
-use controller_core::motion::{Outcome, Task};
-use controller_core::pose_error::pose_error;
+use controller_core::motion::{Outcome, Remaining, Task};
+use controller_core::pose_error::{PoseError, pose_error};
+use controller_core::reference::Reference;
+use controller_core::types::{Accel, Pose, Twist};
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{goal, steady};
 use tests::motion_tracking::Exact;
@@ -141,5 +143,57 @@ fn braking_distance_covers_any_speed() {
         );
         assert_eq!(distance, motion.hand_over_distance(-v));
         last = distance;
+    }
+}
+
+/// A robot behind its reference has that much farther to go, whichever way it drives; what it has to turn is not changed.
+#[test]
+fn what_is_left_counts_how_far_the_robot_is_behind() {
+    let left = Remaining {
+        path_m: 1.0,
+        turn_rad: 0.7,
+    };
+    let error = PoseError {
+        x: 0.25,
+        y: 5.0,
+        theta: 1.0,
+    };
+    for (speed, path_m) in [(0.4, 1.25), (0.0, 1.25), (-0.4, 0.75)] {
+        let reference = Reference::new(Pose::default(), Twist::new(speed, 0.2), Accel::default());
+        let found = left.with_error(&reference, &error);
+        assert_eq!(
+            (found.path_m, found.turn_rad),
+            (path_m, 0.7),
+            "at {speed} m/s"
+        );
+    }
+}
+
+/// Parking takes over when both the path and the turn are short, each by the distance that parking needs.
+#[test]
+fn parking_is_due_when_path_and_turn_are_short() {
+    let base = Base::STANDARD;
+    let motion = base.exact().validate().expect("valid");
+    let (v, w) = (0.8, 0.9);
+    let command = Twist::new(v, w);
+    // A wheel's rim is as fast as the root of both squares says.
+    let along = motion.hand_over_distance(v);
+    let around = motion.hand_over_distance(v.hypot(0.5 * base.track * w)) / (0.5 * base.track);
+    assert!(along > 0.06 && around > 0.06, "beyond the least distance");
+    for (path, turn, due) in [
+        (0.99, 0.99, true),
+        (1.01, 0.99, false),
+        (0.99, 1.01, false),
+        (1.01, 1.01, false),
+    ] {
+        let left = Remaining {
+            path_m: path * along,
+            turn_rad: turn * around,
+        };
+        assert_eq!(
+            motion.parking_is_due::<Libm>(&left, &command),
+            due,
+            "{path} of the path, {turn} of the turn"
+        );
     }
 }

@@ -11,8 +11,11 @@ use serde::Serialize;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::verify::{
-    Case, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
+    Case, StabilityMap, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
 };
+
+/// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
+const STARTS: usize = 300;
 
 /// A verification as it stands in a JSON file.
 #[derive(Serialize)]
@@ -47,6 +50,7 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
          is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
     )?;
     say(&format!("{}\n", verdict(&verification)))?;
+    say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
     let name = format!("{}-verify", robot.name);
     draw_worst(&verification, &robot, &name, &writer)?;
     let record = Record {

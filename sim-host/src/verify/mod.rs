@@ -5,10 +5,12 @@
 //! its file says; it shows what the numbers in the file are good for.
 
 mod csv;
+mod margins;
 mod study;
 mod table;
 
 pub use csv::write as write_csv;
+pub use margins::{Place, StabilityMap};
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 

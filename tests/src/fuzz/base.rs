@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use controller_core::base::{BaseController, Order, Sensed, ValidBaseParams, WheelAction};
-use controller_core::gyro::GyroReading;
+use controller_core::gyro::{GyroParams, GyroReading};
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::maths::Single;
@@ -32,12 +32,17 @@ pub const TICKS: Target = Target {
 fn bases() -> &'static [ValidBaseParams<f32>] {
     static BASES: OnceLock<Vec<ValidBaseParams<f32>>> = OnceLock::new();
     BASES.get_or_init(|| {
+        // Each as its file has it, and with a gyro.
         ["paper-30kg", "lab-10kg", "hobby-1kg"]
             .iter()
-            .map(|name| {
+            .flat_map(|name| [(name, false), (name, true)])
+            .map(|(name, with_gyro)| {
                 let built_in = BuiltInBase::find(name).expect("built in");
                 let base = built_in.base().expect("valid");
-                let params = sim_host::closed_loop::params(&base, 10_000).expect("valid");
+                let mut params = sim_host::closed_loop::params(&base, 10_000).expect("valid");
+                if with_gyro {
+                    params.localiser.gyro = Some(GyroParams::icm_42688_p());
+                }
                 params.validate().expect("valid")
             })
             .collect()
@@ -47,7 +52,7 @@ fn bases() -> &'static [ValidBaseParams<f32>] {
 /// Ordinary drives: armed, then so many ticks of an order.
 fn seeds() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();
-    for base in 0..3 {
+    for base in 0..6 {
         for order in 0..4_u8 {
             let mut bytes = vec![base, TICK, 0, 0, EVENT, 0];
             for tick in 0..60_u8 {
@@ -98,6 +103,14 @@ fn order(bytes: &mut Bytes<'_>) -> Order<f32> {
             hold_heading: bytes.byte() % 2 == 0,
         },
         _ => Order::None,
+    }
+}
+
+fn gyro(bytes: &mut Bytes<'_>) -> GyroReading<f32> {
+    GyroReading {
+        rate: bytes.float(3.0),
+        heading: (bytes.byte() < 64).then(|| bytes.float(4.0)),
+        age_s: bytes.float(0.05),
     }
 }
 
@@ -216,16 +229,12 @@ fn sense(bytes: &mut Bytes<'_>, counts: &mut WheelCounts) -> (u32, Sensed<f32>) 
             pose: pose(bytes),
             age_s: bytes.float(0.1),
         }),
-        gyro: (flags & 128 != 0).then(|| GyroReading {
-            rate: bytes.float(5.0),
-            heading: (bytes.byte() < 64).then(|| bytes.float(4.0)),
-            age_s: bytes.float(0.1),
-        }),
         supply_v: (flags & 16 != 0).then(|| bytes.float(24.0)),
         currents: (flags & 32 != 0).then(|| Currents {
             right: bytes.float(10.0),
             left: bytes.float(10.0),
         }),
+        gyro: (flags & 128 != 0).then(|| gyro(bytes)),
         driver: if flags & 64 != 0 && bytes.byte() < 32 {
             Err(bytes.one_of(ERRORS))
         } else {

@@ -274,3 +274,21 @@ impl<T: Scalar> Wheel<T> {
             .all(|filter| filter.first.is_finite() && filter.second.is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Twice;
+
+    /// 1/(s + a)² of a² y is y: with any tick a filter that settled at y stays there.
+    #[test]
+    fn a_settled_filter_stays_where_it_is() {
+        for (output, a) in [(0.3_f64, 5.0), (-2.0, 0.4)] {
+            for dt in [1e-4, 1e-2, 0.5] {
+                let settled = Twice::settled(output, a);
+                let next = settled.low_pass(a * a * output, dt, 1.0 / (1.0 + a * dt));
+                assert!((next.second - output).abs() < 1e-15 * output.abs() * 10.0);
+                assert!((next.first - a * output).abs() < 1e-14);
+            }
+        }
+    }
+}
