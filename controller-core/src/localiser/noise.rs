@@ -60,3 +60,18 @@ pub(super) fn pose_noise<T: Scalar, M: Maths<T>>(odometry: &OdometryParams<T>, f
     let counts = T::from_f64(ROUNDING) * odometry.travel_per_count_m();
     M::sqrt(fixes * fixes + counts * counts)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{KEPT, filtered_share};
+
+    /// A correction that takes all of a fix leaves what is not spread yet before the next, 1/e; one that takes little is a filter of
+    /// first order that is driven by white noise, ωT/2.
+    #[test]
+    fn the_share_has_its_limits() {
+        assert!((filtered_share(1.0_f64) - KEPT).abs() < 1e-15);
+        for gain in [1e-6_f64, 1e-4] {
+            assert!((filtered_share(gain) / gain - 0.5).abs() < gain);
+        }
+    }
+}

@@ -100,7 +100,7 @@ fn order(bytes: &mut Bytes<'_>) -> Order<f32> {
         2 => Order::Park(pose(bytes)),
         3 | 6 => Order::Drive {
             twist: twist(bytes),
-            hold_heading: bytes.byte() % 2 == 0,
+            hold_heading: bytes.byte().is_multiple_of(2),
         },
         _ => Order::None,
     }
@@ -129,7 +129,7 @@ fn ticks(input: &[u8], met: &mut Met) {
     let mut limit = params.motion().params().limits.wheel_torque_nm;
     let mut base = Base::new(params, pose(&mut bytes.clone()));
     let mut counts = WheelCounts::default();
-    while let Some(kind) = bytes.next() {
+    while let Some(kind) = bytes.take() {
         let before = base.supervisor().state();
         match kind {
             EVENT => {

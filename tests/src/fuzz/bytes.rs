@@ -26,7 +26,7 @@ const FLOATS: [f32; 16] = [
 
 impl Bytes<'_> {
     /// The next byte; `None` at the end.
-    pub fn next(&mut self) -> Option<u8> {
+    pub fn take(&mut self) -> Option<u8> {
         let (first, rest) = self.0.split_first()?;
         self.0 = rest;
         Some(*first)
@@ -34,7 +34,7 @@ impl Bytes<'_> {
 
     /// The next byte, or 0.
     pub fn byte(&mut self) -> u8 {
-        self.next().unwrap_or(0)
+        self.take().unwrap_or(0)
     }
 
     /// The next four bytes as a number.

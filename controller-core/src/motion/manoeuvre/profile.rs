@@ -494,6 +494,18 @@ mod tests {
         },
     ];
 
+    /// An acceleration fades at the largest jerk, which is that of the larger acceleration, whichever way that is.
+    #[test]
+    fn a_stop_fades_its_acceleration_at_the_largest_jerk() {
+        for axis in AXES {
+            let jerk = axis.up.max(axis.down) / axis.jerk_s;
+            for accel in [axis.up, -axis.down, 0.3] {
+                let stop = axis.stop(0.4, accel);
+                assert!((stop.fade - accel.abs() / jerk).abs() < 1e-12, "{axis:?}");
+            }
+        }
+    }
+
     /// Covers the distance, ends at rest, stays within every limit, and its samples are each other's
     /// derivatives, for distances over all cases of the peak rate.
     #[test]
