@@ -410,7 +410,7 @@ impl Image<'_> {
             fs::copy(from, folder.join(to)).expect("a file can be copied");
         };
         fs::write(folder.join("Cargo.toml"), manifest).expect("a file can be written");
-        copy(here().join("tests/overhead/main.rs"), "src/main.rs");
+        copy(here().join("tests/overhead/tick.rs"), "src/main.rs");
         // The same versions, and no question to the registry.
         copy(root.join("Cargo.lock"), "Cargo.lock");
         copy(root.join("firmware-demo/memory").join(self.map), "memory.x");
