@@ -4,18 +4,6 @@ use crate::error::{Input, StepFault};
 use crate::scalar::Scalar;
 use crate::types::Measured;
 
-/// 0 if all `values` are finite, otherwise NaN: Σ (x − x). Residues may be added up, so that many numbers cost one comparison.
-// x − x is NaN where x is infinite or NaN.
-#[allow(clippy::eq_op)]
-#[inline(always)]
-pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
-    // From -0, which added to anything is that.
-    let start = -T::ZERO;
-    values
-        .into_iter()
-        .fold(start, |sum, value| sum + (value - value))
-}
-
 /// Refuses a measurement that is not finite.
 #[inline]
 pub(crate) fn check_measured<T: Scalar>(measured: &Measured<T>) -> Result<(), StepFault> {

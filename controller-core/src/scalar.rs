@@ -172,6 +172,18 @@ impl Scalar for f64 {
     }
 }
 
+/// 0 if all `values` are finite, otherwise NaN: Σ (x − x). Residues may be added up, so that many numbers cost one comparison.
+// x − x is NaN where x is infinite or NaN.
+#[allow(clippy::eq_op)]
+#[inline(always)]
+pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
+    // From -0, which added to anything is that.
+    let start = -T::ZERO;
+    values
+        .into_iter()
+        .fold(start, |sum, value| sum + (value - value))
+}
+
 /// Microseconds in seconds. In single precision exact to a rounding up to 16.7 s.
 #[inline]
 pub(crate) fn seconds<T: Scalar>(us: u32) -> T {

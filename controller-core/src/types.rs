@@ -4,8 +4,8 @@
 //! from x. Body frame: x forward, y left. Where wheels come in pairs, right comes before left.
 
 use crate::cast::cast;
-use crate::check::residue;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 
 /// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

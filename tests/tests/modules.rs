@@ -13,7 +13,8 @@ use std::path::Path;
 type Module = Vec<String>;
 
 /// Every package of the workspace and every board.
-const CRATES: [&str; 8] = [
+const CRATES: [&str; 9] = [
+    "bindings/c",
     "controller-core",
     "firmware-demo",
     "protocol",

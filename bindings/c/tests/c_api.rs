@@ -182,6 +182,14 @@ fn every_call_refuses_every_bad_argument_and_changes_nothing() {
 }
 
 #[test]
+fn an_emergency_stop_from_an_interrupt_is_obeyed_by_the_tick_that_it_interrupts() {
+    let program = program("interrupted", "gcc", "-std=c99", &["interrupted.c"]);
+    let output = succeed(&mut Command::new(program));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(text.trim(), "100 stops within a tick, all obeyed");
+}
+
+#[test]
 fn the_class_parks_a_base() {
     let program = program("park", "g++", "-std=c++17", &["park.cpp"]);
     let output = succeed(&mut Command::new(program));
@@ -238,6 +246,48 @@ fn cmake_finds_the_archive_and_its_example_parks() {
     let output = succeed(&mut Command::new(build.join("park")));
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.starts_with("parked at"), "{text}");
+}
+
+/// What the packages for other build systems name is what the builder builds; those systems are not here to ask.
+#[test]
+fn packages_name_archives_that_there_are() {
+    let output = Command::new(env!("CARGO_BIN_EXE_archives"))
+        .arg("no such core")
+        .output()
+        .expect("the builder can be started");
+    assert!(!output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let (_, cores) = said.split_once("there are ").expect("a list of cores");
+    let cores: Vec<&str> = cores.split([',', ' ', '"', '\n']).collect();
+    let package = here().join("package");
+    for (file, least) in [
+        ("twb-config.cmake", 5),
+        ("CMakeLists.txt", 3),
+        ("platformio.py", 7),
+        ("zephyr/CMakeLists.txt", 8),
+    ] {
+        let text = fs::read_to_string(package.join(file)).expect("a file of the package");
+        let words = text.split(|c: char| !c.is_alphanumeric() && c != '-');
+        // As the value of a setting or in an assignment; flags that are compared with stand in MATCHES.
+        let named: Vec<&str> = words
+            .filter(|word| cores.contains(word) && *word != "host")
+            .collect();
+        assert!(named.len() >= least, "{file}: {named:?}");
+        for line in text
+            .lines()
+            .filter(|line| line.contains("set(TWB_CORE ") || line.contains("set(twb_cores_"))
+        {
+            let core = line
+                .trim_end_matches(')')
+                .rsplit(' ')
+                .next()
+                .unwrap_or_default();
+            assert!(
+                cores.contains(&core) || core == "rv32${CMAKE_MATCH_1}",
+                "{file}: {line}"
+            );
+        }
+    }
 }
 
 /// A cross compiler, an emulator, and the core's archive.
@@ -326,9 +376,9 @@ fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
     assert_eq!(RV32IMAFC.run(), expected());
 }
 
-/// More instructions than the core takes when it is called from Rust: a call, checks, and structs to and fro. Measured: 236 on the
-/// Cortex-M4F, 256 on the RV32IMAFC.
-const MOST_MORE: i64 = 260;
+/// More instructions than the core takes when it is called from Rust: a call, checks, and structs to and fro. Measured: 362 on the
+/// Cortex-M4F, with a tenth to spare.
+const MOST_MORE: i64 = 400;
 
 /// A core with what an image in Rust needs of its run time.
 struct Image<'a> {
@@ -360,7 +410,7 @@ impl Image<'_> {
             fs::copy(from, folder.join(to)).expect("a file can be copied");
         };
         fs::write(folder.join("Cargo.toml"), manifest).expect("a file can be written");
-        copy(here().join("tests/overhead/image.rs"), "src/main.rs");
+        copy(here().join("tests/overhead/tick.rs"), "src/main.rs");
         // The same versions, and no question to the registry.
         copy(root.join("Cargo.lock"), "Cargo.lock");
         copy(root.join("firmware-demo/memory").join(self.map), "memory.x");

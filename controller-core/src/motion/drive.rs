@@ -6,11 +6,11 @@ use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use super::transition_offset::AxisOffset;
 use crate::angle::wrap;
-use crate::check::residue;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::range::clamp;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 use crate::types::{Accel, Twist};
 
 /// Largest speed \[m/s\] and turn rate \[rad/s\] of an order: as of [`Limits`](super::Limits), so that every base can be

@@ -3,7 +3,8 @@
 use super::error_view::ErrorView;
 use super::lag::LagState;
 use super::params::ValidMotionParams;
-use super::setpoint::{Moving, Setpoint, Transition, Wanted};
+use super::pose_law::{Moving, Transition, Wanted};
+use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;

@@ -1,9 +1,9 @@
 //! A neuron in the units of its output: slow gain 1, saturating at a bound.
 
-use crate::check::residue;
 use crate::error::ParamError;
 use crate::maths::Maths;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 use crate::shunting::NeuronParams;
 use crate::shunting::{NeuronUpdate, Shunting};
 

@@ -38,6 +38,7 @@ mod manoeuvre;
 mod params;
 mod parking;
 mod polar;
+mod pose_law;
 mod report;
 mod retry;
 mod saturation;

@@ -4,11 +4,11 @@ use super::lag::LagState;
 use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use crate::angle::wrap;
-use crate::check::residue;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
 

@@ -2,8 +2,8 @@
 
 use super::governor::Command;
 use super::setpoint::Setpoint;
-use crate::check::residue;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 use crate::types::{Accel, Twist};
 
 /// Two neurons without input in cascade: b″ + 2 A b′ + A² b = 0.

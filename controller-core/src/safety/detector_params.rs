@@ -1,6 +1,5 @@
 //! Thresholds and times of the detectors: plain data, checked once.
 
-use super::monitor::{LEAST_COUNTS, WINDOW};
 use crate::error::{Field, ParamError};
 use crate::range::within;
 use crate::robot::Robot;
@@ -10,6 +9,12 @@ use crate::wheels::WheelMap;
 
 mod suited;
 
+/// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
+/// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
+pub(super) const WINDOW: f64 = 10.0;
+/// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
+/// count by which a reading is rounded, and that has to stay below half of it.
+pub(super) const LEAST_COUNTS: f64 = 8.0;
 /// How long something may last, or that it is not watched at all. Being off is never a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

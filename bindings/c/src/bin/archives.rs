@@ -266,12 +266,21 @@ fn rust_library(core: &Core, opt: &str) -> Result<PathBuf, Box<dyn Error>> {
         .current_dir(root())
         .env("CARGO_TARGET_DIR", &target_dir)
         .env("CARGO_PROFILE_CHIP_OPT_LEVEL", opt)
-        // Nothing unwinds, so that no tables for it are due.
-        .env("RUSTFLAGS", "-Cforce-unwind-tables=no")
+        .env("RUSTFLAGS", flags(core))
         .args(["rustc", "--quiet", "--locked", "-p", "capi", "--lib"])
         .args(["--crate-type", "staticlib", "--features", "archive"])
         .args(["--profile", "chip", "--target", core.target]))?;
     Ok(target_dir.join(core.target).join("chip/libcapi.a"))
+}
+
+/// Nothing unwinds, so that no tables for it are due.
+fn flags(core: &Core) -> String {
+    let mut flags = "-Cforce-unwind-tables=no".to_owned();
+    if core.name == "rv32imc" {
+        // Loads and stores are atomic there, as on the Cortex-M0+; the queues of `heapless` know the latter only.
+        flags.push_str(" --cfg=has_atomic_load_store");
+    }
+    flags
 }
 
 /// Exports what the header declares, and needs nothing.

@@ -3,10 +3,10 @@
 use super::candidate::PlanLimits;
 use super::path::{Path, Vector};
 use super::search::{Progress, Search};
-use crate::check::residue;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 use crate::types::{Accel, Twist};
 
 /// A manoeuvre under way, or being searched for while the robot comes to rest.

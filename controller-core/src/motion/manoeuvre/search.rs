@@ -2,11 +2,11 @@
 
 use super::candidate::{CANDIDATES, Candidate, PlanLimits, Target};
 use super::path::{Ends, Path, Quality, Vector};
-use crate::check::residue;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
 use crate::scalar::Scalar;
+use crate::scalar::residue;
 
 /// Evaluations of a path's end in a second of ticks. One of 4,500 instructions every 2.5 ms is 2 % of a chip of
 /// 100 MHz, and a search takes 0.3 s at most.

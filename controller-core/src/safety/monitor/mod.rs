@@ -64,7 +64,6 @@ pub(super) use debounce::Debounce;
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
 use wheel::{Effort, Time, Wheel, WheelDetections, WheelInputs};
-pub(super) use wheel::{LEAST_COUNTS, WINDOW};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,16 +1,10 @@
 //! One wheel: stuck, reversed, slipping.
 
 use super::debounce::Debounce;
-use crate::check::residue;
-use crate::safety::detector_params::{Timeout, ValidDetectorParams};
+use crate::safety::detector_params::{LEAST_COUNTS, Timeout, ValidDetectorParams, WINDOW};
+use crate::scalar::residue;
 use crate::scalar::{Scalar, seconds};
 
-/// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
-/// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
-pub(in crate::safety) const WINDOW: f64 = 10.0;
-/// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
-/// count by which a reading is rounded, and that has to stay below half of it.
-pub(in crate::safety) const LEAST_COUNTS: f64 = 8.0;
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
 /// [`LEAST_COUNTS`] in it has counted.
 const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);

@@ -1,0 +1,40 @@
+//! What a pose law is given in a tick, and what it makes of it.
+
+use super::governor::Command;
+use super::setpoint::Setpoint;
+use crate::types::Twist;
+
+/// How the robot moves, measured and commanded.
+#[derive(Clone, Copy)]
+pub(crate) struct Moving<'a, T> {
+    /// Measured.
+    pub(crate) twist: &'a Twist<T>,
+    /// Of the last tick.
+    pub(crate) command: &'a Command<T>,
+}
+
+/// Time since the last tick.
+#[derive(Clone, Copy)]
+pub(crate) struct Step<T> {
+    /// \[s\].
+    pub(crate) dt: T,
+    /// 2/dt \[1/s\]; `None` where the laws start afresh from the command: at the start, and after a jump.
+    pub(crate) two_per_dt: Option<T>,
+}
+
+/// What a pose law made of a tick.
+pub(crate) struct Wanted<T> {
+    pub(crate) setpoint: Setpoint<T>,
+    pub(crate) transition: Transition,
+}
+
+/// How a setpoint goes on from the command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Transition {
+    /// From the last setpoint: the transition offset goes on fading.
+    Continue,
+    /// It may jump: a new transition offset starts from the command.
+    Offset,
+    /// From the command itself, rate and acceleration: there is no offset.
+    Seamless,
+}
