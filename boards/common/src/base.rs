@@ -73,6 +73,8 @@ pub type Halves<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro> =
 /// # Errors
 ///
 /// [`StartError`]; the outputs are then as safe as they could be made.
+// Every parameter is a part of the board.
+#[allow(clippy::type_complexity)]
 pub fn start<'queue, P, D, N, E, C, M, G>(
     parts: Parts<P, D, N, E, C, M, G>,
     queues: &'queue mut Queues,

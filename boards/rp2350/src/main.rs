@@ -22,7 +22,9 @@ mod watchdog;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BoardBase, Bytes, MotorSide, NoGyro, NoMemory, Parts, Queues, config, robot, start};
+use board_common::{
+    BoardBase, Bytes, MotorSide, NoGyro, NoMemory, Parts, Queues, config, robot, start,
+};
 use critical_section::Mutex;
 use rp_pac::interrupt;
 

@@ -21,7 +21,9 @@ mod safe;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use board_common::{BAUD, BoardBase, Bytes, MotorSide, NoGyro, Parts, Queues, Slots, config, robot, start};
+use board_common::{
+    BAUD, BoardBase, Bytes, MotorSide, NoGyro, Parts, Queues, Slots, config, robot, start,
+};
 use cortex_m::peripheral::NVIC;
 use critical_section::Mutex;
 use embedded_hal_nb::serial::{Read as _, Write as _};
