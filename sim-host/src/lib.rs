@@ -14,7 +14,7 @@
 //! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
-//! | beside other laws | [`bench`] |
+//! | beside other laws | [`mod@bench`] |
 //! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
 //!
 //! ```
