@@ -173,8 +173,7 @@ impl Scalar for f64 {
 }
 
 /// 0 if all `values` are finite, otherwise NaN: Σ (x − x). Residues may be added up, so that many numbers cost one comparison.
-// x − x is NaN where x is infinite or NaN.
-#[allow(clippy::eq_op)]
+#[allow(clippy::eq_op)] // 0 for what is finite, NaN for what is not.
 #[inline(always)]
 pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
     // From -0, which added to anything is that.

@@ -1,26 +1,16 @@
 //! Every law parks a unicycle that does what is wanted of it within its accelerations, and follows what moves.
 
 use controller_core::maths::{Maths, Single};
-use controller_core::motion::{Limits, SaturationPolicy};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
+use firmware_demo::robots::LAB_10KG;
 use rivals::{
     Aicardi, Body, Gain, Graceful, Job, LtvUnicycle, Now, Path, PurePursuit, Ramsete, Rival,
     Samson, TurnDriveTurn, TwoPids,
 };
 
 const BODY: Body = Body {
-    limits: Limits {
-        speed: 1.2,
-        turn_rate: 3.0,
-        accel: 1.0,
-        brake: 1.5,
-        turn_accel: 6.0,
-        jerk: 20.0,
-        turn_jerk: 80.0,
-        wheel_torque_nm: 2.0,
-        policy: SaturationPolicy::KeepCurvature,
-    },
+    limits: LAB_10KG.base.motion.limits,
     period_s: 0.01,
     distance_m: 0.005,
     heading_rad: 0.010,

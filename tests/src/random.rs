@@ -11,14 +11,23 @@ use crate::oracle::laws::Target;
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in \[-scale, scale).
-    pub fn within(&mut self, scale: f64) -> f64 {
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        scale * ((z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+        z ^ (z >> 31)
+    }
+
+    /// Below `n` > 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
+    /// Uniform in \[-scale, scale).
+    pub fn within(&mut self, scale: f64) -> f64 {
+        scale * ((self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
     }
 
     /// Normal, of standard deviation 1, by Box and Muller's rule.

@@ -1,27 +1,15 @@
 //! Rubbish, so many inputs of each kind, the same on every machine; `tests::fuzz` says what, and how to try more.
 
-use std::fs;
 use std::path::Path;
 
-use tests::fuzz::{Target, base, files, fuzz, wire};
+use tests::fuzz::{Target, base, files, fuzz, inputs, wire};
 
 /// All inputs that once met something new, and so many changed ones.
 fn holds(target: &Target) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
         .join(target.name);
-    let mut files: Vec<_> = fs::read_dir(folder)
-        .map(|entries| {
-            entries
-                .filter_map(|entry| Some(entry.ok()?.path()))
-                .collect()
-        })
-        .unwrap_or_default();
-    files.sort();
-    let kept = files
-        .iter()
-        .map(|file| fs::read(file).expect("readable"))
-        .collect();
+    let kept = inputs(&folder).expect("readable");
     let outcome = fuzz(target, 20_260_101, kept, |tried| tried < target.in_a_test);
     println!(
         "{}: {} inputs, {} things met",

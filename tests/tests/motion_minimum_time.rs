@@ -4,6 +4,7 @@ use controller_core::maths::Single;
 use controller_core::motion::{MotionParams, Outcome, Task};
 use controller_core::shunting::RationalMean;
 use controller_core::types::{Pose, Wrench};
+use sim_host::bench::minimum::Pool;
 use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Drive, home};
@@ -15,7 +16,8 @@ use tests::tuning_loop::{BASES, file};
 ///
 /// The least times are solutions of an optimal-control problem (direct collocation, an interior-point solver) with the
 /// limits of the base files, jerk included, from many first guesses; each was integrated again. Upper bounds of the
-/// true minimum. They hold for the limits below and are to be computed anew when a base file's limits change.
+/// true minimum. They hold for the limits that those of
+/// [`Pool`] hold for, and are to be computed anew when a base file's limits change.
 #[rustfmt::skip]
 const MINIMUM: [(&str, f64, f64, f64, f64, f64); 36] = [
     ("paper-30kg", 0.122108, -0.157590, 1.825380, 2.8772, 5.3425),
@@ -54,13 +56,6 @@ const MINIMUM: [(&str, f64, f64, f64, f64, f64); 36] = [
     ("hobby-1kg", -0.885783, -2.167580, 2.777927, 3.6293, 4.8283),
     ("hobby-1kg", -0.996067, 2.332144, -2.294861, 3.8217, 4.9641),
     ("hobby-1kg", 1.373986, 2.447754, -2.335181, 4.2630, 5.2034),
-];
-
-/// Speed, turn rate, accel, brake, turn accel, jerk, turn jerk for which [`MINIMUM`] was computed.
-const LIMITS: [(&str, [f64; 7]); 3] = [
-    ("paper-30kg", [2.5, 3.0, 1.5, 1.5, 0.9, 20.0, 40.0]),
-    ("lab-10kg", [1.2, 3.0, 1.0, 1.5, 6.0, 20.0, 80.0]),
-    ("hobby-1kg", [0.8, 6.0, 1.5, 1.5, 15.0, 30.0, 300.0]),
 ];
 
 /// What became of a park.
@@ -127,23 +122,9 @@ fn shares(mut values: Vec<f64>) -> [f64; 3] {
 fn parking_takes_little_more_than_the_least_time() {
     let (mut page, mut medians) = (Stated::of("docs/motion.md"), Vec::new());
     for name in BASES {
-        let (_, limits) = LIMITS
-            .iter()
-            .find(|row| row.0 == name)
-            .expect("in the table");
         let (params, dt) = params(name, Some((0.005, 0.010)));
-        let own = &params.limits;
-        let own = [
-            own.speed,
-            own.turn_rate,
-            own.accel,
-            own.brake,
-            own.turn_accel,
-            own.jerk,
-            own.turn_jerk,
-        ];
-        assert_eq!(
-            own, *limits,
+        assert!(
+            Pool::of(name, &file(name)).is_some(),
             "{name}: the least times are those of other limits"
         );
         let exact = self::params(name, None).0;

@@ -9,33 +9,17 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use tests::fuzz::{TARGETS, Target, fuzz};
+use tests::fuzz::{TARGETS, Target, fuzz, inputs};
 
 fn option(name: &str) -> Option<String> {
     let mut arguments = std::env::args().skip_while(|argument| argument != name);
     arguments.nth(1)
 }
 
-/// Files of a folder, in order of their names; none if there is no such folder.
-fn inputs(folder: &Path) -> Vec<Vec<u8>> {
-    let mut files: Vec<PathBuf> = fs::read_dir(folder)
-        .map(|entries| {
-            entries
-                .filter_map(|entry| Some(entry.ok()?.path()))
-                .collect()
-        })
-        .unwrap_or_default();
-    files.sort();
-    files
-        .iter()
-        .filter_map(|file| fs::read(file).ok())
-        .collect()
-}
-
 fn run(target: &Target, minutes: f64, seed: u64, corpus: &Path) -> std::io::Result<bool> {
     let started = Instant::now();
     let most = Duration::from_secs_f64(60.0 * minutes);
-    let more = inputs(&corpus.join(target.name));
+    let more = inputs(&corpus.join(target.name))?;
     let outcome = fuzz(target, seed, more, |_| started.elapsed() < most);
     let seconds = started.elapsed().as_secs_f64();
     println!(

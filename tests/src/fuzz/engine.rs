@@ -4,6 +4,10 @@ use std::any::Any;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use crate::random::Random;
 
 /// What a run met.
 #[derive(Clone, Debug, Default)]
@@ -48,22 +52,20 @@ pub struct Outcome {
     pub failed: Option<(Vec<u8>, String)>,
 }
 
-/// SplitMix64.
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Below `n` > 0.
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
+/// The inputs of a folder, in order of their names; none if there is no such folder.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn inputs(folder: &Path) -> io::Result<Vec<Vec<u8>>> {
+    let mut files: Vec<PathBuf> = fs::read_dir(folder)
+        .map(|entries| {
+            entries
+                .filter_map(|entry| Some(entry.ok()?.path()))
+                .collect()
+        })
+        .unwrap_or_default();
+    files.sort();
+    files.iter().map(fs::read).collect()
 }
 
 /// Inputs that are kept.
@@ -89,7 +91,7 @@ const NUMBERS: [&str; 16] = [
     "0x10",
 ];
 
-fn mutate(target: &Target, kept: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
+fn mutate(target: &Target, kept: &[Vec<u8>], dice: &mut Random) -> Vec<u8> {
     let mut input = kept[dice.below(kept.len())].clone();
     for _ in 0..=dice.below(4) {
         let at = dice.below(input.len() + 1);
@@ -101,10 +103,10 @@ fn mutate(target: &Target, kept: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
             }
             1 => {
                 if let Some(byte) = input.get_mut(at) {
-                    *byte = dice.next() as u8;
+                    *byte = dice.bits() as u8;
                 }
             }
-            2 => input.insert(at, dice.next() as u8),
+            2 => input.insert(at, dice.bits() as u8),
             3 => {
                 let end = (at + 1 + dice.below(16)).min(input.len());
                 input.drain(at.min(end)..end);
@@ -139,7 +141,7 @@ fn mutate(target: &Target, kept: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
                 }
             }
             _ => {
-                let number = dice.next().to_le_bytes();
+                let number = dice.bits().to_le_bytes();
                 let end = (at + 4).min(input.len());
                 input.splice(at..end, number[..4].iter().copied());
             }
@@ -162,7 +164,7 @@ pub fn fuzz(
     more: Vec<Vec<u8>>,
     mut goes_on: impl FnMut(u64) -> bool,
 ) -> Outcome {
-    let mut dice = Dice(seed);
+    let mut dice = Random(seed);
     let mut outcome = Outcome::default();
     let mut known = HashSet::new();
     let mut first = (target.seeds)();

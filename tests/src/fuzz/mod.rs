@@ -11,7 +11,7 @@ pub mod engine;
 pub mod files;
 pub mod wire;
 
-pub use engine::{Met, Outcome, Target, fuzz};
+pub use engine::{Met, Outcome, Target, fuzz, inputs};
 
 /// All targets.
 pub const TARGETS: [Target; 5] = [

@@ -3,10 +3,15 @@
 
 extern crate std;
 
-use super::*;
+use super::{Cause, Supervisor};
 use crate::hal::ErrorKind;
-use crate::safety::supervisor::RestLimits;
-use crate::safety::{PolicyParams, Side};
+use crate::motion::AtRest;
+use crate::safety::supervisor::{
+    Action, Emergency, Event, IdleOutput, RestLimits, State, SupervisorParams, Then,
+};
+use crate::safety::{
+    ActiveFaults, Fault, PolicyParams, Reaction, Response, Side, Timeout, ValidPolicyParams,
+};
 use std::vec::Vec;
 
 /// Times in units of a tick: a dwell of two, stops of five and four. Only their order matters.
