@@ -8,7 +8,7 @@
 //! | tick too long, jitter | `ticks` | the tick; `row` late ticks, or `of_64` of the last 64 |
 //! | pose jump, driver | reported by others | the tick |
 //! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a tick |
-//! | reversed | moves against its torque | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
+//! | reversed | turns against its torque, ever faster | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
 //! | reversed | commanded to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
 //! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
 //! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
@@ -34,6 +34,10 @@
 //! The filter's impulse response t e^(−at) is positive with area 1/a², so a sound wheel has |y − x| ≤ D for
 //! any load up to d_max, and a reversed one |y + x| ≤ D. With |x| ≥ 2 D the two are separated at −x/2: a
 //! reversed wheel has y sgn x ≤ −|x|/2, a sound one does not before the load is three times the stated one.
+//! Friction may be more than that (gears, tyres that scrub in a turn): when a torque that only just turned a wheel
+//! ends, it is braked against what was exerted. But friction only brakes. So a wheel is reversed only if by its counts it
+//! also turns against the torque, s/(s + a) φ sgn x < 0: friction never speeds a wheel up. A reversed wheel that is
+//! driven from rest does both from the first count on; one that was turning does after it has come round.
 //! Under a constant torque c times the load |x| reaches 2 D when 1 − (1 + at) e^(−at) = 2/c: after 0.30 s for
 //! c = 2.5, 0.17 s for c = 4, 0.10 s for c = 8. Below 8 counts of x nothing is said, for the sake of rounding.
 //!
@@ -216,10 +220,10 @@ impl<T: Scalar> Monitor<T> {
     }
 }
 
-/// Wheels that move against their torque while neither is silent that should not be.
+/// Wheels that turn against their torque while neither is silent that should not be.
 fn reversed(right: &WheelDetections, left: &WheelDetections) -> Option<Side> {
     let is =
-        |own: &WheelDetections, other: &WheelDetections| own.against && !own.silent && !other.dead;
+        |own: &WheelDetections, other: &WheelDetections| own.reversed && !own.silent && !other.dead;
     Side::of(is(right, left), is(left, right))
 }
 

@@ -60,6 +60,8 @@ pub(super) struct WheelDetections {
     pub(super) blocked: bool,
     /// It was accelerated against its torque, or turned against command and torque.
     pub(super) against: bool,
+    /// It was sped up against its torque, or turned against command and torque.
+    pub(super) reversed: bool,
     /// It has not counted for half a window,
     pub(super) silent: bool,
     /// though it is commanded to turn.
@@ -156,12 +158,15 @@ impl<T: Scalar> Wheel<T> {
         let blocked = now
             .outside
             .is_some_and(|speed| speed.abs() < T::HALF * settings.params.wheels.stuck.speed_rad_s);
+        // Counts that are missing are not counts that stand still.
+        let accelerated =
+            self.moves_against(settings, compared, now.time.us) && now.moved.is_some();
+        let turned = self.turns_back(settings, now, way);
         WheelDetections {
             stuck: stands && !blocked,
             blocked: stands && blocked,
-            // Counts that are missing are not counts that stand still.
-            against: (self.moves_against(settings, compared, now.time.us) && now.moved.is_some())
-                || self.turns_back(settings, now, way),
+            against: accelerated || turned,
+            reversed: (accelerated && self.turns_against()) || turned,
             silent,
             dead: silent && commanded,
             slips: self.moves_beyond(settings, compared, now),
@@ -233,6 +238,16 @@ impl<T: Scalar> Wheel<T> {
         let against = enough && along <= -(T::HALF * expected) && self.stands == Debounce::NONE;
         self.against
             .holds(against, dt_us, settings.params.wheels.reversed)
+    }
+
+    /// s/(s + a) φ sgn x < 0: by its counts of the window the wheel turns against its torque.
+    fn turns_against(&self) -> bool {
+        let speed = self.seen.first;
+        if self.expected.second < T::ZERO {
+            speed > T::ZERO
+        } else {
+            speed < T::ZERO
+        }
     }
 
     /// y sgn x > 2 |x| + S/a² with the torque pushing that way by at least half the load (without torque it

@@ -4,9 +4,9 @@ use super::*;
 use core::f64::consts::TAU;
 
 /// Driven up with 4 N m for half a second, then held back by twice what those give, though these are still
-/// commanded, and `change` edits the inputs, given the counts at which this began and ticks
-/// since: all that is found.
-fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> ActiveFaults {
+/// commanded, down to the speed `until` \[rad/s\] and no further. `change` edits the inputs, given the counts at which
+/// this began and ticks since: all that is found.
+fn slowed_to(until: f64, change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> ActiveFaults {
     let mut watched = params();
     watched.supply.after = Timeout::AfterUs(500_000);
     let mut monitor = monitor(watched);
@@ -17,7 +17,7 @@ fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> Active
     for tick in 1..=150 {
         let held = tick > 50;
         speed += 0.01 * if held { -2.0 * accel } else { accel };
-        speed = f64::max(speed, 0.0);
+        speed = f64::max(speed, until);
         turned += 0.01 * speed;
         let count = (turned * 4096.0 / TAU) as i32;
         let mut inputs = DetectorInputs {
@@ -39,8 +39,22 @@ fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> Active
     all
 }
 
+/// Held back until it turns the other way, as friction never does.
+fn held_back_from(change: impl Fn(&mut DetectorInputs<f64>, i32, i32)) -> ActiveFaults {
+    slowed_to(f64::NEG_INFINITY, change)
+}
+
 fn held_back(change: impl Fn(&mut DetectorInputs<f64>)) -> ActiveFaults {
     held_back_from(|inputs, _, _| change(inputs))
+}
+
+/// A reversed encoder would show it turning the other way, ever faster.
+#[test]
+fn a_wheel_that_friction_brakes_against_its_torque_is_not_reversed() {
+    for until in [0.0, 1.0, 5.0] {
+        let found = slowed_to(until, |_, _, _| {});
+        assert_eq!(found.get(FaultKind::EncoderReversed), None, "{until} rad/s");
+    }
 }
 
 #[test]
