@@ -25,8 +25,8 @@ pub const PERIOD_US: u32 = 1_000;
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: MotionParams {
         robot: Robot {
-            mass_kg: 1.5,
-            inertia_kg_m2: 0.012,
+            mass_kg: 2.352071,
+            inertia_kg_m2: 0.017453255,
             wheels: WheelGeometry {
                 radius_right_m: 0.0325,
                 radius_left_m: 0.0325,
@@ -104,12 +104,13 @@ pub const BASE: BaseParams<f32> = BaseParams {
             blend_rad_s: 0.024615385,
         },
         dead_band: 0.0,
+        rotor_inertia_kg_m2: 5e-7,
     }),
     detectors: DetectorParams {
         period_us: 1_000,
         robot: Robot {
-            mass_kg: 1.5,
-            inertia_kg_m2: 0.012,
+            mass_kg: 2.352071,
+            inertia_kg_m2: 0.017453255,
             wheels: WheelGeometry {
                 radius_right_m: 0.0325,
                 radius_left_m: 0.0325,

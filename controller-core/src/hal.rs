@@ -71,7 +71,7 @@ impl<D: ErrorType + ?Sized> ErrorType for &mut D {
 /// What a motor command needs to know beside the torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observed {
-    /// Measured, for the back-EMF.
+    /// In the middle of the tick, for the back-EMF: measured, and half a tick of the commanded acceleration.
     pub speeds: WheelSpeeds<f32>,
     /// Commanded by the controller, for friction.
     pub desired: WheelSpeeds<f32>,

@@ -41,6 +41,34 @@ impl<T: Scalar> Robot<T> {
             },
         }
     }
+
+    /// The robot as its wheels feel it, with the inertia J of what turns with each of them beyond what m and I hold: rotors,
+    /// whose turning a gear multiplies by its ratio squared. A law whose robot lacks them is late in every acceleration.
+    ///
+    /// ```text
+    /// m′ = m + J (1/r_r² + 1/r_l²)        I′ = I + (l/2)² J (1/r_r² + 1/r_l²)
+    /// ```
+    ///
+    /// | symbol | argument | unit |
+    /// | --- | --- | --- |
+    /// | J | `inertia`: n² J_m of a rotor behind a gear of ratio n | kg m² |
+    /// | r_r, r_l, l | `wheels` | m |
+    ///
+    /// With unlike radii speed and turn rate are coupled by what the two wheels differ in; that part is left out.
+    pub fn with_wheel_inertia(self, inertia: T) -> Self {
+        let WheelGeometry {
+            radius_right_m: right,
+            radius_left_m: left,
+            track_m,
+        } = self.wheels;
+        let mass = inertia / (right * right) + inertia / (left * left);
+        let lever = T::HALF * track_m;
+        Self {
+            mass_kg: self.mass_kg + mass,
+            inertia_kg_m2: self.inertia_kg_m2 + lever * lever * mass,
+            wheels: self.wheels,
+        }
+    }
 }
 
 /// Rate of change of a pose: how a base that neither slips nor skids moves. Eq. (1).

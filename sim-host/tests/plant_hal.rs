@@ -80,6 +80,7 @@ fn braked_wheels_stop_where_the_core_says() {
         max_current_a: 5.0,
         friction: WheelFriction::NONE,
         dead_band: 0.0,
+        rotor_inertia_kg_m2: 0.0,
     };
     let slowing = electrical_brake(&motor.validate().expect("in order"), &Robot::paper());
     let slowing = slowing.expect("in order");

@@ -18,7 +18,7 @@ macro_rules! numbers {
             keep![
                 angle::wrap::<T>,
                 pose_error::<T, M>, pose_error_rate::<T>, tracking_error::<T, M>, PoseError::<T>::norm::<M>,
-                pose_rate::<T, M>, constraint_residual::<T, M>, acceleration::<T>, wrench_for::<T>, Robot::<T>::paper,
+                pose_rate::<T, M>, constraint_residual::<T, M>, acceleration::<T>, wrench_for::<T>, Robot::<T>::paper, Robot::<T>::with_wheel_inertia,
                 torque::wrench::<T>,
                 excitatory::<T>, inhibitory::<T>,
                 Shunting::<T>::new, Shunting::<T>::decay, Shunting::<T>::upper, Shunting::<T>::lower, Shunting::<T>::contains,
@@ -56,7 +56,7 @@ macro_rules! numbers {
                 ValidMotionParams::<T>::largest_force, ValidMotionParams::<T>::largest_moment, ValidMotionParams::<T>::disturbance_bound,
                 share::<T>, Task::<T>::cast_with::<f32, Single>,
                 motor::Motor::<T>::params, motor::Motor::<T>::max_torque_nm, motor::Motor::<T>::no_load_speed_rad_s,
-                motor::Motor::<T>::short_current_a, motor::Motor::<T>::command, motor::MotorParams::<T>::validate,
+                motor::Motor::<T>::short_current_a, motor::Motor::<T>::command, motor::MotorParams::<T>::validate, motor::MotorParams::<T>::rotor_at_wheel_kg_m2,
                 motor::SpeedParams::<T>::validate, motor::SpeedOutput::<T>::params, motor::SpeedOutput::<T>::command,
                 motor::Decay::<T>::time_constant_s, motor::Decay::<T>::distance, motor::electrical_brake::<T>, motor::coast::<T>,
                 safety::DetectorParams::<T>::validate, safety::DetectorParams::<T>::for_base, safety::ValidDetectorParams::<T>::params,

@@ -27,6 +27,7 @@ fn params() -> impl Strategy<Value = MotorParams<f64>> {
                         blend_rad_s: blend,
                     },
                     dead_band: dead,
+                    rotor_inertia_kg_m2: 0.0,
                 }
             },
         )
@@ -50,7 +51,7 @@ fn scaled(motor: &Motor<f64>, [torque, desired, speed]: [f64; 3]) -> WheelDemand
 ///
 /// Electrics by Kirchhoff, gear by power, friction by its own sense: nothing of the core's formulas.
 fn base_torque(p: &MotorParams<f64>, duty: f64, supply: f64, speed: f64) -> f64 {
-    let open = (duty.abs() - p.dead_band).max(0.0) / (1.0 - p.dead_band);
+    let open = (duty.abs() - p.dead_band).max(0.0);
     let rotor_speed = p.gear_ratio * speed;
     let volt = supply * open * duty.signum() - p.torque_constant_nm_per_a * rotor_speed;
     let rotor_torque = p.torque_constant_nm_per_a * volt / p.resistance_ohm;
@@ -138,7 +139,9 @@ proptest! {
         }
         let supply = if limited.supply_unknown { p.supply_v } else { measured };
         prop_assert!(command.duty.abs() <= 1.0);
-        prop_assert!(command.voltage_v.abs() <= supply);
+        // What the dead band leaves of it.
+        let supply = (1.0 - p.dead_band) * supply;
+        prop_assert!(command.voltage_v.abs() <= supply * (1.0 + 1e-15));
         prop_assert!(!limited.invalid);
         let emf = p.gear_ratio * p.torque_constant_nm_per_a * demand.speed_rad_s;
         let runaway = emf.abs() > supply + p.resistance_ohm * p.max_current_a;
@@ -189,7 +192,7 @@ proptest! {
         let b = [mix(a[0], b[0]), mix(a[1], b[1]), mix(a[2], b[2])];
         let (from, to) = (scaled(&motor, a), scaled(&motor, b));
         let (k, eta) = (p.gear_ratio * p.torque_constant_nm_per_a, p.gear_efficiency);
-        let slope = if p.dead_band > 0.0 { 5.0 - p.dead_band } else { 1.0 };
+        let slope = if p.dead_band > 0.0 { 5.0 } else { 1.0 };
         let (r, u, friction) = (p.resistance_ohm, p.supply_v, &p.friction);
         let per_torque = slope * r / (eta * k * u);
         let release = 10.0 * friction.blend_rad_s;
@@ -243,6 +246,7 @@ fn noise_at_rest_is_not_magnified_by_friction() {
             blend_rad_s: 0.2,
         },
         dead_band: 0.05,
+        rotor_inertia_kg_m2: 0.0,
     };
     let motor = p.validate().expect("in range");
     // One count of 1920 a turn, through odometry with 60 rad/s at 1 kHz: 12 mrad/s.

@@ -19,10 +19,11 @@ fn parameters_are_checked_one_by_one() {
             blend_rad_s: 0.1,
         },
         dead_band: 0.02,
+        rotor_inertia_kg_m2: 0.0,
     };
     assert!(good.validate().is_ok());
     type Place = fn(&mut MotorParams<f64>) -> &mut f64;
-    let places: [(Field, Place, f64, f64); 9] = [
+    let places: [(Field, Place, f64, f64); 10] = [
         (Field::GearRatio, |p| &mut p.gear_ratio, 0.1, 1e4),
         (Field::GearEfficiency, |p| &mut p.gear_efficiency, 0.2, 1.0),
         (
@@ -47,6 +48,12 @@ fn parameters_are_checked_one_by_one() {
             1e3,
         ),
         (Field::DeadBand, |p| &mut p.dead_band, 0.0, 0.5),
+        (
+            Field::RotorInertia,
+            |p| &mut p.rotor_inertia_kg_m2,
+            0.0,
+            10.0,
+        ),
     ];
     for (field, place, low, high) in places {
         for wrong in [f64::NAN, f64::INFINITY, low - 1e-7, high * 1.001] {

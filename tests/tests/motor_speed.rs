@@ -161,6 +161,7 @@ fn base() -> (MotorParams<f64>, Robot<f64>) {
             blend_rad_s: 0.1,
         },
         dead_band: 0.0,
+        rotor_inertia_kg_m2: 0.0,
     };
     let robot = Robot {
         mass_kg: 5.0,

@@ -9,7 +9,7 @@ use crate::motion::{MotionLaw, MotionReport, Outcome, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Measured, WheelSpeeds, WheelTorques};
+use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques};
 
 /// What is driven, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
                     )?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
-                        action: drive(motion, report, speeds, beyond),
+                        action: drive(motion, report, (speeds, tick.dt), beyond),
                         at_goal: matches!(task, Task::Park(_)).then_some(at_goal),
                     })
                 }
@@ -102,7 +102,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             OutputMode::ControlledStop => match &tick.located.measured {
                 Some(measured) => {
                     let report = self.brake_along_plan(tick, measured, report)?;
-                    Ok(Driven::only(drive(motion, report, speeds, beyond)))
+                    Ok(Driven::only(drive(
+                        motion,
+                        report,
+                        (speeds, tick.dt),
+                        beyond,
+                    )))
                 }
                 None => Ok(without_torque(report)),
             },
@@ -212,17 +217,26 @@ fn without_torque<T: Scalar>(report: &mut Option<MotionReport<T>>) -> Driven<T> 
     Driven::only(WheelAction::Drive(DriveCommand::default()))
 }
 
-/// Torques of a step, and what a motor driver needs with them.
+/// Torques of a step, and what a motor driver needs with them: the measured `speeds` go on as commanded over half a tick of `dt`.
 fn drive<T: Scalar>(
     motion: &ValidMotionParams<T>,
     report: &MotionReport<T>,
-    speeds: WheelSpeeds<T>,
+    (speeds, dt): (WheelSpeeds<T>, T),
     beyond_coulomb: Option<WheelTorques<T>>,
 ) -> WheelAction<T> {
+    let half = T::HALF * dt;
+    let gained = Twist {
+        linear: half * report.command_rate.linear,
+        angular: half * report.command_rate.angular,
+    };
+    let gained = motion.wheels().wheel_speeds(&gained);
     WheelAction::Drive(DriveCommand {
         torques: report.torques,
         desired: motion.wheels().wheel_speeds(&report.command),
-        speeds,
+        speeds: WheelSpeeds {
+            right: speeds.right + gained.right,
+            left: speeds.left + gained.left,
+        },
         beyond_coulomb,
     })
 }

@@ -65,6 +65,9 @@ impl<T: Scalar> BaseParams<T> {
     /// What suits a base that ticks every `period_us`: gains and tolerances follow from limits and
     /// localisation, thresholds from the body, responses are the defaults.
     ///
+    /// `robot` is what a scale and a ruler tell. The law and the detectors reckon with the robot as its wheels feel it, with the
+    /// rotors of its motors ([`Robot::with_wheel_inertia`]); what slopes and pushes may be follows from the weight alone.
+    ///
     /// # Errors
     /// The localiser's parameters, on whose noise the others depend.
     pub fn new_with<M: Maths<T>>(
@@ -75,14 +78,20 @@ impl<T: Scalar> BaseParams<T> {
         period_us: u32,
     ) -> Result<Self, ParamError> {
         let localisation = localiser.validate_with::<M>()?;
+        let rotor = motor.as_ref().map(MotorParams::rotor_at_wheel_kg_m2);
+        let felt = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
         let motion =
-            MotionParams::new_with::<M>(robot, limits).with_pose_noise(localisation.pose_noise_m());
+            MotionParams::new_with::<M>(felt, limits).with_pose_noise(localisation.pose_noise_m());
         let motion = MotionParams {
             arrival: localisation.arrival(),
             ..motion
         };
         let counts_per_turn = localiser.odometry.counts_per_turn;
-        let mut detectors = DetectorParams::for_base(&motion, counts_per_turn, period_us);
+        let body = MotionParams { robot, ..motion };
+        let mut detectors = DetectorParams {
+            robot: felt,
+            ..DetectorParams::for_base(&body, counts_per_turn, period_us)
+        };
         if let Some(motor) = &motor {
             detectors.supply = SupplyDetectorParams {
                 low_v: T::from_f64(LOW_SUPPLY.0) * motor.supply_v,

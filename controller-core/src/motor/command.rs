@@ -88,7 +88,7 @@ impl<T: Scalar> Motor<T> {
     /// is reported.
     ///
     /// The duty is odd in (torque, desired speed, speed), rises with the torque and is continuous. Its Lipschitz
-    /// constants, with s = 5 − d₀, or 1 without a dead band:
+    /// constants, with s = 5, or 1 without a dead band:
     ///
     /// | per | constant |
     /// | --- | --- |
@@ -121,11 +121,12 @@ impl<T: Scalar> Motor<T> {
                 ..MotorCommand::default()
             };
         }
-        let voltage = clamp(needed, supply);
-        let runaway = supply + self.resistance * self.max_current;
+        let most = supply * self.dead_band.most();
+        let voltage = clamp(needed, most);
+        let runaway = most + self.resistance * self.max_current;
         let limited = MotorLimited {
             current: current.abs() > self.max_current,
-            voltage: needed.abs() > supply,
+            voltage: needed.abs() > most,
             overspeed: back_emf.abs() > runaway,
             supply_unknown,
             invalid: false,

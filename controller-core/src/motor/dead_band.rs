@@ -4,17 +4,17 @@ use crate::scalar::Scalar;
 
 /// Half width of the ramp through zero, as a share of the dead band.
 ///
-/// The ramp's slope is 1/`RAMP` + 1 − d₀, at most 5: so much, and no more, is noise of the duty
+/// The ramp's slope is 1/`RAMP` + 1: so much, and no more, is noise of the duty
 /// magnified there. A quarter of a dead band of 5 % is 1.2 % of duty, an order above what one encoder count
 /// does by its back-EMF.
 const RAMP: f64 = 0.25;
 
-/// Maps the desired duty onto the one to set, for a bridge that turns D into
-/// (|D| − d₀)/(1 − d₀), and into nothing up to d₀.
+/// Maps the desired duty onto the one to set, for a bridge that loses d₀ of it at either sign: |D| − d₀ acts, and nothing up to
+/// d₀. Dead time loses a share of every period, diodes a voltage: neither grows with the duty.
 ///
 /// ```text
-/// D = d₀ sgn d + (1 − d₀) d     |d| ≥ β          the inverse
-/// D = (1/RAMP + 1 − d₀) d       |d| < β          β = RAMP d₀
+/// D = d + d₀ sgn d         |d| ≥ β          the inverse
+/// D = (1/RAMP + 1) d       |d| < β          β = RAMP d₀
 /// ```
 ///
 /// Both agree at |d| = β, so the map is continuous, rising and odd. The ramp stays below the inverse: the
@@ -23,23 +23,31 @@ const RAMP: f64 = 0.25;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DeadBand<T> {
     width: T,
-    rest: T,
     ramp_end: T,
     ramp_slope: T,
 }
 
 impl<T: Scalar> DeadBand<T> {
     pub(super) fn new(width: T) -> Self {
-        let rest = T::ONE - width;
+        let slope = if width > T::ZERO {
+            1.0 / RAMP + 1.0
+        } else {
+            1.0
+        };
         Self {
             width,
-            rest,
             ramp_end: T::from_f64(RAMP) * width,
-            ramp_slope: T::from_f64(1.0 / RAMP) + rest,
+            ramp_slope: T::from_f64(slope),
         }
     }
 
-    /// The duty to set for a desired one in [−1, 1]; in [−1, 1].
+    /// Share of the supply that full duty leaves.
+    #[inline(always)]
+    pub(super) fn most(&self) -> T {
+        T::ONE - self.width
+    }
+
+    /// The duty to set for a desired one of at most [`most`](Self::most); in [−1, 1].
     #[inline(always)]
     pub(super) fn beyond(&self, desired: T) -> T {
         let size = desired.abs();
@@ -48,7 +56,7 @@ impl<T: Scalar> DeadBand<T> {
         }
         if size > T::ZERO {
             // The sum may round above 1 by one unit in the last place.
-            let set = self.width + self.rest * size;
+            let set = self.width + size;
             let set = if set > T::ONE { T::ONE } else { set };
             if desired < T::ZERO { -set } else { set }
         } else {
@@ -68,6 +76,8 @@ mod tests {
             let (below, above) = (band.ramp_end * (1.0 - 1.0e-6), band.ramp_end);
             // A step of 1e-6 of at most 0.125, times a slope of at most 5, and rounding of numbers below 1.
             assert!((band.beyond(above) - band.beyond(below)).abs() < 1.0e-6);
+            let full = band.beyond(band.most());
+            assert!((full - 1.0).abs() <= f32::EPSILON, "{full}");
             assert_eq!(band.beyond(1.0), 1.0);
             assert_eq!(band.beyond(-1.0), -1.0);
             assert_eq!(band.beyond(0.0), 0.0);

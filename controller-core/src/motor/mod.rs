@@ -9,9 +9,9 @@
 //! σ  = sat(ω*/ω_b)                             sense of motion, blended     ω* desired, not measured
 //! τ′ = τ + τ_c σ + b ω*                        Coulomb and viscous friction
 //! i  = (c_m τ′ + c_h σ |τ′|)/(g k_t)           gear: 1/η driving, η braking; |i| ≤ i_max
-//! u  = R i + g k_t ω                           back-EMF of the measured speed; |u| ≤ U
+//! u  = R i + g k_t ω                           back-EMF of the measured speed; |u| ≤ (1 − d₀) U
 //! d  = u/U                                     U as measured: a battery sags
-//! D  = d₀ sgn d + (1 − d₀) d                   beyond the dead band, by a ramp near zero
+//! D  = d + d₀ sgn d                            beyond the dead band, by a ramp near zero
 //! ```
 //!
 //! | symbol | name | unit |
@@ -26,15 +26,17 @@
 //! | d₀ | dead band | |
 //!
 //! Left out: the winding's inductance (L/R of a small motor is below a tick) and the inertia of rotor
-//! and gear, which belongs to the mass and inertia of the base: m gains 2 J g²/r².
+//! and gear, which belongs to the mass and inertia of the base: [`Robot::with_wheel_inertia`](crate::robot::Robot::with_wheel_inertia).
 //!
 //! d = u/U holds for a bridge that shorts the motor while its PWM is low. One that lets it coast then
 //! (fast decay) gives more than u at light load, and is no linear actuator.
 //!
 //! # Which speed is used where
 //!
-//! Back-EMF is compensated from the measured speed: it is there whatever was desired. It needs no
-//! exact k_t: what is left of it after compensation is damping or a little negative damping, which
+//! Back-EMF is compensated from the measured speed: it is there whatever was desired. A duty holds for a tick, over which the
+//! speed goes on: ω is the speed in the middle of it, measured plus half a tick of the commanded acceleration
+//! ([`DriveCommand::speeds`](crate::base::DriveCommand::speeds)). With the speed at its begin a base of 10 kg lost a tenth of its
+//! acceleration to it. The compensation needs no exact k_t: what is left of it after compensation is damping or a little negative damping, which
 //! the velocity loop outweighs.
 //!
 //! Friction and gear loss are compensated from the desired speed. With the measured speed their

@@ -75,9 +75,12 @@ pub struct MotorParams<T = f32> {
     pub max_current_a: T,
     /// Friction to compensate.
     pub friction: WheelFriction<T>,
-    /// d₀: share of the duty below which the bridge does nothing, 0 to 0.5: its dead time and rise
-    /// time times the PWM frequency.
+    /// d₀: share of the duty that the bridge loses at either sign, 0 to 0.5: its dead time and rise time times the
+    /// PWM frequency, and its diodes' voltage as a share of the supply.
     pub dead_band: T,
+    /// J_m \[kg m²\], 0 to 10: inertia of the rotor at the motor, and of the gear as the motor feels it. A wheel feels g² J_m; a base
+    /// adds that to its mass and inertia ([`BaseParams::new`](crate::base::BaseParams::new)), a motor's command needs none of it.
+    pub rotor_inertia_kg_m2: T,
 }
 
 /// [`MotorParams`] that passed `validate`, with what follows from them worked out.
@@ -100,6 +103,11 @@ pub struct Motor<T> {
 }
 
 impl<T: Scalar> MotorParams<T> {
+    /// Inertia of the rotor as the wheel feels it, g² J_m \[kg m²\].
+    pub fn rotor_at_wheel_kg_m2(&self) -> T {
+        self.gear_ratio * self.gear_ratio * self.rotor_inertia_kg_m2
+    }
+
     /// Checks every parameter and works out what follows from them.
     ///
     /// # Errors
@@ -121,6 +129,7 @@ impl<T: Scalar> MotorParams<T> {
         let least = if blends { 1.0e-3 } else { 0.0 };
         let blend = within(Field::FrictionBlend, friction.blend_rad_s, least, 1.0e3)?;
         let dead_band = within(Field::DeadBand, self.dead_band, 0.0, 0.5)?;
+        within(Field::RotorInertia, self.rotor_inertia_kg_m2, 0.0, 10.0)?;
         let gear = Gear::new(ratio * constant, efficiency);
         let max_torque = gear.driving_torque(max_current) - coulomb;
         if max_torque > T::ZERO {

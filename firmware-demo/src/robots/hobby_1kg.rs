@@ -25,8 +25,8 @@ pub const PERIOD_US: u32 = 5_000;
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: MotionParams {
         robot: Robot {
-            mass_kg: 1.0,
-            inertia_kg_m2: 0.005,
+            mass_kg: 1.9436734,
+            inertia_kg_m2: 0.009624,
             wheels: WheelGeometry {
                 radius_right_m: 0.035,
                 radius_left_m: 0.035,
@@ -115,12 +115,13 @@ pub const BASE: BaseParams<f32> = BaseParams {
             blend_rad_s: 0.022857143,
         },
         dead_band: 0.03,
+        rotor_inertia_kg_m2: 5e-7,
     }),
     detectors: DetectorParams {
         period_us: 5_000,
         robot: Robot {
-            mass_kg: 1.0,
-            inertia_kg_m2: 0.005,
+            mass_kg: 1.9436734,
+            inertia_kg_m2: 0.009624,
             wheels: WheelGeometry {
                 radius_right_m: 0.035,
                 radius_left_m: 0.035,

@@ -25,8 +25,8 @@ pub const PERIOD_US: u32 = 10_000;
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: MotionParams {
         robot: Robot {
-            mass_kg: 10.0,
-            inertia_kg_m2: 0.3,
+            mass_kg: 12.403555,
+            inertia_kg_m2: 0.3736089,
             wheels: WheelGeometry {
                 radius_right_m: 0.075,
                 radius_left_m: 0.075,
@@ -115,12 +115,13 @@ pub const BASE: BaseParams<f32> = BaseParams {
             blend_rad_s: 0.016,
         },
         dead_band: 0.02,
+        rotor_inertia_kg_m2: 1e-5,
     }),
     detectors: DetectorParams {
         period_us: 10_000,
         robot: Robot {
-            mass_kg: 10.0,
-            inertia_kg_m2: 0.3,
+            mass_kg: 12.403555,
+            inertia_kg_m2: 0.3736089,
             wheels: WheelGeometry {
                 radius_right_m: 0.075,
                 radius_left_m: 0.075,

@@ -25,8 +25,8 @@ pub const PERIOD_US: u32 = 10_000;
 pub const BASE: BaseParams<f32> = BaseParams {
     motion: MotionParams {
         robot: Robot {
-            mass_kg: 30.0,
-            inertia_kg_m2: 15.0,
+            mass_kg: 40.8,
+            inertia_kg_m2: 15.675,
             wheels: WheelGeometry {
                 radius_right_m: 0.1,
                 radius_left_m: 0.1,
@@ -115,12 +115,13 @@ pub const BASE: BaseParams<f32> = BaseParams {
             blend_rad_s: 0.025,
         },
         dead_band: 0.02,
+        rotor_inertia_kg_m2: 6e-5,
     }),
     detectors: DetectorParams {
         period_us: 10_000,
         robot: Robot {
-            mass_kg: 30.0,
-            inertia_kg_m2: 15.0,
+            mass_kg: 40.8,
+            inertia_kg_m2: 15.675,
             wheels: WheelGeometry {
                 radius_right_m: 0.1,
                 radius_left_m: 0.1,

@@ -53,6 +53,7 @@ pub fn motor() -> Motor<f32> {
         max_current_a: 4.0,
         friction: WheelFriction::NONE,
         dead_band: 0.0,
+        rotor_inertia_kg_m2: 0.0,
     };
     params.validate().unwrap()
 }

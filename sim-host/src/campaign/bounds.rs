@@ -78,11 +78,9 @@ impl Bounds {
         let radius = wheels.radius_right_m.min(wheels.radius_left_m);
         let half_track = 0.5 * wheels.track_m;
         let motor = base.hardware.map(|hardware| hardware.motor);
-        let rotors = motor.map_or(0.0, |m| {
-            2.0 * m.gear_ratio * m.gear_ratio * m.rotor_inertia_kg_m2 / (radius * radius)
-        });
-        let mass = robot.mass_kg * body.mass_factor + rotors;
-        let inertia = robot.inertia_kg_m2 * body.inertia_factor + rotors * half_track * half_track;
+        let believed = base.felt();
+        let mass = believed.mass_kg + robot.mass_kg * (body.mass_factor - 1.0);
+        let inertia = believed.inertia_kg_m2 + robot.inertia_kg_m2 * (body.inertia_factor - 1.0);
         let brake_s = core.motor().and_then(|motor| {
             let slowing = electrical_brake(motor, &core.motion().params().robot).ok()?;
             slowing.linear.time_constant_s()
@@ -90,7 +88,7 @@ impl Bounds {
         Self {
             mass,
             inertia,
-            heavier: (mass / robot.mass_kg).max(1.0),
+            heavier: (mass / believed.mass_kg).max(1.0),
             half_track,
             radius,
             brake_s: brake_s.map_or(0.0, f64::from),

@@ -108,11 +108,8 @@ pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, Co
 
 /// True values by name, of all that a log with duties, supply, currents, counts and poses can determine.
 fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
-    let (robot, motor) = (&base.robot, &hardware.motor);
+    let (robot, motor) = (base.felt(), &hardware.motor);
     let wheels = &robot.wheels;
-    // `[robot]` holds the wheels' turning; the rotors' is in mass and inertia as the wheels feel them.
-    let rotor = motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia_kg_m2;
-    let r2 = wheels.radius_right_m * wheels.radius_left_m;
     let named = |q: Q, value: f64| (q.name().to_owned(), value);
     let constant = motor
         .strength
@@ -121,11 +118,8 @@ fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
         named(Q::RadiusRight, wheels.radius_right_m),
         named(Q::RadiusLeft, wheels.radius_left_m),
         named(Q::Track, wheels.track_m),
-        named(Q::Mass, robot.mass_kg + 2.0 * rotor / r2),
-        named(
-            Q::Inertia,
-            robot.inertia_kg_m2 + 0.5 * rotor * wheels.track_m.powi(2) / r2,
-        ),
+        named(Q::Mass, robot.mass_kg),
+        named(Q::Inertia, robot.inertia_kg_m2),
         named(Q::MotorConstantRight, constant[0]),
         named(Q::MotorConstantLeft, constant[1]),
         named(Q::ResistanceRight, motor.resistance_ohm),

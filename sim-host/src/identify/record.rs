@@ -116,11 +116,10 @@ const PAUSE_S: f64 = 0.5;
 /// Duties row by row: levels of 30 to 80 % for 0.3 to 1 s, drawn by `seed`, joined by ramps.
 fn drive(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Vec<[f64; 2]> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let (robot, motor) = (&base.robot, &hardware.motor);
+    let (robot, motor) = (base.felt(), &hardware.motor);
     let r2 = robot.wheels.radius_right_m * robot.wheels.radius_left_m;
-    let rotor = motor.gear_ratio * motor.gear_ratio * motor.rotor_inertia_kg_m2;
-    let straight = 0.5 * robot.mass_kg * r2 + rotor;
-    let turning = 2.0 * robot.inertia_kg_m2 * r2 / robot.wheels.track_m.powi(2) + rotor;
+    let straight = 0.5 * robot.mass_kg * r2;
+    let turning = 2.0 * robot.inertia_kg_m2 * r2 / robot.wheels.track_m.powi(2);
     // Duty per second that accelerates a wheel of this inertia with the torque for ramps.
     let constant = motor.gear_ratio * motor.kt_nm_per_a;
     let torque = RAMP_SHARE * base.limits.wheel_torque_nm;

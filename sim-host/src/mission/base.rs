@@ -78,13 +78,20 @@ const SHARE: Shares = Shares {
 };
 
 impl BaseSpec {
-    /// The controller's parameters.
+    /// The controller's parameters on a source of torques without motors.
     pub fn motion(&self) -> MotionParams<f64> {
         let params = MotionParams::new_with::<Libm>(self.robot, self.limits);
         MotionParams {
             gains: self.gains.unwrap_or(params.gains),
             ..params
         }
+    }
+
+    /// The robot as its wheels feel it: with the rotors of its motors.
+    pub fn felt(&self) -> Robot<f64> {
+        let rotor = |hardware: &Hardware| hardware.motor.rotor_at_wheel_kg_m2();
+        let inertia = self.hardware.as_ref().map_or(0.0, rotor);
+        self.robot.with_wheel_inertia(inertia)
     }
 
     /// Control period \[s\]: the hardware's, or 10 ms.
@@ -102,7 +109,7 @@ impl BaseSpec {
 
     /// Limits for a reference, with room for feedback.
     pub fn reference_limits(&self) -> import::ReferenceLimits {
-        let (robot, limits) = (&self.robot, &self.limits);
+        let (robot, limits) = (&self.felt(), &self.limits);
         let wheels = &robot.wheels;
         import::ReferenceLimits {
             max_speed: SHARE.speed * limits.speed,

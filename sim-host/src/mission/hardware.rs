@@ -100,6 +100,7 @@ impl Hardware {
                 blend_rad_s: f(BLEND_SHARE * speed / radius),
             },
             dead_band: f(motor.dead_band),
+            rotor_inertia_kg_m2: f(motor.rotor_inertia_kg_m2),
         }
     }
 

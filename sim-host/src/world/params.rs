@@ -100,6 +100,13 @@ pub struct MotorParams {
     pub speed_loop_s: f64,
 }
 
+impl MotorParams {
+    /// Moment of inertia of the rotor as the wheel feels it, n² J_m \[kg m²\].
+    pub fn rotor_at_wheel_kg_m2(&self) -> f64 {
+        self.gear_ratio * self.gear_ratio * self.rotor_inertia_kg_m2
+    }
+}
+
 /// The battery: an ideal source behind a resistance.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]

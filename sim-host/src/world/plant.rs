@@ -57,9 +57,7 @@ const BLOCKED: f64 = 1.0e9;
 impl Body {
     pub fn new(p: &WorldParams, start: &Measured<f64>) -> Self {
         let b = &p.body;
-        let rotor = p
-            .motor
-            .map_or(0.0, |m| m.gear_ratio * m.gear_ratio * m.rotor_inertia_kg_m2);
+        let rotor = p.motor.map_or(0.0, |motor| motor.rotor_at_wheel_kg_m2());
         let Measured { pose, twist } = *start;
         let frame = Frame {
             per_mass: 1.0 / b.mass_kg,

@@ -113,6 +113,7 @@ pub fn motor(meter: &mut Meter) {
             blend_rad_s: 0.2,
         },
         dead_band: 0.03,
+        rotor_inertia_kg_m2: 0.0,
     };
     let Ok(motor) = params.validate() else {
         return complain(&["motor"], "params", 1);
