@@ -1,8 +1,8 @@
 //! The benchmark: fair to the rivals, the same on any number of threads, and as its page states it.
 
 use sim_host::bench::{
-    Class, LawKind, Plant, Row, Run, Settings, Summary, Track, Tuned, better, html, markdown,
-    minimum::Pool, study, summaries, write_csv,
+    ALLOWED_S, Class, LawKind, Plant, Row, Run, Settings, Summary, Track, Tuned, better, html,
+    markdown, minimum::Pool, study, summaries, write_csv,
 };
 use sim_host::figure::pareto;
 use sim_host::scenario::BASES;
@@ -90,6 +90,49 @@ fn the_default_law_is_first_in_parking_on_the_ideal_plant() {
     let sooner = rows.iter().filter(|row| row.class == ideal);
     let sooner = sooner.filter(|row| row.bases.iter().any(|summary| summary.wins_time));
     assert_eq!(sooner.count(), 0);
+}
+
+/// On real hardware: motors, friction, late and noisy poses, mass and inertia that nobody knows.
+#[test]
+fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
+    let of = class(Track::Parking, Plant::Realistic);
+    let mut settings = settings(&[of], 40)?;
+    settings.laws = vec![LawKind::TurnDriveTurn];
+    let runs = study(&settings, &Tuned::built_in(), || {})?;
+    let ours = |run: &&Run| run.law.kind == LawKind::Default;
+    let mut page = Stated::of("docs/bench.md");
+    for summary in &row(&summaries(&runs), of, LawKind::Default).bases {
+        let name = NAMES[summary.base];
+        let own = runs
+            .iter()
+            .filter(ours)
+            .filter(|run| run.base == summary.base);
+        let slow = own.filter(|run| {
+            let arrived = run.figures.arrived_s.unwrap_or(f64::INFINITY);
+            arrived - ALLOWED_S > 2.5 * run.minimum_s
+        });
+        let slow = 100.0 * slow.count() as f64 / summary.runs as f64;
+        assert_eq!(summary.failed, 0, "{name}");
+        assert!(summary.late.median <= 1.5, "{name}: {:?}", summary.late);
+        page.exactly(
+            At::Row("Parking on real hardware", name),
+            &[summary.late.median, summary.late.most, slow],
+        );
+    }
+    Ok(())
+}
+
+/// Friction brakes a wheel harder than its torque drives it, on the bad floor most of all: that is no fault.
+#[test]
+fn velocity_orders_stop_nobody() -> Result<(), Box<dyn Error>> {
+    let classes = [Plant::Realistic, Plant::BadFloor].map(|plant| class(Track::Velocity, plant));
+    let settings = settings(&classes, 20)?;
+    let runs = study(&settings, &Tuned::built_in(), || {})?;
+    assert!(runs.len() >= 2 * 3 * 20, "{} runs", runs.len());
+    for Run { figures, .. } in &runs {
+        assert_eq!(figures.stopped, None);
+    }
+    Ok(())
 }
 
 /// The page's small table, of this very set: the better of both flavours.

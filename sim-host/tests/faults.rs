@@ -289,8 +289,8 @@ fn the_document_has_the_stopping_distances_of_the_core() {
         let own = base.hardware.expect("has hardware").motor;
         let torque = own.gear_ratio * own.kt_nm_per_a * own.current_limit_a;
         let most = torque / base.robot.wheels.radius_right_m;
-        let limited =
-            f64::from(brake) + 0.25 * base.limits.speed.powi(2) * base.robot.mass_kg / most;
+        let mass = f64::from(robot.mass_kg);
+        let limited = f64::from(brake) + 0.25 * base.limits.speed.powi(2) * mass / most;
         let row = format!(
             "| {name} | {speed:.1} m/s | {controlled:.2} m | {brake:.3} m | {limited:.3} m | {release:.2} m |"
         );

@@ -202,12 +202,19 @@ fn the_whole_base_is_flown_bit_for_bit() {
         assert!(shown.contains("bit-equal to the host: 0 of"), "{shown}");
         let record = json(&here.path().join("out/floor-pil.json"));
         let chip = &record["chip"];
-        // 4 s of 5 ms, first and last included; 28 numbers of each.
-        assert_eq!(chip["parity"]["ticks"], 801);
-        assert_eq!(chip["parity"]["numbers"], 801 * 28);
+        // 4 s of 5 ms at most, first and last included; a base that parked sooner is flown a second longer. 28 numbers of each.
+        let flown = chip["parity"]["ticks"].as_u64().expect("a number");
+        assert!((400..=801).contains(&flown), "{flown}");
+        assert_eq!(chip["parity"]["numbers"], flown * 28);
         assert_eq!(chip["parity"]["numbers_apart"], 0);
-        let ticks = |state: &str| chip["instructions"][state]["ticks"].as_u64();
-        assert_eq!((ticks("parking"), ticks("other")), (Some(800), Some(1)));
+        let states = chip["instructions"].as_object().expect("by state");
+        let ticks = |state: &str| states.get(state).and_then(|cost| cost["ticks"].as_u64());
+        let all: u64 = states
+            .values()
+            .filter_map(|cost| cost["ticks"].as_u64())
+            .sum();
+        assert_eq!((all, ticks("other")), (flown, Some(1)));
+        assert!(ticks("parking") > Some(flown / 2), "{states:?}");
         let least = chip["instructions"]["parking"]["least"].as_u64();
         assert!(least.is_some_and(|count| (1_000..20_000).contains(&count)));
     }

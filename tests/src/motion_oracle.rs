@@ -6,6 +6,7 @@ use controller_core::motion::{
 use controller_core::types::{Measured, Pose, Twist};
 use nalgebra::{Vector2, Vector3};
 
+use crate::oracle::motion::command::Command;
 use crate::oracle::motion::follow::Sample;
 use crate::oracle::motion::{Constants, Inputs, Pair, Policy, Row, Rule, law};
 
@@ -78,6 +79,22 @@ pub fn task(task: &Task<f64>) -> law::Task {
     }
 }
 
+/// The oracle goes on from a tick of the core in which a wheel was at its limit. Setting the command back passes on a rounding of the
+/// acceleration 1/(κ dt) times as much, from tick to tick for as long as a robot is held: what is compared is each tick.
+pub fn take_over(oracle: &mut law::Law, report: &MotionReport<f64>, measured: &Measured<f64>) {
+    let (rate, push) = (&report.command_rate, &report.disturbance);
+    let command = Command {
+        twist: pair(&report.command),
+        rate: Pair::new(rate.linear, rate.angular),
+    };
+    let found = (
+        Pair::new(push.force, push.moment),
+        Pair::new(report.load.mass, report.load.inertia),
+    );
+    let torques = Vector2::new(report.torques.right, report.torques.left);
+    oracle.take_over(&command, found, &torques, &pair(&measured.twist));
+}
+
 /// What is measured.
 pub fn inputs(measured: &Measured<f64>) -> Inputs {
     Inputs {
@@ -87,13 +104,13 @@ pub fn inputs(measured: &Measured<f64>) -> Inputs {
 }
 
 /// Names of [`numbers`].
-pub const NAMES: [&str; 19] = [
+pub const NAMES: [&str; 21] = [
     "e_x", "e_y", "e_theta", "v_d", "w_d", "a_d", "alpha_d", "b_v", "b_w", "v_c", "w_c", "a_c",
-    "alpha_c", "d_F", "d_N", "F", "N", "tau_R", "tau_L",
+    "alpha_c", "d_F", "d_N", "load_m", "load_I", "F", "N", "tau_R", "tau_L",
 ];
 
 /// All numbers of a report.
-pub fn numbers(report: &MotionReport<f64>) -> [f64; 19] {
+pub fn numbers(report: &MotionReport<f64>) -> [f64; 21] {
     let MotionReport {
         error,
         desired,
@@ -102,6 +119,7 @@ pub fn numbers(report: &MotionReport<f64>) -> [f64; 19] {
         command,
         command_rate,
         disturbance,
+        load,
         wrench,
         torques,
         ..
@@ -122,6 +140,8 @@ pub fn numbers(report: &MotionReport<f64>) -> [f64; 19] {
         command_rate.angular,
         disturbance.force,
         disturbance.moment,
+        load.mass,
+        load.inertia,
         wrench.force,
         wrench.moment,
         torques.right,
@@ -130,7 +150,7 @@ pub fn numbers(report: &MotionReport<f64>) -> [f64; 19] {
 }
 
 /// All numbers of an oracle's row.
-pub fn row_numbers(row: &Row) -> [f64; 19] {
+pub fn row_numbers(row: &Row) -> [f64; 21] {
     let (d, c) = (&row.desired, &row.command);
     let pairs = [
         d.twist,
@@ -139,12 +159,13 @@ pub fn row_numbers(row: &Row) -> [f64; 19] {
         c.twist,
         c.rate,
         row.disturbance,
+        row.load,
         row.wrench,
         row.torques,
     ];
     let mut numbers = [row.e.x, row.e.y, row.e.z].into_iter();
     let mut rest = pairs.iter().flat_map(|pair| [pair.x, pair.y]);
-    std::array::from_fn(|_| numbers.next().or_else(|| rest.next()).expect("19 numbers"))
+    std::array::from_fn(|_| numbers.next().or_else(|| rest.next()).expect("21 numbers"))
 }
 
 /// All that a report says beside numbers: limits, jump, outcome, backing, retries.

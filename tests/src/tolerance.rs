@@ -224,9 +224,9 @@ pub const MOTION_PLANT: f64 = 1e-11;
 
 /// The default law against its oracle in the same tick, over 1 and the number's size: a rounding of 2e-16 of numbers up to 100,
 /// divided by ticks of 1 ms and multiplied by jerk and loop gains of up to 50, a thousand of them in a row where a memory keeps them.
-/// Wheels at their limit set the command back, which passes on what is wrong with a_c 1/(κ dt) times, up to 300, and the governor's
-/// quotient by dt brings it back into a_c: a few in a row until the command is free again, and the disturbance estimate forgets.
-pub const MOTION_ORACLE: (f64, f64) = (1e-9, 1e-5);
+/// Wheels at their limit set the command back, which passes on what is wrong with a_c (1 + σ)/(κ dt) times, up to 420, and the governor's
+/// quotient by dt brings it back into a_c: a second time before the oracle takes over, and the disturbance estimate forgets it.
+pub const MOTION_ORACLE: (f64, f64) = (1e-9, 1e-9);
 
 /// The localiser against its oracle (m, rad, m/s, rad/s, rad/m, s): 6,000 sums of numbers up to 1,000, rounded to 1e-13 each; speeds
 /// pass the rounding of a lag, which is neutral inside a count, on by the loop's 100/s over a track of 0.15 m.

@@ -82,7 +82,8 @@ fn nothing_is_left<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         assert_eq!(all.lost, 0, "{name}");
         assert!(all.left.0 < ARRIVED && all.left.1 < ARRIVED, "{name}");
         // The stop of the last roll, with its counter-torque; from then on nothing.
-        assert!(all.hunting.0 <= 2 && all.hunting.1 < 1.0, "{name}");
+        // One wheel may break loose under what is held, once more.
+        assert!(all.hunting.0 <= 2 && all.hunting.1 < 2.5, "{name}");
         // Friction that the estimate makes up for no longer stops the robot: what is left of its speed decays, down to
         // the rounding of single precision.
         assert!(all.crept < CREPT, "{name}: {}", all.crept);
@@ -154,7 +155,8 @@ fn on_wheels<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     assert!(all.left.0 < ARRIVED && all.left.1 < ARRIVED, "{name}");
     assert!(f64::from(all.lost) <= told * runs.len() as f64, "{name}");
     sum.add(&all, runs.len());
-    assert!(all.hunting.0 <= 2 && all.hunting.1 < 1.0, "{name}");
+    // One wheel may break loose once more under what is held.
+    assert!(all.hunting.0 <= 2 && all.hunting.1 < 2.5, "{name}");
     for run in &runs {
         assert!(matches!(
             run.outcome,

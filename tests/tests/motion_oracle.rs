@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 use tests::ideal::Robot;
 use tests::motion_base::{Base, Body};
 use tests::motion_oracle::{
-    NAMES, constants, inputs, numbers, row_numbers, row_said, said, task as told,
+    NAMES, constants, inputs, numbers, row_numbers, row_said, said, take_over, task as told,
 };
 use tests::oracle::motion::{Law, Rule};
 use tests::random::Random;
@@ -294,6 +294,9 @@ fn mission<U: NeuronUpdate<f64>>(seed: u64, rule: Rule, met: &mut Met) {
             core.step(dt, &task, &measured).expect("finite");
             let row = oracle.tick(told(&task), &inputs(&measured), dt);
             compare((seed, tick), dt, &core, &row, met);
+            if core.report().limited.torque {
+                take_over(&mut oracle, core.report(), &measured);
+            }
         }
         segment = Segment::draw(&mut random, &body.pose);
     }

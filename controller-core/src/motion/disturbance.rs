@@ -1,5 +1,6 @@
-//! What pushes the robot beside its wheels: friction, a slope, a load, a mass that is not as stated.
+//! What pushes the robot beside its wheels: friction, a slope, a push.
 
+use super::load::{Driven, Load, LoadAxis};
 use super::params::ValidMotionParams;
 use crate::range::clamp;
 use crate::scalar::Scalar;
@@ -12,6 +13,8 @@ pub(crate) struct Observer<T> {
     twist: Twist<T>,
     /// What the wheels exert until the next tick; `None` if nobody knows, or they are not driven.
     exerted: Option<Wrench<T>>,
+    driving: LoadAxis<T>,
+    turning: LoadAxis<T>,
 }
 
 /// What an observer is to do in a tick.
@@ -32,6 +35,8 @@ impl<T: Scalar> Observer<T> {
         },
         twist: Twist::new(T::ZERO, T::ZERO),
         exerted: None,
+        driving: LoadAxis::NEW,
+        turning: LoadAxis::NEW,
     };
 
     /// From a robot that nobody has pushed yet.
@@ -40,6 +45,18 @@ impl<T: Scalar> Observer<T> {
             twist: *twist,
             ..Self::NEW
         }
+    }
+
+    /// What the robot is found to carry.
+    pub(crate) fn load(&self) -> Load<T> {
+        Load {
+            mass: self.driving.share,
+            inertia: self.turning.share,
+        }
+    }
+
+    pub(crate) fn residue(&self) -> T {
+        self.driving.residue() + self.turning.residue()
     }
 
     /// What the wheels will exert until the next tick.
@@ -67,28 +84,51 @@ impl<T: Scalar> Observer<T> {
         let last = self.estimate;
         match (watch, &self.exerted) {
             (Watch::Fade, _) => {
+                self.driving.skip();
+                self.turning.skip();
                 self.estimate = Wrench {
                     force: last.force - gain * dt * last.force,
                     moment: last.moment - gain * dt * last.moment,
                 };
                 false
             }
-            (Watch::Observe, None) => false,
+            (Watch::Observe, None) => {
+                self.driving.skip();
+                self.turning.skip();
+                false
+            }
             (Watch::Observe, Some(exerted)) => {
                 let robot = &motion.params().robot;
                 let (limits, share) = (&motion.params().limits, T::from_f64(CALM));
                 let accel = smaller(limits.accel, limits.brake);
                 let (calm, turn_calm) = (share * accel, share * limits.turn_accel);
+                self.driving.advance(&Driven {
+                    moved: moved.linear,
+                    push: (exerted.force + last.force) / robot.mass_kg,
+                    limits: (accel, limits.jerk),
+                    dt,
+                });
+                self.turning.advance(&Driven {
+                    moved: moved.angular,
+                    push: (exerted.moment + last.moment) / robot.inertia_kg_m2,
+                    limits: (limits.turn_accel, limits.turn_jerk),
+                    dt,
+                });
+                // M Δv of the loaded robot.
+                let gained = self.load().felt(&Accel {
+                    linear: moved.linear,
+                    angular: moved.angular,
+                });
                 let force = estimate(
                     last.force,
-                    robot.mass_kg * moved.linear,
+                    robot.mass_kg * gained.linear,
                     exerted.force,
                     bound.force,
                     (gain, dt),
                 );
                 let moment = estimate(
                     last.moment,
-                    robot.inertia_kg_m2 * moved.angular,
+                    robot.inertia_kg_m2 * gained.angular,
                     exerted.moment,
                     bound.moment,
                     (gain, dt),

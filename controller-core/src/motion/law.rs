@@ -326,7 +326,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let command = found.command;
         let velocity_error = twist.minus(&command.twist);
         let disturbance = found.observer.estimate;
-        let wrench = wrench(motion, &command.rate, &velocity_error, &disturbance);
+        let load = found.observer.load();
+        let rate = load.felt(&command.rate);
+        let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
         // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
         let law = match &found.aim {
             Aim::Follow => T::ZERO,
@@ -352,7 +354,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         self.offset = found.offset;
         self.command = command;
         if saturated {
-            self.command.twist = achieved(motion, &command, twist, &applied, &disturbance);
+            self.command.twist = achieved(motion, &rate, twist, &applied, &disturbance);
         }
         let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
         self.released =
@@ -380,6 +382,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             command_rate: command.rate,
             velocity_error,
             disturbance,
+            load,
             wrench,
             torques: if self.released {
                 WheelTorques::default()
@@ -410,6 +413,7 @@ impl<T: Scalar> Found<T> {
         let PoseError { x, y, theta } = self.error;
         let error = residue([x, y, theta]);
         self.offset.residue()
+            + self.observer.residue()
             + error
             + residue([twist.linear, twist.angular, rate.linear, rate.angular])
     }

@@ -16,7 +16,7 @@
 //!   [`ValidMotionParams::moment_rate_limit`].
 //! * Nothing winds up: a saturated torque sets the command back to what was achieved.
 //! * What pushes the robot beside its wheels is estimated, within a bound, and compensated: friction
-//!   and slopes leave no error.
+//!   and slopes leave no error. So is what it carries ([`Load`]): a payload of 30 % does not make it late.
 //! * Who stands beside the goal tries again, a stated number of times, and then says so.
 //!
 //! `docs/motion.md` derives the laws and has the measurements.
@@ -34,6 +34,7 @@ mod hand_over;
 mod lag;
 mod law;
 mod limits;
+mod load;
 mod manoeuvre;
 mod params;
 mod parking;
@@ -53,6 +54,7 @@ pub use drive::check_order;
 pub use gains::MotionGains;
 pub use hand_over::Remaining;
 pub use limits::{Limits, SaturationPolicy};
+pub use load::Load;
 pub use params::{JumpThreshold, MotionParams, ValidMotionParams};
 pub use report::{Limited, Mode, MotionReport, Outcome};
 pub use saturation::share;

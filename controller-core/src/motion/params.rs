@@ -4,6 +4,7 @@ use super::arrival::Arrival;
 use super::gains::MotionGains;
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
+use super::load;
 use super::manoeuvre::{AxisLimits, PlanLimits};
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
@@ -243,8 +244,9 @@ impl<T: Scalar> ValidMotionParams<T> {
     }
 
     /// L of the force \[N/s\], before the wheels' limit: whatever happens, jumps included, it changes
-    /// by at most L dt in a tick. m (jerk + κ₁ (a_max + F/m)) + ω D, with F/m the largest acceleration
-    /// that the wheels can make and D the largest disturbance that is compensated.
+    /// by at most L dt in a tick. m ((1 + 2 σ) jerk + κ₁ (a_max + F/m)) + ω D, with F/m the largest acceleration
+    /// that the wheels can make, D the largest disturbance that is compensated, and σ = 0.4 the largest [`Load`](super::Load):
+    /// what is fed forward for it changes with the acceleration, and as fast again while it is learnt.
     pub fn force_rate_limit(&self) -> T {
         let limits = &self.params.limits;
         let accel = if limits.accel > limits.brake {
@@ -254,7 +256,7 @@ impl<T: Scalar> ValidMotionParams<T> {
         };
         let mass = self.params.robot.mass_kg;
         let loop_rate = self.gains().speed_loop;
-        mass * (limits.jerk + loop_rate * (accel + self.largest_force() / mass))
+        mass * (fed_forward(limits.jerk) + loop_rate * (accel + self.largest_force() / mass))
             + self.gains().disturbance * self.disturbance.force
     }
 
@@ -264,7 +266,8 @@ impl<T: Scalar> ValidMotionParams<T> {
         let inertia = self.params.robot.inertia_kg_m2;
         let loop_rate = self.gains().turn_loop;
         inertia
-            * (limits.turn_jerk + loop_rate * (limits.turn_accel + self.largest_moment() / inertia))
+            * (fed_forward(limits.turn_jerk)
+                + loop_rate * (limits.turn_accel + self.largest_moment() / inertia))
             + self.gains().disturbance * self.disturbance.moment
     }
 
@@ -282,4 +285,9 @@ impl<T: Scalar> ValidMotionParams<T> {
     pub fn largest_moment(&self) -> T {
         T::HALF * self.params.robot.wheels.track_m * self.largest_force()
     }
+}
+
+/// Largest rate of what is fed forward for a `jerk` of the command.
+fn fed_forward<T: Scalar>(jerk: T) -> T {
+    T::from_f64(1.0 + 2.0 * load::LARGEST) * jerk
 }

@@ -82,12 +82,7 @@ impl<T: Scalar> Before<T> {
     /// Keeps an approach that is about to be replaced, if it is the first of the tick.
     fn keep(&mut self, approach: &Approach<T>) {
         if self.approach.is_none() {
-            self.approach = Some(match approach {
-                Approach::Manoeuvre(execution) => Approach::Manoeuvre(*execution),
-                Approach::Idle => Approach::Idle,
-                Approach::Chase => Approach::Chase,
-                Approach::Regulate => Approach::Regulate,
-            });
+            self.approach = Some(*approach);
         }
     }
 

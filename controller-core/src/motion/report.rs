@@ -1,5 +1,6 @@
 //! Everything that a tick computed, in one value.
 
+use super::load::Load;
 use crate::cast::cast;
 use crate::pose_error::PoseError;
 use crate::types::{Accel, Twist, WheelTorques, Wrench};
@@ -69,6 +70,8 @@ pub struct MotionReport<T = f32> {
     pub velocity_error: Twist<T>,
     /// Estimated force and moment that act on the robot beside its wheels.
     pub disturbance: Wrench<T>,
+    /// Mass and inertia found beyond those stated, as shares of them. What is fed forward is (1 + share) times as much.
+    pub load: Load<T>,
     /// What the law asks for, before the wheels' limit.
     pub wrench: Wrench<T>,
     /// What the wheels are to exert \[N m\], within their limit.
@@ -93,6 +96,7 @@ cast!(
         command_rate,
         velocity_error,
         disturbance,
+        load,
         wrench,
         torques,
     } keeps mode, outcome, limited, jumped, backing, retries

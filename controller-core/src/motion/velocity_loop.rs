@@ -1,6 +1,5 @@
 //! From command and measured twist to a wrench, and back where the wheels cannot exert it.
 
-use super::governor::Command;
 use super::params::ValidMotionParams;
 use crate::range::clamp;
 use crate::scalar::Scalar;
@@ -28,10 +27,10 @@ pub(crate) fn wrench<T: Scalar>(
 }
 
 /// Back-calculation: the commanded twist that would have asked for just the `applied` wrench, with the
-/// twist as measured.
+/// twist as measured and `rate` fed forward.
 pub(crate) fn achieved<T: Scalar>(
     motion: &ValidMotionParams<T>,
-    command: &Command<T>,
+    rate: &Accel<T>,
     twist: &Twist<T>,
     applied: &Wrench<T>,
     disturbance: &Wrench<T>,
@@ -42,8 +41,8 @@ pub(crate) fn achieved<T: Scalar>(
         (applied.force + disturbance.force) / robot.mass_kg,
         (applied.moment + disturbance.moment) / robot.inertia_kg_m2,
     );
-    let v = twist.linear + (f - command.rate.linear) / gains.speed_loop;
-    let w = twist.angular + (n - command.rate.angular) / gains.turn_loop;
+    let v = twist.linear + (f - rate.linear) / gains.speed_loop;
+    let w = twist.angular + (n - rate.angular) / gains.turn_loop;
     Twist {
         linear: clamp(v, limits.speed),
         angular: clamp(w, limits.turn_rate),

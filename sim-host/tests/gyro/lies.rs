@@ -63,6 +63,7 @@ fn run(base: &BaseSpec, seed: u64, fault: Option<PlantFault>) -> Outcome {
 #[test]
 fn gyros_that_lie_are_found() {
     use GyroFault::{Bias, Disagrees, Reversed, Silent, Stuck};
+    let mut mirrored = 0;
     let scale = |factor| PlantFault::GyroScale { factor };
     for (name, fault, names, silent) in [
         ("silent", PlantFault::GyroSilent, &[Silent][..], true),
@@ -100,7 +101,12 @@ fn gyros_that_lie_are_found() {
                     None => assert!(outcome.found.is_some(), "{what}"),
                 }
                 if let Some((lie, after_s)) = outcome.found {
-                    assert!(names.contains(&lie), "{what}: {lie:?}");
+                    // A bias that is minus twice the turn of a moment mirrors the wheels.
+                    if names == [Disagrees, Bias] && lie == Reversed {
+                        mirrored += 1;
+                    } else {
+                        assert!(names.contains(&lie), "{what}: {lie:?}");
+                    }
                     latest = latest.max(after_s);
                     found += 1;
                 }
@@ -125,4 +131,6 @@ fn gyros_that_lie_are_found() {
             assert!(worst < 0.35, "{name} {}: {worst}", built_in.name);
         }
     }
+    // docs/gyro.md: 1 of 30.
+    assert!(mirrored <= 1, "{mirrored}");
 }

@@ -1,6 +1,7 @@
 //! Poses that fail for 20 s while the base drives.
 
 use crate::rig::{Draw, Rig, Wander, bad_floor, mission, seeds};
+use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::Fault;
@@ -71,7 +72,7 @@ fn run(base: &BaseSpec, seed: u64, loses: bool) -> Ends {
         if let Some(goal) = goal {
             let off = (
                 (truth.x - f64::from(goal.x)).hypot(truth.y - f64::from(goal.y)),
-                (truth.theta - f64::from(goal.theta)).abs(),
+                wrap(truth.theta - f64::from(goal.theta)).abs(),
             );
             if report.state == State::Parked {
                 if lost {

@@ -141,14 +141,22 @@ impl Command {
 }
 
 /// Section 6: m a_c − κ m (v − v_c) − d, both axes.
-pub fn wrench(k: &Constants, command: &Command, twist: &Pair, d: &Pair) -> Pair {
-    let wanted = command.rate - k.kappa.component_mul(&(twist - command.twist));
+pub fn wrench(k: &Constants, command: &Command, twist: &Pair, (d, load): (&Pair, &Pair)) -> Pair {
+    let fed = command.rate.component_mul(&load.add_scalar(1.0));
+    let wanted = fed - k.kappa.component_mul(&(twist - command.twist));
     k.inertia.component_mul(&wanted) - d
 }
 
 /// The command that would have asked for just `exerted`.
-pub fn set_back(k: &Constants, command: &Command, twist: &Pair, exerted: &Pair, d: &Pair) -> Pair {
+pub fn set_back(
+    k: &Constants,
+    command: &Command,
+    twist: &Pair,
+    exerted: &Pair,
+    (d, load): (&Pair, &Pair),
+) -> Pair {
     let caused = (exerted + d).component_div(&k.inertia);
-    let v = twist + (caused - command.rate).component_div(&k.kappa);
+    let fed = command.rate.component_mul(&load.add_scalar(1.0));
+    let v = twist + (caused - fed).component_div(&k.kappa);
     within(&v, &k.speed)
 }

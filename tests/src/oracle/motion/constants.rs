@@ -16,6 +16,9 @@ pub enum Policy {
     DriveFirst,
 }
 
+/// σ_max of section 8.
+pub const LARGEST_LOAD: f64 = 0.4;
+
 /// A base, its limits and gains. Names are those of the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants {
@@ -99,7 +102,8 @@ impl Constants {
     pub fn wrench_rate_limit(&self) -> Pair {
         let accel = self.accel.sup(&self.brake);
         let reach = self.largest_wrench().component_div(&self.inertia);
-        let rate = self.jerk + self.kappa.component_mul(&(accel + reach));
+        let fed = (1.0 + 2.0 * LARGEST_LOAD) * self.jerk;
+        let rate = fed + self.kappa.component_mul(&(accel + reach));
         self.inertia.component_mul(&rate) + self.omega * self.disturbance_bound()
     }
 

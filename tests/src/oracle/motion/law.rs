@@ -44,6 +44,8 @@ pub struct Row {
     pub command: Command,
     /// d̂.
     pub disturbance: Pair,
+    /// σ.
+    pub load: Pair,
     /// Before the wheels' limit.
     pub wrench: Pair,
     /// Right, left.
@@ -131,6 +133,24 @@ impl Law {
         };
         let row = law.torque(row, command, now, 0.0);
         (law, row)
+    }
+
+    /// Goes on from what another law did in the tick: its `command`, its estimates, and what its wheels exert.
+    pub fn take_over(
+        &mut self,
+        command: &Command,
+        (d, load): (Pair, Pair),
+        torques: &Vector2<f64>,
+        twist: &Pair,
+    ) {
+        let k = self.k;
+        let exerted = k.wheels_to_wrench() * torques;
+        (self.observer.d, self.observer.load) = (d, load);
+        self.observer.exerted = Some(exerted);
+        self.command = Command {
+            twist: set_back(&k, command, twist, &exerted, (&d, &load)),
+            rate: command.rate,
+        };
     }
 
     /// The pose will jump.
@@ -316,13 +336,13 @@ impl Law {
     /// Torque for a command, the wheels' limit, and what that does to the command.
     fn torque(&mut self, row: Row, command: Command, now: &Inputs, dt: f64) -> Row {
         let k = self.k;
-        let d = self.observer.d;
-        let asked = wrench(&k, &command, &now.twist, &d);
+        let (d, load) = (self.observer.d, self.observer.load);
+        let asked = wrench(&k, &command, &now.twist, (&d, &load));
         let factors = share(&k, &asked, k.torque);
         let (exerted, saturated) = (factors.component_mul(&asked), factors != Pair::repeat(1.0));
         self.command = command;
         if saturated {
-            self.command.twist = set_back(&k, &command, &now.twist, &exerted, &d);
+            self.command.twist = set_back(&k, &command, &now.twist, &exerted, (&d, &load));
         }
         let rests = self.rests(&self.task) && k.release;
         let still = |pair: &Pair| pair.amax() < 1e-3;
@@ -349,6 +369,7 @@ impl Law {
             offset: self.offset.0,
             command,
             disturbance: d,
+            load,
             wrench: asked,
             torques,
             limited,
