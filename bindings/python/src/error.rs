@@ -149,7 +149,11 @@ pub fn content(path: &Path, message: &str) -> PyErr {
         file: named(path),
         ..Place::default()
     };
-    exception(Kind::Input, &format!("{}: {message}", path.display()), place)
+    exception(
+        Kind::Input,
+        &format!("{}: {message}", path.display()),
+        place,
+    )
 }
 
 /// Of an argument.

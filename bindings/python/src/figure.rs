@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 /// A figure: SVG, and PNG made of it. A notebook shows it.
-#[pyclass(module = "twb", frozen, skip_from_py_object)]
+#[pyclass(module = "twb", frozen)]
 pub struct Figure {
     svg: String,
 }
@@ -13,6 +13,10 @@ pub struct Figure {
 impl Figure {
     pub const fn new(svg: String) -> Self {
         Self { svg }
+    }
+
+    pub fn into_svg(self) -> String {
+        self.svg
     }
 }
 

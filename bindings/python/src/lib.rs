@@ -27,7 +27,10 @@ fn _twb(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     let robots: Vec<&str> = BASES.iter().map(|built_in| built_in.name).collect();
     module.add("ROBOTS", pyo3::types::PyTuple::new(module.py(), robots)?)?;
-    let scenarios = BUILT_IN.iter().chain(MISSIONS).map(|built_in| built_in.name);
+    let scenarios = BUILT_IN
+        .iter()
+        .chain(MISSIONS)
+        .map(|built_in| built_in.name);
     let scenarios: Vec<&str> = scenarios.collect();
     module.add(
         "SCENARIOS",

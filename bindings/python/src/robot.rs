@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A robot, as its file has it.
-#[pyclass(module = "twb", frozen, skip_from_py_object)]
+#[pyclass(module = "twb", frozen)]
 pub struct Robot {
     pub file: Arc<RobotFile>,
 }
@@ -34,13 +34,18 @@ impl Robot {
     /// The same robot with other gains, in its text as well.
     pub fn with(&self, gains: &controller_core::motion::MotionGains<f64>) -> PyResult<Self> {
         let text = update(&self.file.text, gains);
-        self.with_text(text.map_err(|e| error::content(Path::new(&self.file.file), &e.to_string()))?)
+        self.with_text(
+            text.map_err(|e| error::content(Path::new(&self.file.file), &e.to_string()))?,
+        )
     }
 }
 
 /// The gains that can be set.
 pub fn gains(gains: &controller_core::motion::MotionGains<f64>) -> Vec<(&'static str, f64)> {
-    KNOBS.iter().map(|knob| (knob.key, knob.of(gains))).collect()
+    KNOBS
+        .iter()
+        .map(|knob| (knob.key, knob.of(gains)))
+        .collect()
 }
 
 /// A dictionary of numbers, in order.
@@ -183,10 +188,7 @@ impl Robot {
 }
 
 /// What a JSON text of figures says.
-pub fn figures<'py>(
-    py: Python<'py>,
-    value: &impl serde::Serialize,
-) -> PyResult<Bound<'py, PyAny>> {
+pub fn figures<'py>(py: Python<'py>, value: &impl serde::Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(|e| error::run(&e.to_string()))?;
     sheet::json(py, &text)
 }
