@@ -5,6 +5,7 @@ use crate::work::work;
 use crate::{error, sheet};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sim_host::campaign::{
     Bases, Mutation, Record, RunOutcome, cells, numbers, run_sheet, shard, study, table, violation,
@@ -186,9 +187,13 @@ pub fn faults(
     };
     let total = numbers.len() as u64;
     let outcomes = work(py, threads, (progress, total), |progress| {
-        study(&bases, seed, numbers.to_vec(), &Mutation::None, || {
-            progress.step();
-        })
+        // Run by run, so that it can be stopped between two: each is settled by seed and number alone.
+        let run = |number: &u64| {
+            let one = [*number];
+            progress.part(|| study(&bases, seed, one, &Mutation::None, || {}))
+        };
+        let runs: Result<Vec<_>, _> = numbers.par_iter().map(run).collect();
+        runs.map(|runs| runs.concat())
     })?;
     Ok(Campaign {
         parameters,

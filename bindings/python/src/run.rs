@@ -202,11 +202,7 @@ pub fn run_all(
     let jobs = jobs(&missions);
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
-        let one = |job: &Arc<Job>| {
-            let trace = job.run();
-            progress.step();
-            trace
-        };
+        let one = |job: &Arc<Job>| progress.part(|| job.run());
         jobs.par_iter().map(one).collect::<Vec<_>>()
     })?;
     let traces = in_order(results)?;
@@ -257,11 +253,7 @@ pub fn finish_all<'py>(
     }
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
-        let one = |job: &Arc<Job>| {
-            let end = ended(job);
-            progress.step();
-            end
-        };
+        let one = |job: &Arc<Job>| progress.part(|| ended(job));
         jobs.par_iter().map(one).collect::<Vec<_>>()
     })?;
     let ends: Option<Vec<Ended>> = in_order(results)?.into_iter().collect();

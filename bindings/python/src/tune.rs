@@ -98,7 +98,7 @@ pub fn tune(
         ..Search::default()
     };
     let found = work(py, threads, (progress, evaluations), |progress| {
-        search(&problem, &how, || progress.step())
+        search(&problem, &how, || progress.begin())
     })?;
     let found = found.map_err(|e| error::run(&e.to_string()))?;
     let robot = Py::new(py, robot.with(&found.gains[1])?)?;

@@ -87,7 +87,7 @@ pub fn verify(
     let seeds = NonZeroU32::new(seeds).ok_or_else(least)?;
     let base = &robot.file.base;
     let found = work(py, threads, (progress, runs(seeds)), |progress| {
-        study(base, seed, seeds, || progress.step())
+        study(base, seed, seeds, || progress.begin())
     })?;
     Ok(Verification {
         found: found.map_err(|e| error::run(&e.to_string()))?,

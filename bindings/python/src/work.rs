@@ -22,12 +22,23 @@ pub struct Progress {
 struct Stopped;
 
 impl Progress {
-    /// A part is done. Does not return if the work is to stop.
-    ///
-    /// The studies call back after each part and know no way to be stopped; unwinding, which rayon passes on, ends
-    /// them all the same. It is no panic: no hook is called and nothing is printed.
-    pub fn step(&self) {
+    /// Does a part, unless the work is to stop: then it does not return.
+    pub fn part<T>(&self, part: impl FnOnce() -> T) -> T {
+        self.obey();
+        let answer = part();
         self.done.fetch_add(1, Ordering::Relaxed);
+        answer
+    }
+
+    /// A part begins. Does not return if the work is to stop.
+    pub fn begin(&self) {
+        self.obey();
+        self.done.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Unwinds if the work is to stop. It is no panic: no hook is called and nothing is printed. Rayon goes on with what
+    /// it has already handed out, so this has to come before the work of each part.
+    fn obey(&self) {
         if self.stop.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Stopped));
         }

@@ -88,7 +88,8 @@ class _Course:
         cos, sin = np.cos(theta), np.sin(theta)
         rows = [-x * cos - y * sin, x * sin - y * cos, cos, -sin, v / self.most[0], w / self.most[1]]
         space = self.observation_space
-        return np.clip(np.column_stack(rows), space.low, space.high).astype(np.float32)
+        seen: _Floats = np.clip(np.column_stack(rows), space.low, space.high).astype(np.float32)
+        return seen
 
     def act(self, actions: NDArray[Any]) -> dict[str, NDArray[Any]]:
         """One action of each member: what is seen then, rewards, and whose episodes are over."""
@@ -208,7 +209,7 @@ class ParkVectorEnv(VectorEnv[_Floats, _Floats, NDArray[Any]]):
         acted = self._course.act(actions)
         terminated, truncated = acted["terminated"], acted["truncated"]
         rewards = acted["rewards"]
-        infos = {key: acted[key] for key in ("parked", "truth", "state", "time_s")}
+        infos: dict[str, Any] = {key: acted[key] for key in ("parked", "truth", "state", "time_s")}
         infos |= {f"_{key}": np.ones(self.num_envs, bool) for key in tuple(infos)}
         observations = acted["observations"]
         if self._mode is AutoresetMode.NEXT_STEP:
