@@ -38,10 +38,13 @@ impl Trajectory {
     }
 }
 
+/// A column of samples.
+type Column = (&'static str, fn(&Sample) -> f64);
+
 /// An array for each column of samples.
 fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    let columns: [(&str, fn(&Sample) -> f64); 8] = [
+    let columns: [Column; 8] = [
         ("t", |s| s.t),
         ("x", |s| s.x),
         ("y", |s| s.y),

@@ -73,6 +73,18 @@ def test_tuning_is_the_command_lines(tmp_path: pathlib.Path) -> None:
     assert told and all(total == 4 for _, total in told)
 
 
+WEAVING = """
+[run]
+duration = 20.0
+period = 0.01
+[controller]
+kind = "motion"
+[reference]
+v = { v0 = 0.8, v1 = 0.4, Ov = 1.3 }
+w = { w0 = 0.2, w1 = 0.8, Ow = 0.9 }
+"""
+
+
 @pytest.fixture(scope="module")
 def log() -> dict[str, np.ndarray]:
     """A drive of the ideal plant: what acts on the wheels, how far they turned, where the robot was.
@@ -80,7 +92,7 @@ def log() -> dict[str, np.ndarray]:
     Torques are held from row to row, so that the mean of two speeds is the speed between them. Wheels and body are
     those of the paper's robot.
     """
-    run = twb.simulate("weaving", law="motion")
+    run = twb.simulate(twb.Mission.parse(WEAVING, "weaving.toml"))
     radius, track = 0.1, 0.5
     t, v, w = run["t"], run["v"], run["w"]
     log = {"t": t, "torque_right": run["tau_right"], "torque_left": run["tau_left"]}
@@ -97,7 +109,7 @@ def log() -> dict[str, np.ndarray]:
 def test_a_log_gives_back_the_robot(log: dict[str, np.ndarray], tmp_path: pathlib.Path) -> None:
     found = twb.identify(log)
     values = {entry["name"]: entry for entry in found.quantities}
-    truth = {"mass": 30.0, "radius_right": 0.1, "radius_left": 0.1, "track": 0.5}
+    truth = {"mass": 30.0, "inertia": 15.0, "radius_right": 0.1, "radius_left": 0.1, "track": 0.5}
     for name, true in truth.items():
         entry = values[name]
         assert entry["verdict"] == "identified", found.report

@@ -47,8 +47,11 @@ class _Course:
     ) -> None:
         self.robot = robot if isinstance(robot, Robot) else Robot.load(robot)
         self.fleet = Fleet(self.robot, size, world, threads)
-        self.size, self.start_m, self.longest_s = size, start_m, longest_s
+        self.size, self.start_m = size, start_m
         self.ticks = max(1, round(act_s / self.robot.period_s))
+        # Counted, not timed: ticks come somewhat early and late.
+        self.longest = max(1, round(longest_s / (self.ticks * self.robot.period_s)))
+        self.acts: NDArray[np.int64] = np.zeros(size, np.int64)
         limits = self.robot.limits
         self.most = np.array([limits["speed"], limits["turn_rate"]])
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
@@ -74,6 +77,7 @@ class _Course:
         self.fleet.reset(which, starts, seeds)
         seen = self.fleet.observe()
         self.began_s[which] = seen["time_s"][which]
+        self.acts[which] = 0
         self.cost[which] = self._cost(seen["believed"])[which]
 
     @staticmethod
@@ -105,11 +109,12 @@ class _Course:
         # The way that was made, less a little for time; the shares of both actions do not change what is best.
         rewards = self.cost - cost - 0.01 + 10.0 * parked - 10.0 * (lost & ~parked)
         self.cost = cost
+        self.acts += 1
         return {
             "observations": self.seen(believed),
             "rewards": rewards,
             "terminated": parked | lost,
-            "truncated": (seen["time_s"] - self.began_s >= self.longest_s) & ~(parked | lost),
+            "truncated": (self.acts >= self.longest) & ~(parked | lost),
             "parked": parked,
             "truth": seen["truth"],
             "state": state,
