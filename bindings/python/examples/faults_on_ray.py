@@ -15,7 +15,6 @@ import ray
 import twb
 
 
-@ray.remote(num_cpus=1)
 def shard(runs: int, seed: int, index: int, count: int) -> twb.Campaign:
     # Ray counts processors: one thread for each task.
     return twb.faults(runs, seed=seed, shard=(index, count), threads=1)
@@ -31,9 +30,10 @@ def main() -> None:
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"))
     arguments = parser.parse_args()
 
+    part = ray.remote(num_cpus=1)(shard)
     ray.init(address=arguments.address, num_cpus=arguments.cpus, include_dashboard=False)
     count = arguments.shards
-    parts = [shard.remote(arguments.runs, arguments.seed, i, count) for i in range(count)]
+    parts = [part.remote(arguments.runs, arguments.seed, i, count) for i in range(count)]
     campaign = twb.Campaign.merge(ray.get(parts))
     ray.shutdown()
 

@@ -5,6 +5,28 @@ from typing import Any, Final, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Campaign",
+    "Figure",
+    "Fleet",
+    "Identification",
+    "Mission",
+    "ROBOTS",
+    "Robot",
+    "Run",
+    "SCENARIOS",
+    "Trajectory",
+    "Tuned",
+    "Verification",
+    "__version__",
+    "faults",
+    "finish_all",
+    "identify",
+    "run_all",
+    "tune",
+    "verify",
+]
+
 __version__: Final[str]
 ROBOTS: Final[tuple[str, ...]]
 SCENARIOS: Final[tuple[str, ...]]
