@@ -129,7 +129,7 @@ impl Mission {
 #[pymethods]
 impl Mission {
     /// A scenario or trajectory file, or a shipped scenario; options but for `law`, `world` and `seed` are for
-    /// trajectory files, as on the command line.
+    /// trajectory files, and `robot` for them and for a scenario of the paper under law="motion".
     #[staticmethod]
     #[pyo3(signature = (path, *, robot = None, law = None, world = None, seed = 1, offset_m = None, fastest = false,
         tolerance_m = None, precision = "f32", period_s = None))]
@@ -149,7 +149,21 @@ impl Mission {
     ) -> PyResult<Self> {
         let content = Content::read(&path).map_err(|e| error::job(&e))?;
         match content {
-            Content::Scenario { file, text } => Self::parse(&text, &file, robot, law, world, seed),
+            Content::Scenario { file, text } => {
+                let given = [
+                    ("offset_m", offset_m.is_some()),
+                    ("fastest", fastest),
+                    ("tolerance_m", tolerance_m.is_some()),
+                    ("precision", precision != "f32"),
+                    ("period_s", period_s.is_some()),
+                ];
+                if let Some((key, _)) = given.iter().find(|(_, given)| *given) {
+                    let message =
+                        format!("{key} is for trajectory files: a scenario says it itself");
+                    return Err(error::argument(key, &message));
+                }
+                Self::parse(&text, &file, robot, law, world, seed)
+            }
             Content::Trajectory { bytes, .. } => {
                 let trajectory = Trajectory::of(&path, bytes)?;
                 Self::follow(
@@ -180,6 +194,10 @@ impl Mission {
         seed: u64,
     ) -> PyResult<Self> {
         let mut job = Job::parse(file, text).map_err(|e| error::scenario(&e))?;
+        if robot.is_some() && (law != Some("motion") || job.scenario().is_none()) {
+            let message = "a scenario names its robot itself: one of the paper's takes another with law=\"motion\"";
+            return Err(error::argument("robot", message));
+        }
         if let Some(law) = law {
             job = Self::under(job, law, robot)?;
         }

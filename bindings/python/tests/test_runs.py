@@ -120,6 +120,8 @@ def test_laws_and_worlds_can_be_chosen() -> None:
     assert plain.metrics["final_error"]["position_m"] > 1e-3
     figure = motion.figure(plain)
     assert "robot" in figure.svg and "plain" in figure.svg
+    other = twb.simulate("paper-curve", law="motion", robot="hobby-1kg")
+    assert np.abs(other["tau_right"]).max() < 0.1 * np.abs(motion["tau_right"]).max()
     in_world = twb.simulate("park-beside", robot=None, world="even", seed=3)
     assert set(in_world["state"]) >= {"parking", "parked"}
     assert twb.Mission.load("weaving").warnings
@@ -155,6 +157,8 @@ def bad_scenario() -> object:
         (lambda: twb.simulate("park-beside", law="neural"), None, None, "law"),
         (lambda: twb.simulate("paper-line", world="even"), None, None, "world"),
         (lambda: twb.simulate("park-beside", world="moon"), None, None, "world"),
+        (lambda: twb.simulate("park-beside", robot="lab-10kg"), None, None, "robot"),
+        (lambda: twb.simulate("park-beside", fastest=True), None, None, "fastest"),
         (lambda: twb.simulate(GAPS, period_s=3.0), None, None, "period"),
         (lambda: twb.simulate("park-beside", threads=0), None, None, "threads"),
         (lambda: twb.Robot.load("lab-10kg").with_gains({"nose": 1.0}), None, None, "nose"),
