@@ -5,50 +5,121 @@ use controller_core::motion::{Mode, Outcome};
 use std::io::Write;
 
 /// A column: its name, and what stands in it.
-pub(crate) type Column<R> = (&'static str, fn(&R) -> String);
+pub(crate) type Column<R> = (&'static str, fn(&R) -> Cell);
 
 /// A list of columns, which says the name of each beside its value in a row. A word before the name goes with it.
 macro_rules! columns {
     ($row:ident; $($name:literal => $value:expr,)+) => {
-        [$(($name, |$row| $crate::csv_out::Field::text(&$value))),+]
+        [$(($name, |$row| $crate::csv_out::Field::cell(&$value))),+]
     };
     ($row:ident; $($word:ident $name:literal => $value:expr,)+) => {
-        [$(($word, ($name, |$row| $crate::csv_out::Field::text(&$value)))),+]
+        [$(($word, ($name, |$row| $crate::csv_out::Field::cell(&$value)))),+]
     };
 }
 pub(crate) use columns;
 
-/// What stands in a field.
-pub(crate) trait Field {
-    fn text(&self) -> String;
+/// What stands in a field. Its `Display` is what stands in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing, where there could be this: an empty field.
+    Nothing(Kind),
+    /// The shortest text of a float that reads back as the same float.
+    Number(f64),
+    /// The same of a single.
+    Single(f32),
+    /// A float with an exponent.
+    Scientific(f64),
+    /// A count or a number of something.
+    Whole(u64),
+    /// 0 or 1.
+    Flag(bool),
+    /// A word or more.
+    Text(String),
 }
 
-macro_rules! as_displayed {
-    ($($kind:ty)+) => { $(impl Field for $kind {
-        fn text(&self) -> String {
-            self.to_string()
+impl std::fmt::Display for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Nothing(_) => Ok(()),
+            Self::Number(number) => number.fmt(f),
+            Self::Single(number) => number.fmt(f),
+            Self::Scientific(number) => write!(f, "{number:e}"),
+            Self::Whole(number) => number.fmt(f),
+            Self::Flag(flag) => u8::from(*flag).fmt(f),
+            Self::Text(text) => f.write_str(text),
         }
-    })+ };
-}
-// The shortest text of a float that reads back as the same float.
-as_displayed!(f32 f64 u8 u32 u64 usize str String);
-
-impl Field for bool {
-    fn text(&self) -> String {
-        u8::from(*self).to_string()
     }
 }
 
+/// What the fields of a column have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Floats.
+    Number,
+    /// Counts, numbers of something.
+    Whole,
+    /// 0 or 1.
+    Flag,
+    /// Words.
+    Text,
+}
+
+impl Cell {
+    /// What its column is of.
+    pub const fn kind(&self) -> Kind {
+        match self {
+            Self::Nothing(kind) => *kind,
+            Self::Number(_) | Self::Single(_) | Self::Scientific(_) => Kind::Number,
+            Self::Whole(_) => Kind::Whole,
+            Self::Flag(_) => Kind::Flag,
+            Self::Text(_) => Kind::Text,
+        }
+    }
+}
+
+/// What can stand in a field.
+pub(crate) trait Field {
+    const KIND: Kind;
+    fn cell(&self) -> Cell;
+}
+
+macro_rules! as_cells {
+    ($($field:ty, $kind:ident, $value:ident => $cell:expr;)+) => { $(impl Field for $field {
+        const KIND: Kind = Kind::$kind;
+        fn cell(&self) -> Cell {
+            let $value = self;
+            $cell
+        }
+    })+ };
+}
+as_cells! {
+    f64, Number, number => Cell::Number(*number);
+    f32, Number, number => Cell::Single(*number);
+    u8, Whole, number => Cell::Whole(u64::from(*number));
+    u32, Whole, number => Cell::Whole(u64::from(*number));
+    u64, Whole, number => Cell::Whole(*number);
+    usize, Whole, number => Cell::Whole(*number as u64);
+    bool, Flag, flag => Cell::Flag(*flag);
+    str, Text, text => Cell::Text(text.to_owned());
+    String, Text, text => Cell::Text(text.clone());
+    Scientific, Number, number => Cell::Scientific(number.0);
+}
+
+/// A number that is written with an exponent.
+pub(crate) struct Scientific(pub(crate) f64);
+
 impl<T: Field + ?Sized> Field for &T {
-    fn text(&self) -> String {
-        (**self).text()
+    const KIND: Kind = T::KIND;
+    fn cell(&self) -> Cell {
+        (**self).cell()
     }
 }
 
 /// Empty where there is nothing.
 impl<T: Field> Field for Option<T> {
-    fn text(&self) -> String {
-        self.as_ref().map_or_else(String::new, Field::text)
+    const KIND: Kind = T::KIND;
+    fn cell(&self) -> Cell {
+        self.as_ref().map_or(Cell::Nothing(T::KIND), Field::cell)
     }
 }
 
@@ -63,7 +134,7 @@ pub(crate) fn write_row<R>(
     columns: &[Column<R>],
     row: &R,
 ) -> csv::Result<()> {
-    writer.write_record(columns.iter().map(|(_, text)| text(row)))
+    writer.write_record(columns.iter().map(|(_, cell)| cell(row).to_string()))
 }
 
 /// Writes a file: its header, and all rows.
@@ -78,6 +149,23 @@ pub(crate) fn write_file<R>(
         write_row(&mut writer, columns, &row)?;
     }
     Ok(writer.flush()?)
+}
+
+/// A table by its columns: what the file of the same table has in its fields, for programs.
+pub type Sheet = Vec<(&'static str, Vec<Cell>)>;
+
+/// All fields of a table, column by column.
+pub(crate) fn sheet<R>(columns: &[Column<R>], rows: impl IntoIterator<Item = R>) -> Sheet {
+    let mut sheet: Sheet = names(columns)
+        .into_iter()
+        .map(|name| (name, vec![]))
+        .collect();
+    for row in rows {
+        for ((_, cells), (_, cell)) in sheet.iter_mut().zip(columns) {
+            cells.push(cell(&row));
+        }
+    }
+    sheet
 }
 
 /// Whose columns are written.
@@ -199,6 +287,22 @@ fn all_columns<'a>() -> [(Option<Columns>, Column<Line<'a>>); 63] {
     ]
 }
 
+/// The unit of a column of a trace; empty for words, flags and numbers of something.
+pub fn unit(column: &str) -> &'static str {
+    match column {
+        "t" => "s",
+        "x" | "y" | "x_m" | "y_m" | "x_r" | "y_r" | "e_x" | "e_y" | "s1" | "s2" => "m",
+        "theta" | "theta_m" | "theta_r" | "e_theta" | "s3" => "rad",
+        "v" | "v_r" | "v_d" | "v_c" | "b_v" | "d_v" => "m/s",
+        "w" | "w_r" | "w_d" | "w_c" | "b_w" | "d_w" => "rad/s",
+        "vdot_r" | "vdot_s" | "vdot_d" | "vdot_c" => "m/s^2",
+        "wdot_r" | "wdot_s" | "wdot_d" | "wdot_c" => "rad/s^2",
+        "dist1" | "tau1" => "N",
+        "dist2" | "tau2" | "tau_right" | "tau_left" => "N m",
+        _ => "",
+    }
+}
+
 fn mode(line: &Line<'_>, moving: &'static str) -> &'static str {
     match line.row.report.mode {
         Mode::Following => moving,
@@ -222,18 +326,30 @@ pub fn outcome_name(outcome: Outcome) -> &'static str {
 /// # Errors
 /// Those of the writer.
 pub fn write(trace: &Trace, columns: Columns, every: usize, out: impl Write) -> csv::Result<()> {
+    let last = trace.rows.len().saturating_sub(1);
+    let kept = lines(trace, columns)
+        .filter(|l| l.tick % every.max(1) == 0 || l.tick == last || l.handed_over);
+    write_file(&columns.all(), kept, out)
+}
+
+/// Columns of a trace by their names, in the order of these; a name that there is not has none. All rows.
+pub fn trace_sheet(trace: &Trace, columns: Columns, wanted: &[&str]) -> Sheet {
+    let all = columns.all().into_iter();
+    let chosen: Vec<_> = all.filter(|(name, _)| wanted.contains(name)).collect();
+    sheet(&chosen, lines(trace, columns))
+}
+
+fn lines(trace: &Trace, columns: Columns) -> impl Iterator<Item = Line<'_>> {
     let hand_over = match columns {
         // As the paper has it: the one that the run ends with.
         Columns::Paper => trace.parking(),
         Columns::Motion => trace.hand_over,
     };
     let hand_over = hand_over.map(|hand_over| hand_over.row);
-    let last = trace.rows.len().saturating_sub(1);
-    let lines = trace.rows.iter().enumerate().map(|(tick, row)| Line {
+    let rows = trace.rows.iter().enumerate();
+    rows.map(move |(tick, row)| Line {
         tick,
         row,
         handed_over: Some(tick) == hand_over,
-    });
-    let kept = lines.filter(|l| l.tick % every.max(1) == 0 || l.tick == last || l.handed_over);
-    write_file(&columns.all(), kept, out)
+    })
 }

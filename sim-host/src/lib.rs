@@ -7,7 +7,7 @@
 //!
 //! | step | modules |
 //! | --- | --- |
-//! | read | [`scenario`], [`motion`], [`advice`]; a [`mission`] is what they ask of a base |
+//! | read | [`scenario`], [`motion`], [`advice`], [`job`] for any of them; a [`mission`] is what they ask of a base |
 //! | whole base | [`closed_loop`] in a [`world`] |
 //! | faults, by the thousand | [`campaign`] |
 //! | run | [`plant`], [`world`], [`controller_port`], [`mod@run`], [`trace`]; [`drive`] for trajectory files |
@@ -15,7 +15,7 @@
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
 //! | beside other laws | [`mod@bench`] |
-//! | report | [`metrics`], [`table`], [`csv_out`]; `figure` with the feature `cli` |
+//! | report | [`metrics`], [`table`], [`csv_out`], [`record`]; `figure` with the feature `figures` |
 //!
 //! ```
 //! use sim_host::metrics::Metrics;
@@ -37,10 +37,11 @@ pub mod constants;
 pub mod controller_port;
 pub mod csv_out;
 pub mod drive;
-#[cfg(feature = "cli")]
+#[cfg(feature = "figures")]
 pub mod figure;
 pub mod identify;
 pub mod import;
+pub mod job;
 pub mod metrics;
 pub mod mission;
 pub mod monitor;
@@ -49,6 +50,7 @@ pub mod pil;
 pub mod plant;
 pub mod precision;
 pub mod rate;
+pub mod record;
 pub mod robustness;
 pub mod run;
 pub mod scenario;

@@ -45,4 +45,7 @@ fn the_simulator_is_a_library_without_its_command_line() {
         assert!(!library.contains(name), "{name}");
     }
     assert!(library.contains("controller_core"));
+    // The wheel has figures, and nothing of the command line.
+    let wheel = built_of("pyapi", &[]);
+    assert!(wheel.contains("kuva") && !wheel.contains("clap") && !wheel.contains("indicatif"));
 }

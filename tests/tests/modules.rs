@@ -13,8 +13,9 @@ use std::path::Path;
 type Module = Vec<String>;
 
 /// Every package of the workspace and every board.
-const CRATES: [&str; 9] = [
+const CRATES: [&str; 10] = [
     "bindings/c",
+    "bindings/python",
     "controller-core",
     "firmware-demo",
     "protocol",

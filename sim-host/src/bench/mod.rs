@@ -9,7 +9,7 @@
 mod chip;
 mod csv;
 mod figures;
-#[cfg(feature = "cli")]
+#[cfg(feature = "figures")]
 mod html;
 mod law;
 pub mod minimum;
@@ -23,7 +23,7 @@ mod tuning;
 pub use chip::instructions;
 pub use csv::write as write_csv;
 pub use figures::{DRIVEN, Figures};
-#[cfg(feature = "cli")]
+#[cfg(feature = "figures")]
 pub use html::html;
 pub use law::{Flavour, Law, LawKind};
 pub use study::{BenchError, Run, Settings, runs, study};

@@ -5,9 +5,10 @@ use super::line::LineFault;
 use super::random::Random;
 use crate::mission::BaseSpec;
 use crate::world::{PlantFault, Side, World};
+use serde::{Deserialize, Serialize};
 
 /// Kinds of trouble: every [`PlantFault`] of a world, and what host and links can do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum FaultInjectionKind {
     /// Nothing at all: what the others are compared with.
     Nothing,

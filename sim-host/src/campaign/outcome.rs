@@ -4,9 +4,10 @@ use super::fault_injection::FaultInjectionKind;
 use super::plan::{Plan, Target};
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::Cause;
+use serde::{Deserialize, Serialize};
 
 /// How a run ended well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum End {
     /// Stayed as it was: nothing was asked of the base.
     Held,
@@ -19,7 +20,7 @@ pub enum End {
 }
 
 /// What is known to go wrong, at a rate that is stated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Failing {
     /// Says that it is parked, and is farther from its goal than the pose's noise explains.
     Misplaced,
@@ -38,7 +39,7 @@ impl Failing {
 }
 
 /// What a base was stopped by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Why {
     /// The host, before the trouble had any effect.
     Host,
@@ -79,7 +80,7 @@ impl Why {
 }
 
 /// What a run must not do.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Violation {
     /// Since the start of the run \[s\].
     pub at_s: f64,
@@ -88,7 +89,7 @@ pub struct Violation {
 }
 
 /// Way of a stop beside its bound.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stop {
     /// Way from the tick in which the stop began \[m\].
     pub way_m: f64,
@@ -116,7 +117,7 @@ impl Stop {
 }
 
 /// The first finding of a trouble.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detection {
     /// As what.
     pub why: Why,
@@ -127,7 +128,7 @@ pub struct Detection {
 }
 
 /// A run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunOutcome {
     /// Number.
     pub run: u64,

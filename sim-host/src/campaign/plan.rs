@@ -9,9 +9,10 @@ use crate::world::WorldSetup;
 use crate::world::{BodyKeys, FloorParams, FrictionParams, NoiseParams, TickParams, WorldKeys};
 use controller_core::safety::supervisor::State;
 use controller_core::types::Pose;
+use serde::{Deserialize, Serialize};
 
 /// The state in which trouble strikes; the base is driven there by commands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[allow(missing_docs)] // As `State`.
 pub enum Target {
     Idle,

@@ -3,7 +3,7 @@
 use super::outcome::{End, RunOutcome};
 use super::run::Tick;
 use super::summary::{Cell, CellRecord};
-use crate::csv_out::{Column, columns, names, write_file, write_row};
+use crate::csv_out::{Column, Sheet, columns, names, sheet, write_file, write_row};
 use crate::scenario::BASES;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
@@ -130,6 +130,11 @@ fn end(run: &RunOutcome) -> (&'static str, &'static str) {
 /// Those of the writer.
 pub fn write_runs(outcomes: &[RunOutcome], out: impl Write) -> csv::Result<()> {
     write_file(&columns(), outcomes, out)
+}
+
+/// The runs, column by column.
+pub fn run_sheet(outcomes: &[RunOutcome]) -> Sheet {
+    sheet(&columns(), outcomes)
 }
 
 /// The campaign as it stands in a file.

@@ -10,8 +10,8 @@ use std::error::Error;
 pub type MirrorError = Box<dyn Error + Send + Sync>;
 
 /// The same base somewhere else, on a chip for example: it gets whatever the base here gets, and what it puts out moves
-/// the plant.
-pub trait Mirror {
+/// the plant. It may move to another thread together with the base here.
+pub trait Mirror: Send {
     /// A base as the one here, disarmed.
     ///
     /// # Errors

@@ -1,13 +1,14 @@
 //! `paper` and `compare`.
 
 use super::error::CommandError;
-use super::job::Job;
-use super::write::{Record, Writer};
-use super::{Finished, say, simulate, warn};
+use super::write::Writer;
+use super::{drive_alone, say, simulate, warn};
 use crate::cli::{LawArg, Output};
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
+use sim_host::job::Job;
 use sim_host::mission::BaseSpec;
+use sim_host::record::{Finished, Record};
 use sim_host::scenario::{BuiltIn, ControlLaw, Scenario};
 use sim_host::table::{Column, side_by_side};
 
@@ -68,7 +69,7 @@ fn runs_of(
             match laws.iter().find(|&&law| law != LawArg::Motion) {
                 // What the paper's laws know of limits, worlds and events is nothing.
                 Some(_) => Err(CommandError::OnlyMotion(mission.name.clone())),
-                None => Ok(vec![Finished::mission(mission)?]),
+                None => Ok(vec![drive_alone(mission)?]),
             }
         }
     }
@@ -84,12 +85,8 @@ fn under(
         LawArg::Neural => ControlLaw::Neural,
         LawArg::Plain => ControlLaw::Plain,
         LawArg::Motion => {
-            let believed = || BaseSpec {
-                robot: scenario.params.robot,
-                ..BaseSpec::default()
-            };
-            let base = base.cloned().unwrap_or_else(believed);
-            return Finished::mission(&scenario.mission(base));
+            let base = base.cloned().unwrap_or_else(|| scenario.believed_base());
+            return drive_alone(&scenario.mission(base));
         }
     };
     let scenario = scenario.with_law(kind);

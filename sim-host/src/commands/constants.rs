@@ -1,7 +1,7 @@
 //! `constants`.
 
 use super::error::CommandError;
-use super::robot::Robot;
+use super::robot::load;
 use super::say;
 use super::write::Writer;
 use crate::cli::Output;
@@ -9,7 +9,7 @@ use crate::robot_args::ConstantsArgs;
 use sim_host::constants::{c_header, module_name, rust};
 
 pub fn write(arguments: &ConstantsArgs, output: &Output) -> Result<(), CommandError> {
-    let robot = Robot::load(&arguments.robot)?;
+    let robot = load(&arguments.robot)?;
     let (text, extension) = if arguments.c {
         (c_header(&robot.file, &robot.name, &robot.base), "h")
     } else {

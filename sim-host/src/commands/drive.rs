@@ -1,45 +1,22 @@
 //! Missions: `run`, and `check` and `compile` for trajectory files.
 
 use super::error::CommandError;
-use super::job::{Content, Job, Trajectory};
-use super::write::{ChipRecord, Writer};
+use super::write::Writer;
 use super::{note, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
-use serde::Serialize;
 use sim_host::csv_out::Columns;
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun, summary, verdict};
 use sim_host::figure::Labelled;
 use sim_host::import::FileVerdict;
+use sim_host::job::{Content, Job, Trajectory};
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
+use sim_host::record::{ChipRecord, DriveRecord};
 use sim_host::run;
 use sim_host::scenario::{BuiltInBase, Scenario};
 use sim_host::trace::Trace;
 use std::path::Path;
-
-/// Metrics of one run, as they stand in a JSON file.
-#[derive(Serialize)]
-struct DriveRecord<'a> {
-    scenario: &'a str,
-    description: &'a str,
-    base: &'a str,
-    controller: &'static str,
-    precision: sim_host::precision::Precision,
-    period_s: f64,
-    duration_s: f64,
-    /// Of a trajectory file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stretched_by: Option<f64>,
-    /// Of a trajectory file whose path was smoothed: its largest departure.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    departure_m: Option<f64>,
-    /// Of a trajectory file, one line each.
-    repairs: Vec<String>,
-    metrics: &'a DriveMetrics,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    chip: Option<&'a ChipRecord<BaseCost>>,
-}
 
 /// A base's file, a built-in base, or the default one.
 pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
@@ -108,30 +85,13 @@ pub fn results(
         None => mission.name.clone(),
         Some(_) => format!("{}-pil", mission.name),
     };
-    let mut repairs = Vec::new();
-    if let Some(FileVerdict::Drivable { repairs: list, .. }) = file.map(|file| &file.verdict) {
-        repairs.extend(list.iter().map(ToString::to_string));
-    }
     let metrics = DriveMetrics::of(mission, trace).ok_or(CommandError::NoRows)?;
     say(&format!("{}\n", summary(&metrics)))?;
     // In figures an underscore begins a subscript.
     let title = format!("{}: {}", name.replace('_', " "), mission.description);
     let main = Labelled { label, trace };
     writer.figure(name, &title, main, None)?;
-    let record = DriveRecord {
-        scenario: &mission.name,
-        description: &mission.description,
-        base: &mission.base.name,
-        controller: "motion",
-        precision: mission.precision,
-        period_s: mission.period_s,
-        duration_s: trace.rows.last().map_or(0.0, |row| row.t),
-        stretched_by: file.map(|file| file.scaling.factor),
-        departure_m: file.and_then(|file| Some(file.scaling.departure?.position_m)),
-        repairs,
-        metrics: &metrics,
-        chip: chip.as_ref(),
-    };
+    let record = DriveRecord::of(mission, file, trace, &metrics, chip.as_ref());
     writer.json(name, &[record])?;
     if csv {
         writer.csv(name, trace, Columns::Motion)?;

@@ -1,9 +1,11 @@
 //! Why a command failed.
 
+use sim_host::campaign::NoTrouble;
 use sim_host::constants::ConstantsError;
 use sim_host::drive::FileError;
 use sim_host::figure::FigureError;
 use sim_host::identify::{IdentifyError, KnownError, LogError};
+use sim_host::job::JobError;
 use sim_host::monitor::MonitorError;
 use sim_host::pil::PilError;
 use sim_host::robustness::StudyError;
@@ -17,6 +19,8 @@ use std::path::PathBuf;
 pub enum CommandError {
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    #[error(transparent)]
+    Job(#[from] JobError),
     #[error(transparent)]
     Run(#[from] RunError),
     #[error("{}: cannot be read: {cause}", path.display())]
@@ -55,8 +59,8 @@ pub enum CommandError {
     Monitor(#[from] MonitorError),
     #[error("chip and host computed different bits: see the report above")]
     Apart,
-    #[error("no trouble has such a word in its name; there are: {}", .0.join(", "))]
-    NoTrouble(Vec<&'static str>),
+    #[error(transparent)]
+    NoTrouble(#[from] NoTrouble),
     #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
     NoCondition { word: String, names: Vec<String> },
     #[error(transparent)]

@@ -6,8 +6,8 @@ use super::write::Writer;
 use crate::cli::Output;
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_host::campaign::{
-    Bases, FaultInjectionKind, Mutation, Plan, Record, TraceWriter, cells, known, run, study,
-    table, violation, write_runs,
+    Bases, Mutation, Plan, Record, TraceWriter, cells, known, numbers, run, study, table,
+    violation, write_runs,
 };
 use std::num::NonZeroU64;
 
@@ -32,19 +32,7 @@ pub fn all(
     if let Some(number) = run {
         trace(&bases, seed, number, &writer)?;
     }
-    let chosen = |kind: FaultInjectionKind| {
-        only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
-    };
-    if !bases.kinds().iter().copied().any(chosen) {
-        return Err(CommandError::NoTrouble(
-            bases.kinds().iter().map(|kind| kind.name()).collect(),
-        ));
-    }
-    let count = usize::try_from(runs.get()).unwrap_or(usize::MAX);
-    let numbers: Vec<u64> = (run.unwrap_or(0)..)
-        .filter(|number| chosen(bases.trouble(*number)))
-        .take(count)
-        .collect();
+    let numbers = numbers(&bases, run.unwrap_or(0), runs.get(), only)?;
     // Hidden by itself where standard error is no terminal.
     let bar = ProgressBar::new(runs.get()).with_style(style());
     let outcomes = study(&bases, seed, numbers, &Mutation::None, || bar.inc(1));

@@ -7,7 +7,6 @@ mod drive;
 mod error;
 mod faults;
 mod identify;
-mod job;
 mod list;
 mod monitor;
 mod pil;
@@ -22,13 +21,11 @@ mod write;
 use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
-use sim_host::metrics::Metrics;
 use sim_host::mission::{BaseSpec, Mission};
+use sim_host::record::Finished;
 use sim_host::scenario::{PAPER, Scenario};
-use sim_host::trace::Trace;
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
-use write::ControllerRecord;
 
 /// Does what the arguments say.
 pub fn execute(cli: &Cli) -> Result<(), CommandError> {
@@ -96,48 +93,14 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
     }
 }
 
-/// A scenario or a mission that has been run.
-struct Finished {
-    name: String,
-    description: String,
-    controller: ControllerRecord,
-    duration_s: f64,
-    trace: Trace,
-    metrics: Metrics,
-}
-
-impl Finished {
-    /// A run of a scenario, with its metrics.
-    fn scenario(scenario: &Scenario, trace: Trace) -> Result<Self, CommandError> {
-        Ok(Self {
-            name: scenario.name.clone(),
-            description: scenario.description.clone(),
-            controller: ControllerRecord::Paper(scenario.controller),
-            duration_s: scenario.duration_s,
-            metrics: Metrics::of(&trace).ok_or(CommandError::NoRows)?,
-            trace,
-        })
-    }
-
-    /// A run of a mission, as far as all laws have it in common.
-    fn mission(mission: &Mission) -> Result<Self, CommandError> {
-        let trace = sim_host::run::drive(mission)?;
-        Ok(Self {
-            name: mission.name.clone(),
-            description: mission.description.clone(),
-            controller: ControllerRecord::Motion {
-                kind: "motion",
-                precision: mission.precision,
-            },
-            duration_s: trace.rows.last().map_or(0.0, |row| row.t),
-            metrics: Metrics::of(&trace).ok_or(CommandError::NoRows)?,
-            trace,
-        })
-    }
-}
-
 fn simulate(scenario: &Scenario) -> Result<Finished, CommandError> {
-    Finished::scenario(scenario, sim_host::run::run(scenario)?)
+    let trace = sim_host::run::run(scenario)?;
+    Finished::scenario(scenario, trace).ok_or(CommandError::NoRows)
+}
+
+fn drive_alone(mission: &Mission) -> Result<Finished, CommandError> {
+    let trace = sim_host::run::drive(mission)?;
+    Finished::mission(mission, trace).ok_or(CommandError::NoRows)
 }
 
 /// Prints to standard output. A reader that has seen enough (`| head`) does not keep the results

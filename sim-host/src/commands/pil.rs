@@ -2,14 +2,15 @@
 
 use super::drive::{self, Done};
 use super::error::CommandError;
-use super::job::Job;
-use super::write::{ChipRecord, Record, Writer};
-use super::{Finished, say, warn};
+use super::write::Writer;
+use super::{say, warn};
 use crate::cli::Output;
 use firmware_demo::host::{LinkKind, Machine};
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
+use sim_host::job::Job;
 use sim_host::pil::{BaseBench, Bench, Cost, FIRMWARE, Flight, Footprint, Parity, Spread};
+use sim_host::record::{ChipRecord, Finished, Record};
 use sim_host::scenario::{Controller, Scenario};
 use sim_host::table::{Column, side_by_side};
 use std::io::Write as _;
@@ -194,7 +195,7 @@ fn write(
 ) -> Result<(), CommandError> {
     let mut flown = scenario.clone();
     flown.controller = FIRMWARE;
-    let run = Finished::scenario(&flown, flight.trace)?;
+    let run = Finished::scenario(&flown, flight.trace).ok_or(CommandError::NoRows)?;
     let (name, label) = (&scenario.name, chip.machine);
     say(&format!("{name}: {}\n", scenario.description))?;
     let metrics = &run.metrics;

@@ -1,12 +1,13 @@
 //! `run`.
 
 use super::error::CommandError;
-use super::job::Job;
-use super::write::{Record, Writer};
+use super::write::Writer;
 use super::{drive, say, simulate, warn};
 use crate::cli::Output;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
+use sim_host::job::Job;
+use sim_host::record::Record;
 use sim_host::table::{Column, side_by_side};
 
 pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError> {
@@ -32,8 +33,7 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
         let metrics = &run.metrics;
         say(&format!("{}\n", side_by_side(&[Column { label, metrics }])))?;
         let trace = &run.trace;
-        let title = format!("{name}: {}", scenario.description);
-        writer.figure(name, &title, Labelled { label, trace }, None)?;
+        writer.figure(name, &job.title(), Labelled { label, trace }, None)?;
         writer.json(name, &[Record::from(&run)])?;
         if csv {
             writer.csv(name, trace, Columns::Paper)?;

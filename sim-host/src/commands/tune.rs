@@ -1,7 +1,7 @@
 //! `tune`.
 
 use super::error::CommandError;
-use super::robot::Robot;
+use super::robot::load;
 use super::write::Writer;
 use super::{robustness, say};
 use crate::cli::Output;
@@ -9,6 +9,7 @@ use crate::robot_args::TuneArgs;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::figure::Labelled;
+use sim_host::job::RobotFile;
 use sim_host::tune::{
     KNOBS, Score, Search, Seeds, Tuned, TuningProblem, gain_table, score_table, search, update,
 };
@@ -28,7 +29,7 @@ struct Record<'a> {
 }
 
 pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> {
-    let robot = Robot::load(&arguments.robot)?;
+    let robot = load(&arguments.robot)?;
     if arguments.write && !arguments.robot.exists() {
         return Err(CommandError::BuiltInRobot(robot.name));
     }
@@ -98,7 +99,7 @@ fn verdict(before: f64, after: f64) -> String {
     }
 }
 
-fn problem(arguments: &TuneArgs, robot: &Robot) -> Result<TuningProblem, CommandError> {
+fn problem(arguments: &TuneArgs, robot: &RobotFile) -> Result<TuningProblem, CommandError> {
     let Some(path) = &arguments.trajectory else {
         return Ok(TuningProblem::courses(&robot.base));
     };

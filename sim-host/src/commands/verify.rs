@@ -1,7 +1,7 @@
 //! `verify`.
 
 use super::error::CommandError;
-use super::robot::Robot;
+use super::robot::load;
 use super::write::Writer;
 use super::{robustness, say};
 use crate::cli::Output;
@@ -10,6 +10,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
+use sim_host::job::RobotFile;
 use sim_host::verify::{
     Case, StabilityMap, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
 };
@@ -29,7 +30,7 @@ struct Record<'a> {
 }
 
 pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError> {
-    let robot = Robot::load(&arguments.robot)?;
+    let robot = load(&arguments.robot)?;
     let base = &robot.base;
     let writer = Writer::new(output)?;
     // Hidden by itself where standard error is no terminal.
@@ -73,7 +74,7 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
 /// The worst run, with all its signals.
 fn draw_worst(
     verification: &Verification,
-    robot: &Robot,
+    robot: &RobotFile,
     name: &str,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {

@@ -5,83 +5,11 @@ use crate::cli::Output;
 use serde::Serialize;
 use sim_host::csv_out::{self, Columns};
 use sim_host::figure::{Labelled, five_panels, png};
-use sim_host::metrics::Metrics;
-use sim_host::pil::{Cost, Footprint, Parity};
-use sim_host::precision::Precision;
-use sim_host::scenario::{ControlLaw, Controller};
+use sim_host::record;
 use sim_host::trace::Trace;
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-
-/// Metrics of one run, as they stand in a JSON file.
-#[derive(Serialize)]
-pub struct Record<'a> {
-    pub scenario: &'a str,
-    pub description: &'a str,
-    pub controller: ControllerRecord,
-    pub period_s: f64,
-    pub duration_s: f64,
-    pub metrics: &'a Metrics,
-    /// Only of a run with the controller on a chip.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub chip: Option<ChipRecord>,
-}
-
-impl<'a> From<&'a super::Finished> for Record<'a> {
-    fn from(run: &'a super::Finished) -> Self {
-        Self {
-            scenario: &run.name,
-            description: &run.description,
-            controller: run.controller,
-            period_s: run.trace.period_s,
-            duration_s: run.duration_s,
-            metrics: &run.metrics,
-            chip: None,
-        }
-    }
-}
-
-/// Which controller drove.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum ControllerRecord {
-    /// One of the paper's.
-    Paper(Controller),
-    /// The default law.
-    Motion {
-        /// Always "motion".
-        kind: &'static str,
-        precision: Precision,
-    },
-}
-
-impl ControllerRecord {
-    /// The law's name in tables and legends.
-    pub fn law(&self) -> &'static str {
-        match self {
-            Self::Paper(controller) => match controller.kind {
-                ControlLaw::Neural => "neural",
-                ControlLaw::Plain => "plain",
-            },
-            Self::Motion { kind, .. } => kind,
-        }
-    }
-}
-
-/// What the JSON file says of the chip.
-#[derive(Clone, Copy, Serialize)]
-pub struct ChipRecord<C = Cost> {
-    pub machine: &'static str,
-    pub link: &'static str,
-    pub parity: Parity,
-    /// Executed instructions of the controller's step, or of the control task's tick.
-    pub instructions: C,
-    /// High-water mark since the firmware was started.
-    pub stack_bytes: u32,
-    pub image: Footprint,
-    pub ticks_per_second: f64,
-}
 
 /// Writes results and remembers what it wrote.
 pub struct Writer<'a> {
@@ -138,9 +66,7 @@ impl<'a> Writer<'a> {
 
     pub fn json(&self, name: &str, records: &[impl Serialize]) -> Result<(), CommandError> {
         let path = self.path(&format!("{name}.json"));
-        let mut text =
-            serde_json::to_string_pretty(records).map_err(|error| failed(&path, &error))?;
-        text.push('\n');
+        let text = record::text(records).map_err(|error| failed(&path, &error))?;
         fs::write(&path, text).map_err(|error| failed(&path, &error))
     }
 }

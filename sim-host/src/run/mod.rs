@@ -17,14 +17,14 @@ pub use world::{drive_and_observe, fly};
 
 use crate::closed_loop::ClosedLoopError;
 use crate::controller_port::{self, ControllerPort, ControllerPortError};
-use crate::mission::{AccelerationAt, BaseSpec, End, Mission, Sequencer};
+use crate::mission::{AccelerationAt, End, Mission, Sequencer};
 use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
 use controller_core::pose_error::pose_error;
-use recorder::Recorder;
+use recorder::{Keep, Recorder};
 
 /// Why a run did not reach its end.
 #[derive(Debug, thiserror::Error)]
@@ -80,11 +80,7 @@ pub fn run_with(
     scenario: &Scenario,
     controller: &mut dyn ControllerPort,
 ) -> Result<Trace, RunError> {
-    let base = BaseSpec {
-        robot: scenario.params.robot,
-        ..BaseSpec::default()
-    };
-    let mission = scenario.mission(base);
+    let mission = scenario.mission(scenario.believed_base());
     let sequencer = Sequencer::new(&mission, AccelerationAt::Tick);
     on_ideal_plant(&mission, sequencer, &mut PaperLaw::new(controller))
 }
@@ -94,8 +90,36 @@ pub fn run_with(
 /// # Errors
 /// The first fault of the controller, with its time; parameters out of their range.
 pub fn drive(mission: &Mission) -> Result<Trace, RunError> {
+    Ok(driven(mission, Keep::All)?.trace)
+}
+
+/// How a run ended, without the way there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    /// The last row.
+    pub last: TraceRow,
+    /// Number of rows.
+    pub ticks: usize,
+    /// From when on the robot was parked \[s\], if it was at the end.
+    pub parked_since_s: Option<f64>,
+}
+
+/// As [`drive`], for runs by the thousand: the same ticks, of which only the last is kept; none of a run without ticks.
+///
+/// # Errors
+/// As [`drive`].
+pub fn finish(mission: &Mission) -> Result<Option<Finish>, RunError> {
+    let recorder = driven(mission, Keep::Last)?;
+    Ok(recorder.trace.rows.last().map(|last| Finish {
+        last: *last,
+        ticks: recorder.ticks,
+        parked_since_s: recorder.parked_since,
+    }))
+}
+
+fn driven(mission: &Mission, keep: Keep) -> Result<Recorder, RunError> {
     if let Some(setup) = &mission.setup {
-        return drive_and_observe(mission, setup, OBSERVE_S).map_err(|cause| {
+        return world::run(mission, setup, (None, None), (OBSERVE_S, keep)).map_err(|cause| {
             RunError::ClosedLoop {
                 name: mission.name.clone(),
                 cause,
@@ -105,7 +129,7 @@ pub fn drive(mission: &Mission) -> Result<Trace, RunError> {
     let law = motion_law(&mission.base, mission.precision);
     let mut law = law.map_err(|cause| refused(&mission.name, cause))?;
     let sequencer = Sequencer::new(mission, AccelerationAt::MiddleOfHold);
-    on_ideal_plant(mission, sequencer, law.as_mut())
+    recorded(mission, sequencer, law.as_mut(), keep)
 }
 
 fn refused(name: &str, cause: ParamError) -> RunError {
@@ -119,9 +143,18 @@ fn refused(name: &str, cause: ParamError) -> RunError {
 /// The first tick that the law refuses.
 pub(crate) fn on_ideal_plant(
     mission: &Mission,
-    mut sequencer: Sequencer<'_>,
+    sequencer: Sequencer<'_>,
     law: &mut dyn Law,
 ) -> Result<Trace, RunError> {
+    Ok(recorded(mission, sequencer, law, Keep::All)?.trace)
+}
+
+fn recorded(
+    mission: &Mission,
+    mut sequencer: Sequencer<'_>,
+    law: &mut dyn Law,
+    keep: Keep,
+) -> Result<Recorder, RunError> {
     let dt = mission.period_s;
     let ticks = (mission.longest_s() / dt).round() as usize;
     let mut plant = Plant::new(mission.robot, &mission.start);
@@ -129,7 +162,7 @@ pub(crate) fn on_ideal_plant(
         End::Parked(_) => OBSERVE_S,
         End::At(_) => f64::INFINITY,
     };
-    let mut recorder = Recorder::new(mission, observe_s);
+    let mut recorder = Recorder::new(mission, observe_s, keep);
     for tick in 0..=ticks {
         // The product, not a running sum: times do not drift.
         let t = tick as f64 * dt;
@@ -166,5 +199,5 @@ pub(crate) fn on_ideal_plant(
         }
         plant.advance(&computed.report.torques, dt);
     }
-    Ok(recorder.trace)
+    Ok(recorder)
 }

@@ -10,11 +10,23 @@ pub(super) struct Recorder {
     /// For how long a parked robot is observed \[s\].
     observe_s: f64,
     last_event_s: f64,
-    parked_since: Option<f64>,
+    pub(super) parked_since: Option<f64>,
+    keep: Keep,
+    /// Rows taken.
+    pub(super) ticks: usize,
+}
+
+/// What of a run is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Keep {
+    /// Every row.
+    All,
+    /// The last row, for runs by the thousand.
+    Last,
 }
 
 impl Recorder {
-    pub(super) fn new(mission: &Mission, observe_s: f64) -> Self {
+    pub(super) fn new(mission: &Mission, observe_s: f64, keep: Keep) -> Self {
         Self {
             trace: Trace {
                 period_s: mission.period_s,
@@ -23,6 +35,8 @@ impl Recorder {
             observe_s,
             last_event_s: mission.events.last().map_or(0.0, |event| event.at_s),
             parked_since: None,
+            keep,
+            ticks: 0,
         }
     }
 
@@ -37,7 +51,11 @@ impl Recorder {
         };
         self.parked_since = parked.then(|| self.parked_since.unwrap_or(row.t));
         self.trace.hand_over = hand_over.or(self.trace.hand_over);
+        if self.keep == Keep::Last {
+            self.trace.rows.clear();
+        }
         self.trace.rows.push(row);
+        self.ticks += 1;
         let observed = |since: f64| row.t >= since.max(self.last_event_s) + self.observe_s;
         stopped || self.parked_since.is_some_and(observed)
     }

@@ -2,7 +2,7 @@
 
 use super::Driver;
 use super::OBSERVE_S;
-use super::recorder::Recorder;
+use super::recorder::{Keep, Recorder};
 use crate::closed_loop::{ClosedLoop, ClosedLoopError, Mirror, order};
 use crate::mission::{AccelerationAt, Mission, Sequencer};
 use crate::trace::{BaseNote, HandOver, Trace, TraceRow};
@@ -27,7 +27,7 @@ pub fn drive_and_observe(
     setup: &WorldSetup,
     observe_s: f64,
 ) -> Result<Trace, ClosedLoopError> {
-    run(mission, setup, (None, None), observe_s)
+    Ok(run(mission, setup, (None, None), (observe_s, Keep::All))?.trace)
 }
 
 /// As [`super::drive`], with the same base somewhere else whose motors move the plant.
@@ -39,7 +39,7 @@ pub fn fly(
     setup: &WorldSetup,
     mirror: &mut dyn Mirror,
 ) -> Result<Trace, ClosedLoopError> {
-    run(mission, setup, (Some(mirror), None), OBSERVE_S)
+    Ok(run(mission, setup, (Some(mirror), None), (OBSERVE_S, Keep::All))?.trace)
 }
 
 /// As [`drive_and_observe`], with a rival's wishes in place of the default law's.
@@ -52,20 +52,20 @@ pub(crate) fn ride(
     driver: &mut Driver,
     observe_s: f64,
 ) -> Result<Trace, ClosedLoopError> {
-    run(mission, setup, (None, Some(driver)), observe_s)
+    Ok(run(mission, setup, (None, Some(driver)), (observe_s, Keep::All))?.trace)
 }
 
-fn run(
+pub(super) fn run(
     mission: &Mission,
     setup: &WorldSetup,
     (mirror, mut driver): (Option<&mut dyn Mirror>, Option<&mut Driver>),
-    observe_s: f64,
-) -> Result<Trace, ClosedLoopError> {
+    (observe_s, keep): (f64, Keep),
+) -> Result<Recorder, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let mirror = mirror.map(|mirror| mirror as _);
     let mut closed_loop = ClosedLoop::new(queue.split().1, mission, setup, mirror)?;
     let mut sequencer = Sequencer::new(mission, AccelerationAt::MiddleOfHold);
-    let mut recorder = Recorder::new(mission, observe_s);
+    let mut recorder = Recorder::new(mission, observe_s, keep);
     loop {
         closed_loop.advance()?;
         let t = 1.0e-6 * closed_loop.world().now_us() as f64 - mission.period_s;
@@ -85,14 +85,14 @@ fn run(
             };
         }
         let hand_over = hand_over.map(|hand_over| HandOver {
-            row: recorder.trace.rows.len(),
+            row: recorder.ticks,
             ..hand_over
         });
         if recorder.ends_with(row, hand_over) {
             break;
         }
     }
-    Ok(recorder.trace)
+    Ok(recorder)
 }
 
 /// One tick of a mission.

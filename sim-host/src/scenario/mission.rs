@@ -146,6 +146,14 @@ impl Mission {
 }
 
 impl Scenario {
+    /// The robot that the controller believes in, with the limits of the default base.
+    pub fn believed_base(&self) -> BaseSpec {
+        BaseSpec {
+            robot: self.params.robot,
+            ..BaseSpec::default()
+        }
+    }
+
     /// The same course for the default law on `base`, which parks from when the paper's laws do.
     pub fn mission(&self, base: BaseSpec) -> Mission {
         Mission {

@@ -54,7 +54,7 @@ pub struct Tuned {
 /// limits suit a base without friction; stiction needs several times more, noise for less.
 const LOOPS: [f64; 4] = [0.5, 2.0, 4.0, 6.0];
 
-/// Looks for gains; `done` is called after each set that was tried.
+/// Looks for gains; `begun` is called at the beginning of each trial of a set. It may unwind, which ends the search.
 ///
 /// The base's own gains are kept if nothing better was found.
 ///
@@ -63,15 +63,18 @@ const LOOPS: [f64; 4] = [0.5, 2.0, 4.0, 6.0];
 pub fn search(
     problem: &TuningProblem,
     search: &Search,
-    done: impl Fn() + Sync,
+    begun: impl Fn() + Sync,
 ) -> Result<Tuned, TuneError> {
     let seeds = Seeds::Training.draw(search.seed, search.training);
     let before = problem.base().motion().gains;
     let look = simplex::look(search.evaluations);
     let looked = candidates(problem, search.seed, look);
     let budget = (search.evaluations, search.starts);
-    let cost = |logs: &[f64]| Ok(problem.score(&gains(&before, logs), &seeds)?.total());
-    let found = simplex::minimise(looked, budget, cost, done)?;
+    let cost = |logs: &[f64]| {
+        begun();
+        Ok(problem.score(&gains(&before, logs), &seeds)?.total())
+    };
+    let found = simplex::minimise(looked, budget, cost, || {})?;
     let found = found
         .into_iter()
         .map(|(cost, logs)| (cost, gains(&before, &logs)));

@@ -2,7 +2,7 @@
 
 use super::shortcoming;
 use super::study::Run;
-use crate::csv_out::{Column, columns, write_file};
+use crate::csv_out::{Column, Scientific, Sheet, columns, sheet, write_file};
 use std::io::Write;
 
 /// SI units, radians; shares of the limit. Empty: not measured.
@@ -16,22 +16,18 @@ fn columns<'a>() -> [Column<&'a Run>; 16] {
         "seed" => run.seed,
         "failed" => shortcoming(&run.figures),
         "parked" => run.figures.parked,
-        "time" => number(run.figures.time_s),
-        "error_position" => number(run.figures.error_m),
-        "error_heading" => number(run.figures.error_rad),
-        "tracking_rms" => run.figures.tracking_m.map(number),
-        "ripple" => run.figures.ripple.map(number),
-        "effort" => number(run.figures.effort),
+        "time" => Scientific(run.figures.time_s),
+        "error_position" => Scientific(run.figures.error_m),
+        "error_heading" => Scientific(run.figures.error_rad),
+        "tracking_rms" => run.figures.tracking_m.map(Scientific),
+        "ripple" => run.figures.ripple.map(Scientific),
+        "effort" => Scientific(run.figures.effort),
         "peak" => run.figures.peak.map(|peak| peak.name),
-        "peak_share" => run.figures.peak.map(|peak| number(peak.share)),
+        "peak_share" => run.figures.peak.map(|peak| Scientific(peak.share)),
         "stopped" => run.figures.stopped.as_ref().map(|stop| &stop.cause),
-        "stopped_at" => run.figures.stopped.as_ref().map(|stop| number(stop.time_s)),
+        "stopped_at" => run.figures.stopped.as_ref().map(|stop| Scientific(stop.time_s)),
         "found" => run.figures.found.join(" "),
     ]
-}
-
-fn number(value: f64) -> String {
-    format!("{value:e}")
 }
 
 /// Writes the runs.
@@ -40,4 +36,9 @@ fn number(value: f64) -> String {
 /// Those of the writer.
 pub fn write(runs: &[Run], out: impl Write) -> csv::Result<()> {
     write_file(&columns(), runs, out)
+}
+
+/// The runs, column by column.
+pub fn run_sheet(runs: &[Run]) -> Sheet {
+    sheet(&columns(), runs)
 }

@@ -9,7 +9,7 @@ mod margins;
 mod study;
 mod table;
 
-pub use csv::write as write_csv;
+pub use csv::{run_sheet, write as write_csv};
 pub use margins::{Place, StabilityMap};
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};

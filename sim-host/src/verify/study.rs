@@ -80,7 +80,7 @@ pub const fn runs(seeds: NonZeroU32) -> u64 {
 }
 
 /// Runs every course under every condition, `seeds` times each with seeds `first`, `first` + 1, ...; the same runs
-/// for any number of threads. `done` is called after each.
+/// for any number of threads. `begun` is called at the beginning of each; it may unwind, which ends the study.
 ///
 /// # Errors
 /// A base or a world out of range.
@@ -88,15 +88,15 @@ pub fn verify(
     base: &BaseSpec,
     first: u64,
     seeds: NonZeroU32,
-    done: impl Fn() + Sync,
+    begun: impl Fn() + Sync,
 ) -> Result<Verification, VerifyError> {
     let cases = grid().into_par_iter().map(|(course, condition)| {
         let mission = course.mission(base);
         let seeds = (0..u64::from(seeds.get())).into_par_iter();
         let runs = seeds.map(|k| {
             let seed = first.wrapping_add(k);
+            begun();
             let (_, figures) = run(&mission, course, condition, seed)?;
-            done();
             Ok(Run {
                 course,
                 condition,

@@ -1,0 +1,298 @@
+"""Motion control and simulation of two-wheeled robots.
+
+The simulator and the base of the firmware, the same source that runs on the chip: what is computed here is bit for bit
+what the command line computes. SI units, radians, right before left; counter-clockwise is positive.
+
+    >>> import twb
+    >>> run = twb.simulate(start=(0, 0.5, 0), goal=(2, 1, 0), robot="lab-10kg")
+    >>> bool(abs(run["x"][-1] - 2) < 0.005)
+    True
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeAlias, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _twb, errors
+from ._twb import (
+    ROBOTS,
+    SCENARIOS,
+    Campaign,
+    Figure,
+    Identification,
+    Mission,
+    Robot,
+    Run,
+    Trajectory,
+    Tuned,
+    Verification,
+    __version__,
+)
+from .errors import Error, InputError, MissingFileError, RunError
+
+__all__ = [
+    "ROBOTS",
+    "SCENARIOS",
+    "Campaign",
+    "Error",
+    "Figure",
+    "Identification",
+    "InputError",
+    "MissingFileError",
+    "Mission",
+    "Robot",
+    "Run",
+    "RunError",
+    "Trajectory",
+    "Tuned",
+    "Verification",
+    "__version__",
+    "errors",
+    "faults",
+    "identify",
+    "import_trajectory",
+    "missions",
+    "outcomes",
+    "simulate",
+    "tune",
+    "verify",
+]
+
+Path: TypeAlias = "str | os.PathLike[str]"
+#: A robot, its file, or the name of a shipped one.
+AnyRobot: TypeAlias = "Robot | Path"
+#: A mission; a scenario or trajectory file; the name of a shipped scenario; a trajectory.
+AnyMission: TypeAlias = "Mission | Trajectory | Path"
+#: Called with what is done and what there is to do, some twenty times a second.
+Progress: TypeAlias = "Callable[[int, int], object]"
+
+
+def _robot(robot: AnyRobot | None) -> Robot | None:
+    return robot if robot is None or isinstance(robot, Robot) else Robot.load(robot)
+
+
+def import_trajectory(path: Path) -> Trajectory:
+    """Reads a trajectory file: WPILib, Choreo, TUM or CSV; its content tells which."""
+    return Trajectory.load(path)
+
+
+def missions(
+    *,
+    start: ArrayLike,
+    goal: ArrayLike,
+    robot: AnyRobot | None = None,
+    world: str | None = None,
+    seed: ArrayLike = 1,
+    **options: Any,
+) -> list[Mission]:
+    """Ways from rest at `start` to `goal`: poses (x, y, theta), or n of them in rows. What is there once is for all.
+
+    `world` is None for the ideal plant, "even" for the robot's own hardware on a perfect floor, and one of the bad
+    floors of `verify`: "drawn", "light", "heavy", "wide", "narrow", "low-battery"; `seed` settles what is drawn.
+    """
+    robot = _robot(robot)
+    starts, goals = (np.atleast_2d(np.asarray(poses, float)) for poses in (start, goal))
+    seeds = np.atleast_1d(np.asarray(seed, np.uint64))
+    for key, poses in (("start", starts), ("goal", goals)):
+        if poses.ndim != 2 or poses.shape[1] != 3:
+            raise InputError.at(f"{key} must be a pose (x, y, theta), or rows of them", key=key)
+    try:
+        (count,) = np.broadcast_shapes(starts.shape[:1], goals.shape[:1], seeds.shape)
+    except ValueError:
+        message = f"{len(starts)} starts, {len(goals)} goals and {seeds.size} seeds do not match"
+        raise InputError.at(message, key="start") from None
+    starts, goals = (np.broadcast_to(poses, (count, 3)) for poses in (starts, goals))
+    rows = zip(starts.tolist(), goals.tolist(), np.broadcast_to(seeds, (count,)).tolist())
+    return [
+        Mission.park(start, goal, robot=robot, world=world, seed=seed, **options)
+        for start, goal, seed in rows
+    ]
+
+
+def _mission(what: AnyMission, robot: Robot | None, options: Mapping[str, Any]) -> Mission:
+    if isinstance(what, Mission):
+        if robot is not None or options:
+            raise InputError.at("a Mission has its robot and options already", key="robot")
+        return what
+    if isinstance(what, Trajectory):
+        return Mission.follow(what, robot=robot, **options)
+    return Mission.load(what, robot=robot, **options)
+
+
+def _planned(
+    what: AnyMission | Sequence[AnyMission] | None, robot: AnyRobot | None, options: dict[str, Any]
+) -> tuple[list[Mission], bool]:
+    """The missions, and whether it is a single one."""
+    robot = _robot(robot)
+    if what is None:
+        if "start" not in options or "goal" not in options:
+            raise InputError.at("what is to be run, or start and goal?", key="what")
+        several = any(np.ndim(options[key]) > 1 for key in ("start", "goal"))
+        several = several or np.ndim(options.get("seed", 1)) > 0
+        return missions(robot=robot, **options), not several
+    if isinstance(what, (Mission, Trajectory, str, os.PathLike)):
+        return [_mission(what, robot, options)], True
+    return [_mission(one, robot, options) for one in what], False
+
+
+@overload
+def simulate(
+    what: AnyMission,
+    *,
+    robot: AnyRobot | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Run: ...
+@overload
+def simulate(
+    what: Sequence[AnyMission],
+    *,
+    robot: AnyRobot | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> list[Run]: ...
+@overload
+def simulate(
+    *,
+    start: tuple[float, float, float],
+    goal: tuple[float, float, float],
+    robot: AnyRobot | None = None,
+    seed: int = 1,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Run: ...
+@overload
+def simulate(
+    *,
+    start: ArrayLike,
+    goal: ArrayLike,
+    robot: AnyRobot | None = None,
+    seed: ArrayLike = 1,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Run | list[Run]: ...
+def simulate(
+    what: AnyMission | Sequence[AnyMission] | None = None,
+    *,
+    robot: AnyRobot | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Run | list[Run]:
+    """Runs a mission, or many side by side on all cores.
+
+    `what` is a shipped scenario, a scenario or trajectory file, a trajectory, a mission, or a sequence of these. Without
+    it the robot goes from `start` to `goal`: see `missions`, which has the other options, and `Mission.load` for those
+    of files. One mission gives a `Run`, several a list in their order.
+    """
+    planned, single = _planned(what, robot, options)
+    runs = _twb.run_all(planned, threads, progress)
+    return runs[0] if single else runs
+
+
+def outcomes(
+    what: AnyMission | Sequence[AnyMission] | None = None,
+    *,
+    robot: AnyRobot | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> dict[str, NDArray[Any]]:
+    """As `simulate`, for runs by the thousand: the last row of each trace, an array for each column.
+
+    Beside the columns, `ticks` has the length of each run and `parked_s` the time from which on it was parked, not a
+    number if it was not at the end.
+    """
+    planned, _ = _planned(what, robot, options)
+    return _twb.finish_all(planned, threads, progress)
+
+
+def tune(
+    robot: AnyRobot,
+    *,
+    trajectory: Trajectory | Path | None = None,
+    evaluations: int = 240,
+    seed: int = 1,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Tuned:
+    """Searches gains in worlds drawn around the robot, and compares them in worlds that the search did not see."""
+    if trajectory is not None and not isinstance(trajectory, Trajectory):
+        trajectory = Trajectory.load(trajectory)
+    found = _robot(robot)
+    assert found is not None
+    return _twb.tune(found, trajectory, evaluations, seed, threads, progress)
+
+
+def verify(
+    robot: AnyRobot,
+    *,
+    seeds: int = 10,
+    seed: int = 1,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Verification:
+    """Whether a robot does its courses on bad floors: line, curve and park in six kinds of worlds, `seeds` of each."""
+    found = _robot(robot)
+    assert found is not None
+    return _twb.verify(found, seeds, seed, threads, progress)
+
+
+def identify(
+    log: Path | Mapping[str, ArrayLike],
+    *,
+    counts_per_turn: float | None = None,
+    known: Mapping[str, float | str] | Iterable[str] = (),
+    latency_s: float = 0.0,
+    slow_rad_s: float | None = None,
+) -> Identification:
+    """Lengths, masses, friction and motor constants from the log of a drive: a CSV file, or its columns as arrays.
+
+    Where an array is not a number, nothing was measured. `known` has what is stated, such as {"mass": 9.8} or
+    {"efficiency": "0.8+-0.05"}.
+    """
+    if isinstance(log, Mapping):
+        # Floats are written so that they read back as the same ones.
+        columns = [np.asarray(column, float).tolist() for column in log.values()]
+        if len({len(column) for column in columns}) > 1:
+            raise InputError.at("the columns of the log have different lengths", key="log")
+        rows = (",".join("" if cell != cell else repr(cell) for cell in row) for row in zip(*columns))
+        text, file = "\n".join([",".join(log), *rows]).encode(), "log"
+    else:
+        file = os.fspath(log)
+        try:
+            with open(file, "rb") as opened:
+                text = opened.read()
+        except FileNotFoundError as error:
+            raise MissingFileError.at(f"{file}: cannot be read: {error}", file=file) from error
+    if isinstance(known, Mapping):
+        known = [f"{name}={value}" for name, value in known.items()]
+    return _twb.identify(text, file, list(known), counts_per_turn, latency_s, slow_rad_s)
+
+
+def faults(
+    runs: int = 1000,
+    *,
+    seed: int = 1,
+    only: Iterable[str] = (),
+    gyro: bool = False,
+    first: int = 0,
+    shard: tuple[int, int] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Campaign:
+    """The fault campaign: random trouble in every state, on the realistic plant.
+
+    With `shard` = (index, count) only that part of it, counted from 0; `Campaign.merge` puts the parts together. The
+    bytes of the whole do not depend on how many there were.
+    """
+    return _twb.faults(runs, seed, list(only), gyro, first, shard, threads, progress)

@@ -1,0 +1,202 @@
+//! The fault campaign, whole or in parts.
+
+use crate::robot::figures;
+use crate::work::work;
+use crate::{error, sheet};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use sim_host::campaign::{
+    Bases, Mutation, Record, RunOutcome, cells, numbers, run_sheet, shard, study, table, violation,
+    write_runs,
+};
+use sim_host::record;
+
+/// What a campaign is made of: parts with the same can be merged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Parameters {
+    runs: u64,
+    seed: u64,
+    only: Vec<String>,
+    gyro: bool,
+    first: u64,
+}
+
+impl Parameters {
+    fn numbers(&self) -> PyResult<(Bases, Vec<u64>)> {
+        let bases = match self.gyro {
+            true => Bases::with_gyro(),
+            false => Bases::built_in(),
+        };
+        let bases = bases.map_err(|e| error::scenario(&e))?;
+        let all = numbers(&bases, self.first, self.runs, &self.only);
+        let all = all.map_err(|e| error::argument("only", &e.to_string()))?;
+        Ok((bases, all))
+    }
+}
+
+/// Runs of a campaign, in order.
+#[pyclass(module = "twb", frozen)]
+#[derive(Serialize, Deserialize)]
+pub struct Campaign {
+    parameters: Parameters,
+    outcomes: Vec<RunOutcome>,
+}
+
+#[pymethods]
+impl Campaign {
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.parameters.seed
+    }
+
+    fn __len__(&self) -> usize {
+        self.outcomes.len()
+    }
+
+    /// An array for each column of the CSV file.
+    #[getter]
+    fn rows<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        sheet::arrays(py, &run_sheet(&self.outcomes))
+    }
+
+    /// What is against the rules, one line each.
+    #[getter]
+    fn violations(&self) -> Vec<String> {
+        self.outcomes.iter().filter_map(violation).collect()
+    }
+
+    /// A dictionary for each trouble and state.
+    #[getter]
+    fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let cells = cells(&self.outcomes, None);
+        let record = Record::of(self.parameters.seed, &self.outcomes, &cells);
+        figures(py, &record)?.get_item("cells")
+    }
+
+    /// The table of the command line.
+    #[getter]
+    fn report(&self) -> String {
+        table(&cells(&self.outcomes, None)).to_string()
+    }
+
+    /// The CSV file of the command line.
+    fn csv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let mut bytes = Vec::new();
+        write_runs(&self.outcomes, &mut bytes).map_err(|e| error::run(&e.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The JSON file of the command line.
+    fn json(&self) -> PyResult<String> {
+        let cells = cells(&self.outcomes, None);
+        let record = Record::of(self.parameters.seed, &self.outcomes, &cells);
+        record::text(&[record]).map_err(|e| error::run(&e.to_string()))
+    }
+
+    /// The campaign of its parts, in any order.
+    #[staticmethod]
+    fn merge(parts: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+        let Some(first) = parts.first() else {
+            return Err(error::argument("parts", "there are no parts"));
+        };
+        let parameters = first.parameters.clone();
+        if parts.iter().any(|part| part.parameters != parameters) {
+            let message = "the parts are of several campaigns";
+            return Err(error::argument("parts", message));
+        }
+        let all = parts.iter().flat_map(|part| part.outcomes.iter().cloned());
+        let mut outcomes: Vec<RunOutcome> = all.collect();
+        outcomes.sort_by_key(|outcome| outcome.run);
+        let (_, numbers) = parameters.numbers()?;
+        if !outcomes.iter().map(|o| o.run).eq(numbers.iter().copied()) {
+            let message = format!(
+                "{} runs are here, of a campaign of {}: a part is missing or there twice",
+                outcomes.len(),
+                numbers.len()
+            );
+            return Err(error::argument("parts", &message));
+        }
+        Ok(Self {
+            parameters,
+            outcomes,
+        })
+    }
+
+    /// The bits of all runs, to send elsewhere.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = postcard::to_allocvec(self).map_err(|e| error::run(&e.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Back from `to_bytes` of the same version.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let message = "no campaign of this version";
+        postcard::from_bytes(bytes).map_err(|_| error::argument("bytes", message))
+    }
+
+    /// For pickle.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let from_bytes = py.get_type::<Self>().getattr("from_bytes")?;
+        Ok((from_bytes, PyTuple::new(py, [self.to_bytes(py)?])?))
+    }
+
+    fn __repr__(&self) -> String {
+        let (runs, seed) = (self.outcomes.len(), self.parameters.seed);
+        let violations = self.violations().len();
+        format!("<twb.Campaign of seed {seed}: {runs} runs, {violations} against the rules>")
+    }
+}
+
+/// The fault campaign of a seed, or part `shard` of it: (index, count), counted from 0.
+#[pyfunction]
+#[pyo3(signature = (runs = 1000, seed = 1, only = Vec::new(), gyro = false, first = 0, shard = None, threads = None,
+    progress = None))]
+#[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+pub fn faults(
+    py: Python<'_>,
+    runs: u64,
+    seed: u64,
+    only: Vec<String>,
+    gyro: bool,
+    first: u64,
+    shard: Option<(usize, usize)>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Campaign> {
+    let parameters = Parameters {
+        runs,
+        seed,
+        only,
+        gyro,
+        first,
+    };
+    let (bases, all) = parameters.numbers()?;
+    let numbers = match shard {
+        None => all.as_slice(),
+        Some((index, count)) if index < count => self::shard(&all, index, count),
+        Some((index, count)) => {
+            let message = format!("shard ({index}, {count}): counted from 0, so below {count}");
+            return Err(error::argument("shard", &message));
+        }
+    };
+    let total = numbers.len() as u64;
+    let outcomes = work(py, threads, (progress, total), |progress| {
+        // Run by run, so that it can be stopped between two: each is settled by seed and number alone.
+        let run = |number: &u64| {
+            let one = [*number];
+            progress.part(|| study(&bases, seed, one, &Mutation::None, || {}))
+        };
+        let runs: Result<Vec<_>, _> = numbers.par_iter().map(run).collect();
+        runs.map(|runs| runs.concat())
+    })?;
+    Ok(Campaign {
+        parameters,
+        outcomes: outcomes.map_err(|e| error::run(&e.to_string()))?,
+    })
+}

@@ -1,0 +1,275 @@
+//! What a user names to be run: a file, by its content, or what is built in, and the robot that runs it.
+
+use crate::csv_out::Columns;
+use crate::drive::{FileError, FileRun, verdict};
+use crate::import::{FileVerdict, TimeScaling};
+use crate::mission::{BaseSpec, Mission};
+use crate::run::{self, RunError};
+use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError};
+use crate::trace::Trace;
+use std::path::{Path, PathBuf};
+
+/// Why there is nothing to run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JobError {
+    /// A scenario or a robot's file that cannot be used.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// No such file, or no right to it.
+    #[error("{}: cannot be read: {cause}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: std::io::Error,
+    },
+    /// A trajectory file that cannot be driven.
+    #[error("{}: {cause}", path.display())]
+    Trajectory {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: FileError,
+    },
+}
+
+/// Something to run.
+#[derive(Clone, Debug)]
+pub enum Job {
+    /// With a controller of the paper.
+    Scenario(Box<Scenario>),
+    /// With the law for a real base.
+    Mission {
+        /// What the robot is to do.
+        mission: Box<Mission>,
+        /// The trajectory file that it follows, if it is no scenario.
+        file: Option<Trajectory>,
+    },
+}
+
+/// What became of a trajectory file.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    /// How its time was scaled for the base.
+    pub scaling: TimeScaling,
+    /// What was read.
+    pub verdict: FileVerdict,
+}
+
+/// A file's content.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// A scenario, TOML.
+    Scenario {
+        /// Its name for errors.
+        file: String,
+        /// What it says.
+        text: String,
+    },
+    /// Anything else is taken for a trajectory.
+    Trajectory {
+        /// File name without its extension.
+        name: String,
+        /// What is in it.
+        bytes: Vec<u8>,
+    },
+}
+
+impl Job {
+    /// A file if there is one, else a built-in scenario of that name. `run` and `base` are for trajectory files.
+    ///
+    /// # Errors
+    /// What cannot be read, used or driven.
+    pub fn load(file: &Path, run: &FileRun, base: &BaseSpec) -> Result<Self, JobError> {
+        match Content::read(file)? {
+            Content::Scenario { file, text } => Ok(Self::parse(&file, &text)?),
+            Content::Trajectory { name, bytes } => {
+                let job = Self::follow(&name, &bytes, run, base);
+                job.map_err(|cause| JobError::Trajectory {
+                    path: file.to_owned(),
+                    cause,
+                })
+            }
+        }
+    }
+
+    /// A scenario from its text; `file` is the name that errors show.
+    ///
+    /// # Errors
+    /// As [`Scenario::parse`] and [`Mission::parse`].
+    pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
+        Ok(if Mission::is_motion(text) {
+            Self::Mission {
+                mission: Box::new(Mission::parse(file, text)?),
+                file: None,
+            }
+        } else {
+            Self::Scenario(Box::new(Scenario::parse(file, text)?))
+        })
+    }
+
+    /// A trajectory file from its content.
+    ///
+    /// # Errors
+    /// As [`FileRun::mission`].
+    pub fn follow(
+        name: &str,
+        bytes: &[u8],
+        run: &FileRun,
+        base: &BaseSpec,
+    ) -> Result<Self, FileError> {
+        let (mission, scaling) = run.mission(name, bytes, base)?;
+        let verdict = verdict(bytes);
+        Ok(Self::Mission {
+            mission: Box::new(mission),
+            file: Some(Trajectory { scaling, verdict }),
+        })
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// The first fault of the controller, with its time; parameters out of their range.
+    pub fn run(&self) -> Result<Trace, RunError> {
+        match self {
+            Self::Scenario(scenario) => run::run(scenario),
+            Self::Mission { mission, .. } => run::drive(mission),
+        }
+    }
+
+    /// Columns of its trace.
+    pub fn columns(&self) -> Columns {
+        match self {
+            Self::Scenario(_) => Columns::Paper,
+            Self::Mission { .. } => Columns::Motion,
+        }
+    }
+
+    /// Title of its figure. In figures an underscore begins a subscript.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Scenario(scenario) => format!("{}: {}", scenario.name, scenario.description),
+            Self::Mission { mission, .. } => {
+                format!(
+                    "{}: {}",
+                    mission.name.replace('_', " "),
+                    mission.description
+                )
+            }
+        }
+    }
+
+    /// With a controller of the paper.
+    pub fn scenario(&self) -> Option<&Scenario> {
+        match self {
+            Self::Scenario(scenario) => Some(scenario),
+            Self::Mission { .. } => None,
+        }
+    }
+
+    /// The name that results get.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Scenario(scenario) => &scenario.name,
+            Self::Mission { mission, .. } => &mission.name,
+        }
+    }
+}
+
+impl Content {
+    /// Reads a file, or takes a built-in scenario of that name.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(path: &Path) -> Result<Self, JobError> {
+        let file = path.display().to_string();
+        let built_in = path.to_str().and_then(BuiltIn::find);
+        if let Some(built_in) = built_in.filter(|_| !path.exists()) {
+            let (file, text) = (format!("{}.toml", built_in.name), built_in.text.to_owned());
+            return Ok(Self::Scenario { file, text });
+        }
+        let bytes = std::fs::read(path).map_err(|cause| JobError::Read {
+            path: path.to_owned(),
+            cause,
+        })?;
+        let named_toml = path
+            .extension()
+            .is_some_and(|extension| extension == "toml");
+        let stem = path.file_stem().unwrap_or_default();
+        let name = stem.to_string_lossy().into_owned();
+        match String::from_utf8(bytes) {
+            Ok(text) if looks_like_toml(&text).unwrap_or(named_toml) => {
+                Ok(Self::Scenario { file, text })
+            }
+            Ok(text) => Ok(Self::Trajectory {
+                name,
+                bytes: text.into_bytes(),
+            }),
+            Err(error) => Ok(Self::Trajectory {
+                name,
+                bytes: error.into_bytes(),
+            }),
+        }
+    }
+}
+
+/// By the first line that says something; none if no line does.
+///
+/// TOML begins with `key = ` or `[table]`, where JSON has `{`, or `[` and then no name; the other
+/// formats have neither.
+fn looks_like_toml(text: &str) -> Option<bool> {
+    let text = text.trim_start_matches('\u{feff}');
+    let lines = text.lines().map(str::trim);
+    let line = lines
+        .into_iter()
+        .find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    Some(match line.strip_prefix('[') {
+        Some(rest) => rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '[' || c == '"'),
+        None => line.contains('=') && !line.starts_with('{'),
+    })
+}
+
+/// A robot with the text that describes it.
+#[derive(Clone, Debug)]
+pub struct RobotFile {
+    /// File name without its extension.
+    pub name: String,
+    /// File name.
+    pub file: String,
+    /// The file.
+    pub text: String,
+    /// What it says.
+    pub base: BaseSpec,
+}
+
+impl RobotFile {
+    /// A file if there is one, else a built-in base of that name.
+    ///
+    /// # Errors
+    /// A file that cannot be read or used.
+    pub fn load(path: &Path) -> Result<Self, JobError> {
+        let part = |part: Option<&std::ffi::OsStr>| {
+            part.map_or_else(String::new, |part| part.to_string_lossy().into_owned())
+        };
+        let built_in = path.to_str().and_then(BuiltInBase::find);
+        if let Some(built_in) = built_in.filter(|_| !path.exists()) {
+            return Ok(Self {
+                name: built_in.name.to_owned(),
+                file: format!("{}.toml", built_in.name),
+                text: built_in.text.to_owned(),
+                base: built_in.base()?,
+            });
+        }
+        let text = std::fs::read_to_string(path).map_err(|cause| JobError::Read {
+            path: path.to_owned(),
+            cause,
+        })?;
+        Ok(Self {
+            name: part(path.file_stem()),
+            file: part(path.file_name()),
+            base: BaseSpec::parse(&path.display().to_string(), &text)?,
+            text,
+        })
+    }
+}
