@@ -5,10 +5,12 @@
 
 mod decode;
 mod log;
+#[cfg(not(target_family = "wasm"))]
 mod port;
 
 pub use decode::{LatestTelemetry, Monitor};
 pub use log::{Log, column_names};
+#[cfg(not(target_family = "wasm"))]
 pub use port::{Port, Received};
 
 use std::io;
