@@ -109,7 +109,11 @@ mod tests {
             let [x, y] = *shaken().last().expect("points");
             let off = Libm::sqrt((last.x - x).powi(2) + (last.y - y).powi(2));
             // The importer's tolerance.
-            assert!(off < 2.0e-3, "{}: ends {off} m beside the line", built_in.name);
+            assert!(
+                off < 2.0e-3,
+                "{}: ends {off} m beside the line",
+                built_in.name
+            );
             assert!(last.v.abs() < 1.0e-3, "{}: does not rest", built_in.name);
         }
     }

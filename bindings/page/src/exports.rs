@@ -42,12 +42,15 @@ fn outcome(page: &mut Page, result: Result<(), String>) -> u32 {
 
 impl Page {
     fn session(&mut self) -> Result<&mut Session, String> {
-        self.session.as_mut().ok_or_else(|| "nothing runs".to_owned())
+        self.session
+            .as_mut()
+            .ok_or_else(|| "nothing runs".to_owned())
     }
 
     fn numbers(&mut self, numbers: &[f32]) -> u32 {
         self.output.clear();
-        self.output.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
+        self.output
+            .extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
         numbers.len() as u32
     }
 }
@@ -187,7 +190,13 @@ fn status_of(session: &Session) -> String {
         quoted(state_name(report.state)),
         quoted(&cause(&report.cause)),
     );
-    list(&mut text, report.active_faults.iter().map(|fault| quoted(&fault.to_string())));
+    list(
+        &mut text,
+        report
+            .active_faults
+            .iter()
+            .map(|fault| quoted(&fault.to_string())),
+    );
     let base = session.base();
     let limits = &base.limits;
     let _ = write!(
@@ -207,7 +216,8 @@ fn status_of(session: &Session) -> String {
         limits.turn_rate,
         limits.wheel_torque_nm,
         base.robot.mass_kg,
-        base.hardware.is_some_and(|hardware| hardware.gyro.is_some()),
+        base.hardware
+            .is_some_and(|hardware| hardware.gyro.is_some()),
         match session.setting().floor {
             Floor::Ideal => 0,
             Floor::File => 1,
@@ -233,13 +243,22 @@ fn status_of(session: &Session) -> String {
                 LiveLaw::Plain => "plain",
             };
             let state = state_code(live.report().state);
-            format!("{{\"law\":\"{name}\",\"state\":{state},\"refused\":{}}}", live.has_refused())
+            format!(
+                "{{\"law\":\"{name}\",\"state\":{state},\"refused\":{}}}",
+                live.has_refused()
+            )
         }),
     );
-    text.push_str("],\"target\":");
-    match live.target().map(|target| target.pose()) {
+    text.push_str("],\"goal\":");
+    match session.goal() {
         Some(pose) => {
-            let _ = write!(text, "[{},{},{}]", number(pose.x), number(pose.y), number(pose.theta));
+            let _ = write!(
+                text,
+                "[{},{},{}]",
+                number(pose.x),
+                number(pose.y),
+                number(pose.theta)
+            );
         }
         None => text.push_str("null"),
     }
@@ -311,9 +330,12 @@ extern "C" fn board_status() {
             None => (String::new(), String::new()),
         };
         let frames = monitor.frames();
+        let hello = monitor.latest().hello.filter(|hello| hello.tick_hz > 0);
+        let period = hello.map_or(f64::NAN, |hello| 1.0 / f64::from(hello.tick_hz));
         page.output = format!(
-            "{{\"reports\":{},\"good\":{},\"bad\":{},\"state\":{},\"cause\":{},\"line\":{}}}",
+            "{{\"reports\":{},\"period\":{},\"good\":{},\"bad\":{},\"state\":{},\"cause\":{},\"line\":{}}}",
             monitor.reports(),
+            number(period),
             frames.good,
             frames.rejected(),
             quoted(&state),

@@ -122,10 +122,7 @@ pub const FAULTS: [(PlantFault, &str); 12] = [
     ),
     (PlantFault::DriveFails { coast: true }, "driver dead"),
     (PlantFault::BatterySag { volts: 4.0 }, "battery at 4 V"),
-    (
-        PlantFault::GyroBias { rad_s: 0.3 },
-        "gyro off by 0.3 rad/s",
-    ),
+    (PlantFault::GyroBias { rad_s: 0.3 }, "gyro off by 0.3 rad/s"),
 ];
 
 /// A pose in metres and radians.

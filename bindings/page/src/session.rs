@@ -51,7 +51,12 @@ pub struct Session {
     patches: Vec<PatchParams>,
     faults: u32,
     host: bool,
+    /// Name and text of the robot's file, if it is none of the list.
+    own: Option<(String, String)>,
 }
+
+/// The base of a [`Setting`] that keeps the robot of a file.
+pub const OWN: u8 = u8::MAX;
 
 /// FNV-1a.
 const HASH_START: u64 = 0xcbf2_9ce4_8422_2325;
@@ -71,6 +76,25 @@ impl Session {
         };
         let base = base.map_err(|error| error.to_string())?;
         Self::with(setting, base, Pose::default(), Input::Begin(setting))
+    }
+
+    /// A robot by its file.
+    fn of_file(setting: Setting, name: &str, text: &str) -> Result<Self, String> {
+        let base = BaseSpec::parse(name, text).map_err(|error| error.to_string())?;
+        let (name, text) = (name.to_owned(), text.to_owned());
+        let setting = Setting {
+            base: OWN,
+            ..setting
+        };
+        let input = Input::Robot {
+            setting,
+            name: name.clone(),
+            text: text.clone(),
+        };
+        Ok(Self {
+            own: Some((name, text)),
+            ..Self::with(setting, base, Pose::default(), input)?
+        })
     }
 
     fn with(
@@ -96,6 +120,7 @@ impl Session {
             patches: Vec::new(),
             faults: 0,
             host: true,
+            own: None,
         })
     }
 
@@ -106,7 +131,10 @@ impl Session {
     pub fn apply(&mut self, input: Input) -> Result<(), String> {
         match &input {
             Input::Begin(setting) => {
-                *self = Self::new(*setting)?;
+                *self = match (setting.base, &self.own) {
+                    (OWN, Some((name, text))) => Self::of_file(*setting, name, text)?,
+                    _ => Self::new(*setting)?,
+                };
                 return Ok(());
             }
             Input::Robot {
@@ -114,8 +142,7 @@ impl Session {
                 name,
                 text,
             } => {
-                let base = BaseSpec::parse(name, text).map_err(|error| error.to_string())?;
-                *self = Self::with(*setting, base, Pose::default(), input.clone())?;
+                *self = Self::of_file(*setting, name, text)?;
                 return Ok(());
             }
             Input::Laws(mask) => self.choose(*mask)?,
@@ -144,10 +171,7 @@ impl Session {
             }
             Input::Drive { speed, turn_rate } => {
                 let order = VelocityOrder {
-                    twist: Twist::new(
-                        1.0e-3 * f64::from(*speed),
-                        1.0e-3 * f64::from(*turn_rate),
-                    ),
+                    twist: Twist::new(1.0e-3 * f64::from(*speed), 1.0e-3 * f64::from(*turn_rate)),
                     hold_heading: false,
                 };
                 self.course = None;
@@ -403,6 +427,15 @@ impl Session {
     /// What the run began with.
     pub fn setting(&self) -> &Setting {
         &self.setting
+    }
+
+    /// Where the present order ends; none while driving by velocity.
+    pub fn goal(&self) -> Option<Pose<f64>> {
+        match self.course.as_ref()? {
+            Course::Park(goal) => Some(*goal),
+            Course::Follow { hand_over, .. } => hand_over.map(|rule| rule.goal),
+            Course::Drive => None,
+        }
     }
 
     /// Places with another grip.

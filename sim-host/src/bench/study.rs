@@ -1,6 +1,6 @@
 //! All runs, side by side.
 
-use super::law::{self, Law, LawKind};
+use super::law::{Law, LawKind};
 use super::tracks::{Case, Named, TrackFile, cases};
 use super::tuned::Tuned;
 use super::{Class, Figures};

@@ -50,7 +50,6 @@ pub struct Live<'q> {
     /// The present order is of this time \[s\].
     begun_s: f64,
     host: bool,
-    target: Option<Reference<f64>>,
 }
 
 impl<'q> Live<'q> {
@@ -89,7 +88,6 @@ impl<'q> Live<'q> {
             driver: None,
             begun_s: 0.0,
             host: true,
-            target: None,
         })
     }
 
@@ -179,20 +177,13 @@ impl<'q> Live<'q> {
         self.closed_loop.advance()?;
         if !self.host {
             self.closed_loop.tick(&Order::None)?;
-            self.target = None;
             return Ok(());
         }
         let t = self.time_s();
         let laws = (&mut self.sequencer, self.driver.as_mut());
         let times = (t, t - self.begun_s);
-        let (row, _) = tick(&self.mission, &mut self.closed_loop, laws, times)?;
-        self.target = Some(row.reference);
+        tick(&self.mission, &mut self.closed_loop, laws, times)?;
         Ok(())
-    }
-
-    /// Where it was to be in the last tick; none without a host.
-    pub const fn target(&self) -> Option<&Reference<f64>> {
-        self.target.as_ref()
     }
 
     fn time_s(&self) -> f64 {
