@@ -25,13 +25,18 @@ function takeRows() {
   }
 }
 
-// Reports of a board: see `watch.rs`.
-const board = { on: false, reports: 0, last: 0, tick: 0.001, line: "" };
+// Reports of a board: see `watch.rs`. How long a tick is, a board says only if it is asked; else it shows after a second.
+const board = { on: false, reports: 0, tick: 0.001, known: false, begun: 0, cause: "" };
 function takeReports() {
   const all = numbers(wasm.board_rows()), bits = new Uint32Array(all.buffer), n = about.watched;
   for (let i = 0; i < all.length; i += n) {
     const f = (k) => all[i + k];
-    history.push({ t: f(0) * board.tick, others: [], main: { x: f(1), y: f(2), a: f(3), bx: f(1), by: f(2), ba: f(3), v: f(4), w: f(5), vc: f(6), wc: f(7), tr: f(8), tl: f(9), ex: f(10), ey: f(11), ea: f(12), state: bits[i + 13], faults: bits[i + 14] } });
+    history.push({ tick: f(0), t: f(0) * board.tick, others: [], main: { x: f(1), y: f(2), a: f(3), bx: f(1), by: f(2), ba: f(3), v: f(4), w: f(5), vc: f(6), wc: f(7), tr: f(8), tl: f(9), ex: f(10), ey: f(11), ea: f(12), state: bits[i + 13], faults: bits[i + 14] } });
   }
-  return all.length / n;
+  const passed = (performance.now() - board.begun) / 1000;
+  if (!board.known && all.length && passed > 1 && history.last.tick > 0) retime(passed / history.last.tick, passed > 4);
+}
+function retime(tick, known) {
+  board.known = known; board.tick = tick;
+  for (const row of history.rows) row.t = row.tick * tick;
 }

@@ -149,6 +149,7 @@ function fit() {
   const rows = history.rows, step = Math.max(1, Math.floor(rows.length / 300));
   for (let i = Math.max(0, rows.length - 6000); i < rows.length; i += step) if (rows[i].main) points.push([rows[i].main.x, rows[i].main.y]);
   if (history.last) points.push([history.last.main.x, history.last.main.y]);
+  else if (status) points.push([status.x, status.y]);
   if (!board.on) { if (goal) points.push(goal); points.push(...path); for (const p of status ? status.patches : []) points.push([p[0], p[2]], [p[1], p[3]]); }
   if (!points.length) return;
   const xs = points.map((p) => p[0]), ys = points.map((p) => p[1]), [w, h] = size(), room = 3 * ((status && status.base.track) || 0.3);

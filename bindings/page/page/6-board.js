@@ -1,14 +1,15 @@
 // A real board: bytes over Web Serial, or from `sim-host monitor --serve`, decoded by the program.
 function boardOn(how) {
-  if (!board.on) { board.on = true; history.clear(); path = []; goal = null; wasm.board_forget(); document.body.classList.add("board"); }
+  if (!board.on) { board.on = true; history.clear(); path = []; goal = null; wasm.board_forget(); Object.assign(board, { reports: 0, known: false }); document.body.classList.add("board"); }
   $("subtitle").textContent = `a real board, ${how}`;
 }
 function boardBytes(bytes) {
   send(bytes); wasm.board_take(); wasm.board_status();
   const s = JSON.parse(said());
   const fresh = board.reports === 0 && s.reports > 0;
-  Object.assign(board, { reports: s.reports, cause: s.cause, last: performance.now() });
-  if (s.period) board.tick = s.period;
+  if (fresh) board.begun = performance.now();
+  Object.assign(board, { reports: s.reports, cause: s.cause });
+  if (s.period && !(board.known && board.tick === s.period)) retime(s.period, true);
   put("board-line", `${s.reports} reports, ${s.good} good frames, ${s.bad} bad`);
   if (fresh) { takeReports(); fit(); }
 }

@@ -27,7 +27,7 @@ pub struct MonitorArgs {
     #[arg(long, value_name = "PORT")]
     pub serve: Option<u16>,
     /// The page, as `cargo run -p page --bin page` makes it
-    #[arg(long, value_name = "FILE", default_value = "target/page/index.html")]
+    #[arg(long, value_name = "FILE", default_value = "target/page.html")]
     pub page: PathBuf,
 }
 

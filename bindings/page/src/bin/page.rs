@@ -1,7 +1,7 @@
 //! Builds the page: one HTML file, with the program in it.
 //!
 //! ```sh
-//! cargo run -p page --bin page                       # target/page/index.html
+//! cargo run -p page --bin page                       # target/page.html
 //! cargo run -p page --bin page -- --out page.html
 //! ```
 //!
@@ -32,7 +32,7 @@ const FRAME: &str = "page.html";
 const TARGET: &str = "wasm32-unknown-unknown";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut out = target_dir().join("page").join("index.html");
+    let mut out = target_dir().join("page.html");
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
