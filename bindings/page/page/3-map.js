@@ -75,14 +75,15 @@ function drawRobot(p, colour, solid, base) {
     }
   }
   pen.fillStyle = colour; pen.beginPath();
-  pen.moveTo(0.52 * length - 0.22 * width, -0.2 * width); pen.lineTo(0.5 * length - 0.04 * width, 0); pen.lineTo(0.52 * length - 0.22 * width, 0.2 * width); pen.closePath(); pen.fill();
+  pen.moveTo(0.26 * length, -0.17 * width); pen.lineTo(0.42 * length, 0); pen.lineTo(0.26 * length, 0.17 * width); pen.closePath(); pen.fill();
   pen.restore();
 }
 
 const reach = (base) => Math.max(1.0 * base.track, 26 / camera.scale);
-const handleOf = (p, base) => [p[0] + reach(base) * Math.cos(p[2]), p[1] + reach(base) * Math.sin(p[2])];
-function drawHandle(p, base, colour) {
-  const [ax, ay] = toScreen(p[0], p[1]), [bx, by] = toScreen(...handleOf(p, base));
+// The goal is turned by a dot at its front, the robot by one behind it: they part where one stands on the other.
+const handleOf = (p, base, side = 1) => [p[0] + side * reach(base) * Math.cos(p[2]), p[1] + side * reach(base) * Math.sin(p[2])];
+function drawHandle(p, base, colour, side = 1) {
+  const [ax, ay] = toScreen(p[0] + 0.5 * (handleOf(p, base, side)[0] - p[0]), p[1] + 0.5 * (handleOf(p, base, side)[1] - p[1])), [bx, by] = toScreen(...handleOf(p, base, side));
   pen.strokeStyle = colour; pen.fillStyle = ink.floor; pen.lineWidth = 2;
   pen.beginPath(); pen.moveTo(ax, ay); pen.lineTo(bx, by); pen.stroke();
   pen.beginPath(); pen.arc(bx, by, 7, 0, 7); pen.fill(); pen.stroke();
@@ -127,7 +128,7 @@ function drawMap() {
       const [bx, by] = toScreen(m.bx, m.by); pen.fillStyle = ink.soft; pen.font = "11px system-ui, sans-serif"; pen.fillText("believes to be here", bx + 10, by - 10);
     }
     drawRobot(m, ink.c1, true, base);
-    if (!board.on) drawHandle([m.x, m.y, m.a], base, ink.c1);
+    if (!board.on) drawHandle([m.x, m.y, m.a], base, ink.c1, -1);
     if (board.on && Number.isFinite(m.ex)) {
       const c = Math.cos(m.a), s = Math.sin(m.a), g = [m.x + c * m.ex - s * m.ey, m.y + s * m.ex + c * m.ey, m.a + m.ea];
       const [px, py] = toScreen(g[0], g[1]); pen.strokeStyle = ink.good; pen.lineWidth = 2; pen.beginPath(); pen.arc(px, py, 6, 0, 7); pen.stroke();

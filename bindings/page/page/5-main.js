@@ -58,11 +58,11 @@ function showState() {
   put("state", state); $("state").dataset.kind = KIND[state] || "";
   const faults = board.on ? about.kinds.filter((_, n) => (m.faults >>> n) & 1) : status.faults;
   const cause = board.on ? board.cause : status.cause;
-  put("cause", cause ? `because: ${cause}` : ""); put("clock", row.t.toFixed(2) + " s");
+  put("cause", cause ? `cause: ${cause}` : ""); put("clock", row.t.toFixed(2) + " s");
   const f = faults.join("|");
   if ($("faults").dataset.now !== f) { $("faults").dataset.now = f; $("faults").replaceChildren(...faults.map((name) => Object.assign(document.createElement("span"), { textContent: name }))); }
   const [d, a] = board.on ? [Math.hypot(m.ex, m.ey), Math.abs(m.ea)] : errors(m);
-  put("f-distance", mm(d)); put("f-heading", mm(a)); put("f-speed", m.v.toFixed(2));
+  put("f-distance", mm(d)); put("f-heading", mm(a)); put("f-speed", m.v.toFixed(2).replace("-", "−"));
   put("f-estimate", board.on ? "–" : mm(Math.hypot(m.x - m.bx, m.y - m.by)));
   put("hash", board.on ? "–" : status.hash); put("ticks", board.on ? String(board.reports) : String(status.ticks));
   if (board.on) return;
@@ -143,13 +143,13 @@ async function open(fragment) {
 const pointers = new Map();
 let grip = null;
 const local = (e) => { const r = map.getBoundingClientRect(); return [e.clientX - r.left, e.clientY - r.top]; };
-function gripAt(px, py) {
+function gripAt(px, py, shift) {
   const near = (p, r) => { const [x, y] = toScreen(p[0], p[1]); return Math.hypot(x - px, y - py) < r; };
   const b = status.base, body = Math.max(22, 0.6 * b.track * camera.scale), m = history.last && history.last.main, robot = m && [m.x, m.y, m.a];
   if (tool !== "move" || board.on) return null;
   if (goal && near(handleOf(goal, b), 18)) return { kind: "goal-turn" };
-  if (robot && near(handleOf(robot, b), 18)) return { kind: "robot-turn", from: robot };
-  if (goal && near(goal, body) && !(robot && near(robot, 0.5 * body) && !near(goal, 0.5 * body))) return { kind: "goal", off: diff(goal, px, py) };
+  if (robot && near(handleOf(robot, b, -1), 18)) return { kind: "robot-turn", from: robot };
+  if (goal && !shift && near(goal, body) && !(robot && near(robot, 0.5 * body) && !near(goal, 0.5 * body))) return { kind: "goal", off: diff(goal, px, py) };
   if (robot && near(robot, body)) return { kind: "robot", from: robot, off: diff(robot, px, py) };
   return null;
 }
@@ -164,11 +164,11 @@ map.addEventListener("pointerdown", (e) => {
   if (!board.on && tool === "line") { grip = { kind: "line" }; sketch.line = [floor]; if (m && Math.hypot(floor[0] - m.x, floor[1] - m.y) < 1.2 * status.base.track) sketch.line = [[m.x, m.y]]; }
   else if (!board.on && tool === "ice") grip = { kind: "ice", from: floor };
   else if (!board.on && tool === "push" && m) { grip = { kind: "push", from: [m.x, m.y] }; sketch.push = [[m.x, m.y], floor]; }
-  else grip = gripAt(px, py) || { kind: "view", at: [px, py], begun: [px, py], tap: !board.on && tool === "move" };
+  else grip = gripAt(px, py, e.shiftKey) || { kind: "view", at: [px, py], begun: [px, py], tap: !board.on && tool === "move" };
 });
 map.addEventListener("pointermove", (e) => {
   const [px, py] = local(e), [x, y] = toFloor(px, py);
-  if (!pointers.has(e.pointerId)) { if (e.pointerType === "mouse" && status) { const g = gripAt(px, py); map.style.cursor = tool !== "move" ? "crosshair" : g ? "move" : "grab"; } return; }
+  if (!pointers.has(e.pointerId)) { if (e.pointerType === "mouse" && status) { const g = gripAt(px, py, e.shiftKey); map.style.cursor = tool !== "move" ? "crosshair" : g ? "move" : "grab"; } return; }
   pointers.set(e.pointerId, [px, py]);
   if (!grip) return;
   if (grip.kind === "pinch") {
@@ -183,7 +183,7 @@ map.addEventListener("pointermove", (e) => {
   } else if (grip.kind === "goal") setGoal([x + grip.off[0], y + grip.off[1], goal[2]]);
   else if (grip.kind === "goal-turn") setGoal([goal[0], goal[1], Math.atan2(y - goal[1], x - goal[0])]);
   else if (grip.kind === "robot") carry([x + grip.off[0], y + grip.off[1], grip.from[2]], !e.altKey);
-  else if (grip.kind === "robot-turn") carry([grip.from[0], grip.from[1], Math.atan2(y - grip.from[1], x - grip.from[0])], !e.altKey);
+  else if (grip.kind === "robot-turn") carry([grip.from[0], grip.from[1], Math.atan2(grip.from[1] - y, grip.from[0] - x)], !e.altKey);
   else if (grip.kind === "line") { const last = sketch.line[sketch.line.length - 1]; if (Math.hypot(x - last[0], y - last[1]) * camera.scale > 4) sketch.line.push([x, y]); }
   else if (grip.kind === "ice") sketch.ice = [Math.min(x, grip.from[0]), Math.max(x, grip.from[0]), Math.min(y, grip.from[1]), Math.max(y, grip.from[1])];
   else if (grip.kind === "push") sketch.push = [grip.from, [x, y]];
@@ -234,11 +234,16 @@ addEventListener("drop", (e) => { e.preventDefault(); $("stage").classList.remov
 
 // Driving by keys: orders while a key is held, and the goal where it then stands.
 const held = new Set();
-let driving = false;
+let driving = false, order = "";
 function drive() {
   const has = (...k) => k.some((key) => held.has(key)), v = has("ArrowUp") - has("ArrowDown"), w = has("ArrowLeft") - has("ArrowRight");
-  if (v || w) { const b = status.base; driving = true; goal = null; path = []; apply(INPUT.drive(0.5 * b.speed * v, 0.5 * b.turn_rate * w)); }
-  else if (driving) { driving = false; apply(INPUT.drive(0, 0)); }
+  const b = status.base, now = `${v} ${w}`;
+  if (now === order) return;
+  order = now;
+  if (v || w) { driving = true; goal = null; path = []; }
+  else if (!driving) return;
+  driving = !!(v || w);
+  apply(INPUT.drive(0.5 * b.speed * v, 0.5 * b.turn_rate * w));
 }
 const press = { s: "stop", e: "estop", a: "arm", k: "host", r: "reset", f: "fit", "+": "in", "=": "in", "-": "out", "?": "help" };
 const TOOLS = ["move", "line", "push", "ice"];
@@ -260,7 +265,7 @@ addEventListener("keydown", (e) => {
 addEventListener("keyup", (e) => held.delete(e.key));
 addEventListener("blur", () => held.clear());
 
-const SAYS = { move: "Drag the robot, the goal, or the dots at their front; tap the floor to send the robot there", line: "Draw a line: the robot follows it and parks at its end", push: "Drag away from the robot and let go", ice: "Drag a rectangle: wheels in it have a grip of 0.03" };
+const SAYS = { move: "Drag the robot, the goal, or their dots; tap the floor to send the robot there", line: "Draw a line: the robot follows it and parks at its end", push: "Drag away from the robot and let go", ice: "Drag a rectangle: wheels in it have a grip of 0.03" };
 function choose(name) { tool = name; for (const b of $("tools").children) { b.setAttribute("aria-checked", b.dataset.tool === name); b.tabIndex = b.dataset.tool === name ? 0 : -1; } map.style.cursor = name === "move" ? "grab" : "crosshair"; hint(SAYS[name]); }
 for (const b of $("tools").children) b.onclick = () => choose(b.dataset.tool);
 $("tools").addEventListener("keydown", (e) => { const n = TOOLS.indexOf(tool) + (e.key === "ArrowRight") - (e.key === "ArrowLeft"); if (/Left|Right/.test(e.key)) { e.preventDefault(); choose(TOOLS[(n + 4) % 4]); $("tools").children[(n + 4) % 4].focus(); } });

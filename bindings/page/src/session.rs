@@ -17,7 +17,7 @@ use sim_host::world::{PatchParams, PoseSourceParams, WorldKeys, WorldSetup};
 const SHARED: u8 = 1;
 /// Longest run that a link plays again \[ticks\]: ten hours at 10 ms.
 const MAX_TICKS: u32 = 3_600_000;
-/// The most rows that wait for somebody to take them.
+/// So many of the newest rows wait for somebody to take them, at most twice as many.
 const MAX_ROWS: usize = 60_000;
 /// A drawn line is driven at this share of the base's speed.
 const DRAWN_SPEED: f64 = 0.6;
@@ -338,14 +338,15 @@ impl Session {
                 self.hash = bits(self.hash, &robot.live);
             }
             self.ticks += 1;
-            if self.rows.len() < MAX_ROWS * PER_ROW {
-                self.rows.extend(row);
+            self.rows.extend(row);
+            if self.rows.len() >= 2 * MAX_ROWS * PER_ROW {
+                self.rows.drain(..MAX_ROWS * PER_ROW);
             }
         }
         Ok(())
     }
 
-    /// The rows since the last call: the newest 60,000 ticks at most, [`PER_ROW`] numbers each.
+    /// The rows since the last call, [`PER_ROW`] numbers each; of very many only the newest.
     pub fn rows(&mut self) -> Vec<f32> {
         std::mem::take(&mut self.rows)
     }
@@ -568,4 +569,113 @@ fn bits(hash: u64, live: &Live<'_>) -> u64 {
 pub fn state_code(state: State) -> u8 {
     let index = State::ALL.iter().position(|other| *other == state);
     index.unwrap_or_default() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOAL: Input = Input::Goal([1000, 500, 7000]);
+
+    fn session(base: u8, floor: Floor) -> Session {
+        Session::new(Setting {
+            base,
+            floor,
+            ..Setting::default()
+        })
+        .expect("a base of the list")
+    }
+
+    fn state(session: &Session) -> State {
+        session.main().report().state
+    }
+
+    #[test]
+    fn every_base_parks_on_every_floor_and_plays_again_with_the_same_bits() {
+        for base in 0..BASES.len() as u8 {
+            for floor in [Floor::Ideal, Floor::File, Floor::Bad] {
+                let mut session = session(base, floor);
+                session.advance(17).expect("ticks");
+                session.apply(GOAL).expect("a goal");
+                session.apply(Input::Laws(3)).expect("laws");
+                session.advance(2500).expect("ticks");
+                assert_eq!(state(&session), State::Parked, "base {base}, {floor:?}");
+                let truth = session.main().world().truth().pose;
+                // The bound of `verify`.
+                let off = (truth.x - 1.0).hypot(truth.y - 0.5);
+                assert!(off < 5.0e-3, "base {base}, {floor:?}: {off} m");
+                let again = Session::replay(&session.share()).expect("a run");
+                assert_eq!(again.ticks(), session.ticks());
+                assert_eq!(again.hash(), session.hash());
+                assert_eq!(session.robots().count(), 3);
+            }
+        }
+    }
+
+    #[test]
+    fn other_inputs_other_bits() {
+        let run = |goal: Input, seed: u16| {
+            let mut session = Session::new(Setting {
+                seed,
+                ..Setting::default()
+            })
+            .expect("a base");
+            session.apply(goal).expect("a goal");
+            session.advance(100).expect("ticks");
+            session.hash()
+        };
+        let first = run(GOAL, 1);
+        assert_eq!(first, run(GOAL, 1));
+        assert_ne!(first, run(Input::Goal([1000, 500, 7001]), 1));
+        assert_ne!(first, run(GOAL, 2));
+    }
+
+    #[test]
+    fn a_dragged_goal_is_one_input_in_a_tick_and_an_order_that_is_refused_is_none() {
+        let mut session = session(1, Floor::File);
+        session.advance(5).expect("ticks");
+        let before = session.share().len();
+        for x in 0..100 {
+            session.apply(Input::Goal([x, 0, 0])).expect("a goal");
+        }
+        assert_eq!(session.share().len(), before + 8);
+        let held = session.share();
+        let refused = [
+            Input::Begin(Setting {
+                base: 9,
+                ..Setting::default()
+            }),
+            Input::Line(vec![[0, 0], [10, 10]]),
+            Input::File {
+                name: "a.json".to_owned(),
+                bytes: b"{}".to_vec(),
+            },
+            Input::Fault(200, true),
+        ];
+        for input in refused {
+            let why = session.apply(input.clone());
+            assert!(why.is_err_and(|why| !why.is_empty()), "{input:?}");
+            assert_eq!(session.share(), held, "{input:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_run_is_refused() {
+        let mut session = session(2, Floor::Bad);
+        for input in [GOAL, Input::Laws(1), Input::Host(false)] {
+            session.apply(input).expect("done");
+            session.advance(3).expect("ticks");
+        }
+        let whole = session.share();
+        for cut in 0..whole.len() {
+            // Cut between two inputs it is a shorter run.
+            if let Ok(shorter) = Session::replay(&whole[..cut]) {
+                assert_eq!(shorter.ticks(), session.ticks());
+            }
+        }
+        assert!(Session::replay(&[]).is_err());
+        assert!(Session::replay(&[SHARED + 1, 0]).is_err());
+        assert!(Session::replay(&[SHARED, 0xff, 0xff, 0xff, 0xff, 0xf]).is_err());
+        assert!(Session::replay(&[SHARED, 1, 0, 77]).is_err());
+    }
 }

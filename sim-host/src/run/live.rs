@@ -122,7 +122,8 @@ impl<'q> Live<'q> {
     }
 
     fn restart_course(&mut self) {
-        self.begun_s = self.time_s();
+        // The time of the next tick, as far as ticks come evenly.
+        self.begun_s = 1.0e-6 * self.world().now_us() as f64;
         self.sequencer = Sequencer::without_events(&self.mission, AccelerationAt::MiddleOfHold);
         let kind = match self.law {
             LiveLaw::Default => None,

@@ -354,8 +354,9 @@ fn pictures() {
 
 /// The paper's laws beside the default one, on a line with ice and a push.
 const SCENE: &str = "(() => { \
-    running = false; begin({ base: 1, gyro: false, floor: 1, seed: 3 }); \
+    running = false; showPlay(); begin({ base: 1, gyro: false, floor: 1, seed: 3 }); \
     for (const k of [0, 1]) $('law-' + LAW[k + 1][0]).querySelector('input').click(); \
     setGoal([2.6, 1.1, 0.9]); \
     apply(INPUT.ice(1.1, 1.7, -0.3, 0.5, 0.03)); \
-    if (!wasm.advance(560)) throw new Error(said()); takeRows(); refresh(); fit(); camera.scale *= 0.92; })()";
+    const pass = (n) => { if (!wasm.advance(n)) throw new Error(said()); }; \
+    pass(620); apply(INPUT.push(220, -160, 0, 0.3)); pass(560); takeRows(); refresh(); fit(); camera.scale *= 0.95; })()";
