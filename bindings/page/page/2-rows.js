@@ -4,7 +4,7 @@ class History {
   constructor() { this.clear(); }
   clear() { this.n = 0; this.rows = []; }
   push(row) {
-    this.rows.push(row);
+    this.rows.push(row); this.n++;
     if (this.rows.length > 1.25 * KEEP) this.rows.splice(0, this.rows.length - KEEP);
   }
   get last() { return this.rows[this.rows.length - 1]; }
@@ -26,7 +26,7 @@ function takeRows() {
 }
 
 // Reports of a board: see `watch.rs`. How long a tick is, a board says only if it is asked; else it shows after a second.
-const board = { on: false, reports: 0, tick: 0.001, known: false, begun: 0, cause: "" };
+const board = { on: false, reports: 0, tick: 0.001, known: false, begun: 0, cause: "", drawn: 0 };
 function takeReports() {
   const all = numbers(wasm.board_rows()), bits = new Uint32Array(all.buffer), n = about.watched;
   for (let i = 0; i < all.length; i += n) {

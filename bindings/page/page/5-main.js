@@ -9,6 +9,7 @@ function hint(text, bad = false) {
   clearTimeout(hintTimer); hintTimer = setTimeout(() => (h.className = ""), bad ? 6000 : 2500);
 }
 function apply(bytes) {
+  touched = true;
   send(bytes);
   if (wasm.apply()) return true;
   hint(said(), true);
@@ -75,6 +76,9 @@ function showState() {
 }
 
 let rateAt = 0, rateTicks = 0;
+// Drawn is what has changed: a board that says nothing, and a pause, cost nothing.
+let touched = true, drawnRows = 0;
+for (const kind of ["pointerdown", "pointermove", "pointerup", "wheel", "keydown", "click", "change", "resize", "hashchange"]) addEventListener(kind, () => (touched = true), { capture: true, passive: true });
 function frame(now) {
   requestAnimationFrame(frame);
   const passed = Math.min(0.1, (now - before) / 1000); before = now;
@@ -98,7 +102,10 @@ function frame(now) {
       rateAt = now; rateTicks = status.ticks;
     }
   }
+  if (!touched && history.n === drawnRows) return;
+  touched = false; drawnRows = history.n;
   drawMap(); drawPlots(); showState();
+  board.drawn = Date.now();
   if (!frames++) { document.documentElement.dataset.first = Math.round(performance.now()); }
 }
 function showPlay() {

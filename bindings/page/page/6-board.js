@@ -8,21 +8,21 @@ function boardBytes(bytes) {
   const s = JSON.parse(said());
   const fresh = board.reports === 0 && s.reports > 0;
   if (fresh) board.begun = performance.now();
-  Object.assign(board, { reports: s.reports, cause: s.cause });
+  Object.assign(board, { reports: s.reports, cause: s.cause }); touched = true;
   if (s.period && !(board.known && board.tick === s.period)) retime(s.period, true);
   put("board-line", `${s.reports} reports, ${s.good} good frames, ${s.bad} bad`);
   if (fresh) { takeReports(); fit(); }
 }
 let port = null;
 async function connect() {
-  if (port) { const old = port; port = null; try { await old.reader.cancel(); await old.port.close(); } catch { /* It is gone already. */ } return; }
+  if (port) { const old = port; port = null; try { await old.reader.cancel(); old.reader.releaseLock(); await old.port.close(); } catch { /* It is gone already. */ } return; }
   if (!navigator.serial) return hint("This browser has no Web Serial; `sim-host monitor PORT --serve 8080` shows this page with any", true);
   try {
     const chosen = await navigator.serial.requestPort();
     await chosen.open({ baudRate: +$("baud").value || 115200, bufferSize: 65536 });
     port = { port: chosen, reader: chosen.readable.getReader() };
     boardOn("over Web Serial"); $("serial").textContent = "Disconnect";
-    for (;;) { const { value, done } = await port.reader.read(); if (done) break; boardBytes(value); }
+    for (const { reader } = port; ; ) { const { value, done } = await reader.read(); if (done) break; boardBytes(value); }
   } catch (error) { if (error.name !== "NotFoundError") hint(`The line failed: ${error.message}`, true); }
   port = null; $("serial").textContent = "Connect…";
 }

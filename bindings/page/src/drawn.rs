@@ -1,4 +1,4 @@
-//! A line drawn by hand as a trajectory file: smoothed, with headings along it and times at one speed.
+//! A line drawn by hand as a trajectory file: smoothed, with headings along it, from rest to rest, in between at one speed.
 //!
 //! The file then goes the way of every file: fitted, retimed within the limits of the base, followed.
 
@@ -24,7 +24,7 @@ pub fn table(points: &[[f64; 2]], speed: f64) -> Option<String> {
         line = averaged(&line, SMOOTHED.0);
     }
     let line = evenly(&line, SAMPLE_M);
-    let mut text = "t,x,y,theta\n".to_owned();
+    let mut text = "t,x,y,theta,v\n".to_owned();
     let (mut t, mut heading) = (0.0, None);
     for (n, point) in line.iter().enumerate() {
         let before = line.get(n.wrapping_sub(1)).unwrap_or(point);
@@ -34,10 +34,14 @@ pub fn table(points: &[[f64; 2]], speed: f64) -> Option<String> {
             last + controller_core::angle::wrap(along - last)
         });
         heading = Some(turned);
-        t += distance(before, point) / speed;
+        let (is_first, is_last) = (n == 0, n + 1 == line.len());
+        let at_end = n == 1 || is_last;
+        // From rest and to rest: half as fast on the way there.
+        t += distance(before, point) / (if at_end { 0.5 * speed } else { speed });
+        let v = if is_first || is_last { 0.0 } else { speed };
         let [x, y] = point;
         // Writing to a string does not fail.
-        let _ = writeln!(text, "{t:.6},{x:.6},{y:.6},{turned:.6}");
+        let _ = writeln!(text, "{t:.6},{x:.6},{y:.6},{turned:.6},{v:.6}");
     }
     Some(text)
 }

@@ -56,6 +56,7 @@ fn it_is_one_file_within_its_size_that_asks_for_nothing_and_draws_within_two_sec
     assert!(size <= 400_000, "{size} bytes");
     let mut browser = opened();
     let first_ms = browser.number("+document.documentElement.dataset.first");
+    browser.until("performance.getEntriesByName('first-contentful-paint').length");
     let painted_ms =
         browser.number("performance.getEntriesByName('first-contentful-paint')[0].startTime");
     println!("{size} bytes; painted after {painted_ms:.0} ms, the robot after {first_ms:.0} ms");
@@ -221,7 +222,8 @@ fn a_drawn_line_and_dropped_files_are_followed_with_the_bits_of_the_native_run()
     browser.evaluate("$('speed').value = '16', $('speed').onchange(), true");
     browser.until("status.state === 'parked'");
     let off_m = browser.number("Math.hypot(status.x - goal[0], status.y - goal[1])");
-    assert!(off_m < 2.0e-3, "{off_m} m");
+    // The bound of `verify`, as for every route.
+    assert!(off_m < 5.0e-3, "{off_m} m");
     let there = browser.number("Math.hypot(goal[0] - 1.4, goal[1] - 0.5)");
     assert!(
         there < 0.03,
@@ -243,7 +245,7 @@ fn a_drawn_line_and_dropped_files_are_followed_with_the_bits_of_the_native_run()
     browser.until("path.length > 50 && status.state === 'tracking'");
     browser.until("status.state === 'parked'");
     let off_m = browser.number("Math.hypot(status.x - goal[0], status.y - goal[1])");
-    assert!(off_m < 2.0e-3, "{off_m} m");
+    assert!(off_m < 5.0e-3, "{off_m} m");
     browser.evaluate("running = false, wasm.share(), true");
     let run = browser.evaluate("({ bytes: [...view()], hash: (readStatus(), status.hash) })");
     let session = native(&run["bytes"]);
