@@ -117,11 +117,11 @@ fn pushes_and_ice_act_while_they_last() {
     let mut queue = ReferenceQueue::new();
     let mut live = live(&mut queue, &as_in_its_file(), LiveLaw::Default);
     ticks(&mut live, 0.5);
-    // 10 kg, 100 N for 0.1 s: 1 m/s less what the motors and their friction hold.
+    // 10 kg, 100 N for 0.1 s: 1 m/s less what rotors, friction and the base itself, which is to stay, hold against it.
     live.world_mut().push([100.0, 0.0, 0.0], 0.1);
     ticks(&mut live, 0.1);
     let pushed = live.world().truth().twist.linear;
-    assert!((0.2..1.0).contains(&pushed), "{pushed} m/s");
+    assert!((0.1..1.0).contains(&pushed), "{pushed} m/s");
     ticks(&mut live, 5.0);
     assert!(live.world().truth().twist.linear.abs() < 0.02);
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];

@@ -219,7 +219,7 @@ fn status_of(session: &Session) -> String {
         base.hardware
             .is_some_and(|hardware| hardware.gyro.is_some()),
         match session.setting().floor {
-            Floor::Ideal => 0,
+            Floor::Fine => 0,
             Floor::File => 1,
             Floor::Bad => 2,
         },

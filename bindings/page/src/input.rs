@@ -81,8 +81,8 @@ pub struct Setting {
 /// How kind the world is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Floor {
-    /// External poses without noise.
-    Ideal,
+    /// As the file has it, but external poses are a motion capture's.
+    Fine,
     /// Motors, battery, encoders and external poses as the robot's file has them.
     #[default]
     File,
@@ -265,7 +265,7 @@ impl Setting {
             base: byte(bytes)?,
             gyro: flag(bytes)?,
             floor: match byte(bytes)? {
-                0 => Floor::Ideal,
+                0 => Floor::Fine,
                 1 => Floor::File,
                 2 => Floor::Bad,
                 _ => return None,

@@ -12,6 +12,7 @@
 //! and `protocol`. `docs/browser.md` says how to build and use the page.
 
 pub mod drawn;
+#[cfg(target_family = "wasm")]
 mod exports;
 pub mod input;
 pub mod session;
