@@ -6,15 +6,17 @@ use super::MonitorError;
 use std::io::{self, Write};
 use std::net::SocketAddr;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tiny_http::{Header, Request, Response, StatusCode};
 
 /// Pieces that wait for a browser that does not read; one that is further behind is let go, and has to come again.
 const WAITING: usize = 10_000;
 /// A browser that hears nothing for so long hears that nothing is said.
 const QUIET: Duration = Duration::from_secs(5);
+/// One that does not read is not waited for longer than this at the end.
+const FAREWELL: Duration = Duration::from_millis(500);
 /// By this the page knows that there is a board to listen to.
 const MARK: (&str, &str) = (
     "<head>",
@@ -27,6 +29,8 @@ type Listeners = Arc<Mutex<Vec<SyncSender<Arc<str>>>>>;
 #[derive(Debug)]
 pub struct BoardServer {
     listeners: Listeners,
+    /// Held by the server, and by whoever still tells a browser something.
+    telling: Arc<()>,
     address: SocketAddr,
 }
 
@@ -43,13 +47,19 @@ impl BoardServer {
         let address = address.ok_or_else(|| failed("no address".to_owned()))?;
         let page: Arc<str> = page.replacen(MARK.0, MARK.1, 1).into();
         let listeners = Listeners::default();
-        let joining = Arc::clone(&listeners);
+        let telling = Arc::new(());
+        // Weak, since this thread does not end.
+        let (joining, told) = (Arc::clone(&listeners), Arc::downgrade(&telling));
         thread::spawn(move || {
             for request in server.incoming_requests() {
-                answer(request, &page, &joining);
+                answer(request, &page, &joining, &told);
             }
         });
-        Ok(Self { listeners, address })
+        Ok(Self {
+            listeners,
+            telling,
+            address,
+        })
     }
 
     /// Where it is.
@@ -63,9 +73,14 @@ impl BoardServer {
         self.say(&event);
     }
 
-    /// The line has ended.
+    /// The line has ended: browsers are told, and waited for a moment.
     pub fn end(&self) {
         self.say("event: end\ndata:\n\n");
+        self.lock().clear();
+        let begun = Instant::now();
+        while Arc::strong_count(&self.telling) > 1 && begun.elapsed() < FAREWELL {
+            thread::sleep(Duration::from_millis(1));
+        }
     }
 
     /// Browsers that listen.
@@ -88,7 +103,7 @@ impl BoardServer {
 }
 
 /// Answers a request. A browser that has gone is no error.
-fn answer(request: Request, page: &Arc<str>, listeners: &Listeners) {
+fn answer(request: Request, page: &Arc<str>, listeners: &Listeners, telling: &Weak<()>) {
     let local = request.headers().iter().any(|header| {
         let host = header.value.as_str();
         let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
@@ -114,8 +129,12 @@ fn answer(request: Request, page: &Arc<str>, listeners: &Listeners) {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .push(sender);
-            let writer = request.into_writer();
-            thread::spawn(move || tell(writer, &receiver));
+            let (writer, telling) = (request.into_writer(), telling.upgrade());
+            thread::spawn(move || {
+                // A browser that has gone ends it.
+                let _ = tell(writer, &receiver);
+                drop(telling);
+            });
         }
         _ => {
             let _ = request.respond(Response::empty(StatusCode(404)));
