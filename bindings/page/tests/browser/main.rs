@@ -356,6 +356,15 @@ fn pictures() {
         browser.picture(&path);
         println!("{}", path.display());
     }
+    let mut browser = Chromium::open(1280, 800, false);
+    browser.go_to_file(page(), "");
+    served::plug_in(&mut browser, 6000);
+    std::thread::sleep(Duration::from_millis(2000));
+    browser.evaluate("fit(), touched = true");
+    let path = folder.join("board.png");
+    std::thread::sleep(Duration::from_millis(500));
+    browser.picture(&path);
+    println!("{}", path.display());
 }
 
 /// The paper's laws beside the default one, on a line with ice and a push.

@@ -127,13 +127,9 @@ fn a_served_board_shows_within_0_2_s_and_no_report_of_60_s_is_lost() {
     assert_eq!(browser.errors, Vec::<String>::new());
 }
 
-/// Web Serial without a hand that chooses a port: the browser's port is played, what it gives are frames in uneven pieces.
-#[test]
-fn a_board_over_web_serial_shows() {
-    let _turn = one_at_a_time();
-    let mut browser = Chromium::open(1280, 800, true);
-    browser.go_to_file(page(), "");
-    let bytes: Vec<u8> = (0..50).flat_map(frame).collect();
+/// A port of the browser's that gives so many reports, in uneven pieces; connected.
+pub fn plug_in(browser: &mut Chromium, reports: u32) {
+    let bytes: Vec<u8> = (0..reports).flat_map(frame).collect();
     browser.evaluate(&format!(
         "(() => {{ const bytes = new Uint8Array({bytes:?}), asked = []; \
          const readable = new ReadableStream({{ start(to) {{ for (let i = 0, n = 1; i < bytes.length; i += n, n = n % 97 + 1) to.enqueue(bytes.slice(i, i + n)); }} }}); \
@@ -141,6 +137,15 @@ fn a_board_over_web_serial_shows() {
          Object.defineProperty(navigator, 'serial', {{ value: {{ requestPort: async () => port }} }}); \
          window.asked = asked; $('baud').value = 921600; $('serial').click(); }})()"
     ));
+}
+
+/// Web Serial without a hand that chooses a port: the browser's port is played, what it gives are frames in uneven pieces.
+#[test]
+fn a_board_over_web_serial_shows() {
+    let _turn = one_at_a_time();
+    let mut browser = Chromium::open(1280, 800, true);
+    browser.go_to_file(page(), "");
+    plug_in(&mut browser, 50);
     browser.until("board.reports === 50 && history.rows.length === 50");
     assert_eq!(browser.number("asked[0]"), 921_600.0);
     let last = browser.evaluate("[history.last.tick, $('board-line').textContent]");
