@@ -20,8 +20,15 @@ function readPath() { const n = wasm.path(), all = numbers(n); path = []; for (l
 const OWN = 255;
 const choice = () => ({ base: $("base").selectedIndex < about.bases.length ? Math.max(0, $("base").selectedIndex) : OWN, gyro: $("gyro").checked, floor: +$("floor").value, seed: Math.max(0, Math.min(65535, +$("seed").value || 0)) });
 
+// Before the first tick it stands where it begins.
+function afresh() {
+  readStatus(); history.clear();
+  const { x, y, theta: a, period, ticks, state } = status;
+  history.push({ t: ticks * period, others: [], main: { x, y, a, bx: x, by: y, ba: a, v: 0, w: 0, vc: NaN, wc: NaN, tr: 0, tl: 0, state: about.states.indexOf(state), faults: 0 } });
+}
 function afterBegin() {
-  history.clear(); path = []; goal = null; owed = 0;
+  path = []; goal = null; owed = 0;
+  afresh();
   if (laws) apply(INPUT.laws(laws));
   refresh();
 }
@@ -233,7 +240,7 @@ async function take(file) {
   if (board.on) return;
   if (/\.toml$/i.test(file.name)) {
     if (apply(INPUT.robot(choice(), file.name, new TextDecoder().decode(bytes)))) { afterBegin(); setGoal([1.6, 0.8, Math.PI / 4]); refresh(); fit(); hint(`${status.base.name}, from ${file.name}`); }
-  } else if (apply(INPUT.file(file.name, bytes))) { readPath(); routeGoal(); history.clear(); fit(); hint(`Follows ${file.name}`); }
+  } else if (apply(INPUT.file(file.name, bytes))) { readPath(); routeGoal(); afresh(); fit(); hint(`Follows ${file.name}`); }
 }
 addEventListener("dragover", (e) => { e.preventDefault(); $("stage").classList.add("over"); });
 addEventListener("dragleave", (e) => { if (!e.relatedTarget) $("stage").classList.remove("over"); });
