@@ -17,6 +17,8 @@
 //! | beside other laws | [`mod@bench`] |
 //! | report | [`metrics`], [`table`], [`csv_out`], [`record`]; `figure` with the feature `figures` |
 //!
+//! In a browser (`wasm32`) there are neither ports and emulators nor studies and their tables.
+//!
 //! ```
 //! use sim_host::metrics::Metrics;
 //! use sim_host::scenario::BuiltIn;
@@ -28,9 +30,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    target_family = "wasm",
+    allow(dead_code, reason = "what only studies take")
+)]
 
 pub mod advice;
+#[cfg(not(target_family = "wasm"))]
 pub mod bench;
+#[cfg(not(target_family = "wasm"))]
 pub mod campaign;
 pub mod closed_loop;
 pub mod constants;
@@ -39,6 +47,7 @@ pub mod csv_out;
 pub mod drive;
 #[cfg(feature = "figures")]
 pub mod figure;
+#[cfg(not(target_family = "wasm"))]
 pub mod identify;
 pub mod import;
 pub mod job;
@@ -46,18 +55,24 @@ pub mod metrics;
 pub mod mission;
 pub mod monitor;
 pub mod motion;
+#[cfg(not(target_family = "wasm"))]
 pub mod pil;
 pub mod plant;
 pub mod precision;
 pub mod rate;
+#[cfg(not(target_family = "wasm"))]
 pub mod record;
+#[cfg(not(target_family = "wasm"))]
 pub mod robustness;
 pub mod run;
 pub mod scenario;
+#[cfg(not(target_family = "wasm"))]
 pub mod table;
 pub mod teleop;
 pub mod trace;
 pub mod trials;
+#[cfg(not(target_family = "wasm"))]
 pub mod tune;
+#[cfg(not(target_family = "wasm"))]
 pub mod verify;
 pub mod world;

@@ -6,6 +6,7 @@ mod closed_loop;
 mod controller_port;
 mod drive_files;
 mod drive_scenarios;
+mod live;
 mod metrics;
 mod motion;
 mod plant;

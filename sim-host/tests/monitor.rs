@@ -254,6 +254,51 @@ fn the_program_listens_to_a_socket() {
     );
 }
 
+/// What is served beyond that is tested in browsers, with the page.
+#[test]
+fn it_serves_a_page_and_what_the_board_says() {
+    let here = tempfile::tempdir().expect("a directory");
+    let listener = UnixListener::bind(here.path().join("uart")).expect("bound");
+    std::fs::write(here.path().join("page.html"), "<head></head>").expect("written");
+    let arguments = ["uart", "--seconds", "60", "--serve", "0", "--page"];
+    let mut child = monitor(here.path(), &arguments)
+        .arg("page.html")
+        .spawn()
+        .expect("the program runs");
+    let (mut board, _) = listener.accept().expect("connected");
+    let mut shown = std::io::BufReader::new(child.stdout.take().expect("a pipe"));
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut shown, &mut line).expect("a line");
+    let address = line.trim().strip_prefix("http://").expect("an address");
+    let address = address.trim_end_matches('/');
+    let mut events = std::net::TcpStream::connect(address).expect("connected");
+    write!(events, "GET /events HTTP/1.1\r\nHost: {address}\r\n\r\n").expect("asked");
+    let mut events = std::io::BufReader::new(events);
+    let mut next = || {
+        let mut line = String::new();
+        std::io::BufRead::read_line(&mut events, &mut line).expect("a line");
+        line
+    };
+    while next().trim() != "" {}
+    // One byte: "AA==" in base64.
+    board.write_all(&[0]).expect("written");
+    assert_eq!(next(), "data: AA==\n");
+    drop(board);
+    assert_eq!(
+        (next(), next()),
+        ("\n".to_owned(), "event: end\n".to_owned())
+    );
+    let mut rest = String::new();
+    shown.read_to_string(&mut rest).expect("text");
+    assert!(child.wait().expect("ends").success(), "{rest}");
+
+    let output = monitor(here.path(), &["uart", "--serve", "0", "--page", "no.html"])
+        .output()
+        .expect("runs");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{said}");
+}
+
 #[test]
 fn it_ends_by_itself_and_refuses_what_is_no_port() {
     let here = tempfile::tempdir().expect("a directory");

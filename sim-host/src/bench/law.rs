@@ -1,13 +1,8 @@
 //! Who drives.
 
 use super::Track;
-use crate::controller_port::{self, ControllerPort};
-use crate::mission::{BaseSpec, Mission};
-use crate::precision::Precision;
-use crate::scenario::{BuiltIn, ControlLaw, MathsBackEnd, PAPER};
-use controller_core::paper::demand::Demand;
-use controller_core::reference::Reference;
-use controller_core::types::{Accel, Measured, Twist};
+use crate::run::PaperRival;
+use crate::scenario::ControlLaw;
 use rivals::{
     Aicardi, Body, Gain, Graceful, Job, LtvUnicycle, Mpc, Now, PurePursuit, Ramsete, Rival, Samson,
     TurnDriveTurn, TwoPids, Wanted,
@@ -160,8 +155,8 @@ impl LawKind {
             Self::Samson => Box::new(Samson::new(body, gains)),
             Self::TwoPids => Box::new(TwoPids::new(body, gains)),
             Self::Mpc => Box::new(Mpc::new(body, gains)),
-            Self::Neural => Box::new(Paper::new(ControlLaw::Neural)?),
-            Self::Plain => Box::new(Paper::new(ControlLaw::Plain)?),
+            Self::Neural => Box::new(PaperRival::new(ControlLaw::Neural)?),
+            Self::Plain => Box::new(PaperRival::new(ControlLaw::Plain)?),
             Self::RateLimits => Box::new(Orders),
             Self::Default | Self::HeadingHeld => return None,
         })
@@ -196,94 +191,11 @@ impl Law {
     }
 }
 
-/// What a law may know of a base.
-pub(super) fn body(base: &BaseSpec, mission: &Mission) -> Body {
-    let arrival = match &base.hardware {
-        // Poses with noise: the tolerance that the default law has there.
-        Some(hardware) if mission.setup.is_some() => hardware
-            .localiser::<f32>(&base.robot.wheels)
-            .validate_with::<controller_core::maths::Single>()
-            .ok()
-            .map(|localisation| localisation.arrival()),
-        _ => None,
-    };
-    let (distance, heading) = super::ASKED;
-    Body {
-        limits: base.limits.cast(),
-        period_s: mission.period_s as f32,
-        distance_m: arrival.map_or(distance as f32, |arrival| arrival.distance_m),
-        heading_rad: arrival.map_or(heading as f32, |arrival| arrival.heading_rad),
-    }
-}
-
 /// Velocity orders do not reach a rival.
 struct Orders;
 
 impl Rival for Orders {
     fn advance(&mut self, _: &Now, _: &Job<'_>) -> Option<Wanted> {
         None
-    }
-}
-
-/// A law of the paper: what it commands of its velocity loop is what it wants.
-struct Paper {
-    controller: Box<dyn ControllerPort>,
-    /// The reference that it followed last.
-    left: Option<Reference<f64>>,
-    parks: bool,
-}
-
-impl Paper {
-    fn new(kind: ControlLaw) -> Option<Self> {
-        let mut scenario = BuiltIn::find(PAPER[0])?.scenario().ok()?;
-        scenario.controller.precision = Precision::F32;
-        scenario.controller.maths = MathsBackEnd::Single;
-        let controller = controller_port::for_scenario(&scenario.with_law(kind)).ok()?;
-        Some(Self {
-            controller,
-            left: None,
-            parks: false,
-        })
-    }
-}
-
-impl Rival for Paper {
-    fn advance(&mut self, now: &Now, job: &Job<'_>) -> Option<Wanted> {
-        use controller_core::maths::Libm;
-        let measured: Measured<f64> = Measured {
-            pose: now.pose.cast(),
-            twist: now.twist.cast(),
-        };
-        let dt = f64::from(now.dt);
-        let answer = match job {
-            Job::Follow(path) => {
-                let reference = path.at(0)?.cast_with::<f64, Libm>();
-                let started = self.left.replace(reference).is_some();
-                if started {
-                    self.controller
-                        .step(dt, &Demand::Track(reference), &measured)
-                } else {
-                    self.controller.start(&reference, &measured)
-                }
-            }
-            Job::Park(goal) => {
-                let reference = self.left?;
-                let goal = goal.cast();
-                let first = !std::mem::replace(&mut self.parks, true);
-                let demand = if first {
-                    Demand::HandOver { reference, goal }
-                } else {
-                    Demand::Park
-                };
-                self.controller.step(dt, &demand, &measured)
-            }
-        };
-        let report = answer.ok()?.report;
-        let twist: Twist<f32> = report.command.cast();
-        let rate: Accel<f32> = report.command_rate.cast();
-        Some(Wanted {
-            twist,
-            accel: Some(rate),
-        })
     }
 }

@@ -1,6 +1,6 @@
 //! All runs, side by side.
 
-use super::law::{self, Law, LawKind};
+use super::law::{Law, LawKind};
 use super::tracks::{Case, Named, TrackFile, cases};
 use super::tuned::Tuned;
 use super::{Class, Figures};
@@ -153,7 +153,7 @@ pub(super) fn drive(
 /// The trace of a run; none if the law refused.
 fn ride(mission: &Mission, kind: LawKind, gains: &[f32]) -> Result<Option<Trace>, BenchError> {
     let base = &mission.base;
-    let body = law::body(base, mission);
+    let body = run::body(mission, super::ASKED);
     let Some(rival) = kind.rival(gains, &body) else {
         return ours(mission, kind).map(Some);
     };

@@ -349,12 +349,12 @@ pub const KNOWN: [Known; 2] = [
     Known {
         injection: FaultInjectionKind::WheelOnIce,
         failing: Failing::Misplaced,
-        rate: 0.0007,
+        rate: 0.0028,
     },
     Known {
         injection: FaultInjectionKind::WheelOnIce,
         failing: Failing::Adrift,
-        rate: 0.0067,
+        rate: 0.0082,
     },
 ];
 

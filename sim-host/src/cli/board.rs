@@ -23,6 +23,12 @@ pub struct MonitorArgs {
     /// Ask for the board's own counters once a second. To the board this is a host that lives!
     #[arg(long)]
     pub poll: bool,
+    /// Serve the page with what the board says, at this port of this machine only (0: a free one)
+    #[arg(long, value_name = "PORT")]
+    pub serve: Option<u16>,
+    /// The page, as `cargo run -p page --bin page` makes it
+    #[arg(long, value_name = "FILE", default_value = "target/page.html")]
+    pub page: PathBuf,
 }
 
 /// What is driven by keys, and how fast.

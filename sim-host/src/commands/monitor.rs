@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::say;
 use crate::cli::MonitorArgs;
 use protocol::Command;
-use sim_host::monitor::{Log, Monitor, MonitorError, Port, Received};
+use sim_host::monitor::{BoardServer, Log, Monitor, MonitorError, Port, Received};
 use std::fs::File;
 use std::io::{IsTerminal as _, stdout};
 use std::path::Path;
@@ -22,6 +22,7 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         Some(path) => Some((open_log(path)?, path)),
         None => None,
     };
+    let server = serve(arguments)?;
     let terminal = stdout().is_terminal();
     let redraw = if terminal { REDRAW.0 } else { REDRAW.1 };
     let limit = arguments.seconds.map(|seconds| seconds.max(0.0));
@@ -49,9 +50,15 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
             Received::Bytes(count) => {
                 let time_s = start.elapsed().as_secs_f64();
                 let bytes = buffer.get(..count).unwrap_or_default();
+                if let Some(server) = &server {
+                    server.send(bytes);
+                }
                 take(&mut monitor, bytes, time_s, &mut log)?;
             }
         }
+    }
+    if let Some(server) = &server {
+        server.end();
     }
     show(&monitor, terminal)?;
     let frames = monitor.frames();
@@ -62,6 +69,21 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         frames.good,
         frames.rejected()
     ))
+}
+
+/// The server that is asked for, and where it is.
+fn serve(arguments: &MonitorArgs) -> Result<Option<BoardServer>, CommandError> {
+    let Some(port) = arguments.serve else {
+        return Ok(None);
+    };
+    let path = &arguments.page;
+    let page = std::fs::read_to_string(path).map_err(|cause| MonitorError::Page {
+        path: path.clone(),
+        cause,
+    })?;
+    let server = BoardServer::start(port, &page)?;
+    say(&format!("http://{}/\n", server.address()))?;
+    Ok(Some(server))
 }
 
 fn take(

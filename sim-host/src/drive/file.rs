@@ -143,7 +143,7 @@ impl FileRun {
             return Err(FileError::TooLong(longest_s / self.period_s));
         }
         let last = trajectory.at(end_s);
-        let (sin, cos) = first.theta.sin_cos();
+        let (sin, cos) = libm::sincos(first.theta);
         let aside = self.offset_on(figures.length_m, end_s);
         let description = format!("{} on a {}", trajectory.source(), base.name);
         let mission = Mission {

@@ -126,7 +126,7 @@ pub(super) fn contradictions(
     let speeds = columns.worst(|a, b, dt| {
         let mean = 0.25 * (a.vl + a.vr + b.vl + b.vr);
         let heading = a.heading + 0.5 * wrap(b.heading - a.heading);
-        let along = (b.x - a.x) * heading.cos() + (b.y - a.y) * heading.sin();
+        let along = (b.x - a.x) * libm::cos(heading) + (b.y - a.y) * libm::sin(heading);
         Some((mean, along / dt))
     });
     let omega = columns.worst(|a, b, dt| {

@@ -154,7 +154,7 @@ fn errors(trajectory: &Trajectory, from: &CompactSample, to: &CompactSample) -> 
 
 fn difference(truth: &Sample, found: &Reference<f64>) -> [f64; 4] {
     [
-        (found.pose().x - truth.x).hypot(found.pose().y - truth.y),
+        libm::hypot(found.pose().x - truth.x, found.pose().y - truth.y),
         wrap(found.pose().theta - truth.theta).abs(),
         (found.twist().linear - truth.v).abs(),
         (found.twist().angular - truth.w).abs(),

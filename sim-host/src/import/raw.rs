@@ -74,7 +74,7 @@ impl Raw {
                 continue;
             };
             let dt = sample.t - last.t;
-            let chord = (sample.x - last.x).hypot(sample.y - last.y);
+            let chord = libm::hypot(sample.x - last.x, sample.y - last.y);
             sample.theta = unwrap(last, &sample, dt);
             let turn = (sample.theta - last.theta).abs();
             if dt < -REPEAT {

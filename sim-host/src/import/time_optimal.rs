@@ -139,7 +139,7 @@ impl Problem {
         }
         for row in &self.jerks {
             let steady = row.g.iter().sum::<f64>();
-            lower(row.piece, steady.abs().powf(-2.0 / 3.0));
+            lower(row.piece, libm::pow(steady.abs(), -2.0 / 3.0));
         }
         c
     }

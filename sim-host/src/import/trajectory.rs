@@ -270,7 +270,7 @@ fn undrivable(
 ) -> Refusal {
     let step = |i: usize| {
         let (from, to) = (samples.get(i.checked_sub(1)?)?, samples.get(i)?);
-        let (sin, cos) = (0.5 * (from.theta + to.theta)).sin_cos();
+        let (sin, cos) = libm::sincos(0.5 * (from.theta + to.theta));
         let (dx, dy) = (to.x - from.x, to.y - from.y);
         Some((
             dx * cos + dy * sin,

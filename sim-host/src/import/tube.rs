@@ -121,7 +121,7 @@ impl Trajectory {
         for i in 0..=steps as usize {
             let t = end * i as f64 / steps;
             let here = run.at(t);
-            way[0] += (here.x - before.x).hypot(here.y - before.y);
+            way[0] += libm::hypot(here.x - before.x, here.y - before.y);
             way[1] += (here.theta - before.theta).abs();
             way[2] += t - before.t;
             before = here;

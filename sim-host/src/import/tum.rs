@@ -34,7 +34,7 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
         }
         // The body's vertical in the world; its z component is the cosine of the tilt.
         let up = 1.0 - 2.0 * (qx * qx + qy * qy) / (norm * norm);
-        let tilt = up.clamp(-1.0, 1.0).acos();
+        let tilt = libm::acos(up.clamp(-1.0, 1.0));
         if tilt > MAX_TILT {
             return Err(refuse(place, Reason::NotPlanar(NotPlanar::Tilt(tilt))));
         }
@@ -48,7 +48,10 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
             t,
             x,
             y,
-            theta: (2.0 * (qw * qz + qx * qy)).atan2(qw * qw + qx * qx - qy * qy - qz * qz),
+            theta: libm::atan2(
+                2.0 * (qw * qz + qx * qy),
+                qw * qw + qx * qx - qy * qy - qz * qz,
+            ),
             v: None,
             w: None,
         });

@@ -41,6 +41,32 @@ pub(crate) struct Orders {
     pub(crate) measured: Measured<f64>,
 }
 
+impl Sequencer<'static> {
+    /// Of a mission's course alone.
+    pub(crate) fn without_events(mission: &Mission, acceleration: AccelerationAt) -> Self {
+        let Sequencer {
+            sampler,
+            rule,
+            lever,
+            now,
+            ..
+        } = Sequencer::new(mission, acceleration);
+        Self {
+            sampler,
+            rule,
+            events: &[],
+            lever,
+            now,
+            correction: Pose::default(),
+        }
+    }
+
+    /// Drives by this order from now on.
+    pub(crate) const fn drive(&mut self, order: VelocityOrder) {
+        self.now = Now::Drives(order);
+    }
+}
+
 impl<'a> Sequencer<'a> {
     pub(crate) fn new(mission: &'a Mission, acceleration: AccelerationAt) -> Self {
         let (rule, now) = match &mission.course {

@@ -1,15 +1,23 @@
-//! What a board sends, for people and for a CSV file.
+//! What a board sends, for people, for a CSV file and for browsers.
 //!
-//! [`Port`] is the line, [`Monitor`] decodes it, [`Log`] writes reports. Nothing is sent unless
+//! [`Port`] is the line, [`Monitor`] decodes it, [`Log`] writes reports, `BoardServer`
+//! serves them with the page. Nothing is sent unless
 //! [`Port::ask`] is called: to the board's watchdog a host that asks is a host that lives.
 
 mod decode;
 mod log;
+#[cfg(not(target_family = "wasm"))]
 mod port;
+#[cfg(not(target_family = "wasm"))]
+mod serve;
 
 pub use decode::{LatestTelemetry, Monitor};
 pub use log::{Log, column_names};
-pub use port::{Port, Received};
+#[cfg(not(target_family = "wasm"))]
+pub use {
+    port::{Port, Received},
+    serve::BoardServer,
+};
 
 use std::io;
 use std::path::PathBuf;
@@ -22,6 +30,22 @@ pub enum MonitorError {
     #[error("{}: cannot be opened: {cause}", path.display())]
     Open {
         /// The port.
+        path: PathBuf,
+        /// Why.
+        cause: io::Error,
+    },
+    /// The page cannot be served.
+    #[error("port {port} of this machine: {cause}")]
+    Serve {
+        /// The port asked for.
+        port: u16,
+        /// Why.
+        cause: String,
+    },
+    /// There is no page to serve.
+    #[error("{}: {cause}: `cargo run -p page --bin page` makes it", path.display())]
+    Page {
+        /// Its file.
         path: PathBuf,
         /// Why.
         cause: io::Error,

@@ -1,19 +1,24 @@
 //! The closed loop: measure, decide what is to be done, compute, hold the torque to the next tick.
 //!
 //! [`run`] is a scenario under a law of the paper, [`drive`] a mission under the default law, both on the plant of
-//! [`crate::plant`]; a mission with a world runs there, with the whole base.
+//! [`crate::plant`]; a mission with a world runs there, with the whole base. A [`Live`] one takes its orders while it runs.
 
 mod law;
+mod live;
 mod motion;
+mod paper_rival;
 mod recorder;
 mod rival;
 mod world;
 
 pub(crate) use law::{Law, PaperLaw};
-pub(crate) use motion::{MotionLaw, motion_law};
-pub(crate) use rival::{Driver, RivalLaw};
-pub(crate) use world::ride;
+pub use live::{Live, LiveLaw};
+pub(crate) use motion::motion_law;
+pub(crate) use rival::{Driver, body};
+// What only studies take.
 pub use world::{drive_and_observe, fly};
+#[cfg(not(target_family = "wasm"))]
+pub(crate) use {motion::MotionLaw, paper_rival::PaperRival, rival::RivalLaw, world::ride};
 
 use crate::closed_loop::ClosedLoopError;
 use crate::controller_port::{self, ControllerPort, ControllerPortError};

@@ -154,6 +154,26 @@ impl Driver {
     }
 }
 
+/// What a rival may know of a base. `asked` is the tolerance of its goal check where poses have no noise \[m, rad\].
+pub(crate) fn body(mission: &Mission, (distance, heading): (f64, f64)) -> Body {
+    let base = &mission.base;
+    let arrival = match &base.hardware {
+        // Poses with noise: the tolerance that the default law has there.
+        Some(hardware) if mission.setup.is_some() => hardware
+            .localiser::<f32>(&base.robot.wheels)
+            .validate_with::<Single>()
+            .ok()
+            .map(|localisation| localisation.arrival()),
+        _ => None,
+    };
+    Body {
+        limits: base.limits.cast(),
+        period_s: mission.period_s as f32,
+        distance_m: arrival.map_or(distance as f32, |arrival| arrival.distance_m),
+        heading_rad: arrival.map_or(heading as f32, |arrival| arrival.heading_rad),
+    }
+}
+
 /// A rival on the ideal plant.
 pub(crate) struct RivalLaw<'a> {
     driver: &'a mut Driver,

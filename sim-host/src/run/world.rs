@@ -73,7 +73,7 @@ pub(super) fn run(
             break;
         }
         let laws = (&mut sequencer, driver.as_deref_mut());
-        let (mut row, hand_over) = tick(mission, &mut closed_loop, laws, t)?;
+        let (mut row, hand_over) = tick(mission, &mut closed_loop, laws, (t, t))?;
         if closed_loop.report().motion.is_none() {
             // The motion law is off: what it said last stands.
             let before = recorder.trace.rows.last().map(|row| row.report);
@@ -95,12 +95,12 @@ pub(super) fn run(
     Ok(recorder)
 }
 
-/// One tick of a mission.
-fn tick(
+/// One tick of a mission at `t`, which is `on_course` after its course began \[s\].
+pub(super) fn tick(
     mission: &Mission,
     closed_loop: &mut ClosedLoop<'_>,
     (sequencer, mut driver): (&mut Sequencer<'_>, Option<&mut Driver>),
-    t: f64,
+    (t, on_course): (f64, f64),
 ) -> Result<(TraceRow, Option<HandOver>), ClosedLoopError> {
     let truth = closed_loop.world().truth();
     let report = closed_loop.report();
@@ -113,8 +113,8 @@ fn tick(
     let motion = *closed_loop.task().controller().base().motion();
     let distance = |speed: f64| f64::from(motion.hand_over_distance(speed as f32));
     // Ticks come unevenly; the route goes by the clock.
-    let tick = (t.max(0.0) / mission.period_s).round() as usize;
-    let orders = sequencer.at(tick, t, &believed, &command, distance);
+    let tick = (on_course.max(0.0) / mission.period_s).round() as usize;
+    let orders = sequencer.at(tick, on_course, &believed, &command, distance);
     if closed_loop.report().state == State::Idle && closed_loop.report().measured.is_some() {
         // An idle base that knows where it is refuses no arming.
         let _ = closed_loop.command(&Command::Arm)?;
@@ -128,7 +128,7 @@ fn tick(
         None => own,
         // What it sees is the pose of this very tick, as the default law does.
         Some(driver) => match closed_loop.would_say(&Order::None).measured {
-            Some(seen) => driver.order(t, &seen, &orders.task),
+            Some(seen) => driver.order(on_course, &seen, &orders.task),
             None => Order::None,
         },
     };

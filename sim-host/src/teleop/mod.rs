@@ -4,11 +4,13 @@
 //! [`Simulated`] the firmware on the realistic plant. Keys come from anywhere: a terminal, or a pipe with a script of them.
 
 mod keys;
+#[cfg(not(target_family = "wasm"))]
 mod port_line;
 mod simulated;
 mod stick;
 
 pub use keys::{Input, KeySource, Script};
+#[cfg(not(target_family = "wasm"))]
 pub use port_line::PortLine;
 pub use simulated::Simulated;
 pub use stick::{Key, KeyReader, Stick};

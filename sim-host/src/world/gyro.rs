@@ -85,6 +85,11 @@ impl Gyro {
         self.on_the_way.push_back((moment + latency, moment, rate));
     }
 
+    /// Carried to another heading, and not on its own axis: it has felt nothing of it.
+    pub fn place(&mut self, theta: f64) {
+        self.last_theta = theta;
+    }
+
     /// What has arrived by the end of a tick.
     pub fn arrived(&mut self, now_us: u64) -> Option<GyroSample> {
         let (mut sum, mut count, mut newest) = (0.0, 0, 0);

@@ -5,7 +5,7 @@ use super::check;
 use super::electric::Electric;
 use super::error::{ActuationError, WorldError};
 use super::gyro::{Gyro, GyroSample};
-use super::params::WorldParams;
+use super::params::{PatchParams, PushParams, WorldParams};
 use super::plant::{Body, Outside};
 use super::plant_fault::{PlantFault, PlantFaults};
 use super::senses::Senses;
@@ -216,6 +216,33 @@ impl World {
     /// Whether each wheel is at the end of its grip, right and left.
     pub fn slipping(&self) -> [bool; 2] {
         self.body.slipping
+    }
+
+    /// Pushes at the centre of mass from now on for `duration_s`: force in the world's x and y \[N\], moment \[N m\].
+    pub fn push(&mut self, [force_x_n, force_y_n, moment_nm]: [f64; 3], duration_s: f64) {
+        let now_s = 1.0e-6 * self.now_us as f64;
+        let past = |push: &PushParams| push.time_s[1] <= now_s;
+        self.body.push.retain(|push| !past(push));
+        self.body.push.push(PushParams {
+            time_s: [now_s, now_s + duration_s],
+            force_x_n,
+            force_y_n,
+            moment_nm,
+        });
+    }
+
+    /// The places with another grip; the last that holds counts.
+    pub const fn patches(&mut self) -> &mut Vec<PatchParams> {
+        &mut self.body.floor.patch
+    }
+
+    /// Picks the robot up and puts it down elsewhere, at rest: no wheel turns meanwhile, and poses on their way are lost.
+    pub fn place(&mut self, pose: Pose<f64>) {
+        self.body.place(pose);
+        self.senses.forget_poses();
+        if let Some(gyro) = &mut self.gyro {
+            gyro.place(pose.theta);
+        }
     }
 
     /// Puts a fault in; it stays until it is [healed](Self::heal).

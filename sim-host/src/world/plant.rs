@@ -28,8 +28,8 @@ pub(super) struct Body {
     pub load: [f64; 2],
     downhill: [f64; 2],
     friction: FrictionParams,
-    floor: FloorParams,
-    push: Vec<PushParams>,
+    pub floor: FloorParams,
+    pub push: Vec<PushParams>,
     pub pose: Pose<f64>,
     /// (u, v, w) and its rate over the last substep.
     pub speed: [f64; 3],
@@ -93,6 +93,17 @@ impl Body {
             pose: self.pose,
             twist: Twist::new(self.speed[0], self.speed[2]),
         }
+    }
+
+    /// At rest somewhere else.
+    pub fn place(&mut self, pose: Pose<f64>) {
+        self.pose = pose;
+        self.speed = [0.0; 3];
+        self.rate = [0.0; 3];
+        self.omega = [0.0; 2];
+        self.force = [[0.0; 2]; 2];
+        self.resting = [true; 2];
+        self.slipping = [false; 2];
     }
 
     /// Speed of the axle's middle to the left \[m/s\]: 0 while tyres hold.

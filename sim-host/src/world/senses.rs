@@ -99,6 +99,11 @@ impl Senses {
         self.on_the_way.push_back((moment + latency, moment, pose));
     }
 
+    /// Poses on their way never arrive.
+    pub fn forget_poses(&mut self) {
+        self.on_the_way.clear();
+    }
+
     /// The end of a tick: wheels have turned by `angle` \[rad\] since the start.
     pub fn measure(
         &mut self,

@@ -214,12 +214,12 @@ fn closeness(nodes: &[Node], targets: &[Target], box_size: [f64; 3]) -> (Closene
         let Some(node) = nodes.get(k) else { continue };
         let z = advance(&node.z, &node.u, target.t - node.t);
         let (dx, dy) = (z[0] - target.x, z[1] - target.y);
-        let (sin, cos) = target.theta.sin_cos();
+        let (sin, cos) = libm::sincos(target.theta);
         let heading = (z[2] - target.theta).abs();
-        found.position = found.position.max(dx.hypot(dy));
+        found.position = found.position.max(libm::hypot(dx, dy));
         found.heading = found.heading.max(heading);
         let room = box_size.map(|size| size * target.room);
-        let away = SIDE * dx.hypot(dy) / room[0];
+        let away = SIDE * libm::hypot(dx, dy) / room[0];
         found.excess = found.excess.max(away).max(heading / room[2]);
         let miss = [
             (dx * cos + dy * sin).abs() / room[0],
@@ -265,7 +265,7 @@ fn guess(knots: &[Knot], targets: &[Target]) -> Iterate {
             let dt = to.t - from.t;
             let s = (knot.t - from.t) / dt;
             let (dx, dy, turn) = (to.x - from.x, to.y - from.y, to.theta - from.theta);
-            let (sin, cos) = (from.theta + 0.5 * turn).sin_cos();
+            let (sin, cos) = libm::sincos(from.theta + 0.5 * turn);
             let rate = dt.max(CLUSTER).recip();
             state = State::from([
                 from.x + s * dx,

@@ -26,7 +26,7 @@ pub(in super::super) fn advance(z: &State, u: &Jerk, h: f64) -> State {
     let (mut x, mut y) = (z[0], z[1]);
     for (node, weight) in GAUSS {
         let (theta, v, _) = at(z, u, node * h);
-        let (sin, cos) = theta.sin_cos();
+        let (sin, cos) = libm::sincos(theta);
         x += weight * h * v * cos;
         y += weight * h * v * sin;
     }
@@ -50,7 +50,7 @@ pub(super) fn linearise(z: &State, u: &Jerk, h: f64) -> (State, ByState, ByJerk)
     for (node, weight) in GAUSS {
         let s = node * h;
         let (theta, v, _) = at(z, u, s);
-        let (sin, cos) = theta.sin_cos();
+        let (sin, cos) = libm::sincos(theta);
         for (row, by_v, by_theta) in [(0, cos, -v * sin), (1, sin, v * cos)] {
             let (by_v, by_theta) = (weight * h * by_v, weight * h * by_theta);
             a[(row, 2)] += by_theta;

@@ -111,13 +111,13 @@ fn add_cost(
         };
         // Targets beside the knot, by less than the cluster's width, are moved onto it.
         let ahead = target.t - knot.t;
-        let (sin, cos) = z[2].sin_cos();
+        let (sin, cos) = libm::sincos(z[2]);
         let miss = [
             z[0] + ahead * z[3] * cos - target.x,
             z[1] + ahead * z[3] * sin - target.y,
             z[2] + ahead * z[4] - target.theta,
         ];
-        let (sin, cos) = target.theta.sin_cos();
+        let (sin, cos) = libm::sincos(target.theta);
         let rows = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
         for (row, weight) in rows.iter().zip(weights) {
             let weight = share * weight;
