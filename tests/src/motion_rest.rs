@@ -32,6 +32,10 @@ pub struct Seen {
     pub last: Wrench<f64>,
 }
 
+/// Less is rest \[m/s, rad/s\]: a hundredth of a millimetre in ten seconds. Where what is held is sliding friction to the last bit,
+/// rounding turns a base by 1e-11 rad/s to and fro.
+const LEAST_SPEED: f64 = 1e-6;
+
 /// Last sign of a signal, how often it changed, and when last.
 #[derive(Clone, Copy, Default)]
 struct Signs(f64, u32, f64);
@@ -78,8 +82,8 @@ pub fn rest<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         };
         signs[0].see(drive.t, felt(applied.force, least.force));
         signs[1].see(drive.t, felt(applied.moment, least.moment));
-        signs[2].see(drive.t, twist.linear);
-        signs[3].see(drive.t, twist.angular);
+        signs[2].see(drive.t, felt(twist.linear, 1e3 * LEAST_SPEED));
+        signs[3].see(drive.t, felt(twist.angular, 1e3 * LEAST_SPEED));
         if drive.t > end_s - 10.0 {
             let pose = drive.body.pose;
             crept += (pose.x - before.x).hypot(pose.y - before.y);

@@ -82,8 +82,7 @@ fn nothing_is_left<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
         assert_eq!(all.lost, 0, "{name}");
         assert!(all.left.0 < ARRIVED && all.left.1 < ARRIVED, "{name}");
         // The stop of the last roll, with its counter-torque; from then on nothing.
-        // One wheel may break loose under what is held, once more.
-        assert!(all.hunting.0 <= 2 && all.hunting.1 < 2.5, "{name}");
+        assert!(all.hunting.0 <= 2 && all.hunting.1 < 1.0, "{name}");
         // Friction that the estimate makes up for no longer stops the robot: what is left of its speed decays, down to
         // the rounding of single precision.
         assert!(all.crept < CREPT, "{name}: {}", all.crept);
@@ -113,7 +112,7 @@ fn dry_friction_leaves_nothing_and_nothing_hunts() {
 
 /// Wheels that stand and slide each by itself, with a 60th of their force to break away (5 N in all on the large base),
 /// and a 20th on the small one, where sliding friction alone then turns it at 5 rad/s². One wheel may stand while the
-/// other creeps: many runs need a retry, and with a 20th up to a quarter is told as out of tolerance. Nobody moves in the end.
+/// other creeps: many runs need a retry, and with a 20th up to three tenths are told as out of tolerance. Nobody moves in the end.
 #[test]
 fn dry_friction_of_each_wheel_is_parked_or_told() {
     let (large, small) = ((Base::STANDARD, 1.0 / 60.0), (Base::SMALL, 1.0 / 60.0));
@@ -130,7 +129,7 @@ fn dry_friction_of_each_wheel_is_parked_or_told() {
     sum.state("the same on 1 kg, 0.02 N to break away", true);
     let mut sum = Sum::default();
     let harder = (Base::SMALL, 0.05);
-    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg, 5 %", harder, (13, 0.01), 0.25, &mut sum);
+    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg, 5 %", harder, (13, 0.01), 0.3, &mut sum);
     latest = latest.max(sum.0.hunting.1);
     sum.state("0.06 N to break away", true);
     // Those with friction per axis are done sooner, and are held to 1 s.
@@ -155,8 +154,7 @@ fn on_wheels<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     assert!(all.left.0 < ARRIVED && all.left.1 < ARRIVED, "{name}");
     assert!(f64::from(all.lost) <= told * runs.len() as f64, "{name}");
     sum.add(&all, runs.len());
-    // One wheel may break loose once more under what is held.
-    assert!(all.hunting.0 <= 2 && all.hunting.1 < 2.5, "{name}");
+    assert!(all.hunting.0 <= 2 && all.hunting.1 < 1.0, "{name}");
     for run in &runs {
         assert!(matches!(
             run.outcome,

@@ -95,10 +95,14 @@ impl<T: Scalar> LoadAxis<T> {
         let (x, (accel, jerk)) = (self.gained, now.limits);
         let largest = accel / window;
         let belief = T::from_f64(BELIEF_S) * largest * largest;
-        let weight = dt * (x - clamp(x, T::from_f64(TELLING) * largest));
-        let change = weight * (self.missing - self.share * x) / (belief + weight * x);
-        let most = T::from_f64(LARGEST);
-        self.share = clamp(self.share + clamp(change, most * jerk / accel * dt), most);
+        let beyond = x - clamp(x, T::from_f64(TELLING) * largest);
+        if beyond != T::ZERO {
+            // What overflows at speeds that no robot has does so in a denominator.
+            let trust = T::ONE / (T::ONE + belief / (dt * beyond * x));
+            let change = trust * (self.missing / x - self.share);
+            let most = T::from_f64(LARGEST);
+            self.share = clamp(self.share + clamp(change, most * jerk / accel * dt), most);
+        }
     }
 
     /// Nobody knows what drove the robot: the window begins anew.

@@ -7,7 +7,7 @@
 //!
 //! let base = BuiltInBase::find("lab-10kg").ok_or("not built in")?.base()?;
 //! let text = rust("lab-10kg.toml", &base).map_err(|error| error.to_string())?;
-//! assert!(text.contains("pub const BASE: BaseParams<f32>") && text.contains("mass_kg: 10.0,"));
+//! assert!(text.contains("pub const BASE: BaseParams<f32>") && text.contains("track_m: 0.35,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
