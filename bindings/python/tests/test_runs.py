@@ -227,7 +227,10 @@ def test_progress_is_told_and_an_error_in_it_stops() -> None:
 
 
 def test_ctrl_c_stops_a_long_study() -> None:
-    program = "import twb; twb.faults(1_000_000, progress=lambda done, total: print(done, flush=True))"
+    # Tests that are started in the background have the signal ignored, and so would their children.
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    study = "twb.faults(1_000_000, progress=lambda done, total: print(done, flush=True))"
+    program = f"{heeds}; import twb; {study}"
     child = subprocess.Popen(
         [sys.executable, "-c", program],
         stdout=subprocess.PIPE,
