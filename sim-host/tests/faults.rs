@@ -2,8 +2,8 @@
 
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
-    Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Why, cells, known, study,
-    violation,
+    Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Violation, Why, cells,
+    known, study, violation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use tests::stated::{At, Stated};
@@ -125,11 +125,13 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
         .collect();
     assert!(numbers.len() > 500);
     let outcomes = study(&bases, KEPT + 1, numbers, &Mutation::None, || {}).expect("valid");
-    let mut parked = 0;
+    let (mut parked, mut beyond) = (0, 0);
     for outcome in outcomes.iter().filter(|outcome| outcome.second.is_none()) {
         match outcome.end {
             Ok(End::Parked) => parked += 1,
             Ok(End::Held | End::Stopped(Why::Host | Why::Button)) => {}
+            // docs/faults.md: headings of the 1 kg base, some tenths of a milliradian beyond, once in 2,000.
+            Err(Violation { ref what, .. }) if what.starts_with("parked") => beyond += 1,
             _ => panic!("{outcome:?}"),
         }
         // Where nothing stops it, it gets there.
@@ -138,7 +140,7 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
             assert_eq!(outcome.end, Ok(End::Parked), "{outcome:?}");
         }
     }
-    assert!(parked > 200, "{parked}");
+    assert!(parked > 200 && beyond <= 1, "{parked} {beyond}");
 }
 
 /// What is stated to go wrong on ice goes wrong no more often than that.
