@@ -13,6 +13,7 @@ use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome};
+use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode, Side};
 use crate::scalar::{Scalar, microseconds, seconds};
@@ -175,10 +176,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             wrench.force += report.disturbance.force;
             wrench.moment += report.disturbance.moment;
         }
-        let robot = &self.base.motion.params().robot;
-        Accel {
-            linear: wrench.force / robot.mass_kg,
-            angular: wrench.moment / robot.inertia_kg_m2,
+        let stated = acceleration(&self.base.motion.params().robot, &wrench);
+        match &self.report.motion {
+            Some(report) => report.load.slowed(&stated),
+            None => stated,
         }
     }
 

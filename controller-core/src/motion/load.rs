@@ -39,6 +39,14 @@ impl<T: Scalar> Load<T> {
             angular: rate.angular + self.inertia * rate.angular,
         }
     }
+
+    /// The acceleration of the loaded robot by what gives the stated one `accel`.
+    pub(crate) fn slowed(&self, accel: &Accel<T>) -> Accel<T> {
+        Accel {
+            linear: accel.linear / (T::ONE + self.mass),
+            angular: accel.angular / (T::ONE + self.inertia),
+        }
+    }
 }
 
 /// One axis of the estimate. With M the stated mass or inertia and d what acts beside the wheels, M (1 + σ) v̇ = F + d; both

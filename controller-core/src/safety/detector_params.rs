@@ -2,9 +2,9 @@
 
 use crate::error::{Field, ParamError};
 use crate::range::within;
-use crate::robot::Robot;
+use crate::robot::{Robot, acceleration};
 use crate::scalar::Scalar;
-use crate::types::{Accel, Twist, WheelTorques, Wrench};
+use crate::types::{Twist, WheelTorques, Wrench};
 use crate::wheels::WheelMap;
 
 mod suited;
@@ -225,10 +225,7 @@ pub(super) fn wheel_accels<T: Scalar>(
     map: &WheelMap<T>,
     wrench: &Wrench<T>,
 ) -> (T, T) {
-    let accel = Accel {
-        linear: wrench.force / robot.mass_kg,
-        angular: wrench.moment / robot.inertia_kg_m2,
-    };
+    let accel = acceleration(robot, wrench);
     let rates = map.wheel_speeds(&Twist::new(accel.linear, accel.angular));
     (rates.right, rates.left)
 }
