@@ -5,6 +5,7 @@ use sim_host::campaign::{
     Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Violation, Why, cells,
     known, study, violation,
 };
+use sim_host::rate::Rate;
 use std::collections::{BTreeMap, BTreeSet};
 use tests::stated::{At, Stated};
 
@@ -141,6 +142,33 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
         }
     }
     assert!(parked > 200 && beyond <= 1, "{parked} {beyond}");
+}
+
+/// Bases with a gyro, which lies as well, every trouble in every state: no more runs are against the rules than docs/gyro.md says.
+#[test]
+fn with_a_gyro_the_campaign_fails_no_more_than_stated() {
+    let bases = Bases::with_gyro().expect("built in");
+    let all = (bases.kinds().len() * Target::ALL.len() * 3) as u64;
+    let outcomes = study(&bases, KEPT + 4, 0..all, &Mutation::None, || {}).expect("valid");
+    assert!(outcomes.len() >= 600);
+    let broken = broken(&outcomes);
+    let of = At::Phrase("The campaign, `faults --gyro`: # of # runs");
+    let stated = Stated::of("docs/gyro.md").numbers(of);
+    let rate = Rate {
+        failed: broken.len(),
+        runs: outcomes.len(),
+    };
+    // Stated is what so many runs gave: wrong only if the true rate is above the upper end of its interval.
+    let most = Rate {
+        failed: stated[0] as usize,
+        runs: stated[1] as usize,
+    };
+    let (most, least) = (most.interval().1, rate.interval().0);
+    assert!(least <= most, "{rate}\n{}", broken.join("\n"));
+    let lies = outcomes
+        .iter()
+        .filter(|outcome| FaultInjectionKind::GYRO.contains(&outcome.injection));
+    assert!(lies.count() >= 100);
 }
 
 /// What is stated to go wrong on ice goes wrong no more often than that.

@@ -1,6 +1,7 @@
 //! Parameters of the law for a real base: plain data, validated once.
 
 use super::arrival::Arrival;
+use super::follow::across_bound;
 use super::gains::MotionGains;
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
@@ -131,8 +132,13 @@ impl<T: Scalar> MotionParams<T> {
             near: if noisy { noise_radius } else { least },
             noisy,
             along: Lag::new(gains.decay, gains.longitudinal_bound)?,
-            // 1.3 leaves room for the largest demand, A/(A + A) of it, and a start on the move.
-            across: Lag::new(gains.decay, f(1.3))?,
+            across: Lag::new(
+                gains.decay,
+                across_bound(
+                    gains.heading,
+                    within_reach(&self.robot, &self.limits).turn_accel,
+                ),
+            )?,
             around: Lag::new(gains.decay, f(1.5))?,
             approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,
             turn: Lag::new(gains.decay, f(4.0))?,
