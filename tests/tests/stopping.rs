@@ -210,7 +210,7 @@ fn stopping_distances_from_top_speed_are_those_stated() {
         let radius = robot.wheels.radius_right_m;
         let c = motor.gear_ratio * motor.kt_nm_per_a * motor.current_limit_a / radius;
         // With the rotors, which turn on.
-        let mass = file.felt().mass_kg;
+        let mass = file.robot_with_rotors().mass_kg;
         let limited = shorted + v * v / (4.0 * c / mass);
 
         let energy = 0.5 * mass * v * v;

@@ -79,9 +79,9 @@ impl<T: Scalar> BaseParams<T> {
     ) -> Result<Self, ParamError> {
         let localisation = localiser.validate_with::<M>()?;
         let rotor = motor.as_ref().map(MotorParams::rotor_at_wheel_kg_m2);
-        let felt = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
-        let motion =
-            MotionParams::new_with::<M>(felt, limits).with_pose_noise(localisation.pose_noise_m());
+        let with_rotors = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
+        let motion = MotionParams::new_with::<M>(with_rotors, limits)
+            .with_pose_noise(localisation.pose_noise_m());
         let motion = MotionParams {
             arrival: localisation.arrival(),
             ..motion
@@ -89,7 +89,7 @@ impl<T: Scalar> BaseParams<T> {
         let counts_per_turn = localiser.odometry.counts_per_turn;
         let body = MotionParams { robot, ..motion };
         let mut detectors = DetectorParams {
-            robot: felt,
+            robot: with_rotors,
             ..DetectorParams::for_base(&body, counts_per_turn, period_us)
         };
         if let Some(motor) = &motor {

@@ -149,11 +149,11 @@ impl<T: Scalar> Observer<T> {
             },
         );
         // M Δv of the loaded robot.
-        let felt = self.load().felt(&Accel {
+        let loaded = self.load().compensated(&Accel {
             linear: moved.linear,
             angular: moved.angular,
         });
-        let gained = wrench_for(robot, &felt);
+        let gained = wrench_for(robot, &loaded);
         let force = estimate(
             last.force,
             gained.force,

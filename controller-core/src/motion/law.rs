@@ -349,7 +349,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let velocity_error = twist.minus(&command.twist);
         let disturbance = found.observer.estimate;
         let load = found.observer.load();
-        let rate = load.felt(&command.rate);
+        let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
         // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
         let law = match &found.aim {

@@ -33,7 +33,7 @@ cast!(Load { mass, inertia });
 
 impl<T: Scalar> Load<T> {
     /// What has to be fed forward to the stated mass and inertia, so that the loaded robot is accelerated by `rate`.
-    pub(super) fn felt(&self, rate: &Accel<T>) -> Accel<T> {
+    pub(super) fn compensated(&self, rate: &Accel<T>) -> Accel<T> {
         Accel {
             linear: rate.linear + self.mass * rate.linear,
             angular: rate.angular + self.inertia * rate.angular,

@@ -78,7 +78,7 @@ impl Bounds {
         let radius = wheels.radius_right_m.min(wheels.radius_left_m);
         let half_track = 0.5 * wheels.track_m;
         let motor = base.hardware.map(|hardware| hardware.motor);
-        let believed = base.felt();
+        let believed = base.robot_with_rotors();
         let mass = believed.mass_kg + robot.mass_kg * (body.mass_factor - 1.0);
         let inertia = believed.inertia_kg_m2 + robot.inertia_kg_m2 * (body.inertia_factor - 1.0);
         let brake_s = core.motor().and_then(|motor| {

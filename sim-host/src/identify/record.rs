@@ -116,7 +116,7 @@ const PAUSE_S: f64 = 0.5;
 /// Duties row by row: levels of 30 to 80 % for 0.3 to 1 s, drawn by `seed`, joined by ramps.
 fn drive(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Vec<[f64; 2]> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let (robot, motor) = (base.felt(), &hardware.motor);
+    let (robot, motor) = (base.robot_with_rotors(), &hardware.motor);
     let r2 = robot.wheels.radius_right_m * robot.wheels.radius_left_m;
     let straight = 0.5 * robot.mass_kg * r2;
     let turning = 2.0 * robot.inertia_kg_m2 * r2 / robot.wheels.track_m.powi(2);

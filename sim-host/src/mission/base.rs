@@ -88,7 +88,7 @@ impl BaseSpec {
     }
 
     /// The robot as its wheels feel it: with the rotors of its motors.
-    pub fn felt(&self) -> Robot<f64> {
+    pub fn robot_with_rotors(&self) -> Robot<f64> {
         let rotor = |hardware: &Hardware| hardware.motor.rotor_at_wheel_kg_m2();
         let inertia = self.hardware.as_ref().map_or(0.0, rotor);
         self.robot.with_wheel_inertia(inertia)
@@ -109,7 +109,7 @@ impl BaseSpec {
 
     /// Limits for a reference, with room for feedback.
     pub fn reference_limits(&self) -> import::ReferenceLimits {
-        let (robot, limits) = (&self.felt(), &self.limits);
+        let (robot, limits) = (&self.robot_with_rotors(), &self.limits);
         let wheels = &robot.wheels;
         import::ReferenceLimits {
             max_speed: SHARE.speed * limits.speed,

@@ -151,17 +151,17 @@ impl<'q> Live<'q> {
         self.closed_loop.command(command)
     }
 
-    /// Picks the robot up, puts it down elsewhere, and says so to the base if it is to be `told`.
+    /// Picks the robot up, puts it down elsewhere, and says so to the base if it is `announced`.
     ///
     /// # Errors
     /// As [`command`](Self::command).
     pub fn place(
         &mut self,
         pose: Pose<f64>,
-        told: bool,
+        announced: bool,
     ) -> Result<Result<(), RejectReason>, ClosedLoopError> {
         self.closed_loop.world_mut().place(pose);
-        if !told {
+        if !announced {
             return Ok(Ok(()));
         }
         let pose: Pose<f32> = pose.cast();

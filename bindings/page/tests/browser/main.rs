@@ -336,13 +336,44 @@ fn what_is_broken_shows() {
     assert_eq!(browser.errors, Vec::<String>::new());
 }
 
-/// For the README, and to look at: `cargo test -p page --test browser -- --ignored pictures`.
+/// Mean lightness of a picture, 0 to 1, and the share of its pixels that are not as its corner.
+fn seen(path: &Path) -> (f64, f64) {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("written"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut bytes = vec![0; reader.output_buffer_size().expect("fits")];
+    let info = reader.next_frame(&mut bytes).expect("a picture");
+    let pixels: Vec<_> = bytes[..info.buffer_size()]
+        .chunks_exact(info.color_type.samples())
+        .collect();
+    let count = pixels.len() as f64;
+    let light: f64 = pixels.iter().map(|pixel| f64::from(pixel[1]) / 255.0).sum();
+    let drawn = pixels.iter().filter(|pixel| **pixel != pixels[0]).count();
+    (light / count, drawn as f64 / count)
+}
+
+/// The page as it is drawn, in light, in dark, on a phone, and with a board: none is blank, and dark is dark. To be looked at in `target/tmp/pictures`; `UPDATE_DOCS=1`
+/// puts the first one into the documents.
 #[test]
-#[ignore = "writes pictures"]
 fn pictures() {
     let _turn = one_at_a_time();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
     std::fs::create_dir_all(&folder).expect("a folder");
+    let take = |browser: &mut Chromium, name: &str| {
+        // A frame to draw in.
+        std::thread::sleep(Duration::from_millis(500));
+        let path = folder.join(format!("{name}.png"));
+        browser.picture(&path);
+        let (light, drawn) = seen(&path);
+        println!(
+            "{}: lightness {light:.2}, {:.0} % drawn",
+            path.display(),
+            1e2 * drawn
+        );
+        // Text and lines alone are a twentieth of a page.
+        assert!((0.05..0.95).contains(&drawn), "{name}: {drawn}");
+        (light, path)
+    };
+    let mut lightness = Vec::new();
     for (name, width, height, dark) in [
         ("light", 1280, 800, false),
         ("dark", 1280, 800, true),
@@ -351,20 +382,23 @@ fn pictures() {
         let mut browser = Chromium::open(width, height, dark);
         browser.go_to_file(page(), "");
         browser.evaluate(SCENE);
-        std::thread::sleep(Duration::from_millis(6000));
-        let path = folder.join(format!("{name}.png"));
-        browser.picture(&path);
-        println!("{}", path.display());
+        let (light, path) = take(&mut browser, name);
+        lightness.push(light);
+        if name == "light" && std::env::var_os("UPDATE_DOCS").is_some() {
+            let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/images/browser.png");
+            std::fs::copy(path, document).expect("written");
+        }
     }
+    assert!(
+        lightness[0] > 0.7 && lightness[1] < 0.3 && lightness[2] > 0.7,
+        "{lightness:?}"
+    );
     let mut browser = Chromium::open(1280, 800, false);
     browser.go_to_file(page(), "");
     served::plug_in(&mut browser, 6000);
     std::thread::sleep(Duration::from_millis(2000));
     browser.evaluate("fit(), touched = true");
-    let path = folder.join("board.png");
-    std::thread::sleep(Duration::from_millis(500));
-    browser.picture(&path);
-    println!("{}", path.display());
+    take(&mut browser, "board");
 }
 
 /// The paper's laws beside the default one, on a line with ice and a push.
