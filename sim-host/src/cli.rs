@@ -5,6 +5,7 @@ mod identify;
 
 use crate::bench_args::BenchArgs;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
+use crate::log_args::LogArgs;
 use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
 use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
@@ -71,7 +72,8 @@ pub enum Command {
     /// Writes NAME.svg, NAME.png and NAME.json; NAME.csv with --csv.
     ///
     /// Trajectory files are WPILib trajectory JSON, Choreo .traj of a differential drive, TUM poses,
-    /// or CSV with the header t,x,y,theta[,v,w[,a,alpha]]; the content tells. The robot starts at
+    /// or CSV with the header t,x,y,theta[,v,w[,a,alpha]]; the content tells. BAG.mcap:/topic takes the
+    /// poses of a bag of ROS 2. The robot starts at
     /// rest beside the path, follows, hands over by itself and parks at the last pose. If it does
     /// not park, the exit code is 1.
     #[command(after_help = "\
@@ -86,6 +88,8 @@ Examples:
         /// Write the trace of each run as CSV
         #[arg(long)]
         csv: bool,
+        #[command(flatten)]
+        log: LogArgs,
         #[command(flatten)]
         drive: DriveArgs,
     },
@@ -137,6 +141,8 @@ Examples:
         #[arg(long, value_enum, default_value_t = Link::Fifo)]
         link: Link,
         #[command(flatten)]
+        log: LogArgs,
+        #[command(flatten)]
         drive: DriveArgs,
     },
     /// Both cases of the paper under everything that is wrong with a real robot
@@ -164,7 +170,7 @@ Examples:
     /// every tick and the end: torques, type and time of what is found, the way of the stop, and that
     /// nothing moves that must not. Prints a table, writes faults.csv (a row for each run) and
     /// faults.json. Exit code 1 if a run breaks a rule. Runs on all processors; the results do not
-    /// depend on how many.
+    /// depend on how many. --log is of the run of --run, or else of the first that breaks a rule.
     #[command(after_help = "\
 Examples:
   sim-host faults --runs 10000 --seed 1
@@ -186,6 +192,8 @@ Examples:
         /// Bases with the gyro of parts/, which can fail as well
         #[arg(long)]
         gyro: bool,
+        #[command(flatten)]
+        log: LogArgs,
     },
     /// Find gains for a robot of your own
     ///
@@ -202,7 +210,8 @@ Examples:
     ///
     /// The paper's line and curve and a park, in worlds drawn around the robot of the file and at their
     /// corners. Every run has to park within 5 mm and 10 mrad of the true goal and be quiet there: if not,
-    /// the exit code is 1. Writes NAME-verify.csv, .json, and the worst run as .svg, .png and -worst.csv.
+    /// the exit code is 1. Writes NAME-verify.csv, .json, and the worst run as .svg, .png and
+    /// -worst.csv; --log is of that run.
     #[command(after_help = "\
 Examples:
   sim-host verify mine.toml
@@ -280,6 +289,8 @@ Examples:
     ///   current_right, current_left      optional, before the row's command acts
     ///   x, y, theta      optional external pose, cells empty where none came
     ///
+    /// A bag of ROS 2 (.mcap) has the same in topics; docs/logs.md says how they are read.
+    ///
     /// Commands and encoders alone fix neither lengths nor masses. docs/identify.md says what does,
     /// and what to drive.
     #[command(
@@ -289,6 +300,7 @@ Examples:
   sim-host identify drive.csv --counts-per-turn 2048
   sim-host identify drive.csv --counts-per-turn 2048 --latency 0.03 --known mass=9.8,gear=20
   sim-host identify drive.csv --known radius=0.08 --known track=0.35 --profile robot.toml
+  sim-host identify bag.mcap --topic torque=/commands --topic pose=/mocap --joints right,left
   sim-host identify --coverage bases/lab-10kg.toml --fresh     drives that nobody has seen"
     )]
     Identify(IdentifyArgs),

@@ -29,6 +29,8 @@ pub enum Cell {
     Single(f32),
     /// A float with an exponent.
     Scientific(f64),
+    /// A float with six decimals.
+    Fixed(f64),
     /// A count or a number of something.
     Whole(u64),
     /// 0 or 1.
@@ -44,6 +46,7 @@ impl std::fmt::Display for Cell {
             Self::Number(number) => number.fmt(f),
             Self::Single(number) => number.fmt(f),
             Self::Scientific(number) => write!(f, "{number:e}"),
+            Self::Fixed(number) => write!(f, "{number:.6}"),
             Self::Whole(number) => number.fmt(f),
             Self::Flag(flag) => u8::from(*flag).fmt(f),
             Self::Text(text) => f.write_str(text),
@@ -69,7 +72,9 @@ impl Cell {
     pub const fn kind(&self) -> Kind {
         match self {
             Self::Nothing(kind) => *kind,
-            Self::Number(_) | Self::Single(_) | Self::Scientific(_) => Kind::Number,
+            Self::Number(_) | Self::Single(_) | Self::Scientific(_) | Self::Fixed(_) => {
+                Kind::Number
+            }
             Self::Whole(_) => Kind::Whole,
             Self::Flag(_) => Kind::Flag,
             Self::Text(_) => Kind::Text,
@@ -103,10 +108,14 @@ as_cells! {
     str, Text, text => Cell::Text(text.to_owned());
     String, Text, text => Cell::Text(text.clone());
     Scientific, Number, number => Cell::Scientific(number.0);
+    Fixed, Number, number => Cell::Fixed(number.0);
 }
 
 /// A number that is written with an exponent.
 pub(crate) struct Scientific(pub(crate) f64);
+
+/// A number that is written with six decimals.
+pub(crate) struct Fixed(pub(crate) f64);
 
 impl<T: Field + ?Sized> Field for &T {
     const KIND: Kind = T::KIND;
@@ -121,6 +130,12 @@ impl<T: Field> Field for Option<T> {
     fn cell(&self) -> Cell {
         self.as_ref().map_or(Cell::Nothing(T::KIND), Field::cell)
     }
+}
+
+/// The fields of a row, with the names of their columns.
+pub(crate) fn fields<R>(columns: &[Column<R>], row: &R) -> Vec<(&'static str, Cell)> {
+    let fields = columns.iter().map(|(name, cell)| (*name, cell(row)));
+    fields.collect()
 }
 
 /// The names, in order.
@@ -183,6 +198,27 @@ impl Columns {
         names(&self.all())
     }
 
+    /// Rows with their fields, in the order of their names. What a whole base computed are singles here, as on its chip.
+    pub fn fields<'a>(
+        self,
+        lines: impl Iterator<Item = Line<'a>>,
+    ) -> impl Iterator<Item = (Line<'a>, Vec<(&'static str, Cell)>)> {
+        let columns = self.all();
+        lines.map(move |line| {
+            let mut fields = fields(&columns, &line);
+            if line.row.base.is_some() {
+                for (name, cell) in &mut fields {
+                    if let Cell::Number(number) = cell
+                        && is_computed(name)
+                    {
+                        *cell = Cell::Single(*number as f32);
+                    }
+                }
+            }
+            (line, fields)
+        })
+    }
+
     fn all<'a>(self) -> Vec<Column<Line<'a>>> {
         let columns = all_columns().into_iter();
         let kept = columns.filter(|(only, _)| only.is_none_or(|only| only == self));
@@ -191,10 +227,14 @@ impl Columns {
 }
 
 /// A row and its place in the trace.
-struct Line<'a> {
-    tick: usize,
-    row: &'a TraceRow,
-    handed_over: bool,
+#[derive(Clone, Copy, Debug)]
+pub struct Line<'a> {
+    /// Index in the trace.
+    pub tick: usize,
+    /// The row.
+    pub row: &'a TraceRow,
+    /// Parking took over in it.
+    pub handed_over: bool,
 }
 
 impl Line<'_> {
@@ -285,6 +325,13 @@ fn all_columns<'a>() -> [(Option<Columns>, Column<Line<'a>>); 63] {
         motion "cause" => l.row.base.map(|base| cause(&base.cause)),
         motion "fix" => l.row.base.map(|base| fix_name(&base.fix)),
     ]
+}
+
+/// A number that the controller computed in its own precision: not of the plant, nor of the reference, nor a pose, which
+/// before the first reading is that of the mission.
+fn is_computed(column: &str) -> bool {
+    let known = ["t", "x", "y", "theta", "v", "w"];
+    !known.contains(&column) && !column.ends_with("_r") && !column.ends_with("_m")
 }
 
 /// The unit of a column of a trace; empty for words, flags and numbers of something.

@@ -4,7 +4,7 @@ use crate::csv_out::Columns;
 use crate::drive::{FileError, FileRun, verdict};
 use crate::import::{FileVerdict, TimeScaling};
 use crate::mission::{BaseSpec, Mission};
-use crate::run::{self, RunError};
+use crate::run::{self, RunError, Watch};
 use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError};
 use crate::trace::Trace;
 use std::path::{Path, PathBuf};
@@ -23,6 +23,15 @@ pub enum JobError {
         path: PathBuf,
         /// Why.
         cause: std::io::Error,
+    },
+    /// A bag without poses that could be taken.
+    #[cfg(feature = "datalog")]
+    #[error("{}: {cause}", path.display())]
+    Bag {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: crate::datalog::read::ReadError,
     },
     /// A trajectory file that cannot be driven.
     #[error("{}: {cause}", path.display())]
@@ -132,9 +141,17 @@ impl Job {
     /// # Errors
     /// The first fault of the controller, with its time; parameters out of their range.
     pub fn run(&self) -> Result<Trace, RunError> {
+        self.run_watched(None)
+    }
+
+    /// As [`run`](Self::run), and `watch` sees every tick.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_watched(&self, watch: Watch<'_>) -> Result<Trace, RunError> {
         match self {
-            Self::Scenario(scenario) => run::run(scenario),
-            Self::Mission { mission, .. } => run::drive(mission),
+            Self::Scenario(scenario) => run::run_watched(scenario, watch),
+            Self::Mission { mission, .. } => run::drive_watched(mission, watch),
         }
     }
 
@@ -189,6 +206,10 @@ impl Content {
             let (file, text) = (format!("{}.toml", built_in.name), built_in.text.to_owned());
             return Ok(Self::Scenario { file, text });
         }
+        #[cfg(feature = "datalog")]
+        if let Some(bag) = Self::bag(path)? {
+            return Ok(bag);
+        }
         let bytes = std::fs::read(path).map_err(|cause| JobError::Read {
             path: path.to_owned(),
             cause,
@@ -211,6 +232,37 @@ impl Content {
                 bytes: error.into_bytes(),
             }),
         }
+    }
+}
+
+#[cfg(feature = "datalog")]
+impl Content {
+    /// A bag, or `BAG.mcap:/topic`, of which the poses are taken; none of anything else.
+    fn bag(path: &Path) -> Result<Option<Self>, JobError> {
+        use crate::datalog::read::is_bag;
+        let whole = path.to_string_lossy();
+        let named = whole.split_once(".mcap:").filter(|_| !path.exists());
+        let (file, topic) = match named {
+            Some((stem, topic)) => (PathBuf::from(format!("{stem}.mcap")), Some(topic)),
+            None => (path.to_owned(), None),
+        };
+        let Ok(bytes) = std::fs::read(&file) else {
+            // Who reads it next says why not.
+            return Ok(None);
+        };
+        if !is_bag(&bytes) {
+            return Ok(None);
+        }
+        let text = crate::import::bag_poses(&bytes, topic);
+        let text = text.map_err(|cause| JobError::Bag {
+            path: file.clone(),
+            cause,
+        })?;
+        let stem = file.file_stem().unwrap_or_default();
+        Ok(Some(Self::Trajectory {
+            name: stem.to_string_lossy().into_owned(),
+            bytes: text.into_bytes(),
+        }))
     }
 }
 

@@ -15,7 +15,7 @@
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
 //! | beside other laws | [`mod@bench`] |
-//! | report | [`metrics`], [`table`], [`csv_out`], [`record`]; `figure` with the feature `figures` |
+//! | report | [`metrics`], [`table`], [`csv_out`], [`record`]; `figure` with the feature `figures`, `datalog` with that |
 //!
 //! In a browser (`wasm32`) there are neither ports and emulators nor studies and their tables.
 //!
@@ -44,6 +44,8 @@ pub mod closed_loop;
 pub mod constants;
 pub mod controller_port;
 pub mod csv_out;
+#[cfg(feature = "datalog")]
+pub mod datalog;
 pub mod drive;
 #[cfg(feature = "figures")]
 pub mod figure;

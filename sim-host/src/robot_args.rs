@@ -1,5 +1,6 @@
 //! Arguments for a robot of one's own.
 
+use crate::log_args::LogArgs;
 use crate::seed_args::SeedArgs;
 use clap::Args;
 use std::num::{NonZeroU32, NonZeroU64};
@@ -34,6 +35,8 @@ pub struct VerifyArgs {
     /// Worlds that are drawn for each course and condition
     #[arg(long, value_name = "N", default_value = "10")]
     pub seeds: NonZeroU32,
+    #[command(flatten)]
+    pub log: LogArgs,
     #[command(flatten)]
     pub seed: SeedArgs,
 }

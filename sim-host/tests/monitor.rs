@@ -8,6 +8,7 @@ use protocol::{
     tick_flags,
 };
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use sim_host::datalog::read::Messages;
 use sim_host::monitor::{Log, Monitor, Port, Received, column_names};
 use std::fs::File;
 use std::io::{Read, Write};
@@ -252,6 +253,45 @@ fn the_program_listens_to_a_socket() {
         shown.contains("tick 3") && shown.contains("2 bad\n"),
         "{shown}"
     );
+}
+
+/// Left where `tests/logs/run` reads them with other people's readers.
+#[test]
+fn logs_of_a_board_have_every_report() {
+    let here = Path::new(env!("CARGO_TARGET_TMPDIR")).join("board-logs");
+    std::fs::create_dir_all(&here).expect("a directory");
+    for kind in ["mcap", "wpilog"] {
+        let (csv, log) = (format!("{kind}.csv"), format!("board.{kind}"));
+        // Sockets have short names only.
+        let line = tempfile::tempdir().expect("a directory");
+        let socket = line.path().join("uart");
+        let listener = UnixListener::bind(&socket).expect("bound");
+        let socket = socket.to_str().expect("UTF-8");
+        let arguments = [socket, "--seconds", "60", "--csv", &csv, "--log", &log];
+        let child = monitor(&here, &arguments)
+            .spawn()
+            .expect("the program runs");
+        let (mut board, _) = listener.accept().expect("connected");
+        board.write_all(&script()).expect("written");
+        drop(board);
+        let output = child.wait_with_output().expect("ends");
+        assert!(output.status.success(), "{output:?}");
+    }
+    let bag = std::fs::read(here.join("board.mcap")).expect("written");
+    let messages = Messages::read(&bag).expect("a bag");
+    assert_eq!(messages.cut, None);
+    let topics: Vec<_> = messages.topics().into_iter().map(|(t, _)| t).collect();
+    assert_eq!(
+        topics,
+        ["/diagnostics", "/joint_states", "/odom", "/report", "/tf"]
+    );
+    // All reports came within a tenth of a second, in which there is one odometry.
+    assert_eq!(messages.poses(Some("/odom")).expect("poses").len(), 1);
+
+    let output = monitor(&here, &["no-such", "--log", "board.bag"])
+        .output()
+        .expect("runs");
+    assert_eq!(output.status.code(), Some(1));
 }
 
 /// What is served beyond that is tested in browsers, with the page.

@@ -37,7 +37,7 @@ fn the_core_needs_numbers_and_queues_only() {
 /// Other front ends take the simulator without command line, figures and progress bars.
 #[test]
 fn the_simulator_is_a_library_without_its_command_line() {
-    let cli = ["clap", "indicatif", "kuva", "resvg"];
+    let cli = ["clap", "indicatif", "kuva", "mcap", "resvg"];
     let whole = built_of("sim-host", &[]);
     let library = built_of("sim-host", &["--no-default-features"]);
     for name in cli {

@@ -48,7 +48,7 @@ pub fn words<'py>(
 
 fn number(cell: &Cell) -> f64 {
     match cell {
-        Cell::Number(number) | Cell::Scientific(number) => *number,
+        Cell::Number(number) | Cell::Scientific(number) | Cell::Fixed(number) => *number,
         Cell::Single(number) => f64::from(*number),
         Cell::Whole(number) => *number as f64,
         Cell::Flag(flag) => f64::from(u8::from(*flag)),

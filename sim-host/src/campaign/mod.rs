@@ -38,7 +38,7 @@ pub use expected::{Clock, GYRO_ALSO, GYRO_RULES, KNOWN, Known, RULES, Rule, know
 pub use fault_injection::{FaultInjection, FaultInjectionKind};
 pub use outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 pub use plan::{Bases, Plan, Target};
-pub use report::{Record, TraceWriter, run_sheet, table, violation, write_runs};
+pub use report::{Record, TraceWriter, run_sheet, table, tick_fields, violation, write_runs};
 pub use run::{Mutation, Tick, run};
 pub use study::{NoTrouble, numbers, shard, study};
 pub use summary::{Cell, CellRecord, cells};

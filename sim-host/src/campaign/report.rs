@@ -3,7 +3,7 @@
 use super::outcome::{End, RunOutcome};
 use super::run::Tick;
 use super::summary::{Cell, CellRecord};
-use crate::csv_out::{Column, Sheet, columns, names, sheet, write_file, write_row};
+use crate::csv_out::{self, Column, Sheet, columns, fields, names, sheet, write_file, write_row};
 use crate::scenario::BASES;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
@@ -156,6 +156,11 @@ impl Record {
             cells: cells.iter().map(CellRecord::from).collect(),
         }
     }
+}
+
+/// The fields of a tick, as they stand in the trace of a run, with the names of their columns.
+pub fn tick_fields(tick: &Tick<'_, '_>) -> Vec<(&'static str, csv_out::Cell)> {
+    fields(&trace_columns(), &tick)
 }
 
 /// The trace of one run as CSV, a row for each tick.

@@ -1,5 +1,6 @@
 //! Arguments for chips and boards.
 
+use crate::log_args::LogArgs;
 use crate::seed_args::SeedArgs;
 use clap::{Args, ValueEnum};
 use firmware_demo::host::{LinkKind, Machine};
@@ -14,6 +15,8 @@ pub struct MonitorArgs {
     /// Write every report to this file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    #[command(flatten)]
+    pub log: LogArgs,
     /// Bits per second of a serial port
     #[arg(long, value_name = "N", default_value = "115200")]
     pub baud: u32,

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 /// What to identify from.
 #[derive(Clone, Debug, Args)]
 pub struct IdentifyArgs {
-    /// The log
-    #[arg(value_name = "LOG.csv", required_unless_present = "coverage")]
+    /// The log: CSV, or a bag of ROS 2 (.mcap)
+    #[arg(value_name = "LOG", required_unless_present = "coverage")]
     pub log: Option<PathBuf>,
     /// Encoder counts of one whole turn of the wheel (columns counts_...)
     #[arg(long, value_name = "N", value_parser = positive)]
@@ -29,6 +29,13 @@ pub struct IdentifyArgs {
     /// Update [robot], [motor], [battery] and [friction] of this base's file, or begin it, and print it
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
+    /// Of a bag (.mcap): the topic of angle, counts, torque, duty, voltage, supply, current or pose; else angles and
+    /// torques of /joint_states
+    #[arg(long, value_name = "NAME=/TOPIC")]
+    pub topic: Vec<String>,
+    /// Of a bag: the wheels' joints
+    #[arg(long, value_name = "RIGHT,LEFT", value_parser = two)]
+    pub joints: Option<[String; 2]>,
     /// Instead of a log: how often the intervals hold the true values of this base, on simulated drives of it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["log", "profile", "known", "counts_per_turn", "latency", "slow"])]
     pub coverage: Option<PathBuf>,
@@ -37,6 +44,11 @@ pub struct IdentifyArgs {
     pub runs: NonZeroUsize,
     #[command(flatten)]
     pub seed: SeedArgs,
+}
+
+fn two(text: &str) -> Result<[String; 2], String> {
+    let (right, left) = text.split_once(',').ok_or("must be two names")?;
+    Ok([right, left].map(str::to_owned))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -1,10 +1,12 @@
 //! Missions: `run`, and `check` and `compile` for trajectory files.
 
 use super::error::CommandError;
+use super::log::{finish, started};
 use super::write::Writer;
 use super::{note, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
+use crate::log_args::LogArgs;
 use sim_host::csv_out::Columns;
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun, summary, verdict};
 use sim_host::figure::Labelled;
@@ -37,16 +39,21 @@ pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
 pub fn run(
     mission: &Mission,
     file: Option<&Trajectory>,
-    csv: bool,
+    (csv, log): (bool, &LogArgs),
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
     announce(mission, file)?;
+    let (trace, pending) = started(log, Columns::Motion, &mission.base.name, |watch| {
+        run::drive_watched(mission, watch)
+    })?;
     let done = Done {
-        trace: run::drive(mission)?,
+        trace,
         label: "robot",
         chip: None,
     };
-    results(mission, file, &done, csv, writer)
+    let written = results(mission, file, &done, csv, writer);
+    finish(pending)?;
+    written
 }
 
 /// A mission that has been run.

@@ -101,6 +101,15 @@ pub enum CommandError {
         .0.join(", ")
     )]
     NotCovered(Vec<String>),
+    #[error(transparent)]
+    DataLog(#[from] sim_host::datalog::DataLogError),
+    #[error("{}: {cause}", path.display())]
+    Bag {
+        path: PathBuf,
+        cause: sim_host::datalog::read::ReadError,
+    },
+    #[error("--topic: {0}")]
+    Topic(String),
     #[error("cannot print: {0}")]
     Print(std::io::Error),
     #[error("the run has no ticks")]

@@ -4,11 +4,13 @@ use super::error::CommandError;
 use super::say;
 use super::write::Writer;
 use crate::cli::Output;
+use crate::log_args::LogArgs;
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_host::campaign::{
     Bases, Mutation, Plan, Record, TraceWriter, cells, known, numbers, run, study, table,
-    violation, write_runs,
+    tick_fields, violation, write_runs,
 };
+use sim_host::datalog::Source;
 use std::num::NonZeroU64;
 
 /// The files' name.
@@ -16,11 +18,18 @@ const NAME: &str = "faults";
 /// So many violations are printed; all are in the file.
 const PRINTED: usize = 20;
 
+/// The run that is looked at tick by tick, and where its log goes.
+#[derive(Clone, Copy)]
+pub struct One<'a> {
+    pub run: Option<u64>,
+    pub log: &'a LogArgs,
+}
+
 pub fn all(
     runs: NonZeroU64,
     seed: u64,
     only: &[String],
-    (run, gyro): (Option<u64>, bool),
+    (One { run, log }, gyro): (One<'_>, bool),
     output: &Output,
 ) -> Result<(), CommandError> {
     let bases = if gyro {
@@ -31,6 +40,7 @@ pub fn all(
     let writer = Writer::new(output)?;
     if let Some(number) = run {
         trace(&bases, seed, number, &writer)?;
+        log_of(log, &bases, seed, number)?;
     }
     let numbers = numbers(&bases, run.unwrap_or(0), runs.get(), only)?;
     // Hidden by itself where standard error is no terminal.
@@ -69,6 +79,15 @@ pub fn all(
             if gyro { " --gyro" } else { "" }
         ))?;
     }
+    if let (None, Some(path)) = (run, &log.log) {
+        match outcomes.iter().find(|outcome| outcome.end.is_err()) {
+            Some(first) => log_of(log, &bases, seed, first.run)?,
+            None => say(&format!(
+                "no run broke a rule: {} was not written\n",
+                path.display()
+            ))?,
+        }
+    }
     writer.rows(NAME, |out| write_runs(&outcomes, out))?;
     writer.json(NAME, &[Record::of(seed, &outcomes, &cells)])?;
     say(&format!(
@@ -101,6 +120,23 @@ fn trace(bases: &Bases, seed: u64, number: u64, writer: &Writer<'_>) -> Result<(
     })?;
     written.and_then(|()| rows.finish()).map_err(failed)?;
     writer.bytes(&name, &bytes)
+}
+
+/// Runs it again, with a log if one is asked for.
+fn log_of(asked: &LogArgs, bases: &Bases, seed: u64, number: u64) -> Result<(), CommandError> {
+    let plan = Plan::draw(bases, seed, number);
+    let robot = &bases.of(&plan).name;
+    let Some(mut log) = asked.begin(Source::Campaign, robot, 0.0)? else {
+        return Ok(());
+    };
+    let mut written = Ok(());
+    run(bases, &plan, &Mutation::None, |tick| {
+        if written.is_ok() {
+            written = log.add(&tick.into(), &tick_fields(tick));
+        }
+    })?;
+    written.and_then(|()| log.finish())?;
+    Ok(())
 }
 
 fn style() -> ProgressStyle {

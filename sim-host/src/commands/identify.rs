@@ -5,12 +5,13 @@ use super::say;
 use super::write::Writer;
 use crate::cli::{IdentifyArgs, Output};
 use serde::Serialize;
+use sim_host::datalog::read::{Messages, is_bag};
 use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
-use sim_host::identify::{Identified, Known, Log, Options, identify, report};
+use sim_host::identify::{Identified, Known, Log, Options, Topics, identify, report};
 use sim_host::mission::BaseSpec;
-use std::fs::{self, File};
-use std::io::{BufReader, ErrorKind};
+use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 pub fn run(arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
@@ -74,13 +75,15 @@ fn log(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), Com
         let text = fs::read_to_string(profile).unwrap_or_default();
         known.current_limit_a = profile::current_limit_a(&text);
     }
-    let file = File::open(path).map_err(|cause| read(path, cause))?;
-    let log = Log::read(BufReader::new(file), arguments.counts_per_turn).map_err(|cause| {
-        CommandError::Log {
+    let bytes = fs::read(path).map_err(|cause| read(path, cause))?;
+    let log = if is_bag(&bytes) {
+        of_bag(path, &bytes, arguments)?
+    } else {
+        Log::read(&bytes[..], arguments.counts_per_turn).map_err(|cause| CommandError::Log {
             path: path.to_owned(),
             cause,
-        }
-    })?;
+        })?
+    };
     let options = Options {
         known,
         latency_s: arguments.latency,
@@ -97,6 +100,27 @@ fn log(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), Com
         Some(path) => update(path, &found, options.known.gear),
         None => Ok(()),
     }
+}
+
+/// By the topics that are named, or the usual ones.
+fn of_bag(path: &Path, bytes: &[u8], arguments: &IdentifyArgs) -> Result<Log, CommandError> {
+    let mut topics = Topics::default();
+    for text in &arguments.topic {
+        topics.state(text).map_err(CommandError::Topic)?;
+    }
+    topics.joints = arguments.joints.clone();
+    let failed = |cause| CommandError::Bag {
+        path: path.to_owned(),
+        cause,
+    };
+    let messages = Messages::read(bytes).map_err(failed)?;
+    if let Some(why) = &messages.cut {
+        say(&format!(
+            "note: {} ends early, {why}; what is before is used\n",
+            path.display()
+        ))?;
+    }
+    Log::of_bag(&messages, &topics, arguments.counts_per_turn).map_err(failed)
 }
 
 /// Updates a base's file, or begins one; prints what stands there now and what is odd about it.

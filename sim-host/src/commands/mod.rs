@@ -8,6 +8,7 @@ mod error;
 mod faults;
 mod identify;
 mod list;
+mod log;
 mod monitor;
 mod pil;
 mod robot;
@@ -32,10 +33,15 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
     let output = cli.output();
     match cli.command() {
         Command::Paper => compare::paper(&PAPER, output),
-        Command::Run { files, csv, drive } => {
+        Command::Run {
+            files,
+            csv,
+            log,
+            drive,
+        } => {
             let base = drive::base(drive.base.as_deref())?;
             let jobs = drive::load_all(files, &drive.file_run(), &base)?;
-            run::all(&jobs, *csv, output)
+            run::all(&jobs, *csv, log, output)
         }
         Command::Check(arguments) => drive::check(arguments),
         Command::Compile(arguments) => drive::compile(arguments, output),
@@ -54,6 +60,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             files,
             machine,
             link,
+            log,
             drive,
         } => {
             let base = drive::base(drive.base.as_deref())?;
@@ -65,7 +72,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
                 machine: (*machine).into(),
                 link: (*link).into(),
             };
-            pil::all(&jobs, board, output)
+            pil::all(&jobs, board, log, output)
         }
         Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
         Command::Faults {
@@ -74,7 +81,11 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             only,
             run,
             gyro,
-        } => faults::all(*runs, seed.draw()?, only, (*run, *gyro), output),
+            log,
+        } => {
+            let one = faults::One { run: *run, log };
+            faults::all(*runs, seed.draw()?, only, (one, *gyro), output)
+        }
         Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {

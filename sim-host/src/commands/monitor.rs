@@ -4,23 +4,29 @@ use super::error::CommandError;
 use super::say;
 use crate::cli::MonitorArgs;
 use protocol::Command;
-use sim_host::monitor::{BoardServer, Log, Monitor, MonitorError, Port, Received};
+use sim_host::datalog::{DataLog, DataLogError, Sample, Source};
+use sim_host::monitor::{BoardServer, Log, Monitor, MonitorError, Port, Received, report_fields};
 use std::fs::File;
 use std::io::{IsTerminal as _, stdout};
-use std::path::Path;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// How often a terminal sees new numbers, and everything else a new line.
 const REDRAW: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(1));
 const POLL: Duration = Duration::from_secs(1);
+/// What Ctrl-C, the usual end of a monitor, may cost a log. Shorter chunks are larger in sum.
+const CHUNK: Duration = Duration::from_secs(1);
 /// Longest wait for bytes before the display and the end are looked at.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
     let mut port = Port::open(&arguments.port, arguments.baud)?;
-    let mut log = match &arguments.csv {
-        Some(path) => Some((open_log(path)?, path)),
-        None => None,
+    let mut logs = Logs {
+        csv: match &arguments.csv {
+            Some(path) => Some((open_log(path)?, path)),
+            None => None,
+        },
+        log: begin(arguments)?,
     };
     let server = serve(arguments)?;
     let terminal = stdout().is_terminal();
@@ -30,6 +36,7 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
     let mut buffer = [0; 4096];
     let start = Instant::now();
     let (mut next_line, mut next_poll) = (start + redraw, start);
+    let mut next_chunk = start + CHUNK;
     loop {
         let now = Instant::now();
         if arguments.poll && now >= next_poll {
@@ -39,6 +46,12 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         if now >= next_line {
             show(&monitor, terminal)?;
             next_line = now + redraw;
+        }
+        if let Some(log) = &mut logs.log
+            && now >= next_chunk
+        {
+            log.flush()?;
+            next_chunk = now + CHUNK;
         }
         let time_s = now.duration_since(start).as_secs_f64();
         if limit.is_some_and(|limit| time_s >= limit) {
@@ -53,12 +66,15 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
                 if let Some(server) = &server {
                     server.send(bytes);
                 }
-                take(&mut monitor, bytes, time_s, &mut log)?;
+                take(&mut monitor, bytes, time_s, &mut logs)?;
             }
         }
     }
     if let Some(server) = &server {
         server.end();
+    }
+    if let Some(log) = logs.log {
+        log.finish()?;
     }
     show(&monitor, terminal)?;
     let frames = monitor.frames();
@@ -86,19 +102,31 @@ fn serve(arguments: &MonitorArgs) -> Result<Option<BoardServer>, CommandError> {
     Ok(Some(server))
 }
 
+/// Files that grow with each report.
+struct Logs<'a> {
+    csv: Option<(Log<File>, &'a PathBuf)>,
+    log: Option<DataLog>,
+}
+
 fn take(
     monitor: &mut Monitor,
     bytes: &[u8],
     time_s: f64,
-    log: &mut Option<(Log<File>, &std::path::PathBuf)>,
+    logs: &mut Logs<'_>,
 ) -> Result<(), CommandError> {
     let mut written = Ok(());
+    let mut logged = Ok(());
     monitor.take(bytes, |report, latest| {
-        if let (Some((log, _)), Ok(())) = (&mut *log, &written) {
+        if let (Some((log, _)), Ok(())) = (&mut logs.csv, &written) {
             written = log.add(time_s, report, latest);
         }
+        if let (Some(log), Ok(())) = (&mut logs.log, &logged) {
+            let sample = Sample::of_board(time_s, report, latest);
+            logged = log.add(&sample, &report_fields(time_s, report, latest));
+        }
     });
-    if let Some((log, path)) = log {
+    logged?;
+    if let Some((log, path)) = &mut logs.csv {
         // At once: the usual end of a monitor is Ctrl-C.
         written
             .and_then(|()| log.flush())
@@ -116,6 +144,14 @@ fn show(monitor: &Monitor, terminal: bool) -> Result<(), CommandError> {
     } else {
         say(&format!("{line}\n"))
     }
+}
+
+/// Times are those of the day, so that it lies beside other logs of the same drive.
+fn begin(arguments: &MonitorArgs) -> Result<Option<DataLog>, DataLogError> {
+    let epoch = SystemTime::now().duration_since(UNIX_EPOCH);
+    let epoch_s = epoch.map_or(0.0, |epoch| epoch.as_secs_f64());
+    let port = arguments.port.display().to_string();
+    arguments.log.begin(Source::Board, &port, epoch_s)
 }
 
 fn open_log(path: &Path) -> Result<Log<File>, MonitorError> {

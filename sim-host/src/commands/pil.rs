@@ -2,9 +2,11 @@
 
 use super::drive::{self, Done};
 use super::error::CommandError;
+use super::log::watched;
 use super::write::Writer;
 use super::{say, warn};
 use crate::cli::Output;
+use crate::log_args::LogArgs;
 use firmware_demo::host::{LinkKind, Machine};
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
@@ -43,16 +45,20 @@ impl Board {
     }
 }
 
+/// Where the log of a run of that name goes.
+type LogOf<'a> = dyn Fn(&str) -> LogArgs + 'a;
+
 /// Flies all of them: scenarios of the paper's laws with its firmware, all else with the whole base.
-pub fn all(jobs: &[Job], board: Board, output: &Output) -> Result<(), CommandError> {
+pub fn all(jobs: &[Job], board: Board, log: &LogArgs, output: &Output) -> Result<(), CommandError> {
+    let log = |name: &str| log.of_run(name, jobs.len());
     let writer = Writer::new(output)?;
     let scenarios: Vec<&Scenario> = jobs.iter().filter_map(Job::scenario).collect();
     let mut exact = true;
     if !scenarios.is_empty() {
-        exact &= law(&scenarios, board, &writer)?;
+        exact &= law(&scenarios, board, &log, &writer)?;
     }
     if scenarios.len() < jobs.len() {
-        exact &= base(jobs, board, &writer)?;
+        exact &= base(jobs, board, &log, &writer)?;
     }
     say(&format!("results are in {}\n", output.out.display()))?;
     if exact {
@@ -63,7 +69,12 @@ pub fn all(jobs: &[Job], board: Board, output: &Output) -> Result<(), CommandErr
 }
 
 /// Whether the whole base was bit-equal.
-fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, CommandError> {
+fn base(
+    jobs: &[Job],
+    board: Board,
+    log: &LogOf<'_>,
+    writer: &Writer<'_>,
+) -> Result<bool, CommandError> {
     let mut bench = BaseBench::start(board.machine, board.link)?;
     let image = bench.footprint()?;
     let mut exact = true;
@@ -74,7 +85,11 @@ fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, Command
         };
         let file = file.as_ref();
         drive::announce(mission, file)?;
-        let flight = bench.fly(mission)?;
+        let log = log(&mission.name);
+        let robot = &mission.base.name;
+        let flight = watched(&log, Columns::Motion, robot, |watch| {
+            bench.fly_watched(mission, watch)
+        })?;
         exact &= flight.parity.is_exact();
         let done = Done {
             trace: flight.trace,
@@ -106,14 +121,22 @@ fn base(jobs: &[Job], board: Board, writer: &Writer<'_>) -> Result<bool, Command
 }
 
 /// Whether the paper's law was bit-equal.
-fn law(scenarios: &[&Scenario], board: Board, writer: &Writer<'_>) -> Result<bool, CommandError> {
+fn law(
+    scenarios: &[&Scenario],
+    board: Board,
+    log: &LogOf<'_>,
+    writer: &Writer<'_>,
+) -> Result<bool, CommandError> {
     let mut bench = Bench::start(board.machine, board.link, true)?;
     let image = bench.footprint()?;
     let (mut exact, mut total) = (true, Total::default());
     for &scenario in scenarios {
         warn(scenario);
         note(scenario);
-        let flight = bench.fly(scenario)?;
+        let log = log(&scenario.name);
+        let flight = watched(&log, Columns::Paper, &scenario.name, |watch| {
+            bench.fly_watched(scenario, watch)
+        })?;
         exact &= flight.parity.is_exact();
         total.add(&flight);
         let chip = board.record(

@@ -1,24 +1,28 @@
 //! `run`.
 
 use super::error::CommandError;
+use super::log::{finish, started};
 use super::write::Writer;
-use super::{drive, say, simulate, warn};
+use super::{drive, say, warn};
 use crate::cli::Output;
+use crate::log_args::LogArgs;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::job::Job;
-use sim_host::record::Record;
+use sim_host::record::{Finished, Record};
+use sim_host::run::run_watched;
 use sim_host::table::{Column, side_by_side};
 
-pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError> {
+pub fn all(jobs: &[Job], csv: bool, log: &LogArgs, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
     // One that does not park does not keep the others from running.
     let mut not_parked = Ok(());
     for job in jobs {
+        let log = log.of_run(job.name(), jobs.len());
         let scenario = match job {
             Job::Scenario(scenario) => scenario,
             Job::Mission { mission, file } => {
-                match drive::run(mission, file.as_ref(), csv, &writer) {
+                match drive::run(mission, file.as_ref(), (csv, &log), &writer) {
                     Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
                     other => other?,
                 }
@@ -26,7 +30,10 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
             }
         };
         warn(scenario);
-        let run = simulate(scenario)?;
+        let (trace, pending) = started(&log, Columns::Paper, &scenario.name, |watch| {
+            run_watched(scenario, watch)
+        })?;
+        let run = Finished::scenario(scenario, trace).ok_or(CommandError::NoRows)?;
         let name = &scenario.name;
         let label = run.controller.law();
         say(&format!("{name}: {}\n", scenario.description))?;
@@ -38,6 +45,7 @@ pub fn all(jobs: &[Job], csv: bool, output: &Output) -> Result<(), CommandError>
         if csv {
             writer.csv(name, trace, Columns::Paper)?;
         }
+        finish(pending)?;
     }
     say(&format!("results are in {}\n", output.out.display()))?;
     not_parked

@@ -1,10 +1,12 @@
 //! `verify`.
 
 use super::error::CommandError;
+use super::log::watched;
 use super::robot::load;
 use super::write::Writer;
 use super::{robustness, say};
 use crate::cli::Output;
+use crate::log_args::LogArgs;
 use crate::robot_args::VerifyArgs;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -53,7 +55,7 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
     say(&format!("{}\n", verdict(&verification)))?;
     say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
     let name = format!("{}-verify", robot.name);
-    draw_worst(&verification, &robot, &name, &writer)?;
+    draw_worst(&verification, &robot, (&name, &arguments.log), &writer)?;
     let record = Record {
         robot: &robot.file,
         description: &base.name,
@@ -75,11 +77,13 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
 fn draw_worst(
     verification: &Verification,
     robot: &RobotFile,
-    name: &str,
+    (name, log): (&str, &LogArgs),
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
     let worst = verification.worst().ok_or(CommandError::NoRows)?;
-    let trace = worst.again(&robot.base)?;
+    let trace = watched(log, Columns::Motion, &robot.base.name, |watch| {
+        worst.again_watched(&robot.base, watch)
+    })?;
     let reason = shortcoming(&worst.figures).map_or_else(String::new, |r| format!(", fails: {r}"));
     let what = format!(
         "{}, {}, seed {}{reason}",

@@ -15,6 +15,8 @@
 //!
 //! `docs/identify.md` has the columns and the drive to record.
 
+#[cfg(feature = "datalog")]
+mod bag;
 mod combine;
 mod correlation;
 pub mod coverage;
@@ -38,6 +40,8 @@ pub mod structure;
 mod verdict;
 mod wheels;
 
+#[cfg(feature = "datalog")]
+pub use bag::Topics;
 pub use kinematics::WINDOW_S;
 pub use log::{Drive, Fix, Log, LogError};
 pub use quantity::{Known, KnownError, Quantity, Stated};

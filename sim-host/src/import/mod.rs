@@ -30,6 +30,8 @@
 //! Files up to [`MAX_BYTES`] with up to [`MAX_SAMPLES`] samples are read; time and memory are
 //! linear in both. No input makes a panic.
 
+#[cfg(feature = "datalog")]
+mod bag;
 mod choreo;
 mod columns;
 mod compact;
@@ -53,6 +55,8 @@ mod tum;
 mod verdict;
 mod wpilib;
 
+#[cfg(feature = "datalog")]
+pub use bag::bag_poses;
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
 pub use format::Format;

@@ -1,7 +1,7 @@
 //! Reports as CSV.
 
 use super::LatestTelemetry;
-use crate::csv_out::{Column, columns, names, write_row};
+use crate::csv_out::{Cell, Column, Fixed, columns, fields, names, write_row};
 use controller_core::safety::FaultKind;
 use protocol::{BaseTick, tick_flags};
 use std::io::Write;
@@ -40,7 +40,7 @@ impl Row<'_> {
 /// `active_faults` are the faults of the tick, joined by `+`; `ignored_faults` is how many were ignored since power-on.
 fn columns<'a>() -> [Column<Row<'a>>; 38] {
     columns![row;
-        "time_s" => format!("{:.6}", row.time_s),
+        "time_s" => Fixed(row.time_s),
         "tick" => row.tick.tick,
         "state" => format!("{:?}", row.tick.state),
         "cause" => row.cause(),
@@ -84,6 +84,20 @@ fn columns<'a>() -> [Column<Row<'a>>; 38] {
 /// The names of the columns, in order.
 pub fn column_names() -> Vec<&'static str> {
     names(&columns())
+}
+
+/// The fields of a report, as they stand in the file, with the names of their columns.
+pub fn report_fields(
+    time_s: f64,
+    tick: &BaseTick,
+    latest: &LatestTelemetry,
+) -> Vec<(&'static str, Cell)> {
+    let row = Row {
+        time_s,
+        tick,
+        latest,
+    };
+    fields(&columns(), &row)
 }
 
 /// A CSV file that grows by a row with each report.

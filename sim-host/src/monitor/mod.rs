@@ -12,7 +12,7 @@ mod port;
 mod serve;
 
 pub use decode::{LatestTelemetry, Monitor};
-pub use log::{Log, column_names};
+pub use log::{Log, column_names, report_fields};
 #[cfg(not(target_family = "wasm"))]
 pub use {
     port::{Port, Received},

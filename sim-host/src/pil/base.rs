@@ -5,7 +5,7 @@ use super::cost::Spread;
 use super::{Parity, PilError};
 use crate::closed_loop::{Mirror, MirrorError};
 use crate::mission::Mission;
-use crate::run::fly;
+use crate::run::{Watch, fly};
 use crate::trace::Trace;
 use crate::world::{WorldKeys, WorldSetup};
 use controller_core::base::BaseParams;
@@ -78,6 +78,18 @@ impl BaseBench {
     /// # Errors
     /// Parameters that the base refuses, or a failed link.
     pub fn fly(&mut self, mission: &Mission) -> Result<BaseFlight, PilError> {
+        self.fly_watched(mission, None)
+    }
+
+    /// As [`fly`](Self::fly), and `watch` sees every tick.
+    ///
+    /// # Errors
+    /// As [`fly`](Self::fly).
+    pub fn fly_watched(
+        &mut self,
+        mission: &Mission,
+        watch: Watch<'_>,
+    ) -> Result<BaseFlight, PilError> {
         let perfect = || WorldSetup {
             world: WorldKeys::default(),
             seed: 1,
@@ -89,7 +101,7 @@ impl BaseBench {
             cost: BaseCost::default(),
         };
         let start = Instant::now();
-        let trace = fly(mission, &setup, &mut mirror).map_err(|cause| PilError::Base {
+        let trace = fly(mission, &setup, &mut mirror, watch).map_err(|cause| PilError::Base {
             name: mission.name.clone(),
             cause,
         })?;

@@ -2,7 +2,7 @@
 
 use super::setup::explain;
 use super::{Cost, FIRMWARE, Footprint, OnChip, Parity, PilError};
-use crate::run::run_with;
+use crate::run::{Watch, run_with_watched};
 use crate::scenario::Scenario;
 use crate::trace::Trace;
 use firmware_demo::host::{Chip, ChipError, ChipLink, EmulatorOutcome, LinkKind, Machine, Options};
@@ -126,6 +126,18 @@ impl Bench {
     /// # Errors
     /// A law that the firmware does not have, a fault of the controller, or a failed link.
     pub fn fly(&mut self, scenario: &Scenario) -> Result<Flight, PilError> {
+        self.fly_watched(scenario, None)
+    }
+
+    /// As [`fly`](Self::fly), and `watch` sees every tick.
+    ///
+    /// # Errors
+    /// As [`fly`](Self::fly).
+    pub fn fly_watched(
+        &mut self,
+        scenario: &Scenario,
+        watch: Watch<'_>,
+    ) -> Result<Flight, PilError> {
         let asked = &scenario.controller;
         if asked.kind != FIRMWARE.kind || asked.parking != FIRMWARE.parking {
             return Err(PilError::Law(scenario.name.clone()));
@@ -138,7 +150,7 @@ impl Bench {
         self.chip.configure(&params)?;
         let mut controller = OnChip::new(&mut self.chip, validated);
         let start = Instant::now();
-        let trace = run_with(scenario, &mut controller)?;
+        let trace = run_with_watched(scenario, &mut controller, watch)?;
         Ok(Flight {
             trace,
             parity: *controller.parity(),

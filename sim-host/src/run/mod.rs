@@ -9,6 +9,7 @@ mod motion;
 mod paper_rival;
 mod recorder;
 mod rival;
+mod watch;
 mod world;
 
 pub(crate) use law::{Law, PaperLaw};
@@ -16,7 +17,8 @@ pub use live::{Live, LiveLaw};
 pub(crate) use motion::motion_law;
 pub(crate) use rival::{Driver, body};
 // What only studies take.
-pub use world::{drive_and_observe, fly};
+pub use watch::{Seen, Watch, WheelStates};
+pub use world::{drive_and_observe, drive_and_observe_watched, fly};
 #[cfg(not(target_family = "wasm"))]
 pub(crate) use {motion::MotionLaw, paper_rival::PaperRival, rival::RivalLaw, world::ride};
 
@@ -72,9 +74,17 @@ const OBSERVE_S: f64 = 1.0;
 /// # Errors
 /// The first fault of the controller, with its time.
 pub fn run(scenario: &Scenario) -> Result<Trace, RunError> {
+    run_watched(scenario, None)
+}
+
+/// As [`run`], and `watch` sees every tick.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(scenario: &Scenario, watch: Watch<'_>) -> Result<Trace, RunError> {
     let controller = controller_port::for_scenario(scenario);
     let mut controller = controller.map_err(|cause| refused(&scenario.name, cause))?;
-    run_with(scenario, controller.as_mut())
+    run_with_watched(scenario, controller.as_mut(), watch)
 }
 
 /// Runs a scenario with any controller.
@@ -85,9 +95,22 @@ pub fn run_with(
     scenario: &Scenario,
     controller: &mut dyn ControllerPort,
 ) -> Result<Trace, RunError> {
+    run_with_watched(scenario, controller, None)
+}
+
+/// As [`run_with`], and `watch` sees every tick.
+///
+/// # Errors
+/// As [`run_with`].
+pub fn run_with_watched(
+    scenario: &Scenario,
+    controller: &mut dyn ControllerPort,
+    watch: Watch<'_>,
+) -> Result<Trace, RunError> {
     let mission = scenario.mission(scenario.believed_base());
     let sequencer = Sequencer::new(&mission, AccelerationAt::Tick);
-    on_ideal_plant(&mission, sequencer, &mut PaperLaw::new(controller))
+    let mut law = PaperLaw::new(controller);
+    Ok(recorded(&mission, sequencer, &mut law, Keep::All(watch))?.trace)
 }
 
 /// Runs a mission with the default law: in its world if it has one, else on the ideal plant.
@@ -95,7 +118,15 @@ pub fn run_with(
 /// # Errors
 /// The first fault of the controller, with its time; parameters out of their range.
 pub fn drive(mission: &Mission) -> Result<Trace, RunError> {
-    Ok(driven(mission, Keep::All)?.trace)
+    drive_watched(mission, None)
+}
+
+/// As [`drive`], and `watch` sees every tick.
+///
+/// # Errors
+/// As [`drive`].
+pub fn drive_watched(mission: &Mission, watch: Watch<'_>) -> Result<Trace, RunError> {
+    Ok(driven(mission, Keep::All(watch))?.trace)
 }
 
 /// How a run ended, without the way there.
@@ -122,7 +153,7 @@ pub fn finish(mission: &Mission) -> Result<Option<Finish>, RunError> {
     }))
 }
 
-fn driven(mission: &Mission, keep: Keep) -> Result<Recorder, RunError> {
+fn driven<'w>(mission: &Mission, keep: Keep<'w>) -> Result<Recorder<'w>, RunError> {
     if let Some(setup) = &mission.setup {
         return world::run(mission, setup, (None, None), (OBSERVE_S, keep)).map_err(|cause| {
             RunError::ClosedLoop {
@@ -151,15 +182,15 @@ pub(crate) fn on_ideal_plant(
     sequencer: Sequencer<'_>,
     law: &mut dyn Law,
 ) -> Result<Trace, RunError> {
-    Ok(recorded(mission, sequencer, law, Keep::All)?.trace)
+    Ok(recorded(mission, sequencer, law, Keep::All(None))?.trace)
 }
 
-fn recorded(
+fn recorded<'w>(
     mission: &Mission,
     mut sequencer: Sequencer<'_>,
     law: &mut dyn Law,
-    keep: Keep,
-) -> Result<Recorder, RunError> {
+    keep: Keep<'w>,
+) -> Result<Recorder<'w>, RunError> {
     let dt = mission.period_s;
     let ticks = (mission.longest_s() / dt).round() as usize;
     let mut plant = Plant::new(mission.robot, &mission.start);
@@ -199,7 +230,7 @@ fn recorded(
             paper: computed.paper,
             base: None,
         };
-        if recorder.ends_with(row, hand_over) {
+        if recorder.ends_with(row, hand_over, orders.measured, || None) {
             break;
         }
         plant.advance(&computed.report.torques, dt);

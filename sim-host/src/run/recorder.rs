@@ -1,32 +1,34 @@
 //! Collects the rows of a run and says when it has ended.
 
+use super::watch::{Seen, Watch};
+use crate::csv_out::Line;
 use crate::mission::Mission;
 use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::motion::Outcome;
 use controller_core::safety::supervisor::State;
+use controller_core::types::Measured;
 
-pub(super) struct Recorder {
+pub(super) struct Recorder<'w> {
     pub(super) trace: Trace,
     /// For how long a parked robot is observed \[s\].
     observe_s: f64,
     last_event_s: f64,
     pub(super) parked_since: Option<f64>,
-    keep: Keep,
+    keep: Keep<'w>,
     /// Rows taken.
     pub(super) ticks: usize,
 }
 
 /// What of a run is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Keep {
-    /// Every row.
-    All,
+pub(super) enum Keep<'w> {
+    /// Every row, which somebody may see as it comes.
+    All(Watch<'w>),
     /// The last row, for runs by the thousand.
     Last,
 }
 
-impl Recorder {
-    pub(super) fn new(mission: &Mission, observe_s: f64, keep: Keep) -> Self {
+impl<'w> Recorder<'w> {
+    pub(super) fn new(mission: &Mission, observe_s: f64, keep: Keep<'w>) -> Self {
         Self {
             trace: Trace {
                 period_s: mission.period_s,
@@ -41,7 +43,15 @@ impl Recorder {
     }
 
     /// Takes a row. The run ends with it if the base stopped or failed for good, or has been parked for long enough.
-    pub(super) fn ends_with(&mut self, row: TraceRow, hand_over: Option<HandOver>) -> bool {
+    ///
+    /// `measured` and `wheels` are for who watches.
+    pub(super) fn ends_with(
+        &mut self,
+        row: TraceRow,
+        hand_over: Option<HandOver>,
+        measured: Measured<f64>,
+        wheels: impl FnOnce() -> Option<super::WheelStates>,
+    ) -> bool {
         let (parked, stopped) = match row.base.map(|base| base.state) {
             Some(state) => (
                 state == State::Parked,
@@ -51,8 +61,18 @@ impl Recorder {
         };
         self.parked_since = parked.then(|| self.parked_since.unwrap_or(row.t));
         self.trace.hand_over = hand_over.or(self.trace.hand_over);
-        if self.keep == Keep::Last {
-            self.trace.rows.clear();
+        match &mut self.keep {
+            Keep::Last => self.trace.rows.clear(),
+            Keep::All(None) => {}
+            Keep::All(Some(watch)) => watch(&Seen {
+                line: Line {
+                    tick: self.ticks,
+                    row: &row,
+                    handed_over: hand_over.is_some(),
+                },
+                measured,
+                wheels: wheels(),
+            }),
         }
         self.trace.rows.push(row);
         self.ticks += 1;

@@ -3,6 +3,7 @@
 use super::Driver;
 use super::OBSERVE_S;
 use super::recorder::{Keep, Recorder};
+use super::watch::{Watch, WheelStates};
 use crate::closed_loop::{ClosedLoop, ClosedLoopError, Mirror, order};
 use crate::mission::{AccelerationAt, Mission, Sequencer};
 use crate::trace::{BaseNote, HandOver, Trace, TraceRow};
@@ -27,10 +28,24 @@ pub fn drive_and_observe(
     setup: &WorldSetup,
     observe_s: f64,
 ) -> Result<Trace, ClosedLoopError> {
-    Ok(run(mission, setup, (None, None), (observe_s, Keep::All))?.trace)
+    drive_and_observe_watched(mission, setup, observe_s, None)
 }
 
-/// As [`super::drive`], with the same base somewhere else whose motors move the plant.
+/// As [`drive_and_observe`], and `watch` sees every tick.
+///
+/// # Errors
+/// As [`drive_and_observe`].
+pub fn drive_and_observe_watched(
+    mission: &Mission,
+    setup: &WorldSetup,
+    observe_s: f64,
+    watch: Watch<'_>,
+) -> Result<Trace, ClosedLoopError> {
+    let keep = Keep::All(watch);
+    Ok(run(mission, setup, (None, None), (observe_s, keep))?.trace)
+}
+
+/// As [`super::drive_watched`], with the same base somewhere else whose motors move the plant.
 ///
 /// # Errors
 /// Parameters out of their range, or no answer from there.
@@ -38,8 +53,10 @@ pub fn fly(
     mission: &Mission,
     setup: &WorldSetup,
     mirror: &mut dyn Mirror,
+    watch: Watch<'_>,
 ) -> Result<Trace, ClosedLoopError> {
-    Ok(run(mission, setup, (Some(mirror), None), (OBSERVE_S, Keep::All))?.trace)
+    let keep = Keep::All(watch);
+    Ok(run(mission, setup, (Some(mirror), None), (OBSERVE_S, keep))?.trace)
 }
 
 /// As [`drive_and_observe`], with a rival's wishes in place of the default law's.
@@ -52,15 +69,16 @@ pub(crate) fn ride(
     driver: &mut Driver,
     observe_s: f64,
 ) -> Result<Trace, ClosedLoopError> {
-    Ok(run(mission, setup, (None, Some(driver)), (observe_s, Keep::All))?.trace)
+    let keep = Keep::All(None);
+    Ok(run(mission, setup, (None, Some(driver)), (observe_s, keep))?.trace)
 }
 
-pub(super) fn run(
+pub(super) fn run<'w>(
     mission: &Mission,
     setup: &WorldSetup,
     (mirror, mut driver): (Option<&mut dyn Mirror>, Option<&mut Driver>),
-    (observe_s, keep): (f64, Keep),
-) -> Result<Recorder, ClosedLoopError> {
+    (observe_s, keep): (f64, Keep<'w>),
+) -> Result<Recorder<'w>, ClosedLoopError> {
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let mirror = mirror.map(|mirror| mirror as _);
     let mut closed_loop = ClosedLoop::new(queue.split().1, mission, setup, mirror)?;
@@ -88,7 +106,10 @@ pub(super) fn run(
             row: recorder.ticks,
             ..hand_over
         });
-        if recorder.ends_with(row, hand_over) {
+        let measured = closed_loop.report().measured;
+        let measured = measured.map_or(mission.start, |measured| measured.cast());
+        let wheels = || WheelStates::of(closed_loop.world());
+        if recorder.ends_with(row, hand_over, measured, wheels) {
             break;
         }
     }

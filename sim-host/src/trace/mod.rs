@@ -2,7 +2,7 @@
 
 mod note;
 
-pub use note::{BaseNote, cause, fix_name, state_name};
+pub use note::{BaseNote, cause, fix_name, has_stopped, state_name};
 
 use controller_core::motion::{Mode, MotionReport};
 use controller_core::paper::report::NeuronStates;

@@ -23,11 +23,16 @@ pub struct BaseNote {
 impl BaseNote {
     /// The base is coming to a stop that nobody asked for, or has come to one.
     pub const fn has_stopped(&self) -> bool {
-        matches!(
-            self.state,
-            State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault
-        )
+        has_stopped(self.state)
     }
+}
+
+/// A base in this state is coming to a stop that nobody asked of its law, or has come to one.
+pub const fn has_stopped(state: State) -> bool {
+    matches!(
+        state,
+        State::Stopping(_) | State::Braking(_) | State::Stopped | State::Fault
+    )
 }
 
 /// One word for a state.

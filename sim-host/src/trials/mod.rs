@@ -13,7 +13,7 @@ pub use floor::{Condition, setup};
 
 use crate::closed_loop::ClosedLoopError;
 use crate::mission::Mission;
-use crate::run::drive_and_observe;
+use crate::run::{Watch, drive_and_observe_watched};
 use crate::trace::Trace;
 use crate::world::WorldSetup;
 
@@ -22,7 +22,19 @@ use crate::world::WorldSetup;
 /// # Errors
 /// Parameters out of their range.
 pub fn run(mission: &Mission, setup: &WorldSetup) -> Result<(Trace, Figures), ClosedLoopError> {
-    let trace = drive_and_observe(mission, setup, REST_S)?;
+    run_watched(mission, setup, None)
+}
+
+/// As [`run`], and `watch` sees every tick.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(
+    mission: &Mission,
+    setup: &WorldSetup,
+    watch: Watch<'_>,
+) -> Result<(Trace, Figures), ClosedLoopError> {
+    let trace = drive_and_observe_watched(mission, setup, REST_S, watch)?;
     let figures = Figures::of(mission, &trace);
     Ok((trace, figures))
 }

@@ -4,6 +4,7 @@ use super::{badness, grid, shortcoming};
 use crate::closed_loop::ClosedLoopError;
 use crate::mission::{BaseSpec, Mission};
 use crate::rate::Rate;
+use crate::run::Watch;
 use crate::trace::Trace;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
@@ -96,7 +97,7 @@ pub fn verify(
         let runs = seeds.map(|k| {
             let seed = first.wrapping_add(k);
             begun();
-            let (_, figures) = run(&mission, course, condition, seed)?;
+            let (_, figures) = run(&mission, course, condition, seed, None)?;
             Ok(Run {
                 course,
                 condition,
@@ -118,9 +119,10 @@ fn run(
     course: Course,
     condition: Condition,
     seed: u64,
+    watch: Watch<'_>,
 ) -> Result<(Trace, Figures), VerifyError> {
     let setup = trials::setup(&mission.base, condition, seed);
-    trials::run(mission, &setup).map_err(|cause| VerifyError {
+    trials::run_watched(mission, &setup, watch).map_err(|cause| VerifyError {
         course: course.name(),
         condition: condition.name(),
         cause,
@@ -171,8 +173,17 @@ impl Run {
     /// # Errors
     /// None that the run itself did not have.
     pub fn again(&self, base: &BaseSpec) -> Result<Trace, VerifyError> {
+        self.again_watched(base, None)
+    }
+
+    /// As [`again`](Self::again), and `watch` sees every tick.
+    ///
+    /// # Errors
+    /// As [`again`](Self::again).
+    pub fn again_watched(&self, base: &BaseSpec, watch: Watch<'_>) -> Result<Trace, VerifyError> {
         let mission = self.course.mission(base);
-        run(&mission, self.course, self.condition, self.seed).map(|(trace, _)| trace)
+        let again = run(&mission, self.course, self.condition, self.seed, watch);
+        again.map(|(trace, _)| trace)
     }
 }
 

@@ -196,6 +196,11 @@ impl World {
         self.senses.current_a
     }
 
+    /// Counts of one whole turn of a wheel.
+    pub const fn counts_per_turn(&self) -> f64 {
+        self.senses.counts_per_turn()
+    }
+
     /// True wheel speeds \[rad/s\].
     pub fn wheel_speeds(&self) -> WheelSpeeds<f64> {
         let [right, left] = self.body.omega;

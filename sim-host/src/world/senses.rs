@@ -129,6 +129,10 @@ impl Senses {
         }
     }
 
+    pub(super) const fn counts_per_turn(&self) -> f64 {
+        self.encoder.counts_per_turn
+    }
+
     fn count(&mut self, angle: [f64; 2], faults: &PlantFaults) {
         for (i, angle) in angle.into_iter().enumerate() {
             let edges = (angle / TAU * self.encoder.counts_per_turn).floor() as i64;
