@@ -4,6 +4,7 @@ mod bench_args;
 mod cli;
 mod commands;
 mod drive_args;
+mod part_args;
 mod robot_args;
 mod seed_args;
 

@@ -1,15 +1,14 @@
 //! `faults`.
 
 use super::error::CommandError;
-use super::say;
 use super::write::Writer;
+use super::{part, say};
 use crate::cli::Output;
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::part_args::PartArgs;
 use sim_host::campaign::{
-    Bases, Mutation, Plan, Record, TraceWriter, cells, known, numbers, run, study, table,
+    Bases, Campaign, Mutation, Plan, Record, RunOutcome, TraceWriter, cells, known, run, table,
     violation, write_runs,
 };
-use std::num::NonZeroU64;
 
 /// The files' name.
 const NAME: &str = "faults";
@@ -17,28 +16,36 @@ const NAME: &str = "faults";
 const PRINTED: usize = 20;
 
 pub fn all(
-    runs: NonZeroU64,
-    seed: u64,
-    only: &[String],
-    (run, gyro): (Option<u64>, bool),
+    campaign: &Campaign,
+    run: Option<u64>,
+    how: &PartArgs,
     output: &Output,
 ) -> Result<(), CommandError> {
-    let bases = if gyro {
-        Bases::with_gyro()
-    } else {
-        Bases::built_in()
-    }?;
-    let writer = Writer::new(output)?;
     if let Some(number) = run {
-        trace(&bases, seed, number, &writer)?;
+        if how.shard.is_some() {
+            return Err(CommandError::NotInParts("--run"));
+        }
+        trace(
+            &campaign.numbers()?.0,
+            campaign.seed,
+            number,
+            &Writer::new(output)?,
+        )?;
     }
-    let numbers = numbers(&bases, run.unwrap_or(0), runs.get(), only)?;
-    // Hidden by itself where standard error is no terminal.
-    let bar = ProgressBar::new(runs.get()).with_style(style());
-    let outcomes = study(&bases, seed, numbers, &Mutation::None, || bar.inc(1));
-    bar.finish_and_clear();
-    let outcomes = outcomes?;
-    let cells = cells(&outcomes, None);
+    part::run(campaign, how, output, |outcomes| {
+        report(campaign, &outcomes, output)
+    })
+}
+
+/// Prints and writes what a campaign says.
+pub fn report(
+    campaign: &Campaign,
+    outcomes: &[RunOutcome],
+    output: &Output,
+) -> Result<(), CommandError> {
+    let writer = Writer::new(output)?;
+    let seed = campaign.seed;
+    let cells = cells(outcomes, None);
     say(&format!("seed {seed}\n"))?;
     say(&format!("{}\n", table(&cells)))?;
     say(
@@ -47,7 +54,7 @@ pub fn all(
          parked off: farthest from the goal that a base truly was that said it was parked.\n\n",
     )?;
     let mut worse = 0;
-    for (known, rate) in known(&outcomes) {
+    for (known, rate) in known(outcomes) {
         let holds = known.holds(&rate);
         worse += usize::from(!holds);
         say(&format!(
@@ -66,11 +73,11 @@ pub fn all(
         let run = first.run;
         say(&format!(
             "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}{}\n\n",
-            if gyro { " --gyro" } else { "" }
+            if campaign.gyro { " --gyro" } else { "" }
         ))?;
     }
-    writer.rows(NAME, |out| write_runs(&outcomes, out))?;
-    writer.json(NAME, &[Record::of(seed, &outcomes, &cells)])?;
+    writer.rows(NAME, |out| write_runs(outcomes, out))?;
+    writer.json(NAME, &[Record::of(seed, outcomes, &cells)])?;
     say(&format!(
         "{} of {} runs against the rules; results are in {}\n",
         violations.len(),
@@ -101,9 +108,4 @@ fn trace(bases: &Bases, seed: u64, number: u64, writer: &Writer<'_>) -> Result<(
     })?;
     written.and_then(|()| rows.finish()).map_err(failed)?;
     writer.bytes(&name, &bytes)
-}
-
-fn style() -> ProgressStyle {
-    let template = "{wide_bar} {pos} of {len} runs, {eta} to go";
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }

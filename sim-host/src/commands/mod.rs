@@ -9,6 +9,7 @@ mod faults;
 mod identify;
 mod list;
 mod monitor;
+mod part;
 mod pil;
 mod robot;
 mod robustness;
@@ -21,8 +22,10 @@ mod write;
 use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
+use sim_host::campaign::Campaign;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::record::Finished;
+use sim_host::robustness::Robustness;
 use sim_host::scenario::{PAPER, Scenario};
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
@@ -67,14 +70,31 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             };
             pil::all(&jobs, board, output)
         }
-        Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
+        Command::Robustness { seeds, only, part } => {
+            let study = Robustness {
+                seeds: *seeds,
+                only: only.clone(),
+            };
+            robustness::all(&study, part, output)
+        }
         Command::Faults {
             runs,
             seed,
             only,
             run,
             gyro,
-        } => faults::all(*runs, seed.draw()?, only, (*run, *gyro), output),
+            part,
+        } => {
+            let campaign = Campaign {
+                runs: runs.get(),
+                seed: part::seed(seed, part)?,
+                only: only.clone(),
+                gyro: *gyro,
+                first: run.unwrap_or(0),
+            };
+            faults::all(&campaign, *run, part, output)
+        }
+        Command::Merge(arguments) => part::merge(arguments, output),
         Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {

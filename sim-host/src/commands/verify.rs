@@ -3,16 +3,16 @@
 use super::error::CommandError;
 use super::robot::load;
 use super::write::Writer;
-use super::{robustness, say};
+use super::{part, say};
 use crate::cli::Output;
 use crate::robot_args::VerifyArgs;
-use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::job::RobotFile;
+use sim_host::part::Study as _;
 use sim_host::verify::{
-    Case, StabilityMap, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
+    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, shortcoming, verdict, write_csv,
 };
 
 /// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
@@ -30,20 +30,28 @@ struct Record<'a> {
 }
 
 pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError> {
-    let robot = load(&arguments.robot)?;
-    let base = &robot.base;
+    let study = VerifyStudy {
+        robot: load(&arguments.robot)?,
+        path: arguments.robot.clone(),
+        seeds: arguments.seeds,
+        seed: part::seed(&arguments.seed, &arguments.part)?,
+    };
+    part::run(&study, &arguments.part, output, |runs| {
+        report(&study, runs, output)
+    })
+}
+
+/// Prints and writes what a verification says.
+pub fn report(study: &VerifyStudy, runs: Vec<Run>, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
-    // Hidden by itself where standard error is no terminal.
-    let bar = ProgressBar::new(runs(arguments.seeds)).with_style(robustness::style());
-    let seed = arguments.seed.draw()?;
-    let verification = verify(base, seed, arguments.seeds, || bar.inc(1));
-    bar.finish_and_clear();
-    let verification = verification?;
+    let verification = Verification::of(runs);
+    let (robot, seed) = (&study.robot, study.seed);
+    let base = &robot.base;
     say(&format!(
         "{}: {}, worlds of seeds {seed} to {}\n{}\n",
         robot.name,
         base.name,
-        seed.wrapping_add(u64::from(arguments.seeds.get() - 1)),
+        seed.wrapping_add(u64::from(study.seeds.get() - 1)),
         case_table(&verification)
     ))?;
     say(
@@ -52,13 +60,13 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
     )?;
     say(&format!("{}\n", verdict(&verification)))?;
     say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
-    let name = format!("{}-verify", robot.name);
-    draw_worst(&verification, &robot, &name, &writer)?;
+    let name = study.name();
+    draw_worst(&verification, robot, &name, &writer)?;
     let record = Record {
         robot: &robot.file,
         description: &base.name,
         first_seed: seed,
-        seeds: arguments.seeds.get(),
+        seeds: study.seeds.get(),
         passed: verification.holds(),
         cases: &verification.cases,
     };
@@ -67,7 +75,7 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
     say(&format!("results are in {}\n", output.out.display()))?;
     match verification.holds() {
         true => Ok(()),
-        false => Err(CommandError::NotProven(robot.name)),
+        false => Err(CommandError::NotProven(robot.name.clone())),
     }
 }
 

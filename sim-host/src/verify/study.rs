@@ -1,15 +1,21 @@
 //! All runs, side by side.
 
+use super::csv::run_sheet;
 use super::{badness, grid, shortcoming};
 use crate::closed_loop::ClosedLoopError;
+use crate::csv_out::Sheet;
+use crate::job::RobotFile;
 use crate::mission::{BaseSpec, Mission};
+use crate::part::Study;
 use crate::rate::Rate;
 use crate::trace::Trace;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
+use std::ops::Range;
+use std::path::PathBuf;
 
 /// Why there is no result either way.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -21,7 +27,7 @@ pub struct VerifyError {
 }
 
 /// One run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// What it did.
     pub course: Course,
@@ -90,27 +96,86 @@ pub fn verify(
     seeds: NonZeroU32,
     begun: impl Fn() + Sync,
 ) -> Result<Verification, VerifyError> {
-    let cases = grid().into_par_iter().map(|(course, condition)| {
-        let mission = course.mission(base);
-        let seeds = (0..u64::from(seeds.get())).into_par_iter();
-        let runs = seeds.map(|k| {
-            let seed = first.wrapping_add(k);
-            begun();
-            let (_, figures) = run(&mission, course, condition, seed)?;
-            Ok(Run {
-                course,
-                condition,
-                seed,
-                figures,
-            })
-        });
-        runs.collect::<Result<Vec<Run>, VerifyError>>()
-    });
-    let cases: Vec<Vec<Run>> = cases.collect::<Result<_, _>>()?;
-    Ok(Verification {
-        cases: cases.iter().filter_map(|runs| Case::of(runs)).collect(),
-        runs: cases.into_iter().flatten().collect(),
-    })
+    let all = 0..usize::try_from(runs(seeds)).unwrap_or(usize::MAX);
+    Ok(Verification::of(runs_at(base, first, seeds, all, begun)?))
+}
+
+/// Those of the runs of [`verify`] that have these places in it.
+fn runs_at(
+    base: &BaseSpec,
+    first: u64,
+    seeds: NonZeroU32,
+    places: Range<usize>,
+    begun: impl Fn() + Sync,
+) -> Result<Vec<Run>, VerifyError> {
+    let cases = grid().map(|(course, condition)| (course.mission(base), course, condition));
+    let seeds = seeds.get() as usize;
+    let run = |place: usize| {
+        let (mission, course, condition) = &cases[place / seeds];
+        let seed = first.wrapping_add((place % seeds) as u64);
+        begun();
+        let (_, figures) = run(mission, *course, *condition, seed)?;
+        Ok(Run {
+            course: *course,
+            condition: *condition,
+            seed,
+            figures,
+        })
+    };
+    let places = places.start..places.end.min(cases.len() * seeds);
+    places.into_par_iter().map(run).collect()
+}
+
+/// The verification of a robot's file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VerifyStudy {
+    /// Of a robot.
+    pub robot: RobotFile,
+    /// Where that was read, which says nothing of the study.
+    #[serde(skip)]
+    pub path: PathBuf,
+    /// Worlds that are drawn for each course and condition.
+    pub seeds: NonZeroU32,
+    /// The first seed.
+    pub seed: u64,
+}
+
+impl Study for VerifyStudy {
+    const COMMAND: &'static str = "verify";
+    type Run = Run;
+    type Error = VerifyError;
+
+    fn name(&self) -> String {
+        format!("{}-verify", self.robot.name)
+    }
+
+    fn arguments(&self) -> Vec<String> {
+        let (seeds, seed) = (self.seeds.to_string(), self.seed.to_string());
+        let path = self.path.to_string_lossy();
+        [&path, "--seeds", &seeds, "--seed", &seed]
+            .map(str::to_owned)
+            .to_vec()
+    }
+
+    fn built_in(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
+    fn count(&self) -> Result<usize, VerifyError> {
+        Ok(usize::try_from(runs(self.seeds)).unwrap_or(usize::MAX))
+    }
+
+    fn runs(
+        &self,
+        places: Range<usize>,
+        tick: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Run>, VerifyError> {
+        runs_at(&self.robot.base, self.seed, self.seeds, places, tick)
+    }
+
+    fn sheet(&self, _: usize, runs: &[Run]) -> Result<Sheet, VerifyError> {
+        Ok(run_sheet(runs))
+    }
 }
 
 fn run(
@@ -128,6 +193,15 @@ fn run(
 }
 
 impl Verification {
+    /// Of all runs, in their order.
+    pub fn of(runs: Vec<Run>) -> Self {
+        let cases = runs.chunk_by(|a, b| (a.course, a.condition) == (b.course, b.condition));
+        Self {
+            cases: cases.filter_map(Case::of).collect(),
+            runs,
+        }
+    }
+
     /// How many runs did not do all that is asked.
     pub fn failures(&self) -> Rate {
         let good: usize = self.cases.iter().map(|case| case.good).sum();
