@@ -23,7 +23,7 @@ pub struct NoTrouble(pub Vec<&'static str>);
 ///
 /// # Errors
 /// Words that no trouble has.
-pub fn numbers(
+fn numbers(
     bases: &Bases,
     first: u64,
     count: u64,

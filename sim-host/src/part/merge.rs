@@ -133,8 +133,8 @@ fn difference(part: &Part, first: &Part) -> Option<(String, String, String)> {
     let (a, b) = (&part.header, &first.header);
     let named = |what: &str, a: String, b: String| (a != b).then(|| (what.to_owned(), a, b));
     named("the command", a.command.clone(), b.command.clone())
-        .or_else(|| named("the program", a.program.to_string(), b.program.to_string()))
         .or_else(|| setting(&a.settings, &b.settings))
+        .or_else(|| named("the program", a.program.to_string(), b.program.to_string()))
         .or_else(|| {
             let parts = |count: usize| count.to_string();
             named(

@@ -6,12 +6,14 @@
 
 mod csv;
 mod margins;
+mod part;
 mod study;
 mod table;
 
 pub use csv::{run_sheet, write as write_csv};
 pub use margins::{Place, StabilityMap};
-pub use study::{Case, Run, Verification, VerifyError, VerifyStudy, runs, verify};
+pub use part::VerifyStudy;
+pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 
 use crate::trials::{Condition, Course, Figures};
