@@ -129,11 +129,9 @@ fn any_number_of_parts_leaves_the_same_bytes() {
             let mut paths = parts(here.path(), study, *count);
             // Neither up nor down.
             paths.rotate_left(count / 2);
-            let merge = [
-                &["merge", "--parquet", "out/all.parquet"],
-                names(&paths).as_slice(),
-            ];
-            let merged = left(here.path(), run(here.path(), &merge.concat()));
+            let mut merge = vec!["merge", "--parquet", "out/all.parquet"];
+            merge.extend(names(&paths));
+            let merged = left(here.path(), run(here.path(), &merge));
             for (name, bytes) in &expected.files {
                 assert!(
                     merged.files.get(name) == Some(bytes),

@@ -23,12 +23,7 @@ pub struct NoTrouble(pub Vec<&'static str>);
 ///
 /// # Errors
 /// Words that no trouble has.
-fn numbers(
-    bases: &Bases,
-    first: u64,
-    count: u64,
-    only: &[String],
-) -> Result<Vec<u64>, NoTrouble> {
+fn numbers(bases: &Bases, first: u64, count: u64, only: &[String]) -> Result<Vec<u64>, NoTrouble> {
     let chosen = |kind: FaultInjectionKind| {
         only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
     };

@@ -35,8 +35,8 @@ pub enum FileProblem {
     /// What it says of itself cannot be understood.
     #[error("says of itself what this version does not understand: {0}")]
     Header(serde_json::Error),
-    /// Its runs do not.
-    #[error("its runs are not those that were written")]
+    /// What it says of itself, or its runs.
+    #[error("is not as it was written")]
     Damaged,
 }
 

@@ -22,6 +22,8 @@ use std::sync::Arc;
 const RECORD: &str = "record";
 /// The name in the file's metadata under which it tells what it is.
 const HEADER: &str = "two-wheeled-base.part";
+/// And its checksum.
+const HEADER_CHECK: &str = "two-wheeled-base.part.check";
 /// A checksum against mistakes, not against forgery.
 const CHECK: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
@@ -37,8 +39,10 @@ pub(super) struct Header {
     /// Number of all runs.
     pub runs: usize,
     pub shard: Shard,
-    /// Of its runs, see [`check`].
-    pub check: u64,
+    /// Of its runs as they are kept.
+    pub records: u64,
+    /// Of its columns: runs that are read as others than were written do not make the same ones.
+    pub columns: u64,
 }
 
 /// As far as programs may differ between parts of one study.
@@ -64,11 +68,8 @@ impl Program {
 
 impl std::fmt::Display for Program {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "version {} with built-in files {:016x}",
-            self.version, self.built_in
-        )
+        let built_in = hexadecimal(self.built_in);
+        write!(f, "version {} with built-in files {built_in}", self.version)
     }
 }
 
@@ -111,7 +112,8 @@ pub fn write<S: Study>(
         settings: serde_json::to_value(study).map_err(|e| broken(&e))?,
         runs: count,
         shard,
-        check: check(&sheet, &records),
+        records: records_check(&records),
+        columns: columns_check(&sheet),
     };
     let header = serde_json::to_string(&header).map_err(|e| broken(&e))?;
     // On the same disk, so that it takes its name at once; two writers do not meet.
@@ -127,8 +129,15 @@ pub fn write<S: Study>(
     named
 }
 
-/// Of the columns and the runs: runs that are read as others than were written do not make the same columns.
-pub(super) fn check(sheet: &Sheet, records: &[ByteArray]) -> u64 {
+pub(super) fn records_check(records: &[ByteArray]) -> u64 {
+    let mut digest = CHECK.digest();
+    for record in records {
+        field(&mut digest, record.data());
+    }
+    digest.finalize()
+}
+
+pub(super) fn columns_check(sheet: &Sheet) -> u64 {
     let mut digest = CHECK.digest();
     for (name, cells) in sheet {
         field(&mut digest, name.as_bytes());
@@ -136,10 +145,12 @@ pub(super) fn check(sheet: &Sheet, records: &[ByteArray]) -> u64 {
             field(&mut digest, cell.to_string().as_bytes());
         }
     }
-    for record in records {
-        field(&mut digest, record.data());
-    }
     digest.finalize()
+}
+
+/// As checksums are shown.
+pub(super) fn hexadecimal(check: u64) -> String {
+    format!("{check:016x}")
 }
 
 /// Of a text alone.
@@ -163,7 +174,10 @@ fn write_file(
         .set_compression(Compression::SNAPPY)
         // No two are alike.
         .set_column_dictionary_enabled(ColumnPath::from(RECORD), false)
-        .set_key_value_metadata(Some(vec![KeyValue::new(HEADER.to_owned(), header)]))
+        .set_key_value_metadata(Some(vec![
+            KeyValue::new(HEADER_CHECK.to_owned(), hexadecimal(text_check(&header))),
+            KeyValue::new(HEADER.to_owned(), header),
+        ]))
         .build();
     let file = File::create(path)?;
     let mut writer = SerializedFileWriter::new(file, schema(sheet)?, Arc::new(properties))?;
@@ -278,10 +292,16 @@ fn put<T: DataType>(
 pub(super) fn read(path: &Path) -> Result<Part, FileProblem> {
     let file = SerializedFileReader::new(File::open(path)?)?;
     let about = file.metadata().file_metadata();
-    let entries = about.key_value_metadata().into_iter().flatten();
-    let mut headers = entries.filter(|entry| entry.key == HEADER);
-    let header = headers.next().and_then(|entry| entry.value.as_deref());
-    let header = serde_json::from_str(header.ok_or(FileProblem::Foreign)?);
+    let entry = |key: &str| {
+        let mut entries = about.key_value_metadata().into_iter().flatten();
+        let entry = entries.find(|entry| entry.key == key);
+        entry.and_then(|entry| entry.value.as_deref())
+    };
+    let header = entry(HEADER).ok_or(FileProblem::Foreign)?;
+    if entry(HEADER_CHECK) != Some(hexadecimal(text_check(header)).as_str()) {
+        return Err(FileProblem::Damaged);
+    }
+    let header = serde_json::from_str(header);
     let header: Header = header.map_err(FileProblem::Header)?;
     let columns = about.schema_descr().columns();
     let record = columns.iter().position(|column| column.name() == RECORD);
