@@ -8,6 +8,7 @@ mod error;
 mod faults;
 mod identify;
 mod list;
+mod merge;
 mod monitor;
 mod part;
 mod pil;
@@ -94,7 +95,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             };
             faults::all(&campaign, *run, part, output)
         }
-        Command::Merge(arguments) => part::merge(arguments, output),
+        Command::Merge(arguments) => merge::merge(arguments, output),
         Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {

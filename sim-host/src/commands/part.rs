@@ -1,16 +1,12 @@
-//! Studies, whole or in parts, and `merge`.
+//! Studies, whole or in parts.
 
 use super::error::CommandError;
-use super::{faults, robustness, say, tune, verify};
+use super::say;
 use crate::cli::Output;
-use crate::part_args::{MergeArgs, PartArgs};
+use crate::part_args::PartArgs;
 use crate::seed_args::SeedArgs;
 use indicatif::{ProgressBar, ProgressStyle};
-use sim_host::campaign::Campaign;
-use sim_host::part::{Parts, Shard, Study, write};
-use sim_host::robustness::Robustness;
-use sim_host::tune::TuneStudy;
-use sim_host::verify::VerifyStudy;
+use sim_host::part::{Shard, Study, write};
 use std::fs;
 use std::path::Path;
 
@@ -52,59 +48,8 @@ pub fn seed(seed: &SeedArgs, how: &PartArgs) -> Result<u64, CommandError> {
     }
 }
 
-/// Puts parts together and reports as the command that they are parts of.
-pub fn merge(arguments: &MergeArgs, output: &Output) -> Result<(), CommandError> {
-    let parts = Parts::read(&arguments.parts)?;
-    let whole = arguments.parquet.as_deref();
-    let command = parts.command().to_owned();
-    if arguments.write.is_some() && command != TuneStudy::COMMAND {
-        return Err(CommandError::WriteWhat(command));
-    }
-    match command.as_str() {
-        Campaign::COMMAND => {
-            let (study, runs) = together::<Campaign>(parts, whole)?;
-            faults::report(&study, &runs, output)
-        }
-        Robustness::COMMAND => {
-            let (study, runs) = together::<Robustness>(parts, whole)?;
-            robustness::report(&study, &runs, output)
-        }
-        TuneStudy::COMMAND => {
-            let (study, finds) = together::<TuneStudy>(parts, whole)?;
-            let write = arguments.write.as_deref();
-            if let Some(path) = write {
-                same_robot(&study, path)?;
-            }
-            tune::report(&study, &finds, write, output)
-        }
-        VerifyStudy::COMMAND => {
-            let (study, runs) = together::<VerifyStudy>(parts, whole)?;
-            verify::report(&study, runs, output)
-        }
-        _ => Err(CommandError::NoParts(command)),
-    }
-}
-
-fn together<S: Study>(parts: Parts, path: Option<&Path>) -> Result<(S, Vec<S::Run>), CommandError> {
-    let (study, runs) = parts.merge::<S>()?;
-    keep(&study, Shard::WHOLE, &runs, path)?;
-    Ok((study, runs))
-}
-
-/// Gains go into the file that they were searched for.
-fn same_robot(study: &TuneStudy, path: &Path) -> Result<(), CommandError> {
-    let text = fs::read_to_string(path).map_err(|cause| CommandError::Read {
-        path: path.to_owned(),
-        cause,
-    })?;
-    match text == study.robot.text {
-        true => Ok(()),
-        false => Err(CommandError::OtherRobot(path.to_owned())),
-    }
-}
-
 /// Writes a part's file, if there is to be one.
-fn keep<S: Study>(
+pub fn keep<S: Study>(
     study: &S,
     shard: Shard,
     runs: &[S::Run],
