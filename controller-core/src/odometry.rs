@@ -171,6 +171,11 @@ impl<T: Scalar> Odometry<T> {
         }
     }
 
+    /// Starts what was not updated yet elsewhere.
+    pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) {
+        (self.pose, self.counts) = (pose, counts);
+    }
+
     /// Moves the pose by what the wheels turned since the last call, `dt` > 0 \[s\] ago.
     ///
     /// Along an arc with turn φ the chord is d · sin(φ/2)/(φ/2) in direction θ + φ/2: Eq. (6) again.

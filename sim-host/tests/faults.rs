@@ -5,6 +5,7 @@ use sim_host::campaign::{
     Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Violation, Why, cells,
     known, study, violation,
 };
+use sim_host::rate::Rate;
 use std::collections::{BTreeMap, BTreeSet};
 use tests::stated::{At, Stated};
 
@@ -143,6 +144,33 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
     assert!(parked > 200 && beyond <= 1, "{parked} {beyond}");
 }
 
+/// Bases with a gyro, which lies as well, every trouble in every state: no more runs are against the rules than docs/gyro.md says.
+#[test]
+fn with_a_gyro_the_campaign_fails_no_more_than_stated() {
+    let bases = Bases::with_gyro().expect("built in");
+    let all = (bases.kinds().len() * Target::ALL.len() * 3) as u64;
+    let outcomes = study(&bases, KEPT + 4, 0..all, &Mutation::None, || {}).expect("valid");
+    assert!(outcomes.len() >= 600);
+    let broken = broken(&outcomes);
+    let of = At::Phrase("The campaign, `faults --gyro`: # of # runs");
+    let stated = Stated::of("docs/gyro.md").numbers(of);
+    let rate = Rate {
+        failed: broken.len(),
+        runs: outcomes.len(),
+    };
+    // Stated is what so many runs gave: wrong only if the true rate is above the upper end of its interval.
+    let most = Rate {
+        failed: stated[0] as usize,
+        runs: stated[1] as usize,
+    };
+    let (most, least) = (most.interval().1, rate.interval().0);
+    assert!(least <= most, "{rate}\n{}", broken.join("\n"));
+    let lies = outcomes
+        .iter()
+        .filter(|outcome| FaultInjectionKind::GYRO.contains(&outcome.injection));
+    assert!(lies.count() >= 100);
+}
+
 /// What is stated to go wrong on ice goes wrong no more often than that.
 #[test]
 fn what_fails_on_ice_is_no_worse_than_stated() {
@@ -257,49 +285,5 @@ fn a_policy_that_ignores_a_stuck_encoder_is_refused() {
         let policy = policy.with(stuck, Response::passing(reaction));
         let mutation = Mutation::Policy(policy);
         assert!(study(&bases(), KEPT, 0..1, &mutation, || {}).is_err());
-    }
-}
-
-/// The table of stopping distances in the document is what the core's functions give.
-#[test]
-fn the_document_has_the_stopping_distances_of_the_core() {
-    use controller_core::maths::Single;
-    use controller_core::motor::{coast, electrical_brake};
-    use controller_core::safety::controlled_stop_distance;
-    use sim_host::closed_loop::params;
-    use sim_host::scenario::BASES;
-
-    let mut document = Stated::of("docs/faults.md");
-    for built_in in BASES {
-        let name = built_in.name;
-        let base = built_in.base().expect("valid");
-        let period_us = base
-            .hardware
-            .map_or(10_000, |h| (1.0e6 * h.period_s) as u32);
-        let params = params(&base, period_us).expect("valid");
-        let core = params.validate().expect("valid");
-        let robot = core.motion().params().robot;
-        let motor = core.motor().expect("has motors");
-        let speed = base.limits.speed as f32;
-        let controlled = controlled_stop_distance::<f32, Single>(core.motion(), speed);
-        let brake = electrical_brake(motor, &robot).expect("valid").linear;
-        let brake = brake.distance(speed).expect("brakes");
-        let release = coast(motor, &robot).expect("valid").linear;
-        let release = release.distance(speed).expect("has friction");
-        // c: what a wheel brakes with at the driver's limit.
-        let own = base.hardware.expect("has hardware").motor;
-        let torque = own.gear_ratio * own.kt_nm_per_a * own.current_limit_a;
-        let most = torque / base.robot.wheels.radius_right_m;
-        let mass = f64::from(robot.mass_kg);
-        let limited = f64::from(brake) + 0.25 * base.limits.speed.powi(2) * mass / most;
-        let braked = [controlled, brake].map(f64::from);
-        let row = [
-            f64::from(speed),
-            braked[0],
-            braked[1],
-            limited,
-            release.into(),
-        ];
-        document.exactly(At::Row("How far", name), &row);
     }
 }

@@ -259,9 +259,32 @@ fn the_default_law_parks_exactly_without_noise_and_unknown_forces() {
     {
         // The latch's tolerance of 0.5 mm, and what the robot rolls on after it.
         assert!(row.outcome.final_m.worst < 1.0e-3, "{row:?}");
-        // Twice the mass is braked too late as well, and along the curve its heading needs more than the 20 s.
-        let late = row.condition.name == "m × 2, I × 2" && row.case == Case::Curve;
+        // Twice the mass is braked too late as well, and a base that sees itself a quarter of a second late sways about its goal:
+        // after the curve their headings need more than the 20 s.
+        let slow = ["m × 2, I × 2", "poses 250 ms late"].contains(&row.condition.name.as_str());
+        let late = slow && row.case == Case::Curve;
         assert!(late || row.outcome.parked_s.is_some(), "{row:?}");
+    }
+}
+
+/// On the paper's own cases the default law settles before the paper's law does, with any period up to a tenth of a second.
+#[test]
+fn the_default_law_settles_before_the_papers() {
+    let conditions = some(|c| {
+        c.name.starts_with("nominal")
+            || c.name.starts_with("period") && c.disturbance.period_s <= 0.1
+    });
+    let rows = all(&conditions);
+    let settled = |law: ComparedLaw| {
+        let of_law = rows.iter().filter(move |row| row.law == law);
+        of_law.map(|row| row.outcome.settling_s.expect("settles").worst)
+    };
+    let pairs: Vec<_> = settled(ComparedLaw::Default)
+        .zip(settled(ComparedLaw::Neural))
+        .collect();
+    assert!(pairs.len() >= 8);
+    for (default, neural) in pairs {
+        assert!(default < neural, "{default} s, the paper's law {neural} s");
     }
 }
 

@@ -152,6 +152,11 @@ impl Rows {
         self.row(name).2
     }
 
+    /// Mean, rounded.
+    pub fn mean(&self, name: &str) -> u64 {
+        self.row(name).1.round() as u64
+    }
+
     /// `278`, or `2546 … 2652 … 2771` where it varies.
     pub fn show(&self, name: &str) -> String {
         match self.row(name) {

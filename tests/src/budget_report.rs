@@ -204,6 +204,7 @@ pub fn parts(cost: &Rows) -> String {
         ("motion law, following", "motion/follow"),
         ("motion law, parking", "motion/park"),
         ("whole base, following", "base/follow"),
+        ("whole base, searching for a manoeuvre", "base/plan"),
         ("whole base, parking", "base/park"),
         ("whole base, fixes, following", "base/follow-fused"),
         ("whole base, fixes, parking", "base/park-fused"),

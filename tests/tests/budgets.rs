@@ -65,7 +65,7 @@ fn measured() -> &'static [Measured] {
 }
 
 /// What has a budget, of one board at one opt level.
-fn entries(measured: &Measured) -> [(&'static str, u64); 20] {
+fn entries(measured: &Measured) -> [(&'static str, u64); 26] {
     let Measured {
         cost, pil, size, ..
     } = measured;
@@ -88,11 +88,17 @@ fn entries(measured: &Measured) -> [(&'static str, u64); 20] {
         ("monitor", worst("monitor")),
         ("motion-follow", cost.most("motion/follow")),
         ("motion-park", cost.most("motion/park")),
+        ("base-first", cost.most("base/first")),
         ("base-follow", cost.most("base/follow")),
+        ("base-follow-mean", cost.mean("base/follow")),
+        ("base-plan", cost.most("base/plan")),
         ("base-park", cost.most("base/park")),
+        ("base-park-mean", cost.mean("base/park")),
         ("base-fix", cost.most("base/with-fix")),
         ("localiser", cost.most("localiser/without-fix")),
         ("motor", cost.most("motor/command")),
+        ("base-ram", cost.most("ram/base")),
+        ("base-stack", cost.most("stack/base")),
         ("tick-stack", stack("track").max(stack("park"))),
         ("hand-over-stack", stack("hand-over")),
         ("pil-stack", pil.most("stack/pil")),
@@ -298,8 +304,20 @@ fn the_document_states_what_is_measured() {
                 &["motion-follow", "motion-park"],
             ),
             (
-                "whole base, one tick from encoder counts to wheels, following / parking / with a pose, most",
-                &["base-follow", "base-park", "base-fix"],
+                "whole base, one tick from encoder counts to wheels, first / following / parking / with a pose, most",
+                &["base-first", "base-follow", "base-park", "base-fix"],
+            ),
+            (
+                "the same, mean of following / parking",
+                &["base-follow-mean", "base-park-mean"],
+            ),
+            (
+                "the same while a manoeuvre is searched for, 0.35 s at most, most",
+                &["base-plan"],
+            ),
+            (
+                "RAM and stack of the whole base [bytes]",
+                &["base-ram", "base-stack"],
             ),
             ("localiser; motor layer, a wheel", &["localiser", "motor"]),
             (

@@ -89,8 +89,8 @@ fn crawling_is_slower_but_never_harder() {
             run.settled_s, run.moment, run.turn_rate
         );
         assert!(run.late < 5e-3, "{v} m/s leaves {}", run.late);
-        // The saturated channel peaks at 2.08 rad/s² on the paper's 15 kg m².
-        assert!(run.moment < 2.2 * 15.0);
+        // The saturated channel peaks at 2.08 rad/s² with B = 1.3, and at most B/1.3 times that: this base has B = 1.6.
+        assert!(run.moment < 2.08 * (1.6 / 1.3) * 15.0);
         state("time [s]", &[(v, run.settled_s)]);
         state("moment [N m]", &[(v, run.moment)]);
         peak = peak.max(run.moment / Base::STANDARD.inertia);

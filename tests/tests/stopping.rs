@@ -4,7 +4,7 @@ use std::path::Path;
 
 use controller_core::maths::Libm;
 use controller_core::motion::{MotionController, SaturationPolicy, Task, ValidMotionParams};
-use controller_core::motor::electrical_brake;
+use controller_core::motor::{coast, electrical_brake};
 use controller_core::reference::Reference;
 use controller_core::safety::{StopPlan, Stopping, controlled_stop, controlled_stop_distance};
 use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -201,18 +201,24 @@ fn stopping_distances_from_top_speed_are_those_stated() {
         let controlled = controlled_stop_distance::<f64, Libm>(&motion, v);
 
         let params = closed_loop::params(&file, period_us(&file)).expect("in range");
-        let motor = params.motor.expect("motors").validate();
-        let slowing = electrical_brake(&motor.expect("in range"), &params.motion.robot);
+        let valid = params.motor.expect("motors").validate().expect("in range");
+        let slowing = electrical_brake(&valid, &params.motion.robot);
         let slowing = slowing.expect("a robot").linear;
         let shorted = v * f64::from(slowing.time_constant_s().expect("a shorted motor brakes"));
         // Both wheels brake by 2 c at most, c from the current that the driver lets pass.
         let (robot, motor) = (&file.robot, &hardware.motor);
         let radius = robot.wheels.radius_right_m;
         let c = motor.gear_ratio * motor.kt_nm_per_a * motor.current_limit_a / radius;
-        let limited = shorted + v * v / (4.0 * c / robot.mass_kg);
+        // With the rotors, which turn on.
+        let mass = file.felt().mass_kg;
+        let limited = shorted + v * v / (4.0 * c / mass);
 
-        let energy = 0.5 * robot.mass_kg * v * v;
+        let energy = 0.5 * mass * v * v;
         let released = energy / (2.0 * hardware.friction.coulomb_nm / radius);
+        let rolls = coast(&valid, &params.motion.robot).expect("a robot");
+        let rolls = f64::from(rolls.linear.distance(v as f32).expect("friction stops it"));
+        // Single precision.
+        assert!((rolls / released - 1.0).abs() < 1e-5, "{rolls} {released}");
         page.exactly(
             At::Row("How far", built_in.name),
             &[v, controlled, shorted, limited, released],

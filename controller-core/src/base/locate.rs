@@ -12,10 +12,9 @@ use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 /// The localiser, and what it needs across ticks without a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
-    localisation: ValidLocaliserParams<T>,
-    /// `None` before the first reading.
-    localiser: Option<Localiser<T, N>>,
-    start: Pose<T>,
+    localiser: Localiser<T, N>,
+    /// Where it begins with the first reading; `None` after that.
+    start: Option<Pose<T>>,
     /// Time since the last reading \[s\].
     blind_s: T,
     last: Option<Measured<T>>,
@@ -39,9 +38,8 @@ pub(super) struct Located<T> {
 impl<T: Scalar, const N: usize> Locator<T, N> {
     pub(super) fn new(localisation: &ValidLocaliserParams<T>, start: Pose<T>) -> Self {
         Self {
-            localisation: *localisation,
-            localiser: None,
-            start,
+            localiser: Localiser::new(localisation),
+            start: Some(start),
             blind_s: T::ZERO,
             last: None,
             set: false,
@@ -50,21 +48,21 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
 
     /// Speeds at which the wheels turn \[rad/s\]; of the last reading where there is no new one.
     pub(super) fn wheel_speeds(&self) -> WheelSpeeds<T> {
-        let localiser = self.localiser.as_ref();
-        localiser.map_or_else(WheelSpeeds::default, Localiser::wheel_speeds)
+        self.localiser.wheel_speeds()
     }
 
     /// With other parameters, where the last one was.
     pub(super) fn renewed(&self, localisation: &ValidLocaliserParams<T>) -> Self {
-        Self::new(localisation, self.last.map_or(self.start, |last| last.pose))
+        let last = self.start.or(self.last.map(|last| last.pose));
+        Self::new(localisation, last.unwrap_or_default())
     }
 
     /// The pose is set; the next tick says that it jumped.
     pub(super) fn set_pose(&mut self, pose: Pose<T>) {
-        self.start = pose;
         self.set = true;
-        if let Some(localiser) = &mut self.localiser {
-            localiser.set_pose(pose);
+        match &mut self.start {
+            Some(start) => *start = pose,
+            None => self.localiser.set_pose(pose),
         }
         if let Some(last) = &mut self.last {
             last.pose = pose;
@@ -87,11 +85,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             self.last = coasted;
             return Ok(self.located(coasted, None, true));
         };
-        let estimate = match &mut self.localiser {
-            None => {
-                let start = Localiser::start(&self.localisation, self.start, counts)?;
-                self.localiser = Some(start);
-                let pose = self.start;
+        let estimate = match self.start {
+            Some(pose) => {
+                self.localiser.begin(pose, counts)?;
+                self.start = None;
                 Estimate {
                     measured: Measured {
                         pose,
@@ -100,10 +97,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                     ..Estimate::default()
                 }
             }
-            Some(localiser) => {
+            None => {
                 // The counts of a gap came in all of it.
                 let dt = self.blind_s + dt;
-                localiser.update_with::<M>(
+                self.localiser.update_with::<M>(
                     counts,
                     dt,
                     accel,
@@ -123,11 +120,9 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         estimate: Option<&Estimate<T>>,
         blind: bool,
     ) -> Located<T> {
-        let fused = self.localisation.params().fusion.is_some();
-        let fix_age_s = match &self.localiser {
-            Some(localiser) if fused => Some(localiser.uncarried_s() + self.blind_s),
-            _ => None,
-        };
+        let fused = self.localiser.localisation().params().fusion.is_some();
+        let fix_age_s =
+            (fused && self.start.is_none()).then(|| self.localiser.uncarried_s() + self.blind_s);
         let jumped = self.set || estimate.is_some_and(|estimate| estimate.jumped);
         self.set = false;
         Located {
@@ -136,10 +131,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             fix_age_s,
             jumped,
             blind,
-            curvature_bias: self
-                .localiser
-                .as_ref()
-                .map_or(T::ZERO, Localiser::curvature_bias),
+            curvature_bias: self.localiser.curvature_bias(),
             gyro: estimate.map_or_else(GyroReport::default, |estimate| estimate.gyro),
         }
     }

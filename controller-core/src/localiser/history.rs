@@ -21,12 +21,20 @@ struct Entry<T> {
 }
 
 impl<T: Scalar, const N: usize> History<T, N> {
-    pub(super) fn new(pose: Pose<T>) -> Self {
-        let entry = Entry { pose, dt: T::ZERO };
+    /// Of a robot at the origin.
+    pub(super) fn new() -> Self {
         Self {
-            entries: [entry; N],
+            entries: [Entry::default(); N],
             newest: 0,
             filled: 1,
+        }
+    }
+
+    /// Nothing is older than this pose.
+    pub(super) fn begin(&mut self, pose: Pose<T>) {
+        (self.newest, self.filled) = (0, 1);
+        if let Some(first) = self.entries.first_mut() {
+            *first = Entry { pose, dt: T::ZERO };
         }
     }
 

@@ -152,15 +152,20 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         pose: Pose<T>,
         counts: WheelCounts,
     ) -> Result<Self, StepFault> {
+        let mut localiser = Self::new(localisation);
+        localiser.begin(pose, counts)?;
+        Ok(localiser)
+    }
+
+    /// Of a robot at the origin that has not [begun](Self::begin).
+    pub(crate) fn new(localisation: &ValidLocaliserParams<T>) -> Self {
         const { assert!(N >= 2, "a ring of at least two poses") };
-        if !pose.is_finite() {
-            return Err(StepFault::NotFinite(Input::Pose));
-        }
         let odometry = &localisation.params().odometry;
-        Ok(Self {
+        let (pose, counts) = (Pose::default(), WheelCounts::default());
+        Self {
             localisation: *localisation,
             odometry: Odometry::of_checked(odometry, pose, counts),
-            history: History::new(pose),
+            history: History::new(),
             correction: Correction::new(pose),
             gyro: localisation.gyro.as_ref().map(|gyro| {
                 let mut heading = GyroHeading::new(gyro);
@@ -168,7 +173,21 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                 heading
             }),
             alone_s: T::ZERO,
-        })
+        }
+    }
+
+    /// Before the first update: at rest at `pose`, with the encoders at `counts`. In place, since it is large.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) -> Result<(), StepFault> {
+        if !pose.is_finite() {
+            return Err(StepFault::NotFinite(Input::Pose));
+        }
+        self.odometry.begin(pose, counts);
+        self.history.begin(pose);
+        self.correction.set(pose);
+        Ok(())
     }
 
     /// One tick, `dt` \[s\] after the last; `fix` if one has come.

@@ -1,8 +1,10 @@
 //! What pushes the robot beside its wheels: friction, a slope, a push.
 
-use super::load::{Driven, Load, LoadAxis};
+use super::limits::Limits;
+use super::load::{Driven, Load, LoadAxis, LoadLimits, Window};
 use super::params::ValidMotionParams;
 use crate::range::clamp;
+use crate::robot::{acceleration, wrench_for};
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
 
@@ -15,6 +17,33 @@ pub(crate) struct Observer<T> {
     exerted: Option<Wrench<T>>,
     driving: LoadAxis<T>,
     turning: LoadAxis<T>,
+}
+
+/// What the estimates need of the limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ObserverLimits<T> {
+    driving: LoadLimits<T>,
+    turning: LoadLimits<T>,
+    /// a₀ of [`patient`].
+    calm: Accel<T>,
+}
+
+impl<T: Scalar> ObserverLimits<T> {
+    pub(super) fn of(limits: &Limits<T>) -> Self {
+        let accel = if limits.accel < limits.brake {
+            limits.accel
+        } else {
+            limits.brake
+        };
+        Self {
+            driving: LoadLimits::of(accel, limits.jerk),
+            turning: LoadLimits::of(limits.turn_accel, limits.turn_jerk),
+            calm: Accel {
+                linear: T::from_f64(CALM) * accel,
+                angular: T::from_f64(CALM) * limits.turn_accel,
+            },
+        }
+    }
 }
 
 /// What an observer is to do in a tick.
@@ -82,64 +111,73 @@ impl<T: Scalar> Observer<T> {
         let bound = &motion.disturbance;
         let gain = bandwidth / (T::ONE + bandwidth * dt);
         let last = self.estimate;
-        match (watch, &self.exerted) {
-            (Watch::Fade, _) => {
+        let exerted = match (watch, &self.exerted) {
+            (Watch::Observe, Some(exerted)) => exerted,
+            (watch, _) => {
                 self.driving.skip();
                 self.turning.skip();
-                self.estimate = Wrench {
-                    force: last.force - gain * dt * last.force,
-                    moment: last.moment - gain * dt * last.moment,
-                };
-                false
+                if watch == Watch::Fade {
+                    self.estimate = Wrench {
+                        force: last.force - gain * dt * last.force,
+                        moment: last.moment - gain * dt * last.moment,
+                    };
+                }
+                return false;
             }
-            (Watch::Observe, None) => {
-                self.driving.skip();
-                self.turning.skip();
-                false
-            }
-            (Watch::Observe, Some(exerted)) => {
-                let robot = &motion.params().robot;
-                let (limits, share) = (&motion.params().limits, T::from_f64(CALM));
-                let accel = smaller(limits.accel, limits.brake);
-                let (calm, turn_calm) = (share * accel, share * limits.turn_accel);
-                self.driving.advance(&Driven {
-                    moved: moved.linear,
-                    push: (exerted.force + last.force) / robot.mass_kg,
-                    limits: (accel, limits.jerk),
-                    dt,
-                });
-                self.turning.advance(&Driven {
-                    moved: moved.angular,
-                    push: (exerted.moment + last.moment) / robot.inertia_kg_m2,
-                    limits: (limits.turn_accel, limits.turn_jerk),
-                    dt,
-                });
-                // M Δv of the loaded robot.
-                let gained = self.load().felt(&Accel {
-                    linear: moved.linear,
-                    angular: moved.angular,
-                });
-                let force = estimate(
-                    last.force,
-                    robot.mass_kg * gained.linear,
-                    exerted.force,
-                    bound.force,
-                    (gain, dt),
-                );
-                let moment = estimate(
-                    last.moment,
-                    robot.inertia_kg_m2 * gained.angular,
-                    exerted.moment,
-                    bound.moment,
-                    (gain, dt),
-                );
-                self.estimate = Wrench {
-                    force: patient(last.force, force.0, command_rate.linear, calm),
-                    moment: patient(last.moment, moment.0, command_rate.angular, turn_calm),
-                };
-                force.1 || moment.1
-            }
-        }
+        };
+        let (robot, limits) = (&motion.params().robot, &motion.observer);
+        let window = Window::of(dt);
+        let pushed = Wrench {
+            force: exerted.force + last.force,
+            moment: exerted.moment + last.moment,
+        };
+        let push = acceleration(robot, &pushed);
+        self.driving.advance(
+            &limits.driving,
+            &Driven {
+                moved: moved.linear,
+                push: push.linear,
+                window,
+            },
+        );
+        self.turning.advance(
+            &limits.turning,
+            &Driven {
+                moved: moved.angular,
+                push: push.angular,
+                window,
+            },
+        );
+        // M Δv of the loaded robot.
+        let felt = self.load().felt(&Accel {
+            linear: moved.linear,
+            angular: moved.angular,
+        });
+        let gained = wrench_for(robot, &felt);
+        let force = estimate(
+            last.force,
+            gained.force,
+            exerted.force,
+            bound.force,
+            (gain, dt),
+        );
+        let moment = estimate(
+            last.moment,
+            gained.moment,
+            exerted.moment,
+            bound.moment,
+            (gain, dt),
+        );
+        self.estimate = Wrench {
+            force: patient(last.force, force.0, command_rate.linear, limits.calm.linear),
+            moment: patient(
+                last.moment,
+                moment.0,
+                command_rate.angular,
+                limits.calm.angular,
+            ),
+        };
+        force.1 || moment.1
     }
 }
 
@@ -199,10 +237,6 @@ fn estimate<T: Scalar>(
     let innovation = clamp(momentum - dt * (exerted + last), bound * dt);
     let next = last + gain * innovation;
     (clamp(next, bound), next.abs() > bound)
-}
-
-fn smaller<T: Scalar>(a: T, b: T) -> T {
-    if a < b { a } else { b }
 }
 
 #[cfg(test)]

@@ -7,11 +7,37 @@ use super::pose_law::{Moving, Transition, Wanted};
 use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
-use crate::range::clamp;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
+
+/// B, the bound of s₂ and of its input: the heading that a lateral error asks for is sin e_θ = −B/2 at most.
+///
+/// ```text
+/// B = 1.3 α_max/(2 k₃²/9),   1.3 ≤ B ≤ 1.6
+/// ```
+///
+/// | symbol | argument | unit |
+/// | --- | --- | --- |
+/// | α_max | `turn_accel` | rad/s² |
+/// | k₃ | `heading` | 1/s |
+///
+/// At 1.3 turning back out of that heading takes 2 k₃²/9, which is all that a weak base has by
+/// [`MotionGains::for_limits`](super::gains::MotionGains::for_limits); what a base has beyond that serves a steeper approach. From B = 2 on the
+/// heading would be a quarter turn, where the heading loop has no gain left; at 1.6 cos e_θ leaves it 0.6 of k₃.
+pub(super) fn across_bound<T: Scalar>(heading: T, turn_accel: T) -> T {
+    let f = T::from_f64;
+    let share = f(4.5) * turn_accel / (heading * heading);
+    let bound = f(1.3) * share;
+    if bound > f(1.6) {
+        f(1.6)
+    } else if bound > f(1.3) {
+        bound
+    } else {
+        f(1.3)
+    }
+}
 
 /// Memory of the following law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,12 +81,12 @@ impl<T: Scalar> Follower<T> {
     /// | neuron | demand | bound |
     /// | --- | --- | --- |
     /// | s₁ | k₁ e_x | `along_bound` |
-    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to 1.3 | 1.3 |
+    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to B | B of [`across_bound`] |
     /// | s₃ | beyond \|e_θ\| = π/2: ±1 − sin e_θ, so that a robot that looks back turns as fast as one that looks aside | 1.5 |
     ///
     /// k₂ of the paper is c/(v_r² + v_f²): lateral poles that do not depend on v_r, no division by it,
     /// smooth through 0 and the same for v_r < 0. As it is part of an input, no derivative of it is
-    /// needed. The heading asked for by s₂ is at most some 0.65 rad for any offset.
+    /// needed. The heading asked for by s₂ is at most asin B/2 for any offset, 0.7 to 0.93 rad.
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
@@ -77,7 +103,7 @@ impl<T: Scalar> Follower<T> {
         let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
         let demands = (
             gains.longitudinal * now.error.x,
-            clamp(across, T::from_f64(1.3)),
+            motion.across.clip(across),
             self.turn_around(now.error.theta, sine),
         );
         match two_per_dt {

@@ -45,6 +45,11 @@ impl<T: Scalar> Lag<T> {
         Ok(Self { neuron, scale })
     }
 
+    /// `demand` within ±B.
+    pub(crate) fn clip(&self, demand: T) -> T {
+        self.neuron.clip(demand)
+    }
+
     /// The state that starts from `value`, or as near to it as the bound allows.
     pub(crate) fn reset(&self, value: T, demand: T) -> LagState<T> {
         LagState {

@@ -76,6 +76,28 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         back_ends: PhantomData,
     };
 
+    /// Becomes [`IDLE`](Self::IDLE), without a copy of the room that a manoeuvre takes.
+    fn forget(&mut self) {
+        let Self {
+            aim,
+            follower,
+            parking,
+            drive,
+            stall,
+            observer,
+            offset,
+            command,
+            declared,
+            released,
+            back_ends: _,
+        } = self;
+        parking.forget();
+        (*aim, *follower, *drive) = (Aim::Follow, Follower::NEW, DriveLaw::NEW);
+        (*stall, *observer) = (Stall::NEW, Observer::NEW);
+        (*offset, *command) = (TransitionOffset::NONE, Command::REST);
+        (*declared, *released) = (false, false);
+    }
+
     /// Starts from any pose and twist; see [`MotionController::start`](super::MotionController::start).
     ///
     /// # Errors
@@ -88,7 +110,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
         task.check()?;
-        *self = Self::IDLE;
+        self.forget();
         let view = ErrorView::of::<M>(task, &measured.pose, T::ZERO);
         let command = Command::of_robot(motion, &measured.twist);
         let step = Step {

@@ -76,15 +76,52 @@ pub(super) struct LoadAxis<T> {
     pub(super) share: T,
 }
 
+/// What follows from the limits of an axis, a and j.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LoadLimits<T> {
+    /// a/(10 λ).
+    idle: T,
+    /// s₀.
+    belief: T,
+    /// Largest rate of σ \[1/s\].
+    rate: T,
+}
+
+impl<T: Scalar> LoadLimits<T> {
+    pub(super) fn of(accel: T, jerk: T) -> Self {
+        let f = T::from_f64;
+        let largest = accel / f(WINDOW);
+        Self {
+            idle: f(TELLING) * largest,
+            belief: f(BELIEF_S) * largest * largest,
+            rate: f(LARGEST) * jerk / accel,
+        }
+    }
+}
+
 /// What an axis is driven by for a tick.
 pub(super) struct Driven<T> {
     /// Change of the speed \[m/s, rad/s\].
     pub(super) moved: T,
     /// (F + d̂)/M \[m/s², rad/s²\].
     pub(super) push: T,
-    /// a and j.
-    pub(super) limits: (T, T),
-    pub(super) dt: T,
+    /// Of the tick, as of [`Window::of`].
+    pub(super) window: Window<T>,
+}
+
+/// A tick of the window.
+#[derive(Clone, Copy)]
+pub(super) struct Window<T> {
+    dt: T,
+    /// 1/(1 + λ dt).
+    shrink: T,
+}
+
+impl<T: Scalar> Window<T> {
+    pub(super) fn of(dt: T) -> Self {
+        let shrink = T::ONE / (T::ONE + T::from_f64(WINDOW) * dt);
+        Self { dt, shrink }
+    }
 }
 
 impl<T: Scalar> LoadAxis<T> {
@@ -95,21 +132,18 @@ impl<T: Scalar> LoadAxis<T> {
         share: T::ZERO,
     };
 
-    pub(super) fn advance(&mut self, now: &Driven<T>) {
-        let (window, dt) = (T::from_f64(WINDOW), now.dt);
-        let shrink = T::ONE / (T::ONE + window * dt);
+    pub(super) fn advance(&mut self, limits: &LoadLimits<T>, now: &Driven<T>) {
+        let Window { dt, shrink } = now.window;
         self.gained = (self.gained + now.moved) * shrink;
         self.missing = (self.missing + dt * now.push - now.moved) * shrink;
-        let (x, (accel, jerk)) = (self.gained, now.limits);
-        let largest = accel / window;
-        let belief = T::from_f64(BELIEF_S) * largest * largest;
-        let beyond = x - clamp(x, T::from_f64(TELLING) * largest);
+        let x = self.gained;
+        let beyond = x - clamp(x, limits.idle);
         if beyond != T::ZERO {
             // What overflows at speeds that no robot has does so in a denominator.
-            let trust = T::ONE / (T::ONE + belief / (dt * beyond * x));
+            let trust = T::ONE / (T::ONE + limits.belief / (dt * beyond * x));
             let change = trust * (self.missing / x - self.share);
-            let most = T::from_f64(LARGEST);
-            self.share = clamp(self.share + clamp(change, most * jerk / accel * dt), most);
+            let change = clamp(change, limits.rate * dt);
+            self.share = clamp(self.share + change, T::from_f64(LARGEST));
         }
     }
 
@@ -129,17 +163,17 @@ mod tests {
 
     /// A body of (1 + `load`) M whose speed goes up to a and down again with `push` beside the torque: the estimate at its end.
     fn learnt(load: f64, push: f64, dt: f64) -> f64 {
-        let (accel, jerk) = (6.0, 80.0);
+        let accel = 6.0;
         let mut axis = LoadAxis::NEW;
         let ticks = (1.0 / dt) as i32;
         for tick in 0..ticks {
             let rate = accel * (core::f64::consts::TAU * f64::from(tick) / f64::from(ticks)).sin();
-            axis.advance(&Driven {
+            let now = Driven {
                 moved: rate * dt,
                 push: (1.0 + load) * rate - push,
-                limits: (accel, jerk),
-                dt,
-            });
+                window: Window::of(dt),
+            };
+            axis.advance(&LoadLimits::of(accel, 80.0), &now);
             assert!(axis.share.abs() <= LARGEST);
         }
         axis.share
@@ -162,12 +196,12 @@ mod tests {
     fn rest_tells_nothing() {
         let mut axis = LoadAxis::NEW;
         for _ in 0..1000 {
-            axis.advance(&Driven {
+            let now = Driven {
                 moved: 0.0,
                 push: 3.0,
-                limits: (6.0, 80.0),
-                dt: 0.01,
-            });
+                window: Window::of(0.01),
+            };
+            axis.advance(&LoadLimits::of(6.0, 80.0), &now);
         }
         assert_eq!(axis.share, 0.0);
     }
@@ -179,12 +213,12 @@ mod tests {
             let mut axis = LoadAxis::NEW;
             let mut last = 0.0;
             for _ in 0..200 {
-                axis.advance(&Driven {
+                let now = Driven {
                     moved: 6.0 * dt,
                     push: 1.2 * 6.0,
-                    limits: (6.0, 80.0),
-                    dt,
-                });
+                    window: Window::of(dt),
+                };
+                axis.advance(&LoadLimits::of(6.0, 80.0), &now);
                 // y settles with x: never beyond the load but for rounding.
                 assert!(
                     axis.share >= last - 1e-12 && axis.share <= 0.2 + 1e-12,

@@ -1,6 +1,8 @@
 //! Parameters of the law for a real base: plain data, validated once.
 
 use super::arrival::Arrival;
+use super::disturbance::ObserverLimits;
+use super::follow::across_bound;
 use super::gains::MotionGains;
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
@@ -128,11 +130,17 @@ impl<T: Scalar> MotionParams<T> {
                 force: bound,
                 moment: T::HALF * self.robot.wheels.track_m * bound,
             },
+            observer: ObserverLimits::of(&self.limits),
             near: if noisy { noise_radius } else { least },
             noisy,
             along: Lag::new(gains.decay, gains.longitudinal_bound)?,
-            // 1.3 leaves room for the largest demand, A/(A + A) of it, and a start on the move.
-            across: Lag::new(gains.decay, f(1.3))?,
+            across: Lag::new(
+                gains.decay,
+                across_bound(
+                    gains.heading,
+                    within_reach(&self.robot, &self.limits).turn_accel,
+                ),
+            )?,
             around: Lag::new(gains.decay, f(1.5))?,
             approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,
             turn: Lag::new(gains.decay, f(4.0))?,
@@ -213,6 +221,8 @@ pub struct ValidMotionParams<T = f32> {
     pub(crate) noisy: bool,
     /// Largest disturbance that is compensated.
     pub(crate) disturbance: Wrench<T>,
+    /// Of the estimates of disturbance and load.
+    pub(crate) observer: ObserverLimits<T>,
     /// Neuron of e_x while following \[m/s\].
     pub(crate) along: Lag<T>,
     /// Neuron of e_y while following \[rad\].

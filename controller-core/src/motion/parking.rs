@@ -105,6 +105,12 @@ impl<T: Scalar> ParkingLaw<T> {
         approach: Approach::Idle,
     };
 
+    /// Becomes [`NEW`](Self::NEW).
+    pub(crate) fn forget(&mut self) {
+        self.memory = Self::NEW.memory;
+        self.approach = Approach::Idle;
+    }
+
     /// Keeps what every tick changes.
     #[inline(always)]
     pub(crate) fn keep(&self, before: &mut Before<T>) {

@@ -88,6 +88,7 @@ fn run() {
 
     base::motion(meter);
     base::ticks(meter);
+    base::bytes();
 
     wire::measure(meter);
 }

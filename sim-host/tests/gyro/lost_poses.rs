@@ -1,6 +1,6 @@
 //! Poses that fail for 20 s while the base drives.
 
-use crate::rig::{Draw, Rig, Wander, bad_floor, mission, seeds};
+use crate::rig::{Draw, Rig, Wander, bad_floor, is_fresh, mission, seeds};
 use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::queue::ReferenceQueue;
@@ -8,8 +8,10 @@ use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::types::Pose;
 use sim_host::mission::BaseSpec;
+use sim_host::rate::Rate;
 use sim_host::scenario::BASES;
 use sim_host::world::PlantFault;
+use tests::stated::{At, Stated};
 
 /// Poses fail from here on, for so long \[s\].
 const FROM_S: f64 = 10.0;
@@ -91,15 +93,26 @@ fn run(base: &BaseSpec, seed: u64, loses: bool) -> Ends {
     ends
 }
 
+/// Share of `failed` of `runs` that is no more than `stated` of so many runs: their intervals meet.
+fn is_as_stated(what: &str, (failed, runs): (usize, usize), stated: &[f64]) {
+    let [rate, most] = [(failed, runs), (stated[0] as usize, stated[1] as usize)]
+        .map(|(failed, runs)| Rate { failed, runs });
+    println!("{what}: {rate}");
+    assert!(
+        rate.interval().0 <= most.interval().1,
+        "{what}: {rate}; stated {most}"
+    );
+}
+
 /// Every base drives on, parks while nothing tells it where it is, and parks as ever when the poses are back; without a gyro it is stopped
 /// after a second.
 #[test]
 fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
-    let mut late = 0;
+    let (mut table, mut beyond, mut late) = (Vec::new(), (0, 0), (0, 0));
     for built_in in BASES {
         let base = built_in.with_gyro().expect("valid");
         let plain = built_in.base().expect("valid");
-        let (mut blind, mut last, mut parked, mut least_way) = (0.0_f64, 0.0_f64, 0, f64::MAX);
+        let (mut blind, mut last, mut least_way) = (Vec::new(), 0.0_f64, f64::MAX);
         for seed in seeds(RUNS) {
             let without = run(&plain, seed, true);
             let (at_s, cause) = without.stopped.expect("stopped");
@@ -117,11 +130,10 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
             {
                 continue;
             }
-            assert_eq!(stopped, None, "{} {seed}", built_in.name);
-            // docs/gyro.md: one of 20 was still on its way.
+            late.1 += 1;
             let Some((end_m, end_rad)) = ends.last else {
-                late += 1;
-                assert!(late <= 1, "{} {seed}: not parked", built_in.name);
+                println!("{} {seed}: not parked, {stopped:?}", built_in.name);
+                late.0 += 1;
                 continue;
             };
             last = last.max(end_m);
@@ -131,19 +143,41 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
                 built_in.name
             );
             if let Some((m, _)) = ends.blind {
-                blind = blind.max(m);
+                blind.push(1e3 * m);
                 least_way = least_way.min(ends.way);
-                parked += 1;
+                beyond.1 += 1;
+                beyond.0 += usize::from(m > 0.03);
             }
         }
-        println!(
-            "{}: {parked} parked without poses, within {:.1} mm after {least_way:.1} m and more; with poses again within {:.1} mm",
+        assert!(
+            2 * blind.len() as u64 > RUNS,
+            "{}: {}",
             built_in.name,
-            1e3 * blind,
+            blind.len()
+        );
+        blind.sort_by(f64::total_cmp);
+        let of = |share: f64| blind[(share * (blind.len() - 1) as f64).round() as usize];
+        println!(
+            "{}: {} parked without poses, within {:.1}, {:.1}, {:.1} mm (median, 95 %, most) after {least_way:.1} m and more; with poses again within {:.1} mm",
+            built_in.name,
+            blind.len(),
+            of(0.5),
+            of(0.95),
+            of(1.0),
             1e3 * last
         );
-        assert!(parked as u64 > RUNS / 2, "{}: {parked}", built_in.name);
-        // A tenth more than docs/gyro.md states.
-        assert!(blind < 0.045, "{}: {blind}", built_in.name);
+        table.extend([of(0.5), of(0.95)]);
+    }
+    let mut page = Stated::of("docs/gyro.md");
+    let rates = |phrase| Stated::of("docs/gyro.md").numbers(At::Phrase(phrase));
+    is_as_stated(
+        "beyond 30 mm",
+        beyond,
+        &rates("# of # parked farther than 30 mm off"),
+    );
+    is_as_stated("not parked", late, &rates("# of # had not parked"));
+    if !is_fresh() {
+        let row = "poses lost for 20 s while driving: parked without them, median, 95 % [mm]";
+        page.exactly(At::Row("Measured", row), &table);
     }
 }

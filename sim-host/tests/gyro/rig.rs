@@ -12,6 +12,13 @@ use sim_host::mission::{BaseSpec, Mission};
 use sim_host::trials::{Condition, Course, setup};
 use sim_host::world::{World, WorldSetup};
 
+/// Seeds that are not those of the documents' figures.
+pub fn is_fresh() -> bool {
+    ["GYRO_SEED", "GYRO_SEEDS"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some())
+}
+
 /// First seed of the runs here, and how many there are: `GYRO_SEED` and `GYRO_SEEDS` are others.
 pub fn seeds(count: u64) -> std::ops::Range<u64> {
     let number = |name| std::env::var(name).ok().and_then(|text| text.parse().ok());

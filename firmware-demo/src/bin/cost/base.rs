@@ -1,46 +1,91 @@
 //! The tick of a whole base, and of the motion law in it, on a mission: the route in flash, followed and parked at.
 
-use controller_core::base::Order;
+use controller_core::base::{BaseController, Order};
 use controller_core::motion::Task;
 use firmware_demo::board::Meter;
 use firmware_demo::mission;
 use firmware_demo::route::{self, BEND};
 
-use crate::print::{Row, complain};
+use crate::print::{Row, complain, line};
+use crate::stack::mark;
 
 /// The route, and time to park.
 const TICKS: u32 = 14_000;
 
-/// From counts to torques, without and with external poses.
+/// A search for a manoeuvre, from rest: 0.35 s at most.
+const SEARCH_TICKS: u32 = 350_000 / mission::PERIOD_US;
+
+/// From counts to torques, without and with external poses; apart, the first tick and those in which a manoeuvre may be searched for.
 #[inline(never)]
 pub fn ticks(meter: &mut Meter) {
     for fixes in [false, true] {
         let Ok(base) = mission::base(fixes) else {
             return complain(&["base"], "params", 1);
         };
-        let (mut follow, mut park, mut with_fix) = (Row::new(), Row::new(), Row::new());
+        let (mut first, mut follow, mut with_fix) = (Row::new(), Row::new(), Row::new());
+        let (mut plan, mut park, mut ticks, mut parking) = (Row::new(), Row::new(), 0_u32, 0_u32);
         let driven = mission::drive(&BEND, &base, TICKS, |controller, tick| {
             let cost = meter
                 .measure(|| {
                     controller.tick(tick.dt_us, &tick.order, &tick.sensed);
                 })
                 .1;
+            let searching = matches!(tick.order, Order::Park(_)) && parking < SEARCH_TICKS;
             match (&tick.order, &tick.sensed.fix) {
+                _ if ticks == 0 => first.add(cost),
+                _ if searching => plan.add(cost),
                 (_, Some(_)) => with_fix.add(cost),
                 (Order::Park(_), None) => park.add(cost),
                 _ => follow.add(cost),
             }
+            ticks += 1;
+            parking += u32::from(searching);
         });
         complain(&["base"], "faults", u32::from(driven.is_err()));
         if fixes {
             follow.print(&["base", "follow-fused"]);
+            plan.print(&["base", "plan-fused"]);
             park.print(&["base", "park-fused"]);
             with_fix.print(&["base", "with-fix"]);
         } else {
+            first.print(&["base", "first"]);
             follow.print(&["base", "follow"]);
+            plan.print(&["base", "plan"]);
             park.print(&["base", "park"]);
         }
     }
+}
+
+/// Bytes: the controller itself, and the stack of its ticks, of which those that begin something are looked at.
+#[inline(never)]
+pub fn bytes() {
+    line(&["ram", "base"])
+        .number(size_of::<BaseController>() as u32)
+        .print();
+    let Ok(base) = mission::base(true) else {
+        return complain(&["stack", "base"], "params", 1);
+    };
+    let empty = mark(|| ());
+    let (mut most, mut ticks, mut parking) = (0_u32, 0_u32, 0_u32);
+    let driven = mission::drive(&BEND, &base, TICKS, |controller, tick| {
+        let park = matches!(tick.order, Order::Park(_));
+        let searching = park && parking < SEARCH_TICKS;
+        parking += u32::from(searching);
+        let mut step = || {
+            controller.tick(tick.dt_us, &tick.order, &tick.sensed);
+        };
+        // Looking takes as long as some ticks.
+        if searching || ticks < 100 || ticks % 500 == 0 {
+            most = most.max(mark(step));
+        } else {
+            step();
+        }
+        ticks += 1;
+    });
+    complain(&["stack", "base"], "faults", u32::from(driven.is_err()));
+    line(&["stack", "base"])
+        .number(most.saturating_sub(empty))
+        .print();
 }
 
 /// The motion law alone, from a measured pose and twist.

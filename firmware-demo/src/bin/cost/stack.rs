@@ -19,7 +19,7 @@ const MARGIN: usize = 1024;
 
 /// Calls `work` deeper than the painter's margin and returns the mark.
 #[inline(never)]
-fn mark(mut work: impl FnMut()) -> u32 {
+pub fn mark(mut work: impl FnMut()) -> u32 {
     paint();
     deeper(&mut work);
     high_water_mark()

@@ -6,7 +6,7 @@ use super::Pair;
 use super::constants::{Constants, Policy};
 
 /// Share of the wheels' torque for commands.
-const COMMAND_SHARE: f64 = 0.75;
+pub(super) const COMMAND_SHARE: f64 = 0.75;
 
 /// What a law wants: (v_d, w_d) and (a_d, α_d).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::Pair;
+use super::command::COMMAND_SHARE;
 use super::neuron::Rule;
 
 /// Who yields where both wheels cannot be served.
@@ -91,6 +92,13 @@ impl Constants {
     pub fn largest_wrench(&self) -> Pair {
         let force = self.torque / self.radius.x + self.torque / self.radius.y;
         Pair::new(force, self.track / 2.0 * force)
+    }
+
+    /// The largest angular acceleration of a command, with the limits' and with what the wheels give to one (section 5).
+    pub fn turning_reach(&self) -> f64 {
+        self.accel
+            .y
+            .min(COMMAND_SHARE * self.largest_wrench().y / self.inertia.y)
     }
 
     /// D of section 8.

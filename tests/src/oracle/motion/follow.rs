@@ -8,10 +8,8 @@ use super::constants::Constants;
 use super::neuron::Neuron;
 use super::{Pair, command::Desired};
 
-/// Largest heading that e_y may ask for, before the neuron.
-const CLIP: f64 = 1.3;
-/// Bounds of s₂ and s₃.
-const BOUNDS: (f64, f64) = (1.3, 1.5);
+/// Bound of s₃.
+const AROUND: f64 = 1.5;
 /// Next to half a turn, where the side is kept \[rad\].
 const KEPT: f64 = 0.3;
 
@@ -58,8 +56,9 @@ impl Follower {
         dt: Option<f64>,
     ) -> Desired {
         let (v_r, w_r) = (reference.twist.x, reference.twist.y);
+        let steep = (1.3 * k.turning_reach() * 9.0 / (2.0 * k.k3.powi(2))).clamp(1.3, 1.6);
         let g = k.c / k.k3 * v_r / (v_r.powi(2) + k.v_f.powi(2));
-        let aside = (g * e.y / 1.0_f64.hypot(g * e.x)).clamp(-CLIP, CLIP);
+        let aside = (g * e.y / 1.0_f64.hypot(g * e.x)).clamp(-steep, steep);
         if e.z.abs() <= FRAC_PI_2 {
             self.side = 0.0;
         } else if self.side == 0.0 || PI - e.z.abs() > KEPT {
@@ -71,7 +70,7 @@ impl Follower {
             self.side - e.z.sin()
         };
         let wanted = [k.k1 * e.x, aside, lacking];
-        let bounds = [k.b_v, BOUNDS.0, BOUNDS.1];
+        let bounds = [k.b_v, steep, AROUND];
         self.s = match dt {
             Some(dt) => {
                 std::array::from_fn(|i| self.s[i].after(wanted[i], k.a, bounds[i], dt, k.rule))
