@@ -6,6 +6,7 @@ mod identify;
 use crate::bench_args::BenchArgs;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
+use crate::part_args::{MergeArgs, PartArgs};
 use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
 use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
@@ -30,6 +31,7 @@ Examples:
   sim-host faults                           everything that can fail, in every state
   sim-host tune robot.toml                  gains for your own robot, searched on bad floors
   sim-host verify robot.toml                whether it does its courses there
+  sim-host verify robot.toml --shard 3/8    a part of it, for `sim-host merge`
   sim-host bench --quick                    the default law beside published ones
   sim-host constants robot.toml             the same robot as constants for a firmware
   sim-host teleop --base robot.toml         drive it by the keyboard, simulated or with --port
@@ -162,6 +164,8 @@ Examples:
         /// Only conditions whose name contains this; may be given several times
         #[arg(long, value_name = "TEXT")]
         only: Vec<String>,
+        #[command(flatten)]
+        part: PartArgs,
     },
     /// The fault campaign: random trouble in every state, on the realistic plant
     ///
@@ -194,7 +198,20 @@ Examples:
         gyro: bool,
         #[command(flatten)]
         log: LogArgs,
+        #[command(flatten)]
+        part: PartArgs,
     },
+    /// Put the parts of a study together: what the study would have printed and written in one piece
+    ///
+    /// `faults`, `verify`, `robustness` and `tune` take --shard I/N, on any machine and in any order. A part that is missing is
+    /// named with the command that makes it; parts of another study, another version or another file of the robot
+    /// are refused. The same bytes, the same exit code, for any number of parts. docs/cluster.md has job files.
+    #[command(after_help = "\
+Examples:
+  for i in 1 2 3 4; do sim-host faults --runs 10000 --shard $i/4 & done; wait
+  sim-host merge out/faults-part-*-of-4.parquet
+  sim-host merge parts/*.parquet --out results --parquet results/runs.parquet")]
+    Merge(MergeArgs),
     /// Find gains for a robot of your own
     ///
     /// Searches in worlds that are drawn around the robot of the file: bad floor, mass and inertia 30 % off,

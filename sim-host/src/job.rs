@@ -7,6 +7,7 @@ use crate::mission::{BaseSpec, Mission};
 use crate::run::{self, RunError, Watch};
 use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError};
 use crate::trace::Trace;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Why there is nothing to run.
@@ -282,8 +283,9 @@ fn looks_like_toml(text: &str) -> Option<bool> {
     })
 }
 
-/// A robot with the text that describes it.
-#[derive(Clone, Debug)]
+/// A robot with the text that describes it. Its serialised form is the text with its names.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "RobotText", into = "RobotText")]
 pub struct RobotFile {
     /// File name without its extension.
     pub name: String,
@@ -322,6 +324,37 @@ impl RobotFile {
             file: part(path.file_name()),
             base: BaseSpec::parse(&path.display().to_string(), &text)?,
             text,
+        })
+    }
+}
+
+/// What a robot is read from.
+#[derive(Serialize, Deserialize)]
+struct RobotText {
+    name: String,
+    file: String,
+    text: String,
+}
+
+impl From<RobotFile> for RobotText {
+    fn from(robot: RobotFile) -> Self {
+        Self {
+            name: robot.name,
+            file: robot.file,
+            text: robot.text,
+        }
+    }
+}
+
+impl TryFrom<RobotText> for RobotFile {
+    type Error = ScenarioError;
+
+    fn try_from(robot: RobotText) -> Result<Self, ScenarioError> {
+        Ok(Self {
+            base: BaseSpec::parse(&robot.file, &robot.text)?,
+            name: robot.name,
+            file: robot.file,
+            text: robot.text,
         })
     }
 }

@@ -14,6 +14,7 @@
 //! | on a chip | [`pil`], [`monitor`] |
 //! | from a robot's log | [`identify`] |
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
+//! | studies in parts, on many machines | [`part`] |
 //! | beside other laws | [`mod@bench`] |
 //! | report | [`metrics`], [`table`], [`csv_out`], [`record`]; `figure` with the feature `figures`, `datalog` with that |
 //!
@@ -57,6 +58,9 @@ pub mod metrics;
 pub mod mission;
 pub mod monitor;
 pub mod motion;
+mod names;
+#[cfg(not(target_family = "wasm"))]
+pub mod part;
 #[cfg(not(target_family = "wasm"))]
 pub mod pil;
 pub mod plant;

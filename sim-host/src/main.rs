@@ -5,6 +5,7 @@ mod cli;
 mod commands;
 mod drive_args;
 mod log_args;
+mod part_args;
 mod robot_args;
 mod seed_args;
 

@@ -1,9 +1,10 @@
 //! Arguments for a robot of one's own.
 
 use crate::log_args::LogArgs;
+use crate::part_args::PartArgs;
 use crate::seed_args::SeedArgs;
 use clap::Args;
-use std::num::{NonZeroU32, NonZeroU64};
+use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 /// What is tuned, and for what.
@@ -21,9 +22,14 @@ pub struct TuneArgs {
     /// Settles everything that is drawn
     #[arg(long, value_name = "N", default_value = "1")]
     pub seed: u64,
+    /// Simplexes that share them, each from one of the best sets of a first look
+    #[arg(long, value_name = "N", default_value = "3")]
+    pub starts: NonZeroUsize,
     /// Write the gains into the robot's file
     #[arg(long)]
     pub write: bool,
+    #[command(flatten)]
+    pub part: PartArgs,
 }
 
 /// What is verified.
@@ -39,6 +45,8 @@ pub struct VerifyArgs {
     pub log: LogArgs,
     #[command(flatten)]
     pub seed: SeedArgs,
+    #[command(flatten)]
+    pub part: PartArgs,
 }
 
 /// What is written for a firmware.

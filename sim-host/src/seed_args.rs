@@ -10,7 +10,7 @@ pub struct SeedArgs {
     seed: u64,
     /// Draw a seed that nobody has seen; it is printed, so that the runs can be repeated with --seed
     #[arg(long, conflicts_with = "seed")]
-    fresh: bool,
+    pub fresh: bool,
 }
 
 impl SeedArgs {

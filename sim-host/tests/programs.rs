@@ -7,6 +7,7 @@ mod faults;
 mod monitor;
 mod own_robot;
 mod own_robot_tune;
+mod parts;
 mod pil;
 mod robustness;
 mod scenario_errors;

@@ -25,6 +25,8 @@ pub mod motion_wheel_friction;
 pub mod oracle;
 pub mod plant;
 pub mod random;
+#[cfg(doctest)]
+pub mod readmes;
 pub mod safety_rig;
 pub mod stated;
 pub mod tolerance;

@@ -8,39 +8,25 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sim_host::campaign::{
-    Bases, Mutation, Record, RunOutcome, cells, numbers, run_sheet, shard, study, table, violation,
-    write_runs,
+    Bases, Campaign as Settings, CampaignError, Mutation, Record, RunOutcome, cells, run_sheet,
+    study, table, violation, write_runs,
 };
+use sim_host::part;
 use sim_host::record;
 
-/// What a campaign is made of: parts with the same can be merged.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Parameters {
-    runs: u64,
-    seed: u64,
-    only: Vec<String>,
-    gyro: bool,
-    first: u64,
-}
-
-impl Parameters {
-    fn numbers(&self) -> PyResult<(Bases, Vec<u64>)> {
-        let bases = match self.gyro {
-            true => Bases::with_gyro(),
-            false => Bases::built_in(),
-        };
-        let bases = bases.map_err(|e| error::scenario(&e))?;
-        let all = numbers(&bases, self.first, self.runs, &self.only);
-        let all = all.map_err(|e| error::argument("only", &e.to_string()))?;
-        Ok((bases, all))
-    }
+/// Its bases, and the numbers of its runs.
+fn numbers(settings: &Settings) -> PyResult<(Bases, Vec<u64>)> {
+    settings.numbers().map_err(|e| match e {
+        CampaignError::Base(e) => error::scenario(&e),
+        e => error::argument("only", &e.to_string()),
+    })
 }
 
 /// Runs of a campaign, in order.
 #[pyclass(module = "twb", frozen)]
 #[derive(Serialize, Deserialize)]
 pub struct Campaign {
-    parameters: Parameters,
+    parameters: Settings,
     outcomes: Vec<RunOutcome>,
 }
 
@@ -109,7 +95,7 @@ impl Campaign {
         let all = parts.iter().flat_map(|part| part.outcomes.iter().cloned());
         let mut outcomes: Vec<RunOutcome> = all.collect();
         outcomes.sort_by_key(|outcome| outcome.run);
-        let (_, numbers) = parameters.numbers()?;
+        let (_, numbers) = numbers(&parameters)?;
         if !outcomes.iter().map(|o| o.run).eq(numbers.iter().copied()) {
             let message = format!(
                 "{} runs are here, of a campaign of {}: a part is missing or there twice",
@@ -169,17 +155,17 @@ pub fn faults(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Campaign> {
-    let parameters = Parameters {
+    let parameters = Settings {
         runs,
         seed,
         only,
         gyro,
         first,
     };
-    let (bases, all) = parameters.numbers()?;
+    let (bases, all) = numbers(&parameters)?;
     let numbers = match shard {
         None => all.as_slice(),
-        Some((index, count)) if index < count => self::shard(&all, index, count),
+        Some((index, count)) if index < count => part::shard(&all, index, count),
         Some((index, count)) => {
             let message = format!("shard ({index}, {count}): counted from 0, so below {count}");
             return Err(error::argument("shard", &message));

@@ -93,7 +93,7 @@ pub fn violation(outcome: &RunOutcome) -> Option<String> {
 fn columns<'a>() -> [Column<&'a RunOutcome>; 18] {
     columns![run;
         "run" => run.run,
-        "base" => BASES[run.base].name,
+        "base" => BASES.get(run.base).map(|base| base.name),
         "state" => run.target.name(),
         "trouble" => run.injection.name(),
         "second" => run.second.map(|second| second.name()),

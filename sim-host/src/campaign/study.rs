@@ -3,9 +3,15 @@
 use super::fault_injection::FaultInjectionKind;
 use super::outcome::{RunOutcome, Violation};
 use super::plan::{Bases, Plan};
+use super::report::run_sheet;
 use super::run::{Mutation, run};
 use crate::closed_loop::ClosedLoopError;
+use crate::csv_out::Sheet;
+use crate::part::Study;
+use crate::scenario::{BASES, GYRO, ScenarioError};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// No kind of trouble has one of the words in its name.
@@ -17,12 +23,7 @@ pub struct NoTrouble(pub Vec<&'static str>);
 ///
 /// # Errors
 /// Words that no trouble has.
-pub fn numbers(
-    bases: &Bases,
-    first: u64,
-    count: u64,
-    only: &[String],
-) -> Result<Vec<u64>, NoTrouble> {
+fn numbers(bases: &Bases, first: u64, count: u64, only: &[String]) -> Result<Vec<u64>, NoTrouble> {
     let chosen = |kind: FaultInjectionKind| {
         only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
     };
@@ -36,16 +37,91 @@ pub fn numbers(
     Ok(all.take(count).collect())
 }
 
-/// Part `index` of `count` of a campaign, counted from 0: one behind the other they are the whole. Sizes differ by one at
-/// most; what is not there is empty.
-pub fn shard(numbers: &[u64], index: usize, count: usize) -> &[u64] {
-    let bound = |part: usize| match count {
-        0 => 0,
-        // Without overflow for any number of parts.
-        _ => (numbers.len() as u128 * part as u128 / count as u128) as usize,
-    };
-    let (from, to) = (bound(index), bound(index.saturating_add(1)));
-    numbers.get(from..to).unwrap_or_default()
+/// The campaign of a seed, as far as the command line and other front ends settle it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Campaign {
+    /// Number of runs.
+    pub runs: u64,
+    /// Of everything that is drawn.
+    pub seed: u64,
+    /// Words in names of troubles; none for all troubles.
+    pub only: Vec<String>,
+    /// Bases with a gyro.
+    pub gyro: bool,
+    /// The first run.
+    pub first: u64,
+}
+
+/// Why a campaign does not run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CampaignError {
+    /// See [`NoTrouble`].
+    #[error(transparent)]
+    NoTrouble(#[from] NoTrouble),
+    /// A built-in base that cannot be read.
+    #[error(transparent)]
+    Base(#[from] ScenarioError),
+    /// A world out of range.
+    #[error(transparent)]
+    World(#[from] ClosedLoopError),
+}
+
+impl Campaign {
+    /// Its bases, and the numbers of its runs.
+    ///
+    /// # Errors
+    /// Words that no trouble has.
+    pub fn numbers(&self) -> Result<(Bases, Vec<u64>), CampaignError> {
+        let bases = match self.gyro {
+            true => Bases::with_gyro(),
+            false => Bases::built_in(),
+        }?;
+        let numbers = numbers(&bases, self.first, self.runs, &self.only)?;
+        Ok((bases, numbers))
+    }
+}
+
+impl Study for Campaign {
+    const COMMAND: &'static str = "faults";
+    type Run = RunOutcome;
+    type Error = CampaignError;
+
+    fn name(&self) -> String {
+        Self::COMMAND.to_owned()
+    }
+
+    fn arguments(&self) -> Vec<String> {
+        let mut words = vec!["--runs".to_owned(), self.runs.to_string()];
+        words.extend(["--seed".to_owned(), self.seed.to_string()]);
+        for word in &self.only {
+            words.extend(["--only".to_owned(), word.clone()]);
+        }
+        words.extend(self.gyro.then(|| "--gyro".to_owned()));
+        words
+    }
+
+    fn built_in(&self) -> Vec<&'static str> {
+        let bases = BASES.iter().map(|base| base.text);
+        bases.chain(self.gyro.then_some(GYRO)).collect()
+    }
+
+    fn count(&self) -> Result<usize, CampaignError> {
+        Ok(self.numbers()?.1.len())
+    }
+
+    fn runs(
+        &self,
+        places: Range<usize>,
+        tick: &(dyn Fn() + Sync),
+    ) -> Result<Vec<RunOutcome>, CampaignError> {
+        let (bases, numbers) = self.numbers()?;
+        let numbers = numbers.get(places).unwrap_or_default().to_vec();
+        Ok(study(&bases, self.seed, numbers, &Mutation::None, tick)?)
+    }
+
+    fn sheet(&self, _: usize, runs: &[RunOutcome]) -> Result<Sheet, CampaignError> {
+        Ok(run_sheet(runs))
+    }
 }
 
 /// Runs of the campaign of `seed`, in order. `done` is called after each.
@@ -81,26 +157,4 @@ pub fn study(
         })
     };
     runs.into_par_iter().map(one).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shard;
-
-    /// Any number of parts, one behind the other, is the whole; none is longer than another by more than one.
-    #[test]
-    fn parts_make_the_whole() {
-        for length in [0, 1, 7, 60] {
-            let numbers: Vec<u64> = (100..100 + length).collect();
-            for count in 1..70 {
-                let parts: Vec<_> = (0..count).map(|i| shard(&numbers, i, count)).collect();
-                assert_eq!(parts.concat(), numbers, "{count} parts of {length}");
-                let sizes = parts.iter().map(|part| part.len());
-                let (least, most) = (sizes.clone().min(), sizes.max());
-                assert!(most <= least.map(|least| least + 1), "{count} of {length}");
-            }
-        }
-        assert!(shard(&[1, 2], 2, 2).is_empty() && shard(&[1, 2], 0, 0).is_empty());
-        assert!(shard(&[1, 2], usize::MAX, usize::MAX).is_empty());
-    }
 }

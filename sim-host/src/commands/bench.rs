@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use super::write::Writer;
-use super::{robustness, say};
+use super::{part, say};
 use crate::bench_args::BenchArgs;
 use crate::cli::Output;
 use indicatif::ProgressBar;
@@ -60,8 +60,7 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
         laws: laws(&arguments.law)?,
     };
     let tuned = if arguments.tune {
-        let bar =
-            ProgressBar::new(evaluations(settings.bases.len())).with_style(robustness::style());
+        let bar = ProgressBar::new(evaluations(settings.bases.len())).with_style(part::style());
         let tuned = tune(&settings.bases, FILES, || bar.inc(1));
         bar.finish_and_clear();
         let tuned = tuned?;
@@ -70,7 +69,7 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
     } else {
         Tuned::built_in()
     };
-    let bar = ProgressBar::new(runs(&settings)? as u64).with_style(robustness::style());
+    let bar = ProgressBar::new(runs(&settings)? as u64).with_style(part::style());
     let all = study(&settings, &tuned, || bar.inc(1));
     bar.finish_and_clear();
     let all = all?;

@@ -1,17 +1,18 @@
 //! Why a command failed.
 
-use sim_host::campaign::NoTrouble;
+use sim_host::campaign::CampaignError;
 use sim_host::constants::ConstantsError;
 use sim_host::drive::FileError;
 use sim_host::figure::FigureError;
 use sim_host::identify::{IdentifyError, KnownError, LogError};
 use sim_host::job::JobError;
 use sim_host::monitor::MonitorError;
+use sim_host::part::MergeError;
 use sim_host::pil::PilError;
 use sim_host::robustness::StudyError;
 use sim_host::run::RunError;
 use sim_host::scenario::ScenarioError;
-use sim_host::tune::TuneError;
+use sim_host::tune::{TuneError, TuneStudyError};
 use sim_host::verify::VerifyError;
 use std::path::PathBuf;
 
@@ -30,6 +31,8 @@ pub enum CommandError {
     },
     #[error("{}: {cause}", path.display())]
     Trajectory { path: PathBuf, cause: FileError },
+    #[error(transparent)]
+    TuneStudy(#[from] TuneStudyError),
     #[error("{count} of {of} files refused: see above")]
     Refused { count: usize, of: usize },
     #[error("{}: a scenario, not a trajectory", .0.display())]
@@ -60,9 +63,19 @@ pub enum CommandError {
     #[error("chip and host computed different bits: see the report above")]
     Apart,
     #[error(transparent)]
-    NoTrouble(#[from] NoTrouble),
-    #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
-    NoCondition { word: String, names: Vec<String> },
+    Campaign(#[from] CampaignError),
+    #[error(transparent)]
+    Merge(#[from] MergeError),
+    #[error("{0} is not for a part: give it to the whole, or draw a seed once and give it to all")]
+    NotInParts(&'static str),
+    #[error("these are parts of `{0}`, which has none that this version knows")]
+    NoParts(String),
+    #[error("--log is for parts of `faults` and `verify`, and these are of `{0}`")]
+    LogWhat(String),
+    #[error("--write is for parts of `tune`, and these are of `{0}`")]
+    WriteWhat(String),
+    #[error("{}: not the robot that was tuned: its gains stay as they are", .0.display())]
+    OtherRobot(PathBuf),
     #[error(transparent)]
     Bench(#[from] sim_host::bench::BenchError),
     #[error("no threads: {0}")]

@@ -1,54 +1,54 @@
 //! `faults`.
 
 use super::error::CommandError;
-use super::say;
 use super::write::Writer;
+use super::{part, say};
 use crate::cli::Output;
 use crate::log_args::LogArgs;
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::part_args::PartArgs;
 use sim_host::campaign::{
-    Bases, Mutation, Plan, Record, TraceWriter, cells, known, numbers, run, study, table,
+    Bases, Campaign, Mutation, Plan, Record, RunOutcome, TraceWriter, cells, known, run, table,
     tick_fields, violation, write_runs,
 };
 use sim_host::datalog::Source;
-use std::num::NonZeroU64;
 
 /// The files' name.
 const NAME: &str = "faults";
 /// So many violations are printed; all are in the file.
 const PRINTED: usize = 20;
 
-/// The run that is looked at tick by tick, and where its log goes.
-#[derive(Clone, Copy)]
-pub struct One<'a> {
-    pub run: Option<u64>,
-    pub log: &'a LogArgs,
-}
-
+/// `run` is the one that is looked at tick by tick, and has the log; else the first that broke a rule.
 pub fn all(
-    runs: NonZeroU64,
-    seed: u64,
-    only: &[String],
-    (One { run, log }, gyro): (One<'_>, bool),
+    campaign: &Campaign,
+    (run, log): (Option<u64>, &LogArgs),
+    how: &PartArgs,
     output: &Output,
 ) -> Result<(), CommandError> {
-    let bases = if gyro {
-        Bases::with_gyro()
-    } else {
-        Bases::built_in()
-    }?;
-    let writer = Writer::new(output)?;
     if let Some(number) = run {
-        trace(&bases, seed, number, &writer)?;
-        log_of(log, &bases, seed, number)?;
+        if how.shard.is_some() {
+            return Err(CommandError::NotInParts("--run"));
+        }
+        let bases = campaign.numbers()?.0;
+        trace(&bases, campaign.seed, number, &Writer::new(output)?)?;
+        log_of(log, &bases, campaign.seed, number)?;
     }
-    let numbers = numbers(&bases, run.unwrap_or(0), runs.get(), only)?;
-    // Hidden by itself where standard error is no terminal.
-    let bar = ProgressBar::new(runs.get()).with_style(style());
-    let outcomes = study(&bases, seed, numbers, &Mutation::None, || bar.inc(1));
-    bar.finish_and_clear();
-    let outcomes = outcomes?;
-    let cells = cells(&outcomes, None);
+    part::without_log(how, log)?;
+    let log = run.is_none().then_some(log);
+    part::run(campaign, how, output, |outcomes| {
+        report(campaign, &outcomes, log, output)
+    })
+}
+
+/// Prints and writes what a campaign says.
+pub fn report(
+    campaign: &Campaign,
+    outcomes: &[RunOutcome],
+    log: Option<&LogArgs>,
+    output: &Output,
+) -> Result<(), CommandError> {
+    let writer = Writer::new(output)?;
+    let seed = campaign.seed;
+    let cells = cells(outcomes, None);
     say(&format!("seed {seed}\n"))?;
     say(&format!("{}\n", table(&cells)))?;
     say(
@@ -57,7 +57,7 @@ pub fn all(
          parked off: farthest from the goal that a base truly was that said it was parked.\n\n",
     )?;
     let mut worse = 0;
-    for (known, rate) in known(&outcomes) {
+    for (known, rate) in known(outcomes) {
         let holds = known.holds(&rate);
         worse += usize::from(!holds);
         say(&format!(
@@ -76,20 +76,22 @@ pub fn all(
         let run = first.run;
         say(&format!(
             "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}{}\n\n",
-            if gyro { " --gyro" } else { "" }
+            if campaign.gyro { " --gyro" } else { "" }
         ))?;
     }
-    if let (None, Some(path)) = (run, &log.log) {
+    if let Some(asked) = log
+        && let Some(path) = &asked.log
+    {
         match outcomes.iter().find(|outcome| outcome.end.is_err()) {
-            Some(first) => log_of(log, &bases, seed, first.run)?,
+            Some(first) => log_of(asked, &campaign.numbers()?.0, seed, first.run)?,
             None => say(&format!(
                 "no run broke a rule: {} was not written\n",
                 path.display()
             ))?,
         }
     }
-    writer.rows(NAME, |out| write_runs(&outcomes, out))?;
-    writer.json(NAME, &[Record::of(seed, &outcomes, &cells)])?;
+    writer.rows(NAME, |out| write_runs(outcomes, out))?;
+    writer.json(NAME, &[Record::of(seed, outcomes, &cells)])?;
     say(&format!(
         "{} of {} runs against the rules; results are in {}\n",
         violations.len(),
@@ -137,9 +139,4 @@ fn log_of(asked: &LogArgs, bases: &Bases, seed: u64, number: u64) -> Result<(), 
     })?;
     written.and_then(|()| log.finish())?;
     Ok(())
-}
-
-fn style() -> ProgressStyle {
-    let template = "{wide_bar} {pos} of {len} runs, {eta} to go";
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }

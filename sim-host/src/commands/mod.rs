@@ -9,7 +9,9 @@ mod faults;
 mod identify;
 mod list;
 mod log;
+mod merge;
 mod monitor;
+mod part;
 mod pil;
 mod robot;
 mod robustness;
@@ -22,8 +24,10 @@ mod write;
 use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::warnings;
+use sim_host::campaign::Campaign;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::record::Finished;
+use sim_host::robustness::Robustness;
 use sim_host::scenario::{PAPER, Scenario};
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
@@ -74,7 +78,13 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             };
             pil::all(&jobs, board, log, output)
         }
-        Command::Robustness { seeds, only } => robustness::all(*seeds, only, output),
+        Command::Robustness { seeds, only, part } => {
+            let study = Robustness {
+                seeds: *seeds,
+                only: only.clone(),
+            };
+            robustness::all(&study, part, output)
+        }
         Command::Faults {
             runs,
             seed,
@@ -82,10 +92,18 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             run,
             gyro,
             log,
+            part,
         } => {
-            let one = faults::One { run: *run, log };
-            faults::all(*runs, seed.draw()?, only, (one, *gyro), output)
+            let campaign = Campaign {
+                runs: runs.get(),
+                seed: part::seed(seed, part)?,
+                only: only.clone(),
+                gyro: *gyro,
+                first: run.unwrap_or(0),
+            };
+            faults::all(&campaign, (*run, log), part, output)
         }
+        Command::Merge(arguments) => merge::merge(arguments, output),
         Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {

@@ -1,25 +1,25 @@
 //! `robustness`.
 
 use super::error::CommandError;
-use super::say;
 use super::write::Writer;
+use super::{part, say};
 use crate::cli::Output;
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::part_args::PartArgs;
 use sim_host::figure::{png, robustness as figure};
-use sim_host::robustness::{Condition, catalogue, runs, study, tables, write_csv};
-use std::num::NonZeroU32;
+use sim_host::robustness::{Robustness, Run, rows, tables, write_csv};
 
 /// The files' name.
 const NAME: &str = "robustness";
 
-pub fn all(seeds: NonZeroU32, only: &[String], output: &Output) -> Result<(), CommandError> {
-    let conditions = chosen(only)?;
+pub fn all(study: &Robustness, how: &PartArgs, output: &Output) -> Result<(), CommandError> {
+    part::run(study, how, output, |runs| report(study, &runs, output))
+}
+
+/// Prints and writes what a study says.
+pub fn report(study: &Robustness, runs: &[Run], output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
-    // Hidden by itself where standard error is no terminal.
-    let bar = ProgressBar::new(runs(&conditions, seeds)).with_style(style());
-    let rows = study(&conditions, seeds, || bar.inc(1));
-    bar.finish_and_clear();
-    let rows = rows?;
+    let conditions = study.conditions()?;
+    let rows = rows(&conditions, study.seeds, runs);
     let [settling, ends, noise, peaks] = tables(&rows);
     say(&format!("{settling}\n{ends}\n"))?;
     say(
@@ -33,27 +33,4 @@ pub fn all(seeds: NonZeroU32, only: &[String], output: &Output) -> Result<(), Co
     writer.bytes(&format!("{NAME}.png"), &png(&svg)?)?;
     writer.rows(NAME, |out| write_csv(&rows, out))?;
     say(&format!("results are in {}\n", output.out.display()))
-}
-
-/// The conditions whose names contain one of the words; all without a word.
-fn chosen(only: &[String]) -> Result<Vec<Condition>, CommandError> {
-    let mut conditions = catalogue();
-    if !only.is_empty() {
-        if let Some(word) = only
-            .iter()
-            .find(|word| !conditions.iter().any(|c| c.name.contains(word.as_str())))
-        {
-            return Err(CommandError::NoCondition {
-                word: word.clone(),
-                names: conditions.into_iter().map(|c| c.name).collect(),
-            });
-        }
-        conditions.retain(|c| only.iter().any(|word| c.name.contains(word.as_str())));
-    }
-    Ok(conditions)
-}
-
-pub fn style() -> ProgressStyle {
-    let template = "{wide_bar} {pos} of {len} runs, {eta} to go";
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }

@@ -3,23 +3,25 @@
 use super::error::CommandError;
 use super::robot::load;
 use super::write::Writer;
-use super::{robustness, say};
+use super::{part, say};
 use crate::cli::Output;
 use crate::robot_args::TuneArgs;
-use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::figure::Labelled;
-use sim_host::job::RobotFile;
+use sim_host::part::Study as _;
 use sim_host::tune::{
-    KNOBS, Score, Search, Seeds, Tuned, TuningProblem, gain_table, score_table, search, update,
+    Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, conclude,
+    gain_table, score_table, update,
 };
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A search as it stands in a JSON file.
 #[derive(Serialize)]
 struct Record<'a> {
     robot: &'a str,
     evaluations: u64,
+    starts: usize,
     seed: u64,
     gains_before: BTreeMap<&'static str, f64>,
     gains_after: BTreeMap<&'static str, f64>,
@@ -33,18 +35,52 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
     if arguments.write && !arguments.robot.exists() {
         return Err(CommandError::BuiltInRobot(robot.name));
     }
-    let writer = Writer::new(output)?;
-    let problem = problem(arguments, &robot)?;
-    let how = Search {
+    if arguments.write && arguments.part.shard.is_some() {
+        return Err(CommandError::NotInParts("--write"));
+    }
+    let trajectory = arguments.trajectory.as_deref().map(read).transpose()?;
+    let study = TuneStudy {
+        robot,
+        path: arguments.robot.clone(),
+        trajectory,
         evaluations: arguments.evaluations.get(),
+        starts: arguments.starts.get(),
         seed: arguments.seed,
-        ..Search::default()
     };
-    // Hidden by itself where standard error is no terminal.
-    let bar = ProgressBar::new(how.evaluations).with_style(robustness::style());
-    let tuned = search(&problem, &how, || bar.inc(1));
-    bar.finish_and_clear();
-    let tuned = tuned?;
+    let write = arguments.write.then_some(arguments.robot.as_path());
+    part::run(&study, &arguments.part, output, |finds| {
+        report(&study, &finds, write, output)
+    })
+}
+
+fn read(path: &Path) -> Result<TrajectoryText, CommandError> {
+    let bytes = std::fs::read(path).map_err(|cause| CommandError::Read {
+        path: path.to_owned(),
+        cause,
+    })?;
+    let stem = path.file_stem().unwrap_or_default();
+    Ok(TrajectoryText {
+        name: stem.to_string_lossy().into_owned(),
+        path: path.to_owned(),
+        bytes,
+    })
+}
+
+/// Prints and writes what a search says; with `write` the gains into that file of the robot as well.
+pub fn report(
+    study: &TuneStudy,
+    finds: &[Find],
+    write: Option<&Path>,
+    output: &Output,
+) -> Result<(), CommandError> {
+    let writer = Writer::new(output)?;
+    let (problem, scaling) = study.problem()?;
+    let (robot, how) = (&study.robot, study.search());
+    if let Some((scaling, trajectory)) = scaling.zip(study.trajectory.as_ref()) {
+        let name = &trajectory.name;
+        say(&format!("{name} on a {}: {scaling}\n", robot.base.name))?;
+    }
+    let tuned = conclude(&problem, &how, finds)?;
     let (before, after) = (tuned.unseen[0].total(), tuned.unseen[1].total());
     say(&format!(
         "{}: {}\n{}\n{}\n{}\n",
@@ -54,7 +90,7 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
         score_table(&tuned),
         verdict(before, after)
     ))?;
-    let name = format!("{}-tune", robot.name);
+    let name = study.name();
     draw(&problem, &how, &tuned, &robot.name, &name, &writer)?;
     let values = |gains| {
         KNOBS
@@ -65,6 +101,7 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
     let record = Record {
         robot: &robot.file,
         evaluations: how.evaluations,
+        starts: how.starts,
         seed: how.seed,
         gains_before: values(&tuned.gains[0]),
         gains_after: values(&tuned.gains[1]),
@@ -72,17 +109,14 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
         unseen: tuned.unseen,
     };
     writer.json(&name, &[record])?;
-    if arguments.write {
+    if let Some(path) = write {
         let written = |cause: String| CommandError::Write {
-            path: arguments.robot.clone(),
+            path: path.to_owned(),
             cause,
         };
         let text = update(&robot.text, &tuned.gains[1]).map_err(|e| written(e.to_string()))?;
-        std::fs::write(&arguments.robot, text).map_err(|error| written(error.to_string()))?;
-        say(&format!(
-            "[gains] of {} are the new ones\n",
-            arguments.robot.display()
-        ))?;
+        std::fs::write(path, text).map_err(|error| written(error.to_string()))?;
+        say(&format!("[gains] of {} are the new ones\n", path.display()))?;
     }
     say(&format!("results are in {}\n", output.out.display()))
 }
@@ -97,24 +131,6 @@ fn verdict(before: f64, after: f64) -> String {
         "no better in worlds that the search did not see: keep the gains, or search longer"
             .to_owned()
     }
-}
-
-fn problem(arguments: &TuneArgs, robot: &RobotFile) -> Result<TuningProblem, CommandError> {
-    let Some(path) = &arguments.trajectory else {
-        return Ok(TuningProblem::courses(&robot.base));
-    };
-    let bytes = std::fs::read(path).map_err(|cause| CommandError::Read {
-        path: path.clone(),
-        cause,
-    })?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let problem = TuningProblem::trajectory(&robot.base, &stem, &bytes);
-    let (problem, scaling) = problem.map_err(|cause| CommandError::Trajectory {
-        path: path.clone(),
-        cause,
-    })?;
-    say(&format!("{stem} on a {}: {scaling}\n", robot.base.name))?;
-    Ok(problem)
 }
 
 /// Before and after, in the first world that was not seen. The curve, if that is what was tuned for.

@@ -4,17 +4,17 @@ use super::error::CommandError;
 use super::log::watched;
 use super::robot::load;
 use super::write::Writer;
-use super::{robustness, say};
+use super::{part, say};
 use crate::cli::Output;
 use crate::log_args::LogArgs;
 use crate::robot_args::VerifyArgs;
-use indicatif::ProgressBar;
 use serde::Serialize;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::job::RobotFile;
+use sim_host::part::Study as _;
 use sim_host::verify::{
-    Case, StabilityMap, Verification, case_table, runs, shortcoming, verdict, verify, write_csv,
+    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, shortcoming, verdict, write_csv,
 };
 
 /// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
@@ -32,20 +32,34 @@ struct Record<'a> {
 }
 
 pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError> {
-    let robot = load(&arguments.robot)?;
-    let base = &robot.base;
+    let study = VerifyStudy {
+        robot: load(&arguments.robot)?,
+        path: arguments.robot.clone(),
+        seeds: arguments.seeds,
+        seed: part::seed(&arguments.seed, &arguments.part)?,
+    };
+    part::without_log(&arguments.part, &arguments.log)?;
+    part::run(&study, &arguments.part, output, |runs| {
+        report(&study, runs, &arguments.log, output)
+    })
+}
+
+/// Prints and writes what a verification says.
+pub fn report(
+    study: &VerifyStudy,
+    runs: Vec<Run>,
+    log: &LogArgs,
+    output: &Output,
+) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
-    // Hidden by itself where standard error is no terminal.
-    let bar = ProgressBar::new(runs(arguments.seeds)).with_style(robustness::style());
-    let seed = arguments.seed.draw()?;
-    let verification = verify(base, seed, arguments.seeds, || bar.inc(1));
-    bar.finish_and_clear();
-    let verification = verification?;
+    let verification = Verification::of(runs);
+    let (robot, seed) = (&study.robot, study.seed);
+    let base = &robot.base;
     say(&format!(
         "{}: {}, worlds of seeds {seed} to {}\n{}\n",
         robot.name,
         base.name,
-        seed.wrapping_add(u64::from(arguments.seeds.get() - 1)),
+        seed.wrapping_add(u64::from(study.seeds.get() - 1)),
         case_table(&verification)
     ))?;
     say(
@@ -54,13 +68,13 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
     )?;
     say(&format!("{}\n", verdict(&verification)))?;
     say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
-    let name = format!("{}-verify", robot.name);
-    draw_worst(&verification, &robot, (&name, &arguments.log), &writer)?;
+    let name = study.name();
+    draw_worst(&verification, robot, (&name, log), &writer)?;
     let record = Record {
         robot: &robot.file,
         description: &base.name,
         first_seed: seed,
-        seeds: arguments.seeds.get(),
+        seeds: study.seeds.get(),
         passed: verification.holds(),
         cases: &verification.cases,
     };
@@ -69,7 +83,7 @@ pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError
     say(&format!("results are in {}\n", output.out.display()))?;
     match verification.holds() {
         true => Ok(()),
-        false => Err(CommandError::NotProven(robot.name)),
+        false => Err(CommandError::NotProven(robot.name.clone())),
     }
 }
 

@@ -3,11 +3,12 @@
 use crate::csv_out::outcome_name;
 use crate::metrics::Metrics;
 use crate::mission::Mission;
+use crate::names::{self, Name};
 use crate::trace::{BaseNote, Trace, TraceRow, cause, state_name};
 use controller_core::angle::wrap;
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{Mode, Outcome};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The robot is on the path once its position and heading errors have been below these \[m, rad\].
 pub const ON_PATH: (f64, f64) = (5.0e-3, 0.1);
@@ -57,12 +58,13 @@ pub struct LimitedTicks {
 }
 
 /// Why a base did not go on.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StopFigures {
     /// When it began to stop \[s\].
     pub time_s: f64,
     /// Its state at the end: `stopped`, `fault`, or still on the way to either.
-    pub state: &'static str,
+    #[serde(deserialize_with = "names::one")]
+    pub state: Name,
     /// The fault, or what else it was.
     pub cause: String,
 }

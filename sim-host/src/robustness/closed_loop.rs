@@ -13,9 +13,12 @@ use controller_core::maths::{Libm, Maths};
 use controller_core::motion::Task;
 use controller_core::pose_error::pose_error;
 use controller_core::types::Wrench;
+use serde::{Deserialize, Serialize};
 
 /// How a run ended, the best first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 pub enum RunVerdict {
     /// Within 5 cm and 0.05 rad of the goal, as a norm.
     #[default]
@@ -47,7 +50,7 @@ impl RunVerdict {
 }
 
 /// The figures of a run. Errors are the true ones.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// From when on |(e_x, e_y, e_θ)| < 0.05 up to the hand-over.
     pub settling_s: Option<f64>,
@@ -58,8 +61,10 @@ pub struct Run {
     /// Heading error at the end, as a magnitude.
     pub final_rad: f64,
     /// Standard deviations over the last second before the hand-over: force \[N\], moment \[N m\].
+    #[serde(with = "WrenchRecord")]
     pub following_std: Wrench<f64>,
     /// The same over the last second of the run.
+    #[serde(with = "WrenchRecord")]
     pub rest_std: Wrench<f64>,
     /// Largest force exerted \[N\].
     pub peak_force_n: f64,
@@ -67,6 +72,14 @@ pub struct Run {
     pub peak_moment_nm: f64,
     /// How it ended.
     pub verdict: RunVerdict,
+}
+
+/// [`Wrench`] with its parts.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Wrench<f64>")]
+struct WrenchRecord {
+    force: f64,
+    moment: f64,
 }
 
 /// Runs a case.

@@ -21,6 +21,7 @@ mod closed_loop;
 mod condition;
 mod csv;
 mod law;
+mod part;
 mod study;
 mod table;
 
@@ -29,7 +30,8 @@ pub use closed_loop::{LOST, Run, RunVerdict, run};
 pub use condition::{Condition, Disturbance, Expected, Group, Range};
 pub use csv::{column_names, write as write_csv};
 pub use law::{ComparedLaw, base_with_limits};
-pub use study::{Spread, StudyOutcome, StudyRow, runs, study};
+pub use part::Robustness;
+pub use study::{Spread, StudyOutcome, StudyRow, rows, runs, study};
 pub use table::{tables, three_digits};
 
 use crate::scenario::ScenarioError;
@@ -71,6 +73,14 @@ impl Case {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
+    /// A word that no condition has in its name.
+    #[error("no condition has {word} in its name; there are: {}", names.join("; "))]
+    NoCondition {
+        /// The word.
+        word: String,
+        /// All conditions.
+        names: Vec<String>,
+    },
     /// A case that should be built in.
     #[error("the case {0} is not built in")]
     Missing(&'static str),

@@ -77,28 +77,73 @@ pub fn study<'a>(
     seeds: NonZeroU32,
     done: impl Fn() + Sync,
 ) -> Result<Vec<StudyRow<'a>>, StudyError> {
-    let mut jobs = Vec::new();
-    for condition in conditions {
-        for case in Case::ALL {
-            jobs.extend(ComparedLaw::ALL.map(|law| (condition, case, law)));
-        }
+    Ok(rows(
+        conditions,
+        seeds,
+        &run_all(places(conditions, seeds), done)?,
+    ))
+}
+
+/// A place of a study: what is run there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub condition: &'a Condition,
+    pub case: Case,
+    pub law: ComparedLaw,
+    pub seed: u64,
+}
+
+/// All runs, in the order of conditions, cases, laws, seeds.
+pub(super) fn places(conditions: &[Condition], seeds: NonZeroU32) -> Vec<Place<'_>> {
+    let mut places = Vec::new();
+    for (condition, case, law) in combinations(conditions) {
+        places.extend((0..seeds_of(condition, seeds)).map(|seed| Place {
+            condition,
+            case,
+            law,
+            seed,
+        }));
     }
-    jobs.into_par_iter()
-        .map(|(condition, case, law)| {
-            let seeds = 0..seeds_of(condition, seeds);
-            let runs = seeds.into_par_iter().map(|seed| {
-                let run = run(&condition.disturbance, case, law, seed);
-                done();
-                run
-            });
-            Ok(StudyRow {
-                condition,
-                case,
-                law,
-                outcome: StudyOutcome::of(&runs.collect::<Result<Vec<_>, _>>()?),
-            })
-        })
-        .collect()
+    places
+}
+
+fn combinations(conditions: &[Condition]) -> impl Iterator<Item = (&Condition, Case, ComparedLaw)> {
+    let cases = |condition| Case::ALL.map(|case| (condition, case));
+    let of_cases = conditions.iter().flat_map(cases);
+    of_cases.flat_map(|(condition, case)| ComparedLaw::ALL.map(|law| (condition, case, law)))
+}
+
+pub(super) fn run_all(
+    places: Vec<Place<'_>>,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Run>, StudyError> {
+    let runs = places.into_par_iter().map(|place| {
+        let run = run(
+            &place.condition.disturbance,
+            place.case,
+            place.law,
+            place.seed,
+        );
+        done();
+        run
+    });
+    runs.collect()
+}
+
+/// What came of all runs of a study, which are in its order.
+pub fn rows<'a>(conditions: &'a [Condition], seeds: NonZeroU32, runs: &[Run]) -> Vec<StudyRow<'a>> {
+    let mut runs = runs.iter();
+    let combinations = combinations(conditions).map(|(condition, case, law)| {
+        let count = usize::try_from(seeds_of(condition, seeds)).unwrap_or(usize::MAX);
+        let of_row: Vec<Run> = runs.by_ref().take(count).copied().collect();
+        StudyRow {
+            condition,
+            case,
+            law,
+            outcome: StudyOutcome::of(&of_row),
+        }
+    });
+    combinations.collect()
 }
 
 fn seeds_of(condition: &Condition, seeds: NonZeroU32) -> u64 {

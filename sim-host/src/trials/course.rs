@@ -5,9 +5,10 @@ use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
 use controller_core::reference::ConstantTwist;
 use controller_core::types::{Measured, Pose, Twist};
+use serde::{Deserialize, Serialize};
 
 /// What a base has to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Course {
     /// The paper's line, Fig. 3: from rest, 1 m beside it, to 4 m along it.
     Line,

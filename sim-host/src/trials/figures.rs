@@ -2,11 +2,12 @@
 
 use crate::drive::{DriveMetrics, StopFigures};
 use crate::mission::Mission;
+use crate::names::{self, Name};
 use crate::trace::{Trace, TraceRow};
 use controller_core::maths::{Libm, Maths};
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::State;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How long a base is watched at rest \[s\].
 pub const REST_S: f64 = 3.0;
@@ -14,16 +15,17 @@ pub const REST_S: f64 = 3.0;
 const SETTLE_S: f64 = 1.0;
 
 /// The largest use of any limit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// Of what, with its unit.
-    pub name: &'static str,
+    #[serde(deserialize_with = "names::one")]
+    pub name: Name,
     /// Peak over limit.
     pub share: f64,
 }
 
 /// Figures of one trial.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Parked at the end, and for all of [`REST_S`].
     pub parked: bool,
@@ -44,6 +46,7 @@ pub struct Figures {
     /// What it stopped for, if it did.
     pub stopped: Option<StopFigures>,
     /// Names of faults that were found, ignored or not.
+    #[serde(deserialize_with = "names::list")]
     pub found: Vec<&'static str>,
 }
 

@@ -6,6 +6,7 @@
 //! Nothing depends on the number of threads.
 
 mod knobs;
+mod part;
 mod problem;
 mod profile;
 mod score;
@@ -14,8 +15,9 @@ pub(crate) mod simplex;
 mod table;
 
 pub use knobs::{KNOBS, Knob};
+pub use part::{TrajectoryText, TuneStudy, TuneStudyError};
 pub use problem::{Seeds, TuneError, TuningProblem};
 pub use profile::update;
 pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
-pub use search::{Search, Tuned, search};
+pub use search::{Find, Search, Tuned, conclude, finds, search};
 pub use table::{gain_table, score_table};

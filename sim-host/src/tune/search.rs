@@ -8,6 +8,8 @@ use controller_core::motion::MotionGains;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// How much is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,19 +67,81 @@ pub fn search(
     search: &Search,
     begun: impl Fn() + Sync,
 ) -> Result<Tuned, TuneError> {
+    let found = finds(problem, search, 0..search.finds(), begun)?;
+    conclude(problem, search, &found)
+}
+
+/// What a first look or a start ended with: the cost in the worlds of the search, and the gains' logarithms; none of a
+/// start that had nothing to spend.
+pub type Find = Option<(f64, Vec<f64>)>;
+
+impl Search {
+    /// How many finds there are: that of the look, then one of each start.
+    pub fn finds(&self) -> usize {
+        1 + self.starts.clamp(1, simplex::look(self.evaluations))
+    }
+
+    /// How many sets are tried for those of these places. All starts need the whole look.
+    pub fn trials(&self, places: &Range<usize>) -> u64 {
+        let look = simplex::look(self.evaluations);
+        let starts = places.len() - usize::from(places.contains(&0));
+        match places.is_empty() {
+            true => 0,
+            false => look as u64 + starts as u64 * self.budget(),
+        }
+    }
+
+    fn budget(&self) -> u64 {
+        simplex::budget(
+            self.evaluations,
+            simplex::look(self.evaluations),
+            self.starts,
+        )
+    }
+}
+
+/// The finds of these places, see [`Search::finds`].
+///
+/// # Errors
+/// A base or a world out of range.
+pub fn finds(
+    problem: &TuningProblem,
+    search: &Search,
+    places: Range<usize>,
+    begun: impl Fn() + Sync,
+) -> Result<Vec<Find>, TuneError> {
+    if places.is_empty() {
+        return Ok(Vec::new());
+    }
     let seeds = Seeds::Training.draw(search.seed, search.training);
     let before = problem.base().motion().gains;
-    let look = simplex::look(search.evaluations);
-    let looked = candidates(problem, search.seed, look);
-    let budget = (search.evaluations, search.starts);
     let cost = |logs: &[f64]| {
         begun();
         Ok(problem.score(&gains(&before, logs), &seeds)?.total())
     };
-    let found = simplex::minimise(looked, budget, cost, || {})?;
-    let found = found
-        .into_iter()
-        .map(|(cost, logs)| (cost, gains(&before, &logs)));
+    let look = simplex::look(search.evaluations);
+    let looked = simplex::rate(candidates(problem, search.seed, look), cost, || {})?;
+    let find = |place: usize| match place.checked_sub(1) {
+        None => Ok(looked.first().cloned()),
+        Some(start) => looked.get(start).map_or(Ok(None), |(_, start)| {
+            simplex::descend(start, search.budget(), cost, || {})
+        }),
+    };
+    places.into_par_iter().map(find).collect()
+}
+
+/// What came of a search that found this.
+///
+/// # Errors
+/// A base or a world out of range.
+pub fn conclude(
+    problem: &TuningProblem,
+    search: &Search,
+    found: &[Find],
+) -> Result<Tuned, TuneError> {
+    let seeds = Seeds::Training.draw(search.seed, search.training);
+    let before = problem.base().motion().gains;
+    let found = found.iter().flatten().map(|(_, logs)| gains(&before, logs));
     let both = [before, elect(problem, search, before, found)?];
     let training = [
         problem.score(&both[0], &seeds)?,
@@ -101,11 +165,11 @@ fn elect(
     problem: &TuningProblem,
     search: &Search,
     before: MotionGains<f64>,
-    found: impl Iterator<Item = (f64, MotionGains<f64>)>,
+    found: impl Iterator<Item = MotionGains<f64>>,
 ) -> Result<MotionGains<f64>, TuneError> {
     let seeds = Seeds::Training.draw(search.seed, 3 * search.training);
     let mut best = (problem.score(&before, &seeds)?.total(), before);
-    for (_, gains) in found {
+    for gains in found {
         let cost = problem.score(&gains, &seeds)?.total();
         // The first of equals.
         if cost < best.0 {

@@ -28,7 +28,28 @@ pub(crate) fn minimise<E: Send>(
     (evaluations, starts): (u64, usize),
     cost: impl Fn(&[f64]) -> Result<f64, E> + Sync,
     done: impl Fn() + Sync,
-) -> Result<Vec<(f64, Vec<f64>)>, E> {
+) -> Result<Vec<Rated>, E> {
+    let looked = rate(looked, &cost, &done)?;
+    let budget = budget(evaluations, looked.len(), starts);
+    let starts = looked.par_iter().take(starts.max(1));
+    let found = starts.map(|(_, start)| descend(start, budget, &cost, &done));
+    let found: Vec<_> = found.collect::<Result<_, _>>()?;
+    let seen = looked.first().cloned();
+    Ok(seen
+        .into_iter()
+        .chain(found.into_iter().flatten())
+        .collect())
+}
+
+/// A set with its cost.
+pub(crate) type Rated = (f64, Vec<f64>);
+
+/// The sets of a first look, the best first. `done` is called after each set.
+pub(crate) fn rate<E: Send>(
+    looked: Vec<Vec<f64>>,
+    cost: impl Fn(&[f64]) -> Result<f64, E> + Sync,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Rated>, E> {
     let looked = looked.into_par_iter().map(|logs| {
         let value = cost(&logs)?;
         done();
@@ -37,37 +58,41 @@ pub(crate) fn minimise<E: Send>(
     let mut looked: Vec<_> = looked.collect::<Result<_, E>>()?;
     // Stable: equals stay in their order.
     looked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let seen = looked.first().cloned();
-    let rest = evaluations.saturating_sub(looked.len() as u64);
-    let starts: Vec<_> = looked.into_iter().take(starts.max(1)).collect();
-    let budget = rest / starts.len().max(1) as u64;
-    let found = starts.into_par_iter().map(|(_, start)| {
-        let state = Mutex::new(State {
-            spent: 0,
-            best: None,
-            failed: None,
-        });
-        let problem = Problem {
-            cost: &cost,
-            start: start.clone(),
-            budget,
-            state: &state,
-            done: &done,
-        };
-        let solver = NelderMead::new(corners(&start));
-        // What it found is in the state; its own end does not matter.
-        let _ = Executor::new(problem, solver)
-            .configure(|state| state.max_iters(budget))
-            .timer(false)
-            .run();
-        let state = state.into_inner().unwrap_or_else(|held| held.into_inner());
-        state.failed.map_or(Ok(state.best), Err)
+    Ok(looked)
+}
+
+/// What each of the starts may spend of the evaluations after a look of so many sets.
+pub(crate) fn budget(evaluations: u64, looked: usize, starts: usize) -> u64 {
+    evaluations.saturating_sub(looked as u64) / starts.max(1).min(looked.max(1)) as u64
+}
+
+/// The best that a simplex finds from a start; none if it may spend nothing.
+pub(crate) fn descend<E: Send>(
+    start: &[f64],
+    budget: u64,
+    cost: impl Fn(&[f64]) -> Result<f64, E> + Sync,
+    done: impl Fn() + Sync,
+) -> Result<Option<Rated>, E> {
+    let state = Mutex::new(State {
+        spent: 0,
+        best: None,
+        failed: None,
     });
-    let found: Vec<_> = found.collect::<Result<_, _>>()?;
-    Ok(seen
-        .into_iter()
-        .chain(found.into_iter().flatten())
-        .collect())
+    let problem = Problem {
+        cost: &cost,
+        start: start.to_vec(),
+        budget,
+        state: &state,
+        done: &done,
+    };
+    let solver = NelderMead::new(corners(start));
+    // What it found is in the state; its own end does not matter.
+    let _ = Executor::new(problem, solver)
+        .configure(|state| state.max_iters(budget))
+        .timer(false)
+        .run();
+    let state = state.into_inner().unwrap_or_else(|held| held.into_inner());
+    state.failed.map_or(Ok(state.best), Err)
 }
 
 /// A corner at the start and one beyond it for each gain, up and down in turn, so that the corners do not
@@ -85,7 +110,7 @@ fn corners(start: &[f64]) -> Vec<Vec<f64>> {
 /// What a start has come to.
 struct State<E> {
     spent: u64,
-    best: Option<(f64, Vec<f64>)>,
+    best: Option<Rated>,
     failed: Option<E>,
 }
 

@@ -6,11 +6,13 @@
 
 mod csv;
 mod margins;
+mod part;
 mod study;
 mod table;
 
 pub use csv::{run_sheet, write as write_csv};
 pub use margins::{Place, StabilityMap};
+pub use part::VerifyStudy;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 

@@ -8,9 +8,10 @@ use crate::run::Watch;
 use crate::trace::Trace;
 use crate::trials::{self, Condition, Course, Figures};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
+use std::ops::Range;
 
 /// Why there is no result either way.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -22,7 +23,7 @@ pub struct VerifyError {
 }
 
 /// One run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// What it did.
     pub course: Course,
@@ -91,27 +92,34 @@ pub fn verify(
     seeds: NonZeroU32,
     begun: impl Fn() + Sync,
 ) -> Result<Verification, VerifyError> {
-    let cases = grid().into_par_iter().map(|(course, condition)| {
-        let mission = course.mission(base);
-        let seeds = (0..u64::from(seeds.get())).into_par_iter();
-        let runs = seeds.map(|k| {
-            let seed = first.wrapping_add(k);
-            begun();
-            let (_, figures) = run(&mission, course, condition, seed, None)?;
-            Ok(Run {
-                course,
-                condition,
-                seed,
-                figures,
-            })
-        });
-        runs.collect::<Result<Vec<Run>, VerifyError>>()
-    });
-    let cases: Vec<Vec<Run>> = cases.collect::<Result<_, _>>()?;
-    Ok(Verification {
-        cases: cases.iter().filter_map(|runs| Case::of(runs)).collect(),
-        runs: cases.into_iter().flatten().collect(),
-    })
+    let all = 0..usize::try_from(runs(seeds)).unwrap_or(usize::MAX);
+    Ok(Verification::of(runs_at(base, first, seeds, all, begun)?))
+}
+
+/// Those of the runs of [`verify`] that have these places in it.
+pub(super) fn runs_at(
+    base: &BaseSpec,
+    first: u64,
+    seeds: NonZeroU32,
+    places: Range<usize>,
+    begun: impl Fn() + Sync,
+) -> Result<Vec<Run>, VerifyError> {
+    let cases = grid().map(|(course, condition)| (course.mission(base), course, condition));
+    let seeds = seeds.get() as usize;
+    let run = |place: usize| {
+        let (mission, course, condition) = &cases[place / seeds];
+        let seed = first.wrapping_add((place % seeds) as u64);
+        begun();
+        let (_, figures) = run(mission, *course, *condition, seed, None)?;
+        Ok(Run {
+            course: *course,
+            condition: *condition,
+            seed,
+            figures,
+        })
+    };
+    let places = places.start..places.end.min(cases.len() * seeds);
+    places.into_par_iter().map(run).collect()
 }
 
 fn run(
@@ -130,6 +138,15 @@ fn run(
 }
 
 impl Verification {
+    /// Of all runs, in their order.
+    pub fn of(runs: Vec<Run>) -> Self {
+        let cases = runs.chunk_by(|a, b| (a.course, a.condition) == (b.course, b.condition));
+        Self {
+            cases: cases.filter_map(Case::of).collect(),
+            runs,
+        }
+    }
+
     /// How many runs did not do all that is asked.
     pub fn failures(&self) -> Rate {
         let good: usize = self.cases.iter().map(|case| case.good).sum();
