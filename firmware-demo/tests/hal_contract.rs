@@ -1,11 +1,16 @@
-//! What every `WheelDrive` and `WheelSpeedDrive` promises, tried on every implementation of this package.
+//! What every `WheelDrive`, `WheelSpeedDrive` and `YawGyro` promises, tried on every implementation of this package.
 
 #[path = "support/outputs.rs"]
 mod outputs;
 
-use controller_core::hal::{Error, ErrorKind, WheelDrive, WheelSpeedDrive};
-use controller_core::types::{WheelSpeeds, WheelTorques};
-use firmware_demo::drive::{Bridges, Call, MockDrive, MockSpeedDrive, MotorPair, OffPhase};
+use controller_core::base::{BaseController, Order, Sensed};
+use controller_core::gyro::{GyroFault, GyroOutcome, GyroParams};
+use controller_core::hal::{Error, ErrorKind, GyroReading, WheelDrive, WheelSpeedDrive, YawGyro};
+use controller_core::types::{Pose, WheelSpeeds, WheelTorques};
+use firmware_demo::drive::{
+    Bridges, Call, MockDrive, MockGyro, MockSpeedDrive, MotorPair, OffPhase, Script,
+};
+use firmware_demo::robots::LAB_10KG;
 use outputs::{Level16, motor, side};
 
 /// What the hardware does.
@@ -131,7 +136,7 @@ fn mocks_keep_the_contract() {
 fn a_mock_counts_brakes_and_fails_them_on_demand() {
     let mut drive = MockDrive::<4>::new(1.0);
     drive.brake().unwrap();
-    drive.fail(firmware_demo::drive::Script {
+    drive.fail(Script {
         from: 0,
         count: 1,
         kind: Some(ErrorKind::OverCurrent),
@@ -184,4 +189,64 @@ fn motor_pair_keeps_the_contract_on_every_bridge() {
             }
         });
     }
+}
+
+/// Each reading comes once; a gyro that fails says with what, and to a base that is silence, found by name within 0.15 s.
+#[test]
+fn a_gyro_gives_each_reading_once_and_is_missed_when_it_fails() {
+    let mut gyro = MockGyro::new();
+    assert_eq!(gyro.reading(), Ok(None), "nothing measured yet");
+    let measured = GyroReading {
+        rate: 0.01,
+        heading: None,
+        age_s: 0.002,
+    };
+    gyro.measure(measured);
+    // Through a reference it is the same gyro.
+    fn borrowed(mut gyro: impl YawGyro) -> Option<GyroReading<f32>> {
+        gyro.reading().unwrap_or(None)
+    }
+    assert_eq!(borrowed(&mut gyro), Some(measured));
+    assert_eq!(gyro.reading(), Ok(None), "once");
+    gyro.fail(Script {
+        from: 1,
+        count: 2,
+        kind: Some(ErrorKind::Other),
+    });
+    let answers: Vec<_> = (0..4).map(|_| gyro.reading()).collect();
+    let fails = Err(ErrorKind::Other);
+    assert_eq!(answers, [Ok(None), fails, fails, Ok(None)]);
+
+    let mut params = LAB_10KG;
+    params.base.localiser.gyro = Some(GyroParams::icm_42688_p());
+    let params = params.base.validate().unwrap();
+    let mut base = BaseController::<f32>::new(&params, Pose::default());
+    let mut tick = |gyro: &mut MockGyro| {
+        // As a board does it.
+        let sensed = Sensed {
+            gyro: gyro.reading().unwrap_or(None),
+            ..Sensed::of_counts(Default::default())
+        };
+        base.tick(10_000, &Order::None, &sensed).gyro
+    };
+    for _ in 0..100 {
+        gyro.measure(measured);
+        tick(&mut gyro);
+    }
+    gyro.measure(measured);
+    let report = tick(&mut gyro);
+    assert_eq!((report.outcome, report.fault), (GyroOutcome::Used, None));
+    gyro.fail(Script {
+        from: 0,
+        count: u32::MAX,
+        kind: None,
+    });
+    let silent = (1..=15).find(|_| {
+        gyro.measure(measured);
+        tick(&mut gyro).fault == Some(GyroFault::Silent)
+    });
+    assert!(
+        silent.is_some_and(|ticks| ticks > 1),
+        "{silent:?} ticks of 10 ms"
+    );
 }

@@ -32,7 +32,7 @@ pub enum JobError {
         /// The file.
         path: PathBuf,
         /// Why.
-        cause: crate::datalog::read::ReadError,
+        cause: crate::ros::read::ReadError,
     },
     /// A trajectory file that cannot be driven.
     #[error("{}: {cause}", path.display())]
@@ -240,7 +240,7 @@ impl Content {
 impl Content {
     /// A bag, or `BAG.mcap:/topic`, of which the poses are taken; none of anything else.
     fn bag(path: &Path) -> Result<Option<Self>, JobError> {
-        use crate::datalog::read::is_bag;
+        use crate::ros::read::is_bag;
         let whole = path.to_string_lossy();
         let named = whole.split_once(".mcap:").filter(|_| !path.exists());
         let (file, topic) = match named {

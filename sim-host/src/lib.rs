@@ -70,6 +70,8 @@ pub mod rate;
 pub mod record;
 #[cfg(not(target_family = "wasm"))]
 pub mod robustness;
+#[cfg(feature = "datalog")]
+pub mod ros;
 pub mod run;
 pub mod scenario;
 #[cfg(not(target_family = "wasm"))]

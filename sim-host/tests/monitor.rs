@@ -8,8 +8,8 @@ use protocol::{
     tick_flags,
 };
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use sim_host::datalog::read::Messages;
 use sim_host::monitor::{Log, Monitor, Port, Received, column_names};
+use sim_host::ros::read::Messages;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::os::unix::net::UnixListener;

@@ -37,7 +37,7 @@ pub fn link(board: Board, level: &str, items: &str, arguments: &[&str]) -> (bool
          [dependencies]\n{run_time}\nheapless = {{ version = \"0.9.3\", default-features = false }}\n\
          controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
          firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\"] }}\n\
-         protocol = {{ path = \"{workspace}/protocol\" }}\n\
+         protocol = {{ path = \"{workspace}/protocol\", package = \"controller-core-protocol\" }}\n\
          [profile.chip]\ninherits = \"release\"\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
     );
     let write = |name: &str, text: &[u8]| {

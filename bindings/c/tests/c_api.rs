@@ -400,7 +400,7 @@ impl Image<'_> {
              [dependencies]\n{run_time}\ncapi = {{ path = \"{workspace}/bindings/c\" }}\n\
              controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
              firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\", \"robots\"] }}\n\
-             protocol = {{ path = \"{workspace}/protocol\" }}\n\
+             protocol = {{ path = \"{workspace}/protocol\", package = \"controller-core-protocol\" }}\n\
              [profile.chip]\ninherits = \"release\"\nopt-level = 3\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
         );
         let copy = |from: PathBuf, to: &str| {

@@ -76,7 +76,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let supervisor = Supervisor::new(&base.supervisor);
         Self {
             base: *base,
-            locator: Locator::new(&base.localisation, start),
+            locator: Locator::new(start),
             monitor: Monitor::new(&base.detectors),
             driving: Driving::IDLE,
             exerted: WheelTorques::default(),
@@ -103,7 +103,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let dt = seconds(dt_us);
         let mut active_faults = ActiveFaults::NONE;
         let accel = self.exerted_accel();
-        let located = match self.locator.advance::<M>(dt, &accel, sensed) {
+        let located = match self
+            .locator
+            .advance::<M>(&self.base.localisation, dt, &accel, sensed)
+        {
             Ok(located) => located,
             Err(fault) => {
                 active_faults.add(fault.into());
@@ -381,7 +384,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             return Err(StepFault::WrongPhase);
         }
         self.base = *base;
-        self.locator = self.locator.renewed(&base.localisation);
+        self.locator.begin_anew();
         self.monitor = Monitor::new(&base.detectors);
         self.supervisor.reconfigure(&base.supervisor);
         self.idle();

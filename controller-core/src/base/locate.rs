@@ -12,9 +12,9 @@ use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 /// The localiser, and what it needs across ticks without a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
-    localiser: Localiser<T, N>,
-    /// Where it begins with the first reading; `None` after that.
-    start: Option<Pose<T>>,
+    /// `None` before the first reading.
+    localiser: Option<Localiser<T, N>>,
+    start: Pose<T>,
     /// Time since the last reading \[s\].
     blind_s: T,
     last: Option<Measured<T>>,
@@ -36,10 +36,10 @@ pub(super) struct Located<T> {
 }
 
 impl<T: Scalar, const N: usize> Locator<T, N> {
-    pub(super) fn new(localisation: &ValidLocaliserParams<T>, start: Pose<T>) -> Self {
+    pub(super) fn new(start: Pose<T>) -> Self {
         Self {
-            localiser: Localiser::new(localisation),
-            start: Some(start),
+            localiser: None,
+            start,
             blind_s: T::ZERO,
             last: None,
             set: false,
@@ -48,21 +48,21 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
 
     /// Speeds at which the wheels turn \[rad/s\]; of the last reading where there is no new one.
     pub(super) fn wheel_speeds(&self) -> WheelSpeeds<T> {
-        self.localiser.wheel_speeds()
+        let localiser = self.localiser.as_ref();
+        localiser.map_or_else(WheelSpeeds::default, Localiser::wheel_speeds)
     }
 
-    /// With other parameters, where the last one was.
-    pub(super) fn renewed(&self, localisation: &ValidLocaliserParams<T>) -> Self {
-        let last = self.start.or(self.last.map(|last| last.pose));
-        Self::new(localisation, last.unwrap_or_default())
+    /// For other parameters: begins anew, where it was.
+    pub(super) fn begin_anew(&mut self) {
+        *self = Self::new(self.last.map_or(self.start, |last| last.pose));
     }
 
     /// The pose is set; the next tick says that it jumped.
     pub(super) fn set_pose(&mut self, pose: Pose<T>) {
         self.set = true;
-        match &mut self.start {
-            Some(start) => *start = pose,
-            None => self.localiser.set_pose(pose),
+        self.start = pose;
+        if let Some(localiser) = &mut self.localiser {
+            localiser.set_pose(pose);
         }
         if let Some(last) = &mut self.last {
             last.pose = pose;
@@ -75,6 +75,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     /// The localiser's: a tick or an acceleration that is no number. Nothing has changed then.
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
+        localisation: &ValidLocaliserParams<T>,
         dt: T,
         accel: &Accel<T>,
         sensed: &Sensed<T>,
@@ -83,12 +84,15 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             self.blind_s += dt;
             let coasted = self.last.map(|last| coast::<T, M>(&last, dt));
             self.last = coasted;
-            return Ok(self.located(coasted, None, true));
+            return Ok(self.located(localisation, coasted, None, true));
         };
-        let estimate = match self.start {
-            Some(pose) => {
-                self.localiser.begin(pose, counts)?;
-                self.start = None;
+        let estimate = match &mut self.localiser {
+            None => {
+                // In two steps: a result that holds all of it would be copied to and fro.
+                let pose = self.start;
+                Localiser::<T, N>::check(&pose)?;
+                let localiser = self.localiser.insert(Localiser::new(localisation));
+                localiser.begin(pose, counts);
                 Estimate {
                     measured: Measured {
                         pose,
@@ -97,10 +101,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                     ..Estimate::default()
                 }
             }
-            None => {
+            Some(localiser) => {
                 // The counts of a gap came in all of it.
                 let dt = self.blind_s + dt;
-                self.localiser.update_with::<M>(
+                localiser.update_with::<M>(
                     counts,
                     dt,
                     accel,
@@ -111,18 +115,26 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         };
         self.blind_s = T::ZERO;
         self.last = Some(estimate.measured);
-        Ok(self.located(Some(estimate.measured), Some(&estimate), false))
+        Ok(self.located(
+            localisation,
+            Some(estimate.measured),
+            Some(&estimate),
+            false,
+        ))
     }
 
     fn located(
         &mut self,
+        localisation: &ValidLocaliserParams<T>,
         measured: Option<Measured<T>>,
         estimate: Option<&Estimate<T>>,
         blind: bool,
     ) -> Located<T> {
-        let fused = self.localiser.localisation().params().fusion.is_some();
-        let fix_age_s =
-            (fused && self.start.is_none()).then(|| self.localiser.uncarried_s() + self.blind_s);
+        let fused = localisation.params().fusion.is_some();
+        let fix_age_s = match &self.localiser {
+            Some(localiser) if fused => Some(localiser.uncarried_s() + self.blind_s),
+            _ => None,
+        };
         let jumped = self.set || estimate.is_some_and(|estimate| estimate.jumped);
         self.set = false;
         Located {
@@ -131,7 +143,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             fix_age_s,
             jumped,
             blind,
-            curvature_bias: self.localiser.curvature_bias(),
+            curvature_bias: self
+                .localiser
+                .as_ref()
+                .map_or(T::ZERO, Localiser::curvature_bias),
             gyro: estimate.map_or_else(GyroReport::default, |estimate| estimate.gyro),
         }
     }

@@ -152,12 +152,23 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         pose: Pose<T>,
         counts: WheelCounts,
     ) -> Result<Self, StepFault> {
+        Self::check(&pose)?;
         let mut localiser = Self::new(localisation);
-        localiser.begin(pose, counts)?;
+        localiser.begin(pose, counts);
         Ok(localiser)
     }
 
+    /// A pose to start from.
+    pub(crate) fn check(pose: &Pose<T>) -> Result<(), StepFault> {
+        if pose.is_finite() {
+            Ok(())
+        } else {
+            Err(StepFault::NotFinite(Input::Pose))
+        }
+    }
+
     /// Of a robot at the origin that has not [begun](Self::begin).
+    #[inline(always)]
     pub(crate) fn new(localisation: &ValidLocaliserParams<T>) -> Self {
         const { assert!(N >= 2, "a ring of at least two poses") };
         let odometry = &localisation.params().odometry;
@@ -176,18 +187,11 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         }
     }
 
-    /// Before the first update: at rest at `pose`, with the encoders at `counts`. In place, since it is large.
-    ///
-    /// # Errors
-    /// A pose that is not finite.
-    pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) -> Result<(), StepFault> {
-        if !pose.is_finite() {
-            return Err(StepFault::NotFinite(Input::Pose));
-        }
+    /// Before the first update: at rest at a pose that was [checked](Self::check), with the encoders at `counts`.
+    pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) {
         self.odometry.begin(pose, counts);
         self.history.begin(pose);
         self.correction.set(pose);
-        Ok(())
     }
 
     /// One tick, `dt` \[s\] after the last; `fix` if one has come.

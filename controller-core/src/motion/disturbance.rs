@@ -1,7 +1,6 @@
 //! What pushes the robot beside its wheels: friction, a slope, a push.
 
-use super::limits::Limits;
-use super::load::{Driven, Load, LoadAxis, LoadLimits, Window};
+use super::load::{Driven, Load, LoadAxis, Window};
 use super::params::ValidMotionParams;
 use crate::range::clamp;
 use crate::robot::{acceleration, wrench_for};
@@ -17,33 +16,6 @@ pub(crate) struct Observer<T> {
     exerted: Option<Wrench<T>>,
     driving: LoadAxis<T>,
     turning: LoadAxis<T>,
-}
-
-/// What the estimates need of the limits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ObserverLimits<T> {
-    driving: LoadLimits<T>,
-    turning: LoadLimits<T>,
-    /// a₀ of [`patient`].
-    calm: Accel<T>,
-}
-
-impl<T: Scalar> ObserverLimits<T> {
-    pub(super) fn of(limits: &Limits<T>) -> Self {
-        let accel = if limits.accel < limits.brake {
-            limits.accel
-        } else {
-            limits.brake
-        };
-        Self {
-            driving: LoadLimits::of(accel, limits.jerk),
-            turning: LoadLimits::of(limits.turn_accel, limits.turn_jerk),
-            calm: Accel {
-                linear: T::from_f64(CALM) * accel,
-                angular: T::from_f64(CALM) * limits.turn_accel,
-            },
-        }
-    }
 }
 
 /// What an observer is to do in a tick.
@@ -180,10 +152,6 @@ impl<T: Scalar> Observer<T> {
         force.1 || moment.1
     }
 }
-
-/// Share of the largest acceleration at which [`patient`] learns half as fast: 8 cm/s² on a base of
-/// 1.5 m/s², which the approach to a goal is below from 5 cm on.
-const CALM: f64 = 0.05;
 
 /// The estimate `next`, slower where it says that the robot speeds up, or brakes, too easily.
 ///

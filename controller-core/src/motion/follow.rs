@@ -12,33 +12,6 @@ use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
 
-/// B, the bound of s₂ and of its input: the heading that a lateral error asks for is sin e_θ = −B/2 at most.
-///
-/// ```text
-/// B = 1.3 α_max/(2 k₃²/9),   1.3 ≤ B ≤ 1.6
-/// ```
-///
-/// | symbol | argument | unit |
-/// | --- | --- | --- |
-/// | α_max | `turn_accel` | rad/s² |
-/// | k₃ | `heading` | 1/s |
-///
-/// At 1.3 turning back out of that heading takes 2 k₃²/9, which is all that a weak base has by
-/// [`MotionGains::for_limits`](super::gains::MotionGains::for_limits); what a base has beyond that serves a steeper approach. From B = 2 on the
-/// heading would be a quarter turn, where the heading loop has no gain left; at 1.6 cos e_θ leaves it 0.6 of k₃.
-pub(super) fn across_bound<T: Scalar>(heading: T, turn_accel: T) -> T {
-    let f = T::from_f64;
-    let share = f(4.5) * turn_accel / (heading * heading);
-    let bound = f(1.3) * share;
-    if bound > f(1.6) {
-        f(1.6)
-    } else if bound > f(1.3) {
-        bound
-    } else {
-        f(1.3)
-    }
-}
-
 /// Memory of the following law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Follower<T> {
@@ -81,7 +54,7 @@ impl<T: Scalar> Follower<T> {
     /// | neuron | demand | bound |
     /// | --- | --- | --- |
     /// | s₁ | k₁ e_x | `along_bound` |
-    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to B | B of [`across_bound`] |
+    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to B | B of [`MotionGains::lateral_bound`](super::gains::MotionGains::lateral_bound) |
     /// | s₃ | beyond \|e_θ\| = π/2: ±1 − sin e_θ, so that a robot that looks back turns as fast as one that looks aside | 1.5 |
     ///
     /// k₂ of the paper is c/(v_r² + v_f²): lateral poles that do not depend on v_r, no division by it,

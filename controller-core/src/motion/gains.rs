@@ -91,6 +91,33 @@ impl<T: Scalar> MotionGains<T> {
         }
     }
 
+    /// B, the bound of the following law's s₂ and of its input: the heading that a lateral error asks for is sin e_θ = −B/2 at most.
+    ///
+    /// ```text
+    /// B = 1.3 α_max/(2 k₃²/9),   1.3 ≤ B ≤ 1.6
+    /// ```
+    ///
+    /// | symbol | argument | unit |
+    /// | --- | --- | --- |
+    /// | α_max | `turn_accel` | rad/s² |
+    /// | k₃ | `heading` | 1/s |
+    ///
+    /// At 1.3 turning back out of that heading takes 2 k₃²/9, which is all that a weak base has by
+    /// [`for_limits`](Self::for_limits); what a base has beyond that serves a steeper approach. From B = 2 on the
+    /// heading would be a quarter turn, where the heading loop has no gain left; at 1.6 cos e_θ leaves it 0.6 of k₃.
+    pub(super) fn lateral_bound(&self, turn_accel: T) -> T {
+        let f = T::from_f64;
+        let share = f(4.5) * turn_accel / (self.heading * self.heading);
+        let bound = f(1.3) * share;
+        if bound > f(1.6) {
+            f(1.6)
+        } else if bound > f(1.3) {
+            bound
+        } else {
+            f(1.3)
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         for (field, value, low, high) in [
             (Field::DecayA, self.decay, 0.1, 100.0),

@@ -36,6 +36,7 @@ mod law;
 mod limits;
 mod load;
 mod manoeuvre;
+mod observer_limits;
 mod params;
 mod parking;
 mod polar;

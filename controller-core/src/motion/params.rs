@@ -1,13 +1,12 @@
 //! Parameters of the law for a real base: plain data, validated once.
 
 use super::arrival::Arrival;
-use super::disturbance::ObserverLimits;
-use super::follow::across_bound;
 use super::gains::MotionGains;
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
 use super::load;
 use super::manoeuvre::{AxisLimits, PlanLimits};
+use super::observer_limits::ObserverLimits;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
 use crate::range::within;
@@ -136,10 +135,7 @@ impl<T: Scalar> MotionParams<T> {
             along: Lag::new(gains.decay, gains.longitudinal_bound)?,
             across: Lag::new(
                 gains.decay,
-                across_bound(
-                    gains.heading,
-                    within_reach(&self.robot, &self.limits).turn_accel,
-                ),
+                gains.lateral_bound(within_reach(&self.robot, &self.limits).turn_accel),
             )?,
             around: Lag::new(gains.decay, f(1.5))?,
             approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,

@@ -28,6 +28,14 @@ pub struct Script {
     pub kind: Option<ErrorKind>,
 }
 
+impl Script {
+    /// What call `at` fails with.
+    pub(super) fn failure(&self, at: u32) -> Option<ErrorKind> {
+        let fails = at >= self.from && at.wrapping_sub(self.from) < self.count;
+        fails.then(|| self.kind.unwrap_or(ErrorKind::Bus))
+    }
+}
+
 /// Remembers every call: the last `N` of them one by one, all of them by number.
 #[derive(Clone, Debug)]
 pub struct Mock<V, const N: usize = 8> {
@@ -125,12 +133,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
         if self.next >= N {
             self.next = 0;
         }
-        let Script { from, count, kind } = self.script;
-        if at >= from && at.wrapping_sub(from) < count {
-            Err(kind.unwrap_or(ErrorKind::Bus))
-        } else {
-            Ok(())
-        }
+        self.script.failure(at).map_or(Ok(()), Err)
     }
 
     fn set(&mut self, value: V, accepted: bool) -> Result<(), ErrorKind> {

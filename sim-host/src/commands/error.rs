@@ -119,7 +119,7 @@ pub enum CommandError {
     #[error("{}: {cause}", path.display())]
     Bag {
         path: PathBuf,
-        cause: sim_host::datalog::read::ReadError,
+        cause: sim_host::ros::read::ReadError,
     },
     #[error("--topic: {0}")]
     Topic(String),

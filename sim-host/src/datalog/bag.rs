@@ -1,8 +1,8 @@
 //! MCAP: chunks of messages of ROS 2, compressed.
 
-use super::ros::{self, Header, Time, TransformStamped, WithCovariance};
 use super::{About, Fields, Level, Sample, Source, Status};
 use crate::csv_out::{Cell, Kind, unit};
+use crate::ros::messages::{self as ros, Header, Time, TransformStamped, WithCovariance};
 use byteorder::LittleEndian;
 use cdr_encoding::to_writer;
 use mcap::records::MessageHeader;

@@ -1,14 +1,12 @@
-//! Logs that other people's tools read: MCAP for those of ROS 2, WPILOG for AdvantageScope; and bags of real robots read.
+//! Logs that other people's tools read: MCAP for those of ROS 2, WPILOG for AdvantageScope.
 //!
 //! [`DataLog`] writes a [`Sample`] and the fields of a row with each tick, as the run goes: what is in a file up to its last
-//! chunk stays readable whatever becomes of the program. [`read`] takes wheels, commands and poses from a bag by their topics.
+//! chunk stays readable whatever becomes of the program. Bags are read by [`crate::ros`].
 //!
 //! `docs/logs.md` lists topics, entries and figures.
 
 mod background;
 mod bag;
-pub mod read;
-mod ros;
 mod sample;
 mod wpilog;
 

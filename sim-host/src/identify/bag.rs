@@ -1,7 +1,7 @@
 //! The log of a bag of ROS 2.
 
 use super::log::{Drive, Fix, Log, MIN_ROWS, voltages};
-use crate::datalog::read::{Field, Messages, ReadError, StampedPose};
+use crate::ros::read::{Field, Messages, ReadError, StampedPose};
 use std::f64::consts::TAU;
 
 /// Where a bag has what a log needs: topics. What is not named is looked for under its usual name.

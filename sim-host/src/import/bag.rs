@@ -1,6 +1,6 @@
 //! Poses of a bag, as a trajectory file.
 
-use crate::datalog::read::{Messages, ReadError};
+use crate::ros::read::{Messages, ReadError};
 use std::fmt::Write as _;
 
 /// The poses of a topic as TUM text, which is what recorded poses are; times count from the first one. None: of the only

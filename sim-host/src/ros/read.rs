@@ -1,6 +1,6 @@
 //! Messages of a bag, by their topics.
 
-use super::ros::{
+use super::messages::{
     BatteryBegin, Float64MultiArray, Header, JointState, Odometry, Path, Pose, Stamped, TfMessage,
     WithCovariance,
 };
