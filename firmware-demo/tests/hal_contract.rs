@@ -10,7 +10,7 @@ use controller_core::types::{Pose, WheelSpeeds, WheelTorques};
 use firmware_demo::drive::{
     Bridges, Call, MockDrive, MockGyro, MockSpeedDrive, MotorPair, OffPhase, Script,
 };
-use firmware_demo::robots::LAB_10KG;
+use firmware_demo::mission;
 use outputs::{Level16, motor, side};
 
 /// What the hardware does.
@@ -217,9 +217,9 @@ fn a_gyro_gives_each_reading_once_and_is_missed_when_it_fails() {
     let fails = Err(ErrorKind::Other);
     assert_eq!(answers, [Ok(None), fails, fails, Ok(None)]);
 
-    let mut params = LAB_10KG;
-    params.base.localiser.gyro = Some(GyroParams::icm_42688_p());
-    let params = params.base.validate().unwrap();
+    let mut params = mission::params(15.0, false).unwrap();
+    params.localiser.gyro = Some(GyroParams::icm_42688_p());
+    let params = params.validate().unwrap();
     let mut base = BaseController::<f32>::new(&params, Pose::default());
     let mut tick = |gyro: &mut MockGyro| {
         // As a board does it.

@@ -382,6 +382,7 @@ fn pictures() {
         let mut browser = Chromium::open(width, height, dark);
         browser.go_to_file(page(), "");
         browser.evaluate(SCENE);
+        browser.until("$('hint').className === ''");
         let (light, path) = take(&mut browser, name);
         lightness.push(light);
         if name == "light" && std::env::var_os("UPDATE_DOCS").is_some() {

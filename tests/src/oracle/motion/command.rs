@@ -3,10 +3,7 @@
 use nalgebra::Vector2;
 
 use super::Pair;
-use super::constants::{Constants, Policy};
-
-/// Share of the wheels' torque for commands.
-pub(super) const COMMAND_SHARE: f64 = 0.75;
+use super::constants::{COMMAND_SHARE, Constants, Policy};
 
 /// What a law wants: (v_d, w_d) and (a_d, α_d).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

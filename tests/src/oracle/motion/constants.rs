@@ -3,7 +3,6 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::Pair;
-use super::command::COMMAND_SHARE;
 use super::neuron::Rule;
 
 /// Who yields where both wheels cannot be served.
@@ -16,6 +15,9 @@ pub enum Policy {
     /// The moment.
     DriveFirst,
 }
+
+/// Share of the wheels' torque for commands.
+pub(super) const COMMAND_SHARE: f64 = 0.75;
 
 /// σ_max of section 8.
 pub const LARGEST_LOAD: f64 = 0.4;
