@@ -22,6 +22,18 @@ pub(crate) fn within<T: Scalar>(
     Err(ParamError { field, problem })
 }
 
+/// The smaller one, the second where one is no number.
+#[inline]
+pub(crate) fn smaller<T: Scalar>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+/// The larger one, the second where one is no number.
+#[inline]
+pub(crate) fn larger<T: Scalar>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
 /// `value`, but not beyond ±`largest`. By comparison: host and chip agree on every bit.
 #[inline]
 pub(crate) fn clamp<T: Scalar>(value: T, largest: T) -> T {

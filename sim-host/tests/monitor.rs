@@ -236,19 +236,25 @@ fn the_program_logs_a_terminal_until_it_is_unplugged() {
     assert!(shown.contains("3 reports, 6 good frames, 2 bad"), "{shown}");
 }
 
-#[test]
-fn the_program_listens_to_a_socket() {
-    let here = tempfile::tempdir().expect("a directory");
-    let listener = UnixListener::bind(here.path().join("uart")).expect("bound");
-    let child = monitor(here.path(), &["uart", "--seconds", "60"])
+/// What the program prints in `folder` that listens to a board on a socket, until the board is gone.
+fn hears_the_script(folder: &Path, socket: &Path, more: &[&str]) -> String {
+    let listener = UnixListener::bind(socket).expect("bound");
+    let socket = socket.to_str().expect("UTF-8");
+    let child = monitor(folder, &[&[socket, "--seconds", "60"], more].concat())
         .spawn()
         .expect("the program runs");
     let (mut board, _) = listener.accept().expect("connected");
     board.write_all(&script()).expect("written");
     drop(board);
     let output = child.wait_with_output().expect("ends");
-    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{output:?}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn the_program_listens_to_a_socket() {
+    let here = tempfile::tempdir().expect("a directory");
+    let shown = hears_the_script(here.path(), &here.path().join("uart"), &[]);
     assert!(
         shown.contains("tick 3") && shown.contains("2 bad\n"),
         "{shown}"
@@ -265,17 +271,7 @@ fn logs_of_a_board_have_every_report() {
         // Sockets have short names only.
         let line = tempfile::tempdir().expect("a directory");
         let socket = line.path().join("uart");
-        let listener = UnixListener::bind(&socket).expect("bound");
-        let socket = socket.to_str().expect("UTF-8");
-        let arguments = [socket, "--seconds", "60", "--csv", &csv, "--log", &log];
-        let child = monitor(&here, &arguments)
-            .spawn()
-            .expect("the program runs");
-        let (mut board, _) = listener.accept().expect("connected");
-        board.write_all(&script()).expect("written");
-        drop(board);
-        let output = child.wait_with_output().expect("ends");
-        assert!(output.status.success(), "{output:?}");
+        hears_the_script(&here, &socket, &["--csv", &csv, "--log", &log]);
     }
     let bag = std::fs::read(here.join("board.mcap")).expect("written");
     let messages = Messages::read(&bag).expect("a bag");

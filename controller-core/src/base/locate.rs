@@ -59,8 +59,8 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
 
     /// The pose is set; the next tick says that it jumped.
     pub(super) fn set_pose(&mut self, pose: Pose<T>) {
-        self.set = true;
         self.start = pose;
+        self.set = true;
         if let Some(localiser) = &mut self.localiser {
             localiser.set_pose(pose);
         }
@@ -84,7 +84,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             self.blind_s += dt;
             let coasted = self.last.map(|last| coast::<T, M>(&last, dt));
             self.last = coasted;
-            return Ok(self.located(localisation, coasted, None, true));
+            return Ok(self.located(coasted, None, true));
         };
         let estimate = match &mut self.localiser {
             None => {
@@ -115,26 +115,19 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         };
         self.blind_s = T::ZERO;
         self.last = Some(estimate.measured);
-        Ok(self.located(
-            localisation,
-            Some(estimate.measured),
-            Some(&estimate),
-            false,
-        ))
+        Ok(self.located(Some(estimate.measured), Some(&estimate), false))
     }
 
     fn located(
         &mut self,
-        localisation: &ValidLocaliserParams<T>,
         measured: Option<Measured<T>>,
         estimate: Option<&Estimate<T>>,
         blind: bool,
     ) -> Located<T> {
-        let fused = localisation.params().fusion.is_some();
-        let fix_age_s = match &self.localiser {
-            Some(localiser) if fused => Some(localiser.uncarried_s() + self.blind_s),
-            _ => None,
-        };
+        let fused =
+            |localiser: &&Localiser<T, N>| localiser.localisation().params().fusion.is_some();
+        let fusing = self.localiser.as_ref().filter(fused);
+        let fix_age_s = fusing.map(|localiser| localiser.uncarried_s() + self.blind_s);
         let jumped = self.set || estimate.is_some_and(|estimate| estimate.jumped);
         self.set = false;
         Located {

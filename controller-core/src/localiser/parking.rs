@@ -2,6 +2,7 @@
 
 use super::params::ValidLocaliserParams;
 use crate::motion::Arrival;
+use crate::range::{larger, smaller};
 use crate::scalar::Scalar;
 
 impl<T: Scalar> ValidLocaliserParams<T> {
@@ -21,8 +22,6 @@ impl<T: Scalar> ValidLocaliserParams<T> {
     pub fn arrival(&self) -> Arrival<T> {
         let f = T::from_f64;
         let exact = Arrival::<T>::exact();
-        let larger = |a: T, b: T| if a > b { a } else { b };
-        let smaller = |a: T, b: T| if a < b { a } else { b };
         let distance = f(5.0) * self.pose_noise + self.filtered_noise_m();
         let heading = larger(exact.heading_rad, f(8.0) * self.filtered_noise_rad());
         let odometry = &self.params().odometry;

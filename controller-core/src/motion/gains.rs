@@ -4,7 +4,7 @@ use super::limits::Limits;
 use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
-use crate::range::within;
+use crate::range::{larger, smaller, within};
 use crate::scalar::Scalar;
 
 /// Gains of following and parking. [`MotionGains::for_limits`] gives those that suit a base.
@@ -74,14 +74,13 @@ impl<T: Scalar> MotionGains<T> {
         let brake = smaller(limits.accel, limits.brake);
         let turn = smaller(M::sqrt(T::HALF * limits.turn_accel), T::ONE);
         let drive = smaller(M::sqrt(brake / f(0.6)), T::ONE);
-        let at_least = |value: T, least: f64| if value < f(least) { f(least) } else { value };
         Self {
             decay: f(5.0),
-            longitudinal: f(1.2) * at_least(drive, 0.5),
+            longitudinal: f(1.2) * larger(f(0.5), drive),
             longitudinal_bound: f(1.5) * drive,
             heading: f(3.0) * turn,
             lateral: f(2.5) * turn * turn,
-            slow: f(0.03) / at_least(turn, 0.2),
+            slow: f(0.03) / larger(f(0.2), turn),
             approach: f(1.2) * smaller(turn, drive),
             approach_brake: f(0.6) * limits.brake,
             speed_loop: f(3.0),
@@ -108,14 +107,7 @@ impl<T: Scalar> MotionGains<T> {
     pub(super) fn lateral_bound(&self, turn_accel: T) -> T {
         let f = T::from_f64;
         let share = f(4.5) * turn_accel / (self.heading * self.heading);
-        let bound = f(1.3) * share;
-        if bound > f(1.6) {
-            f(1.6)
-        } else if bound > f(1.3) {
-            bound
-        } else {
-            f(1.3)
-        }
+        larger(smaller(f(1.3) * share, f(1.6)), f(1.3))
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
@@ -142,8 +134,4 @@ impl<T: Scalar> MotionGains<T> {
         }
         Ok(())
     }
-}
-
-fn smaller<T: Scalar>(a: T, b: T) -> T {
-    if a < b { a } else { b }
 }

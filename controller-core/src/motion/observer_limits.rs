@@ -2,6 +2,7 @@
 
 use super::limits::Limits;
 use super::load::LoadLimits;
+use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::types::Accel;
 
@@ -20,11 +21,7 @@ pub(crate) struct ObserverLimits<T> {
 
 impl<T: Scalar> ObserverLimits<T> {
     pub(super) fn of(limits: &Limits<T>) -> Self {
-        let accel = if limits.accel < limits.brake {
-            limits.accel
-        } else {
-            limits.brake
-        };
+        let accel = smaller(limits.accel, limits.brake);
         Self {
             driving: LoadLimits::of(accel, limits.jerk),
             turning: LoadLimits::of(limits.turn_accel, limits.turn_jerk),

@@ -9,7 +9,7 @@ use super::manoeuvre::{AxisLimits, PlanLimits};
 use super::observer_limits::ObserverLimits;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
-use crate::range::within;
+use crate::range::{larger, smaller, within};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::Wrench;
@@ -80,13 +80,12 @@ impl<T: Scalar> MotionParams<T> {
     /// Larger values stay. 0 changes nothing.
     pub fn with_pose_noise(self, sigma_m: T) -> Self {
         let f = T::from_f64;
-        let larger = |a: T, b: T| if b > a { b } else { a };
         let (mut gains, mut arrival) = (self.gains, self.arrival);
         if sigma_m > T::ZERO {
             let slow = gains.lateral * sigma_m / (f(0.06) * gains.heading);
-            gains.slow = larger(gains.slow, slow);
-            arrival.distance_m = larger(arrival.distance_m, f(8.0) * sigma_m);
-            arrival.heading_rad = larger(arrival.heading_rad, f(0.02));
+            gains.slow = larger(slow, gains.slow);
+            arrival.distance_m = larger(f(8.0) * sigma_m, arrival.distance_m);
+            arrival.heading_rad = larger(f(0.02), arrival.heading_rad);
         }
         Self {
             gains,
@@ -159,8 +158,7 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
     let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
     let linear = force / robot.mass_kg;
     let angular = T::HALF * wheels.track_m * force / robot.inertia_kg_m2;
-    // Parameters that are not checked yet: what is not a number limits nothing.
-    let smaller = |reach: T, limit: T| if reach < limit { reach } else { limit };
+    // Parameters that are not checked yet: a reach that is not a number limits nothing.
     Limits {
         accel: smaller(linear, limits.accel),
         brake: smaller(linear, limits.brake),
@@ -177,7 +175,6 @@ const PLAN_SHARE: f64 = 0.95;
 fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
     let (robot, limits) = (&params.robot, &params.limits);
     let wheels = &robot.wheels;
-    let larger = |a: T, b: T| if a > b { a } else { b };
     let radius = larger(wheels.radius_right_m, wheels.radius_left_m);
     let driving = T::HALF * robot.mass_kg * larger(limits.accel, limits.brake);
     let turning = robot.inertia_kg_m2 * limits.turn_accel / wheels.track_m;
@@ -255,11 +252,7 @@ impl<T: Scalar> ValidMotionParams<T> {
     /// what is fed forward for it changes with the acceleration, and as fast again while it is learnt.
     pub fn force_rate_limit(&self) -> T {
         let limits = &self.params.limits;
-        let accel = if limits.accel > limits.brake {
-            limits.accel
-        } else {
-            limits.brake
-        };
+        let accel = larger(limits.accel, limits.brake);
         let mass = self.params.robot.mass_kg;
         let loop_rate = self.gains().speed_loop;
         mass * (fed_forward(limits.jerk) + loop_rate * (accel + self.largest_force() / mass))

@@ -22,6 +22,7 @@
 
 use crate::maths::Maths;
 use crate::motion::{Task, ValidMotionParams};
+use crate::range::larger;
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
@@ -191,10 +192,6 @@ pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(
     let command = Twist::new(speed, T::ZERO);
     let rate = Accel::new(larger(limits.accel, limits.brake), T::ZERO);
     controlled_stop::<T, M>(motion, &command, &rate, &Twist::default()).distance_m
-}
-
-fn larger<T: Scalar>(a: T, b: T) -> T {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]

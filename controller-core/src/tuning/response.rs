@@ -1,5 +1,6 @@
 //! How an error goes to 0 in a linear loop: when it has a tenth left, how hard it is worked.
 
+use crate::range::larger;
 use crate::scalar::Scalar;
 use crate::stability::Polynomial;
 
@@ -41,7 +42,6 @@ pub(crate) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> R
         peak_third: T::ZERO,
     };
     let tenth = f(0.1);
-    let larger = |a: T, b: T| if b > a { b } else { a };
     let mut t = T::ZERO;
     for _ in 0..STEPS {
         let k1 = slope(p, &state);
@@ -61,8 +61,8 @@ pub(crate) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> R
         } else if before > tenth {
             found.tenth_s = t + h * (before - tenth) / (before - after);
         }
-        found.peak_second = larger(found.peak_second, value(&state, 2).abs());
-        found.peak_third = larger(found.peak_third, value(&state, 3).abs());
+        found.peak_second = larger(value(&state, 2).abs(), found.peak_second);
+        found.peak_third = larger(value(&state, 3).abs(), found.peak_third);
         t += h;
     }
     found

@@ -29,6 +29,21 @@ pub struct Script {
 }
 
 impl Script {
+    /// No call fails.
+    pub(super) const NEVER: Self = Self {
+        from: 0,
+        count: 0,
+        kind: None,
+    };
+
+    /// Counted from call `calls`.
+    pub(super) const fn after(self, calls: u32) -> Self {
+        Self {
+            from: calls.saturating_add(self.from),
+            ..self
+        }
+    }
+
     /// What call `at` fails with.
     pub(super) fn failure(&self, at: u32) -> Option<ErrorKind> {
         let fails = at >= self.from && at.wrapping_sub(self.from) < self.count;
@@ -60,11 +75,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
     pub const fn new(max: f32) -> Self {
         Self {
             max,
-            script: Script {
-                from: 0,
-                count: 0,
-                kind: None,
-            },
+            script: Script::NEVER,
             calls: [Call::Release; N],
             next: 0,
             sets: 0,
@@ -76,10 +87,7 @@ impl<V: Copy, const N: usize> Mock<V, N> {
 
     /// Fails as `script` says, counted from now.
     pub const fn fail(&mut self, script: Script) {
-        self.script = Script {
-            from: self.calls().saturating_add(script.from),
-            ..script
-        };
+        self.script = script.after(self.calls());
     }
 
     /// Calls so far.

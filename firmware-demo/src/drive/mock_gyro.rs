@@ -1,4 +1,4 @@
-//! A gyro that turns as it is told, and fails on demand.
+//! A gyro with scripted readings, which fails on demand.
 
 use controller_core::hal::{ErrorKind, ErrorType, GyroReading, YawGyro};
 
@@ -17,11 +17,7 @@ impl MockGyro {
     pub const fn new() -> Self {
         Self {
             next: None,
-            script: Script {
-                from: 0,
-                count: 0,
-                kind: None,
-            },
+            script: Script::NEVER,
             calls: 0,
         }
     }
@@ -33,10 +29,7 @@ impl MockGyro {
 
     /// Fails as `script` says, counted from now.
     pub const fn fail(&mut self, script: Script) {
-        self.script = Script {
-            from: self.calls.saturating_add(script.from),
-            ..script
-        };
+        self.script = script.after(self.calls);
     }
 }
 

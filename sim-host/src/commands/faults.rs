@@ -7,10 +7,10 @@ use crate::cli::Output;
 use crate::log_args::LogArgs;
 use crate::part_args::PartArgs;
 use sim_host::campaign::{
-    Bases, Campaign, Mutation, Plan, Record, RunOutcome, TraceWriter, cells, known, run, table,
+    Campaign, Mutation, Plan, Record, RunOutcome, Tick, TraceWriter, cells, known, run, table,
     tick_fields, violation, write_runs,
 };
-use sim_host::datalog::Source;
+use sim_host::datalog::{DataLog, Source};
 
 /// The files' name.
 const NAME: &str = "faults";
@@ -28,9 +28,7 @@ pub fn all(
         if how.shard.is_some() {
             return Err(CommandError::NotInParts("--run"));
         }
-        let bases = campaign.numbers()?.0;
-        trace(&bases, campaign.seed, number, &Writer::new(output)?)?;
-        log_of(log, &bases, campaign.seed, number)?;
+        trace(campaign, number, log, &Writer::new(output)?)?;
     }
     part::without_log(how, log)?;
     let log = run.is_none().then_some(log);
@@ -83,7 +81,7 @@ pub fn report(
         && let Some(path) = &asked.log
     {
         match outcomes.iter().find(|outcome| outcome.end.is_err()) {
-            Some(first) => log_of(asked, &campaign.numbers()?.0, seed, first.run)?,
+            Some(first) => again(campaign, first.run, asked, |_| {})?,
             None => say(&format!(
                 "no run broke a rule: {} was not written\n",
                 path.display()
@@ -104,8 +102,13 @@ pub fn report(
     }
 }
 
-/// Writes every tick of a run.
-fn trace(bases: &Bases, seed: u64, number: u64, writer: &Writer<'_>) -> Result<(), CommandError> {
+/// Runs it again, with every tick in a CSV file, and with a log if one is asked for.
+fn trace(
+    campaign: &Campaign,
+    number: u64,
+    log: &LogArgs,
+    writer: &Writer<'_>,
+) -> Result<(), CommandError> {
     let name = format!("{NAME}-{number}.csv");
     let failed = |error: csv::Error| CommandError::Write {
         path: (&name).into(),
@@ -114,8 +117,7 @@ fn trace(bases: &Bases, seed: u64, number: u64, writer: &Writer<'_>) -> Result<(
     let mut bytes = Vec::new();
     let mut rows = TraceWriter::new(&mut bytes).map_err(failed)?;
     let mut written = Ok(());
-    let plan = Plan::draw(bases, seed, number);
-    run(bases, &plan, &Mutation::None, |tick| {
+    again(campaign, number, log, |tick| {
         if written.is_ok() {
             written = rows.row(tick);
         }
@@ -124,19 +126,23 @@ fn trace(bases: &Bases, seed: u64, number: u64, writer: &Writer<'_>) -> Result<(
     writer.bytes(&name, &bytes)
 }
 
-/// Runs it again, with a log if one is asked for.
-fn log_of(asked: &LogArgs, bases: &Bases, seed: u64, number: u64) -> Result<(), CommandError> {
-    let plan = Plan::draw(bases, seed, number);
-    let robot = &bases.of(&plan).name;
-    let Some(mut log) = asked.begin(Source::Campaign, robot, 0.0)? else {
-        return Ok(());
-    };
+/// Runs it again, with a log if one is asked for; `seen` sees every tick.
+fn again(
+    campaign: &Campaign,
+    number: u64,
+    asked: &LogArgs,
+    mut seen: impl FnMut(&Tick<'_, '_>),
+) -> Result<(), CommandError> {
+    let (bases, _) = campaign.numbers()?;
+    let plan = Plan::draw(&bases, campaign.seed, number);
+    let mut log = asked.begin(Source::Campaign, &bases.of(&plan).name, 0.0)?;
     let mut written = Ok(());
-    run(bases, &plan, &Mutation::None, |tick| {
-        if written.is_ok() {
+    run(&bases, &plan, &Mutation::None, |tick| {
+        seen(tick);
+        if let (Some(log), Ok(())) = (&mut log, &written) {
             written = log.add(&tick.into(), &tick_fields(tick));
         }
     })?;
-    written.and_then(|()| log.finish())?;
-    Ok(())
+    written?;
+    Ok(log.map_or(Ok(()), DataLog::finish)?)
 }

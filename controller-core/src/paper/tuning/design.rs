@@ -4,6 +4,7 @@ use super::spec::DesignSpec;
 use crate::maths::Maths;
 use crate::paper::params::Params;
 use crate::paper::stability::{PathLoop, lateral, longitudinal};
+use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::stability::{Polynomial, edge};
 use crate::tuning::Why;
@@ -132,10 +133,6 @@ impl<'a, T: Scalar> Design<'a, T> {
 
 fn softer<T: Scalar>(a: T) -> T {
     T::ONE + T::from_f64(SOFTER) / a
-}
-
-pub(super) fn smaller<T: Scalar>(a: T, b: T) -> T {
-    if a < b { a } else { b }
 }
 
 fn largest_radius<T: Scalar>(base: &Params<T>) -> T {

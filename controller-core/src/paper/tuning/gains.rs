@@ -1,9 +1,10 @@
 //! Gains of the paper's law from a design specification.
 
-use super::design::{Design, smaller};
+use super::design::Design;
 use super::spec::{DesignSpec, Tolerance};
 use crate::maths::Maths;
 use crate::paper::params::{Params, ParkingGains, TrackingGains};
+use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronParams;
 use crate::stability::edge;

@@ -4,6 +4,7 @@ use super::loops::{lateral_start, longitudinal_start};
 use super::margins;
 use crate::maths::Maths;
 use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams};
+use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::stability::edge;
 use crate::tuning::error::{in_range, refused};
@@ -219,8 +220,4 @@ fn reach<T: Scalar>(base: &MotionParams<T>) -> (T, T) {
     let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
     let moment = T::HALF * wheels.track_m * force;
     (force / robot.mass_kg, moment / robot.inertia_kg_m2)
-}
-
-fn smaller<T: Scalar>(a: T, b: T) -> T {
-    if a < b { a } else { b }
 }

@@ -15,6 +15,37 @@ const TICKS: u32 = 14_000;
 /// A search for a manoeuvre, from rest: 0.35 s at most.
 const SEARCH_TICKS: u32 = 350_000 / mission::PERIOD_US;
 
+/// Where a mission is.
+#[derive(Clone, Copy, PartialEq)]
+enum Phase {
+    First,
+    Follow,
+    /// A manoeuvre may be searched for.
+    Search,
+    Park,
+}
+
+/// Ticks so far, and those of them that parked.
+#[derive(Default)]
+struct Phases {
+    ticks: u32,
+    parking: u32,
+}
+
+impl Phases {
+    fn next(&mut self, order: &Order) -> Phase {
+        let parks = matches!(order, Order::Park(_));
+        self.ticks += 1;
+        self.parking += u32::from(parks);
+        match self.parking {
+            _ if self.ticks == 1 => Phase::First,
+            1..=SEARCH_TICKS if parks => Phase::Search,
+            _ if parks => Phase::Park,
+            _ => Phase::Follow,
+        }
+    }
+}
+
 /// From counts to torques, without and with external poses; apart, the first tick and those in which a manoeuvre may be searched for.
 #[inline(never)]
 pub fn ticks(meter: &mut Meter) {
@@ -23,23 +54,20 @@ pub fn ticks(meter: &mut Meter) {
             return complain(&["base"], "params", 1);
         };
         let (mut first, mut follow, mut with_fix) = (Row::new(), Row::new(), Row::new());
-        let (mut plan, mut park, mut ticks, mut parking) = (Row::new(), Row::new(), 0_u32, 0_u32);
+        let (mut plan, mut park, mut phases) = (Row::new(), Row::new(), Phases::default());
         let driven = mission::drive(&BEND, &base, TICKS, |controller, tick| {
             let cost = meter
                 .measure(|| {
                     controller.tick(tick.dt_us, &tick.order, &tick.sensed);
                 })
                 .1;
-            let searching = matches!(tick.order, Order::Park(_)) && parking < SEARCH_TICKS;
-            match (&tick.order, &tick.sensed.fix) {
-                _ if ticks == 0 => first.add(cost),
-                _ if searching => plan.add(cost),
+            match (phases.next(&tick.order), &tick.sensed.fix) {
+                (Phase::First, _) => first.add(cost),
+                (Phase::Search, _) => plan.add(cost),
                 (_, Some(_)) => with_fix.add(cost),
-                (Order::Park(_), None) => park.add(cost),
-                _ => follow.add(cost),
+                (Phase::Park, None) => park.add(cost),
+                (Phase::Follow, None) => follow.add(cost),
             }
-            ticks += 1;
-            parking += u32::from(searching);
         });
         complain(&["base"], "faults", u32::from(driven.is_err()));
         if fixes {
@@ -66,21 +94,18 @@ pub fn bytes() {
         return complain(&["stack", "base"], "params", 1);
     };
     let empty = mark(|| ());
-    let (mut most, mut ticks, mut parking) = (0_u32, 0_u32, 0_u32);
+    let (mut most, mut phases) = (0, Phases::default());
     let driven = mission::drive(&BEND, &base, TICKS, |controller, tick| {
-        let park = matches!(tick.order, Order::Park(_));
-        let searching = park && parking < SEARCH_TICKS;
-        parking += u32::from(searching);
+        let phase = phases.next(&tick.order);
         let mut step = || {
             controller.tick(tick.dt_us, &tick.order, &tick.sensed);
         };
         // Looking takes as long as some ticks.
-        if searching || ticks < 100 || ticks % 500 == 0 {
+        if phase == Phase::Search || phases.ticks <= 100 || phases.ticks % 500 == 0 {
             most = most.max(mark(step));
         } else {
             step();
         }
-        ticks += 1;
     });
     complain(&["stack", "base"], "faults", u32::from(driven.is_err()));
     line(&["stack", "base"])
