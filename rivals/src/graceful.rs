@@ -94,9 +94,9 @@ impl Graceful {
         let r = norm(e.x, e.y);
         let delta = -atan2(e.y, e.x);
         let phi = if headed { wrap(e.theta + delta) } else { 0.0 };
-        let bend = self.k_phi * phi;
-        let curvature = -(self.k_delta * (delta - atan2(-bend, 1.0))
-            + (1.0 + self.k_phi / (1.0 + bend * bend)) * sin_cos(delta).0)
+        let slope = self.k_phi * phi;
+        let curvature = -(self.k_delta * (delta - atan2(-slope, 1.0))
+            + (1.0 + self.k_phi / (1.0 + slope * slope)) * sin_cos(delta).0)
             / if r > 1.0e-4 { r } else { 1.0e-4 };
         let v = top / (1.0 + self.beta * curvature * curvature);
         let slow = top * r / self.slowdown;

@@ -115,11 +115,11 @@ impl PurePursuit {
         }
         let length = norm(x, y);
         let curvature = 2.0 * carrot.1 / (length * length);
-        let bend = curvature.abs() * self.radius;
+        let sharpness = curvature.abs() * self.radius;
         let top = speed.abs();
         let slow = if top < SLOWEST { top } else { SLOWEST };
-        let regulated = if bend > 1.0 {
-            between(top / bend, slow, top)
+        let regulated = if sharpness > 1.0 {
+            between(top / sharpness, slow, top)
         } else {
             top
         };

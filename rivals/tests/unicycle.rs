@@ -62,7 +62,7 @@ fn laws() -> Vec<(&'static str, Box<dyn Rival>)> {
     ]
 }
 
-/// A robot that follows wishes within its accelerations.
+/// A robot that follows demands within its accelerations.
 struct Unicycle {
     pose: Pose<f32>,
     twist: Twist<f32>,

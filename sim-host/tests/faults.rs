@@ -53,8 +53,8 @@ fn every_fault_in_every_state_is_ignored_or_stopped_in_time() {
             FaultInjectionKind::LineDamaged,
         ]
         .contains(&rule.injection);
-        let told = rule.name.is_some() && !rare;
-        assert!(found > 0 || !told, "{:?} is never found", rule.injection);
+        let named = rule.name.is_some() && !rare;
+        assert!(found > 0 || !named, "{:?} is never found", rule.injection);
     }
     let mut page = Stated::of("docs/faults.md");
     page.table(HEAD, &results(&outcomes));

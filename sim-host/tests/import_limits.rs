@@ -404,14 +404,14 @@ fn without_jerk(length: f64, sharpest: f64, limits: &ReferenceLimits) -> f64 {
     let ceiling = |i: i32| {
         let (k, rate) = curve(i);
         let turning = (limits.max_turn_rate / k).powi(2);
-        let bend = (limits.max_angular_accel / rate).abs();
+        let by_turning = (limits.max_angular_accel / rate).abs();
         // Without curvature no acceleration helps against k′ v².
-        let bend = if k.abs() < 1e-3 * sharpest {
-            bend
+        let by_turning = if k.abs() < 1e-3 * sharpest {
+            by_turning
         } else {
             f64::INFINITY
         };
-        limits.max_speed.powi(2).min(turning).min(bend)
+        limits.max_speed.powi(2).min(turning).min(by_turning)
     };
     let mut square = vec![0.0; steps as usize + 1];
     for i in (1..steps).rev() {

@@ -91,7 +91,7 @@ fn velocity_orders_move_it_until_the_next_order() {
 /// Where it is put it stands; told so, it drives on from there as from anywhere, else it takes external poses for outliers at first.
 #[test]
 fn a_base_that_is_carried_drives_on_from_there() {
-    for told in [true, false] {
+    for announced in [true, false] {
         let mut queue = ReferenceQueue::new();
         let mut live = live(&mut queue, &as_in_its_file(), LiveLaw::Default);
         let goal = Pose::new(1.0, 0.0, 0.0);
@@ -99,16 +99,16 @@ fn a_base_that_is_carried_drives_on_from_there() {
         ticks(&mut live, 5.0);
         assert_eq!(live.report().state, State::Parked);
         let there = Pose::new(0.2, -0.4, 1.0);
-        live.place(there, told).expect("asked").expect("taken");
+        live.place(there, announced).expect("asked").expect("taken");
         assert_eq!(live.world().truth().pose, there);
         ticks(&mut live, 0.02);
         let believed = live.report().measured.expect("encoders").pose;
         let off = f64::from(believed.x - 0.2).hypot(f64::from(believed.y + 0.4));
-        assert_eq!(off < 0.05, told, "believes to be {off} m off");
+        assert_eq!(off < 0.05, announced, "believes to be {off} m off");
         ticks(&mut live, 15.0);
         let truth = live.world().truth().pose;
         let off = (truth.x - goal.x).hypot(truth.y - goal.y);
-        assert!(off < 5.0e-3, "told {told}: {off} m off");
+        assert!(off < 5.0e-3, "announced {announced}: {off} m off");
     }
 }
 

@@ -144,7 +144,7 @@ fn any_number_of_parts_leaves_the_same_bytes() {
     }
 }
 
-/// What is told is what helps: the command that is printed makes the part that is missing.
+/// What is printed is what helps: the command that is printed makes the part that is missing.
 #[test]
 fn a_part_that_died_is_named_and_made_again_alone() {
     let here = tempfile::tempdir().expect("a directory");
@@ -158,10 +158,10 @@ fn a_part_that_died_is_named_and_made_again_alone() {
     // The second part is cut off, as by a full disk.
     let bytes = fs::read(&paths[1]).expect("a part");
     fs::write(&paths[1], &bytes[..bytes.len() / 2]).expect("written");
-    let told = refusal(here.path(), &paths);
-    assert!(told.contains("2.parquet: cannot be read"), "{told}");
-    let (before, command) = told.split_once(": run sim-host ").expect("a command");
-    assert!(before.ends_with("part 2 of 3 is missing"), "{told}");
+    let message = refusal(here.path(), &paths);
+    assert!(message.contains("2.parquet: cannot be read"), "{message}");
+    let (before, command) = message.split_once(": run sim-host ").expect("a command");
+    assert!(before.ends_with("part 2 of 3 is missing"), "{message}");
     let line = command.lines().next().expect("a line");
     let again = Command::new("sh")
         .args([
@@ -198,7 +198,7 @@ fn parts_that_do_not_belong_together_are_refused() {
         path
     };
     let one = faults(&["--shard", "1/2"], "one");
-    for (more, told) in [
+    for (more, message) in [
         (
             &["--shard", "2/2", "--seed", "2"][..],
             "seed is 2 there, 1 here",
@@ -218,7 +218,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     ] {
         let other = faults(more, "other");
         let refused = refusal(here.path(), &[one.clone(), other]);
-        assert!(refused.contains(told), "{refused}");
+        assert!(refused.contains(message), "{refused}");
     }
     let verify = |robot: &str, name: &str| {
         let path = here.path().join(name);
@@ -264,8 +264,8 @@ fn what_only_a_whole_can_have_is_refused_of_a_part() {
         &["verify", "hobby-1kg", "--fresh", "--shard", "1/2"],
     ] {
         let output = run(here.path(), arguments);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.contains("is not for a part"), "{told}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.contains("is not for a part"), "{message}");
         assert_eq!(output.status.code(), Some(1));
     }
     let output = run(here.path(), &["faults", "--shard", "3/2"]);

@@ -16,7 +16,7 @@ const A: f64 = 4.0;
 /// Gain on the bearing.
 const TURN: f64 = 1.5;
 /// Weight of the goal's heading.
-const BEND: f64 = 0.7;
+const CURVE: f64 = 0.7;
 /// Below this distance the heading alone is controlled \[m\].
 const NEAR: f64 = 1e-3;
 /// Bandwidths of the velocity loops \[1/s\].
@@ -59,9 +59,9 @@ impl Aicardi {
         twist: &Twist<f64>,
         dt: f64,
     ) -> Wrench<f64> {
-        let wishes = wish(error);
-        for (neuron, wish) in self.pose.iter_mut().zip(wishes) {
-            neuron.advance(wish, dt);
+        let demands = demand(error);
+        for (neuron, demand) in self.pose.iter_mut().zip(demands) {
+            neuron.advance(demand, dt);
         }
         let rates = self.pose.map(|neuron| neuron.rate());
         for (neuron, rate) in self.accel.iter_mut().zip(rates) {
@@ -76,7 +76,7 @@ impl Aicardi {
     }
 }
 
-fn wish(error: &PoseError<f64>) -> [f64; 2] {
+fn demand(error: &PoseError<f64>) -> [f64; 2] {
     if error.x.hypot(error.y) < NEAR {
         return [error.x, error.theta];
     }
@@ -96,7 +96,7 @@ fn wish(error: &PoseError<f64>) -> [f64; 2] {
     };
     [
         error.x,
-        TURN * alpha + alpha.cos() * sinc * (alpha + BEND * beta),
+        TURN * alpha + alpha.cos() * sinc * (alpha + CURVE * beta),
     ]
 }
 

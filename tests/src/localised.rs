@@ -77,7 +77,7 @@ impl Localised {
             dt,
             ..
         } = &mut self.drive;
-        let accel = told(controller.motion(), &controller.report().torques);
+        let accel = expected_accel(controller.motion(), &controller.report().torques);
         let fix = source.poll(*t, &robot.body.pose);
         self.estimate = self
             .localiser
@@ -106,7 +106,7 @@ impl Localised {
 }
 
 /// The accelerations that odometry is told of: those of the torques.
-pub fn told(motion: &ValidMotionParams<f64>, torques: &WheelTorques<f64>) -> Accel<f64> {
+pub fn expected_accel(motion: &ValidMotionParams<f64>, torques: &WheelTorques<f64>) -> Accel<f64> {
     let wrench = motion.wheels().wrench(torques);
     let robot = &motion.params().robot;
     Accel::new(

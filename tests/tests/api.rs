@@ -154,7 +154,7 @@ fn breaking(before: &BTreeSet<String>, now: &BTreeSet<String>) -> Vec<String> {
 }
 
 /// Text under `## [Unreleased]`, `### package`, in the parts that tell of what is no longer as it was.
-fn told(changelog: &str, package: &str) -> String {
+fn listed(changelog: &str, package: &str) -> String {
     let section = |text: &str, head: &str, level: &str| -> String {
         let from = text.split_once(head).map_or("", |(_, rest)| rest);
         let end = from.find(level).unwrap_or(from.len());
@@ -169,10 +169,10 @@ fn told(changelog: &str, package: &str) -> String {
 }
 
 /// Whether the name of an item stands in code quotes, alone or in a path.
-fn is_marked(item: &str, told: &str) -> bool {
+fn is_marked(item: &str, listed: &str) -> bool {
     let path = path(item.get(2..).unwrap_or_default());
     let name = path.rsplit("::").next().unwrap_or_default();
-    let quoted = told.split('`').skip(1).step_by(2);
+    let quoted = listed.split('`').skip(1).step_by(2);
     let mut words = quoted.flat_map(|code| code.split(|c: char| !c.is_alphanumeric() && c != '_'));
     !name.is_empty() && words.any(|word| word == name)
 }
@@ -193,11 +193,11 @@ fn no_breaking_change_is_unmarked() {
             continue;
         }
         let before = fs::read_to_string(golden(package)).expect("the last release's items");
-        let told = told(&changelog, published.section);
+        let listed = listed(&changelog, published.section);
         let breaking = breaking(&lines(&before), &now);
         let unmarked: Vec<_> = breaking
             .iter()
-            .filter(|item| !is_marked(item, &told))
+            .filter(|item| !is_marked(item, &listed))
             .collect();
         assert!(
             unmarked.is_empty(),
@@ -288,7 +288,7 @@ fn a_mark_is_an_entry_of_this_package_in_this_release() {
 
 - `old`.
 ";
-    let told = told(changelog, "controller-core");
+    let listed = listed(changelog, "controller-core");
     for (item, marked) in [
         ("+ pub controller_core::motion::Limits::jerk: T", true),
         ("- pub struct controller_core::motion::Limits<T>", true),
@@ -302,6 +302,6 @@ fn a_mark_is_an_entry_of_this_package_in_this_release() {
         ("- pub fn controller_core::gone()", false),
         ("- pub fn controller_core::old()", false),
     ] {
-        assert_eq!(is_marked(item, &told), marked, "{item}");
+        assert_eq!(is_marked(item, &listed), marked, "{item}");
     }
 }

@@ -81,8 +81,8 @@ proptest! {
         let (h, s, c) = (1e-6, robot::posture_rate(&q, &twist), robot::posture_rate(&q_r, &twist_r));
         // Second-order steps along either motion: a circle's chord is off by h³ only.
         let turned = |q: &Vector3<f64>, rate: &Vector3<f64>, w: f64, h: f64| {
-            let bend = Vector3::new(-rate.y, rate.x, 0.0) * (w * h * h / 2.0);
-            q + h * rate + bend
+            let curved = Vector3::new(-rate.y, rate.x, 0.0) * (w * h * h / 2.0);
+            q + h * rate + curved
         };
         let ends = [h, -h].map(|h| core(turned(&q_r, &c, twist_r.y, h), turned(&q, &s, twist.y, h)));
         let mut difference = ends[0] - ends[1];

@@ -260,10 +260,10 @@ fn a_fused_heading_is_followed() {
     let mut heading = GyroHeading::new(&gyro);
     let mut turned = 0.0;
     for tick in 0..2000 {
-        let told = controller_core::angle::wrap(2.0 + 0.8 * DT * f64::from(tick));
+        let fused = controller_core::angle::wrap(2.0 + 0.8 * DT * f64::from(tick));
         let reading = GyroReading {
             rate: 0.1,
-            heading: Some(told),
+            heading: Some(fused),
             age_s: 0.0,
         };
         // Wheels that turn a per cent too far.

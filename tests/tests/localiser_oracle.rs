@@ -147,7 +147,7 @@ fn drive(seed: u64, met: &mut Met) {
             *count = count.wrapping_add(whole as i32);
             random.within(1.0);
         }
-        let told = Vector2::new(
+        let given = Vector2::new(
             (accel[0] + accel[1]) / 2.0 + random.within(0.05),
             (accel[0] - accel[1]) / k.track,
         );
@@ -173,9 +173,9 @@ fn drive(seed: u64, met: &mut Met) {
             other.set(posture(&pose));
         }
         let found = core
-            .update_with_accel::<Libm>(counts, dt, &Accel::new(told.x, told.y), same.as_ref())
+            .update_with_accel::<Libm>(counts, dt, &Accel::new(given.x, given.y), same.as_ref())
             .expect("finite");
-        let expected = other.tick([counts.right, counts.left], dt, &told, fix.as_ref());
+        let expected = other.tick([counts.right, counts.left], dt, &given, fix.as_ref());
         compare((seed, tick), &found, &expected, met);
         if one_in(50, &random) {
             // Outliers that agree with each other, for a while.

@@ -185,14 +185,14 @@ fn bound_holds_and_is_told() {
         force: -1.5 * bound,
         moment: 0.0,
     };
-    let mut told = 0;
+    let mut reported = 0;
     while drive.t < 20.0 {
         drive.coast(&push);
         let report = drive.take(&line(drive.t), &drive.body.measured());
         assert!(report.disturbance.force.abs() <= bound);
-        told += u32::from(report.limited.disturbance);
+        reported += u32::from(report.limited.disturbance);
     }
-    assert!(told > 1500, "{told}");
+    assert!(reported > 1500, "{reported}");
     // The push ends: nothing is wound up, the estimate leaves its bound at once and goes.
     drive.advance(line);
     drive.advance(line);
@@ -276,7 +276,7 @@ fn zero_bandwidth_estimates_nothing() {
 fn what_is_really_exerted_can_be_told() {
     let motion = BASE.exact().validate().expect("valid");
     let order: Order = Task::Park(Pose::new(2.0, 0.0, 0.0));
-    for (told, most) in [(true, 1e-9), (false, f64::INFINITY)] {
+    for (informed, most) in [(true, 1e-9), (false, f64::INFINITY)] {
         let mut drive = Exact::start(&motion, BASE, Body::default(), &order, 0.01);
         let mut seen = 0.0_f64;
         while drive.t < 1.0 {
@@ -286,7 +286,7 @@ fn what_is_really_exerted_can_be_told() {
                 left: asked.left / 2.0,
             };
             let applied = drive.applied();
-            if told {
+            if informed {
                 drive.controller.note_applied(&half).expect("finite");
             }
             drive.coast(&Wrench {
@@ -296,9 +296,9 @@ fn what_is_really_exerted_can_be_told() {
             let report = drive.take(&order, &drive.body.measured());
             seen = seen.max(report.disturbance.force.abs());
         }
-        println!("told {told}: estimate up to {seen:.2} N");
+        println!("informed {informed}: estimate up to {seen:.2} N");
         assert!(seen <= most);
-        assert!(told || seen > 1.0);
+        assert!(informed || seen > 1.0);
     }
     let mut drive = Exact::start(&motion, BASE, Body::default(), &order, 0.01);
     let before = drive.controller;

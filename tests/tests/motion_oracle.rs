@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 use tests::ideal::Robot;
 use tests::motion_base::{Base, Body};
 use tests::motion_oracle::{
-    NAMES, constants, inputs, numbers, row_numbers, row_said, said, take_over, task as told,
+    NAMES, constants, inputs, numbers, row_numbers, row_said, said, take_over, task as oracle_task,
 };
 use tests::oracle::motion::{Law, Rule};
 use tests::random::Random;
@@ -222,7 +222,11 @@ fn mission<U: NeuronUpdate<f64>>(seed: u64, rule: Rule, met: &mut Met) {
     let measured = body.measured::<f64>();
     let mut core = MotionController::<f64, Libm, U>::start(&motion, &first, &measured)
         .expect("the start is finite");
-    let (mut oracle, row) = Law::start(constants(&params, rule), told(&first), &inputs(&measured));
+    let (mut oracle, row) = Law::start(
+        constants(&params, rule),
+        oracle_task(&first),
+        &inputs(&measured),
+    );
     met.slack = 0.0;
     met.set_back = false;
     compare((seed, 0), 0.0, &core, &row, met);
@@ -292,7 +296,7 @@ fn mission<U: NeuronUpdate<f64>>(seed: u64, rule: Rule, met: &mut Met) {
             measured.pose.theta += random.within(1.0) * noise;
             measured.twist.linear += random.within(1.0) * noise;
             core.step(dt, &task, &measured).expect("finite");
-            let row = oracle.tick(told(&task), &inputs(&measured), dt);
+            let row = oracle.tick(oracle_task(&task), &inputs(&measured), dt);
             compare((seed, tick), dt, &core, &row, met);
             if core.report().limited.torque {
                 take_over(&mut oracle, core.report(), &measured);

@@ -82,17 +82,17 @@ fn noise_ends_parked_or_told() {
                 )
             });
             let count = |desired| runs.iter().filter(|run| run.0 == desired).count();
-            let (parked, told) = (count(Outcome::Parked), count(Outcome::OutOfTolerance));
+            let (parked, gave_up) = (count(Outcome::Parked), count(Outcome::OutOfTolerance));
             let latest = runs.iter().fold(0.0_f64, |most, run| most.max(run.1));
             let left = runs.iter().fold(0.0_f64, |most, run| most.max(run.3));
             let still = runs.iter().fold(0.0_f64, |most, run| most.max(run.4));
             println!(
-                "tolerance {} mm, {retries} retries: {parked} parked, {told} told, by {latest:.1} s, left {:.1} mm, \
+                "tolerance {} mm, {retries} retries: {parked} parked, {gave_up} out of tolerance, by {latest:.1} s, left {:.1} mm, \
                  speed {still:.1e}",
                 1e3 * tolerance,
                 1e3 * left
             );
-            assert_eq!(parked + told, runs.len());
+            assert_eq!(parked + gave_up, runs.len());
             // Rest: the desired twist is zero, and no pose enters the command any more.
             assert!(still < 1e-9, "{still}");
             // Within the noise radius of 5 σ, even if not within the tolerance.
@@ -103,7 +103,7 @@ fn noise_ends_parked_or_told() {
                 (true, 0) => "the same, tolerance 0.1 mm, 0 retries",
                 (true, _) => "the same, 2 retries",
             };
-            state(label, &[parked as f64, told as f64, latest, 1e3 * left]);
+            state(label, &[parked as f64, gave_up as f64, latest, 1e3 * left]);
         }
     }
 }
@@ -230,7 +230,7 @@ fn stated_noise_sets_what_follows_from_it() {
 #[test]
 fn noisy_heading_comes_to_an_end() {
     let motion = BASE.exact().validate().expect("valid");
-    let (mut parked, mut told) = (0, 0);
+    let (mut parked, mut gave_up) = (0, 0);
     for seed in 0..20 {
         let mut random = Random(0x5EED_0200 + seed);
         let mut drive = Exact::start(&motion, BASE, Body::at(-0.4, 0.1, 0.0), &HOME, 0.01);
@@ -249,8 +249,8 @@ fn noisy_heading_comes_to_an_end() {
         println!("{last:?}, {} retries", drive.report().retries);
         assert_eq!(outcomes, 0);
         parked += u32::from(last == Outcome::Parked);
-        told += u32::from(last == Outcome::OutOfTolerance);
+        gave_up += u32::from(last == Outcome::OutOfTolerance);
     }
     let label = "heading noise of 0.87 mrad against a tolerance of 0.7: 20 runs";
-    state(label, &[f64::from(parked), f64::from(told)]);
+    state(label, &[f64::from(parked), f64::from(gave_up)]);
 }

@@ -101,8 +101,8 @@ proptest! {
         // Some ten operations on numbers below `scale`; the gear's model divides by the speed.
         let tolerance = scale * (1e-12 + short);
         // Told, limited or not: gear torque less friction is what accelerates the base.
-        let told = command.torque_nm - command.friction_nm;
-        prop_assert!((given - told).abs() <= tolerance, "{given} {told} {command:?}");
+        let accelerating = command.torque_nm - command.friction_nm;
+        prop_assert!((given - accelerating).abs() <= tolerance, "{given} {accelerating} {command:?}");
         if !command.limited.torque() {
             prop_assert!((given - demand.torque_nm).abs() <= tolerance, "{given} {demand:?}");
         }

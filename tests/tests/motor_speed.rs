@@ -28,7 +28,7 @@ fn speeds_are_led_limited_on_the_same_curve_and_told() {
     );
     let mut state = SpeedState::default();
     let still = Accel::default();
-    let told = output
+    let command = output
         .command(
             &mut state,
             &map,
@@ -37,13 +37,15 @@ fn speeds_are_led_limited_on_the_same_curve_and_told() {
         )
         .unwrap();
     // (0.5 + 0.05 * 2)/0.1.
-    assert!((told.speeds.right - 6.0).abs() < 1e-12 && told.speeds.left == told.speeds.right);
-    assert_eq!(told.limited, Default::default());
+    assert!(
+        (command.speeds.right - 6.0).abs() < 1e-12 && command.speeds.left == command.speeds.right
+    );
+    assert_eq!(command.limited, Default::default());
     let fast = Twist::new(1.5, 2.0);
-    let told = output.command(&mut state, &map, &fast, &still).unwrap();
-    assert!(told.limited.speed && !told.limited.slow);
-    assert_eq!(told.speeds.right, 10.0);
-    let driven = map.twist(&told.speeds);
+    let command = output.command(&mut state, &map, &fast, &still).unwrap();
+    assert!(command.limited.speed && !command.limited.slow);
+    assert_eq!(command.speeds.right, 10.0);
+    let driven = map.twist(&command.speeds);
     // Rounding of numbers of order 1.
     assert!(
         (driven.angular / driven.linear - 2.0 / 1.5).abs() < 1e-12,
@@ -71,7 +73,7 @@ fn speeds_are_led_limited_on_the_same_curve_and_told() {
     }
 }
 
-/// A slow ripple about every threshold starts and stops a wheel once at most, and no speed is told that is not executed.
+/// A slow ripple about every threshold starts and stops a wheel once at most, and no speed is commanded that is not executed.
 #[test]
 fn the_slowest_speed_does_not_chatter() {
     let (output, map) = (
@@ -85,19 +87,19 @@ fn the_slowest_speed_does_not_chatter() {
         for tick in 0..1000 {
             // 0.24 of the slowest either way: just less than the hysteresis.
             let ripple = if tick % 2 == 0 { 0.24 } else { -0.24 } * slowest;
-            let wish = mean + ripple;
-            let told = output
+            let wanted = mean + ripple;
+            let command = output
                 .command(
                     &mut state,
                     &map,
-                    &Twist::new(0.1 * wish, 0.0),
+                    &Twist::new(0.1 * wanted, 0.0),
                     &Accel::default(),
                 )
                 .unwrap();
-            let speed = told.speeds.right;
+            let speed = command.speeds.right;
             assert!(speed == 0.0 || speed.abs() >= slowest);
-            assert!((speed - wish).abs() <= 0.75 * slowest + 1e-12);
-            assert_eq!(told.limited.slow, (speed - wish).abs() > 1e-12);
+            assert!((speed - wanted).abs() <= 0.75 * slowest + 1e-12);
+            assert_eq!(command.limited.slow, (speed - wanted).abs() > 1e-12);
             changes += usize::from((speed == 0.0) != (last == 0.0));
             last = speed;
         }

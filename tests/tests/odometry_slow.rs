@@ -20,14 +20,14 @@ type Controller = MotionController<f64, Libm, ExactMean>;
 /// `see` with the time and the torques.
 fn drive(
     file: &File,
-    (bandwidth, told): (f64, bool),
+    (bandwidth, informed): (f64, bool),
     dt: f64,
     end_s: f64,
     order: impl Fn(f64) -> Order,
     mut see: impl FnMut(f64, (f64, f64)),
 ) {
     // Nobody ships a base whose odometry is not told; its loops are those that follow from the limits.
-    let params = if told {
+    let params = if informed {
         file.motion()
     } else {
         MotionParams::new_with::<Libm>(file.robot, file.limits)
@@ -42,8 +42,8 @@ fn drive(
     for _ in 1..=(end_s / dt) as u32 {
         let torques = drive.controller.report().torques;
         drive.hold(&torques);
-        let accel = if told {
-            localised::told(&motion, &torques)
+        let accel = if informed {
+            localised::expected_accel(&motion, &torques)
         } else {
             Accel::default()
         };
@@ -93,10 +93,11 @@ fn ripple(file: &File, speed_loop: (f64, bool), dt: f64) -> [f64; 2] {
 fn creeping_does_not_make_the_torque_rattle() {
     for (name, file) in bases() {
         for dt in [0.01, 0.005] {
-            for (bandwidth, told) in [(50.0, false), (20.0, true), (50.0, true), (200.0, true)] {
-                let [straight, turning] = ripple(&file, (bandwidth, told), dt);
+            for (bandwidth, informed) in [(50.0, false), (20.0, true), (50.0, true), (200.0, true)]
+            {
+                let [straight, turning] = ripple(&file, (bandwidth, informed), dt);
                 println!(
-                    "{name} {} ms, {bandwidth} rad/s, told {told}: ripple {:.3} % straight, {:.3} % turning",
+                    "{name} {} ms, {bandwidth} rad/s, informed {informed}: ripple {:.3} % straight, {:.3} % turning",
                     1e3 * dt,
                     100.0 * straight,
                     100.0 * turning
@@ -104,7 +105,7 @@ fn creeping_does_not_make_the_torque_rattle() {
                 // 30 kg turn with 15 kg m² on wheels 0.5 m apart: a loop of 5 rad/s with integral action
                 // that learns of its own torque at the next count, 0.2 s later, rings. A whole base tells
                 // its odometry (`base::BaseController`), and has none of this.
-                let most = if told || name != "paper-30kg" {
+                let most = if informed || name != "paper-30kg" {
                     0.01
                 } else {
                     0.06
@@ -286,7 +287,7 @@ fn told_accelerations_are_not_delayed() {
     let (_, file) = bases()[2].clone();
     let params = odometry::<f64>(&file, 50.0);
     let dt = 0.005;
-    for (told, late_s) in [
+    for (known, late_s) in [
         (1.0, 0.0),
         (0.7, 0.3 * params.delay_s()),
         (0.0, params.delay_s()),
@@ -302,7 +303,7 @@ fn told_accelerations_are_not_delayed() {
                 left: count,
             };
             v = odometry
-                .update_with_accel::<Libm>(now, dt, &Accel::new(told, 0.0))
+                .update_with_accel::<Libm>(now, dt, &Accel::new(known, 0.0))
                 .twist
                 .linear;
         }

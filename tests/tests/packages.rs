@@ -28,10 +28,10 @@ fn packages() -> Vec<PathBuf> {
         .current_dir(root())
         .output();
     let output = output.expect("cargo runs");
-    let told = String::from_utf8_lossy(&output.stderr);
+    let message = String::from_utf8_lossy(&output.stderr);
     assert!(
-        output.status.success() && !told.contains("warning"),
-        "{told}"
+        output.status.success() && !message.contains("warning"),
+        "{message}"
     );
     let unpack = |name: &str| {
         let stem = format!("{name}-{}", version());
@@ -212,8 +212,8 @@ fn a_release_writes_its_version_everywhere_and_refuses_one_that_misleads() {
     let write = |text: &str| fs::write(folder.join("CHANGELOG.md"), text).expect("written");
     let before = read("CHANGELOG.md");
     let refuses = |arguments: &[&str], why: &str| {
-        let told = release(&folder, arguments).expect_err("refused");
-        assert!(told.contains(why), "{told}");
+        let message = release(&folder, arguments).expect_err("refused");
+        assert!(message.contains(why), "{message}");
     };
     // As if nothing had been released yet, whatever has been since.
     let (head, _) = before.split_once("## [Unreleased]\n").expect("a heading");

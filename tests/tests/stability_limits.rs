@@ -117,11 +117,11 @@ proptest! {
         let channel = |gain, kappa| worse(&p, |b| channel_abscissa(&p, b, gain, kappa));
         let along = channel(p.k1, p.kd1 / p.m);
         let parking = channel(p.k4, p.kc1 / p.m).max(channel(p.k5, p.kc2 / p.inertia));
-        for (told, abscissa) in [
+        for (stable, abscissa) in [
             (longitudinal_tracking_is_stable(&core), along),
             (parking_is_stable(&core), parking),
         ] {
-            prop_assert!(abscissa.abs() < EIGENVALUE || told == (abscissa < 0.0), "{told}: {abscissa:e}");
+            prop_assert!(abscissa.abs() < EIGENVALUE || stable == (abscissa < 0.0), "{stable}: {abscissa:e}");
         }
     }
 }

@@ -101,12 +101,12 @@ fn specified_times_are_met() {
                     "{name}: {found} for {settling_s}"
                 );
             }
-            let told = margins::<f64, Libm>(&params.gains);
+            let found = margins::<f64, Libm>(&params.gains);
             assert!(
-                (told.settling_s / settling_s - 1.0).abs() < 0.01,
-                "{told:?}"
+                (found.settling_s / settling_s - 1.0).abs() < 0.01,
+                "{found:?}"
             );
-            assert!((told.lateral.damping - damping).abs() < 0.01, "{told:?}");
+            assert!((found.lateral.damping - damping).abs() < 0.01, "{found:?}");
         }
     }
     let mut page = Stated::of("docs/tuning.md");

@@ -80,11 +80,11 @@ fn specified_times_are_met() {
                     "{found} for {settling_s}"
                 );
             }
-            let told = margins::<f64, Libm>(&core, speed);
+            let found = margins::<f64, Libm>(&core, speed);
             assert!(
-                (told.lateral.damping - damping).abs() < 0.01 || told.lateral.damping < damping
+                (found.lateral.damping - damping).abs() < 0.01 || found.lateral.damping < damping
             );
-            assert!(told.max_speed > 1.5 * speed && told.lyapunov_longitudinal >= 1.0);
+            assert!(found.max_speed > 1.5 * speed && found.lyapunov_longitudinal >= 1.0);
         }
     }
     Stated::of("docs/tuning.md").exactly(

@@ -107,9 +107,9 @@ proptest! {
     /// One factor for both wheels, never above the limit.
     #[test]
     fn limited_torques_keep_their_ratio(right in -1e4..1e4_f64, left in -1e4..1e4_f64, limit in decades(-6.0, 6.0)) {
-        let (limited, told) = limit_torques(WheelTorques { right, left }, limit);
+        let (limited, is_limited) = limit_torques(WheelTorques { right, left }, limit);
         prop_assert!(limited.right.abs() <= limit && limited.left.abs() <= limit);
-        prop_assert_eq!(told, right.abs() > limit || left.abs() > limit);
+        prop_assert_eq!(is_limited, right.abs() > limit || left.abs() > limit);
         let across = limited.right * left - limited.left * right;
         prop_assert!(across.abs() <= ALGEBRA * (right * left).abs().max(1.0));
     }

@@ -117,7 +117,7 @@ const INPUT = {
   robot: (s, name, text) => join([1, ...setting(s)], utf8(name), utf8(text)),
   laws: (mask) => [2, mask],
   goal: (p) => [3, ...at(p)],
-  place: (p, told) => [4, told ? 1 : 0, ...at(p)],
+  place: (p, announced) => [4, announced ? 1 : 0, ...at(p)],
   line: (points) => [5, points.length & 255, points.length >> 8, ...points.flatMap((p) => [...word(1000 * p[0]), ...word(1000 * p[1])])],
   file: (name, bytes) => join([6], utf8(name), block(bytes)),
   drive: (v, w) => [7, ...word(1000 * v), ...word(1000 * w)],

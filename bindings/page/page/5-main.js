@@ -76,8 +76,8 @@ function showState() {
   if (board.on) return;
   const robots = [m, ...row.others];
   LAW.forEach(([name], k) => {
-    const tr = $("law-" + name), p = robots[k], [pd, pa] = errors(p), told = status.laws.find((l) => l.law === name);
-    const cells = p ? [mm(pd) + " mm", mm(pa) + " mrad", told && told.refused ? "no answer" : about.states[p.state]] : ["", "", ""];
+    const tr = $("law-" + name), p = robots[k], [pd, pa] = errors(p), answer = status.laws.find((l) => l.law === name);
+    const cells = p ? [mm(pd) + " mm", mm(pa) + " mrad", answer && answer.refused ? "no answer" : about.states[p.state]] : ["", "", ""];
     cells.forEach((text, i) => { if (tr.cells[i + 1].textContent !== text) tr.cells[i + 1].textContent = text; });
   });
 }
@@ -202,11 +202,11 @@ map.addEventListener("pointermove", (e) => {
   else if (grip.kind === "ice") sketch.ice = [Math.min(x, grip.from[0]), Math.max(x, grip.from[0]), Math.min(y, grip.from[1]), Math.max(y, grip.from[1])];
   else if (grip.kind === "push") sketch.push = [grip.from, [x, y]];
 });
-function carry(p, told) {
-  if (!apply(INPUT.place(p, told))) return;
+function carry(p, announced) {
+  if (!apply(INPUT.place(p, announced))) return;
   // Seen at once, also in a pause.
   const last = history.last;
-  if (last) Object.assign(last.main, { x: p[0], y: p[1], a: p[2] }, told ? { bx: p[0], by: p[1], ba: p[2] } : {});
+  if (last) Object.assign(last.main, { x: p[0], y: p[1], a: p[2] }, announced ? { bx: p[0], by: p[1], ba: p[2] } : {});
 }
 function let_go(e) {
   pointers.delete(e.pointerId);

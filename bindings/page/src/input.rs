@@ -22,7 +22,7 @@ pub enum Input {
     Laws(u8),
     /// The robot is to park here.
     Goal(At),
-    /// The robot is put here; whether it is told.
+    /// The robot is put here; whether the base is informed.
     Place(At, bool),
     /// The robot is to follow this line and to park at its end: points \[mm\].
     Line(Vec<[i16; 2]>),
@@ -160,8 +160,8 @@ impl Input {
                 out.push(3);
                 words(out, at);
             }
-            Self::Place(at, told) => {
-                out.extend([4, u8::from(*told)]);
+            Self::Place(at, announced) => {
+                out.extend([4, u8::from(*announced)]);
                 words(out, at);
             }
             Self::Line(points) => {
@@ -215,8 +215,8 @@ impl Input {
             2 => Self::Laws(byte(bytes)?),
             3 => Self::Goal(words_of(bytes)?),
             4 => {
-                let told = flag(bytes)?;
-                Self::Place(words_of(bytes)?, told)
+                let announced = flag(bytes)?;
+                Self::Place(words_of(bytes)?, announced)
             }
             5 => {
                 let count = u16::from_le_bytes(take(bytes)?);

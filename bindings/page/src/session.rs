@@ -150,9 +150,9 @@ impl Session {
             }
             Input::Laws(mask) => self.choose(*mask)?,
             Input::Goal(at) => self.order(Course::Park(pose(*at))),
-            Input::Place(at, told) => {
+            Input::Place(at, announced) => {
                 for robot in &mut self.robots {
-                    let placed = robot.live.place(pose(*at), *told);
+                    let placed = robot.live.place(pose(*at), *announced);
                     refused_or_not(placed.map_err(|error| error.to_string())?)?;
                 }
             }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// How often Python is asked for Ctrl-C and told of progress.
+/// How often Python is asked for Ctrl-C and informed of progress.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// What the parts of a work tell.
@@ -63,18 +63,18 @@ pub fn work<T: Send>(
         .build()
         .map_err(|cause| error::run(&format!("no threads: {cause}")))?;
     let progress = Progress::default();
-    let tell = |py: Python<'_>, told: &mut u64| -> PyResult<()> {
+    let tell = |py: Python<'_>, reported: &mut u64| -> PyResult<()> {
         py.check_signals()?;
         let done = progress.done.load(Ordering::Relaxed);
         match &callback {
-            Some(callback) if done != *told => {
-                *told = done;
+            Some(callback) if done != *reported => {
+                *reported = done;
                 callback.call1(py, (done, total)).map(|_| ())
             }
             _ => Ok(()),
         }
     };
-    let mut told = 0;
+    let mut reported = 0;
     let (answer, stopped) = py.detach(|| {
         std::thread::scope(|scope| {
             let (over, is_over) = channel::<()>();
@@ -87,7 +87,7 @@ pub fn work<T: Send>(
             let mut stopped = None;
             while let Err(RecvTimeoutError::Timeout) = is_over.recv_timeout(LOOK) {
                 if stopped.is_none()
-                    && let Err(error) = Python::attach(|py| tell(py, &mut told))
+                    && let Err(error) = Python::attach(|py| tell(py, &mut reported))
                 {
                     progress.stop.store(true, Ordering::Relaxed);
                     stopped = Some(error);
@@ -101,6 +101,6 @@ pub fn work<T: Send>(
     }
     let answer = answer.and_then(|answer| answer);
     let answer = answer.unwrap_or_else(|panic| resume_unwind(panic));
-    tell(py, &mut told)?;
+    tell(py, &mut reported)?;
     Ok(answer)
 }

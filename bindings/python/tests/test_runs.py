@@ -213,9 +213,9 @@ def test_trajectories_are_read_and_sampled() -> None:
 
 
 def test_progress_is_told_and_an_error_in_it_stops() -> None:
-    told: list[tuple[int, int]] = []
-    twb.faults(40, progress=lambda done, total: told.append((done, total)))
-    assert told[-1] == (40, 40) and told == sorted(told) and len(told) == len(set(told))
+    calls: list[tuple[int, int]] = []
+    twb.faults(40, progress=lambda done, total: calls.append((done, total)))
+    assert calls[-1] == (40, 40) and calls == sorted(calls) and len(calls) == len(set(calls))
 
     def enough(done: int, total: int) -> None:
         raise StopAsyncIteration(f"{done} of {total}")

@@ -61,16 +61,16 @@ def test_verification_is_the_command_lines(tmp_path: pathlib.Path) -> None:
 
 def test_tuning_is_the_command_lines(tmp_path: pathlib.Path) -> None:
     command_line("tune", "hobby-1kg", "--evaluations", "4", "--seed", "3", out=tmp_path)
-    told: list[tuple[int, int]] = []
+    calls: list[tuple[int, int]] = []
     found = twb.tune(
-        "hobby-1kg", evaluations=4, seed=3, progress=lambda *done: told.append(done)
+        "hobby-1kg", evaluations=4, seed=3, progress=lambda *done: calls.append(done)
     )
     record = json.loads((tmp_path / "hobby-1kg-tune.json").read_text())[0]
     assert found.gains == (record["gains_before"], record["gains_after"])
     assert list(found.training) == record["training"] and list(found.unseen) == record["unseen"]
     assert found.scores == tuple(sum(score.values()) for score in record["unseen"])
     assert found.robot.gains == record["gains_after"]
-    assert told and all(total == 4 for _, total in told)
+    assert calls and all(total == 4 for _, total in calls)
 
 
 WEAVING = """

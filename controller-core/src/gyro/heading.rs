@@ -365,13 +365,13 @@ impl<T: Scalar> GyroHeading<T> {
         }
     }
 
-    /// From now on it is not believed; the turn that it has told since it disagrees.
+    /// From now on it is not believed; the turn that it has reported since it disagrees.
     fn lies(&mut self, lie: GyroFault) -> T {
         self.fault = Some(lie);
         self.proof = (T::ZERO, T::ZERO);
-        let told = self.disagreement.apart;
+        let turn = self.disagreement.apart;
         self.disagreement = Disagreement::default();
-        told
+        turn
     }
 
     /// A gyro that lied has to agree with the wheels over a radian one way.

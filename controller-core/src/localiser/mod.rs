@@ -300,14 +300,14 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
                     let variance = fusion.heading_variance;
                     let (correction, gyro) = (&mut self.correction, &mut self.gyro);
                     let mut innovation = correction.compare::<M>(fix, then, &measured.pose);
-                    let told = match (&mut *gyro, &self.localisation.gyro) {
+                    let misled = match (&mut *gyro, &self.localisation.gyro) {
                         (Some(heading), Some(gyro)) => {
                             heading.judge(gyro, innovation.heading(), variance)
                         }
                         _ => None,
                     };
-                    if let Some(told) = told {
-                        correction.turn(-told);
+                    if let Some(misled) = misled {
+                        correction.turn(-misled);
                         innovation = correction.compare::<M>(fix, then, &measured.pose);
                     }
                     correction.take::<M>(fusion, fix, &innovation, &measured.pose, |off| {

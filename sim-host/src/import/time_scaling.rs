@@ -307,7 +307,7 @@ impl Search<'_> {
                 let s = from + p * (to - from);
                 let point = self.plain.at(s);
                 let jerk = self.plain.path_jerk(s);
-                let [value, slope, bend] = self.spline.factors(piece, p);
+                let [value, slope, second] = self.spline.factors(piece, p);
                 for (bound, limit, j, a, v) in [
                     (Bound::Jerk, jerks_within[0], jerk[0], point.a, point.v),
                     (
@@ -323,9 +323,9 @@ impl Search<'_> {
                     }
                     let limit = limit * tight(piece, bound);
                     let mut g = [0.0; 3];
-                    let factors = value.into_iter().zip(slope).zip(bend);
-                    for (g, ((value, slope), bend)) in g.iter_mut().zip(factors) {
-                        *g = (j * value + 1.5 * a * slope + 0.5 * v * bend) / limit;
+                    let factors = value.into_iter().zip(slope).zip(second);
+                    for (g, ((value, slope), second)) in g.iter_mut().zip(factors) {
+                        *g = (j * value + 1.5 * a * slope + 0.5 * v * second) / limit;
                     }
                     jerks.push(JerkRow { piece, g, value });
                 }

@@ -49,10 +49,10 @@ impl BoardServer {
         let listeners = Listeners::default();
         let telling = Arc::new(());
         // Weak, since this thread does not end.
-        let (joining, told) = (Arc::clone(&listeners), Arc::downgrade(&telling));
+        let (joining, writer) = (Arc::clone(&listeners), Arc::downgrade(&telling));
         thread::spawn(move || {
             for request in server.incoming_requests() {
-                answer(request, &page, &joining, &told);
+                answer(request, &page, &joining, &writer);
             }
         });
         Ok(Self {
@@ -73,7 +73,7 @@ impl BoardServer {
         self.say(&event);
     }
 
-    /// The line has ended: browsers are told, and waited for a moment.
+    /// The line has ended: browsers are notified, and waited for a moment.
     pub fn end(&self) {
         self.say("event: end\ndata:\n\n");
         self.lock().clear();

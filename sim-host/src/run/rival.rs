@@ -1,4 +1,4 @@
-//! A rival in the loop: its wishes go through the core's own limits, velocity loop, disturbance estimate and motor layer.
+//! A rival in the loop: its demands go through the core's own limits, velocity loop, disturbance estimate and motor layer.
 //!
 //! The core is told to follow a reference that is where the robot is and moves as the rival wants it: its pose feedback
 //! has nothing to do, and all the rest works as for the default law.
@@ -16,11 +16,11 @@ use controller_core::shunting::RationalMean;
 use controller_core::types::{Accel, Measured, Twist};
 use rivals::{Body, Job, Now, Path, Rival, Wanted};
 
-/// A rival with what all of them share: the goal check, the limits of its wishes, and their rates.
+/// A rival with what all of them share: the goal check, the limits of its demands, and their rates.
 pub(crate) struct Driver {
     rival: Box<dyn Rival>,
     body: Body,
-    /// Of the filter behind the rates of wishes \[1/s\].
+    /// Of the filter behind the rates of demands \[1/s\].
     decay: f32,
     samples: Vec<Reference<f32>>,
     t: Option<f64>,
@@ -102,7 +102,7 @@ impl Driver {
             }
         };
         let twist = self.within_limits(wanted.twist);
-        // Rates that a law does not know are those of its wishes, behind a filter as quick as the core's.
+        // Rates that a law does not know are those of its demands, behind a filter as quick as the core's.
         let share = if since > 0.0 {
             dt * self.decay / (1.0 + dt * self.decay)
         } else {

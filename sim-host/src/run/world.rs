@@ -59,7 +59,7 @@ pub fn fly(
     Ok(run(mission, setup, (Some(mirror), None), (OBSERVE_S, keep))?.trace)
 }
 
-/// As [`drive_and_observe`], with a rival's wishes in place of the default law's.
+/// As [`drive_and_observe`], with a rival's demands in place of the default law's.
 ///
 /// # Errors
 /// Parameters out of their range.

@@ -87,7 +87,7 @@ fn voltages_behind_a_battery_that_sags_tell_no_motion() {
     const LOGS: u64 = 5;
     let base = base("lab-10kg");
     let mut hardware = base.hardware.expect("motors");
-    let mut told = |ohm: f64| {
+    let mut identified = |ohm: f64| {
         hardware.battery.internal_ohm = ohm;
         let of = |seed: u64| {
             let mut log = base_log(&base, &hardware, SEED + 200 + seed).expect("a plant");
@@ -104,7 +104,7 @@ fn voltages_behind_a_battery_that_sags_tell_no_motion() {
         };
         (0..LOGS).into_par_iter().filter(|&seed| of(seed)).count()
     };
-    let (stiff, soft) = (told(0.0), told(0.4));
+    let (stiff, soft) = (identified(0.0), identified(0.4));
     assert_eq!(soft, LOGS as usize);
     // The supply's noise is in these voltages and in no model, so that some seem to sag.
     assert!(stiff <= 2, "{stiff} of {LOGS} behind a stiff battery");

@@ -120,8 +120,8 @@ fn commands_of_another_row_are_reported() {
         "{:?}",
         found.warnings
     );
-    let told = found.combinations.iter().any(|e| e.name.contains("lag"));
-    assert!(!told, "{:?}", found.combinations);
+    let reported = found.combinations.iter().any(|e| e.name.contains("lag"));
+    assert!(!reported, "{:?}", found.combinations);
 }
 
 fn refused(header: &str, bad: &str) -> LogError {

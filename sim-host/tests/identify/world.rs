@@ -66,7 +66,7 @@ fn as_stated(row: &str, tallies: &Tallies) {
 const NOTHING: &str = "gear=20";
 
 /// What a log with poses, currents and voltages tells.
-fn told() -> impl Iterator<Item = Quantity> {
+fn quantities() -> impl Iterator<Item = Quantity> {
     let stated = [Q::WheelInertia, Q::Supply];
     Q::ALL.into_iter().filter(move |q| !stated.contains(q))
 }
@@ -92,7 +92,7 @@ fn intervals_hold_on_the_realistic_plant() {
     const LOGS: usize = 60;
     let tallies = tally::all(LOGS, |seed| one(seed, without_lag, NOTHING));
     as_stated("as the model", &tallies);
-    let failures = misses(&tallies, told(), LOGS);
+    let failures = misses(&tallies, quantities(), LOGS);
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
@@ -102,7 +102,7 @@ fn intervals_hold_with_windings() {
     const LOGS: usize = 60;
     let tallies = tally::all(LOGS, |seed| one(seed, |_| {}, NOTHING));
     as_stated("windings, L/R = 0.5 ms", &tallies);
-    let failures = misses(&tallies, told(), LOGS);
+    let failures = misses(&tallies, quantities(), LOGS);
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
@@ -119,7 +119,7 @@ fn intervals_hold_with_losses() {
     };
     let tallies = tally::all(LOGS, |seed| one(seed, lossy, NOTHING));
     as_stated("windings, gear, dead band, battery", &tallies);
-    let failures = misses(&tallies, told(), LOGS);
+    let failures = misses(&tallies, quantities(), LOGS);
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
@@ -180,7 +180,7 @@ fn what_the_model_lacks_shifts_as_little_as_the_docs_say() {
         let tallies = tally::all(LOGS, |seed| one(seed, unkind, "efficiency=1,dead_band=0"));
         as_stated(name, &tallies);
         let [body, constant, resistance, viscous, coulomb] = shifts;
-        for quantity in told() {
+        for quantity in quantities() {
             let shift = match quantity {
                 Q::RadiusRight | Q::RadiusLeft | Q::Track => 0.1,
                 Q::MotorConstantRight | Q::MotorConstantLeft => constant,

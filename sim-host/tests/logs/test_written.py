@@ -114,12 +114,12 @@ def test_standard_messages_say_what_the_report_says(runs: Path, read: Callable[[
             assert same(column["tau_right"][row], float(joints.effort[0]))
             assert same(column["tau_left"][row], float(joints.effort[1]))
     # Each change of state is told in the tick in which it happens.
-    told = {at: diagnostics.status[0] for at, diagnostics in messages["/diagnostics"]}
+    statuses = {at: diagnostics.status[0] for at, diagnostics in messages["/diagnostics"]}
     for at, row in row_of.items():
         state = column["state"][row]
         if row == 0 or column["state"][row - 1] != state:
-            assert told[at].message == f"{state} ({column['cause'][row]})"
-            assert told[at].hardware_id
+            assert statuses[at].message == f"{state} ({column['cause'][row]})"
+            assert statuses[at].hardware_id
 
 
 @pytest.mark.parametrize("name", SMALL)

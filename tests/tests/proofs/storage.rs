@@ -58,20 +58,24 @@ impl<const UNIT: usize> Walk<UNIT> {
                     slots.flash_mut().power_on();
                     match saved {
                         Ok(number) => may_be = number,
-                        // A record may be whole although nobody was told.
+                        // A record may be whole although nobody was notified.
                         Err(_) => self.cut += 1,
                     }
                 }
             }
             self.visited += 1;
-            let told = may_be;
+            let acknowledged = may_be;
             let found = match slots.load().record {
                 Ok(record) => record.params.limits.speed as u32,
                 Err(NotLoaded::Empty | NotLoaded::Damaged) => 0,
                 Err(why) => panic!("{call:?}: {why:?}"),
             };
-            let whole = told == stored && found == next && matches!(call, Call::Save(Some(_)));
-            assert!(found == told || whole, "{call:?}: {found} for {told}");
+            let whole =
+                acknowledged == stored && found == next && matches!(call, Call::Save(Some(_)));
+            assert!(
+                found == acknowledged || whole,
+                "{call:?}: {found} for {acknowledged}"
+            );
             if depth > 1 {
                 self.go(&slots, found, next + 1, depth - 1);
             }

@@ -17,11 +17,11 @@ struct Inputs {
     counts: [i32; 2],
     supply_v: f32,
     fix: Option<[f32; 3]>,
-    wish: Wish,
+    demand: Demand,
 }
 
 #[derive(Clone, Copy)]
-enum Wish {
+enum Demand {
     Nothing,
     Park([f32; 3]),
     Drive([f32; 2]),
@@ -43,7 +43,7 @@ mod base {
     use controller_core::types::{Pose, Twist};
     use firmware_demo::robots::LAB_10KG;
 
-    use super::{Inputs, Outputs, Wish};
+    use super::{Inputs, Outputs, Demand};
 
     pub type Base = BaseController;
 
@@ -65,10 +65,10 @@ mod base {
             pose: Pose::new(x, y, theta),
             age_s: 0.0,
         });
-        let order = match inputs.wish {
-            Wish::Nothing => Order::None,
-            Wish::Park([x, y, theta]) => Order::Park(Pose::new(x, y, theta)),
-            Wish::Drive([v, w]) => Order::Drive {
+        let order = match inputs.demand {
+            Demand::Nothing => Order::None,
+            Demand::Park([x, y, theta]) => Order::Park(Pose::new(x, y, theta)),
+            Demand::Drive([v, w]) => Order::Drive {
                 twist: Twist::new(v, w),
                 hold_heading: false,
             },
@@ -105,7 +105,7 @@ mod base {
     use firmware_demo::robots::LAB_10KG;
     use protocol::{MAX_ROBOT_BLOB, encode_robot};
 
-    use super::{Inputs, Outputs, Wish};
+    use super::{Inputs, Outputs, Demand};
 
     #[repr(C, align(8))]
     struct Memory([u8; memory::SIZE]);
@@ -155,13 +155,13 @@ mod base {
             sensed.flags |= sensed::FIX;
             sensed.fix = Pose { x, y, theta };
         }
-        match inputs.wish {
-            Wish::Nothing => base.order.kind = order::NONE,
-            Wish::Park([x, y, theta]) => {
+        match inputs.demand {
+            Demand::Nothing => base.order.kind = order::NONE,
+            Demand::Park([x, y, theta]) => {
                 base.order.kind = order::PARK;
                 base.order.pose = Pose { x, y, theta };
             }
-            Wish::Drive([v, w]) => {
+            Demand::Drive([v, w]) => {
                 base.order.kind = order::VELOCITY;
                 base.order.twist = Twist { v, w };
             }
@@ -203,10 +203,10 @@ fn run() {
             counts: [counts, counts],
             supply_v: 24.0,
             fix: (tick % 5 == 0).then_some([way, 0.0, 0.0]),
-            wish: match tick {
-                0..11 => Wish::Nothing,
-                11..1500 => Wish::Park([1.0, 0.0, 0.0]),
-                _ => Wish::Drive([0.3, 0.0]),
+            demand: match tick {
+                0..11 => Demand::Nothing,
+                11..1500 => Demand::Park([1.0, 0.0, 0.0]),
+                _ => Demand::Drive([0.3, 0.0]),
             },
         });
         let mut outputs = Outputs::default();

@@ -102,11 +102,11 @@ fn a_command_within_the_limits_stays_there_for_every_setpoint_and_tick() {
 
 /// Exactly within what is compared; moved by no more than the limits' rates and a rounding of what is summed.
 fn check(limits: &Limits<f32>, accel: f32, from: &Command<f32>, to: &Command<f32>, dt: f32) {
-    let told = (from, to, dt);
-    assert!(to.twist.linear.abs() <= limits.speed, "{told:?}");
-    assert!(to.twist.angular.abs() <= limits.turn_rate, "{told:?}");
-    assert!(to.rate.linear.abs() <= accel, "{told:?}");
-    assert!(to.rate.angular.abs() <= limits.turn_accel, "{told:?}");
+    let context = (from, to, dt);
+    assert!(to.twist.linear.abs() <= limits.speed, "{context:?}");
+    assert!(to.twist.angular.abs() <= limits.turn_rate, "{context:?}");
+    assert!(to.rate.linear.abs() <= accel, "{context:?}");
+    assert!(to.rate.angular.abs() <= limits.turn_accel, "{context:?}");
     let moved = |a: f32, b: f32, step: f32, size: f32| {
         // Two products, a quotient and a sum, each rounded.
         (f64::from(b) - f64::from(a)).abs()
@@ -116,7 +116,7 @@ fn check(limits: &Limits<f32>, accel: f32, from: &Command<f32>, to: &Command<f32
     let (v, w) = (from.twist.linear, from.twist.angular);
     assert!(
         moved(v, to.twist.linear, accel * dt, limits.speed),
-        "{told:?}"
+        "{context:?}"
     );
     assert!(
         moved(
@@ -125,12 +125,12 @@ fn check(limits: &Limits<f32>, accel: f32, from: &Command<f32>, to: &Command<f32
             limits.turn_accel * dt,
             limits.turn_rate
         ),
-        "{told:?}"
+        "{context:?}"
     );
     let (a, alpha) = (from.rate.linear, from.rate.angular);
     assert!(
         moved(a, to.rate.linear, limits.jerk * dt, accel),
-        "{told:?}"
+        "{context:?}"
     );
     assert!(
         moved(
@@ -139,6 +139,6 @@ fn check(limits: &Limits<f32>, accel: f32, from: &Command<f32>, to: &Command<f32
             limits.turn_jerk * dt,
             limits.turn_accel
         ),
-        "{told:?}"
+        "{context:?}"
     );
 }

@@ -9,7 +9,7 @@ const CALM: f64 = 0.05;
 /// λ and T of the load.
 const WINDOW: f64 = 5.0;
 const BELIEF: f64 = 0.03;
-/// Share of the largest gain from which on a load is told.
+/// Share of the largest gain from which on a load is learnt.
 const TELLING: f64 = 0.1;
 
 /// d̂, the last twist, and what the wheels exert if that is known.
@@ -87,12 +87,12 @@ impl Observer {
         for i in 0..2 {
             let size = WINDOW * x[i].abs() / accel[i];
             let weight = dt * size * (size - TELLING).max(0.0);
-            let told = if weight > 0.0 {
+            let implied = if weight > 0.0 {
                 (q[i] - x[i]) / x[i]
             } else {
                 0.0
             };
-            let mean = (BELIEF * self.load[i] + weight * told) / (BELIEF + weight);
+            let mean = (BELIEF * self.load[i] + weight * implied) / (BELIEF + weight);
             let most = LARGEST_LOAD * k.jerk[i] / accel[i] * dt;
             let step = (mean - self.load[i]).clamp(-most, most);
             self.load[i] = (self.load[i] + step).clamp(-LARGEST_LOAD, LARGEST_LOAD);

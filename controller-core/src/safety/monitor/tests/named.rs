@@ -118,9 +118,9 @@ fn an_encoder_that_dies_on_the_way_is_stuck() {
 /// The motor of a dead encoder pulls the other wheel back: its back-EMF is not made up for.
 #[test]
 fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
-    let pulled = |told: f64| {
+    let pulled = |speed: f64| {
         held_back_from(|now, from, _| {
-            now.command = Twist::new(told, 0.0);
+            now.command = Twist::new(speed, 0.0);
             if let Some(counts) = &mut now.counts {
                 counts.right = from;
             }

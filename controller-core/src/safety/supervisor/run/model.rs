@@ -78,7 +78,7 @@ fn steps() -> Vec<Step> {
     steps
 }
 
-/// Without what counts and what is only told: two that are the same by this go on alike.
+/// Without what counts and what is only reported: two that are the same by this go on alike.
 fn essence(supervisor: &Supervisor) -> Supervisor {
     let mut same = *supervisor;
     (same.changes, same.ignored, same.last_ignored) = (0, 0, None);
@@ -112,13 +112,13 @@ fn obeys(
     after: &Supervisor,
     policy: &ValidPolicyParams,
 ) {
-    let told = || std::format!("{step:?} from {before:?} to {after:?} by {action:?}");
+    let context = || std::format!("{step:?} from {before:?} to {after:?} by {action:?}");
     let (from, to) = (before.state, after.state);
     let (output, next) = (before.output(), after.output());
     // Torque flows where it may, and nowhere else.
     let torque = matches!(to, State::Tracking | State::Parking | State::Stopping(_))
         || (to == State::Parked && after.params.parked == AtRest::Hold);
-    assert_eq!(next.has_torque(), torque, "{}", told());
+    assert_eq!(next.has_torque(), torque, "{}", context());
     // Motion begins by an order, from a state that was armed.
     let ordered = matches!(
         step,
@@ -128,15 +128,15 @@ fn obeys(
     assert!(
         !to.drives() || from.drives() || (ordered && armed),
         "{}",
-        told()
+        context()
     );
     // The button takes torque away in one step, from anywhere, and what was released stays so.
     if matches!(step, Step::Button | Step::On(Event::EmergencyStop { .. })) {
-        assert!(next.severity() >= Reaction::Brake, "{}", told());
+        assert!(next.severity() >= Reaction::Brake, "{}", context());
         assert!(
             matches!(to, State::Fault | State::Braking(Then::Fault)),
             "{}",
-            told()
+            context()
         );
     }
     // A fault demands at least its reaction, where anything moves, and never makes an output milder.
@@ -149,20 +149,20 @@ fn obeys(
         assert!(
             next.severity() >= response.reaction || !next.has_torque(),
             "{}",
-            told()
+            context()
         );
         let latches = response.latch && response.reaction > Reaction::Ignore;
         let ends_in_fault = matches!(
             to,
             State::Fault | State::Stopping(Then::Fault) | State::Braking(Then::Fault)
         );
-        assert!(!latches || ends_in_fault, "{}", told());
+        assert!(!latches || ends_in_fault, "{}", context());
     }
     if matches!(
         step,
         Step::Found(_) | Step::Button | Step::On(Event::Fault(_))
     ) {
-        assert!(next.severity() >= output.severity(), "{}", told());
+        assert!(next.severity() >= output.severity(), "{}", context());
     }
     // What latched stays until a reset, and a base that is to end in Fault ends there.
     let bound_for_fault = |state| {
@@ -172,15 +172,19 @@ fn obeys(
         )
     };
     if bound_for_fault(from) && !bound_for_fault(to) {
-        assert_eq!((from, to), (State::Fault, State::Idle), "{}", told());
+        assert_eq!((from, to), (State::Fault, State::Idle), "{}", context());
         assert!(
             matches!(step, Step::On(Event::Reset)) && after.latched.is_none(),
             "{}",
-            told()
+            context()
         );
-        assert!(!next.has_torque(), "{}", told());
+        assert!(!next.has_torque(), "{}", context());
     }
-    assert!(after.latched.is_none() || bound_for_fault(to), "{}", told());
+    assert!(
+        after.latched.is_none() || bound_for_fault(to),
+        "{}",
+        context()
+    );
     // A stop is left by its end, by something more severe, and by nothing else; its time only grows, and is within its limit.
     if let State::Stopping(_) | State::Braking(_) = from {
         let ends = matches!(
@@ -191,7 +195,7 @@ fn obeys(
         assert!(
             stops || ends || next.severity() > output.severity(),
             "{}",
-            told()
+            context()
         );
     }
     let limit = match to {
@@ -200,7 +204,7 @@ fn obeys(
         _ => None,
     };
     if let Some(Timeout::AfterUs(limit)) = limit {
-        assert!(after.stop_us < limit, "{}", told());
+        assert!(after.stop_us < limit, "{}", context());
     }
     let same_stop = core::mem::discriminant(&from) == core::mem::discriminant(&to);
     if let (Step::Tick(units, _), true, true) = (step, same_stop, limit.is_some()) {
@@ -208,7 +212,7 @@ fn obeys(
             after.stop_us,
             before.stop_us.saturating_add(*units),
             "{}",
-            told()
+            context()
         );
     }
     // A measurement that is broken shows no rest: such a stop ends by its limit alone.
@@ -216,20 +220,20 @@ fn obeys(
         let rest = !matches!(to, State::Stopping(_) | State::Braking(_));
         let stops = matches!(from, State::Stopping(_) | State::Braking(_));
         let timed_out = before.stop_us.saturating_add(*units) >= LIMITS.1;
-        assert!(!(stops && rest) || timed_out, "{}", told());
+        assert!(!(stops && rest) || timed_out, "{}", context());
     }
     // What is refused changes nothing.
     if action == Action::Refuse {
-        assert_eq!(before, after, "{}", told());
+        assert_eq!(before, after, "{}", context());
     }
     if !from.is_live() && to.is_live() {
         assert!(
             matches!(step, Step::On(Event::Arm)) && to == State::Armed,
             "{}",
-            told()
+            context()
         );
     }
-    assert_eq!(before.changes != after.changes, from != to, "{}", told());
+    assert_eq!(before.changes != after.changes, from != to, "{}", context());
 }
 
 /// Breadth first to closure, for every choice of parameters.
