@@ -9,6 +9,10 @@ use crate::types::{Accel, Twist};
 /// speeds left are small, so that nothing moves a second after arrival.
 pub(crate) const STOPPING_DECAY: f64 = 12.0;
 
+/// What was inside stays so up to this share of its tolerance: an error near the tolerance, with noise on it, is one or the
+/// other. A noisy pose is stated with a tolerance of four standard deviations or more, so that noise alone does not cross the margin.
+const HYSTERESIS: f64 = 1.3;
+
 /// Whether the robot is parked, and for how long it has been fit to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct GoalChecker<T> {
@@ -35,18 +39,24 @@ impl<T: Scalar> GoalChecker<T> {
         inside_s: T::ZERO,
     };
 
+    /// Inside the tolerance, parked or about to be.
+    pub(crate) fn is_inside(&self) -> bool {
+        self.inside_s > T::ZERO
+    }
+
     /// The latch after a tick of `dt`.
     ///
-    /// Enters when the place where the stop would end is inside the tolerance: a transition offset
+    /// Enters when the place where the stop would end is inside the tolerance, and then no further from the goal than
+    /// [`HYSTERESIS`] tolerances for the dwell: a transition offset
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
-    /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or 1.3 times the heading, but not in
+    /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or [`HYSTERESIS`] times the heading, but not in
     /// the first second, while it still settles.
     pub(crate) fn advance(&self, motion: &ValidMotionParams<T>, at: &GoalView<T>, dt: T) -> Self {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
         let close = at.distance < motion.leave_distance();
         let fit = if self.parked {
-            let turned = at.error.theta.abs() < f(1.3) * limits.heading_rad;
+            let turned = at.error.theta.abs() < f(HYSTERESIS) * limits.heading_rad;
             (close && turned) || self.inside_s < T::ONE
         } else {
             let gains = motion.gains();
@@ -67,7 +77,12 @@ impl<T: Scalar> GoalChecker<T> {
                 ),
             );
             let (dx, dy) = (at.error.x - v, at.error.y);
-            let near = dx * dx + dy * dy < limits.distance_m * limits.distance_m;
+            let enough = if self.is_inside() {
+                f(HYSTERESIS) * limits.distance_m
+            } else {
+                limits.distance_m
+            };
+            let near = dx * dx + dy * dy < enough * enough;
             let turned = (at.error.theta - w).abs() < limits.heading_rad;
             near && turned && close
         };

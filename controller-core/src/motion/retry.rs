@@ -64,6 +64,8 @@ pub(crate) enum Rest {
     Beside,
     /// Not parked, approaching by feedback.
     Moving,
+    /// Inside the tolerance, for less than the dwell.
+    Settling,
     /// Parked.
     Parked,
     /// Parked until now.
@@ -170,6 +172,8 @@ impl<T: Scalar> Retry<T> {
                 };
                 return (next, attempt);
             }
+            // What was waited for until now counts on if this does not last.
+            Rest::Settling => return (next, Attempt::GoOn),
             Rest::Beside | Rest::Moving => {}
         }
         if at.distance > way_out {
@@ -331,7 +335,8 @@ impl<T: Scalar> ValidMotionParams<T> {
     }
 
     /// How long a robot may stand aside of its goal before another manoeuvre \[s\]: until its velocity has settled, and a
-    /// filtered pose, whose time constant the dwell is. What the pose may still move by, a tolerance at most, adds to what the next
+    /// filtered pose, whose time constant the dwell is, has lost a fifth of what it drifted by while the robot moved: a quarter of the
+    /// dwell. What the pose may still move by, a tolerance at most, adds to what the next
     /// manoeuvre misses by as squares do: a goal that is further away is not worth as long a wait.
     fn aside_patience(&self, at: &GoalView<T>) -> T {
         let gains = self.gains();
@@ -350,6 +355,6 @@ impl<T: Scalar> ValidMotionParams<T> {
         } else {
             T::ONE
         };
-        T::ONE / slower + share * share * dwell_s
+        T::ONE / slower + T::from_f64(0.25) * share * share * dwell_s
     }
 }

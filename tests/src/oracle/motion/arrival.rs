@@ -87,7 +87,8 @@ impl Latch {
             let way = (rate + 2.0 * STOPPING * c) / STOPPING.powi(2)
                 + (at.twist - c - dt * rate).component_div(&k.kappa);
             let left = (at.e.x - way.x).powi(2) + at.e.y.powi(2);
-            close && left < k.tolerance.0.powi(2) && (at.e.z - way.y).abs() < k.tolerance.1
+            let enough = if self.inside > 0.0 { 1.3 } else { 1.0 } * k.tolerance.0;
+            close && left < enough.powi(2) && (at.e.z - way.y).abs() < k.tolerance.1
         };
         if !fit {
             return Self::default();
@@ -122,12 +123,12 @@ impl Attempts {
         }
     }
 
-    /// After `dt`; whether the law begins afresh. `parked`: now, `lost`: until now.
+    /// After `dt`; whether the law begins afresh. `latch`: now, `lost`: parked until now.
     pub fn advance(
         &mut self,
         k: &Constants,
         at: &View<'_>,
-        parked: bool,
+        latch: &Latch,
         lost: bool,
         dt: f64,
     ) -> bool {
@@ -144,7 +145,7 @@ impl Attempts {
             }
             return false;
         }
-        if parked {
+        if latch.parked {
             self.stuck = 0.0;
             self.parked += dt;
             return false;
@@ -163,6 +164,9 @@ impl Attempts {
                 self.spend(k);
             }
             return true;
+        }
+        if latch.inside > 0.0 {
+            return false;
         }
         if distance > way_out {
             self.came = if at.backs { -1.0 } else { 1.0 };

@@ -309,7 +309,7 @@ impl Law {
                     (true, None) => Latch::default().after(&k, &at, dt),
                 };
                 let lost = was_parked && since.is_some() && !self.latch.parked;
-                let afresh = self.attempts.advance(&k, &at, self.latch.parked, lost, dt);
+                let afresh = self.attempts.advance(&k, &at, &self.latch, lost, dt);
                 if self.latch.parked || self.attempts.given_up {
                     self.regulator.rest();
                     let goes_on = was_resting && since.is_some();
