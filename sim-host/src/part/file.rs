@@ -309,6 +309,21 @@ pub(super) fn read(path: &Path) -> Result<Part, FileProblem> {
     let mut records = Vec::new();
     for group in 0..file.num_row_groups() {
         let rows = file.get_row_group(group)?;
+        // The library takes these as they are, and panics.
+        let place = rows.metadata().column(record);
+        let offsets = [
+            Some(place.data_page_offset()),
+            place.dictionary_page_offset(),
+        ];
+        let sizes = [Some(place.compressed_size())];
+        if offsets
+            .iter()
+            .chain(&sizes)
+            .flatten()
+            .any(|number| *number < 0)
+        {
+            return Err(FileProblem::Damaged);
+        }
         let ColumnReader::ByteArrayColumnReader(mut column) = rows.get_column_reader(record)?
         else {
             return Err(FileProblem::Foreign);
