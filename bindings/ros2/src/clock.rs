@@ -5,8 +5,7 @@ const DRIFT: f64 = 1.0e-3;
 /// Reports later than that on their clock are of another run of it \[ns\].
 const LOST_NS: i64 = 1_000_000_000;
 
-/// When a tick was, as far as it can be known: never later than its report came, and as far apart as the ticks, whatever
-/// the line and this machine do in between.
+/// When a tick was, as far as it can be known: as far apart as the ticks, whatever the line and this machine do in between.
 #[derive(Clone, Copy, Debug)]
 pub struct TickClock {
     tick_ns: i64,
@@ -20,6 +19,8 @@ struct Last {
     base_ns: i64,
     /// What of the clock here that is, at the earliest report.
     offset_ns: i64,
+    /// What came of it.
+    stamp_ns: i64,
 }
 
 impl TickClock {
@@ -33,22 +34,29 @@ impl TickClock {
 
     /// The time of a tick whose report came at `now_ns`, on the same clock; and on the base's own, since its first report.
     pub fn stamp(&mut self, tick: u32, now_ns: i64) -> (i64, i64) {
-        let of = |last: &Last| {
+        let of = |last: &Last| -> Option<Last> {
             let passed_ns = i64::from(tick.wrapping_sub(last.tick)) * self.tick_ns;
             let base_ns = last.base_ns + passed_ns;
             // The way of the fastest report counts; it ages, since crystals differ.
             let aged_ns = last.offset_ns + (passed_ns as f64 * DRIFT) as i64;
             let offset_ns = aged_ns.min(now_ns - base_ns);
             let lost = now_ns - base_ns - last.offset_ns;
-            (lost.abs() < LOST_NS).then_some((base_ns, offset_ns))
+            (lost.abs() < LOST_NS).then_some(Last {
+                tick,
+                base_ns,
+                offset_ns,
+                // A report on a faster way shows that those before it were stamped late: time does not go back for that.
+                stamp_ns: (base_ns + offset_ns).max(last.stamp_ns + passed_ns / 2),
+            })
         };
-        let (base_ns, offset_ns) = self.last.as_ref().and_then(of).unwrap_or((0, now_ns));
-        self.last = Some(Last {
+        let last = self.last.as_ref().and_then(of).unwrap_or(Last {
             tick,
-            base_ns,
-            offset_ns,
+            base_ns: 0,
+            offset_ns: now_ns,
+            stamp_ns: now_ns,
         });
-        (base_ns + offset_ns, base_ns)
+        self.last = Some(last);
+        (last.stamp_ns, last.base_ns)
     }
 }
 
@@ -74,6 +82,20 @@ mod tests {
             }
             before = Some(stamp);
         }
+    }
+
+    /// The first report was 90 ms under way.
+    #[test]
+    fn time_does_not_go_back() {
+        let mut clock = TickClock::new(1000);
+        let mut before = clock.stamp(20, 1_090_000_000).0;
+        for report in 1..20_i64 {
+            let (stamp, _) = clock.stamp(20 + 20 * report as u32, 1_000_000_000 + 20_000_000 * report);
+            assert!(stamp >= before + 10_000_000, "{report}");
+            before = stamp;
+        }
+        // By then it has caught up.
+        assert_eq!(before, 1_000_000_000 + 20_000_000 * 19);
     }
 
     #[test]

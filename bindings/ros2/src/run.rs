@@ -85,6 +85,7 @@ pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
         clock: TickClock::new(TICK_HZ),
         wheels,
         published: Published::default(),
+        active_us: 0,
         asked: None,
         resets: Vec::new(),
     };
@@ -115,6 +116,8 @@ struct Loop<'a> {
     clock: TickClock,
     wheels: Wheels,
     published: Published,
+    /// Since when the node is active \[µs\].
+    active_us: u64,
     /// Who asked for the transition under way.
     asked: Option<RmwRequestId>,
     /// Who asked for resets.
@@ -305,6 +308,9 @@ impl Loop<'_> {
                             &mut self.published.lost,
                         );
                         eprintln!("{}", to.label());
+                        if to == Stage::Active {
+                            self.active_us = self.now_us();
+                        }
                         if to == Stage::Inactive
                             && transition == Transition::Configure
                             && !self.args.managed
@@ -378,10 +384,8 @@ impl Loop<'_> {
         let mut status = diagnosis(&self.base.name, &sample.status);
         status.name = format!("{}: base", self.args.name);
         let live = state.is_some_and(State::is_live);
-        let silent = match self.published.report {
-            Some((_, at)) => now_us > at + SILENCE_US,
-            None => true,
-        };
+        let heard_us = self.published.report.map_or(0, |(_, at)| at);
+        let silent = now_us > heard_us.max(self.active_us) + SILENCE_US;
         match self.bridge.stage() {
             Stage::Active if live && silent => {
                 status.level = 3;
