@@ -90,7 +90,8 @@ mod tests {
         let mut clock = TickClock::new(1000);
         let mut before = clock.stamp(20, 1_090_000_000).0;
         for report in 1..20_i64 {
-            let (stamp, _) = clock.stamp(20 + 20 * report as u32, 1_000_000_000 + 20_000_000 * report);
+            let (stamp, _) =
+                clock.stamp(20 + 20 * report as u32, 1_000_000_000 + 20_000_000 * report);
             assert!(stamp >= before + 10_000_000, "{report}");
             before = stamp;
         }

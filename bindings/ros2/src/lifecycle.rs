@@ -69,11 +69,21 @@ pub enum Transition {
 
 /// Each with where it leads from and to, and its number there.
 const TRANSITIONS: [(Transition, Stage, Stage, u8); 7] = [
-    (Transition::Configure, Stage::Unconfigured, Stage::Inactive, 1),
+    (
+        Transition::Configure,
+        Stage::Unconfigured,
+        Stage::Inactive,
+        1,
+    ),
     (Transition::CleanUp, Stage::Inactive, Stage::Unconfigured, 2),
     (Transition::Activate, Stage::Inactive, Stage::Active, 3),
     (Transition::Deactivate, Stage::Active, Stage::Inactive, 4),
-    (Transition::ShutDown, Stage::Unconfigured, Stage::Finalized, 5),
+    (
+        Transition::ShutDown,
+        Stage::Unconfigured,
+        Stage::Finalized,
+        5,
+    ),
     (Transition::ShutDown, Stage::Inactive, Stage::Finalized, 6),
     (Transition::ShutDown, Stage::Active, Stage::Finalized, 7),
 ];
@@ -223,7 +233,15 @@ pub struct Triggered {
 macro_rules! messages {
     ($($name:ident),*) => { $(impl ros2_client::Message for $name {})* };
 }
-messages!(Nothing, ChangeState, Changed, CurrentState, States, Transitions, Triggered);
+messages!(
+    Nothing,
+    ChangeState,
+    Changed,
+    CurrentState,
+    States,
+    Transitions,
+    Triggered
+);
 
 #[cfg(test)]
 mod tests {
@@ -236,7 +254,10 @@ mod tests {
             label: label.to_owned(),
         };
         assert_eq!(Transition::of(&message(3, "")), Some(Transition::Activate));
-        assert_eq!(Transition::of(&message(0, "cleanup")), Some(Transition::CleanUp));
+        assert_eq!(
+            Transition::of(&message(0, "cleanup")),
+            Some(Transition::CleanUp)
+        );
         assert_eq!(Transition::of(&message(7, "")), Some(Transition::ShutDown));
         assert_eq!(Transition::of(&message(9, "")), None);
         assert_eq!(Transition::of(&message(0, "")), None);
@@ -246,7 +267,10 @@ mod tests {
     fn nothing_leads_on_from_the_end_or_skips_a_stage() {
         assert!(Transition::all(Some(Stage::Finalized)).is_empty());
         assert_eq!(Transition::Activate.from(Stage::Unconfigured), None);
-        assert_eq!(Transition::Deactivate.from(Stage::Active), Some(Stage::Inactive));
+        assert_eq!(
+            Transition::Deactivate.from(Stage::Active),
+            Some(Stage::Inactive)
+        );
         assert_eq!(Transition::all(None).len(), 7);
     }
 }

@@ -4,9 +4,9 @@ use crate::args::Args;
 use crate::lifecycle::{
     ChangeState, Changed, CurrentState, Nothing, States, TransitionEvent, Transitions, Triggered,
 };
+use ros2_client::dds::rustdds::DomainParticipantBuilder;
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::ros2::{CreateError, WriteError};
-use ros2_client::dds::rustdds::DomainParticipantBuilder;
 use ros2_client::{
     Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, QosProfile,
     Server, ServiceMapping, ServiceTypeName, Subscription,
@@ -114,7 +114,11 @@ impl Ros {
                 ("sensor_msgs", "JointState"),
                 DEFAULT,
             )?,
-            transition_event: make.publisher(&make.own(args, "transition_event")?, event, DEFAULT)?,
+            transition_event: make.publisher(
+                &make.own(args, "transition_event")?,
+                event,
+                DEFAULT,
+            )?,
             change_state: make.server(args, "change_state", ("lifecycle_msgs", "ChangeState"))?,
             get_state: make.server(args, "get_state", ("lifecycle_msgs", "GetState"))?,
             get_available_states: make.server(

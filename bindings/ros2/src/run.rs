@@ -302,11 +302,7 @@ impl Loop<'_> {
                             timestamp: u64::try_from(nanos).unwrap_or(u64::MAX),
                             description: transition.event(from, to),
                         };
-                        publish(
-                            &self.ros.transition_event,
-                            event,
-                            &mut self.published.lost,
-                        );
+                        publish(&self.ros.transition_event, event, &mut self.published.lost);
                         eprintln!("{}", to.label());
                         if to == Stage::Active {
                             self.active_us = self.now_us();
@@ -364,11 +360,7 @@ impl Loop<'_> {
             header: header(Time::of_ns(stamp_ns), ""),
             status: vec![status.clone()],
         };
-        publish(
-            &self.ros.diagnostics,
-            message,
-            &mut self.published.lost,
-        );
+        publish(&self.ros.diagnostics, message, &mut self.published.lost);
         self.published.diagnosis = Some((status, now_us));
     }
 
@@ -401,7 +393,10 @@ impl Loop<'_> {
             value("problem", self.published.problem.clone()),
             value("reports", self.monitor.reports().to_string()),
             value("frames_rejected_here", frames.rejected().to_string()),
-            value("frames_rejected_there", counters.frames_rejected.to_string()),
+            value(
+                "frames_rejected_there",
+                counters.frames_rejected.to_string(),
+            ),
             value("reports_dropped", counters.reports_dropped.to_string()),
             value("late_ticks", counters.overruns.to_string()),
             value("messages_lost", self.published.lost.to_string()),
