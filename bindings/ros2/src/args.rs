@@ -37,6 +37,9 @@ pub struct Args {
     /// Repeat a velocity for so long after it came [s]; then it is stale after the base's own timeout
     #[arg(long, value_name = "S", default_value = "0", value_parser = seconds)]
     pub hold: f64,
+    /// Velocities come with a stamp, as TwistStamped
+    #[arg(long)]
+    pub stamped: bool,
     /// Begin unconfigured and let others manage the node; else it configures and activates itself
     #[arg(long)]
     pub managed: bool,

@@ -38,7 +38,7 @@ const TF: usize = 100;
 
 /// Everything that it has in ROS.
 pub struct Ros {
-    pub cmd_vel: Subscription<Twist>,
+    pub cmd_vel: CmdVel,
     pub goal_pose: Subscription<Stamped<Pose>>,
     pub trajectory: Subscription<Path>,
     pub odom: Publisher<Odometry>,
@@ -54,6 +54,23 @@ pub struct Ros {
     pub reset_fault: Server<Nothing, Triggered>,
     /// Last, as it is the first to be made.
     _node: Node,
+}
+
+/// Velocities, as the rest of the robot sends them.
+pub enum CmdVel {
+    Plain(Subscription<Twist>),
+    Stamped(Subscription<Stamped<Twist>>),
+}
+
+impl CmdVel {
+    /// The newest that has come.
+    pub fn newest(&self) -> Option<Twist> {
+        match self {
+            Self::Plain(from) => newest(from),
+            // Its stamp is of another machine's clock, maybe: it is as old as its coming.
+            Self::Stamped(from) => newest(from).map(|stamped| stamped.value),
+        }
+    }
 }
 
 /// How requests and answers are told apart on the wire; the two sides have to agree.
@@ -94,11 +111,17 @@ impl Ros {
         });
         let in_space = |topic: &str| Name::new(&args.namespace, topic);
         let mut make = Make { node: &mut node };
-        let (twist, pose) = (("geometry_msgs", "Twist"), ("geometry_msgs", "PoseStamped"));
+        let (package, name) = ("geometry_msgs", in_space("cmd_vel")?);
+        let cmd_vel = if args.stamped {
+            CmdVel::Stamped(make.subscription(&name, (package, "TwistStamped"), ORDERS)?)
+        } else {
+            CmdVel::Plain(make.subscription(&name, (package, "Twist"), ORDERS)?)
+        };
+        let pose = ("geometry_msgs", "PoseStamped");
         let diagnostics = ("diagnostic_msgs", "DiagnosticArray");
         let event = ("lifecycle_msgs", "TransitionEvent");
         Ok(Self {
-            cmd_vel: make.subscription(&in_space("cmd_vel")?, twist, ORDERS)?,
+            cmd_vel,
             goal_pose: make.subscription(&in_space("goal_pose")?, pose, ORDERS)?,
             trajectory: make.subscription(
                 &in_space("trajectory")?,

@@ -241,7 +241,7 @@ impl Loop<'_> {
             }
         }
         // What comes at the same time as a goal prevails: a stick in somebody's hand.
-        if let Some(twist) = newest(&self.ros.cmd_vel) {
+        if let Some(twist) = self.ros.cmd_vel.newest() {
             let twist = WireTwist {
                 v: twist.linear.x as f32,
                 w: twist.angular.z as f32,

@@ -72,6 +72,12 @@ class Twist(IdlStruct, typename=dds("geometry_msgs", "Twist")):
 
 
 @dataclass
+class TwistStamped(IdlStruct, typename=dds("geometry_msgs", "TwistStamped")):
+    header: Header
+    twist: Twist
+
+
+@dataclass
 class PoseWithCovariance(IdlStruct, typename=dds("geometry_msgs", "PoseWithCovariance")):
     pose: Pose
     covariance: array[float64, 36]

@@ -110,8 +110,9 @@ class Heard:
 class Peer:
     """A host of ROS 2 in the robot's domain."""
 
-    def __init__(self) -> None:
+    def __init__(self, stamped: bool = False) -> None:
         self.participant = DomainParticipant(DOMAIN)
+        self.stamped = stamped
         self.heard: dict[str, Heard] = {}
         self.writers: dict[str, DataWriter] = {}
         for name, kind in (
@@ -121,7 +122,8 @@ class Peer:
             ("diagnostics", ros.DiagnosticArray),
         ):
             self.hear(name, f"rt/{name}", kind)
-        for name, kind in (("cmd_vel", ros.Twist), ("goal_pose", ros.PoseStamped), ("trajectory", ros.Path)):
+        twist = ros.TwistStamped if stamped else ros.Twist
+        for name, kind in (("cmd_vel", twist), ("goal_pose", ros.PoseStamped), ("trajectory", ros.Path)):
             self.writers[name] = DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), keep_last(1))
         self.number = 0
 
@@ -142,7 +144,8 @@ class Peer:
             time.sleep(0.002)
 
     def drive(self, v: float, w: float = 0.0) -> None:
-        self.writers["cmd_vel"].write(ros.Twist(ros.Vector3(v), ros.Vector3(z=w)))
+        twist = ros.Twist(ros.Vector3(v), ros.Vector3(z=w))
+        self.writers["cmd_vel"].write(ros.TwistStamped(ros.Header(), twist) if self.stamped else twist)
 
     def drive_for(self, seconds: float, v: float, w: float = 0.0) -> None:
         """At the 20 Hz of Nav2's controllers."""

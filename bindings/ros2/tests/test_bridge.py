@@ -235,6 +235,23 @@ def test_a_managed_node_does_what_its_manager_says(start: Callable[..., Bridge],
     assert goals == known
 
 
+def test_velocities_may_have_stamps_and_be_held(start: Callable[..., Bridge]) -> None:
+    peer = Peer(stamped=True)
+    start("--stamped", "--hold", "0.4", "--namespace", "/")
+    assert peer.listen(20, lambda: bool(peer.writers["cmd_vel"].get_matched_subscriptions()))
+    assert peer.listen(20, lambda: bool(peer.heard["odom"].all))
+    # Four a second: without being held each would be stale before the next.
+    for _ in range(10):
+        peer.drive(0.3)
+        peer.listen(0.25)
+    assert peer.speed() == pytest.approx(0.3, rel=0.02)
+    at = time.monotonic()
+    peer.listen(2)
+    stopping = next(t for t, odom in peer.heard["odom"].all if t > at and odom.twist.twist.linear.x < 0.28)
+    # Held until 0.4 s after it came, which was 0.25 s ago, and stale 0.1 s later.
+    assert 0.1 < stopping - at < 0.4 - 0.25 + STALE + 0.05 + LATE
+
+
 def test_a_base_without_a_fault_has_nothing_to_reset(active: Bridge, peer: Peer) -> None:
     answer = peer.call("reset_fault", ros.TriggerRequest, ros.TriggerResponse, 0)
     assert not answer.success
