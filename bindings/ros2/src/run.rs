@@ -15,6 +15,7 @@ use controller_core::wheels::WheelMap;
 use protocol::{BaseTick, Command, FieldParams, Hello, Telemetry, WireTwist};
 use ros2_client::RmwRequestId;
 use sim_host::closed_loop;
+use sim_host::constants::period_us;
 use sim_host::datalog::Sample;
 use sim_host::datalog::messages::{diagnosis, header, joints, odometry, transform, value};
 use sim_host::mission::BaseSpec;
@@ -63,8 +64,7 @@ pub enum BridgeError {
 /// [`BridgeError`].
 pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
     let base = BaseSpec::load(&args.base)?;
-    let period_us = (1.0e6 * base.period_s()).round() as u32;
-    let params = closed_loop::params(&base, period_us)?;
+    let params = closed_loop::params(&base, period_us(&base))?;
     let field = FieldParams::from(&params);
     let settings = Settings {
         field: (!args.keep_parameters).then_some(field),
