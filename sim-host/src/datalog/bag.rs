@@ -128,9 +128,9 @@ impl<W: Write + Seek> Bag<W> {
             ("base_link_true", sample.truth),
             ("reference", sample.reference),
         ];
-        let transforms = frames.into_iter().filter_map(|(frame, pose)| {
-            Some(transform(header(stamp, ODOM_FRAME), frame, &pose?))
-        });
+        let transforms = frames
+            .into_iter()
+            .filter_map(|(frame, pose)| Some(transform(header(stamp, ODOM_FRAME), frame, &pose?)));
         let transforms = transforms.collect();
         self.put(channels.tf, time_ns, &ros::TfMessage { transforms })?;
         self.put(channels.joints, time_ns, &joints(header(stamp, ""), sample))

@@ -3,7 +3,8 @@
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
 use protocol::{
-    BaseTick, Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry, tick_flags,
+    BaseTick, Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry,
+    tick_flags,
 };
 use std::fmt::Write as _;
 

@@ -1,7 +1,10 @@
 //! Messages of ROS 2 as this crate writes and reads them, with their definitions.
 //!
 //! Fields stand in the order of the definitions: CDR has no names.
-#![allow(missing_docs, reason = "fields and constants are those of the definitions")]
+#![allow(
+    missing_docs,
+    reason = "fields and constants are those of the definitions"
+)]
 
 use serde::{Deserialize, Serialize};
 
