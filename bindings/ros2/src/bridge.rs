@@ -109,6 +109,8 @@ pub struct Bridge {
     target: Option<(Target, u64)>,
     /// Samples under way, and since when.
     stream: Option<(Box<Samples>, u64)>,
+    /// A goal or the end of a path has been sent and is not reached.
+    bound: bool,
     /// Arming was refused in this state.
     refused: bool,
 }
@@ -129,6 +131,7 @@ impl Bridge {
             velocity: None,
             target: None,
             stream: None,
+            bound: false,
             refused: false,
         }
     }
@@ -254,6 +257,7 @@ impl Bridge {
     fn supersede(&mut self) {
         self.velocity = None;
         self.target = None;
+        self.bound = false;
         if self.stream.take().is_some() {
             self.questions.clear();
         }
@@ -293,12 +297,17 @@ impl Bridge {
     fn turned(&mut self, state: State, cause: Cause) {
         self.state = Some((state, cause));
         self.refused = false;
-        if !state.is_live() && self.stream.take().is_some() {
-            // Nobody waits for its samples any more.
-            self.questions.clear();
+        if state == State::Parked {
+            self.bound = false;
         }
-        if state == State::Stopped && cause == Cause::GoalUnreachable {
-            self.refuse("the goal was given up: the base stands beside it");
+        let goes_on = matches!(state, State::Armed | State::Parked) || state.drives();
+        if !goes_on && self.bound {
+            self.bound = false;
+            if self.stream.take().is_some() {
+                // Nobody waits for its samples any more.
+                self.questions.clear();
+            }
+            self.refuse(format!("the goal is given up: {cause:?}"));
         }
     }
 
@@ -318,7 +327,7 @@ impl Bridge {
             },
             Purpose::Order => {
                 if let Err(why) = result {
-                    self.stream = None;
+                    self.supersede();
                     self.refuse(format!("{}: {why}", name(command)));
                 }
             }
@@ -470,6 +479,7 @@ impl Bridge {
         if !is_ready {
             return;
         }
+        self.bound = true;
         match self.target.take() {
             Some((Target::Park(goal), _)) => {
                 self.questions.ask(Command::Park { goal }, Purpose::Order);

@@ -3,7 +3,7 @@
 use crate::args::Args;
 use crate::bridge::{Bridge, Event, Settings};
 use crate::clock::TickClock;
-use crate::course::{Samples, goal};
+use crate::course::{Refused, Samples, goal};
 use crate::lifecycle::{
     Changed, CurrentState, Stage, States, Transition, TransitionEvent, Transitions, Triggered,
 };
@@ -24,6 +24,8 @@ use sim_host::ros::messages::{DiagnosticArray, DiagnosticStatus, TfMessage, Time
 use sim_host::scenario::ScenarioError;
 use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Longest wait for the base before ROS is looked at: what an order may be late.
@@ -85,6 +87,7 @@ pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
         clock: TickClock::new(TICK_HZ),
         wheels,
         published: Published::default(),
+        fitted: None,
         active_us: 0,
         asked: None,
         resets: Vec::new(),
@@ -116,6 +119,8 @@ struct Loop<'a> {
     clock: TickClock,
     wheels: Wheels,
     published: Published,
+    /// A path that is being made samples of.
+    fitted: Option<Receiver<Result<Samples, Refused>>>,
     /// Since when the node is active \[µs\].
     active_us: u64,
     /// Who asked for the transition under way.
@@ -229,12 +234,28 @@ impl Loop<'_> {
     fn orders(&mut self) {
         let now_us = self.now_us();
         if let Some(path) = newest(&self.ros.trajectory) {
-            match Samples::of(&path, &self.args.odom_frame, &self.base) {
-                Ok(samples) => self.bridge.follow(samples, now_us),
-                Err(why) => self.bridge.refuse(format!("path: {why}")),
+            let (frame, base) = (self.args.odom_frame.clone(), self.base.clone());
+            let (sender, receiver) = channel();
+            // It takes longer than a base waits for a sign of life.
+            thread::spawn(move || {
+                // Nobody waits for a path that was superseded.
+                let _ = sender.send(Samples::of(&path, &frame, &base));
+            });
+            self.fitted = Some(receiver);
+        }
+        match self.fitted.as_ref().map(Receiver::try_recv) {
+            None | Some(Err(TryRecvError::Empty)) => {}
+            Some(fitted) => {
+                self.fitted = None;
+                match fitted {
+                    Ok(Ok(samples)) => self.bridge.follow(samples, now_us),
+                    Ok(Err(why)) => self.bridge.refuse(format!("path: {why}")),
+                    Err(_) => self.bridge.refuse("path: it cannot be fitted"),
+                }
             }
         }
         if let Some(message) = newest(&self.ros.goal_pose) {
+            self.fitted = None;
             match goal(&message, &self.args.odom_frame) {
                 Ok(goal) => self.bridge.park(goal, now_us),
                 Err(why) => self.bridge.refuse(format!("goal: {why}")),
@@ -242,6 +263,7 @@ impl Loop<'_> {
         }
         // What comes at the same time as a goal prevails: a stick in somebody's hand.
         if let Some(twist) = self.ros.cmd_vel.newest() {
+            self.fitted = None;
             let twist = WireTwist {
                 v: twist.linear.x as f32,
                 w: twist.angular.z as f32,

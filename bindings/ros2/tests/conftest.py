@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rig import Bridge, Chip, Peer
+from rig import BASE, Bridge, Chip, Peer
 
 
 @pytest.fixture
@@ -21,9 +21,9 @@ def start(chip: Chip, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
     """Starts a bridge with these arguments."""
     bridges: list[Bridge] = []
 
-    def start(*arguments: str) -> Bridge:
+    def start(*arguments: str, base: Path = BASE) -> Bridge:
         log = tmp_path / f"bridge-{len(bridges)}.log"
-        bridges.append(Bridge(os.environ["ROS2_BRIDGE"], chip.port, log, *arguments))
+        bridges.append(Bridge(os.environ["ROS2_BRIDGE"], chip.port, log, *arguments, base=base))
         return bridges[-1]
 
     yield start

@@ -79,10 +79,10 @@ class Chip:
 
 
 class Bridge:
-    def __init__(self, program: str, port: str, log: File, *arguments: str) -> None:
+    def __init__(self, program: str, port: str, log: File, *arguments: str, base: File = BASE) -> None:
         self.log = log
         with log.open("w") as out:
-            self.process = subprocess.Popen([program, port, "--base", str(BASE), *arguments], stderr=out)
+            self.process = subprocess.Popen([program, port, "--base", str(base), *arguments], stderr=out)
         # Not what the peer has: the bridge is a program like any other.
         os.setpriority(os.PRIO_PROCESS, self.process.pid, 0)
 

@@ -145,6 +145,40 @@ def test_a_path_is_followed_in_its_time_and_parked_at(active: Bridge, peer: Peer
     assert 6.0 < moving[-1] - moving[0] < 8.2
 
 
+def test_a_path_is_taken_up_by_a_base_that_drives(active: Bridge, peer: Peer) -> None:
+    peer.drive_for(1.5, 0.3)
+    # From somewhere near, where it will stand by then, 0.6 m on in 4 s.
+    def share(t: float) -> float:
+        s = min(t / 4, 1)
+        return s**3 * (10 - 15 * s + 6 * s**2)
+
+    poses = [pose_stamped(0.5 + 0.6 * share(0.1 * n), 0.02, 0, t=0.1 * n) for n in range(41)]
+    peer.writers["trajectory"].write(ros.Path(ros.Header(ros.Time(), "odom"), poses))
+    assert peer.listen(20, lambda: peer.status().of("state") == "parked"), peer.status()
+    assert away(peer.odom(), 1.1, 0.02) < 0.005
+    # And on to a goal, whose way a velocity ends.
+    peer.writers["goal_pose"].write(pose_stamped(2.0, 0, 0))
+    assert peer.listen(5, lambda: peer.speed() > 0.3)
+    peer.drive_for(1.5, 0.0)
+    assert abs(peer.speed()) < 0.005
+    assert away(peer.odom(), 2.0, 0) > 0.3
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_the_base_gets_the_parameters_of_its_file(
+    start: Callable[..., Bridge], peer: Peer, tmp_path: Path, kept: bool
+) -> None:
+    speed = FILE["limits"]["speed"]
+    slow = tmp_path / "slow.toml"
+    text = BASE.read_text()
+    assert text.count(f"\nspeed = {speed}") == 1
+    slow.write_text(text.replace(f"\nspeed = {speed}", "\nspeed = 0.25"))
+    start(*["--keep-parameters"][: int(kept)], base=slow)
+    assert peer.listen(20, lambda: bool(peer.heard["odom"].all))
+    peer.drive_for(2.5, 0.4)
+    assert peer.speed() == pytest.approx(0.4 if kept else 0.25, rel=0.02)
+
+
 def test_a_killed_peer_leaves_a_base_that_stops_in_time(active: Bridge, peer: Peer) -> None:
     script = Path(__file__).parent / "killed_peer.py"
     child = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True)

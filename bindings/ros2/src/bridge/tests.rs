@@ -308,6 +308,35 @@ fn a_goal_waits_for_a_base_that_is_about_to_be_ready() {
 }
 
 #[test]
+fn whoever_gave_a_goal_is_told_that_it_is_given_up() {
+    let mut rig = Rig::active(0);
+    rig.bridge.park(WirePose::default(), rig.now_us);
+    rig.run(0.02);
+    rig.says(State::Parking, Cause::Host);
+    assert_eq!(rig.bridge.event(), None);
+    rig.says(State::Stopping(Then::Stopped), Cause::LinkLost);
+    rig.says(State::Stopped, Cause::LinkLost);
+    let event = rig.bridge.event();
+    let said = matches!(&event, Some(Event::Refused(why)) if why.contains("LinkLost"));
+    assert!(said, "{event:?}");
+    assert_eq!(rig.bridge.event(), None, "once");
+    // One that is reached, or that a velocity has ended, is not.
+    rig.says(State::Armed, Cause::Host);
+    for ended in [false, true] {
+        rig.bridge.park(WirePose::default(), rig.now_us);
+        rig.run(0.02);
+        if ended {
+            rig.bridge.drive(TWIST, rig.now_us);
+        } else {
+            rig.says(State::Parked, Cause::Reached);
+        }
+        rig.says(State::Stopped, Cause::LinkLost);
+        assert_eq!(rig.bridge.event(), None);
+        rig.says(State::Armed, Cause::Host);
+    }
+}
+
+#[test]
 fn nobody_drives_a_node_that_is_not_active() {
     let mut rig = Rig::new(0);
     rig.bridge.drive(TWIST, 0);
