@@ -10,7 +10,7 @@
 //     };
 //     PLUGINLIB_EXPORT_CLASS(MyBase, hardware_interface::SystemInterface)
 //
-// For ros2_control of Jazzy from 4.35 on, Kilted and later: `on_init` takes HardwareComponentInterfaceParams.
+// For ros2_control of Jazzy and later, whose `on_init` takes HardwareComponentInterfaceParams.
 #ifndef TWB_ROS2_CONTROL_HPP
 #define TWB_ROS2_CONTROL_HPP
 
@@ -129,6 +129,10 @@ public:
 
     // An error when the base has stopped by a fault: the controller manager then takes it out of service.
     return_type write(const rclcpp::Time &, const rclcpp::Duration &period) override {
+        // Some managers call it for inactive hardware as well, whose ticks are those of `read`.
+        if (!active_) {
+            return return_type::OK;
+        }
         // Commands that nobody has given are NaN: no speed.
         const auto speed = [](double command) { return std::isfinite(command) ? command : 0.0; };
         const double right = robot_.radius_right_m * speed(get_command(right_.velocity));

@@ -158,6 +158,8 @@ int drives() {
     REQUIRE(system.on_activate(ANY) == CallbackReturn::FAILURE);
     for (int n = 0; n < 150; n++) {
         REQUIRE(cycle(system, false) == return_type::OK);
+        // As older managers do: without effect.
+        REQUIRE(system.write({}, PERIOD) == return_type::OK);
     }
     REQUIRE(near(system.v, 0.0, 0.005) && system.last.kind == TWB_ACTION_RELEASE && system.state() == TWB_STATE_STOPPED);
     REQUIRE(system.on_activate(ANY) == CallbackReturn::SUCCESS && drive(system, 4.0, 4.0, 1.0) && system.v > 0.2);
