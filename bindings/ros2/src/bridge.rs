@@ -205,6 +205,11 @@ impl Bridge {
         });
     }
 
+    /// Says something that needs no answer, by the numbers of the questions: answers cannot be mistaken.
+    pub fn say(&mut self, command: Command) {
+        self.said.push_back(command);
+    }
+
     /// Leaves a latched fault. The base stays without torque until it is armed, which an active bridge does.
     pub fn reset(&mut self) {
         self.questions.ask(Command::ResetFault, Purpose::Reset);
@@ -270,7 +275,7 @@ impl Bridge {
     }
 
     fn order(&mut self, twist: WireTwist) {
-        self.said.push_back(Command::Drive {
+        self.say(Command::Drive {
             twist,
             hold_heading: false,
         });
@@ -392,7 +397,7 @@ impl Bridge {
         let is_due = self.beat_us.is_none_or(|beat| now_us >= beat + beats);
         let speaks = self.under.is_some() || self.stage == Stage::Active;
         if speaks && is_due {
-            self.said.push_back(Command::Heartbeat);
+            self.say(Command::Heartbeat);
         }
     }
 

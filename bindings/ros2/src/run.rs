@@ -150,7 +150,7 @@ impl Loop<'_> {
                 self.bridge.change(Transition::ShutDown, now_us);
             }
             if now_us >= counters_us && self.bridge.stage() == Stage::Active {
-                self.port.ask(&Command::GetCounters)?;
+                self.bridge.say(Command::GetCounters);
                 counters_us = now_us + DIAGNOSTICS_US;
             }
             self.bridge.step(now_us);
