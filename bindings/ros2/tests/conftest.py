@@ -35,7 +35,17 @@ def start(chip: Chip, tmp_path: Path) -> Iterator[Callable[..., Bridge]]:
 
 @pytest.fixture
 def peer() -> Iterator[Peer]:
-    yield Peer()
+    peer = Peer()
+    yield peer
+    peer.end()
+
+
+@pytest.fixture
+def stamped_peer() -> Iterator[Peer]:
+    """One whose velocities have stamps."""
+    peer = Peer(stamped=True)
+    yield peer
+    peer.end()
 
 
 @pytest.fixture

@@ -127,6 +127,12 @@ class Peer:
             self.writers[name] = DataWriter(self.participant, Topic(self.participant, f"rt/{name}", kind), keep_last(1))
         self.number = 0
 
+    def end(self) -> None:
+        """Leaves the domain, where the next test begins with nobody: what a failed one keeps alive is no peer any more."""
+        self.writers.clear()
+        self.heard.clear()
+        del self.participant
+
     def hear(self, name: str, topic: str, kind: Any) -> Heard:
         reader = DataReader(self.participant, Topic(self.participant, topic, kind), keep_last(100))
         return self.heard.setdefault(name, Heard(reader))

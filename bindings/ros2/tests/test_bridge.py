@@ -276,8 +276,8 @@ def test_a_managed_node_does_what_its_manager_says(start: Callable[..., Bridge],
     assert goals == known
 
 
-def test_velocities_may_have_stamps_and_be_held(start: Callable[..., Bridge]) -> None:
-    peer = Peer(stamped=True)
+def test_velocities_may_have_stamps_and_be_held(start: Callable[..., Bridge], stamped_peer: Peer) -> None:
+    peer = stamped_peer
     start("--stamped", "--hold", "0.4", "--namespace", "/")
     assert peer.listen(20, lambda: bool(peer.writers["cmd_vel"].get_matched_subscriptions()))
     assert peer.listen(20, lambda: bool(peer.heard["odom"].all))
