@@ -100,10 +100,9 @@ def even_minute(peer: Peer) -> bool:
     rate = len(gaps) / (came[-1] - came[0])
     print(f"{len(odom)} odometries, {rate:.3f} Hz, longest gap {1e3 * max(gaps):.1f} ms")
     print(f"stamps {1e3 * min(apart):.2f} to {1e3 * max(apart):.2f} ms apart")
-    # None was lost, whatever else: stamps are as far apart as reports.
-    assert max(apart) < 0.03
-    assert peer.status().of("reports_dropped") == "0"
-    return abs(rate - 50) < 0.25 and max(gaps) <= 0.04
+    # None was lost: stamps are as far apart as reports.
+    none_lost = max(apart) < 0.03 and peer.status().of("reports_dropped") == "0"
+    return none_lost and abs(rate - 50) < 0.25 and max(gaps) <= 0.04
 
 
 def test_odometry_comes_at_50_hz_for_a_minute(active: Bridge, peer: Peer) -> None:
