@@ -37,8 +37,9 @@ ENVIRONMENT = {
 }
 os.environ |= ENVIRONMENT
 try:
-    # Who measures when something comes has to be awake when it comes, and a chip has its time for itself.
-    os.setpriority(os.PRIO_PROCESS, 0, -10)
+    # Real time where it is allowed, as ros2_control's controller manager asks for itself; chip and bridge inherit it. Niceness
+    # would not do: Linux weighs sessions before it weighs programs.
+    os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(10))
 except PermissionError:
     pass
 
@@ -83,8 +84,6 @@ class Bridge:
         self.log = log
         with log.open("w") as out:
             self.process = subprocess.Popen([program, port, "--base", str(base), *arguments], stderr=out)
-        # Not what the peer has: the bridge is a program like any other.
-        os.setpriority(os.PRIO_PROCESS, self.process.pid, 0)
 
     def end(self) -> int:
         self.process.send_signal(signal.SIGTERM)
