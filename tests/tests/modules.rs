@@ -13,9 +13,10 @@ use std::path::Path;
 type Module = Vec<String>;
 
 /// Every package of the workspace and every board.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
     "bindings/c",
     "bindings/python",
+    "bindings/ros2",
     "controller-core",
     "firmware-demo",
     "protocol",

@@ -50,7 +50,10 @@ class Base {
 public:
     template <std::size_t N>
     [[nodiscard]] Error init(const std::uint8_t (&robot)[N], const twb_pose &start = {}) {
-        return of(twb_init(&base_, sizeof base_, TWB_API, robot, N, &start));
+        return init(robot, N, start);
+    }
+    [[nodiscard]] Error init(const std::uint8_t *robot, std::size_t length, const twb_pose &start = {}) {
+        return of(twb_init(&base_, sizeof base_, TWB_API, robot, length, &start));
     }
     [[nodiscard]] Error arm() { return of(twb_arm(&base_)); }
     [[nodiscard]] Error disarm() { return of(twb_disarm(&base_)); }

@@ -201,6 +201,33 @@ fn the_class_parks_a_base() {
     );
 }
 
+/// The class for ros2_control, whose headers are in no registry: compiled and called by the declarations that it uses.
+#[test]
+fn a_base_under_ros2_control_drives_and_stops() {
+    let control = here().join("../ros2/control");
+    for standard in ["-std=c++17", "-std=c++20"] {
+        let program = scratch().join(format!("system{standard}"));
+        succeed(
+            Command::new("g++")
+                .args([standard, "-O1", "-ffp-contract=off"])
+                .args(STRICT)
+                .args(["include", "tests/stub"].map(|folder| {
+                    let folder = control.join(folder);
+                    format!("-I{}", folder.display())
+                }))
+                .arg(format!("-I{}", here().join("include").display()))
+                .arg(format!("-I{}", robot_header().display()))
+                .arg(control.join("tests/system.cpp"))
+                .arg(archives().join("lib/host/libtwb.a"))
+                .arg("-o")
+                .arg(&program),
+        );
+        let output = succeed(&mut Command::new(program));
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.starts_with("a base under ros2_control"), "{text}");
+    }
+}
+
 /// Ticks of the mission: 33 cycles of parking, driving by velocity, following, stops and faults.
 const TICKS: u32 = 200_000;
 

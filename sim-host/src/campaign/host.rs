@@ -3,16 +3,13 @@
 use super::line::{Line, LineFault};
 use super::path::{Path, VelocityOrders, narrow};
 use super::random::Random;
+use crate::monitor::{Questions, stops};
 use crate::world::World;
 use controller_core::types::Pose;
-use firmware_demo::control_server::UNASKED;
 use protocol::{
     Command, Decoder, Frame, MAX_CONTENT, MAX_FRAME, RejectReason, Telemetry, TimedSample, encode,
 };
-use std::collections::VecDeque;
 
-/// Without an answer for so long a command is sent again \[µs\].
-const AGAIN_US: u64 = 50_000;
 /// A sign of life at least so often \[µs\]: a fifth of the base's patience.
 const BEAT_US: u64 = 20_000;
 /// Time between samples, and how far they are ahead \[s\]: ten of them.
@@ -39,15 +36,6 @@ pub(super) enum Course<'a> {
     Orders(&'a VelocityOrders),
 }
 
-/// A command that waits for its answer.
-#[derive(Clone, Copy, Debug)]
-struct Asked {
-    command: Command,
-    sequence: u16,
-    /// Anything but a refusal is an error.
-    has_to_fail: bool,
-}
-
 /// What came of a command.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answered {
@@ -59,10 +47,8 @@ pub(super) struct Answered {
 /// The host's half of the line.
 pub(super) struct Host {
     decoder: Decoder<Telemetry, MAX_CONTENT>,
-    sequence: u16,
-    /// In order; the first is under way since then, if it was sent.
-    asked: VecDeque<Asked>,
-    sent_us: Option<u64>,
+    /// Each with whether anything but a refusal is an error.
+    asked: Questions<bool>,
     beat_us: u64,
     /// A trajectory since then, and its next sample.
     stream: Option<(Option<u64>, u32)>,
@@ -71,19 +57,12 @@ pub(super) struct Host {
     random: Random,
 }
 
-/// Whether a command stops the base.
-pub(super) const fn stops(command: &Command) -> bool {
-    matches!(command, Command::Stop | Command::EmergencyStop { .. })
-}
-
 impl Host {
     pub fn new(seed: u64) -> Self {
         let random = |stream| Random::new(seed, stream);
         Self {
             decoder: Decoder::new(),
-            sequence: 0,
-            asked: VecDeque::new(),
-            sent_us: None,
+            asked: Questions::default(),
             beat_us: 0,
             stream: None,
             up: Line::new(random(1)),
@@ -94,29 +73,19 @@ impl Host {
 
     /// Asks for something, after what was asked before.
     pub fn ask(&mut self, command: Command) {
-        self.asked_for(command, false);
+        self.asked.ask(command, false);
     }
 
     /// Asks for what has to be refused.
     pub fn ask_in_vain(&mut self, command: Command) {
-        self.asked_for(command, true);
+        self.asked.ask(command, true);
     }
 
     /// Stops the base: nothing else counts any more.
     pub fn stop(&mut self, command: Command) {
         self.asked.clear();
-        self.sent_us = None;
         self.stream = None;
         self.ask(command);
-    }
-
-    fn asked_for(&mut self, command: Command, has_to_fail: bool) {
-        let sequence = self.number();
-        self.asked.push_back(Asked {
-            command,
-            sequence,
-            has_to_fail,
-        });
     }
 
     /// Sends a trajectory as soon as all that was asked for is answered.
@@ -139,28 +108,21 @@ impl Host {
         self.asked.is_empty()
     }
 
-    fn number(&mut self) -> u16 {
-        self.sequence = (self.sequence + 1) % UNASKED;
-        self.sequence
-    }
-
     /// Puts a tick's frames on the line.
     pub fn speak(&mut self, manner: &Manner, now_us: u64, course: Course<'_>, world: &World) {
         if manner.silent {
             return;
         }
         let flood_first = manner.flood > 0 && self.random.chance(0.5);
-        let stop_now =
-            self.resends(now_us) && self.asked.front().is_some_and(|a| stops(&a.command));
+        let stop_now = self
+            .asked
+            .due(now_us)
+            .is_some_and(|(_, command)| stops(&command));
         if flood_first {
             self.flood(manner, now_us, stop_now);
         }
-        if let Some(Asked {
-            command, sequence, ..
-        }) = self.asked.front().copied()
-            && self.resends(now_us)
-        {
-            self.sent_us = Some(now_us);
+        if let Some((sequence, command)) = self.asked.due(now_us) {
+            self.asked.sent(now_us);
             self.send(manner, now_us, sequence, &command);
         }
         if now_us >= self.beat_us + BEAT_US {
@@ -183,11 +145,6 @@ impl Host {
         if manner.flood > 0 && !flood_first {
             self.flood(manner, now_us, stop_now);
         }
-    }
-
-    /// Whether the first command that waits is due.
-    fn resends(&self, now_us: u64) -> bool {
-        !self.asked.is_empty() && self.sent_us.is_none_or(|sent| now_us >= sent + AGAIN_US)
     }
 
     fn samples(&mut self, manner: &Manner, now_us: u64, path: &Path) {
@@ -247,7 +204,7 @@ impl Host {
     }
 
     fn say(&mut self, manner: &Manner, now_us: u64, command: &Command) {
-        let sequence = self.number();
+        let sequence = self.asked.number();
         self.send(manner, now_us, sequence, command);
     }
 
@@ -287,25 +244,11 @@ impl Host {
     }
 
     fn take(&mut self, frame: &Frame<Telemetry>) -> Option<Answered> {
-        let asked = *self.asked.front()?;
-        let result = match frame.message {
-            Telemetry::Ack => Ok(()),
-            Telemetry::Nack(reason) => Err(reason),
-            _ => return None,
-        };
-        if frame.sequence != asked.sequence {
-            return None;
-        }
-        self.sent_us = None;
-        if result == Err(RejectReason::Full) && !stops(&asked.command) {
-            // Again, with the next tick.
-            return None;
-        }
-        self.asked.pop_front();
+        let (command, has_to_fail, result) = self.asked.answered(frame)?;
         Some(Answered {
-            command: asked.command,
+            command,
             result,
-            has_to_fail: asked.has_to_fail,
+            has_to_fail,
         })
     }
 }

@@ -29,6 +29,7 @@ pub fn c_header(source: &str, name: &str, base: &BaseSpec) -> Result<String, Con
             .replace("*/", "* /")
             .replace("/*", "/ *")
     };
+    let wheels = &params.localiser.odometry.wheels;
     let mut text = format!(
         "\
 /* Robot for twb_init: {}
@@ -43,10 +44,20 @@ pub fn c_header(source: &str, name: &str, base: &BaseSpec) -> Result<String, Con
 /* Time between ticks, in us. */
 #define {guard}_PERIOD_US {period_us}u
 
+/* Wheels, for programs that have speeds of wheels to convert: m, and counts of a whole turn. */
+#define {guard}_RADIUS_RIGHT_M {:?}f
+#define {guard}_RADIUS_LEFT_M {:?}f
+#define {guard}_TRACK_M {:?}f
+#define {guard}_COUNTS_PER_TURN {:?}f
+
 static const uint8_t {name}[{}] = {{
 ",
         plain(&base.name),
         plain(source),
+        wheels.radius_right_m,
+        wheels.radius_left_m,
+        wheels.track_m,
+        params.localiser.odometry.counts_per_turn,
         blob.len()
     );
     for line in blob.chunks(A_LINE) {

@@ -1,8 +1,9 @@
 //! MCAP: chunks of messages of ROS 2, compressed.
 
-use super::{About, Fields, Level, Sample, Source, Status};
+use super::messages::{BASE_FRAME, ODOM_FRAME, diagnosis, header, joints, odometry, transform};
+use super::{About, Fields, Sample, Source, Status};
 use crate::csv_out::{Cell, Kind, unit};
-use crate::ros::messages::{self as ros, Header, Time, TransformStamped, WithCovariance};
+use crate::ros::messages::{self as ros, Time};
 use byteorder::LittleEndian;
 use cdr_encoding::to_writer;
 use mcap::records::MessageHeader;
@@ -17,10 +18,6 @@ const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 const CHUNK: u64 = 1 << 19;
 /// Longest time between two diagnostics \[ns\]: what tools of ROS count on.
 const DIAGNOSTICS_NS: u64 = 1_000_000_000;
-/// The wheels' joints, right before left as everywhere here.
-pub const JOINTS: [&str; 2] = ["right_wheel_joint", "left_wheel_joint"];
-const ODOM_FRAME: &str = "odom";
-const BASE_FRAME: &str = "base_link";
 
 /// A bag that grows.
 pub struct Bag<W: Write + Seek> {
@@ -121,32 +118,9 @@ impl<W: Write + Seek> Bag<W> {
         time_ns: u64,
         channels: Channels,
     ) -> Result<(), BagError> {
-        let header = |frame: &str| Header {
-            stamp: Time::of_ns(time_ns),
-            frame_id: frame.to_owned(),
-        };
+        let stamp = Time::of_ns(time_ns);
         if let Some(measured) = &sample.measured {
-            let odometry = ros::Odometry {
-                header: header(ODOM_FRAME),
-                child_frame_id: BASE_FRAME.to_owned(),
-                pose: WithCovariance {
-                    value: (&measured.pose).into(),
-                    ..WithCovariance::default()
-                },
-                twist: WithCovariance {
-                    value: ros::Twist {
-                        linear: ros::Vector {
-                            x: measured.twist.linear,
-                            ..ros::Vector::default()
-                        },
-                        angular: ros::Vector {
-                            z: measured.twist.angular,
-                            ..ros::Vector::default()
-                        },
-                    },
-                    ..WithCovariance::default()
-                },
-            };
+            let odometry = odometry(header(stamp, ODOM_FRAME), BASE_FRAME, measured);
             self.put(channels.odometry, time_ns, &odometry)?;
         }
         let frames = [
@@ -154,26 +128,12 @@ impl<W: Write + Seek> Bag<W> {
             ("base_link_true", sample.truth),
             ("reference", sample.reference),
         ];
-        let transforms = frames.into_iter().filter_map(|(frame, pose)| {
-            Some(TransformStamped {
-                header: header(ODOM_FRAME),
-                child_frame_id: frame.to_owned(),
-                transform: (&pose?).into(),
-            })
-        });
+        let transforms = frames
+            .into_iter()
+            .filter_map(|(frame, pose)| Some(transform(header(stamp, ODOM_FRAME), frame, &pose?)));
         let transforms = transforms.collect();
         self.put(channels.tf, time_ns, &ros::TfMessage { transforms })?;
-        let wheels = sample.wheels;
-        let joints = ros::JointState {
-            header: header(""),
-            name: JOINTS.map(str::to_owned).into(),
-            position: wheels.map_or_else(Vec::new, |wheels| wheels.angles.into()),
-            velocity: wheels.map_or_else(Vec::new, |wheels| {
-                vec![wheels.speeds.right, wheels.speeds.left]
-            }),
-            effort: vec![sample.torques.right, sample.torques.left],
-        };
-        self.put(channels.joints, time_ns, &joints)
+        self.put(channels.joints, time_ns, &joints(header(stamp, ""), sample))
     }
 
     /// When something changed, and once a second.
@@ -182,34 +142,9 @@ impl<W: Write + Seek> Bag<W> {
         if !self.said.as_ref().is_none_or(due) {
             return Ok(());
         }
-        let value = |key: &str, value: String| ros::KeyValue {
-            key: key.to_owned(),
-            value,
-        };
-        let message = match status.cause.as_str() {
-            "" => status.state.to_owned(),
-            cause => format!("{} ({cause})", status.state),
-        };
         let array = ros::DiagnosticArray {
-            header: Header {
-                stamp: Time::of_ns(time_ns),
-                frame_id: String::new(),
-            },
-            status: vec![ros::DiagnosticStatus {
-                level: match status.level {
-                    Level::Ok => 0,
-                    Level::Warning => 1,
-                    Level::Error => 2,
-                },
-                name: "base".to_owned(),
-                message,
-                hardware_id: self.robot.clone(),
-                values: vec![
-                    value("state", status.state.to_owned()),
-                    value("cause", status.cause.clone()),
-                    value("active_faults", status.faults.join("+")),
-                ],
-            }],
+            header: header(Time::of_ns(time_ns), ""),
+            status: vec![diagnosis(&self.robot, status)],
         };
         self.put(channel, time_ns, &array)?;
         self.said = Some((status.clone(), time_ns));

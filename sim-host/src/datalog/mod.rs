@@ -7,11 +7,11 @@
 
 mod background;
 mod bag;
+pub mod messages;
 mod sample;
 mod wpilog;
 
 pub use background::{Pending, logged};
-pub use bag::JOINTS;
 pub use sample::{Level, Sample, Status};
 
 use crate::csv_out::Cell;

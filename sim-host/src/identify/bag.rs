@@ -77,7 +77,7 @@ impl Log {
         let joints = topics
             .joints
             .clone()
-            .unwrap_or_else(|| crate::datalog::JOINTS.map(str::to_owned));
+            .unwrap_or_else(|| crate::datalog::messages::JOINTS.map(str::to_owned));
         let pairs = |topic: &str, field| messages.pairs(topic, field, &joints);
         let (mut angles, step_rad) = match (&topics.counts, counts_per_turn) {
             (Some(topic), Some(counts)) => {

@@ -3,7 +3,8 @@
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
 use protocol::{
-    BaseTick, Counters, Decoder, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry, tick_flags,
+    BaseTick, Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry,
+    tick_flags,
 };
 use std::fmt::Write as _;
 
@@ -33,6 +34,19 @@ pub struct LatestTelemetry {
 impl Monitor {
     /// Takes bytes from the line; every report in them goes to `each`, with the latest of each other message.
     pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&BaseTick, &LatestTelemetry)) {
+        self.take_frames(bytes, |frame, latest| {
+            if let Telemetry::Tick(report) = &frame.message {
+                each(report, latest);
+            }
+        });
+    }
+
+    /// The same with every sound frame, for those who ask questions.
+    pub fn take_frames(
+        &mut self,
+        bytes: &[u8],
+        mut each: impl FnMut(&Frame<Telemetry>, &LatestTelemetry),
+    ) {
         for &byte in bytes {
             let Some(Ok(frame)) = self.decoder.push(byte) else {
                 continue;
@@ -41,15 +55,15 @@ impl Monitor {
                 Telemetry::Tick(report) => {
                     self.reports += 1;
                     self.latest.report = Some(report);
-                    each(&report, &self.latest);
                 }
                 Telemetry::Hello(hello) => self.latest.hello = Some(hello),
                 Telemetry::State { state, cause, .. } => self.latest.state = Some((state, cause)),
                 Telemetry::Counters(counters) => self.latest.counters = Some(counters),
                 Telemetry::Origin(origin) => self.latest.origin = Some(origin),
-                // Answers to somebody else's questions.
+                // Answers, which mean nothing without their questions.
                 Telemetry::Parameters(_) | Telemetry::Ack | Telemetry::Nack(_) => {}
             }
+            each(&frame, &self.latest);
         }
     }
 

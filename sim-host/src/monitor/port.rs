@@ -90,10 +90,19 @@ impl Port {
     /// # Errors
     /// [`MonitorError::Line`].
     pub fn ask(&mut self, command: &Command) -> Result<(), MonitorError> {
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        self.send(sequence, command)
+    }
+
+    /// The same with a number of one's own, as [`Questions`](super::Questions) have them.
+    ///
+    /// # Errors
+    /// [`MonitorError::Line`].
+    pub fn send(&mut self, sequence: u16, command: &Command) -> Result<(), MonitorError> {
         let mut frame = [0; MAX_FRAME];
-        let frame = encode(self.sequence, command, &mut frame)
+        let frame = encode(sequence, command, &mut frame)
             .map_err(|error| MonitorError::Line(io::Error::other(error)))?;
-        self.sequence = self.sequence.wrapping_add(1);
         match self.file.write_all(frame) {
             // A board that does not read: the question is lost, the next one may not be.
             Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(()),

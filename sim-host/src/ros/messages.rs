@@ -1,6 +1,10 @@
 //! Messages of ROS 2 as this crate writes and reads them, with their definitions.
 //!
 //! Fields stand in the order of the definitions: CDR has no names.
+#![allow(
+    missing_docs,
+    reason = "fields and constants are those of the definitions"
+)]
 
 use serde::{Deserialize, Serialize};
 
@@ -147,6 +151,21 @@ impl From<&controller_core::types::Pose<f64>> for Pose {
                 z: 0.0,
             },
             orientation: Quaternion::of_heading(pose.theta),
+        }
+    }
+}
+
+impl From<&controller_core::types::Twist<f64>> for Twist {
+    fn from(twist: &controller_core::types::Twist<f64>) -> Self {
+        Self {
+            linear: Vector {
+                x: twist.linear,
+                ..Vector::default()
+            },
+            angular: Vector {
+                z: twist.angular,
+                ..Vector::default()
+            },
         }
     }
 }

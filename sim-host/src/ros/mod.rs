@@ -1,4 +1,4 @@
-//! ROS 2: its messages, and bags of them, [`read`].
+//! ROS 2: its [`messages`], and bags of them, [`read`].
 
-pub(crate) mod messages;
+pub mod messages;
 pub mod read;

@@ -1,0 +1,108 @@
+//! The base's ticks on the clock of this machine.
+
+/// Drift of a board's crystal against this clock, generously: ceramic resonators are within 0.5 %, crystals far below.
+const DRIFT: f64 = 1.0e-3;
+/// Reports later than that on their clock are of another run of it \[ns\].
+const LOST_NS: i64 = 1_000_000_000;
+
+/// When a tick was, as far as it can be known: as far apart as the ticks, whatever the line and this machine do in between.
+#[derive(Clone, Copy, Debug)]
+pub struct TickClock {
+    tick_ns: i64,
+    last: Option<Last>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    tick: u32,
+    /// On the base's clock, since its first tick here.
+    base_ns: i64,
+    /// What of the clock here that is, at the earliest report.
+    offset_ns: i64,
+    /// What came of it.
+    stamp_ns: i64,
+}
+
+impl TickClock {
+    /// Of a base with so many ticks a second.
+    pub fn new(tick_hz: u16) -> Self {
+        Self {
+            tick_ns: 1_000_000_000 / i64::from(tick_hz.max(1)),
+            last: None,
+        }
+    }
+
+    /// The time of a tick whose report came at `now_ns`, on the same clock; and on the base's own, since its first report.
+    pub fn stamp(&mut self, tick: u32, now_ns: i64) -> (i64, i64) {
+        let of = |last: &Last| -> Option<Last> {
+            let passed_ns = i64::from(tick.wrapping_sub(last.tick)) * self.tick_ns;
+            let base_ns = last.base_ns + passed_ns;
+            // The way of the fastest report counts; it ages, since crystals differ.
+            let aged_ns = last.offset_ns + (passed_ns as f64 * DRIFT) as i64;
+            let offset_ns = aged_ns.min(now_ns - base_ns);
+            let lost = now_ns - base_ns - last.offset_ns;
+            (lost.abs() < LOST_NS).then_some(Last {
+                tick,
+                base_ns,
+                offset_ns,
+                // A report on a faster way shows that those before it were stamped late: time does not go back for that.
+                stamp_ns: (base_ns + offset_ns).max(last.stamp_ns + passed_ns / 2),
+            })
+        };
+        let last = self.last.as_ref().and_then(of).unwrap_or(Last {
+            tick,
+            base_ns: 0,
+            offset_ns: now_ns,
+            stamp_ns: now_ns,
+        });
+        self.last = Some(last);
+        (last.stamp_ns, last.base_ns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reports that come up to 15 ms late are stamped 20 ms apart, within the drift allowed for, and never later than they came.
+    #[test]
+    fn stamps_are_as_even_as_ticks() {
+        let mut clock = TickClock::new(1000);
+        let mut before = None;
+        for report in 0..500_u32 {
+            let late_ns = i64::from(report * 7919 % 16) * 1_000_000;
+            let now_ns = 5_000_000_000 + i64::from(report) * 20_000_000 + late_ns;
+            let (stamp, base) = clock.stamp(report.wrapping_mul(20).wrapping_sub(100), now_ns);
+            assert!(stamp <= now_ns);
+            assert_eq!(base, i64::from(report) * 20_000_000);
+            if let Some(before) = before.filter(|_| report > 16) {
+                let apart: i64 = stamp - before;
+                // Up to 16 reports until the next fast one, of 20 us each.
+                assert!((apart - 20_000_000).abs() <= 320_000, "{apart}");
+            }
+            before = Some(stamp);
+        }
+    }
+
+    /// The first report was 90 ms under way.
+    #[test]
+    fn time_does_not_go_back() {
+        let mut clock = TickClock::new(1000);
+        let mut before = clock.stamp(20, 1_090_000_000).0;
+        for report in 1..20_i64 {
+            let (stamp, _) =
+                clock.stamp(20 + 20 * report as u32, 1_000_000_000 + 20_000_000 * report);
+            assert!(stamp >= before + 10_000_000, "{report}");
+            before = stamp;
+        }
+        // By then it has caught up.
+        assert_eq!(before, 1_000_000_000 + 20_000_000 * 19);
+    }
+
+    #[test]
+    fn a_base_that_begins_anew_is_stamped_by_its_arrival() {
+        let mut clock = TickClock::new(1000);
+        clock.stamp(60_000, 1_000_000_000);
+        assert_eq!(clock.stamp(20, 9_000_000_000).0, 9_000_000_000);
+    }
+}
