@@ -11,7 +11,7 @@ use super::{CHECK_LEN, HEADER_LEN, WirePose};
 /// Bytes of a row.
 pub const ROW_BYTES: usize = 16;
 /// Rows in a frame: no more than what the longest other message takes in memory.
-pub const ROWS: usize = 10;
+pub const ROWS: usize = 9;
 /// Bytes of a frame of rows on the line, at most: stuffing and delimiter, header, kind, number of the first row, how many, rows,
 /// check.
 pub const ROWS_FRAME: usize = 2 + HEADER_LEN + 1 + 5 + 1 + ROWS * ROW_BYTES + CHECK_LEN;
@@ -250,10 +250,10 @@ mod tests {
 
     #[test]
     fn the_line_that_a_recording_needs() {
-        // 10 rows in 176 bytes of ten bits, of four fifths of the line.
-        assert_eq!(least_baud(100), 22_000);
-        assert_eq!(least_baud(200), 44_000);
-        assert_eq!(least_baud(1000), 220_000);
+        // 9 rows in 160 bytes of ten bits, of four fifths of the line.
+        assert_eq!(least_baud(100), 22_223);
+        assert_eq!(least_baud(200), 44_445);
+        assert_eq!(least_baud(1000), 222_223);
         assert!(least_baud(u16::MAX) > least_baud(u16::MAX - 1));
     }
 }
