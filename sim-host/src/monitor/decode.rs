@@ -1,9 +1,11 @@
 //! From bytes to what the board says.
 
+use super::RecordedDrive;
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
 use protocol::{
-    BaseTick, Counters, Decoder, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry, tick_flags,
+    BaseTick, Counters, Decoder, FieldParams, FrameCounters, Hello, MAX_CONTENT, Origin, RejectReason,
+    Telemetry, tick_flags,
 };
 use std::fmt::Write as _;
 
@@ -13,6 +15,19 @@ pub struct Monitor {
     decoder: Decoder<Telemetry, MAX_CONTENT>,
     reports: u64,
     latest: LatestTelemetry,
+    answers: Answers,
+    recording: RecordedDrive,
+}
+
+/// Answers to commands so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Answers {
+    /// Commands taken.
+    pub acks: u64,
+    /// Commands refused.
+    pub nacks: u64,
+    /// Why the last one was.
+    pub refused: Option<RejectReason>,
 }
 
 /// The last of each kind.
@@ -28,6 +43,8 @@ pub struct LatestTelemetry {
     pub counters: Option<Counters>,
     /// Where its parameters come from.
     pub origin: Option<Origin>,
+    /// Its parameters.
+    pub parameters: Option<FieldParams>,
 }
 
 impl Monitor {
@@ -47,8 +64,15 @@ impl Monitor {
                 Telemetry::State { state, cause, .. } => self.latest.state = Some((state, cause)),
                 Telemetry::Counters(counters) => self.latest.counters = Some(counters),
                 Telemetry::Origin(origin) => self.latest.origin = Some(origin),
-                // Answers to somebody else's questions.
-                Telemetry::Parameters(_) | Telemetry::Ack | Telemetry::Nack(_) => {}
+                Telemetry::Parameters(parameters) => self.latest.parameters = Some(parameters),
+                Telemetry::Ack => self.answers.acks += 1,
+                Telemetry::Nack(reason) => {
+                    self.answers.nacks += 1;
+                    self.answers.refused = Some(reason);
+                }
+                Telemetry::Recording(_) | Telemetry::Rows(_) | Telemetry::RecordedPose(_) => {
+                    self.recording.take(&frame.message);
+                }
             }
         }
     }
@@ -56,6 +80,21 @@ impl Monitor {
     /// The latest of each message.
     pub fn latest(&self) -> &LatestTelemetry {
         &self.latest
+    }
+
+    /// Answers to commands, whoever sent them.
+    pub const fn answers(&self) -> Answers {
+        self.answers
+    }
+
+    /// What came of a bench recording.
+    pub const fn recording(&self) -> &RecordedDrive {
+        &self.recording
+    }
+
+    /// The bench recording, to keep.
+    pub fn into_recording(self) -> RecordedDrive {
+        self.recording
     }
 
     /// Frames by outcome.

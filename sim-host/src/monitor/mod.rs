@@ -8,11 +8,13 @@ mod decode;
 mod log;
 #[cfg(not(target_family = "wasm"))]
 mod port;
+mod recording;
 #[cfg(not(target_family = "wasm"))]
 mod serve;
 
-pub use decode::{LatestTelemetry, Monitor};
+pub use decode::{Answers, LatestTelemetry, Monitor};
 pub use log::{Log, column_names, report_fields};
+pub use recording::{Lost, RecordedDrive};
 #[cfg(not(target_family = "wasm"))]
 pub use {
     port::{Port, Received},

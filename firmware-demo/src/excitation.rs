@@ -1,0 +1,358 @@
+//! What a base drives by itself for a bench recording: levels of speed and turn rate, within a rectangle.
+//!
+//! ```text
+//!            width             runs to and fro along the length, straight and in arcs, forward and backward;
+//!     +--------|--------+      half turns on the spot between them; a new speed each 0.3 to 1 s, a new turn rate as often,
+//!     |                 |      both of 30 to 100 % of what was ordered
+//!     |        ^        |
+//!     |     begin       |  1/10 of the length behind the begin
+//!     +-----------------+
+//! ```
+//!
+//! The excitation is a source of velocity orders, as a host is: everything that watches over a base that is driven by one
+//! watches here, limits, faults, the button, a host that falls silent. What it adds is the rectangle: a run ends a margin
+//! before an edge, and where a controlled stop would end beyond an edge ([`controlled_stop`] bounds its way) the base is to begin it.
+//!
+//! Pure: time and motion are arguments; the same seed with the same motion orders the same.
+//!
+//! [`controlled_stop`]: controller_core::safety::controlled_stop
+
+use core::f32::consts::PI;
+
+use controller_core::angle::wrap;
+use controller_core::maths::{Maths, Single};
+use controller_core::motion::Limits;
+use controller_core::safety::Stopping;
+use controller_core::types::{Pose, Twist};
+use protocol::{Excite, RecordingEnd};
+
+/// Share of the length that is behind the base at the begin.
+pub const BEHIND: f32 = 0.1;
+/// Share of the shorter side at which a run turns round before an edge.
+const MARGIN: f32 = 0.1;
+/// Sides of the rectangle \[m\].
+const SIDES: (f32, f32) = (0.3, 50.0);
+/// Lengths of a drive \[s\]: time for each kind of motion, and less than a clock of 32 bits of µs wraps around in.
+const DURATIONS: (f32, f32) = (5.0, 600.0);
+/// Levels as shares of what was ordered.
+const LEVELS: (f32, f32) = (0.3, 1.0);
+/// Time of a level \[s\].
+const TIMES: (f32, f32) = (0.3, 1.0);
+/// Time that a new order takes to slow the base down \[s\]: the lags of driving by velocity.
+const LAG_S: f32 = 0.2;
+/// A base slower than this has halted \[m/s, rad/s\],
+const HALTED: (f32, f32) = (0.02, 0.05);
+/// or after this time \[µs\].
+const HALT_US: u32 = 1_500_000;
+/// Less than this is not turned between two runs \[rad\].
+const AHEAD: f32 = 0.5;
+
+/// How the base moves now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Where it is.
+    pub pose: Pose<f32>,
+    /// Measured.
+    pub twist: Twist<f32>,
+    /// Of a controlled stop that began now.
+    pub stopping: Stopping<f32>,
+}
+
+/// What a tick asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// Drive so.
+    Drive(Twist<f32>),
+    /// Stop, for this reason.
+    End(RecordingEnd),
+}
+
+/// A number that is drawn anew after some time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Level {
+    value: f32,
+    left_us: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Leg {
+    /// Along the heading, or against it.
+    Run { forward: bool, straight: bool },
+    /// To rest; then a run if the base has been turned for it.
+    Halt { turned: bool },
+    /// On the spot: its sense, what is left \[rad\], the heading before.
+    Turn { sense: f32, left: f32, before: f32 },
+    /// To rest for good.
+    End,
+}
+
+/// A drive under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excitation {
+    order: Excite,
+    random: Random,
+    begin: Option<Pose<f32>>,
+    run_us: u32,
+    leg: Leg,
+    leg_us: u32,
+    /// Runs so far, modulo what changes with them.
+    runs: u8,
+    speed: Level,
+    turn: Level,
+}
+
+impl Excitation {
+    /// A drive that begins where the first tick finds the base; `None` where a number of `order` is out of its range, or the
+    /// speed too high to stop from within a third of the length, for which `stop_m` is the way.
+    pub fn new(order: &Excite, limits: &Limits<f32>, stop_m: impl Fn(f32) -> f32) -> Option<Self> {
+        // What is not a number is in no range.
+        let within = |value: f32, (low, high): (f32, f32)| low <= value && value <= high;
+        let fits = within(order.length_m, SIDES)
+            && within(order.width_m, SIDES)
+            && within(order.duration_s, DURATIONS)
+            && within(order.speed, (f32::MIN_POSITIVE, limits.speed))
+            && within(order.turn_rate, (f32::MIN_POSITIVE, limits.turn_rate))
+            && 3.0 * (stop_m(order.speed) + LAG_S * order.speed) <= order.length_m;
+        fits.then_some(Self {
+            order: *order,
+            random: Random::new(order.seed),
+            begin: None,
+            run_us: 0,
+            leg: Leg::Run {
+                forward: true,
+                straight: true,
+            },
+            leg_us: 0,
+            runs: 0,
+            speed: Level::default(),
+            turn: Level::default(),
+        })
+    }
+
+    /// The tick `dt_us` after the last; without a motion the base does not know of one yet, and is to stand.
+    pub fn advance(&mut self, dt_us: u32, motion: Option<&Motion>) -> Step {
+        let Some(motion) = motion else {
+            return Step::Drive(Twist::default());
+        };
+        self.run_us = self.run_us.saturating_add(dt_us);
+        self.leg_us = self.leg_us.saturating_add(dt_us);
+        let begin = *self.begin.get_or_insert(motion.pose);
+        let place = Place::of(&begin, motion);
+        if place.leaves(&self.order, 0.0, 0.0) {
+            return Step::End(RecordingEnd::LeftSpace);
+        }
+        if self.leg != Leg::End && self.run_us as f32 * 1.0e-6 >= self.order.duration_s {
+            self.enter(Leg::End);
+        }
+        for level in [&mut self.speed, &mut self.turn] {
+            level.left_us = level.left_us.saturating_sub(dt_us);
+        }
+        match self.leg {
+            Leg::Run { forward, straight } => self.run(&place, forward, straight),
+            Leg::Turn {
+                sense,
+                left,
+                before,
+            } => self.turn(&place, sense, left, before),
+            Leg::Halt { turned } => {
+                if self.halted(motion) {
+                    self.depart(&place, turned);
+                }
+                Step::Drive(Twist::default())
+            }
+            Leg::End if self.halted(motion) => Step::End(RecordingEnd::Complete),
+            Leg::End => Step::Drive(Twist::default()),
+        }
+    }
+
+    fn halted(&self, Motion { twist, .. }: &Motion) -> bool {
+        let rests = twist.linear.abs() < HALTED.0 && twist.angular.abs() < HALTED.1;
+        rests || self.leg_us > HALT_US
+    }
+
+    fn enter(&mut self, leg: Leg) {
+        self.leg = leg;
+        self.leg_us = 0;
+        (self.speed, self.turn) = Default::default();
+    }
+
+    fn run(&mut self, place: &Place, forward: bool, straight: bool) -> Step {
+        let margin = MARGIN * smaller(self.order.length_m, self.order.width_m);
+        let sense = if forward { 1.0 } else { -1.0 };
+        if place.heads_out(&self.order, margin, sense) {
+            self.enter(Leg::Halt { turned: false });
+            return Step::Drive(Twist::default());
+        }
+        if self.speed.left_us == 0 {
+            self.speed = self.random.level(self.order.speed);
+        }
+        if self.turn.left_us == 0 {
+            // Circles of the width's radius at the tightest.
+            let share = 2.0 * self.random.share() - 1.0;
+            let arc = if straight { 0.0 } else { share };
+            self.turn = Level {
+                value: arc / self.order.width_m,
+                ..self.random.level(0.0)
+            };
+        }
+        let turn = self.turn.value * self.speed.value;
+        let most = self.order.turn_rate;
+        let turn = smaller(turn.abs(), most).copysign(turn);
+        Step::Drive(Twist::new(sense * self.speed.value, turn))
+    }
+
+    fn turn(&mut self, place: &Place, sense: f32, left: f32, before: f32) -> Step {
+        let left = left - sense * wrap(place.heading - before);
+        if left <= place.turns_on {
+            self.enter(Leg::Halt { turned: true });
+            return Step::Drive(Twist::default());
+        }
+        self.leg = Leg::Turn {
+            sense,
+            left,
+            before: place.heading,
+        };
+        if self.turn.left_us == 0 {
+            self.turn = self.random.level(self.order.turn_rate);
+        }
+        Step::Drive(Twist::new(0.0, sense * self.turn.value))
+    }
+
+    /// On from a halt: twice forward, twice backward, each time to the far end, every other pair in arcs.
+    fn depart(&mut self, place: &Place, turned: bool) {
+        let next = self.runs.wrapping_add(1);
+        let forward = next & 2 == 0;
+        let run = Leg::Run {
+            forward,
+            straight: next & 1 == 0,
+        };
+        if !turned {
+            let Excite {
+                length_m, width_m, ..
+            } = self.order;
+            let far = if place.x < (0.5 - BEHIND) * length_m {
+                (1.0 - BEHIND - MARGIN) * length_m
+            } else {
+                (MARGIN - BEHIND) * length_m
+            };
+            let aside = 0.5 * (self.random.share() - 0.5) * width_m;
+            let bearing = Single::atan2(aside - place.y, far - place.x);
+            let facing = if forward { bearing } else { bearing + PI };
+            let to_left = wrap(facing - place.heading);
+            if to_left.abs() > AHEAD {
+                self.enter(Leg::Turn {
+                    sense: 1.0_f32.copysign(to_left),
+                    left: to_left.abs(),
+                    before: place.heading,
+                });
+                return;
+            }
+        }
+        self.runs = next;
+        self.enter(run);
+    }
+}
+
+/// The base in the rectangle, whose origin and axis are the pose at the begin.
+struct Place {
+    x: f32,
+    y: f32,
+    heading: f32,
+    /// Of the way, forward above 0.
+    speed: f32,
+    /// Way \[m\] and turn \[rad\] of a controlled stop.
+    stop_m: f32,
+    stop_rad: f32,
+    /// Turn until a new order has stopped it \[rad\].
+    turns_on: f32,
+}
+
+impl Place {
+    fn of(begin: &Pose<f32>, motion: &Motion) -> Self {
+        let Motion {
+            pose,
+            twist,
+            stopping,
+        } = motion;
+        let (sine, cosine) = Single::sin_cos(begin.theta);
+        let (dx, dy) = (pose.x - begin.x, pose.y - begin.y);
+        let turn = twist.angular;
+        Self {
+            x: dx * cosine + dy * sine,
+            y: dy * cosine - dx * sine,
+            heading: pose.theta - begin.theta,
+            speed: twist.linear,
+            stop_m: stopping.distance_m,
+            stop_rad: stopping.angle_rad.copysign(turn),
+            turns_on: stopping.angle_rad + LAG_S * turn.abs(),
+        }
+    }
+
+    /// A stop that begins `lag_s` from now ends beyond an edge, less the margin, that the base moves towards.
+    fn leaves(&self, order: &Excite, margin: f32, lag_s: f32) -> bool {
+        self.ends_beyond(order, margin, lag_s, 1.0_f32.copysign(self.speed))
+    }
+
+    /// As a run that turns round in time has to know it.
+    fn heads_out(&self, order: &Excite, margin: f32, sense: f32) -> bool {
+        self.ends_beyond(order, margin, LAG_S, sense)
+    }
+
+    fn ends_beyond(&self, order: &Excite, margin: f32, lag_s: f32, sense: f32) -> bool {
+        let way = sense * (self.stop_m + lag_s * self.speed.abs());
+        let rear = margin - BEHIND * order.length_m;
+        let front = (1.0 - BEHIND) * order.length_m - margin;
+        let side = 0.5 * order.width_m - margin;
+        // Straight on, and along the chord of the arc.
+        [0.0, 0.5 * self.stop_rad].into_iter().any(|turn| {
+            let (sine, cosine) = Single::sin_cos(self.heading + turn);
+            let (x, y) = (self.x + way * cosine, self.y + way * sine);
+            let (ahead, aside) = (sense * cosine, sense * sine);
+            // Not a number is nowhere inside.
+            let inside = |value: f32| value >= 0.0;
+            !((inside(front - x) || (margin > 0.0 && ahead < 0.0))
+                && (inside(x - rear) || (margin > 0.0 && ahead > 0.0))
+                && (inside(side - y) || (margin > 0.0 && aside < 0.0))
+                && (inside(side + y) || (margin > 0.0 && aside > 0.0)))
+        })
+    }
+}
+
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Marsaglia's xorshift of 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Random(u32);
+
+impl Random {
+    const fn new(seed: u32) -> Self {
+        // Of 0 it would stay 0; neighbours begin far apart.
+        let mixed = seed.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
+        Self(if mixed == 0 { 1 } else { mixed })
+    }
+
+    /// 0 to below 1.
+    fn share(&mut self) -> f32 {
+        let Self(mut bits) = *self;
+        bits ^= bits << 13;
+        bits ^= bits >> 17;
+        bits ^= bits << 5;
+        *self = Self(bits);
+        (bits >> 8) as f32 / 16_777_216.0
+    }
+
+    fn between(&mut self, (low, high): (f32, f32)) -> f32 {
+        low + (high - low) * self.share()
+    }
+
+    /// A share of `most`, for a time.
+    fn level(&mut self, most: f32) -> Level {
+        Level {
+            value: most * self.between(LEVELS),
+            left_us: (1.0e6 * self.between(TIMES)) as u32,
+        }
+    }
+}
+
