@@ -18,6 +18,7 @@ use std::time::Duration;
 pub struct Port {
     file: File,
     sequence: u16,
+    serial: bool,
 }
 
 /// What came of listening.
@@ -50,7 +51,13 @@ impl Port {
         Ok(Self {
             file: file.map_err(failed)?,
             sequence: 0,
+            serial: !kind.is_socket(),
         })
+    }
+
+    /// A serial port, whose speed counts; else a socket.
+    pub const fn is_serial(&self) -> bool {
+        self.serial
     }
 
     /// Waits at most `patience` for bytes.
