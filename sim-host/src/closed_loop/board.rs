@@ -103,7 +103,7 @@ impl<'queue> Board<'queue> {
     /// out is to be compared with what came out here.
     ///
     /// # Errors
-    /// It cannot be reached.
+    /// It cannot be reached, or puts out something else.
     pub fn tick_mirror(
         &mut self,
         mirror: &mut dyn LineMirror,
@@ -111,6 +111,10 @@ impl<'queue> Board<'queue> {
     ) -> Result<Vec<u8>, MirrorError> {
         let (now_us, sensed) = &self.last;
         let (output, bytes) = mirror.tick(line, *now_us, sensed)?;
+        let here = self.task().drive().output();
+        if output != *here {
+            return Err(format!("{output:?} is put out there, {here:?} here").into());
+        }
         self.override_actuation((&output).into());
         Ok(bytes)
     }

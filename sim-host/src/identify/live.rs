@@ -203,18 +203,13 @@ fn command(
     command: &Command,
     what: &'static str,
 ) -> Result<(), BenchError> {
-    let before = monitor.answers();
-    line.send(command)?;
+    monitor.ask_about(line.send(command)?);
     let mut waited = Duration::ZERO;
     while waited < ANSWER {
         pass(line, monitor, ORDER_PERIOD)?;
-        let now = monitor.answers();
-        match now.refused {
-            Some(why) if now.nacks > before.nacks => {
-                return Err(BenchError::Refused { what, why });
-            }
-            _ if now.acks > before.acks => return Ok(()),
-            _ => waited += ORDER_PERIOD,
+        match monitor.answer() {
+            Some(answer) => return answer.map_err(|why| BenchError::Refused { what, why }),
+            None => waited += ORDER_PERIOD,
         }
         line.send(&Command::Heartbeat)?;
     }

@@ -15,19 +15,9 @@ pub struct Monitor {
     decoder: Decoder<Telemetry, MAX_CONTENT>,
     reports: u64,
     latest: LatestTelemetry,
-    answers: Answers,
+    /// A command whose answer counts, and the answer.
+    asked: Option<(u16, Option<Result<(), RejectReason>>)>,
     recording: RecordedDrive,
-}
-
-/// Answers to commands so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Answers {
-    /// Commands taken.
-    pub acks: u64,
-    /// Commands refused.
-    pub nacks: u64,
-    /// Why the last one was.
-    pub refused: Option<RejectReason>,
 }
 
 /// The last of each kind.
@@ -65,11 +55,8 @@ impl Monitor {
                 Telemetry::Counters(counters) => self.latest.counters = Some(counters),
                 Telemetry::Origin(origin) => self.latest.origin = Some(origin),
                 Telemetry::Parameters(parameters) => self.latest.parameters = Some(parameters),
-                Telemetry::Ack => self.answers.acks += 1,
-                Telemetry::Nack(reason) => {
-                    self.answers.nacks += 1;
-                    self.answers.refused = Some(reason);
-                }
+                Telemetry::Ack => self.answered(frame.sequence, Ok(())),
+                Telemetry::Nack(reason) => self.answered(frame.sequence, Err(reason)),
                 Telemetry::Recording(_) | Telemetry::Rows(_) | Telemetry::RecordedPose(_) => {
                     self.recording.take(&frame.message);
                 }
@@ -82,9 +69,22 @@ impl Monitor {
         &self.latest
     }
 
-    /// Answers to commands, whoever sent them.
-    pub const fn answers(&self) -> Answers {
-        self.answers
+    /// Looks for the answer to the command with this number from now on; all others are answers to somebody else.
+    pub const fn ask_about(&mut self, sequence: u16) {
+        self.asked = Some((sequence, None));
+    }
+
+    /// The answer to the command that was asked about, once it is there.
+    pub fn answer(&self) -> Option<Result<(), RejectReason>> {
+        self.asked?.1
+    }
+
+    fn answered(&mut self, sequence: u16, answer: Result<(), RejectReason>) {
+        if let Some((asked, known @ None)) = &mut self.asked
+            && *asked == sequence
+        {
+            *known = Some(answer);
+        }
     }
 
     /// What came of a bench recording.

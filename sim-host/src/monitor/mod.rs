@@ -12,7 +12,7 @@ mod recording;
 #[cfg(not(target_family = "wasm"))]
 mod serve;
 
-pub use decode::{Answers, LatestTelemetry, Monitor};
+pub use decode::{LatestTelemetry, Monitor};
 pub use log::{Log, column_names, report_fields};
 pub use recording::{Lost, RecordedDrive};
 #[cfg(not(target_family = "wasm"))]

@@ -92,19 +92,20 @@ impl Port {
         }
     }
 
-    /// Sends a command and does not wait for its answer.
+    /// Sends a command and does not wait for its answer, which has the number that is given back.
     ///
     /// # Errors
     /// [`MonitorError::Line`].
-    pub fn ask(&mut self, command: &Command) -> Result<(), MonitorError> {
+    pub fn ask(&mut self, command: &Command) -> Result<u16, MonitorError> {
         let mut frame = [0; MAX_FRAME];
-        let frame = encode(self.sequence, command, &mut frame)
+        let sequence = self.sequence;
+        let frame = encode(sequence, command, &mut frame)
             .map_err(|error| MonitorError::Line(io::Error::other(error)))?;
-        self.sequence = self.sequence.wrapping_add(1);
+        self.sequence = sequence.wrapping_add(1);
         match self.file.write_all(frame) {
             // A board that does not read: the question is lost, the next one may not be.
-            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(()),
-            outcome => outcome.map_err(MonitorError::Line),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(sequence),
+            outcome => outcome.map_err(MonitorError::Line).map(|()| sequence),
         }
     }
 }

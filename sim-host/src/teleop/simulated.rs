@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 pub struct Simulated<'queue> {
     board: Board<'queue>,
     mirror: Option<Twin<'queue>>,
+    /// Whether a message arrives.
+    arrives: Option<Box<Arrives<'queue>>>,
     sequence: u16,
     /// Answers of the background that the host has not read.
     unread: Vec<u8>,
@@ -23,6 +25,8 @@ pub struct Simulated<'queue> {
     /// When the world began, where it keeps to real time.
     began: Option<Instant>,
 }
+
+type Arrives<'a> = dyn FnMut(&Telemetry) -> bool + 'a;
 
 /// The same firmware somewhere else, and what passed the line since the last tick.
 struct Twin<'a> {
@@ -45,6 +49,7 @@ impl<'queue> Simulated<'queue> {
         Ok(Self {
             board: Board::new(queues, base, setup, |_| {})?,
             mirror: None,
+            arrives: None,
             sequence: 0,
             unread: Vec::new(),
             due_us: 0,
@@ -77,10 +82,19 @@ impl<'queue> Simulated<'queue> {
         self.board.world()
     }
 
+    /// A line on which only those messages of the base arrive of which `arrives` says so.
+    pub fn losing(mut self, arrives: impl FnMut(&Telemetry) -> bool + 'queue) -> Self {
+        self.arrives = Some(Box::new(arrives));
+        self
+    }
+
     fn read(&mut self, answer: Frame<Telemetry>) -> Result<(), MonitorError> {
         let mut bytes = [0; MAX_FRAME];
         let frame = encode(answer.sequence, &answer.message, &mut bytes).map_err(failed)?;
-        self.unread.extend_from_slice(frame);
+        let arrives = self.arrives.as_mut();
+        if arrives.is_none_or(|arrives| arrives(&answer.message)) {
+            self.unread.extend_from_slice(frame);
+        }
         if let Some(mirror) = &mut self.mirror {
             mirror.from_here.extend_from_slice(frame);
         }
@@ -118,10 +132,11 @@ impl<'queue> Simulated<'queue> {
 }
 
 impl Line for Simulated<'_> {
-    fn send(&mut self, command: &Command) -> Result<(), MonitorError> {
+    fn send(&mut self, command: &Command) -> Result<u16, MonitorError> {
         let mut bytes = [0; MAX_FRAME];
-        let frame = encode(self.sequence, command, &mut bytes).map_err(failed)?;
-        self.sequence = self.sequence.wrapping_add(1);
+        let sequence = self.sequence;
+        let frame = encode(sequence, command, &mut bytes).map_err(failed)?;
+        self.sequence = sequence.wrapping_add(1);
         if let Some(mirror) = &mut self.mirror {
             mirror.to_base.extend_from_slice(frame);
         }
@@ -130,7 +145,7 @@ impl Line for Simulated<'_> {
                 self.read(answer)?;
             }
         }
-        Ok(())
+        Ok(sequence)
     }
 
     fn pass(&mut self, time: Duration, monitor: &mut Monitor) -> Result<bool, MonitorError> {
