@@ -104,6 +104,8 @@ struct Shared {
     state: AtomicU32,
     /// Written by the command receiver.
     stops: Stops,
+    /// Heartbeats, written by the command receiver.
+    heartbeats: AtomicU32,
     /// Ticks per second, written by the tick.
     tick_hz: AtomicU32,
     overruns: AtomicU32,
@@ -189,6 +191,7 @@ pub struct ControlServer<'queue, D, M = NoMemory> {
     /// The origin that the host knows.
     reported: Option<Origin>,
     frames: u32,
+    heartbeats: u32,
     stops: Seen,
     changes: u32,
     /// The state word of the trajectory under way.
@@ -226,6 +229,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             origin,
             reported: None,
             frames: 0,
+            heartbeats: 0,
             stops: Seen::default(),
             changes: 0,
             word: 0,
@@ -245,6 +249,11 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
         if frames != self.frames {
             self.frames = frames;
             self.task.host_seen();
+        }
+        let heartbeats = self.ends.shared.heartbeats.load(Ordering::Relaxed);
+        if heartbeats != self.heartbeats {
+            self.heartbeats = heartbeats;
+            self.task.heartbeat_seen();
         }
         let mut stops = self.stops.news(&self.ends.shared.stops);
         // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the

@@ -17,7 +17,7 @@
 //!
 //! [`controlled_stop`]: controller_core::safety::controlled_stop
 
-use core::f32::consts::PI;
+use core::f32::consts::{PI, TAU};
 
 use controller_core::angle::wrap;
 use controller_core::maths::{Maths, Single};
@@ -34,6 +34,9 @@ const MARGIN: f32 = 0.1;
 const SIDES: (f32, f32) = (0.3, 50.0);
 /// Lengths of a drive \[s\]: time for each kind of motion, and less than a clock of 32 bits of µs wraps around in.
 const DURATIONS: (f32, f32) = (5.0, 600.0);
+/// Steps in which a speed is sought that the space is long enough for, and the least one, as shares.
+const SLOWER: f32 = 0.95;
+const SLOWEST: f32 = 0.1;
 /// Levels as shares of what was ordered.
 const LEVELS: (f32, f32) = (0.3, 1.0);
 /// Time of a level \[s\].
@@ -44,6 +47,8 @@ const LAG_S: f32 = 0.2;
 const HALTED: (f32, f32) = (0.02, 0.05);
 /// or after this time \[µs\].
 const HALT_US: u32 = 1_500_000;
+/// Turns of this and more go either way \[rad\].
+const EITHER: f32 = 2.0;
 /// Less than this is not turned between two runs \[rad\].
 const AHEAD: f32 = 0.5;
 
@@ -97,13 +102,16 @@ pub struct Excitation {
     leg_us: u32,
     /// Runs so far, modulo what changes with them.
     runs: u8,
+    /// The last turn on the spot, to the left above 0 \[rad\].
+    turned: f32,
     speed: Level,
     turn: Level,
 }
 
 impl Excitation {
-    /// A drive that begins where the first tick finds the base; `None` where a number of `order` is out of its range, or the
-    /// speed too high to stop from within a third of the length, for which `stop_m` is the way.
+    /// A drive that begins where the first tick finds the base; `None` where a number of `order` is out of its range. The speed is
+    /// one from which the base stops within a third of the length, `stop_m` being the way of a stop; `None` if that is less
+    /// than a tenth of the order's.
     pub fn new(order: &Excite, limits: &Limits<f32>, stop_m: impl Fn(f32) -> f32) -> Option<Self> {
         // What is not a number is in no range.
         let within = |value: f32, (low, high): (f32, f32)| low <= value && value <= high;
@@ -111,10 +119,16 @@ impl Excitation {
             && within(order.width_m, SIDES)
             && within(order.duration_s, DURATIONS)
             && within(order.speed, (f32::MIN_POSITIVE, limits.speed))
-            && within(order.turn_rate, (f32::MIN_POSITIVE, limits.turn_rate))
-            && 3.0 * (stop_m(order.speed) + LAG_S * order.speed) <= order.length_m;
-        fits.then_some(Self {
-            order: *order,
+            && within(order.turn_rate, (f32::MIN_POSITIVE, limits.turn_rate));
+        if !fits {
+            return None;
+        }
+        let speeds = core::iter::successors(Some(order.speed), |speed| Some(SLOWER * speed));
+        let speed = speeds
+            .take_while(|speed| *speed > SLOWEST * order.speed)
+            .find(|speed| 3.0 * (stop_m(*speed) + LAG_S * speed) <= order.length_m)?;
+        Some(Self {
+            order: Excite { speed, ..*order },
             random: Random::new(order.seed),
             begin: None,
             run_us: 0,
@@ -124,6 +138,7 @@ impl Excitation {
             },
             leg_us: 0,
             runs: 0,
+            turned: 0.0,
             speed: Level::default(),
             turn: Level::default(),
         })
@@ -238,8 +253,15 @@ impl Excitation {
             let aside = 0.5 * (self.random.share() - 0.5) * width_m;
             let bearing = Single::atan2(aside - place.y, far - place.x);
             let facing = if forward { bearing } else { bearing + PI };
-            let to_left = wrap(facing - place.heading);
+            let near = wrap(facing - place.heading);
+            // To the other side than last time where that is not much farther.
+            let to_left = if near.abs() > EITHER && near * self.turned > 0.0 {
+                near - TAU.copysign(near)
+            } else {
+                near
+            };
             if to_left.abs() > AHEAD {
+                self.turned = to_left;
                 self.enter(Leg::Turn {
                     sense: 1.0_f32.copysign(to_left),
                     left: to_left.abs(),
@@ -356,3 +378,242 @@ impl Random {
     }
 }
 
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use controller_core::motion::SaturationPolicy;
+
+    const LIMITS: Limits<f32> = Limits {
+        speed: 1.2,
+        turn_rate: 3.0,
+        accel: 1.0,
+        brake: 1.5,
+        turn_accel: 6.0,
+        jerk: 20.0,
+        turn_jerk: 80.0,
+        wheel_torque_nm: 2.0,
+        policy: SaturationPolicy::KeepCurvature,
+    };
+    const ORDER: Excite = Excite {
+        length_m: 2.0,
+        width_m: 1.0,
+        speed: 0.7,
+        turn_rate: 1.8,
+        duration_s: 40.0,
+        seed: 1,
+    };
+    const DT_US: u32 = 5000;
+
+    fn stop_m(speed: f32) -> f32 {
+        speed * speed / (2.0 * 0.8 * LIMITS.brake)
+    }
+
+    /// A point that takes orders within accelerations; a stop of it is one with less of them.
+    #[derive(Clone, Copy)]
+    struct Point {
+        pose: Pose<f32>,
+        twist: Twist<f32>,
+    }
+
+    impl Point {
+        fn motion(&self) -> Motion {
+            let Twist { linear, angular } = self.twist;
+            Motion {
+                pose: self.pose,
+                twist: self.twist,
+                stopping: Stopping {
+                    distance_m: stop_m(linear),
+                    angle_rad: angular * angular / (2.0 * 0.8 * LIMITS.turn_accel),
+                    time_s: 0.0,
+                },
+            }
+        }
+
+        fn follow(&mut self, order: &Twist<f32>) {
+            let dt = DT_US as f32 * 1.0e-6;
+            let towards = |now: f32, to: f32, accel: f32| {
+                let most = accel * dt;
+                now + (to - now).max(-most).min(most)
+            };
+            self.twist.linear = towards(self.twist.linear, order.linear, LIMITS.accel);
+            self.twist.angular = towards(self.twist.angular, order.angular, LIMITS.turn_accel);
+            let (sine, cosine) = Single::sin_cos(self.pose.theta);
+            self.pose.x += dt * self.twist.linear * cosine;
+            self.pose.y += dt * self.twist.linear * sine;
+            self.pose.theta += dt * self.twist.angular;
+        }
+    }
+
+    /// Seconds of each motion: forward, backward, to the left, to the right on the spot, in arcs; and how it ended.
+    fn drive(order: &Excite, begin: Pose<f32>) -> ([f32; 5], RecordingEnd) {
+        let mut excitation = Excitation::new(order, &LIMITS, stop_m).expect("an order");
+        let mut point = Point {
+            pose: begin,
+            twist: Twist::default(),
+        };
+        let (sine, cosine) = Single::sin_cos(begin.theta);
+        let mut seconds = [0.0; 5];
+        for _ in 0..200_000 {
+            match excitation.advance(DT_US, Some(&point.motion())) {
+                Step::End(end) => return (seconds, end),
+                Step::Drive(twist) => {
+                    assert!(twist.linear.abs() <= order.speed, "{twist:?}");
+                    assert!(twist.angular.abs() <= order.turn_rate, "{twist:?}");
+                    point.follow(&twist);
+                }
+            }
+            let (dx, dy) = (point.pose.x - begin.x, point.pose.y - begin.y);
+            let (x, y) = (dx * cosine + dy * sine, dy * cosine - dx * sine);
+            let inside = (-BEHIND * order.length_m..=(1.0 - BEHIND) * order.length_m).contains(&x)
+                && y.abs() <= 0.5 * order.width_m;
+            assert!(inside, "{order:?}: at {x}, {y}");
+            let Twist { linear, angular } = point.twist;
+            let dt = DT_US as f32 * 1.0e-6;
+            let turns = angular.abs() > 0.1;
+            for (sum, holds) in seconds.iter_mut().zip([
+                linear > 0.1,
+                linear < -0.1,
+                turns && angular > 0.0 && linear.abs() < 0.01,
+                turns && angular < 0.0 && linear.abs() < 0.01,
+                turns && linear.abs() > 0.1,
+            ]) {
+                *sum += if holds { dt } else { 0.0 };
+            }
+        }
+        panic!("{order:?}: no end")
+    }
+
+    #[test]
+    fn every_drive_stays_in_its_space_moves_in_every_way_and_ends_in_time() {
+        for seed in 0..200 {
+            for (length_m, width_m, speed) in [(2.0, 1.0, 0.7), (1.0, 0.6, 0.7), (5.0, 5.0, 1.2)] {
+                let order = Excite {
+                    length_m,
+                    width_m,
+                    speed,
+                    seed,
+                    ..ORDER
+                };
+                let begin = Pose::new(3.0, -2.0, 0.1 * seed as f32);
+                let (seconds, end) = drive(&order, begin);
+                assert_eq!(end, RecordingEnd::Complete, "{order:?}");
+                // Of 40 s.
+                let least = seconds.iter().copied().fold(f32::INFINITY, f32::min);
+                assert!(least > 0.5, "{order:?}: {seconds:?}");
+                assert!(seconds.iter().sum::<f32>() > 25.0, "{order:?}: {seconds:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_seed_orders_the_same_and_another_another() {
+        let twists = |seed| {
+            let order = Excite { seed, ..ORDER };
+            let mut excitation = Excitation::new(&order, &LIMITS, stop_m).expect("an order");
+            let still = Point {
+                pose: Pose::default(),
+                twist: Twist::default(),
+            };
+            [(); 400].map(|()| excitation.advance(DT_US, Some(&still.motion())))
+        };
+        assert_eq!(twists(7), twists(7));
+        assert_ne!(twists(7), twists(8));
+        // A seed of 0 and one that the mixing makes 0 draw as well.
+        for seed in [0, 0x85EB_CA6B_u32.wrapping_mul(0x144C_BC89)] {
+            assert!(twists(seed).windows(2).any(|pair| pair[0] != pair[1]));
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_an_edge_or_nowhere_ends_the_drive() {
+        let at = |pose, linear| {
+            let mut excitation = Excitation::new(&ORDER, &LIMITS, stop_m).expect("an order");
+            let begin = Point {
+                pose: Pose::default(),
+                twist: Twist::default(),
+            };
+            excitation.advance(DT_US, Some(&begin.motion()));
+            let twist = Twist::new(linear, 0.0);
+            excitation.advance(DT_US, Some(&Point { pose, twist }.motion()))
+        };
+        let left = Step::End(RecordingEnd::LeftSpace);
+        assert!(matches!(at(Pose::new(1.7, 0.0, 0.0), 0.1), Step::Drive(_)));
+        // 0.7 m/s take 0.2 m.
+        assert_eq!(at(Pose::new(1.7, 0.0, 0.0), 0.7), left);
+        assert_eq!(at(Pose::new(1.81, 0.0, 0.0), 0.0), left);
+        assert_eq!(at(Pose::new(-0.21, 0.0, 0.0), 0.0), left);
+        assert_eq!(at(Pose::new(0.5, 0.51, 0.0), 0.0), left);
+        assert_eq!(at(Pose::new(0.5, -0.51, 0.0), 0.0), left);
+        assert_eq!(at(Pose::new(f32::NAN, 0.0, 0.0), 0.0), left);
+        assert_eq!(at(Pose::new(0.0, 0.0, f32::NAN), 0.1), left);
+    }
+
+    #[test]
+    fn orders_out_of_range_are_refused_and_a_speed_too_high_for_the_space_is_lowered() {
+        let speed = |order: &Excite| {
+            Excitation::new(order, &LIMITS, stop_m).map(|excitation| excitation.order.speed)
+        };
+        assert_eq!(speed(&ORDER), Some(0.7));
+        let short = speed(&Excite {
+            length_m: 0.6,
+            ..ORDER
+        });
+        assert!(
+            short.is_some_and(|speed| (0.2..0.5).contains(&speed)),
+            "{short:?}"
+        );
+        for wrong in [
+            Excite {
+                length_m: 0.2,
+                ..ORDER
+            },
+            Excite {
+                width_m: 51.0,
+                ..ORDER
+            },
+            Excite {
+                width_m: f32::NAN,
+                ..ORDER
+            },
+            Excite {
+                speed: 1.3,
+                ..ORDER
+            },
+            Excite {
+                speed: 0.0,
+                ..ORDER
+            },
+            Excite {
+                turn_rate: f32::INFINITY,
+                ..ORDER
+            },
+            Excite {
+                turn_rate: -1.0,
+                ..ORDER
+            },
+            Excite {
+                duration_s: 4.0,
+                ..ORDER
+            },
+            Excite {
+                duration_s: 601.0,
+                ..ORDER
+            },
+        ] {
+            assert_eq!(speed(&wrong), None, "{wrong:?}");
+        }
+        // A base that does not stop anywhere near.
+        assert!(Excitation::new(&ORDER, &LIMITS, |_| 5.0).is_none());
+    }
+
+    #[test]
+    fn a_base_that_knows_of_no_motion_yet_stands_and_loses_no_time() {
+        let mut excitation = Excitation::new(&ORDER, &LIMITS, stop_m).expect("an order");
+        let before = excitation;
+        assert_eq!(
+            excitation.advance(DT_US, None),
+            Step::Drive(Twist::default())
+        );
+        assert_eq!(excitation, before);
+    }
+}

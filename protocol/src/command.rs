@@ -62,7 +62,7 @@ pub enum Command {
         /// Keep the heading that the turn rates lead to.
         hold_heading: bool,
     },
-    /// Drive for a bench recording, by itself and within a stated space, and send every tick as a row; from Armed. The host has to
-    /// be heard all the while, as in every drive.
+    /// Drive for a bench recording, by itself and within a stated space, and send every tick as a row; from Armed. A heartbeat is
+    /// due all the while, as an order is in other drives: other frames, of a camera perhaps, are no sign of who watches.
     Excite(Excite),
 }

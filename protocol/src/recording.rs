@@ -39,7 +39,7 @@ pub struct Excite {
     /// Across it, m.
     #[serde(deserialize_with = "real")]
     pub width_m: f32,
-    /// Largest speed that is ordered, m/s; within the base's limit.
+    /// Largest speed that is ordered, m/s; within the base's limit. Less where the space is too short for it.
     #[serde(deserialize_with = "real")]
     pub speed: f32,
     /// Largest turn rate that is ordered, rad/s; within the base's limit.
@@ -77,8 +77,10 @@ pub enum RecordingEnd {
     Complete,
     /// The base was about to leave its space.
     LeftSpace,
-    /// A stop, a fault, a silent host or another order; the state before says which.
+    /// A stop, a fault or another order; the state before says which.
     Stopped,
+    /// No heartbeat of the host for too long.
+    HostSilent,
     /// An encoder gave nothing, or more counts than a row has room for.
     Unread,
     /// A row found no room on its way to the line: it is too slow.

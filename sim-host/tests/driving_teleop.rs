@@ -13,9 +13,9 @@ use sim_host::teleop::{
 };
 use sim_host::trials::{Condition, setup};
 use sim_host::world::WorldSetup;
+use socket_base::Served;
 use std::io::{ErrorKind, Write as _};
 use std::os::unix::net::UnixListener;
-use socket_base::Served;
 use std::process::{Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
@@ -225,7 +225,11 @@ fn the_program_drives_a_base_over_a_socket() {
     let port = path.to_str().expect("UTF-8");
     let output = program(&[&arguments[..], &[port]].concat(), "wwww.....q");
     assert!(output.status.success(), "{output:?}");
-    let Served { state, cause, fastest } = base.join().expect("the base runs");
+    let Served {
+        state,
+        cause,
+        fastest,
+    } = base.join().expect("the base runs");
     assert!((0.15..0.25).contains(&fastest), "{fastest} m/s");
     assert_eq!((state, cause), (State::Stopped, Cause::Host));
 }

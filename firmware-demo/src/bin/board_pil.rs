@@ -24,5 +24,7 @@ fn run() {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    println!("This program runs on an emulated board; tests of `sim-host identify` build and start it.");
+    println!(
+        "This program runs on an emulated board; tests of `sim-host identify` build and start it."
+    );
 }

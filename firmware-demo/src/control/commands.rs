@@ -2,8 +2,8 @@
 
 use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;
-use controller_core::motion::check_order;
 use controller_core::maths::Single;
+use controller_core::motion::check_order;
 use controller_core::safety::controlled_stop_distance;
 use controller_core::safety::supervisor::{Action, Event, State, next};
 use controller_core::types::Pose;
@@ -24,7 +24,10 @@ impl<D: WheelDrive> ControlTask<'_, D> {
     pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
         self.host_seen();
         match command {
-            Command::Heartbeat => Ok(()),
+            Command::Heartbeat => {
+                self.heartbeat_seen();
+                Ok(())
+            }
             Command::Arm => self.ask(Event::Arm),
             Command::Stop => self.ask(Event::Stop),
             Command::ResetFault => self.ask(Event::Reset),
@@ -67,6 +70,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 let excitation = Excitation::new(order, &motion.params().limits, stop_m)
                     .ok_or(RejectReason::Value)?;
                 self.references.clear();
+                self.heartbeat_seen();
                 self.excitation_end = RecordingEnd::Stopped;
                 self.course = Course::Excite(excitation);
                 Ok(())

@@ -5,12 +5,13 @@ use controller_core::hal::WheelDrive;
 use controller_core::maths::Single;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
-use controller_core::safety::controlled_stop;
 use controller_core::safety::supervisor::{Event, State};
+use controller_core::safety::{Timeout, controlled_stop};
 use controller_core::types::{Accel, Pose, Twist};
 
 use super::ControlTask;
 use crate::excitation::{Excitation, Motion, Step};
+use protocol::RecordingEnd;
 
 /// Where the base is commanded to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,9 +86,16 @@ impl<D: WheelDrive> ControlTask<'_, D> {
         }
     }
 
-    /// An order in every tick: this host is never late. The real one still has to be heard.
+    /// An order in every tick. Of the host a heartbeat is due instead.
     fn excite(&mut self, mut excitation: Excitation, elapsed_us: u32) -> Order<f32> {
         let step = excitation.advance(elapsed_us, self.motion().as_ref());
+        self.heartbeat = self.heartbeat.after(elapsed_us, false);
+        if self.heartbeat.us() > self.patience_us() {
+            self.excitation_end = RecordingEnd::HostSilent;
+            self.course = Course::None;
+            self.controller.on(Event::LinkLost);
+            return Order::None;
+        }
         match step {
             Step::Drive(twist) => {
                 self.course = Course::Excite(excitation);
@@ -102,6 +110,14 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 self.controller.on(Event::Stop);
                 Order::None
             }
+        }
+    }
+
+    /// How long a host may be silent that has the base drive by itself. Where a link is not watched this still is.
+    fn patience_us(&self) -> u32 {
+        match self.params.detectors.command {
+            Timeout::AfterUs(limit) => limit,
+            Timeout::Off => 100_000,
         }
     }
 

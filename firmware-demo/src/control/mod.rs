@@ -16,6 +16,7 @@ use controller_core::base::{BaseController, BaseParams, BaseReport, Order, Sense
 use controller_core::hal::{ErrorKind, WheelDrive};
 use controller_core::localiser::Fix;
 use controller_core::queue::ReferenceConsumer;
+use controller_core::safety::Silence;
 use controller_core::safety::supervisor::{Cause, Event, State};
 use controller_core::types::{Pose, WheelTorques};
 use protocol::{BaseTick, RecordingEnd};
@@ -32,6 +33,8 @@ pub struct ControlTask<'queue, D> {
     course: Course,
     /// Why the last excitation ended; what is not noted here ended it from outside.
     excitation_end: RecordingEnd,
+    /// Since the last heartbeat of the host.
+    heartbeat: Silence,
     /// An external pose for the next tick.
     fix: Option<Fix<f32>>,
     /// That of the last tick.
@@ -66,6 +69,7 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
             defaults,
             course: Course::default(),
             excitation_end: RecordingEnd::Stopped,
+            heartbeat: Silence::NONE,
             fix: None,
             fix_taken: None,
             answer: Ok(()),
@@ -79,6 +83,11 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// A sound frame came from the host, or a mission without a host is alive.
     pub const fn host_seen(&mut self) {
         self.controller.frame_seen();
+    }
+
+    /// A heartbeat of the host: what an excitation needs beside frames of whomever.
+    pub const fn heartbeat_seen(&mut self) {
+        self.heartbeat = Silence::NONE;
     }
 
     /// One tick at `now_us`, a clock that wraps around. `sensed.driver` is not looked at: the task has the driver's answer.

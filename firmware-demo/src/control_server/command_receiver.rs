@@ -57,6 +57,9 @@ impl<'queue> CommandReceiver<'queue> {
         self.shared.frames.store(frames.good, Ordering::Relaxed);
         let answer = match message {
             Command::Heartbeat => {
+                let heartbeats = &self.shared.heartbeats;
+                let count = heartbeats.load(Ordering::Relaxed);
+                heartbeats.store(count.wrapping_add(1), Ordering::Relaxed);
                 let tick_hz = self.shared.tick_hz.load(Ordering::Relaxed);
                 Telemetry::Hello(Hello {
                     tick_hz: u16::try_from(tick_hz).unwrap_or(u16::MAX),

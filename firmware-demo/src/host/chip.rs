@@ -5,8 +5,8 @@ use std::fmt::{self, Display, Formatter};
 use std::format;
 use std::path::{Path, PathBuf};
 use std::string::String;
-use std::vec::Vec;
 use std::time::Duration;
+use std::vec::Vec;
 
 use controller_core::base::{BaseParams, Sensed};
 use controller_core::paper::demand::Demand;

@@ -56,9 +56,9 @@ pub struct LiveArgs {
     pub port: Option<PathBuf>,
     /// Free floor for the middle of the axle [m]: a tenth of the length behind it, the rest ahead, half of the width to each
     /// side. The body needs its room around it
-    #[arg(long, value_name = "LENGTHxWIDTH", value_parser = space, requires = "port")]
+    #[arg(long, value_name = "LENGTHxWIDTH", value_parser = space, requires = "port", conflicts_with = "log")]
     pub space: Option<[f64; 2]>,
-    /// Largest speed [m/s]; else 0.6 of the base's limit, or what the space allows
+    /// Largest speed [m/s]; else 0.6 of the base's limit. The base takes less where the space is too short
     #[arg(long, value_name = "M/S", value_parser = positive, requires = "port")]
     pub speed: Option<f64>,
     /// Largest turn rate [rad/s]; else 0.6 of the base's limit
@@ -71,7 +71,7 @@ pub struct LiveArgs {
     #[arg(long, value_name = "N", default_value = "115200", requires = "port")]
     pub baud: u32,
     /// Keep the recording: a log for `identify`
-    #[arg(long, value_name = "FILE", requires = "port")]
+    #[arg(long, value_name = "FILE", requires = "port", conflicts_with = "log")]
     pub record: Option<PathBuf>,
 }
 

@@ -8,9 +8,7 @@ use crate::cli::{IdentifyArgs, Output};
 use serde::Serialize;
 use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
-use sim_host::identify::{
-    Identified, Known, Log, LogError, Options, Topics, identify, report,
-};
+use sim_host::identify::{Identified, Known, Log, LogError, Options, Topics, identify, report};
 use sim_host::mission::BaseSpec;
 use sim_host::ros::read::{Messages, is_bag};
 use std::fs;

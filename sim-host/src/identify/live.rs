@@ -81,7 +81,7 @@ fn hint(why: RejectReason, what: &str) -> &'static str {
     match (why, what) {
         (RejectReason::State, _) => "; reset a fault first, and let it come to rest",
         (RejectReason::Value, DRIVE) => {
-            "; the space is too short for the speed, or the speed or the turn rate above the base's limits"
+            "; the space is too small, or the speed or the turn rate above the base's limits"
         }
         _ => "",
     }
@@ -91,6 +91,7 @@ fn ended(end: RecordingEnd, state: &Option<(State, Cause)>) -> String {
     match (end, state) {
         (RecordingEnd::Complete, _) => "its time was over".to_owned(),
         (RecordingEnd::LeftSpace, _) => "the base was about to leave its space".to_owned(),
+        (RecordingEnd::HostSilent, _) => "the base did not hear this host".to_owned(),
         (RecordingEnd::Unread, _) => "an encoder was not read".to_owned(),
         (RecordingEnd::Overflow, _) => "the line is too slow for every tick".to_owned(),
         (RecordingEnd::Stopped, Some((state, Cause::Fault(fault)))) => {
@@ -109,18 +110,13 @@ const SILENCE: Duration = Duration::from_secs(1);
 const REST: Duration = Duration::from_secs(5);
 /// Shares of the base's limits, unless stated.
 const SHARE: f64 = 0.6;
-/// Share of the length in which the base comes to its speed and back to rest.
-const RAMPS: f64 = 0.5;
 const DRIVE: &str = "drive";
 
 impl Bench {
     /// What is asked of a base of these limits.
     fn order(&self, limits: &WireLimits) -> Excite {
         let [length, width] = self.space_m;
-        // A ramp up and a ramp down, v^2/2a + v^2/2b, leave half of the length for levels.
-        let (up, down) = (f64::from(limits.accel), f64::from(limits.brake));
-        let fits = (RAMPS * length * 2.0 * up * down / (up + down)).sqrt();
-        let speed = (SHARE * f64::from(limits.speed)).min(fits);
+        let speed = SHARE * f64::from(limits.speed);
         let turn_rate = SHARE * f64::from(limits.turn_rate);
         Excite {
             length_m: length as f32,
@@ -165,11 +161,7 @@ pub fn record_live(
 }
 
 /// Asks what the base is, and whether its line will do.
-fn greet(
-    line: &mut impl Line,
-    monitor: &mut Monitor,
-    bench: &Bench,
-) -> Result<Excite, BenchError> {
+fn greet(line: &mut impl Line, monitor: &mut Monitor, bench: &Bench) -> Result<Excite, BenchError> {
     let mut waited = Duration::ZERO;
     loop {
         line.send(&Command::Heartbeat)?;
@@ -267,11 +259,7 @@ fn stop(line: &mut impl Line, monitor: &mut Monitor) -> Result<(), BenchError> {
     }
 }
 
-fn pass(
-    line: &mut impl Line,
-    monitor: &mut Monitor,
-    time: Duration,
-) -> Result<(), BenchError> {
+fn pass(line: &mut impl Line, monitor: &mut Monitor, time: Duration) -> Result<(), BenchError> {
     match line.pass(time, monitor)? {
         true => Ok(()),
         false => Err(BenchError::Gone),

@@ -4,8 +4,8 @@ use super::RecordedDrive;
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
 use protocol::{
-    BaseTick, Counters, Decoder, FieldParams, FrameCounters, Hello, MAX_CONTENT, Origin, RejectReason,
-    Telemetry, tick_flags,
+    BaseTick, Counters, Decoder, FieldParams, FrameCounters, Hello, MAX_CONTENT, Origin,
+    RejectReason, Telemetry, tick_flags,
 };
 use std::fmt::Write as _;
 

@@ -212,7 +212,13 @@ mod tests {
         };
         let whole = [began(None), rows(0, 9), rows(9, 4), ended(13)];
         assert_eq!(taken(&whole), (None, 13));
-        let (first, last) = (Lost { from: 0, before: 9 }, Lost { from: 9, before: 13 });
+        let (first, last) = (
+            Lost { from: 0, before: 9 },
+            Lost {
+                from: 9,
+                before: 13,
+            },
+        );
         assert_eq!(taken(&[began(None), rows(9, 4), ended(13)]).0, Some(first));
         assert_eq!(taken(&[began(None), rows(0, 9), ended(13)]).0, Some(last));
         assert_eq!(last.to_string(), "rows 9 to 12 did not arrive");

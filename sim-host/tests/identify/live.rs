@@ -38,7 +38,7 @@ fn base(name: &str) -> BaseSpec {
 fn believed(truth: &BaseSpec, seed: u32) -> (BaseSpec, WorldSetup) {
     let mut believed = truth.clone();
     let mut world = sensed_world(truth.hardware.as_ref().expect("motors"));
-    let mut off = |number: &mut f64, factor: f64| {
+    let off = |number: &mut f64, factor: f64| {
         *number *= factor;
         1.0 / factor
     };
@@ -194,9 +194,10 @@ fn intervals_hold_what_the_hobby_base_is() {
 /// firmware sends here, or the line fails; so what holds of drives here holds of drives there.
 #[test]
 fn a_chip_records_every_tick_at_the_full_rate() {
-    for (machine, period_s, duration_s) in
-        [(Machine::CortexM4F, 0.001, 20.0), (Machine::Riscv32, 0.01, 20.0)]
-    {
+    for (machine, period_s, duration_s) in [
+        (Machine::CortexM4F, 0.001, 20.0),
+        (Machine::Riscv32, 0.01, 20.0),
+    ] {
         let mut truth = base("lab-10kg");
         truth.hardware.as_mut().expect("motors").period_s = period_s;
         let (believed, world) = believed(&truth, SEED);
@@ -215,20 +216,31 @@ fn a_chip_records_every_tick_at_the_full_rate() {
         let drive = record_live(&mut base, &bench([2.0, 1.0], duration_s, SEED), |_| {});
         let drive = drive.unwrap_or_else(|error| panic!("{machine:?}: {error}"));
         drop(base);
-        println!("{machine:?}: {:?} for {} rows", began.elapsed(), drive.rows().len());
+        println!(
+            "{machine:?}: {:?} for {} rows",
+            began.elapsed(),
+            drive.rows().len()
+        );
         assert_eq!(chip.finish().expect("it ends").code, Some(0));
         // To its end, and to rest.
         let ticks = (duration_s / period_s).round() as usize;
         assert!((ticks..ticks + ticks / 10).contains(&drive.rows().len()));
         let period_us = (1.0e6 * period_s).round() as u16;
-        let other = drive.rows().iter().skip(1).find(|row| row.dt_us != period_us);
+        let other = drive
+            .rows()
+            .iter()
+            .skip(1)
+            .find(|row| row.dt_us != period_us);
         assert_eq!(other, None);
         let errors = errors(&found(&drive, &truth), &truth);
         println!("{machine:?}: {errors:.2?}");
         assert_eq!(errors.len(), 21);
         // Of one drive: at twice the interval's width one of 21 is missed by chance in 500 draws of the seed; and more than 6
         // of 21 at its own width in 2,000 if they were independent.
-        assert!(errors.values().all(|error| error.abs() <= 2.0), "{errors:?}");
+        assert!(
+            errors.values().all(|error| error.abs() <= 2.0),
+            "{errors:?}"
+        );
         let within = errors.values().filter(|error| error.abs() <= 1.0).count();
         assert!(within >= 15, "{within}: {errors:?}");
     }
@@ -294,11 +306,11 @@ fn a_host_that_falls_silent_stops_the_base_within_its_timeout() {
     let Err(BenchError::Ended { end, state: why }) = outcome else {
         panic!("{outcome:?}")
     };
-    assert_eq!(end, RecordingEnd::Stopped);
+    assert_eq!(end, RecordingEnd::HostSilent);
     assert!(matches!(why, Some((_, Cause::LinkLost))), "{why:?}");
-    // The last word came 40 ms before; the timeout is 100 ms.
+    // The last word came at the begin of these 40 ms; the timeout is 100 ms. The camera goes on, 20 times a second.
     let at = MIDST as usize;
-    assert_eq!(states[at + 1], State::Tracking);
+    assert_eq!(states[at + 2], State::Tracking);
     assert!(matches!(states[at + 3], State::Stopping(_)), "{states:?}");
     assert_eq!((state, outside(&pose, [2.0, 1.0])), (State::Stopped, 0.0));
     assert!(speed < 0.01, "{speed}");
@@ -313,7 +325,11 @@ fn the_edge_of_the_space_stops_the_base() {
                 // Somebody moves the map: the base finds itself beside its space.
                 let Pose { x, y, theta } = base.world().truth().pose.cast();
                 before = Some(base.world().truth().pose);
-                let pose = WirePose { x, y: y + 1.0, theta };
+                let pose = WirePose {
+                    x,
+                    y: y + 1.0,
+                    theta,
+                };
                 base.send(&Command::SetPose { pose }).expect("a line");
             }
             true
@@ -406,8 +422,7 @@ fn what_cannot_be_driven_or_recorded_is_refused_before_anything_moves() {
     );
     for wrong in [
         Bench {
-            speed: Some(1.1),
-            space_m: [0.6, 0.6],
+            space_m: [0.2, 1.0],
             ..usual
         },
         Bench {
@@ -463,40 +478,75 @@ fn the_program_identifies_a_base_over_a_socket() {
         (output.status.code(), said, wrong)
     };
     let live = [
-        "--port", "base", "--space", "2x1", "--duration", "12", "--speed", "0.6",
-        "--profile", "robot.toml", "--record", "drive.csv",
+        "--port",
+        "base",
+        "--space",
+        "2x1",
+        "--duration",
+        "12",
+        "--speed",
+        "0.6",
+        "--known",
+        "gear=26",
+        "--profile",
+        "robot.toml",
+        "--record",
+        "drive.csv",
     ];
     let (code, said, wrong) = run(&live);
     assert_eq!(code, Some(0), "{said}{wrong}");
-    assert!(said.contains("THE BASE MOVES") && said.contains("none lost"), "{said}");
+    assert!(
+        said.contains("THE BASE MOVES") && said.contains("none lost"),
+        "{said}"
+    );
     let served = served.join().expect("the base runs");
     assert_eq!((served.state, served.cause), (State::Stopped, Cause::Host));
-    assert!((0.2..0.65).contains(&served.fastest), "{} m/s", served.fastest);
+    assert!(
+        (0.2..0.65).contains(&served.fastest),
+        "{} m/s",
+        served.fastest
+    );
 
     let file = fs::read_to_string(here.path().join("robot.toml")).expect("a file");
     let table: toml::Table = file.parse().expect("TOML");
-    let number = |table: &toml::Table, name: &str, key: &str| {
-        table[name][key].as_float().expect("a number")
-    };
+    let number =
+        |table: &toml::Table, name: &str, key: &str| table[name][key].as_float().expect("a number");
     let hardware = truth.hardware.expect("motors");
     // The intervals of a drive of 12 s, and more: they are the other tests' business.
     for (name, key, truth, off) in [
         ("robot", "r_right", truth.robot.wheels.radius_right_m, 0.01),
         ("robot", "l", truth.robot.wheels.track_m, 0.01),
         ("motor", "kt_nm_per_a", hardware.motor.kt_nm_per_a, 0.005),
-        ("motor", "resistance_ohm", hardware.motor.resistance_ohm, 0.05),
+        (
+            "motor",
+            "resistance_ohm",
+            hardware.motor.resistance_ohm,
+            0.05,
+        ),
         ("friction", "coulomb_nm", hardware.friction.coulomb_nm, 0.1),
     ] {
         let found = number(&table, name, key);
-        assert!((found / truth - 1.0).abs() < off, "{name}.{key}: {found} for {truth}\n{file}");
+        assert!(
+            (found / truth - 1.0).abs() < off,
+            "{name}.{key}: {found} for {truth}\n{file}"
+        );
     }
     // The file keeps the rotors out of its mass only if it knows them; here they are in it.
     let mass = number(&table, "robot", "m");
     let true_mass = truth.robot_with_rotors().mass_kg;
-    assert!((mass / true_mass - 1.0).abs() < 0.05, "{mass} for {true_mass}");
+    assert!(
+        (mass / true_mass - 1.0).abs() < 0.05,
+        "{mass} for {true_mass}"
+    );
 
     // What was recorded says the same again.
-    let (code, again, wrong) = run(&["drive.csv", "--counts-per-turn", "2048", "--known", "gear=26"]);
+    let (code, again, wrong) = run(&[
+        "drive.csv",
+        "--counts-per-turn",
+        "2048",
+        "--known",
+        "gear=26",
+    ]);
     assert_eq!(code, Some(0), "{wrong}");
     let table = |text: &str| {
         let lines = text.lines().filter(|line| line.starts_with('│'));
@@ -504,7 +554,7 @@ fn the_program_identifies_a_base_over_a_socket() {
     };
     assert!(table(&again).len() > 20, "{again}");
     let both = table(&said).into_iter().zip(table(&again));
-    for (live, again) in both.filter(|(live, _)| !live.contains("torque_constant")) {
+    for (live, again) in both {
         assert_eq!(live, again);
     }
 }
@@ -517,7 +567,7 @@ fn a_port_needs_a_space_and_counts() {
         (&["--port", "base"][..], "--space"),
         (&["--port", "base", "--space", "2"], "LENGTHxWIDTH"),
         (&["--port", "base", "--space", "2x1"], "--counts-per-turn"),
-        (&["--space", "2x1", "log.csv"], "--port"),
+        (&["--space", "2x1", "log.csv"], "cannot be used with"),
     ] {
         let output = Program::new(env!("CARGO_BIN_EXE_sim-host"))
             .arg("identify")
