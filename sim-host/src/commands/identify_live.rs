@@ -56,6 +56,17 @@ pub fn drive(path: &Path, arguments: &LiveArgs, seed: u32) -> Result<Vec<u8>, Co
         drive.rows().len(),
         drive.poses().len()
     ))?;
+    for (what, rows) in ["the supply", "currents"].into_iter().zip(drive.lacking()) {
+        match rows {
+            0 => {}
+            _ if rows == drive.rows().len() => {
+                say(&format!("note: this base does not measure {what}\n"))?
+            }
+            _ => say(&format!(
+                "note: {rows} rows have not measured {what}: that is left out of all\n"
+            ))?,
+        }
+    }
     let written = |path: &Path, cause: String| CommandError::Write {
         path: path.to_owned(),
         cause,

@@ -105,16 +105,24 @@ impl RecordedDrive {
         self.ended
     }
 
+    /// Rows without a supply, rows without currents. A column that is not whole is not written.
+    pub fn lacking(&self) -> [usize; 2] {
+        let without = |lacks: fn(&RecordedRow) -> bool| {
+            let rows = self.rows.iter();
+            rows.filter(|row| lacks(row)).count()
+        };
+        [
+            without(|row| row.supply == 0),
+            without(|row| row.current.contains(&RecordedRow::NONE)),
+        ]
+    }
+
     /// Writes the columns of a log of `identify`: those that every row has.
     ///
     /// # Errors
     /// Those of the writer.
     pub fn write(&self, out: impl Write) -> csv::Result<()> {
-        let has_supply = self.rows.iter().all(|row| row.supply != 0);
-        let has_currents = self
-            .rows
-            .iter()
-            .all(|row| !row.current.contains(&RecordedRow::NONE));
+        let [has_supply, has_currents] = self.lacking().map(|rows| rows == 0);
         let full = self.began.flatten().map(f64::from);
         type Columns<'a, const N: usize> = [Column<Row<'a>>; N];
         let always: Columns<'_, 3> = columns![row;
@@ -253,5 +261,16 @@ mod tests {
         assert!(lines[1].ends_with(",,,,"), "{}", lines[1]);
         assert!(lines[2].starts_with("0.02,6,-4,2,0,24"), "{}", lines[2]);
         assert!(lines[2].ends_with(",1.5,0,-0.25,0.02"), "{}", lines[2]);
+        // One row without a supply, and there is no column of it.
+        let bare = RecordedRow {
+            supply: 0,
+            ..drive.rows[0]
+        };
+        drive.rows.push(bare);
+        assert_eq!(drive.lacking(), [1, 0]);
+        let mut bytes = Vec::new();
+        drive.write(&mut bytes).expect("written");
+        let text = String::from_utf8(bytes).expect("UTF-8");
+        assert!(!text.contains("supply") && text.contains("current_left"));
     }
 }
