@@ -106,7 +106,7 @@ struct Shared {
     stops: Stops,
     /// Heartbeats, written by the command receiver.
     heartbeats: AtomicU32,
-    /// Ticks per second, written by the tick.
+    /// Ticks per second, written once.
     tick_hz: AtomicU32,
     overruns: AtomicU32,
     dropped: AtomicU32,
@@ -222,6 +222,12 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             },
             Err(why) => Origin::Defaults(why),
         };
+        let period_us = task.params().detectors.period_us;
+        let tick_hz = (1_000_000 + period_us / 2).checked_div(period_us);
+        let shared = ends.shared;
+        shared
+            .tick_hz
+            .store(tick_hz.unwrap_or(0), Ordering::Relaxed);
         Self {
             task,
             ends,
@@ -390,11 +396,6 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
         }
         let shared = ends.shared;
         shared.state.store(self.word, Ordering::Release);
-        let period_us = task.params().detectors.period_us;
-        let tick_hz = (1_000_000 + period_us / 2).checked_div(period_us);
-        shared
-            .tick_hz
-            .store(tick_hz.unwrap_or(0), Ordering::Relaxed);
         shared.overruns.store(task.overruns(), Ordering::Relaxed);
         shared
             .dropped

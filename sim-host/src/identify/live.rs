@@ -168,9 +168,7 @@ fn greet(line: &mut impl Line, monitor: &mut Monitor, bench: &Bench) -> Result<E
         line.send(&Command::GetParameters)?;
         pass(line, monitor, 5 * ORDER_PERIOD)?;
         let latest = monitor.latest();
-        // Ticks per second are known from the first tick on.
-        let hello = latest.hello.filter(|hello| hello.tick_hz > 0);
-        if let (Some(hello), Some(parameters)) = (hello, &latest.parameters) {
+        if let (Some(hello), Some(parameters)) = (latest.hello, &latest.parameters) {
             let least = least_baud(hello.tick_hz);
             return match bench.baud {
                 Some(baud) if baud < least => Err(BenchError::TooSlow {
