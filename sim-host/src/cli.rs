@@ -324,7 +324,7 @@ Examples:
   sim-host identify --port /dev/ttyACM0 --baud 921600 --space 2x1 --profile robot.toml
   sim-host identify --coverage bases/lab-10kg.toml --fresh     drives that nobody has seen"
     )]
-    Identify(IdentifyArgs),
+    Identify(Box<IdentifyArgs>),
     /// List scenarios with their descriptions
     List {
         /// A directory of scenario files instead of the built-in ones
