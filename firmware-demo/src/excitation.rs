@@ -1,9 +1,9 @@
 //! What a base drives by itself for a bench recording: levels of speed and turn rate, within a rectangle.
 //!
 //! ```text
-//!            width             runs to and fro along the length, straight and in arcs, forward and backward;
-//!     +--------|--------+      half turns on the spot between them; a new speed each 0.3 to 1 s, a new turn rate as often,
-//!     |                 |      both of 30 to 100 % of what was ordered
+//!            width             runs to and fro along the length, straight and weaving, forward and backward;
+//!     +--------|--------+      half turns on the spot between them; a new speed each 0.3 to 1 s, a new turn rate as often
+//!     |                 |      or twice, both of 30 to 100 % of what was ordered
 //!     |        ^        |
 //!     |     begin       |  1/10 of the length behind the begin
 //!     +-----------------+
@@ -47,6 +47,8 @@ const LAG_S: f32 = 0.2;
 const HALTED: (f32, f32) = (0.02, 0.05);
 /// or after this time \[µs\].
 const HALT_US: u32 = 1_500_000;
+/// Longest run \[µs\]: in a large space there are turns as often.
+const RUN_US: u32 = 4_000_000;
 /// Turns of this and more go either way \[rad\].
 const EITHER: f32 = 2.0;
 /// Less than this is not turned between two runs \[rad\].
@@ -95,6 +97,7 @@ enum Leg {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excitation {
     order: Excite,
+    track_m: f32,
     random: Random,
     begin: Option<Pose<f32>>,
     run_us: u32,
@@ -112,7 +115,12 @@ impl Excitation {
     /// A drive that begins where the first tick finds the base; `None` where a number of `order` is out of its range. The speed is
     /// one from which the base stops within a third of the length, `stop_m` being the way of a stop; `None` if that is less
     /// than a tenth of the order's.
-    pub fn new(order: &Excite, limits: &Limits<f32>, stop_m: impl Fn(f32) -> f32) -> Option<Self> {
+    pub fn new(
+        order: &Excite,
+        limits: &Limits<f32>,
+        track_m: f32,
+        stop_m: impl Fn(f32) -> f32,
+    ) -> Option<Self> {
         // What is not a number is in no range.
         let within = |value: f32, (low, high): (f32, f32)| low <= value && value <= high;
         let fits = within(order.length_m, SIDES)
@@ -129,6 +137,7 @@ impl Excitation {
             .find(|speed| 3.0 * (stop_m(*speed) + LAG_S * speed) <= order.length_m)?;
         Some(Self {
             order: Excite { speed, ..*order },
+            track_m,
             random: Random::new(order.seed),
             begin: None,
             run_us: 0,
@@ -194,25 +203,24 @@ impl Excitation {
     fn run(&mut self, place: &Place, forward: bool, straight: bool) -> Step {
         let margin = MARGIN * smaller(self.order.length_m, self.order.width_m);
         let sense = if forward { 1.0 } else { -1.0 };
-        if place.heads_out(&self.order, margin, sense) {
+        if place.heads_out(&self.order, margin, sense) || self.leg_us > RUN_US {
             self.enter(Leg::Halt { turned: false });
             return Step::Drive(Twist::default());
         }
         if self.speed.left_us == 0 {
             self.speed = self.random.level(self.order.speed);
         }
-        if self.turn.left_us == 0 {
-            // Circles of the width's radius at the tightest.
-            let share = 2.0 * self.random.share() - 1.0;
-            let arc = if straight { 0.0 } else { share };
+        if self.turn.left_us == 0 && !straight {
+            let side = 1.0_f32.copysign(-self.turn.value);
+            let Level { value, left_us } = self.random.level(self.order.turn_rate);
             self.turn = Level {
-                value: arc / self.order.width_m,
-                ..self.random.level(0.0)
+                value: side * value,
+                left_us: left_us / 2,
             };
         }
-        let turn = self.turn.value * self.speed.value;
-        let most = self.order.turn_rate;
-        let turn = smaller(turn.abs(), most).copysign(turn);
+        // The inner wheel turns on, at half of the speed at least: a wheel that reverses for moments shows little.
+        let most = self.speed.value / self.track_m;
+        let turn = smaller(self.turn.value.abs(), most).copysign(self.turn.value);
         Step::Drive(Twist::new(sense * self.speed.value, turn))
     }
 
@@ -233,7 +241,10 @@ impl Excitation {
         Step::Drive(Twist::new(0.0, sense * self.turn.value))
     }
 
-    /// On from a halt: twice forward, twice backward, each time to the far end, every other pair in arcs.
+    /// On from a halt: twice forward, twice backward, each time to the far end, every other one weaving.
+    ///
+    /// A base that weaves as it slows down brakes one wheel harder than its acceleration limits brake both: with small limits and
+    /// much friction motors would never brake otherwise, and a drive in which they do not shows no gear losses.
     fn depart(&mut self, place: &Place, turned: bool) {
         let next = self.runs.wrapping_add(1);
         let forward = next & 2 == 0;
@@ -446,7 +457,7 @@ mod tests {
 
     /// Seconds of each motion: forward, backward, to the left, to the right on the spot, in arcs; and how it ended.
     fn drive(order: &Excite, begin: Pose<f32>) -> ([f32; 5], RecordingEnd) {
-        let mut excitation = Excitation::new(order, &LIMITS, stop_m).expect("an order");
+        let mut excitation = Excitation::new(order, &LIMITS, 0.35, stop_m).expect("an order");
         let mut point = Point {
             pose: begin,
             twist: Twist::default(),
@@ -509,7 +520,7 @@ mod tests {
     fn the_same_seed_orders_the_same_and_another_another() {
         let twists = |seed| {
             let order = Excite { seed, ..ORDER };
-            let mut excitation = Excitation::new(&order, &LIMITS, stop_m).expect("an order");
+            let mut excitation = Excitation::new(&order, &LIMITS, 0.35, stop_m).expect("an order");
             let still = Point {
                 pose: Pose::default(),
                 twist: Twist::default(),
@@ -527,7 +538,7 @@ mod tests {
     #[test]
     fn what_is_beyond_an_edge_or_nowhere_ends_the_drive() {
         let at = |pose, linear| {
-            let mut excitation = Excitation::new(&ORDER, &LIMITS, stop_m).expect("an order");
+            let mut excitation = Excitation::new(&ORDER, &LIMITS, 0.35, stop_m).expect("an order");
             let begin = Point {
                 pose: Pose::default(),
                 twist: Twist::default(),
@@ -551,7 +562,7 @@ mod tests {
     #[test]
     fn orders_out_of_range_are_refused_and_a_speed_too_high_for_the_space_is_lowered() {
         let speed = |order: &Excite| {
-            Excitation::new(order, &LIMITS, stop_m).map(|excitation| excitation.order.speed)
+            Excitation::new(order, &LIMITS, 0.35, stop_m).map(|excitation| excitation.order.speed)
         };
         assert_eq!(speed(&ORDER), Some(0.7));
         let short = speed(&Excite {
@@ -603,12 +614,12 @@ mod tests {
             assert_eq!(speed(&wrong), None, "{wrong:?}");
         }
         // A base that does not stop anywhere near.
-        assert!(Excitation::new(&ORDER, &LIMITS, |_| 5.0).is_none());
+        assert!(Excitation::new(&ORDER, &LIMITS, 0.35, |_| 5.0).is_none());
     }
 
     #[test]
     fn a_base_that_knows_of_no_motion_yet_stands_and_loses_no_time() {
-        let mut excitation = Excitation::new(&ORDER, &LIMITS, stop_m).expect("an order");
+        let mut excitation = Excitation::new(&ORDER, &LIMITS, 0.35, stop_m).expect("an order");
         let before = excitation;
         assert_eq!(
             excitation.advance(DT_US, None),

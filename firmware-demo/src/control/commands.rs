@@ -66,8 +66,10 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                     return Err(RejectReason::State);
                 }
                 let motion = self.controller.base().motion();
+                let params = motion.params();
+                let track_m = params.robot.wheels.track_m;
                 let stop_m = |speed| controlled_stop_distance::<_, Single>(motion, speed);
-                let excitation = Excitation::new(order, &motion.params().limits, stop_m)
+                let excitation = Excitation::new(order, &params.limits, track_m, stop_m)
                     .ok_or(RejectReason::Value)?;
                 self.references.clear();
                 self.heartbeat_seen();
