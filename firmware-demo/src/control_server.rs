@@ -33,13 +33,14 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use controller_core::base::Sensed;
-use controller_core::hal::WheelDrive;
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::supervisor::State;
 use heapless::spsc::Queue;
 
 use crate::control::ControlTask;
+use crate::drive::DriveOutput;
 use crate::queue::{self, Receiver};
+use crate::recorder::{Recorder, Tick};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::TelemetryQueue;
 use protocol::{Command, Frame, Origin, RejectReason, Telemetry, WireTwist};
@@ -103,6 +104,10 @@ struct Shared {
     state: AtomicU32,
     /// Written by the command receiver.
     stops: Stops,
+    /// Heartbeats, written by the command receiver.
+    heartbeats: AtomicU32,
+    /// Ticks per second, written once.
+    tick_hz: AtomicU32,
     overruns: AtomicU32,
     dropped: AtomicU32,
 }
@@ -186,20 +191,22 @@ pub struct ControlServer<'queue, D, M = NoMemory> {
     /// The origin that the host knows.
     reported: Option<Origin>,
     frames: u32,
+    heartbeats: u32,
     stops: Seen,
     changes: u32,
     /// The state word of the trajectory under way.
     word: u32,
+    recorder: Recorder,
 }
 
-impl<'queue, D: WheelDrive> ControlServer<'queue, D> {
+impl<'queue, D: DriveOutput> ControlServer<'queue, D> {
     /// Puts a task on the line; it begins with what it was compiled with.
     pub fn new(task: ControlTask<'queue, D>, ends: TickEnds<'queue>) -> Self {
         Self::with_memory(task, ends, NoMemory)
     }
 }
 
-impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
+impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
     /// Puts a task on the line; it begins with what is stored, if that is whole and in range.
     pub fn with_memory(
         mut task: ControlTask<'queue, D>,
@@ -215,6 +222,12 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
             },
             Err(why) => Origin::Defaults(why),
         };
+        let period_us = task.params().detectors.period_us;
+        let tick_hz = (1_000_000 + period_us / 2).checked_div(period_us);
+        let shared = ends.shared;
+        shared
+            .tick_hz
+            .store(tick_hz.unwrap_or(0), Ordering::Relaxed);
         Self {
             task,
             ends,
@@ -222,9 +235,11 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
             origin,
             reported: None,
             frames: 0,
+            heartbeats: 0,
             stops: Seen::default(),
             changes: 0,
             word: 0,
+            recorder: Recorder::default(),
         }
     }
 
@@ -240,6 +255,11 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
         if frames != self.frames {
             self.frames = frames;
             self.task.host_seen();
+        }
+        let heartbeats = self.ends.shared.heartbeats.load(Ordering::Relaxed);
+        if heartbeats != self.heartbeats {
+            self.heartbeats = heartbeats;
+            self.task.heartbeat_seen();
         }
         let mut stops = self.stops.news(&self.ends.shared.stops);
         // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
@@ -259,7 +279,39 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
             self.ends.telemetry.push(Frame { sequence, message });
         }
         self.task.tick(now_us, sensed);
+        self.record(now_us, sensed);
         self.publish();
+    }
+
+    /// A row of this tick, if the base drives for a recording. One that cannot be sent ends the drive.
+    fn record(&mut self, now_us: u32, sensed: &Sensed<f32>) {
+        let Self {
+            task,
+            ends,
+            recorder,
+            ..
+        } = self;
+        let tick = Tick {
+            excites: if task.excites() {
+                Ok(())
+            } else {
+                Err(task.excitation_end())
+            },
+            now_us,
+            sensed,
+            fix: task.fix_taken(),
+            output: task.drive().output(),
+            max_torque_nm: task.drive().max_torque_nm(),
+        };
+        let recorded = recorder.tick(&tick, |message| {
+            ends.telemetry.push(Frame {
+                sequence: UNASKED,
+                message,
+            })
+        });
+        if let Err(end) = recorded {
+            task.end_excitation(end);
+        }
     }
 
     fn answer(&mut self, command: &Command) -> Telemetry {
@@ -328,7 +380,7 @@ impl<'queue, D: WheelDrive, M: Memory> ControlServer<'queue, D, M> {
         {
             self.reported = Some(self.origin);
         }
-        if task.state().is_live() {
+        if task.state().is_live() && !self.recorder.is_on() {
             ends.telemetry
                 .offer(|| unasked(Telemetry::Tick(task.telemetry())));
         }

@@ -10,11 +10,13 @@ extern crate std;
 pub mod control;
 pub mod control_server;
 pub mod drive;
+pub mod excitation;
 pub mod line;
 pub mod mission;
 pub mod model;
 pub mod pil;
 pub mod queue;
+pub mod recorder;
 #[cfg(feature = "robots")]
 pub mod robots;
 pub mod route;

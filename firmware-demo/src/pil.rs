@@ -4,8 +4,10 @@
 //! links in memory, in the host's tests; it serves the paper's law ([`Pil`]) or the whole base ([`BasePil`]).
 
 mod base;
+mod board;
 
 pub use base::BasePil;
+pub use board::BoardPil;
 
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;

@@ -81,7 +81,7 @@ fn counter_counts_instructions() {
 #[test]
 fn images_have_no_allocator() {
     for machine in MACHINES {
-        for bin in ["pil", "cost", "robot", "base"] {
+        for bin in ["pil", "cost", "robot", "base", "board_pil"] {
             let bytes = std::fs::read(image(machine, bin)).unwrap();
             for symbol in [
                 &b"__rust_alloc"[..],

@@ -7,8 +7,9 @@ use controller_core::hal::{Error, ErrorKind, WheelDrive};
 use controller_core::types::{WheelSpeeds, WheelTorques};
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State as Level, Transaction as PinStep};
 use embedded_hal_mock::eh1::pwm::{Mock as Pwm, Transaction as PwmStep};
-use firmware_demo::drive::{Bridges, MotorError, MotorPair, Observed, OffPhase};
+use firmware_demo::drive::{Bridges, DriveOutput, MotorError, MotorPair, Observed, OffPhase};
 use outputs::{Level16, motor, side};
+use protocol::pil::WheelOutput;
 
 /// The very calls on each output; the mocks fail on any other, and on one that is missing.
 #[test]
@@ -52,11 +53,17 @@ fn motor_pair_makes_these_calls_and_no_others() {
     let speeds = |right, left| WheelSpeeds { right, left };
     let mut pair = MotorPair::new(right, left, bridges, motor());
     pair.release().unwrap();
+    assert_eq!(pair.output(), WheelOutput::Release);
     pair.observe(&Observed {
         speeds: speeds(5.0, 0.0),
         ..Observed::default()
     });
     pair.set_torques(torques(1.0, -2.0)).unwrap();
+    // The duties that the outputs get in their steps of a thousandth.
+    let WheelOutput::Duty { right, left } = pair.output() else {
+        panic!("{:?}", pair.output())
+    };
+    assert!((right - 0.35).abs() < 5.0e-4 && (left + 0.2).abs() < 5.0e-4);
     assert!(pair.applied().right.limited.supply_unknown, "not measured");
     pair.observe(&Observed {
         speeds: speeds(1.0, 0.0),
@@ -74,6 +81,7 @@ fn motor_pair_makes_these_calls_and_no_others() {
     let refused = pair.set_torques(torques(1.0, 0.5));
     assert_eq!(refused, Err(MotorError::Observation));
     pair.brake().unwrap();
+    assert_eq!(pair.output(), WheelOutput::Brake);
     assert_eq!(*pair.applied(), Default::default());
     pair.release().unwrap();
     done(pair);

@@ -13,7 +13,10 @@ use controller_core::types::{Pose, Twist};
 use firmware_demo::control_server::UNASKED;
 use firmware_demo::host::{AnyLink, Emulator, LinkKind, Machine, Session};
 use firmware_demo::storage::NotLoaded;
-use protocol::{BaseTick, Command, Origin, RejectReason, Telemetry, WirePose};
+use protocol::{
+    BaseTick, Command, Excite, Origin, RecordedRows, Recording, RecordingEnd, RejectReason,
+    Telemetry, WirePose,
+};
 use support::{LIMIT, MACHINES, image, options};
 
 /// The host's side: sends, and sorts what comes back.
@@ -24,6 +27,8 @@ struct Remote {
     states: Vec<(u32, State, Cause)>,
     reports: Vec<BaseTick>,
     origins: Vec<Origin>,
+    rows: Vec<RecordedRows>,
+    recordings: Vec<Recording>,
 }
 
 impl Remote {
@@ -40,6 +45,8 @@ impl Remote {
             states: Vec::new(),
             reports: Vec::new(),
             origins: Vec::new(),
+            rows: Vec::new(),
+            recordings: Vec::new(),
         }
     }
 
@@ -64,6 +71,8 @@ impl Remote {
             Telemetry::State { tick, state, cause } => self.states.push((tick, state, cause)),
             Telemetry::Tick(report) => self.reports.push(report),
             Telemetry::Origin(origin) => self.origins.push(origin),
+            Telemetry::Rows(rows) => self.rows.push(rows),
+            Telemetry::Recording(recording) => self.recordings.push(recording),
             other => panic!("nobody asked for {other:?}"),
         }
     }
@@ -194,4 +203,52 @@ fn short_mission_over_the_serial_port() {
         // 25.2 kB on the Cortex-M4F.
         assert!(counters.stack_bytes < 28 * 1024);
     }
+}
+
+/// Every tick of 6 s at 1 kHz, from the timer's interrupt over the emulated serial port, while the host's heartbeats come in.
+#[test]
+fn a_recording_at_the_full_rate_loses_no_row_on_the_serial_port() {
+    let mut remote = Remote::start(Machine::CortexM4F);
+    let order = Excite {
+        length_m: 3.0,
+        width_m: 2.0,
+        speed: 0.6,
+        turn_rate: 0.8,
+        duration_s: 6.0,
+        seed: 1,
+    };
+    let refused = remote.ask(&Command::Excite(order));
+    assert_eq!(refused, Telemetry::Nack(RejectReason::State));
+    remote.send(&Command::Arm);
+    remote.send(&Command::Excite(order));
+    let (_, cause) = remote.wait_for(State::Stopped, true);
+    assert_eq!(cause, Cause::Host);
+    let hello = remote.ask(&Command::Heartbeat);
+    assert!(matches!(hello, Telemetry::Hello(_)));
+    // Wheels that take torques, up to 15 N m.
+    let began = Recording::Began {
+        full_torque_nm: Some(15.0),
+    };
+    let [first, Recording::Ended { rows, end }] = remote.recordings[..] else {
+        panic!("{:?}", remote.recordings)
+    };
+    assert_eq!((first, end), (began, RecordingEnd::Complete));
+    let mut next = 0;
+    for frame in &remote.rows {
+        assert_eq!(frame.first, next);
+        for row in &frame.rows[..usize::from(frame.count)] {
+            assert!(next == 0 || row.dt_us == 1000, "row {next}: {row:?}");
+            next += 1;
+        }
+    }
+    assert_eq!(next, rows);
+    // And until it has come to rest, 2 s at most.
+    assert!((6000..8000).contains(&rows), "{rows}");
+    let turned: i32 = remote
+        .rows
+        .iter()
+        .flat_map(|frame| &frame.rows[..usize::from(frame.count)])
+        .map(|row| i32::from(row.counts[0].abs()))
+        .sum();
+    assert!(turned > 1000, "{turned} counts");
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::values::real;
-use super::{FieldParams, TimedSample, WirePose, WireTwist};
+use super::{Excite, FieldParams, TimedSample, WirePose, WireTwist};
 
 /// A message to the robot.
 // The receiver keeps one of these by value and moves it once; a box would need an allocator.
@@ -62,4 +62,7 @@ pub enum Command {
         /// Keep the heading that the turn rates lead to.
         hold_heading: bool,
     },
+    /// Drive for a bench recording, by itself and within a stated space, and send every tick as a row; from Armed. A heartbeat is
+    /// due all the while, as an order is in other drives: other frames, of a camera perhaps, are no sign of who watches.
+    Excite(Excite),
 }

@@ -23,6 +23,7 @@ mod decoder;
 mod encoder;
 mod field;
 pub mod pil;
+mod recording;
 mod robot_blob;
 mod telemetry;
 mod tick;
@@ -32,6 +33,10 @@ pub use command::Command;
 pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
 pub use encoder::{EncodeError, encode};
 pub use field::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
+pub use recording::{
+    Excite, ROW_BYTES, ROWS, ROWS_FRAME, RecordedPose, RecordedRow, RecordedRows, Recording,
+    RecordingEnd, least_baud,
+};
 pub use robot_blob::{
     MAX_ROBOT_BLOB, ROBOT_BLOB_VERSION, RobotBlobError, decode_robot, encode_robot,
 };
@@ -42,7 +47,7 @@ pub use values::{TimedSample, WirePose, WireReference, WireTwist};
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
 /// Version of frame layout and message set; a receiver rejects any other.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 /// Most bytes of content in a frame.
 pub const MAX_CONTENT: usize = 254;
 /// Most bytes of a frame on the wire: content, one byte of stuffing, the delimiter.

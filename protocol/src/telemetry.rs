@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use controller_core::safety::supervisor::{Cause, State};
 
-use super::{BaseTick, FieldParams};
+use super::{BaseTick, FieldParams, RecordedPose, RecordedRows, Recording};
 
 /// Who answers; the first thing to read after connecting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct Hello {
     pub protocol: u8,
     /// Firmware version: major, minor, patch.
     pub firmware: [u8; 3],
-    /// Control ticks per second.
+    /// Control ticks per second, to the nearest.
     pub tick_hz: u16,
 }
 
@@ -135,4 +135,10 @@ pub enum Telemetry {
     Ack,
     /// The command with the frame's sequence number was refused.
     Nack(RejectReason),
+    /// A bench recording began or ended.
+    Recording(Recording),
+    /// Ticks of a bench recording.
+    Rows(RecordedRows),
+    /// An external pose in a bench recording.
+    RecordedPose(RecordedPose),
 }

@@ -14,7 +14,7 @@ use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 pub use board::{Chip, LawArg, Link, MonitorArgs, TeleopArgs};
-pub use identify::IdentifyArgs;
+pub use identify::{IdentifyArgs, LiveArgs};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -308,6 +308,9 @@ Examples:
     ///
     /// A bag of ROS 2 (.mcap) has the same in topics; docs/logs.md says how they are read.
     ///
+    /// --port drives a live base by itself in a stated space, records every control tick on it, and
+    /// identifies from that. THE BASE MOVES three seconds later; Ctrl-C stops it.
+    ///
     /// Commands and encoders alone fix neither lengths nor masses. docs/identify.md says what does,
     /// and what to drive.
     #[command(
@@ -318,9 +321,10 @@ Examples:
   sim-host identify drive.csv --counts-per-turn 2048 --latency 0.03 --known mass=9.8,gear=20
   sim-host identify drive.csv --known radius=0.08 --known track=0.35 --profile robot.toml
   sim-host identify bag.mcap --topic torque=/commands --topic pose=/mocap --joints right,left
+  sim-host identify --port /dev/ttyACM0 --baud 921600 --space 2x1 --profile robot.toml
   sim-host identify --coverage bases/lab-10kg.toml --fresh     drives that nobody has seen"
     )]
-    Identify(IdentifyArgs),
+    Identify(Box<IdentifyArgs>),
     /// List scenarios with their descriptions
     List {
         /// A directory of scenario files instead of the built-in ones

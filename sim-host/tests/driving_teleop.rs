@@ -1,10 +1,11 @@
 //! Driving by keys, without a terminal: from a script, in a simulated world and over a socket.
 
+#[path = "socket_base/mod.rs"]
+mod socket_base;
+
 use controller_core::safety::supervisor::{Cause, State};
-use controller_core::types::Pose;
 use firmware_demo::control_server::Queues;
-use protocol::{Command as Ask, MAX_FRAME, WireTwist, encode};
-use sim_host::closed_loop::Board;
+use protocol::{Command as Ask, WireTwist};
 use sim_host::mission::BaseSpec;
 use sim_host::scenario::BASES;
 use sim_host::teleop::{
@@ -12,11 +13,12 @@ use sim_host::teleop::{
 };
 use sim_host::trials::{Condition, setup};
 use sim_host::world::WorldSetup;
-use std::io::{ErrorKind, Read as _, Write as _};
+use socket_base::Served;
+use std::io::{ErrorKind, Write as _};
 use std::os::unix::net::UnixListener;
 use std::process::{Command, Output, Stdio};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 fn lab() -> BaseSpec {
     BASES[1].base().expect("a base that is built in")
@@ -218,50 +220,16 @@ fn the_program_drives_a_base_over_a_socket() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("base");
     let listener = UnixListener::bind(&path).expect("a socket");
-    let base = thread::spawn(move || {
-        let (mut stream, _) = listener.accept().expect("the program connects");
-        stream.set_nonblocking(true).expect("a socket");
-        let mut queues = Queues::default();
-        let mut board =
-            Board::new(&mut queues, &lab(), &world(5), |_| {}).expect("a base in a world");
-        let (began, mut buffer, mut fastest) = (Instant::now(), [0; 1024], 0.0_f64);
-        let mut frame = [0; MAX_FRAME];
-        loop {
-            board.advance().expect("a world takes what a base commands");
-            let due = Duration::from_micros(board.world().now_us());
-            thread::sleep(due.saturating_sub(began.elapsed()));
-            let mut answers = Vec::new();
-            match stream.read(&mut buffer) {
-                Ok(0) => break,
-                Ok(count) => {
-                    answers.extend(buffer[..count].iter().filter_map(|b| board.receive(*b)))
-                }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
-                Err(error) => panic!("{error}"),
-            }
-            if let Some((pose, age_s)) = board.world().fix() {
-                // A camera that speaks to the base by itself.
-                let pose: Pose<f32> = pose.cast();
-                let (pose, age_s) = ((&pose).into(), age_s as f32);
-                let fix = encode(0, &Ask::Fix { pose, age_s }, &mut frame).expect("fits");
-                answers.extend(fix.iter().filter_map(|byte| board.receive(*byte)));
-            }
-            board.tick();
-            answers.extend(std::iter::from_fn(|| board.pending()));
-            for answer in answers {
-                let bytes = encode(answer.sequence, &answer.message, &mut frame).expect("fits");
-                // A program that has ended reads no more.
-                let _ = stream.write_all(bytes);
-            }
-            fastest = fastest.max(board.world().truth().twist.linear);
-        }
-        (board.report().state, board.report().cause, fastest)
-    });
+    let base = thread::spawn(move || socket_base::serve(&listener, &lab(), &world(5)));
     let arguments = ["teleop", "--speed", "0.5", "--port"];
     let port = path.to_str().expect("UTF-8");
     let output = program(&[&arguments[..], &[port]].concat(), "wwww.....q");
     assert!(output.status.success(), "{output:?}");
-    let (state, cause, fastest) = base.join().expect("the base runs");
+    let Served {
+        state,
+        cause,
+        fastest,
+    } = base.join().expect("the base runs");
     assert!((0.15..0.25).contains(&fastest), "{fastest} m/s");
     assert_eq!((state, cause), (State::Stopped, Cause::Host));
 }

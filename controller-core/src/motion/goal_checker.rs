@@ -9,8 +9,8 @@ use crate::types::{Accel, Twist};
 /// speeds left are small, so that nothing moves a second after arrival.
 pub(crate) const STOPPING_DECAY: f64 = 12.0;
 
-/// What was inside stays so up to this share of its tolerance: an error near the tolerance, with noise on it, is one or the
-/// other. A noisy pose is stated with a tolerance of four standard deviations or more, so that noise alone does not cross the margin.
+/// What was inside for a moment may be this many tolerances off until the dwell has passed: with noise on it, an error near the
+/// tolerance is inside now and outside then. It is the margin of the heading at rest as well.
 const HYSTERESIS: f64 = 1.3;
 
 /// Whether the robot is parked, and for how long it has been fit to be.
@@ -39,15 +39,15 @@ impl<T: Scalar> GoalChecker<T> {
         inside_s: T::ZERO,
     };
 
-    /// Inside the tolerance, parked or about to be.
-    pub(crate) fn is_inside(&self) -> bool {
-        self.inside_s > T::ZERO
+    /// Inside the tolerance, for less than the dwell.
+    pub(crate) fn is_settling(&self, motion: &ValidMotionParams<T>) -> bool {
+        self.inside_s > T::ZERO && self.inside_s <= motion.params().arrival.dwell_s
     }
 
     /// The latch after a tick of `dt`.
     ///
-    /// Enters when the place where the stop would end is inside the tolerance, and then no further from the goal than
-    /// [`HYSTERESIS`] tolerances for the dwell: a transition offset
+    /// Enters when the place where the stop would end is inside the tolerance, has been for the dwell, and meanwhile was no
+    /// further from the goal than [`HYSTERESIS`] tolerances: a transition offset
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
     /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or [`HYSTERESIS`] times the heading, but not in
     /// the first second, while it still settles.
@@ -55,6 +55,7 @@ impl<T: Scalar> GoalChecker<T> {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
         let close = at.distance < motion.leave_distance();
+        let mut inside = true;
         let fit = if self.parked {
             let turned = at.error.theta.abs() < f(HYSTERESIS) * limits.heading_rad;
             (close && turned) || self.inside_s < T::ONE
@@ -77,19 +78,17 @@ impl<T: Scalar> GoalChecker<T> {
                 ),
             );
             let (dx, dy) = (at.error.x - v, at.error.y);
-            let enough = if self.is_inside() {
-                f(HYSTERESIS) * limits.distance_m
-            } else {
-                limits.distance_m
-            };
-            let near = dx * dx + dy * dy < enough * enough;
+            let (tolerance, off) = (limits.distance_m, dx * dx + dy * dy);
+            inside = off < tolerance * tolerance;
+            let wide = f(HYSTERESIS) * tolerance;
+            let near = inside || (self.inside_s > T::ZERO && off < wide * wide);
             let turned = (at.error.theta - w).abs() < limits.heading_rad;
             near && turned && close
         };
         if fit {
             let inside_s = self.inside_s + dt;
             Self {
-                parked: self.parked || inside_s > limits.dwell_s,
+                parked: self.parked || (inside && inside_s > limits.dwell_s),
                 inside_s,
             }
         } else {

@@ -197,7 +197,7 @@ impl<T: Scalar> ParkingLaw<T> {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
             (false, false) if driving => Rest::Driving,
-            (false, false) if self.memory.checker.is_inside() => Rest::Settling,
+            (false, false) if self.memory.checker.is_settling(motion) => Rest::Settling,
             (false, false) if matches!(self.approach, Approach::Manoeuvre(_)) => Rest::Beside,
             (false, false) => Rest::Moving,
         };

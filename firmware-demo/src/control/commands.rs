@@ -2,13 +2,16 @@
 
 use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;
+use controller_core::maths::Single;
 use controller_core::motion::check_order;
-use controller_core::safety::supervisor::{Action, Event, next};
+use controller_core::safety::controlled_stop_distance;
+use controller_core::safety::supervisor::{Action, Event, State, next};
 use controller_core::types::Pose;
 
 use super::course::Course;
 use super::{ControlTask, SetError};
-use protocol::{Command, RejectReason};
+use crate::excitation::Excitation;
+use protocol::{Command, RecordingEnd, RejectReason};
 
 impl<D: WheelDrive> ControlTask<'_, D> {
     /// Takes a command; what it asks of the wheels happens in the next tick, an emergency stop in this call.
@@ -21,7 +24,10 @@ impl<D: WheelDrive> ControlTask<'_, D> {
     pub fn command(&mut self, command: &Command) -> Result<(), RejectReason> {
         self.host_seen();
         match command {
-            Command::Heartbeat => Ok(()),
+            Command::Heartbeat => {
+                self.heartbeat_seen();
+                Ok(())
+            }
             Command::Arm => self.ask(Event::Arm),
             Command::Stop => self.ask(Event::Stop),
             Command::ResetFault => self.ask(Event::Reset),
@@ -53,6 +59,22 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                     hold_heading: *hold_heading,
                     new: true,
                 };
+                Ok(())
+            }
+            Command::Excite(order) => {
+                if self.state() != State::Armed {
+                    return Err(RejectReason::State);
+                }
+                let motion = self.controller.base().motion();
+                let params = motion.params();
+                let track_m = params.robot.wheels.track_m;
+                let stop_m = |speed| controlled_stop_distance::<_, Single>(motion, speed);
+                let excitation = Excitation::new(order, &params.limits, track_m, stop_m)
+                    .ok_or(RejectReason::Value)?;
+                self.references.clear();
+                self.heartbeat_seen();
+                self.excitation_end = RecordingEnd::Stopped;
+                self.course = Course::Excite(excitation);
                 Ok(())
             }
             Command::SetPose { pose } => {

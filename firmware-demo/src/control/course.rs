@@ -6,9 +6,12 @@ use controller_core::maths::Single;
 use controller_core::queue::Gap;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
-use controller_core::types::{Pose, Twist};
+use controller_core::safety::{Timeout, controlled_stop};
+use controller_core::types::{Accel, Pose, Twist};
 
 use super::ControlTask;
+use crate::excitation::{Excitation, Motion, Step};
+use protocol::RecordingEnd;
 
 /// Where the base is commanded to go.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,6 +36,8 @@ pub(super) enum Course {
         /// Not ordered yet. Each order is given once: the base counts how old it is.
         new: bool,
     },
+    /// By itself, for a recording.
+    Excite(Excitation),
 }
 
 impl<D: WheelDrive> ControlTask<'_, D> {
@@ -60,6 +65,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                     Order::None
                 }
             }
+            Course::Excite(excitation) => self.excite(excitation, elapsed_us),
             Course::Follow { first_s, run_us } if state == State::Tracking => {
                 let run_us = run_us.saturating_add(elapsed_us.into());
                 self.course = Course::Follow { first_s, run_us };
@@ -78,6 +84,57 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 }
             }
         }
+    }
+
+    /// An order in every tick. Of the host a heartbeat is due instead.
+    fn excite(&mut self, mut excitation: Excitation, elapsed_us: u32) -> Order<f32> {
+        let step = excitation.advance(elapsed_us, self.motion().as_ref());
+        self.heartbeat = self.heartbeat.after(elapsed_us, false);
+        if self.heartbeat.us() > self.patience_us() {
+            self.excitation_end = RecordingEnd::HostSilent;
+            self.course = Course::None;
+            self.controller.on(Event::LinkLost);
+            return Order::None;
+        }
+        match step {
+            Step::Drive(twist) => {
+                self.course = Course::Excite(excitation);
+                Order::Drive {
+                    twist,
+                    hold_heading: false,
+                }
+            }
+            Step::End(end) => {
+                self.excitation_end = end;
+                self.course = Course::None;
+                self.controller.on(Event::Stop);
+                Order::None
+            }
+        }
+    }
+
+    /// How long a host may be silent that has the base drive by itself. Where a link is not watched this still is.
+    fn patience_us(&self) -> u32 {
+        match self.params.detectors.command {
+            Timeout::AfterUs(limit) => limit,
+            Timeout::Off => 100_000,
+        }
+    }
+
+    /// Where the base is and how a controlled stop would end, as of the last tick.
+    fn motion(&self) -> Option<Motion> {
+        let report = self.report();
+        let measured = report.measured?;
+        let (command, rate, error) = match &report.motion {
+            Some(motion) => (motion.command, motion.command_rate, motion.velocity_error),
+            None => (measured.twist, Accel::default(), Twist::default()),
+        };
+        let motion = self.controller.base().motion();
+        Some(Motion {
+            pose: measured.pose,
+            twist: measured.twist,
+            stopping: controlled_stop::<_, Single>(motion, &command, &rate, &error),
+        })
     }
 
     fn park(&mut self, goal: Pose<f32>) -> Order<f32> {

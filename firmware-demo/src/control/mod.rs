@@ -16,9 +16,10 @@ use controller_core::base::{BaseController, BaseParams, BaseReport, Order, Sense
 use controller_core::hal::{ErrorKind, WheelDrive};
 use controller_core::localiser::Fix;
 use controller_core::queue::ReferenceConsumer;
-use controller_core::safety::supervisor::{Cause, State};
+use controller_core::safety::Silence;
+use controller_core::safety::supervisor::{Cause, Event, State};
 use controller_core::types::{Pose, WheelTorques};
-use protocol::BaseTick;
+use protocol::{BaseTick, RecordingEnd};
 
 use course::Course;
 
@@ -30,8 +31,14 @@ pub struct ControlTask<'queue, D> {
     params: BaseParams<f32>,
     defaults: BaseParams<f32>,
     course: Course,
+    /// Why the last excitation ended; what is not noted here ended it from outside.
+    excitation_end: RecordingEnd,
+    /// Since the last heartbeat of the host.
+    heartbeat: Silence,
     /// An external pose for the next tick.
     fix: Option<Fix<f32>>,
+    /// That of the last tick.
+    fix_taken: Option<Fix<f32>>,
     /// What the driver answered last.
     answer: Result<(), ErrorKind>,
     /// What is applied to the wheels.
@@ -61,7 +68,10 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
             params: defaults,
             defaults,
             course: Course::default(),
+            excitation_end: RecordingEnd::Stopped,
+            heartbeat: Silence::NONE,
             fix: None,
+            fix_taken: None,
             answer: Ok(()),
             output: WheelAction::Release,
             last_us: None,
@@ -73,6 +83,11 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// A sound frame came from the host, or a mission without a host is alive.
     pub const fn host_seen(&mut self) {
         self.controller.frame_seen();
+    }
+
+    /// A heartbeat of the host: what an excitation needs beside frames of whomever.
+    pub const fn heartbeat_seen(&mut self) {
+        self.heartbeat = Silence::NONE;
     }
 
     /// One tick at `now_us`, a clock that wraps around. `sensed.driver` is not looked at: the task has the driver's answer.
@@ -112,8 +127,9 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
         order: &Order<f32>,
         sensed: &Sensed<f32>,
     ) -> &BaseReport<f32> {
+        self.fix_taken = self.fix.take().or(sensed.fix);
         let sensed = Sensed {
-            fix: self.fix.take().or(sensed.fix),
+            fix: self.fix_taken,
             driver: self.answer,
             ..*sensed
         };
@@ -154,6 +170,31 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// Following references, and not driving by velocity.
     pub(crate) const fn follows(&self) -> bool {
         matches!(self.course, Course::Follow { .. })
+    }
+
+    /// Driving by itself for a recording.
+    pub(crate) const fn excites(&self) -> bool {
+        matches!(self.course, Course::Excite(_))
+    }
+
+    /// Why the last excitation ended.
+    pub(crate) const fn excitation_end(&self) -> RecordingEnd {
+        self.excitation_end
+    }
+
+    /// Ends an excitation by a controlled stop.
+    pub(crate) fn end_excitation(&mut self, end: RecordingEnd) {
+        if self.excites() {
+            self.excitation_end = end;
+            self.course = Course::None;
+            self.controller.on(Event::Stop);
+            self.tidy();
+        }
+    }
+
+    /// The external pose of the last tick.
+    pub(crate) const fn fix_taken(&self) -> Option<&Fix<f32>> {
+        self.fix_taken.as_ref()
     }
 
     /// Why it is that.

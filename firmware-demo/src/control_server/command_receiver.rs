@@ -56,7 +56,16 @@ impl<'queue> CommandReceiver<'queue> {
         let frames = self.decoder.counters();
         self.shared.frames.store(frames.good, Ordering::Relaxed);
         let answer = match message {
-            Command::Heartbeat => Telemetry::Hello(Hello::OURS),
+            Command::Heartbeat => {
+                let heartbeats = &self.shared.heartbeats;
+                let count = heartbeats.load(Ordering::Relaxed);
+                heartbeats.store(count.wrapping_add(1), Ordering::Relaxed);
+                let tick_hz = self.shared.tick_hz.load(Ordering::Relaxed);
+                Telemetry::Hello(Hello {
+                    tick_hz: u16::try_from(tick_hz).unwrap_or(u16::MAX),
+                    ..Hello::OURS
+                })
+            }
             Command::GetCounters => Telemetry::Counters(Counters {
                 frames_good: frames.good,
                 frames_rejected: frames.rejected(),

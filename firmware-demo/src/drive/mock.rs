@@ -4,6 +4,7 @@ use controller_core::hal::{
     ErrorKind, ErrorType, WheelDrive, WheelSpeedDrive, accepts, accepts_speeds,
 };
 use controller_core::types::{WheelSpeeds, WheelTorques};
+use protocol::pil::WheelOutput;
 
 /// One call; `V` is what is applied to wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -203,5 +204,15 @@ impl<const N: usize> WheelSpeedDrive for MockSpeedDrive<N> {
     }
     fn brake(&mut self) -> Result<(), ErrorKind> {
         self.short()
+    }
+}
+
+impl<const N: usize> super::DriveOutput for MockDrive<N> {
+    fn output(&self) -> WheelOutput {
+        match self.output {
+            Call::Set(WheelTorques { right, left }) => WheelOutput::Torque { right, left },
+            Call::Release => WheelOutput::Release,
+            Call::Brake => WheelOutput::Brake,
+        }
     }
 }

@@ -12,3 +12,18 @@ pub use mock::{Call, Mock, MockDrive, MockSpeedDrive, Script};
 pub use mock_gyro::MockGyro;
 pub use motor::MotorPair;
 pub use simulated::SimulatedDrive;
+
+use controller_core::hal::WheelDrive;
+use protocol::pil::WheelOutput;
+
+/// A drive that says what it puts out, which a bench recording has of every tick.
+pub trait DriveOutput: WheelDrive {
+    /// What acts on the wheels since the last call.
+    fn output(&self) -> WheelOutput;
+}
+
+impl<D: DriveOutput + ?Sized> DriveOutput for &mut D {
+    fn output(&self) -> WheelOutput {
+        (**self).output()
+    }
+}

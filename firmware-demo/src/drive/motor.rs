@@ -7,7 +7,9 @@ use controller_core::motor::{Motor, WheelCommands};
 use controller_core::types::WheelTorques;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
+use protocol::pil::WheelOutput;
 
+use super::DriveOutput;
 use super::bridge::{Bridges, MotorError, MotorSide, NoPin};
 
 /// Both wheels of a base. Mirrored motors are mirrored by their wiring.
@@ -19,6 +21,7 @@ pub struct MotorPair<P, D, E = NoPin> {
     motor: Motor<f32>,
     observed: Observed,
     applied: WheelCommands,
+    output: WheelOutput,
     backward: Option<[bool; 2]>,
 }
 
@@ -37,6 +40,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> MotorPair<P, D, E> {
             motor,
             observed: Observed::default(),
             applied: WheelCommands::default(),
+            output: WheelOutput::Release,
             backward: None,
         }
     }
@@ -118,6 +122,10 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         self.bridges.switch(true)?;
         // Known only now: after an error the directions are set anew.
         self.backward = Some(desired);
+        self.output = WheelOutput::Duty {
+            right: right.duty,
+            left: left.duty,
+        };
         self.applied = commands;
         Ok(())
     }
@@ -126,6 +134,7 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
     ///
     /// Bridges that short at duty 0 and have no enable pin cannot coast: they brake; see [`Bridges`].
     fn release(&mut self) -> Result<(), MotorError> {
+        self.output = WheelOutput::Release;
         self.backward = None;
         let enable = self.bridges.switch(false);
         let duties = self.off();
@@ -144,8 +153,16 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> WheelDrive for MotorPair<P, D,
         if !self.bridges.can_brake() {
             return self.release();
         }
+        self.output = WheelOutput::Brake;
         let duties = self.off();
         let enable = self.bridges.switch(duties.is_ok());
         duties.and(enable)
+    }
+}
+
+impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> DriveOutput for MotorPair<P, D, E> {
+    /// What was asked for last; after an error not what acts.
+    fn output(&self) -> WheelOutput {
+        self.output
     }
 }

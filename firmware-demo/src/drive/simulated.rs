@@ -101,3 +101,9 @@ impl WheelDrive for SimulatedDrive {
         self.stop(WheelOutput::Brake)
     }
 }
+
+impl super::DriveOutput for SimulatedDrive {
+    fn output(&self) -> WheelOutput {
+        self.output
+    }
+}

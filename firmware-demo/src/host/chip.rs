@@ -6,8 +6,9 @@ use std::format;
 use std::path::{Path, PathBuf};
 use std::string::String;
 use std::time::Duration;
+use std::vec::Vec;
 
-use controller_core::base::BaseParams;
+use controller_core::base::{BaseParams, Sensed};
 use controller_core::paper::demand::Demand;
 use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
@@ -20,7 +21,8 @@ use super::{
     SessionError, build_image,
 };
 use protocol::pil::{
-    Answer, BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, Question, Refusal, Ticked,
+    Answer, BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, BoardAnswer, BoardQuestion,
+    LineBytes, Question, Refusal, Ticked, WheelOutput,
 };
 use protocol::{Command, Counters, RejectReason};
 
@@ -118,6 +120,9 @@ pub type Chip = ChipLink<Answer>;
 
 /// An emulated chip that has the whole base.
 pub type BaseChip = ChipLink<BaseAnswer>;
+
+/// An emulated chip that has the whole firmware, its line included.
+pub type BoardChip = ChipLink<BoardAnswer>;
 
 impl<A: DeserializeOwned + fmt::Debug> ChipLink<A> {
     /// The image that runs.
@@ -331,6 +336,99 @@ impl BaseChip {
             BaseAnswer::Ack => Ok(()),
             other => Err(unexpected_base(other)),
         }
+    }
+}
+
+impl BoardChip {
+    /// Builds the whole firmware and starts it.
+    ///
+    /// # Errors
+    ///
+    /// When the build, the emulator or the link fails.
+    pub fn start(options: &Options) -> Result<Self, ChipError> {
+        Self::build("board_pil", options)
+    }
+
+    /// Starts the base with these parameters, disarmed; one report of `decimate` goes to its line. Once for each chip.
+    ///
+    /// # Errors
+    ///
+    /// [`ChipError::Rejected`] when the chip refuses the parameters, or a failed link.
+    pub fn begin(
+        &mut self,
+        params: &BaseParams<f32>,
+        start: Pose<f32>,
+        decimate: u16,
+    ) -> Result<(), ChipError> {
+        for part in BasePart::all(params) {
+            self.done(&BoardQuestion::Configure(part))?;
+        }
+        self.done(&BoardQuestion::Begin { start, decimate })
+    }
+
+    /// Bytes for its line.
+    ///
+    /// # Errors
+    ///
+    /// A failed link, or no base was begun.
+    pub fn receive(&mut self, bytes: &[u8]) -> Result<(), ChipError> {
+        for bytes in bytes.chunks(LineBytes::MOST) {
+            let bytes = LineBytes::of(bytes.iter().copied());
+            self.done(&BoardQuestion::Receive(bytes))?;
+        }
+        Ok(())
+    }
+
+    /// The timer's interrupt: what acts on the wheels from now on, and the bytes that came out of its line.
+    ///
+    /// # Errors
+    ///
+    /// A failed link, or no base was begun.
+    pub fn tick(
+        &mut self,
+        now_us: u32,
+        sensed: &Sensed<f32>,
+    ) -> Result<(WheelOutput, Vec<u8>), ChipError> {
+        let sensed = *sensed;
+        let (output, waiting) = match self.ask(&BoardQuestion::Tick { now_us, sensed })? {
+            BoardAnswer::Ticked { output, waiting } => (output, usize::from(waiting)),
+            other => return Err(unexpected_board(other)),
+        };
+        let mut bytes = Vec::new();
+        while bytes.len() < waiting {
+            match self.ask(&BoardQuestion::Send)? {
+                BoardAnswer::Sent(more) if !more.as_slice().is_empty() => {
+                    bytes.extend(more.as_slice());
+                }
+                other => return Err(unexpected_board(other)),
+            }
+        }
+        Ok((output, bytes))
+    }
+
+    /// Stops the firmware and waits for the emulator's end.
+    ///
+    /// # Errors
+    ///
+    /// A failed link, or an emulator that does not end.
+    pub fn finish(mut self) -> Result<EmulatorOutcome, ChipError> {
+        self.done(&BoardQuestion::Stop)?;
+        Ok(self.emulator.finish(self.patience)?)
+    }
+
+    fn done(&mut self, question: &BoardQuestion) -> Result<(), ChipError> {
+        match self.ask(question)? {
+            BoardAnswer::Ack => Ok(()),
+            other => Err(unexpected_board(other)),
+        }
+    }
+}
+
+#[cold]
+fn unexpected_board(answer: BoardAnswer) -> ChipError {
+    match answer {
+        BoardAnswer::Nack(reason) => ChipError::Rejected(reason),
+        other => ChipError::Unexpected(format!("{other:?}")),
     }
 }
 

@@ -9,7 +9,7 @@ mod image;
 mod session;
 mod uart;
 
-pub use chip::{BaseChip, Chip, ChipError, ChipLink};
+pub use chip::{BaseChip, BoardChip, Chip, ChipError, ChipLink};
 pub use emulator::{Emulator, EmulatorError, EmulatorOutcome, LinkKind, Machine, Options};
 pub use fifo::FifoLink;
 pub use image::{BuildError, Image, build_image};

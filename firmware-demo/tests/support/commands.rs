@@ -3,7 +3,7 @@
 use controller_core::safety::{PolicyParams, Reaction, Response, Timeout};
 use proptest::prelude::*;
 use protocol::{
-    Command, FieldParams, TimedSample, WireCalibration, WireGains, WireLimits, WirePose,
+    Command, Excite, FieldParams, TimedSample, WireCalibration, WireGains, WireLimits, WirePose,
     WireReference, WireTimeouts, WireTwist, WireYield,
 };
 
@@ -138,5 +138,16 @@ pub fn command() -> impl Strategy<Value = Command> {
         Just(Command::SaveParameters),
         Just(Command::LoadDefaults),
         Just(Command::GetParameters),
+        (prop::array::uniform5(real()), any::<u32>()).prop_map(|(numbers, seed)| {
+            let [length_m, width_m, speed, turn_rate, duration_s] = numbers;
+            Command::Excite(Excite {
+                length_m,
+                width_m,
+                speed,
+                turn_rate,
+                duration_s,
+                seed,
+            })
+        }),
     ]
 }

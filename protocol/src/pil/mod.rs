@@ -1,13 +1,15 @@
-//! What a processor in the loop is asked, and answers, one tick at a time: the paper's law ([`Question`]), or the whole
-//! base ([`BaseQuestion`]).
+//! What a processor in the loop is asked, and answers, one tick at a time: the paper's law ([`Question`]), the whole
+//! base ([`BaseQuestion`]), or all of its firmware with the line ([`BoardQuestion`]).
 
 mod base;
+mod board;
 mod convert;
 mod parameters;
 mod report;
 mod ticked;
 
 pub use base::{BaseAnswer, BaseInput, BasePart, BaseQuestion, BaseTicked, WheelOutput, WireOrder};
+pub use board::{BoardAnswer, BoardQuestion, LineBytes};
 pub use parameters::{ParameterSet, WireReset};
 pub use report::{Report, report_flags};
 pub use ticked::Ticked;

@@ -9,9 +9,11 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Args)]
 pub struct IdentifyArgs {
     /// The log: CSV, or a bag of ROS 2 (.mcap)
-    #[arg(value_name = "LOG", required_unless_present = "coverage")]
+    #[arg(value_name = "LOG", required_unless_present_any = ["coverage", "port"])]
     pub log: Option<PathBuf>,
-    /// Encoder counts of one whole turn of the wheel (columns counts_...)
+    #[command(flatten)]
+    pub live: LiveArgs,
+    /// Encoder counts of one whole turn of the wheel (columns counts_...); else [encoder] of the file of --profile
     #[arg(long, value_name = "N", value_parser = positive)]
     pub counts_per_turn: Option<f64>,
     /// State values as exactly known, by the names of the table; `radius=0.08` is for both sides.
@@ -37,13 +39,45 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "RIGHT,LEFT", value_parser = two)]
     pub joints: Option<[String; 2]>,
     /// Instead of a log: how often the intervals hold the true values of this base, on simulated drives of it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["log", "profile", "known", "counts_per_turn", "latency", "slow"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["log", "port", "profile", "known", "counts_per_turn", "latency", "slow"])]
     pub coverage: Option<PathBuf>,
     /// Drives of the coverage
     #[arg(long, value_name = "N", default_value = "200", requires = "coverage")]
     pub runs: NonZeroUsize,
     #[command(flatten)]
     pub seed: SeedArgs,
+}
+
+/// A live base in place of a log.
+#[derive(Clone, Debug, Args)]
+pub struct LiveArgs {
+    /// Instead of a log: drive this base and record it. Its serial port, or the Unix socket of an emulator
+    #[arg(long, value_name = "PORT", conflicts_with = "log", requires = "space")]
+    pub port: Option<PathBuf>,
+    /// Free floor for the middle of the axle [m]: a tenth of the length behind it, the rest ahead, half of the width to each
+    /// side. The body needs its room around it
+    #[arg(long, value_name = "LENGTHxWIDTH", value_parser = space, requires = "port", conflicts_with = "log")]
+    pub space: Option<[f64; 2]>,
+    /// Largest speed [m/s]; else 0.6 of the base's limit. The base takes less where the space is too short
+    #[arg(long, value_name = "M/S", value_parser = positive, requires = "port")]
+    pub speed: Option<f64>,
+    /// Largest turn rate [rad/s]; else 0.6 of the base's limit
+    #[arg(long, value_name = "RAD/S", value_parser = positive, requires = "port")]
+    pub turn_rate: Option<f64>,
+    /// Length of the drive [s]
+    #[arg(long, value_name = "S", default_value = "30", value_parser = positive, requires = "port")]
+    pub duration: f64,
+    /// Bits per second of a serial port
+    #[arg(long, value_name = "N", default_value = "115200", requires = "port")]
+    pub baud: u32,
+    /// Keep the recording: a log for `identify`
+    #[arg(long, value_name = "FILE", requires = "port", conflicts_with = "log")]
+    pub record: Option<PathBuf>,
+}
+
+fn space(text: &str) -> Result<[f64; 2], String> {
+    let (length, width) = text.split_once('x').ok_or("must be LENGTHxWIDTH, as 2x1")?;
+    Ok([positive(length)?, positive(width)?])
 }
 
 fn two(text: &str) -> Result<[String; 2], String> {

@@ -2,10 +2,12 @@
 
 use super::PlantHal;
 use super::by_orders::{ClosedLoopError, Parts};
+use super::mirror::{LineMirror, MirrorError};
 use crate::mission::BaseSpec;
 use crate::world::{Actuation, World, WorldSetup};
 use controller_core::base::{BaseParams, BaseReport, Sensed};
-use controller_core::hal::Clock;
+use controller_core::hal::{Clock, WheelCounts};
+use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
 use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues};
 use protocol::{Frame, Telemetry};
@@ -21,6 +23,8 @@ pub struct Board<'queue> {
     receiver: CommandReceiver<'queue>,
     period_us: u32,
     dt_us: u32,
+    /// What the last tick sensed, and when.
+    last: (u32, Sensed<f32>),
 }
 
 impl<'queue> Board<'queue> {
@@ -48,6 +52,7 @@ impl<'queue> Board<'queue> {
             receiver,
             period_us,
             dt_us: period_us,
+            last: (0, Sensed::of_counts(WheelCounts::default())),
         })
     }
 
@@ -76,6 +81,7 @@ impl<'queue> Board<'queue> {
             ..hal.sensed()
         };
         let now_us = hal.now_us();
+        self.last = (now_us, sensed);
         self.server.tick(now_us, &sensed);
         self.task().report()
     }
@@ -83,6 +89,34 @@ impl<'queue> Board<'queue> {
     /// What the tick has to send, oldest first.
     pub fn pending(&mut self) -> Option<Frame<Telemetry>> {
         self.receiver.pending()
+    }
+
+    /// Begins the same base in a mirror, before the first tick.
+    ///
+    /// # Errors
+    /// It cannot be reached, or refuses the parameters.
+    pub fn begin_mirror(&self, mirror: &mut dyn LineMirror) -> Result<(), MirrorError> {
+        mirror.begin(self.task().params(), Pose::default(), DECIMATE)
+    }
+
+    /// The tick that was just done, in the mirror: its output moves the plant from now on. Before it `line` came in; what came
+    /// out is to be compared with what came out here.
+    ///
+    /// # Errors
+    /// It cannot be reached, or puts out something else.
+    pub fn tick_mirror(
+        &mut self,
+        mirror: &mut dyn LineMirror,
+        line: &[u8],
+    ) -> Result<Vec<u8>, MirrorError> {
+        let (now_us, sensed) = &self.last;
+        let (output, bytes) = mirror.tick(line, *now_us, sensed)?;
+        let here = self.task().drive().output();
+        if output != *here {
+            return Err(format!("{output:?} is put out there, {here:?} here").into());
+        }
+        self.override_actuation((&output).into());
+        Ok(bytes)
     }
 
     /// The control task, to look at.

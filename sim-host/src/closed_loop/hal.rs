@@ -9,7 +9,7 @@ use controller_core::hal::{
 };
 use controller_core::motor::Motor;
 use controller_core::types::WheelTorques;
-use firmware_demo::drive::SimulatedDrive;
+use firmware_demo::drive::{DriveOutput, SimulatedDrive};
 use protocol::pil::WheelOutput;
 
 /// A [`World`] as a control task sees it: drivers, encoders and clock of a base whose world it owns.
@@ -112,6 +112,12 @@ impl WheelDrive for PlantHal {
 
     fn brake(&mut self) -> Result<(), ErrorKind> {
         self.call(SimulatedDrive::brake)
+    }
+}
+
+impl DriveOutput for PlantHal {
+    fn output(&self) -> WheelOutput {
+        *self.drive.output()
     }
 }
 

@@ -18,4 +18,4 @@ pub use by_orders::{ClosedLoop, ClosedLoopError};
 pub(crate) use convert::order;
 pub use convert::params;
 pub use hal::PlantHal;
-pub use mirror::{Mirror, MirrorError};
+pub use mirror::{LineMirror, Mirror, MirrorError};

@@ -115,6 +115,8 @@ pub enum CommandError {
     )]
     NotCovered(Vec<String>),
     #[error(transparent)]
+    Live(#[from] sim_host::identify::live::BenchError),
+    #[error(transparent)]
     DataLog(#[from] sim_host::datalog::DataLogError),
     #[error("{}: {cause}", path.display())]
     Bag {

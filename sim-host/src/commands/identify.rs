@@ -1,13 +1,14 @@
 //! `identify`.
 
 use super::error::CommandError;
+use super::identify_live as live;
 use super::say;
 use super::write::Writer;
 use crate::cli::{IdentifyArgs, Output};
 use serde::Serialize;
 use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
-use sim_host::identify::{Identified, Known, Log, Options, Topics, identify, report};
+use sim_host::identify::{Identified, Known, Log, LogError, Options, Topics, identify, report};
 use sim_host::mission::BaseSpec;
 use sim_host::ros::read::{Messages, is_bag};
 use std::fs;
@@ -15,8 +16,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 pub fn run(arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
-    match (&arguments.log, &arguments.coverage) {
-        (Some(path), _) => log(path, arguments, output),
+    let (log, live) = (&arguments.log, &arguments.live.port);
+    match (log.as_ref().or(live.as_ref()), &arguments.coverage) {
+        (Some(path), _) => of_one(path, arguments, output),
         (None, Some(base)) => covered(base, arguments, output),
         // The arguments are checked to have one of them.
         (None, None) => Ok(()),
@@ -63,26 +65,38 @@ fn covered(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(),
     }
 }
 
-fn log(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
+/// From a log, or from a drive of the base at this port.
+fn of_one(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
     let mut known = Known::default();
     for text in &arguments.known {
         known.state(text)?;
     }
-    if known.current_limit_a.is_none()
-        && let Some(profile) = &arguments.profile
-    {
-        // A file that is not there is begun.
-        let text = fs::read_to_string(profile).unwrap_or_default();
-        known.current_limit_a = profile::current_limit_a(&text);
-    }
-    let bytes = fs::read(path).map_err(|cause| read(path, cause))?;
-    let log = if is_bag(&bytes) {
-        of_bag(path, &bytes, arguments)?
+    // A file that is not there is begun.
+    let profile = arguments.profile.as_ref();
+    let profile = profile.map_or_else(String::new, |path| {
+        fs::read_to_string(path).unwrap_or_default()
+    });
+    known.current_limit_a = known
+        .current_limit_a
+        .or_else(|| profile::current_limit_a(&profile));
+    let counts_per_turn = arguments
+        .counts_per_turn
+        .or_else(|| profile::counts_per_turn(&profile));
+    let failed = |cause| CommandError::Log {
+        path: path.to_owned(),
+        cause,
+    };
+    let bytes = if arguments.live.port.is_some() {
+        // Before anything moves for nothing.
+        counts_per_turn.ok_or_else(|| failed(LogError::CountsPerTurn))?;
+        live::drive(path, &arguments.live, arguments.seed.draw()? as u32)?
     } else {
-        Log::read(&bytes[..], arguments.counts_per_turn).map_err(|cause| CommandError::Log {
-            path: path.to_owned(),
-            cause,
-        })?
+        fs::read(path).map_err(|cause| read(path, cause))?
+    };
+    let log = if is_bag(&bytes) {
+        of_bag(path, &bytes, arguments, counts_per_turn)?
+    } else {
+        Log::read(&bytes[..], counts_per_turn).map_err(failed)?
     };
     let options = Options {
         known,
@@ -103,7 +117,12 @@ fn log(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), Com
 }
 
 /// By the topics that are named, or the usual ones.
-fn of_bag(path: &Path, bytes: &[u8], arguments: &IdentifyArgs) -> Result<Log, CommandError> {
+fn of_bag(
+    path: &Path,
+    bytes: &[u8],
+    arguments: &IdentifyArgs,
+    counts_per_turn: Option<f64>,
+) -> Result<Log, CommandError> {
     let mut topics = Topics::default();
     for text in &arguments.topic {
         topics.state(text).map_err(CommandError::Topic)?;
@@ -120,7 +139,7 @@ fn of_bag(path: &Path, bytes: &[u8], arguments: &IdentifyArgs) -> Result<Log, Co
             path.display()
         ))?;
     }
-    Log::of_bag(&messages, &topics, arguments.counts_per_turn).map_err(failed)
+    Log::of_bag(&messages, &topics, counts_per_turn).map_err(failed)
 }
 
 /// Updates a base's file, or begins one; prints what stands there now and what is odd about it.

@@ -7,6 +7,7 @@ mod drive;
 mod error;
 mod faults;
 mod identify;
+mod identify_live;
 mod list;
 mod log;
 mod merge;

@@ -271,7 +271,11 @@ fn fixes(poses: &[StampedPose], rows: &[u64]) -> Result<Vec<Fix>, ReadError> {
             }
             _ => *pose,
         };
-        fixes.push(Fix { row, pose: moved });
+        fixes.push(Fix {
+            row,
+            pose: moved,
+            age_s: 0.0,
+        });
     }
     Ok(fixes)
 }

@@ -107,7 +107,7 @@ pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, Co
 }
 
 /// True values by name, of all that a log with duties, supply, currents, counts and poses can determine.
-fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
+pub fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
     let (robot, motor) = (base.robot_with_rotors(), &hardware.motor);
     let wheels = &robot.wheels;
     let named = |q: Q, value: f64| (q.name().to_owned(), value);

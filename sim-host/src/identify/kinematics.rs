@@ -61,7 +61,7 @@ fn windows(log: &Log, latency_s: f64) -> Vec<Vec<Sighting>> {
     let mut windows: Vec<Vec<Sighting>> = vec![Vec::new()];
     let mut begun = f64::NEG_INFINITY;
     for fix in &log.fixes {
-        let time = log.t[fix.row] - latency_s;
+        let time = log.t[fix.row] - fix.age_s - latency_s;
         let after = log.t.partition_point(|&t| t <= time);
         if after == 0 {
             // Of a time before the log.

@@ -22,6 +22,9 @@ pub struct Fix {
     pub row: usize,
     /// x \[m\], y \[m\], theta \[rad\].
     pub pose: [f64; 3],
+    /// How long before that row it was valid, as far as the log says so; [`Options::latency_s`](super::Options::latency_s) comes
+    /// on top \[s\].
+    pub age_s: f64,
 }
 
 /// A log, row by row. Pairs are right, left.
@@ -272,6 +275,7 @@ fn fixes(sheet: &Sheet) -> Result<Vec<Fix>, LogError> {
     if !sheet.has(&names)? {
         return Ok(fixes);
     }
+    let aged = sheet.has(&["age"])?;
     for (index, row) in sheet.rows.iter().enumerate() {
         let cells = [
             sheet.cell(row, "x")?,
@@ -282,6 +286,10 @@ fn fixes(sheet: &Sheet) -> Result<Vec<Fix>, LogError> {
             [Some(x), Some(y), Some(theta)] => fixes.push(Fix {
                 row: index,
                 pose: [x, y, theta],
+                age_s: match aged {
+                    true => sheet.number(row, "age")?,
+                    false => 0.0,
+                },
             }),
             [None, None, None] => {}
             _ => {

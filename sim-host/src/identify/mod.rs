@@ -11,6 +11,7 @@
 //! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
 //! | what cannot be determined, and what would determine it | [`structure`], `verdict`, `products` |
 //! | table, file | [`report`], [`profile`] |
+//! | a drive of a live base, recorded | [`live`] |
 //! | logs of a base as its file has it, and how often intervals hold there | [`record`], [`coverage`] |
 //!
 //! `docs/identify.md` has the columns and the drive to record.
@@ -25,6 +26,7 @@ mod drivetrain;
 mod dynamics;
 mod fit;
 mod kinematics;
+pub mod live;
 pub mod log;
 mod motor;
 mod physics;

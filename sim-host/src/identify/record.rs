@@ -4,7 +4,7 @@
 
 use super::log::{Drive, Fix, Log, voltages};
 use crate::mission::{BaseSpec, Hardware};
-use crate::world::{Actuation, World, WorldError, WorldParams};
+use crate::world::{Actuation, World, WorldError, WorldKeys, WorldParams};
 use controller_core::types::{Measured, Pose, Twist};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
@@ -52,6 +52,7 @@ pub fn record(
             fixes.push(Fix {
                 row: t.len(),
                 pose: [pose.x, pose.y, pose.theta],
+                age_s: 0.0,
             });
         }
         let [right, left] = duty_of(t.len(), now).map(|duty| duty.clamp(-1.0, 1.0));
@@ -82,17 +83,23 @@ pub fn record(
     })
 }
 
+/// The world of this hardware, with noise on what its drivers measure.
+pub fn sensed_world(hardware: &Hardware) -> WorldKeys {
+    let mut keys = hardware.world();
+    keys.substep_us = SUBSTEP_US;
+    keys.noise.supply_v = SUPPLY_NOISE * hardware.battery.nominal_v;
+    if hardware.motor.current_limit_a.is_finite() {
+        keys.noise.current_a = CURRENT_NOISE * hardware.motor.current_limit_a;
+    }
+    keys
+}
+
 /// A drive of the base with all of its own hardware, as it is recommended: another one for each seed.
 ///
 /// # Errors
 /// Hardware that is no plant.
 pub fn base_log(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Result<Log, WorldError> {
-    let mut params = hardware.world().params(&base.robot);
-    params.substep_us = SUBSTEP_US;
-    params.noise.supply_v = SUPPLY_NOISE * hardware.battery.nominal_v;
-    if hardware.motor.current_limit_a.is_finite() {
-        params.noise.current_a = CURRENT_NOISE * hardware.motor.current_limit_a;
-    }
+    let params = sensed_world(hardware).params(&base.robot);
     let period_us = (1.0e6 * hardware.period_s).round() as u32;
     let duties = drive(base, hardware, seed);
     record(&params, period_us, seed, DURATION_S, |row, _| {

@@ -1,10 +1,11 @@
 //! From bytes to what the board says.
 
+use super::RecordedDrive;
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
 use protocol::{
-    BaseTick, Counters, Decoder, Frame, FrameCounters, Hello, MAX_CONTENT, Origin, Telemetry,
-    tick_flags,
+    BaseTick, Counters, Decoder, FieldParams, Frame, FrameCounters, Hello, MAX_CONTENT, Origin,
+    RejectReason, Telemetry, tick_flags,
 };
 use std::fmt::Write as _;
 
@@ -14,6 +15,9 @@ pub struct Monitor {
     decoder: Decoder<Telemetry, MAX_CONTENT>,
     reports: u64,
     latest: LatestTelemetry,
+    /// A command whose answer counts, and the answer.
+    asked: Option<(u16, Option<Result<(), RejectReason>>)>,
+    recording: RecordedDrive,
 }
 
 /// The last of each kind.
@@ -29,6 +33,8 @@ pub struct LatestTelemetry {
     pub counters: Option<Counters>,
     /// Where its parameters come from.
     pub origin: Option<Origin>,
+    /// Its parameters.
+    pub parameters: Option<FieldParams>,
 }
 
 impl Monitor {
@@ -60,8 +66,12 @@ impl Monitor {
                 Telemetry::State { state, cause, .. } => self.latest.state = Some((state, cause)),
                 Telemetry::Counters(counters) => self.latest.counters = Some(counters),
                 Telemetry::Origin(origin) => self.latest.origin = Some(origin),
-                // Answers, which mean nothing without their questions.
-                Telemetry::Parameters(_) | Telemetry::Ack | Telemetry::Nack(_) => {}
+                Telemetry::Parameters(parameters) => self.latest.parameters = Some(parameters),
+                Telemetry::Ack => self.answered(frame.sequence, Ok(())),
+                Telemetry::Nack(reason) => self.answered(frame.sequence, Err(reason)),
+                Telemetry::Recording(_) | Telemetry::Rows(_) | Telemetry::RecordedPose(_) => {
+                    self.recording.take(&frame.message);
+                }
             }
             each(&frame, &self.latest);
         }
@@ -70,6 +80,34 @@ impl Monitor {
     /// The latest of each message.
     pub fn latest(&self) -> &LatestTelemetry {
         &self.latest
+    }
+
+    /// Looks for the answer to the command with this number from now on; all others are answers to somebody else.
+    pub const fn ask_about(&mut self, sequence: u16) {
+        self.asked = Some((sequence, None));
+    }
+
+    /// The answer to the command that was asked about, once it is there.
+    pub fn answer(&self) -> Option<Result<(), RejectReason>> {
+        self.asked?.1
+    }
+
+    fn answered(&mut self, sequence: u16, answer: Result<(), RejectReason>) {
+        if let Some((asked, known @ None)) = &mut self.asked
+            && *asked == sequence
+        {
+            *known = Some(answer);
+        }
+    }
+
+    /// What came of a bench recording.
+    pub const fn recording(&self) -> &RecordedDrive {
+        &self.recording
+    }
+
+    /// The bench recording, to keep.
+    pub fn into_recording(self) -> RecordedDrive {
+        self.recording
     }
 
     /// Frames by outcome.

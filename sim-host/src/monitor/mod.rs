@@ -9,12 +9,14 @@ mod log;
 #[cfg(not(target_family = "wasm"))]
 mod port;
 mod questions;
+mod recording;
 #[cfg(not(target_family = "wasm"))]
 mod serve;
 
 pub use decode::{LatestTelemetry, Monitor};
 pub use log::{Log, column_names, report_fields};
 pub use questions::{Questions, stops};
+pub use recording::{Lost, RecordedDrive};
 #[cfg(not(target_family = "wasm"))]
 pub use {
     port::{Port, Received},

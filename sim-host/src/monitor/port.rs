@@ -18,6 +18,7 @@ use std::time::Duration;
 pub struct Port {
     file: File,
     sequence: u16,
+    serial: bool,
 }
 
 /// What came of listening.
@@ -50,7 +51,13 @@ impl Port {
         Ok(Self {
             file: file.map_err(failed)?,
             sequence: 0,
+            serial: !kind.is_socket(),
         })
+    }
+
+    /// A serial port, whose speed counts; else a socket.
+    pub const fn is_serial(&self) -> bool {
+        self.serial
     }
 
     /// Waits at most `patience` for bytes.
@@ -85,14 +92,14 @@ impl Port {
         }
     }
 
-    /// Sends a command and does not wait for its answer.
+    /// Sends a command and does not wait for its answer, which has the number that is given back.
     ///
     /// # Errors
     /// [`MonitorError::Line`].
-    pub fn ask(&mut self, command: &Command) -> Result<(), MonitorError> {
+    pub fn ask(&mut self, command: &Command) -> Result<u16, MonitorError> {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        self.send(sequence, command)
+        self.send(sequence, command).map(|()| sequence)
     }
 
     /// The same with a number of one's own, as [`Questions`](super::Questions) have them.

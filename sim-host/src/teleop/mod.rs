@@ -29,11 +29,11 @@ const RESTS: (f32, f32) = (2.0e-3, 5.0e-3);
 
 /// The way to a base.
 pub trait Line {
-    /// Sends a command and does not wait for its answer.
+    /// Sends a command and does not wait for its answer, which has the number that is given back.
     ///
     /// # Errors
     /// The line failed.
-    fn send(&mut self, command: &Command) -> Result<(), MonitorError>;
+    fn send(&mut self, command: &Command) -> Result<u16, MonitorError>;
 
     /// Lets time pass; what the base says meanwhile goes to the monitor. Whether the other end is still there.
     ///

@@ -17,7 +17,7 @@ impl PortLine {
 }
 
 impl Line for PortLine {
-    fn send(&mut self, command: &Command) -> Result<(), MonitorError> {
+    fn send(&mut self, command: &Command) -> Result<u16, MonitorError> {
         self.0.ask(command)
     }
 

@@ -1,7 +1,7 @@
 //! The firmware in a simulated world, behind the same frames as a real base.
 
 use super::Line;
-use crate::closed_loop::{Board, ClosedLoopError};
+use crate::closed_loop::{Board, ClosedLoopError, LineMirror, MirrorError};
 use crate::mission::BaseSpec;
 use crate::monitor::{Monitor, MonitorError};
 use crate::world::{World, WorldSetup};
@@ -14,6 +14,9 @@ use std::time::{Duration, Instant};
 /// A base on the realistic plant that knows nothing but frames.
 pub struct Simulated<'queue> {
     board: Board<'queue>,
+    mirror: Option<Twin<'queue>>,
+    /// Whether a message arrives.
+    arrives: Option<Box<Arrives<'queue>>>,
     sequence: u16,
     /// Answers of the background that the host has not read.
     unread: Vec<u8>,
@@ -21,6 +24,15 @@ pub struct Simulated<'queue> {
     due_us: u64,
     /// When the world began, where it keeps to real time.
     began: Option<Instant>,
+}
+
+type Arrives<'a> = dyn FnMut(&Telemetry) -> bool + 'a;
+
+/// The same firmware somewhere else, and what passed the line since the last tick.
+struct Twin<'a> {
+    there: &'a mut dyn LineMirror,
+    to_base: Vec<u8>,
+    from_here: Vec<u8>,
 }
 
 impl<'queue> Simulated<'queue> {
@@ -36,6 +48,8 @@ impl<'queue> Simulated<'queue> {
     ) -> Result<Self, ClosedLoopError> {
         Ok(Self {
             board: Board::new(queues, base, setup, |_| {})?,
+            mirror: None,
+            arrives: None,
             sequence: 0,
             unread: Vec::new(),
             due_us: 0,
@@ -43,15 +57,47 @@ impl<'queue> Simulated<'queue> {
         })
     }
 
+    /// The firmware moves to `mirror`: its outputs move the plant, and every byte that it sends has to be one that the same
+    /// firmware sends here; the line fails where it is not.
+    ///
+    /// # Errors
+    /// It cannot be reached, or refuses the parameters.
+    pub fn mirrored(mut self, mirror: &'queue mut dyn LineMirror) -> Result<Self, MirrorError> {
+        self.board.begin_mirror(mirror)?;
+        self.mirror = Some(Twin {
+            there: mirror,
+            to_base: Vec::new(),
+            from_here: Vec::new(),
+        });
+        Ok(self)
+    }
+
+    /// The firmware and its world.
+    pub const fn board_mut(&mut self) -> &mut Board<'queue> {
+        &mut self.board
+    }
+
     /// The world, for what truly happens.
     pub const fn world(&self) -> &World {
         self.board.world()
     }
 
+    /// A line on which only those messages of the base arrive of which `arrives` says so.
+    pub fn losing(mut self, arrives: impl FnMut(&Telemetry) -> bool + 'queue) -> Self {
+        self.arrives = Some(Box::new(arrives));
+        self
+    }
+
     fn read(&mut self, answer: Frame<Telemetry>) -> Result<(), MonitorError> {
         let mut bytes = [0; MAX_FRAME];
         let frame = encode(answer.sequence, &answer.message, &mut bytes).map_err(failed)?;
-        self.unread.extend_from_slice(frame);
+        let arrives = self.arrives.as_mut();
+        if arrives.is_none_or(|arrives| arrives(&answer.message)) {
+            self.unread.extend_from_slice(frame);
+        }
+        if let Some(mirror) = &mut self.mirror {
+            mirror.from_here.extend_from_slice(frame);
+        }
         Ok(())
     }
 
@@ -67,21 +113,39 @@ impl<'queue> Simulated<'queue> {
         while let Some(report) = self.board.pending() {
             self.read(report)?;
         }
-        Ok(())
+        let Some(mirror) = &mut self.mirror else {
+            return Ok(());
+        };
+        let line = std::mem::take(&mut mirror.to_base);
+        let there = self.board.tick_mirror(mirror.there, &line);
+        let there = there.map_err(|cause| MonitorError::Line(io::Error::other(cause)))?;
+        let here = std::mem::take(&mut mirror.from_here);
+        if here == there {
+            Ok(())
+        } else {
+            let tick = self.board.task().ticks();
+            Err(MonitorError::Line(io::Error::other(format!(
+                "tick {tick}: {there:?} was sent there, {here:?} here"
+            ))))
+        }
     }
 }
 
 impl Line for Simulated<'_> {
-    fn send(&mut self, command: &Command) -> Result<(), MonitorError> {
+    fn send(&mut self, command: &Command) -> Result<u16, MonitorError> {
         let mut bytes = [0; MAX_FRAME];
-        let frame = encode(self.sequence, command, &mut bytes).map_err(failed)?;
-        self.sequence = self.sequence.wrapping_add(1);
+        let sequence = self.sequence;
+        let frame = encode(sequence, command, &mut bytes).map_err(failed)?;
+        self.sequence = sequence.wrapping_add(1);
+        if let Some(mirror) = &mut self.mirror {
+            mirror.to_base.extend_from_slice(frame);
+        }
         for byte in frame {
             if let Some(answer) = self.board.receive(*byte) {
                 self.read(answer)?;
             }
         }
-        Ok(())
+        Ok(sequence)
     }
 
     fn pass(&mut self, time: Duration, monitor: &mut Monitor) -> Result<bool, MonitorError> {

@@ -4,6 +4,7 @@ mod bases;
 mod cli;
 mod coverage;
 mod limits;
+mod live;
 mod plant;
 mod profile;
 mod robot;

@@ -207,6 +207,7 @@ impl Robot {
                 log.fixes.push(Fix {
                     row,
                     pose: [0, 1, 2].map(|i| seen[i] + noise(sd)),
+                    age_s: 0.0,
                 });
             }
             for _ in 0..SUBSTEPS {

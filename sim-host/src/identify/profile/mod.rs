@@ -78,12 +78,19 @@ pub fn update(text: &str, found: &Identified, gear: Option<f64>) -> Result<Updat
     })
 }
 
+/// Counts of a whole turn of a wheel, if this base's file says so.
+pub fn counts_per_turn(text: &str) -> Option<f64> {
+    positive(text, "encoder", "counts_per_turn")
+}
+
+fn positive(text: &str, table: &str, key: &str) -> Option<f64> {
+    let number = Document::parse(text).ok()?.number(table, key)?;
+    (number.is_finite() && number > 0.0).then_some(number)
+}
+
 /// Current at which the drivers of this base's file hold a motor, if it says so \[A\].
 pub fn current_limit_a(text: &str) -> Option<f64> {
-    let limit = Document::parse(text)
-        .ok()?
-        .number("motor", "current_limit_a")?;
-    (limit.is_finite() && limit > 0.0).then_some(limit)
+    positive(text, "motor", "current_limit_a")
 }
 
 /// A value and half of its 95 % interval, 0 for a stated one.
