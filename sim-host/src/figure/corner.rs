@@ -57,12 +57,13 @@ impl Corner {
 
     /// What the upper limit of an axis has to become for a legend above everything drawn.
     pub fn room_above(y: (f64, f64), entries: &[LegendEntry], height: f64) -> f64 {
-        y.0 + (y.1 - y.0) / (1.0 - Self::legend_height(entries, height).min(0.5))
+        y.0 + (y.1 - y.0) / (1.0 - (legend_size(entries).1 / height).min(0.5))
     }
 
-    /// Height of a legend as a share of the height between the axes.
-    pub fn legend_height(entries: &[LegendEntry], height: f64) -> f64 {
-        legend_size(entries).1 / height
+    /// Width and height of a legend as shares of those between the axes.
+    pub fn legend_share(entries: &[LegendEntry], plot: (f64, f64)) -> (f64, f64) {
+        let (wide, high) = legend_size(entries);
+        (wide / plot.0, high / plot.1)
     }
 
     /// As the plot library names it.

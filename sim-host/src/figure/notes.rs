@@ -13,8 +13,8 @@ pub(super) struct Canvas {
     /// Width between the axes \[px\].
     pub width: f64,
     pub legend: Corner,
-    /// Height of the legend, as a share of the panel's.
-    pub legend_height: f64,
+    /// Width and height of the legend, as shares of the panel's.
+    pub legend_size: (f64, f64),
     /// When the robot was handed over.
     pub hand_over: Option<f64>,
 }
@@ -31,17 +31,30 @@ impl Canvas {
         let line = ReferenceLine::vertical(time)
             .with_color(GREY)
             .with_dasharray("2 3");
+        let (place, up) = self.beside(time);
+        // A time of the user's, without the noise of its last digits.
+        let text = format!("P = {} s", (time * 1.0e3).round() / 1.0e3);
+        layout
+            .with_reference_line(line)
+            .with_annotation(self.text(text, place, up))
+    }
+
+    /// The middle of a label at the upper end, beside an instant and clear of the legend.
+    fn beside(&self, time: f64) -> (f64, f64) {
         let aside = HALF_LABEL / self.width;
         let place = self.across(time);
         let fits_left = place > 2.0 * aside;
         let fits_right = place < 1.0 - 2.0 * aside;
         let left = fits_left && (self.legend.right || !fits_right);
         let place = if left { place - aside } else { place + aside };
-        // A time of the user's, without the noise of its last digits.
-        let text = format!("P = {} s", (time * 1.0e3).round() / 1.0e3);
-        layout
-            .with_reference_line(line)
-            .with_annotation(self.text(text, place, 0.93))
+        let (wide, high) = self.legend_size;
+        let hidden = if self.legend.right {
+            place + aside > 1.0 - wide
+        } else {
+            place - aside < wide
+        };
+        let below = if hidden && self.legend.top { high } else { 0.0 };
+        (place, 0.93 - below)
     }
 
     /// A remark at the upper or lower end, clear of the line of the hand-over and of the legend.
@@ -54,7 +67,7 @@ impl Canvas {
         };
         let shares_corner = self.legend.right == right && self.legend.top == above;
         let height = if shares_corner {
-            self.legend_height
+            self.legend_size.1
         } else {
             0.0
         };
@@ -70,5 +83,37 @@ impl Canvas {
         let x = self.x.0 + across * (self.x.1 - self.x.0);
         let y = self.y.0 + up * (self.y.1 - self.y.0);
         TextAnnotation::new(text, x, y).with_font_size(style::SMALL_SIZE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Canvas, Corner, HALF_LABEL};
+
+    /// Wherever the hand-over and the legend are.
+    #[test]
+    fn no_label_is_behind_a_legend() {
+        for (right, top) in [(true, true), (true, false), (false, true), (false, false)] {
+            for percent in 0..=100 {
+                let canvas = Canvas {
+                    x: (0.0, 100.0),
+                    y: (0.0, 1.0),
+                    width: 450.0,
+                    legend: Corner { right, top },
+                    legend_size: (0.25, 0.2),
+                    hand_over: None,
+                };
+                let (across, up) = canvas.beside(f64::from(percent));
+                let half = HALF_LABEL / canvas.width;
+                let apart = if right {
+                    across + half <= 0.75
+                } else {
+                    across - half >= 0.25
+                };
+                let clear = if top { up <= 0.75 } else { up >= 0.25 };
+                assert!(apart || clear, "{right} {top} {percent}: {across} {up}");
+                assert!(across - half >= -1e-9 && across + half <= 1.0 + 1e-9);
+            }
+        }
     }
 }

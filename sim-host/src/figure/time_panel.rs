@@ -99,7 +99,7 @@ impl TimePanel<'_> {
             y,
             width,
             legend,
-            legend_height: Corner::legend_height(entries, height),
+            legend_size: Corner::legend_share(entries, (width, height)),
             hand_over: hand_over.map(|hand_over| main.trace.rows[hand_over.row].t),
         }
     }
