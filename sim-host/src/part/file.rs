@@ -311,17 +311,12 @@ pub(super) fn read(path: &Path) -> Result<Part, FileProblem> {
         let rows = file.get_row_group(group)?;
         // The library takes these as they are, and panics.
         let place = rows.metadata().column(record);
-        let offsets = [
-            Some(place.data_page_offset()),
-            place.dictionary_page_offset(),
+        let numbers = [
+            place.data_page_offset(),
+            place.dictionary_page_offset().unwrap_or(0),
+            place.compressed_size(),
         ];
-        let sizes = [Some(place.compressed_size())];
-        if offsets
-            .iter()
-            .chain(&sizes)
-            .flatten()
-            .any(|number| *number < 0)
-        {
+        if numbers.iter().any(|number| *number < 0) {
             return Err(FileProblem::Damaged);
         }
         let ColumnReader::ByteArrayColumnReader(mut column) = rows.get_column_reader(record)?
