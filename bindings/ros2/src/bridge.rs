@@ -5,7 +5,7 @@ use crate::lifecycle::{Stage, Transition};
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{Fault, Timeout};
 use protocol::{Command, FieldParams, Frame, RejectReason, Telemetry, WirePose, WireTwist};
-use sim_host::monitor::Questions;
+use sim_host::monitor::{AHEAD_S, Questions};
 use std::collections::VecDeque;
 
 /// Signs of life in the time in which a base takes a silent host for gone.
@@ -16,8 +16,6 @@ const LONGEST_BEAT_US: u64 = 100_000;
 const TRANSITION_US: u64 = 8_000_000;
 /// Longest time that a goal waits for a base that is about to be ready \[µs\].
 const WAIT_US: u64 = 5_000_000;
-/// How far samples are ahead of the base \[s\]: ten of them, of the 63 that it keeps.
-const AHEAD_S: f64 = 0.5;
 /// A velocity that is held is repeated so often \[µs\].
 const REPEAT_US: u64 = sim_host::teleop::ORDER_PERIOD.as_micros() as u64;
 

@@ -4,11 +4,10 @@ use protocol::{TimedSample, WirePose, WireReference, WireTwist};
 use sim_host::drive::{FileError, Retiming, fitted};
 use sim_host::import::Trajectory;
 use sim_host::mission::BaseSpec;
+use sim_host::monitor::SAMPLE_S;
 use sim_host::ros::messages::{Header, Path, Pose, Quaternion, Stamped};
 use std::fmt::Write as _;
 
-/// Time between samples of a trajectory on the wire \[s\].
-pub const SAMPLE_S: f64 = 0.05;
 /// Rotations whose axis is farther from the vertical are not planar: |x| and |y| of the quaternion.
 const PLANAR: f64 = 1.0e-3;
 
@@ -60,7 +59,7 @@ fn planar(pose: &Pose) -> Result<[f64; 3], Refused> {
     if x.abs().max(y.abs()) > PLANAR * norm {
         return Err(Refused::Pose("the rotation is not about the vertical"));
     }
-    Ok([position.x, position.y, 2.0 * z.atan2(w)])
+    Ok([position.x, position.y, pose.orientation.heading()])
 }
 
 /// Where to park.
@@ -70,7 +69,6 @@ fn planar(pose: &Pose) -> Result<[f64; 3], Refused> {
 pub fn goal(message: &Stamped<Pose>, frame: &str) -> Result<WirePose, Refused> {
     framed(&message.header, frame)?;
     let [x, y, theta] = planar(&message.value)?;
-    let theta = theta.sin().atan2(theta.cos());
     Ok(WirePose {
         x: x as f32,
         y: y as f32,

@@ -200,9 +200,7 @@ impl Loop<'_> {
 
     /// A tick, in messages.
     fn report(&mut self, tick: &BaseTick, latest: &LatestTelemetry, now_us: u64) {
-        let now_ns = SystemTime::now().duration_since(UNIX_EPOCH);
-        let now_ns = now_ns.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(i64::MAX));
-        let (stamp_ns, base_ns) = self.clock.stamp(tick.tick, now_ns);
+        let (stamp_ns, base_ns) = self.clock.stamp(tick.tick, unix_ns() as i64);
         let before = self.published.report.replace((base_ns, now_us));
         let since_ns = before.map_or(0, |(before, _)| (base_ns - before).max(0));
         let mut sample = Sample::of_board(1.0e-9 * base_ns as f64, tick, latest);
@@ -318,10 +316,8 @@ impl Loop<'_> {
                 }
                 match result {
                     Ok(to) => {
-                        let nanos = SystemTime::now().duration_since(UNIX_EPOCH);
-                        let nanos = nanos.map_or(0, |since| since.as_nanos());
                         let event = TransitionEvent {
-                            timestamp: u64::try_from(nanos).unwrap_or(u64::MAX),
+                            timestamp: unix_ns(),
                             description: transition.event(from, to),
                         };
                         publish(&self.ros.transition_event, event, &mut self.published.lost);
@@ -376,10 +372,8 @@ impl Loop<'_> {
         if !said.is_none_or(changed) {
             return;
         }
-        let stamp = SystemTime::now().duration_since(UNIX_EPOCH);
-        let stamp_ns = stamp.map_or(0, |now| u64::try_from(now.as_nanos()).unwrap_or(0));
         let message = DiagnosticArray {
-            header: header(Time::of_ns(stamp_ns), ""),
+            header: header(Time::of_ns(unix_ns()), ""),
             status: vec![status.clone()],
         };
         publish(&self.ros.diagnostics, message, &mut self.published.lost);
@@ -425,6 +419,12 @@ impl Loop<'_> {
         ]);
         status
     }
+}
+
+/// The clock of this machine, since 1970 \[ns\]; 63 bits last until 2262.
+fn unix_ns() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0, |since| since.as_nanos() as u64)
 }
 
 /// Answers what was asked of a service that needs no base.

@@ -3,7 +3,7 @@
 use super::line::{Line, LineFault};
 use super::path::{Path, VelocityOrders, narrow};
 use super::random::Random;
-use crate::monitor::{Questions, stops};
+use crate::monitor::{AHEAD_S, Questions, SAMPLE_S, stops};
 use crate::world::World;
 use controller_core::types::Pose;
 use protocol::{
@@ -12,8 +12,6 @@ use protocol::{
 
 /// A sign of life at least so often \[µs\]: a fifth of the base's patience.
 const BEAT_US: u64 = 20_000;
-/// Time between samples, and how far they are ahead \[s\]: ten of them.
-const SAMPLES_S: (f64, f64) = (0.05, 0.5);
 
 /// What a host is kept from or does wrong in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -155,10 +153,10 @@ impl Host {
             return;
         }
         let since = since.unwrap_or(now_us);
-        let until = 1.0e-6 * (now_us - since) as f64 + SAMPLES_S.1;
+        let until = 1.0e-6 * (now_us - since) as f64 + AHEAD_S;
         let mut next = next;
-        while f64::from(next) * SAMPLES_S.0 <= until {
-            let t = f64::from(next) * SAMPLES_S.0;
+        while f64::from(next) * SAMPLE_S <= until {
+            let t = f64::from(next) * SAMPLE_S;
             let sample = TimedSample {
                 t: t as f32,
                 reference: (&path.at(t)).into(),

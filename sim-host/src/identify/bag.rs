@@ -1,6 +1,7 @@
 //! The log of a bag of ROS 2.
 
 use super::log::{Drive, Fix, Log, MIN_ROWS, voltages};
+use crate::ros::messages::Quaternion;
 use crate::ros::read::{Field, Messages, ReadError, StampedPose};
 use std::f64::consts::TAU;
 
@@ -232,17 +233,19 @@ fn fixes(poses: &[StampedPose], rows: &[u64]) -> Result<Vec<Fix>, ReadError> {
     for pose in poses {
         let [x, y, _] = pose.position;
         let [qx, qy, qz, qw] = pose.orientation;
-        let theta = libm::atan2(
-            2.0 * (qw * qz + qx * qy),
-            qw * qw + qx * qx - qy * qy - qz * qz,
-        );
+        let turned = Quaternion {
+            x: qx,
+            y: qy,
+            z: qz,
+            w: qw,
+        };
         if ![x, y, qx, qy, qz, qw]
             .iter()
             .all(|number| number.is_finite())
         {
             return Err(ReadError::Content("a pose is not finite".to_owned()));
         }
-        planar.push((pose.ns, [x, y, theta]));
+        planar.push((pose.ns, [x, y, turned.heading()]));
     }
     planar.sort_by_key(|(ns, _)| *ns);
     let mut fixes: Vec<Fix> = Vec::with_capacity(planar.len());

@@ -15,7 +15,7 @@ mod serve;
 
 pub use decode::{LatestTelemetry, Monitor};
 pub use log::{Log, column_names, report_fields};
-pub use questions::{Questions, stops};
+pub use questions::{AHEAD_S, Questions, SAMPLE_S, stops};
 pub use recording::{Lost, RecordedDrive};
 #[cfg(not(target_family = "wasm"))]
 pub use {

@@ -7,6 +7,11 @@ use std::collections::VecDeque;
 /// Without an answer for so long a command is sent again \[µs\].
 const AGAIN_US: u64 = 50_000;
 
+/// Time between the samples of a trajectory on the line \[s\].
+pub const SAMPLE_S: f64 = 0.05;
+/// How far they are ahead of the base \[s\]: ten of them, of the 63 that it keeps.
+pub const AHEAD_S: f64 = 0.5;
+
 /// What is to be asked of a base, in order. `N` is what the asker notes with each command. Time is an argument, and so is the
 /// line: who owns this sends what is [`due`](Self::due).
 #[derive(Clone, Debug)]

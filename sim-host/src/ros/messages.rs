@@ -133,6 +133,12 @@ impl Quaternion {
             ..Self::default()
         }
     }
+
+    /// Where the body's x axis points, seen from above.
+    pub fn heading(self) -> f64 {
+        let Self { x, y, z, w } = self;
+        libm::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    }
 }
 
 /// `geometry_msgs/Pose`, `Transform`.
