@@ -36,6 +36,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         limits: Limits {
             speed: 0.8,
             turn_rate: 4.0,
+            rim_speed: 0.8,
             accel: 0.8,
             brake: 1.0,
             turn_accel: 8.0,

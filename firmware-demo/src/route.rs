@@ -74,6 +74,7 @@ pub(crate) const fn limits() -> Limits<f32> {
     Limits {
         speed: 2.5,
         turn_rate: 3.0,
+        rim_speed: 2.5,
         accel: 1.5,
         brake: 1.5,
         turn_accel: 3.0,

@@ -73,6 +73,9 @@ pub struct WireLimits {
     /// rad/s.
     #[serde(deserialize_with = "real")]
     pub turn_rate: f32,
+    /// Of either wheel's rim, m/s.
+    #[serde(deserialize_with = "real")]
+    pub rim_speed: f32,
     /// Away from rest, m/s^2.
     #[serde(deserialize_with = "real")]
     pub accel: f32,

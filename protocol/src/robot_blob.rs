@@ -20,7 +20,7 @@ use crate::CRC;
 /// How every blob begins.
 const MAGIC: [u8; 4] = *b"BASE";
 /// Version of the content: whatever changes the fields of [`BaseParams`] raises it.
-pub const ROBOT_BLOB_VERSION: u16 = 2;
+pub const ROBOT_BLOB_VERSION: u16 = 3;
 /// Most bytes of a blob.
 pub const MAX_ROBOT_BLOB: usize = 1024;
 const HEADER: usize = 8;

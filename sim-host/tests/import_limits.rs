@@ -46,6 +46,9 @@ fn excess(s: &Sample, l: &ReferenceLimits) -> f64 {
         s.alpha.abs() / l.max_angular_accel,
         (s.v * s.w).abs() / l.max_lateral,
         torque,
+        l.drive.map_or(0.0, |d| {
+            (s.v.abs() + 0.5 * d.track * s.w.abs()) / d.rim_speed
+        }),
     ]
     .into_iter()
     .fold(0.0, f64::max)
@@ -55,13 +58,17 @@ fn excess(s: &Sample, l: &ReferenceLimits) -> f64 {
 const BETWEEN: f64 = 1.01;
 
 fn limits() -> impl Strategy<Value = ReferenceLimits> {
-    let drive = (0.2..5.0f64, 0.2..3.0f64).prop_map(|(wheel_torque, inertia)| DriveLimits {
-        wheel_torque,
-        wheel_radius: 0.08,
-        track: 0.4,
-        mass: 12.0,
-        inertia,
-    });
+    let drive =
+        (0.2..5.0f64, 0.2..3.0f64, 0.1..3.0f64).prop_map(|(wheel_torque, inertia, rim_speed)| {
+            DriveLimits {
+                wheel_torque,
+                rim_speed,
+                wheel_radius: 0.08,
+                track: 0.4,
+                mass: 12.0,
+                inertia,
+            }
+        });
     let rates = (
         0.1..2.0f64,
         0.1..2.0f64,
@@ -338,6 +345,7 @@ fn circles_take_the_time_of_the_closed_form() -> Result<(), Box<dyn Error>> {
         max_angular_jerk: 4.0,
         drive: Some(DriveLimits {
             wheel_torque: 0.3,
+            rim_speed: f64::INFINITY,
             wheel_radius: 0.08,
             track: 0.4,
             mass: 12.0,

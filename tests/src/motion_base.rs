@@ -41,6 +41,7 @@ impl Base {
         limits: Limits {
             speed: 2.5,
             turn_rate: 3.0,
+            rim_speed: 2.5,
             accel: 1.5,
             brake: 1.5,
             turn_accel: 3.0,
@@ -115,6 +116,7 @@ impl Base {
             Limits {
                 speed: f(limits.speed),
                 turn_rate: f(limits.turn_rate),
+                rim_speed: f(limits.rim_speed),
                 accel: f(limits.accel),
                 brake: f(limits.brake),
                 turn_accel: f(limits.turn_accel),

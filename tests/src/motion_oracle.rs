@@ -21,6 +21,7 @@ pub fn constants(params: &MotionParams<f64>, rule: Rule) -> Constants {
         speed: Pair::new(limits.speed, limits.turn_rate),
         accel: Pair::new(limits.accel, limits.turn_accel),
         brake: Pair::new(limits.brake, limits.turn_accel),
+        rim_speed: limits.rim_speed,
         jerk: Pair::new(limits.jerk, limits.turn_jerk),
         torque: limits.wheel_torque_nm,
         policy: match limits.policy {

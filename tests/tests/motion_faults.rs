@@ -94,7 +94,7 @@ fn refused_ticks_change_nothing_in_single_precision() {
 type Place = fn(&mut MotionParams<f64>) -> &mut f64;
 
 /// Every field with its range.
-const FIELDS: [(Field, Place, f64, f64); 32] = [
+const FIELDS: [(Field, Place, f64, f64); 33] = [
     (Field::Mass, |p| &mut p.robot.mass_kg, 1e-3, 1e5),
     (Field::Inertia, |p| &mut p.robot.inertia_kg_m2, 1e-6, 1e6),
     (
@@ -112,6 +112,7 @@ const FIELDS: [(Field, Place, f64, f64); 32] = [
     (Field::Track, |p| &mut p.robot.wheels.track_m, 0.0, 0.0),
     (Field::MaxSpeed, |p| &mut p.limits.speed, 1e-3, 100.0),
     (Field::MaxTurnRate, |p| &mut p.limits.turn_rate, 1e-3, 100.0),
+    (Field::MaxRimSpeed, |p| &mut p.limits.rim_speed, 1e-3, 1e3),
     (Field::MaxAccel, |p| &mut p.limits.accel, 1e-3, 1e3),
     (Field::MaxBrake, |p| &mut p.limits.brake, 1e-3, 1e3),
     (Field::MaxTurnAccel, |p| &mut p.limits.turn_accel, 1e-3, 1e4),
@@ -212,7 +213,7 @@ fn refused_parameters_name_field_and_limit() {
     }
 }
 
-/// A robot that moves too fast already: the command is the limit, the torque brakes.
+/// A robot that moves too fast already: the command is the limit, of both axes and of the rim that both share; the torque brakes.
 #[test]
 fn start_beyond_the_limits_brakes() {
     let motion = Base::STANDARD.exact().validate().expect("valid");
@@ -223,6 +224,8 @@ fn start_beyond_the_limits_brakes() {
     let task = Task::Park(Pose::default());
     let started = MotionController::<f64, Libm, ExactMean>::start(&motion, &task, &body.measured());
     let report = *started.expect("finite").report();
-    assert_eq!(report.command, Twist::new(2.5, -3.0));
+    // 2.5 m/s and 3 rad/s on a track of 0.5 m would be 3.25 m/s at a rim that may have 2.5.
+    let share = 2.5 / (2.5 + 0.25 * 3.0);
+    assert_eq!(report.command, Twist::new(share * 2.5, share * -3.0));
     assert!(report.wrench.force < 0.0 && report.wrench.moment > 0.0);
 }

@@ -66,22 +66,34 @@ fn bases() -> impl Strategy<Value = Base> {
         decades(0.0, 2.0),
         decades(0.0, 2.0),
     );
-    ((range(), range()), accels, decades(-2.0, 2.0), policy).prop_map(
-        |((speed, turn_rate), (accel, brake, turn_accel, jerk, turn_jerk), torque, policy)| Base {
-            limits: Limits {
-                speed,
-                turn_rate,
-                accel,
-                brake,
-                turn_accel,
-                jerk,
-                turn_jerk,
-                wheel_torque_nm: torque,
-                policy,
-            },
-            ..Base::STANDARD
-        },
+    (
+        (range(), range(), range()),
+        accels,
+        decades(-2.0, 2.0),
+        policy,
     )
+        .prop_map(
+            |(
+                (speed, turn_rate, rim_speed),
+                (accel, brake, turn_accel, jerk, turn_jerk),
+                torque,
+                policy,
+            )| Base {
+                limits: Limits {
+                    speed,
+                    turn_rate,
+                    rim_speed,
+                    accel,
+                    brake,
+                    turn_accel,
+                    jerk,
+                    turn_jerk,
+                    wheel_torque_nm: torque,
+                    policy,
+                },
+                ..Base::STANDARD
+            },
+        )
 }
 
 fn inputs<T: Scalar, M: Maths<T>>(tick: &Tick) -> (Task<T>, Measured<T>) {
@@ -113,6 +125,11 @@ fn check<T: Scalar>(
     let command = &report.command;
     prop_assert!(command.linear.abs() <= limits.speed, "{report:?}");
     prop_assert!(command.angular.abs() <= limits.turn_rate, "{report:?}");
+    // Two products and a sum, each rounded.
+    let rim =
+        command.linear.abs() + T::from_f64(0.5 * Base::STANDARD.track) * command.angular.abs();
+    let rounded = T::from_f64(1.0 + MOTION_LIMIT) * limits.rim_speed;
+    prop_assert!(rim <= rounded, "{report:?}");
     let rate = &report.command_rate;
     let (accel, brake) = (limits.accel, limits.brake);
     let either = if accel > brake { accel } else { brake };

@@ -207,7 +207,9 @@ enum World {
 
 fn mission<U: NeuronUpdate<f64>>(seed: u64, rule: Rule, met: &mut Met) {
     let mut random = Random(seed);
-    let params = params(&mut random);
+    let mut params = params(&mut random);
+    // Drawn apart: every other number is that of the missions before this limit was one.
+    params.limits.rim_speed *= factor(&mut Random(!seed), 2.0);
     let plant = Base {
         mass: params.robot.mass_kg,
         inertia: params.robot.inertia_kg_m2,

@@ -119,6 +119,7 @@ impl Robot {
         let values = [
             ("speed", limits.speed),
             ("turn_rate", limits.turn_rate),
+            ("rim_speed", limits.rim_speed),
             ("accel", limits.accel),
             ("brake", limits.brake),
             ("turn_accel", limits.turn_accel),

@@ -12,6 +12,7 @@ use controller_core::{Limits, Measured, Robot, WheelTorques};
 pub const LIMITS: Limits = Limits {
     speed: 1.0,
     turn_rate: 2.0,
+    rim_speed: 1.2,
     accel: 0.8,
     brake: 1.0,
     turn_accel: 3.0,

@@ -106,7 +106,7 @@ impl<T: Scalar> DriveLaw<T> {
             *self = Self::default();
         }
         let limits = &motion.params().limits;
-        let order = within_limits(motion, now.order);
+        let order = motion.reachable(now.order);
         let (twist, rate) = (&now.command.twist, &now.command.rate);
         let accel = if limits.accel > limits.brake {
             limits.accel
@@ -158,34 +158,6 @@ impl<T: Scalar> DriveLaw<T> {
     pub(crate) fn residue(&self) -> T {
         let held = self.held.unwrap_or(T::ZERO);
         residue([held, self.added, self.added_rate])
-    }
-}
-
-/// The order within the limits: each axis by itself, then both by one factor, so that no wheel has to turn faster than it does at the
-/// largest speed or the largest turn rate alone. Motors that are made for either have no voltage left for both.
-pub(crate) fn within_limits<T: Scalar>(
-    motion: &ValidMotionParams<T>,
-    order: &Twist<T>,
-) -> Twist<T> {
-    let limits = &motion.params().limits;
-    let linear = clamp(order.linear, limits.speed);
-    let angular = clamp(order.angular, limits.turn_rate);
-    let lever = T::HALF * motion.params().robot.wheels.track_m;
-    let turning = lever * limits.turn_rate;
-    let most = if turning > limits.speed {
-        turning
-    } else {
-        limits.speed
-    };
-    let rim = linear.abs() + lever * angular.abs();
-    if rim > most {
-        let share = most / rim;
-        Twist {
-            linear: share * linear,
-            angular: share * angular,
-        }
-    } else {
-        Twist { linear, angular }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Parked, or stuck: whether a robot has arrived.
 
+use super::limits::rim_speed;
 use super::params::ValidMotionParams;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
@@ -115,8 +116,11 @@ impl<T: Scalar> ValidMotionParams<T> {
 
     /// Speed of the faster wheel \[m/s\].
     pub(crate) fn rim_speed(&self, twist: &Twist<T>) -> T {
-        let lever = T::HALF * self.params().robot.wheels.track_m;
-        twist.linear.abs() + lever * twist.angular.abs()
+        rim_speed(
+            twist.linear,
+            twist.angular,
+            self.params().robot.wheels.track_m,
+        )
     }
 }
 

@@ -5,7 +5,7 @@ use super::params::ValidMotionParams;
 use super::report::Limited;
 use super::saturation::share;
 use super::setpoint::Setpoint;
-use crate::range::clamp;
+use crate::range::{clamp, larger};
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
 
@@ -25,12 +25,8 @@ impl<T: Scalar> Command<T> {
 
     /// The command that asks a robot for what it does already, as far as the limits allow.
     pub(crate) fn of_robot(motion: &ValidMotionParams<T>, twist: &Twist<T>) -> Self {
-        let limits = &motion.params().limits;
         Self {
-            twist: Twist {
-                linear: clamp(twist.linear, limits.speed),
-                angular: clamp(twist.angular, limits.turn_rate),
-            },
+            twist: motion.reachable(twist),
             rate: Accel::default(),
         }
     }
@@ -48,6 +44,12 @@ impl<T: Scalar> Command<T> {
         dt: T,
     ) -> (Self, Limited) {
         let limits = &motion.params().limits;
+        let reduced = motion.rim_speed(&setpoint.twist) > limits.rim_speed;
+        let setpoint = &if reduced {
+            self.below_rim(motion, setpoint)
+        } else {
+            *setpoint
+        };
         let needed = Accel {
             linear: (setpoint.twist.linear - self.twist.linear) / dt,
             angular: (setpoint.twist.angular - self.twist.angular) / dt,
@@ -74,6 +76,17 @@ impl<T: Scalar> Command<T> {
                 setpoint.rate.angular
             },
         };
+        let excess = motion.rim_speed(&twist) - limits.rim_speed;
+        let beyond = excess > T::ZERO;
+        let twist = if beyond {
+            let less = self.within_rim(motion, &twist, excess);
+            // What is taken off the step is taken off its rate: a step too long by a rounding changes nothing else.
+            rate.linear += (less.linear - twist.linear) / dt;
+            rate.angular += (less.angular - twist.angular) / dt;
+            less
+        } else {
+            twist
+        };
         rate.linear = not_outward(rate.linear, setpoint.twist.linear, limits.speed);
         rate.angular = not_outward(rate.angular, setpoint.twist.angular, limits.turn_rate);
         let rate = self.within_accel(limits, &rate);
@@ -81,13 +94,63 @@ impl<T: Scalar> Command<T> {
         let (angular, angular_jerk) =
             towards(self.rate.angular, rate.angular, limits.turn_jerk * dt);
         let limited = Limited {
-            speed: twist != moved,
+            speed: reduced || beyond || twist != moved,
             accel: slewed.0 || slewed.1,
             jerk: linear_jerk || angular_jerk,
             ..Limited::default()
         };
         let rate = Accel { linear, angular };
         (Self { twist, rate }, limited)
+    }
+
+    /// The setpoint with a rim as fast as it may be, for one that asks more: its curvature is kept, and no rate points outward.
+    fn below_rim(&self, motion: &ValidMotionParams<T>, setpoint: &Setpoint<T>) -> Setpoint<T> {
+        let limits = &motion.params().limits;
+        let share = limits.rim_speed / motion.rim_speed(&setpoint.twist);
+        let rate = self.within_accel(limits, &setpoint.rate);
+        let inward = |rate: T, value: T| {
+            if rate * value > T::ZERO {
+                T::ZERO
+            } else {
+                share * rate
+            }
+        };
+        Setpoint {
+            twist: motion.reachable(&setpoint.twist),
+            rate: Accel {
+                linear: inward(rate.linear, setpoint.twist.linear),
+                angular: inward(rate.angular, setpoint.twist.angular),
+            },
+        }
+    }
+
+    /// `to` without what makes a rim faster than it may be by `excess` \[m/s\].
+    ///
+    /// The command was within that limit: what |v| and l |w|/2 have grown by is more than the excess, and both give up the same
+    /// share of it. So each stays between what it was and what it was to be, within its acceleration.
+    fn within_rim(&self, motion: &ValidMotionParams<T>, to: &Twist<T>, excess: T) -> Twist<T> {
+        let lever = T::HALF * motion.params().robot.wheels.track_m;
+        let grown = |from: T, to: T| larger(to.abs() - from.abs(), T::ZERO);
+        let linear = grown(self.twist.linear, to.linear);
+        let angular = grown(self.twist.angular, to.angular);
+        let growth = linear + lever * angular;
+        // Rounding aside the excess is the smaller one.
+        let share = if excess < growth {
+            excess / growth
+        } else {
+            T::ONE
+        };
+        let less = |value: T, by: T| {
+            if value < T::ZERO {
+                value + by
+            } else {
+                value - by
+            }
+        };
+        Twist {
+            linear: less(to.linear, share * linear),
+            angular: less(to.angular, share * angular),
+        }
     }
 
     /// `needed` within acceleration, braking and the wheels' share for the command.

@@ -2,13 +2,14 @@
 
 use crate::cast::cast;
 use crate::error::{Field, ParamError};
-use crate::range::within;
+use crate::range::{clamp, larger, within};
 use crate::scalar::Scalar;
+use crate::types::Twist;
 
 /// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
 pub(crate) const COMMAND_SHARE: f64 = 0.75;
 
-/// Limits of a base, each positive and finite. The controller stays inside all of them.
+/// Limits of a base, each positive and finite. The controller stays inside all of them at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits<T = f32> {
@@ -16,6 +17,9 @@ pub struct Limits<T = f32> {
     pub speed: T,
     /// Largest turn rate \[rad/s\], 1e-3 to 100.
     pub turn_rate: T,
+    /// Largest speed of either wheel's rim, |v| + l |w|/2 \[m/s\], 1e-3 to 1e3: what the motors reach on a battery that is low.
+    /// [`Limits::least_rim_speed`] unless you know better.
+    pub rim_speed: T,
     /// Largest acceleration away from rest \[m/s²\], 1e-3 to 1e3.
     pub accel: T,
     /// Largest deceleration towards rest \[m/s²\], 1e-3 to 1e3.
@@ -36,6 +40,7 @@ cast!(
     Limits {
         speed,
         turn_rate,
+        rim_speed,
         accel,
         brake,
         turn_accel,
@@ -59,10 +64,17 @@ pub enum SaturationPolicy {
 }
 
 impl<T: Scalar> Limits<T> {
+    /// The rim speed that the largest speed and the largest turn rate need, one at a time, on a track of l \[m\]:
+    /// max(v, l w/2) \[m/s\]. The [`rim_speed`](Self::rim_speed) of motors that are made for either and not for both.
+    pub fn least_rim_speed(&self, track_m: T) -> T {
+        larger(self.speed, T::HALF * track_m * self.turn_rate)
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         for (field, value, low, high) in [
             (Field::MaxSpeed, self.speed, 1.0e-3, 100.0),
             (Field::MaxTurnRate, self.turn_rate, 1.0e-3, 100.0),
+            (Field::MaxRimSpeed, self.rim_speed, 1.0e-3, 1.0e3),
             (Field::MaxAccel, self.accel, 1.0e-3, 1.0e3),
             (Field::MaxBrake, self.brake, 1.0e-3, 1.0e3),
             (Field::MaxTurnAccel, self.turn_accel, 1.0e-3, 1.0e4),
@@ -74,4 +86,28 @@ impl<T: Scalar> Limits<T> {
         }
         Ok(())
     }
+}
+
+impl<T: Scalar> Limits<T> {
+    /// A twist within the limits of a base with this track \[m\]: each axis by itself, then both by one factor, so that no rim is
+    /// faster than it may be and the curvature stays.
+    pub(crate) fn reachable(&self, twist: &Twist<T>, track_m: T) -> Twist<T> {
+        let linear = clamp(twist.linear, self.speed);
+        let angular = clamp(twist.angular, self.turn_rate);
+        let rim = rim_speed(linear, angular, track_m);
+        if rim > self.rim_speed {
+            let share = self.rim_speed / rim;
+            Twist {
+                linear: share * linear,
+                angular: share * angular,
+            }
+        } else {
+            Twist { linear, angular }
+        }
+    }
+}
+
+/// Speed of the faster wheel's rim \[m/s\]: |v| + l |w|/2.
+pub(crate) fn rim_speed<T: Scalar>(linear: T, angular: T, track_m: T) -> T {
+    linear.abs() + T::HALF * track_m * angular.abs()
 }

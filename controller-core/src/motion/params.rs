@@ -12,7 +12,7 @@ use crate::maths::{Maths, Usual};
 use crate::range::{larger, smaller, within};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
-use crate::types::Wrench;
+use crate::types::{Twist, Wrench};
 use crate::wheels::WheelMap;
 
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
@@ -168,7 +168,7 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
 }
 
 /// Share of the limits that a parking manoeuvre plans with; the rest is feedback's.
-const PLAN_SHARE: f64 = 0.95;
+pub(super) const PLAN_SHARE: f64 = 0.95;
 
 /// What a parking manoeuvre may use: its share of the limits, and no more than the wheels give to a command
 /// that drives and turns at once.
@@ -200,6 +200,8 @@ fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
             limits.turn_accel,
             limits.turn_jerk,
         ),
+        rim: share * limits.rim_speed,
+        lever: T::HALF * wheels.track_m,
     }
 }
 
@@ -244,6 +246,12 @@ impl<T: Scalar> ValidMotionParams<T> {
     /// The map between wrench and wheel torques.
     pub fn wheels(&self) -> &WheelMap<T> {
         &self.wheels
+    }
+
+    /// A twist within the limits: each axis by itself, then both by one factor, for the wheels' rims.
+    pub(crate) fn reachable(&self, twist: &Twist<T>) -> Twist<T> {
+        let params = &self.params;
+        params.limits.reachable(twist, params.robot.wheels.track_m)
     }
 
     /// L of the force \[N/s\], before the wheels' limit: whatever happens, jumps included, it changes

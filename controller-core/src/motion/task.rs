@@ -1,6 +1,6 @@
 //! What the robot is to do.
 
-use super::drive::{check_order, within_limits};
+use super::drive::check_order;
 use super::params::ValidMotionParams;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
@@ -75,7 +75,7 @@ impl<T: Scalar> Task<T> {
     /// An order beyond the limits, which is driven at the limits.
     pub(crate) fn is_beyond(&self, motion: &ValidMotionParams<T>) -> bool {
         match self {
-            Self::Drive { twist, .. } => within_limits(motion, twist) != *twist,
+            Self::Drive { twist, .. } => motion.reachable(twist) != *twist,
             Self::Follow(_) | Self::Park(_) => false,
         }
     }

@@ -1,7 +1,6 @@
 //! From command and measured twist to a wrench, and back where the wheels cannot exert it.
 
 use super::params::ValidMotionParams;
-use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::torque;
 use crate::types::{Accel, Twist, Wrench};
@@ -36,17 +35,14 @@ pub(crate) fn achieved<T: Scalar>(
     disturbance: &Wrench<T>,
 ) -> Twist<T> {
     let params = motion.params();
-    let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
+    let (robot, gains) = (&params.robot, &params.gains);
     let (f, n) = (
         (applied.force + disturbance.force) / robot.mass_kg,
         (applied.moment + disturbance.moment) / robot.inertia_kg_m2,
     );
     let v = twist.linear + (f - rate.linear) / gains.speed_loop;
     let w = twist.angular + (n - rate.angular) / gains.turn_loop;
-    Twist {
-        linear: clamp(v, limits.speed),
-        angular: clamp(w, limits.turn_rate),
-    }
+    motion.reachable(&Twist::new(v, w))
 }
 
 /// The robot stands, and the torque that is left is a step of less than L dt: it may be let go.

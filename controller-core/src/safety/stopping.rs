@@ -205,6 +205,7 @@ mod tests {
         let limits = Limits {
             speed: 2.5,
             turn_rate: 3.0,
+            rim_speed: 2.5,
             accel: 1.5,
             brake: 1.2,
             turn_accel: 3.0,

@@ -62,7 +62,7 @@ impl<T: Scalar> MotionMargins<T> {
 /// use controller_core::tuning::motion::margins;
 ///
 /// let limits = Limits {
-///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
+///     speed: 1.0, turn_rate: 2.0, rim_speed: 1.2, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let good = MotionGains::<f64>::for_limits::<Libm>(&limits);

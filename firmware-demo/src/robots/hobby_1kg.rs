@@ -36,6 +36,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         limits: Limits {
             speed: 0.8,
             turn_rate: 6.0,
+            rim_speed: 0.9,
             accel: 1.5,
             brake: 1.5,
             turn_accel: 15.0,

@@ -36,6 +36,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         limits: Limits {
             speed: 1.2,
             turn_rate: 3.0,
+            rim_speed: 1.2,
             accel: 1.0,
             brake: 1.5,
             turn_accel: 6.0,

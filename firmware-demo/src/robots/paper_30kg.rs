@@ -36,6 +36,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         limits: Limits {
             speed: 2.5,
             turn_rate: 3.0,
+            rim_speed: 2.5,
             accel: 1.5,
             brake: 1.5,
             turn_accel: 0.9,

@@ -44,7 +44,7 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
     ];
     (
         prop::array::uniform12(real()),
-        prop::array::uniform8(real()),
+        prop::array::uniform9(real()),
         prop::array::uniform3(real()),
         (timeout(), timeout(), timeout()),
         (response.clone(), response),
@@ -67,6 +67,7 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
                 let [
                     speed,
                     turn_rate,
+                    rim_speed,
                     accel,
                     brake,
                     turn_accel,
@@ -93,6 +94,7 @@ pub fn field() -> impl Strategy<Value = FieldParams> {
                     limits: WireLimits {
                         speed,
                         turn_rate,
+                        rim_speed,
                         accel,
                         brake,
                         turn_accel,

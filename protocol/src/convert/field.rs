@@ -31,6 +31,7 @@ impl From<&BaseParams<f32>> for FieldParams {
             limits: WireLimits {
                 speed: limits.speed,
                 turn_rate: limits.turn_rate,
+                rim_speed: limits.rim_speed,
                 accel: limits.accel,
                 brake: limits.brake,
                 turn_accel: limits.turn_accel,
@@ -87,6 +88,7 @@ impl FieldParams {
                 limits: Limits {
                     speed: limits.speed,
                     turn_rate: limits.turn_rate,
+                    rim_speed: limits.rim_speed,
                     accel: limits.accel,
                     brake: limits.brake,
                     turn_accel: limits.turn_accel,

@@ -4,11 +4,13 @@ use super::Sample;
 use std::fmt;
 use thiserror::Error;
 
-/// The wheels' torque limit, and what the wheels move.
+/// The wheels' limits, and what the wheels move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimits {
     /// Largest torque of a wheel \[N m\].
     pub wheel_torque: f64,
+    /// Largest speed of a wheel's rim \[m/s\].
+    pub rim_speed: f64,
     /// Radius of the wheels \[m\].
     pub wheel_radius: f64,
     /// Distance between the wheels \[m\].
@@ -38,7 +40,7 @@ pub struct ReferenceLimits {
     pub max_jerk: f64,
     /// Largest rate of α \[rad/s³\].
     pub max_angular_jerk: f64,
-    /// Torque limit of the wheels.
+    /// Limits of the wheels.
     pub drive: Option<DriveLimits>,
 }
 
@@ -75,6 +77,8 @@ pub enum Bound {
     Speed,
     /// Turn rate.
     TurnRate,
+    /// Speed of a wheel's rim.
+    RimSpeed,
     /// Acceleration across the path.
     Lateral,
     /// Acceleration or deceleration.
@@ -91,12 +95,13 @@ pub enum Bound {
 
 /// What a motion uses of every limit, by [`Bound`]: 1 is on the limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Loads([f64; 8]);
+pub(super) struct Loads([f64; 9]);
 
 impl Loads {
-    const BOUNDS: [Bound; 8] = [
+    const BOUNDS: [Bound; 9] = [
         Bound::Speed,
         Bound::TurnRate,
+        Bound::RimSpeed,
         Bound::Lateral,
         Bound::Acceleration,
         Bound::AngularAcceleration,
@@ -146,6 +151,7 @@ impl fmt::Display for Bound {
         f.write_str(match self {
             Self::Speed => "speed",
             Self::TurnRate => "turn rate",
+            Self::RimSpeed => "wheel speed",
             Self::Lateral => "lateral acceleration",
             Self::Acceleration => "acceleration",
             Self::AngularAcceleration => "angular acceleration",
@@ -176,6 +182,7 @@ impl ReferenceLimits {
     pub(super) fn validate(&self) -> Result<(), LimitError> {
         let drive = self.drive.unwrap_or(DriveLimits {
             wheel_torque: 1.0,
+            rim_speed: 1.0,
             wheel_radius: 1.0,
             track: 1.0,
             mass: 1.0,
@@ -191,6 +198,7 @@ impl ReferenceLimits {
             ("max_jerk", self.max_jerk),
             ("max_angular_jerk", self.max_angular_jerk),
             ("drive.wheel_torque", drive.wheel_torque),
+            ("drive.rim_speed", drive.rim_speed),
             ("drive.wheel_radius", drive.wheel_radius),
             ("drive.track", drive.track),
             ("drive.mass", drive.mass),
@@ -242,12 +250,21 @@ impl ReferenceLimits {
     }
 
     /// Largest q by each limit of speed at a state of the path; 1 is the path's own time.
-    pub(super) fn ceilings(&self, s: &Sample) -> [(Bound, f64); 3] {
+    pub(super) fn ceilings(&self, s: &Sample) -> [(Bound, f64); 4] {
+        let rim = self.rim_load(s);
         [
             (Bound::Speed, (self.max_speed / s.v).powi(2)),
             (Bound::TurnRate, (self.max_turn_rate / s.w).powi(2)),
+            (Bound::RimSpeed, (1.0 / rim).powi(2)),
             (Bound::Lateral, (self.max_lateral / (s.v * s.w)).abs()),
         ]
+    }
+
+    /// Speed of the faster wheel's rim over what it may be.
+    fn rim_load(&self, s: &Sample) -> f64 {
+        self.drive.map_or(0.0, |drive| {
+            (s.v.abs() + 0.5 * drive.track * s.w.abs()) / drive.rim_speed
+        })
     }
 
     /// What a sample uses of the limits; jerk is between samples.
@@ -255,6 +272,7 @@ impl ReferenceLimits {
         let mut loads = Loads::default();
         loads.include(Bound::Speed, s.v.abs() / self.max_speed);
         loads.include(Bound::TurnRate, s.w.abs() / self.max_turn_rate);
+        loads.include(Bound::RimSpeed, self.rim_load(s));
         loads.include(Bound::Lateral, (s.v * s.w).abs() / self.max_lateral);
         for row in self.rows(s, false) {
             loads.include(row.bound, (row.c / row.high).max(row.c / row.low));

@@ -37,6 +37,7 @@ impl Default for BaseSpec {
             limits: Limits {
                 speed: 2.5,
                 turn_rate: 3.0,
+                rim_speed: 2.5,
                 accel: 1.5,
                 brake: 1.5,
                 turn_accel: 3.0,
@@ -122,6 +123,7 @@ impl BaseSpec {
             max_angular_jerk: SHARE.jerk * limits.turn_jerk,
             drive: Some(import::DriveLimits {
                 wheel_torque: SHARE.torque * limits.wheel_torque_nm,
+                rim_speed: SHARE.speed * limits.rim_speed,
                 // The larger wheel needs more torque for the same push.
                 wheel_radius: wheels.radius_right_m.max(wheels.radius_left_m),
                 track: wheels.track_m,

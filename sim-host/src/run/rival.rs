@@ -141,7 +141,7 @@ impl Driver {
         wanted.unwrap_or_default()
     }
 
-    /// Both by one factor, so that the curvature stays; what is no number is rest.
+    /// Both by one factor, so that the curvature stays, as the core does for the rims; what is no number is rest.
     fn within_limits(&self, twist: Twist<f32>) -> Twist<f32> {
         let limits = &self.body.limits;
         if !twist.is_finite() {

@@ -53,6 +53,8 @@ pub(super) struct RobotKeys {
 pub(super) struct LimitKeys {
     speed: f64,
     turn_rate: f64,
+    /// What either of the two above needs by itself, unless it is stated.
+    rim_speed: Option<f64>,
     accel: f64,
     brake: f64,
     turn_accel: f64,
@@ -134,7 +136,7 @@ pub(super) fn base(
         base.robot = keys.robot(place)?;
     }
     if let Some(keys) = limits {
-        base.limits = keys.limits();
+        base.limits = keys.limits(base.robot.wheels.track_m);
     }
     let one_radius = robot.is_some_and(|keys| keys.r.is_some());
     match base.validate() {
@@ -165,10 +167,11 @@ impl RobotKeys {
 }
 
 impl LimitKeys {
-    fn limits(&self) -> Limits<f64> {
-        Limits {
+    fn limits(&self, track_m: f64) -> Limits<f64> {
+        let limits = Limits {
             speed: self.speed,
             turn_rate: self.turn_rate,
+            rim_speed: 0.0,
             accel: self.accel,
             brake: self.brake,
             turn_accel: self.turn_accel,
@@ -180,6 +183,13 @@ impl LimitKeys {
                 PolicyKey::TurnFirst => SaturationPolicy::TurnFirst,
                 PolicyKey::DriveFirst => SaturationPolicy::DriveFirst,
             },
+        };
+        let rim_speed = self
+            .rim_speed
+            .unwrap_or_else(|| limits.least_rim_speed(track_m));
+        Limits {
+            rim_speed,
+            ..limits
         }
     }
 }

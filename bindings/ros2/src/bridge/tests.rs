@@ -39,6 +39,7 @@ fn field() -> FieldParams {
         limits: WireLimits {
             speed: 1.0,
             turn_rate: 1.0,
+            rim_speed: 1.0,
             accel: 1.0,
             brake: 1.0,
             turn_accel: 1.0,

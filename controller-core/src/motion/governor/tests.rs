@@ -8,6 +8,8 @@ use crate::robot::Robot;
 const LIMITS: Limits<f32> = Limits {
     speed: 1.1,
     turn_rate: 2.3,
+    // A track of 0.5 m: both at once would be 1.675.
+    rim_speed: 1.3,
     accel: 0.7,
     brake: 1.3,
     turn_accel: 3.1,
@@ -78,7 +80,7 @@ fn a_command_within_the_limits_stays_there_for_every_setpoint_and_tick() {
         for i in 0..speeds.len() {
             for j in 0..accels.len() {
                 let command = Command {
-                    twist: Twist::new(speeds[i], turns[j]),
+                    twist: motion.reachable(&Twist::new(speeds[i], turns[j])),
                     rate: Accel::new(accels[j], turn_accels[(i + 3) % accels.len()]),
                 };
                 for (k, v) in ANY.into_iter().enumerate() {
@@ -90,6 +92,13 @@ fn a_command_within_the_limits_stays_there_for_every_setpoint_and_tick() {
                         for dt in TICKS {
                             let (next, _) = command.advance(&motion, &setpoint, dt);
                             check(&limits, most, &command, &next, dt);
+                            // Two products and a sum, each rounded, here and where it was limited.
+                            let rim = motion.rim_speed(&next.twist);
+                            let rounded = 1.0 + 8.0 * f32::EPSILON;
+                            assert!(
+                                rim <= rounded * limits.rim_speed,
+                                "{command:?} {next:?} {dt}"
+                            );
                             tried += 1;
                         }
                     }

@@ -5,11 +5,15 @@ use super::profile::{AxisLimits, Profile};
 use crate::maths::Maths;
 use crate::scalar::Scalar;
 
-/// What a manoeuvre may use, of both axes.
+/// What a manoeuvre may use, of both axes and of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlanLimits<T> {
     pub(crate) drive: AxisLimits<T>,
     pub(crate) turn: AxisLimits<T>,
+    /// Largest speed of either wheel's rim \[m/s\].
+    pub(crate) rim: T,
+    /// Half the track \[m\]: what a turn rate adds to the speed of a rim.
+    pub(crate) lever: T,
 }
 
 impl<T: Scalar> PlanLimits<T> {
@@ -24,6 +28,7 @@ impl<T: Scalar> PlanLimits<T> {
         Self {
             drive: axis(&self.drive),
             turn: axis(&self.turn),
+            ..*self
         }
     }
 
@@ -36,8 +41,38 @@ impl<T: Scalar> PlanLimits<T> {
         Self {
             drive: axis(&self.drive),
             turn: axis(&self.turn),
+            ..*self
         }
     }
+}
+
+impl<T: Scalar> PlanLimits<T> {
+    /// The largest |v| + l |w| of these turns and drives \[m/s\], where it is beyond the rim's; `None` where it is not.
+    ///
+    /// Each |rate| is a trapezoid but for its corners, so the sum is largest where one of them reaches or leaves its peak.
+    fn fastest_beyond(&self, turns: &[Profile<T>; 2], drives: &[Profile<T>; 2]) -> Option<T> {
+        if peak(drives) + self.lever * peak(turns) <= self.rim {
+            return None;
+        }
+        let rate = |[a, b]: &[Profile<T>; 2], t: T| (a.at(t).rate + b.at(t).rate).abs();
+        let mut fastest = self.rim;
+        for profile in turns.iter().chain(drives) {
+            let risen = profile.start + profile.rise;
+            for t in [risen, risen + profile.hold] {
+                let rim = rate(drives, t) + self.lever * rate(turns, t);
+                if rim > fastest {
+                    fastest = rim;
+                }
+            }
+        }
+        (fastest > self.rim).then_some(fastest)
+    }
+}
+
+/// The larger peak of both.
+fn peak<T: Scalar>([a, b]: &[Profile<T>; 2]) -> T {
+    let (a, b) = (a.peak.abs(), b.peak.abs());
+    if a > b { a } else { b }
 }
 
 /// Where a manoeuvre has to lead, in the frame of the robot at its begin.
@@ -163,17 +198,15 @@ impl<T: Scalar> Candidate<T> {
         }
     }
 
-    /// The manoeuvre with these two numbers, after the motion in `path` at its begin, from `ready` on \[s\].
-    pub(crate) fn path<M: Maths<T>>(
+    /// Both turns and both drives with these two numbers.
+    fn profiles<M: Maths<T>>(
         &self,
         limits: &PlanLimits<T>,
         target: &Target<T>,
         numbers: &[T; 2],
-        begin: &Path<T>,
-        ready: T,
-    ) -> Path<T> {
+    ) -> ([Profile<T>; 2], [Profile<T>; 2]) {
         let [first_number, second_number] = *numbers;
-        let (turns, drives) = match *self {
+        match *self {
             Self::OneDrive { first, last, .. } => {
                 let a = limits.turn.profile::<M>(first_number);
                 let b = limits.turn.profile::<M>(target.turn - first_number);
@@ -209,7 +242,33 @@ impl<T: Scalar> Candidate<T> {
                     [c.starting(one), d.starting(other)],
                 )
             }
-        };
+        }
+    }
+
+    /// The manoeuvre with these two numbers, after the motion in `path` at its begin, from `ready` on \[s\].
+    pub(crate) fn path<M: Maths<T>>(
+        &self,
+        limits: &PlanLimits<T>,
+        target: &Target<T>,
+        numbers: &[T; 2],
+        begin: &Path<T>,
+        ready: T,
+    ) -> Path<T> {
+        let (mut turns, mut drives) = self.profiles::<M>(limits, target, numbers);
+        if let Some(fastest) = limits.fastest_beyond(&turns, &drives) {
+            // Peaks yield, by one factor: that costs less time than a slower clock for the whole. A peak that is cut lasts longer and
+            // may meet more of the other axis: what is beyond then does take the slower clock.
+            let share = limits.rim / fastest;
+            let mut cut = *limits;
+            cut.drive.rate = share * peak(&drives);
+            cut.turn.rate = share * peak(&turns);
+            (turns, drives) = self.profiles::<M>(&cut, target, numbers);
+            if let Some(fastest) = limits.fastest_beyond(&turns, &drives) {
+                let by = fastest / limits.rim;
+                turns = turns.map(|turn| turn.slowed(by));
+                drives = drives.map(|drive| drive.slowed(by));
+            }
+        }
         // What adds to the motion at the begin brakes when that has come to rest, what is against it starts then:
         // decelerations do not add up.
         let mut shift = ready;

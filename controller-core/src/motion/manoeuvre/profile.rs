@@ -215,6 +215,18 @@ impl<T: Scalar> Profile<T> {
         Self { start, ..self }
     }
 
+    /// The same way on a clock that is slower by this factor.
+    pub(crate) fn slowed(self, by: T) -> Self {
+        Self {
+            start: by * self.start,
+            peak: self.peak / by,
+            rise: by * self.rise,
+            hold: by * self.hold,
+            fall: by * self.fall,
+            jerk_s: by * self.jerk_s,
+        }
+    }
+
     #[cfg(test)]
     pub(crate) fn cast_for_test(&self) -> Profile<f64> {
         Profile {

@@ -386,6 +386,7 @@ mod tests {
     use super::{PlanLimits, Progress, Search};
     use crate::maths::{Libm, Maths, Single};
     use crate::motion::manoeuvre::path::Path;
+    use crate::motion::params::PLAN_SHARE;
     use crate::pose_error::PoseError;
     use crate::scalar::Scalar;
 
@@ -412,6 +413,9 @@ mod tests {
                 down: f(turn_accel),
                 jerk_s: f(turn_accel / turn_jerk),
             },
+            // A track of 0.4 m.
+            rim: f(speed.max(0.2 * turn_rate)),
+            lever: f(0.2),
         }
     }
 
@@ -462,18 +466,27 @@ mod tests {
                 };
                 let steps = 40_000;
                 let h = path.duration() / f64::from(steps);
-                let (mut x, mut y) = (0.0, 0.0);
+                let (mut x, mut y, mut rim) = (0.0, 0.0, 0.0_f64);
                 for i in 0..steps {
                     let t = (f64::from(i) + 0.5) * h;
                     let (sine, cosine) = Libm::sin_cos(path.turn_at(t).position);
                     x += h * path.drive_at(t).rate * cosine;
                     y += h * path.drive_at(t).rate * sine;
+                    let turning = exact.lever * path.turn_at(t).rate.abs();
+                    rim = rim.max(path.drive_at(t).rate.abs() + turning);
                 }
                 let miss = (x - error.x).hypot(y - error.y);
                 let turned = (path.turn_at(path.duration()).position - error.theta).wrap_angle();
                 assert!(
                     miss < tolerance && turned.abs() < 10.0 * tolerance,
                     "{error:?} {v} {w}: {miss}"
+                );
+                // Corners of ramps bulge between the instants that are looked at: by less than what a plan leaves of the limits.
+                // Motion at the begin is the governor's.
+                assert!(
+                    v != 0.0 || PLAN_SHARE * rim <= exact.rim,
+                    "{error:?}: {rim} of {}",
+                    exact.rim
                 );
             }
         }

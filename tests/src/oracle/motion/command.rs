@@ -84,13 +84,26 @@ impl Command {
     /// That of a robot that moves so already, as far as limits allow.
     pub fn of_robot(k: &Constants, twist: &Pair) -> Self {
         Self {
-            twist: within(twist, &k.speed),
+            twist: k.reachable(twist),
             rate: Pair::zeros(),
         }
     }
 
     /// Section 5.
     pub fn after(&self, k: &Constants, to: &Desired, dt: f64) -> (Self, AtWork) {
+        // A setpoint that asks too much of a wheel keeps its arc; rates that add to it are 0.
+        let reduced = k.rim(&to.twist) > k.rim_speed;
+        let to = &if reduced {
+            let share = k.rim_speed / k.rim(&to.twist);
+            Desired {
+                twist: k.reachable(&to.twist),
+                rate: self
+                    .within_accel(k, &to.rate)
+                    .zip_map(&to.twist, |a, v| if a * v > 0.0 { 0.0 } else { share * a }),
+            }
+        } else {
+            *to
+        };
         let needed = (to.twist - self.twist) / dt;
         let allowed = self.within_accel(k, &needed);
         let factors = share(
@@ -100,13 +113,24 @@ impl Command {
         );
         let r = factors.component_mul(&allowed);
         let moved = self.twist + r * dt;
-        let twist = within(&moved, &k.speed);
+        let each = within(&moved, &k.speed);
+        // What both have gained since the last tick shrinks by one factor, until the rim is at its limit.
+        let lever = Pair::new(1.0, k.track / 2.0);
+        let gained = (each.abs() - self.twist.abs()).sup(&Pair::zeros());
+        let excess = k.rim(&each) - k.rim_speed;
+        let lost = (excess / gained.dot(&lever)).min(1.0) * gained;
+        let twist = if excess > 0.0 {
+            each - lost.component_mul(&each.map(f64::signum))
+        } else {
+            each
+        };
         let mut fed = Pair::zeros();
         let (mut slewed, mut jerked) = (false, false);
         for i in 0..2 {
             let clipped = r[i] != needed[i];
             slewed |= clipped;
             let rate = if clipped { r[i] } else { to.rate[i] };
+            let rate = rate + (twist[i] - each[i]) / dt;
             let outward = to.twist[i].abs() >= k.speed[i] && rate * to.twist[i] > 0.0;
             fed[i] = if outward { 0.0 } else { rate };
         }
@@ -117,7 +141,10 @@ impl Command {
             rate[i] = fed[i].clamp(self.rate[i] - step, self.rate[i] + step);
             jerked |= rate[i] != fed[i];
         }
-        (Self { twist, rate }, [twist != moved, slewed, jerked])
+        (
+            Self { twist, rate },
+            [reduced || twist != moved, slewed, jerked],
+        )
     }
 
     /// Braking is towards rest.
@@ -155,5 +182,5 @@ pub fn set_back(
     let caused = (exerted + d).component_div(&k.inertia);
     let fed = command.rate.component_mul(&load.add_scalar(1.0));
     let v = twist + (caused - fed).component_div(&k.kappa);
-    within(&v, &k.speed)
+    k.reachable(&v)
 }

@@ -33,6 +33,8 @@ pub struct Constants {
     pub track: f64,
     /// Largest speed and turn rate.
     pub speed: Pair,
+    /// Largest speed of the faster wheel's rim \[m/s\].
+    pub rim_speed: f64,
     /// Largest acceleration away from rest.
     pub accel: Pair,
     /// Largest acceleration towards rest.
@@ -122,6 +124,12 @@ impl Constants {
         let least = 3e-4;
         let noise = 5.0 * self.sigma;
         (noise.max(least), noise > least)
+    }
+
+    /// A twist within the limits: each axis, and along its arc the faster wheel's rim.
+    pub fn reachable(&self, twist: &Pair) -> Pair {
+        let each = twist.sup(&-self.speed).inf(&self.speed);
+        each * (self.rim_speed / self.rim(&each).max(self.rim_speed))
     }
 
     /// Speed of the faster wheel's rim.

@@ -8,7 +8,7 @@ use super::constants::Constants;
 use super::disturbance::Observer;
 use super::feedback::Regulator;
 use super::follow::{Follower, Sample, error};
-use super::velocity::{Heading, within_limits};
+use super::velocity::Heading;
 use super::{Pair, follow};
 
 /// What the robot is to do.
@@ -214,7 +214,7 @@ impl Law {
             };
             command.after(&k, &to, dt)
         };
-        let beyond = matches!(task, Task::Drive(order, _) if within_limits(&k, &order) != order);
+        let beyond = matches!(task, Task::Drive(order, _) if k.reachable(&order) != order);
         self.stalled = stalled_for(
             &k,
             self.stalled,

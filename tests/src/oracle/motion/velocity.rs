@@ -15,17 +15,6 @@ pub struct Heading {
     added_rate: f64,
 }
 
-/// An order within the limits, each axis and the faster wheel's rim.
-pub fn within_limits(k: &Constants, order: &Pair) -> Pair {
-    let each = order.sup(&-k.speed).inf(&k.speed);
-    let most = k.speed.x.max(k.track / 2.0 * k.speed.y);
-    if k.rim(&each) > most {
-        each * (most / k.rim(&each))
-    } else {
-        each
-    }
-}
-
 impl Heading {
     /// The held heading goes on with w_s; what it is from where the robot looks.
     pub fn error(&mut self, command: &Command, theta: f64, dt: f64) -> f64 {
@@ -54,7 +43,7 @@ impl Heading {
         if jumped {
             *self = Self::default();
         }
-        let to = within_limits(k, order);
+        let to = k.reachable(order);
         let decay = (E * k.jerk.component_div(&k.accel.sup(&k.brake))).inf(&Pair::repeat(12.0));
         let from = command.twist - Pair::new(0.0, self.added);
         let from_rate = command.rate - Pair::new(0.0, self.added_rate);
