@@ -162,7 +162,7 @@ impl Excitation {
         self.leg_us = self.leg_us.saturating_add(dt_us);
         let begin = *self.begin.get_or_insert(motion.pose);
         let place = Place::of(&begin, motion);
-        if place.leaves(&self.order, 0.0, 0.0) {
+        if place.ends_outside(&self.order) {
             return Step::End(RecordingEnd::LeftSpace);
         }
         if self.leg != Leg::End && self.run_us as f32 * 1.0e-6 >= self.order.duration_s {
@@ -201,7 +201,7 @@ impl Excitation {
     }
 
     fn run(&mut self, place: &Place, forward: bool, straight: bool) -> Step {
-        let margin = MARGIN * smaller(self.order.length_m, self.order.width_m);
+        let margin = MARGIN * self.order.length_m.min(self.order.width_m);
         let sense = if forward { 1.0 } else { -1.0 };
         if place.heads_out(&self.order, margin, sense) || self.leg_us > RUN_US {
             self.enter(Leg::Halt { turned: false });
@@ -220,7 +220,7 @@ impl Excitation {
         }
         // The inner wheel turns on, at half of the speed at least: a wheel that reverses for moments shows little.
         let most = self.speed.value / self.track_m;
-        let turn = smaller(self.turn.value.abs(), most).copysign(self.turn.value);
+        let turn = self.turn.value.abs().min(most).copysign(self.turn.value);
         Step::Drive(Twist::new(sense * self.speed.value, turn))
     }
 
@@ -321,9 +321,9 @@ impl Place {
         }
     }
 
-    /// A stop that begins `lag_s` from now ends beyond an edge, less the margin, that the base moves towards.
-    fn leaves(&self, order: &Excite, margin: f32, lag_s: f32) -> bool {
-        self.ends_beyond(order, margin, lag_s, 1.0_f32.copysign(self.speed))
+    /// A stop that begins now ends beyond an edge.
+    fn ends_outside(&self, order: &Excite) -> bool {
+        self.ends_beyond(order, 0.0, 0.0, 1.0_f32.copysign(self.speed))
     }
 
     /// As a run that turns round in time has to know it.
@@ -331,6 +331,7 @@ impl Place {
         self.ends_beyond(order, margin, LAG_S, sense)
     }
 
+    /// A stop that begins `lag_s` from now ends beyond an edge, less the margin, that the base moves towards.
     fn ends_beyond(&self, order: &Excite, margin: f32, lag_s: f32, sense: f32) -> bool {
         let way = sense * (self.stop_m + lag_s * self.speed.abs());
         let rear = margin - BEHIND * order.length_m;
@@ -349,10 +350,6 @@ impl Place {
                 && (inside(side + y) || (margin > 0.0 && aside > 0.0)))
         })
     }
-}
-
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 /// Marsaglia's xorshift of 32 bits.

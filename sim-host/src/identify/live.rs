@@ -57,6 +57,9 @@ pub enum BenchError {
         /// Why.
         why: RejectReason,
     },
+    /// Stops were sent for as long as any base needs, and its state is still one that drives.
+    #[error("the base does not say that it has stopped: look at it, and cut its power if it moves")]
+    NotStopped,
     /// Rows were lost; the base has been stopped.
     #[error("the recording is not whole, and the base was stopped: {0}")]
     Lost(#[from] Lost),
@@ -155,6 +158,10 @@ pub fn record_live(
     let outcome = drive(line, &mut monitor, &order, &mut show);
     // After a recording that is complete the base has stopped by itself. What becomes of a stop of a line that failed nobody knows.
     let stopped = stop(line, &mut monitor);
+    // A base that may still drive is more urgent than a recording that is not whole.
+    if let Err(BenchError::NotStopped) = stopped {
+        return Err(BenchError::NotStopped);
+    }
     outcome?;
     stopped?;
     Ok(monitor.into_recording())
@@ -243,13 +250,16 @@ fn drive(
     }
 }
 
-/// Stops the base, and waits until it says so.
+/// Stops the base, and waits until it says so, for [`REST`] at most.
 fn stop(line: &mut impl Line, monitor: &mut Monitor) -> Result<(), BenchError> {
     let mut waited = Duration::ZERO;
     loop {
         let over = |(state, _): (State, Cause)| !state.is_live();
-        if monitor.latest().state.is_some_and(over) || waited >= REST {
+        if monitor.latest().state.is_some_and(over) {
             return Ok(());
+        }
+        if waited >= REST {
+            return Err(BenchError::NotStopped);
         }
         line.send(&Command::Stop)?;
         pass(line, monitor, ORDER_PERIOD)?;

@@ -302,6 +302,26 @@ fn a_lost_frame_fails_the_recording_and_stops_the_base() {
 }
 
 #[test]
+fn a_base_that_is_not_heard_to_stop_is_not_taken_to_stand() {
+    let mut frames = 0;
+    let (outcome, state, _, speed) = happens(
+        |_, _| true,
+        |message| {
+            frames += u32::from(matches!(message, Telemetry::Rows(_)));
+            // From here on the line carries orders and nothing back.
+            frames < 40
+        },
+    );
+    assert!(
+        matches!(outcome, Err(BenchError::NotStopped)),
+        "{outcome:?}"
+    );
+    // It did obey: what is lost is its word for it.
+    assert_eq!(state, State::Stopped);
+    assert!(speed < 0.01, "{speed}");
+}
+
+#[test]
 fn a_host_that_falls_silent_stops_the_base_within_its_timeout() {
     let mut states = Vec::new();
     let (outcome, state, pose, speed) = happens(
