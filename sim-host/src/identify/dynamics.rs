@@ -127,8 +127,9 @@ impl Motion<'_> {
         Some((wheels, emf))
     }
 
-    /// Goes along a stretch: at each sample the state, how it follows from the start's speed, and the currents.
-    fn along(
+    /// Goes along a stretch: at each sample the state, how it follows from the start's speed if that is asked for, and the
+    /// currents.
+    fn along<const CARRIED: bool>(
         &self,
         global: &[f64],
         stretch: &Stretch,
@@ -159,21 +160,25 @@ impl Motion<'_> {
                     let other = alpha * emf - beta;
                     sample.current[i] =
                         alpha * sample.state.torque[i] + other * sample.state.speed[i];
-                    let by_speed =
-                        alpha * sample.carried.torque.row(i) + other * sample.carried.speed.row(i);
-                    sample.current_by_speed.set_row(i, &by_speed);
+                    if CARRIED {
+                        let by_speed = alpha * sample.carried.torque.row(i)
+                            + other * sample.carried.speed.row(i);
+                        sample.current_by_speed.set_row(i, &by_speed);
+                    }
                 }
             }
             at(row - stretch.first, &sample);
             if row < stretch.last {
                 let h = self.log.t[row + 1] - self.log.t[row];
-                let (state, carried) = ride.row(sample.state, &self.feeds[row], h)?;
+                let (state, carried) = ride.row::<CARRIED>(sample.state, &self.feeds[row], h)?;
                 sample.state = state;
-                sample.carried = Carried {
-                    angle: sample.carried.angle + carried.angle * sample.carried.speed,
-                    speed: carried.speed * sample.carried.speed,
-                    torque: carried.torque * sample.carried.speed,
-                };
+                if CARRIED {
+                    sample.carried = Carried {
+                        angle: sample.carried.angle + carried.angle * sample.carried.speed,
+                        speed: carried.speed * sample.carried.speed,
+                        torque: carried.torque * sample.carried.speed,
+                    };
+                }
             }
         }
         Some(())
@@ -189,7 +194,7 @@ impl Motion<'_> {
     ) -> DVector<f64> {
         let samples = stretch.last - stretch.first + 1;
         let mut rows = Vec::with_capacity(self.per_sample() * samples);
-        let whole = self.along(global, stretch, local, course, |_, sample| {
+        let whole = self.along::<false>(global, stretch, local, course, |_, sample| {
             rows.extend(sample.state.angle.iter());
             if self.log.current.is_some() {
                 rows.extend(sample.current);
@@ -222,7 +227,7 @@ impl Motion<'_> {
     ) -> DMatrix<f64> {
         let per = self.per_sample();
         let mut rows = DMatrix::zeros(per * (stretch.last - stretch.first + 1), 4);
-        let _: Option<()> = self.along(global, stretch, local, course, |n, sample| {
+        let _: Option<()> = self.along::<true>(global, stretch, local, course, |n, sample| {
             let current = sample.current_by_speed;
             for i in 0..2 {
                 let at = per * n + i;

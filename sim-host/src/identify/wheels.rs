@@ -340,8 +340,9 @@ impl<'a> Ride<'a> {
         Some((state, carried))
     }
 
-    /// The state after a row of `h` \[s\] under `feed`.
-    pub(super) fn row(
+    /// The state after a row of `h` \[s\] under `feed`; what is carried only if it is asked for, since most rides are for the
+    /// states alone.
+    pub(super) fn row<const CARRIED: bool>(
         &mut self,
         mut state: State,
         feed: &Feed,
@@ -396,8 +397,10 @@ impl<'a> Ride<'a> {
             let step = turn.map_or(whole, |(_, part)| mode.step(part * rest));
             state.angle += step.once * state.speed + step.twice * push;
             state.speed = step.speed * state.speed + step.once * push;
-            carried.angle += step.once * carried.speed;
-            carried.speed = step.speed * carried.speed;
+            if CARRIED {
+                carried.angle += step.once * carried.speed;
+                carried.speed = step.speed * carried.speed;
+            }
             let Some((i, part)) = turn else { break };
             rest -= part * rest;
             drives[i] = !drives[i];
@@ -407,7 +410,9 @@ impl<'a> Ride<'a> {
         self.course[self.at - 1] = course;
         state.speed -= mode.late * left;
         state.torque = mode.feedback * state.speed + offset + left;
-        carried.torque = mode.feedback * carried.speed;
+        if CARRIED {
+            carried.torque = mode.feedback * carried.speed;
+        }
         Some((state, carried))
     }
 }
