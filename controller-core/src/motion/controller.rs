@@ -20,7 +20,7 @@ use crate::types::{Measured, WheelTorques};
 /// use controller_core::types::{Measured, Pose};
 ///
 /// let limits = Limits {
-///     speed: 1.0, turn_rate: 2.0, accel: 0.8, brake: 1.0, turn_accel: 3.0,
+///     speed: 1.0, turn_rate: 2.0, rim_speed: 1.2, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
 /// let motion = MotionParams::new(Robot::paper(), limits).validate()?;
