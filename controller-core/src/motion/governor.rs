@@ -44,9 +44,10 @@ impl<T: Scalar> Command<T> {
         dt: T,
     ) -> (Self, Limited) {
         let limits = &motion.params().limits;
-        let reduced = motion.rim_speed(&setpoint.twist) > limits.rim_speed;
+        let rim = motion.rim_speed(&setpoint.twist);
+        let reduced = rim > limits.rim_speed;
         let setpoint = &if reduced {
-            self.below_rim(motion, setpoint)
+            self.below_rim(motion, setpoint, limits.rim_speed / rim)
         } else {
             *setpoint
         };
@@ -103,23 +104,21 @@ impl<T: Scalar> Command<T> {
         (Self { twist, rate }, limited)
     }
 
-    /// The setpoint with a rim as fast as it may be, for one that asks more: its curvature is kept, and no rate points outward.
-    fn below_rim(&self, motion: &ValidMotionParams<T>, setpoint: &Setpoint<T>) -> Setpoint<T> {
-        let limits = &motion.params().limits;
-        let share = limits.rim_speed / motion.rim_speed(&setpoint.twist);
-        let rate = self.within_accel(limits, &setpoint.rate);
-        let inward = |rate: T, value: T| {
-            if rate * value > T::ZERO {
-                T::ZERO
-            } else {
-                share * rate
-            }
-        };
+    /// The setpoint with a rim as fast as it may be, for one that asks more, of which that is this `share`: its curvature is kept,
+    /// and no rate points outward.
+    fn below_rim(
+        &self,
+        motion: &ValidMotionParams<T>,
+        setpoint: &Setpoint<T>,
+        share: T,
+    ) -> Setpoint<T> {
+        let Setpoint { twist, rate } = setpoint;
+        let rate = self.within_accel(&motion.params().limits, rate);
         Setpoint {
-            twist: motion.reachable(&setpoint.twist),
+            twist: motion.reachable(twist),
             rate: Accel {
-                linear: inward(rate.linear, setpoint.twist.linear),
-                angular: inward(rate.angular, setpoint.twist.angular),
+                linear: share * not_outward(rate.linear, twist.linear, T::ZERO),
+                angular: share * not_outward(rate.angular, twist.angular, T::ZERO),
             },
         }
     }
@@ -129,11 +128,10 @@ impl<T: Scalar> Command<T> {
     /// The command was within that limit: what |v| and l |w|/2 have grown by is more than the excess, and both give up the same
     /// share of it. So each stays between what it was and what it was to be, within its acceleration.
     fn within_rim(&self, motion: &ValidMotionParams<T>, to: &Twist<T>, excess: T) -> Twist<T> {
-        let lever = T::HALF * motion.params().robot.wheels.track_m;
         let grown = |from: T, to: T| larger(to.abs() - from.abs(), T::ZERO);
         let linear = grown(self.twist.linear, to.linear);
         let angular = grown(self.twist.angular, to.angular);
-        let growth = linear + lever * angular;
+        let growth = motion.rim_speed(&Twist::new(linear, angular));
         // Rounding aside the excess is the smaller one.
         let share = if excess < growth {
             excess / growth

@@ -64,10 +64,10 @@ pub enum SaturationPolicy {
 }
 
 impl<T: Scalar> Limits<T> {
-    /// The rim speed that the largest speed and the largest turn rate need, one at a time, on a track of l \[m\]:
+    /// The rim speed that a largest speed and a largest turn rate need, one at a time, on a track of l \[m\]:
     /// max(v, l w/2) \[m/s\]. The [`rim_speed`](Self::rim_speed) of motors that are made for either and not for both.
-    pub fn least_rim_speed(&self, track_m: T) -> T {
-        larger(self.speed, T::HALF * track_m * self.turn_rate)
+    pub fn least_rim_speed(speed: T, turn_rate: T, track_m: T) -> T {
+        larger(speed, T::HALF * track_m * turn_rate)
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
@@ -86,9 +86,7 @@ impl<T: Scalar> Limits<T> {
         }
         Ok(())
     }
-}
 
-impl<T: Scalar> Limits<T> {
     /// A twist within the limits of a base with this track \[m\]: each axis by itself, then both by one factor, so that no rim is
     /// faster than it may be and the curvature stays.
     pub(crate) fn reachable(&self, twist: &Twist<T>, track_m: T) -> Twist<T> {

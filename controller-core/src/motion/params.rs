@@ -201,7 +201,7 @@ fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
             limits.turn_jerk,
         ),
         rim: share * limits.rim_speed,
-        lever: T::HALF * wheels.track_m,
+        track: wheels.track_m,
     }
 }
 

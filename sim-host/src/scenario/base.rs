@@ -168,10 +168,12 @@ impl RobotKeys {
 
 impl LimitKeys {
     fn limits(&self, track_m: f64) -> Limits<f64> {
-        let limits = Limits {
+        Limits {
             speed: self.speed,
             turn_rate: self.turn_rate,
-            rim_speed: 0.0,
+            rim_speed: self
+                .rim_speed
+                .unwrap_or_else(|| Limits::least_rim_speed(self.speed, self.turn_rate, track_m)),
             accel: self.accel,
             brake: self.brake,
             turn_accel: self.turn_accel,
@@ -183,13 +185,6 @@ impl LimitKeys {
                 PolicyKey::TurnFirst => SaturationPolicy::TurnFirst,
                 PolicyKey::DriveFirst => SaturationPolicy::DriveFirst,
             },
-        };
-        let rim_speed = self
-            .rim_speed
-            .unwrap_or_else(|| limits.least_rim_speed(track_m));
-        Limits {
-            rim_speed,
-            ..limits
         }
     }
 }

@@ -3,6 +3,8 @@
 use super::path::{Path, Vector};
 use super::profile::{AxisLimits, Profile};
 use crate::maths::Maths;
+use crate::motion::limits::rim_speed;
+use crate::range::larger;
 use crate::scalar::Scalar;
 
 /// What a manoeuvre may use, of both axes and of the wheels.
@@ -12,8 +14,8 @@ pub(crate) struct PlanLimits<T> {
     pub(crate) turn: AxisLimits<T>,
     /// Largest speed of either wheel's rim \[m/s\].
     pub(crate) rim: T,
-    /// Half the track \[m\]: what a turn rate adds to the speed of a rim.
-    pub(crate) lever: T,
+    /// Distance between the wheels \[m\].
+    pub(crate) track: T,
 }
 
 impl<T: Scalar> PlanLimits<T> {
@@ -44,25 +46,23 @@ impl<T: Scalar> PlanLimits<T> {
             ..*self
         }
     }
-}
 
-impl<T: Scalar> PlanLimits<T> {
-    /// The largest |v| + l |w| of these turns and drives \[m/s\], where it is beyond the rim's; `None` where it is not.
+    /// The largest |v| + l |w|/2 of these turns and drives \[m/s\], where it is beyond the rim's; `None` where it is not.
     ///
     /// Each |rate| is a trapezoid but for its corners, so the sum is largest where one of them reaches or leaves its peak.
     fn fastest_beyond(&self, turns: &[Profile<T>; 2], drives: &[Profile<T>; 2]) -> Option<T> {
-        if peak(drives) + self.lever * peak(turns) <= self.rim {
+        if rim_speed(peak(drives), peak(turns), self.track) <= self.rim {
             return None;
         }
-        let rate = |[a, b]: &[Profile<T>; 2], t: T| (a.at(t).rate + b.at(t).rate).abs();
+        let rate = |[a, b]: &[Profile<T>; 2], t: T| a.at(t).rate + b.at(t).rate;
         let mut fastest = self.rim;
         for profile in turns.iter().chain(drives) {
             let risen = profile.start + profile.rise;
             for t in [risen, risen + profile.hold] {
-                let rim = rate(drives, t) + self.lever * rate(turns, t);
-                if rim > fastest {
-                    fastest = rim;
-                }
+                fastest = larger(
+                    rim_speed(rate(drives, t), rate(turns, t), self.track),
+                    fastest,
+                );
             }
         }
         (fastest > self.rim).then_some(fastest)
@@ -71,8 +71,7 @@ impl<T: Scalar> PlanLimits<T> {
 
 /// The larger peak of both.
 fn peak<T: Scalar>([a, b]: &[Profile<T>; 2]) -> T {
-    let (a, b) = (a.peak.abs(), b.peak.abs());
-    if a > b { a } else { b }
+    larger(a.peak.abs(), b.peak.abs())
 }
 
 /// Where a manoeuvre has to lead, in the frame of the robot at its begin.

@@ -413,9 +413,8 @@ mod tests {
                 down: f(turn_accel),
                 jerk_s: f(turn_accel / turn_jerk),
             },
-            // A track of 0.4 m.
             rim: f(speed.max(0.2 * turn_rate)),
-            lever: f(0.2),
+            track: f(0.4),
         }
     }
 
@@ -472,7 +471,7 @@ mod tests {
                     let (sine, cosine) = Libm::sin_cos(path.turn_at(t).position);
                     x += h * path.drive_at(t).rate * cosine;
                     y += h * path.drive_at(t).rate * sine;
-                    let turning = exact.lever * path.turn_at(t).rate.abs();
+                    let turning = 0.5 * exact.track * path.turn_at(t).rate.abs();
                     rim = rim.max(path.drive_at(t).rate.abs() + turning);
                 }
                 let miss = (x - error.x).hypot(y - error.y);
