@@ -6,10 +6,11 @@ use super::fit::{Fit, Linear, Model, ROUNDS, fit};
 use super::log::Log;
 use super::motor;
 use super::quantity::Known;
+use super::ride::{Carried, Course, Ride, State};
 use super::source::{Feed, source};
 use super::start::guess;
 use super::stretches::Stretch;
-use super::wheels::{Carried, Course, DYNAMIC, Ride, State, Wheels};
+use super::wheels::{DYNAMIC, Wheels};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 /// Step of a one-sided difference, as a share of the parameter's size.

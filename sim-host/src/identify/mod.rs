@@ -35,6 +35,7 @@ pub mod profile;
 pub mod quantity;
 pub mod record;
 pub mod report;
+mod ride;
 mod source;
 mod start;
 mod stretches;

@@ -16,7 +16,7 @@ pub const DURATION_S: f64 = 25.0;
 pub const CURRENT_NOISE: f64 = 0.01;
 /// Noise of the supply, as a share of it: a step of a converter of ten bits.
 pub const SUPPLY_NOISE: f64 = 0.001;
-/// Integration step \[us\]. The plant's own of 250 us delays torques by some 0.02 ms, of which such a log shows a part.
+/// Integration step \[us\]: a fifth of the plant's own, so that what it neglects is far below what such a log shows.
 const SUBSTEP_US: u32 = 50;
 /// Share of the base's wheel torque that its ramps ask for. The rest is for friction and gear losses, and a drive that
 /// comes near to the driver's current limit shows less than one that does not.

@@ -16,6 +16,17 @@ pub(super) struct Feed {
 }
 
 impl Feed {
+    /// Duties of a battery with this voltage without load, in the middle of a log.
+    #[cfg(test)]
+    pub(super) fn unloaded(share: [f64; 2], supply: f64) -> Self {
+        Self {
+            share,
+            supply,
+            drawn: 0.0,
+            time: 0.0,
+        }
+    }
+
     /// Voltage without load of a battery of this resistance that drains by so much more over the log.
     pub(super) fn open(&self, ohm: f64, drain: f64) -> f64 {
         self.supply + ohm * self.drawn - drain * self.time

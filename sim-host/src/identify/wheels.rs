@@ -1,4 +1,4 @@
-//! The two wheels as one linear system between reversals, and its solution.
+//! The two wheels as one linear system between reversals, and its solution while each motor drives or brakes.
 //!
 //! With wheel speeds w and commands u held from row to row, the motors make torques of v commands,
 //!
@@ -16,8 +16,7 @@
 //! | loss | share of the torque that the gear's teeth hold back: 1 - efficiency | 0 | 1 |
 //!
 //! **Gear.** While a motor drives its wheel 1 - loss of its torque arrives, while it brakes 1 + loss: either is
-//! linear, and v is near 0 where one becomes the other. So a row is solved in pieces, each with its own [`Mode`]. A v
-//! that passes 0 while it is fast is taken to first order of tau.
+//! linear, and v is 0 where one becomes the other. So a row is solved in pieces ([`super::ride`]), each with its own [`Mode`].
 //!
 //! **Battery.** Duties a of a battery of V_0 behind R_b give u = a V with V = V_0 - R_b (a_R i_R + a_L i_L) and
 //! i = alpha v: with q = 1/(1 + R_b sum a^2 alpha), v settles at a q V_0 - H w,
@@ -35,8 +34,10 @@
 //! c = F (a q V_0 + T M E^-1 s sign(w))
 //! ```
 //!
-//! M and N follow by iteration. z fades within a row, and while it does, w moves by N z, which is done at once. All
-//! of that is smooth in tau: an estimate of a lag of 0 is free to be a little below.
+//! M and N follow by iteration, z fades as exp(-(F T)^-1 t). A piece ends where M w + c + z of a motor passes 0.
+//!
+//! **No lag.** A fit begins at lags of 0, and one that finds 0 is free to be a little below. There F T has no inverse, and z is
+//! gone at once: what it does is then taken to first order of tau, which goes on smoothly below 0.
 //!
 //! The motor current is i = alpha v: alpha = 1/R for voltages, 1/k for torques (k torque per ampere
 //! at the wheel, which is also its back-EMF constant; R resistance). beta = alpha D_e is k/R, and 0
@@ -54,61 +55,54 @@ const TURNS: usize = 4;
 /// Parameters of the system.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wheels {
-    per_inertia: Matrix2<f64>,
-    emf: Vector2<f64>,
+    pub(super) per_inertia: Matrix2<f64>,
+    pub(super) emf: Vector2<f64>,
     /// D - D_e.
-    bearing: Vector2<f64>,
-    coulomb: Vector2<f64>,
-    lag: Vector2<f64>,
-    loss: Vector2<f64>,
-    band: Vector2<f64>,
-    source_ohm: f64,
-    drain: f64,
-    alpha: Vector2<f64>,
-}
-
-/// State: angles \[rad\], speeds \[rad/s\] and v.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct State {
-    pub(super) angle: Vector2<f64>,
-    pub(super) speed: Vector2<f64>,
-    pub(super) torque: Vector2<f64>,
-}
-
-/// Derivatives of angle and speed at the end of a row by the speed at its start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Carried {
-    pub(super) angle: Matrix2<f64>,
-    pub(super) speed: Matrix2<f64>,
-    pub(super) torque: Matrix2<f64>,
+    pub(super) bearing: Vector2<f64>,
+    pub(super) coulomb: Vector2<f64>,
+    pub(super) lag: Vector2<f64>,
+    pub(super) loss: Vector2<f64>,
+    pub(super) band: Vector2<f64>,
+    pub(super) source_ohm: f64,
+    pub(super) drain: f64,
+    pub(super) alpha: Vector2<f64>,
 }
 
 /// Both motors under a feed: v settles at `feed` - `feedback` w, with the lag matrix `lag`.
 #[derive(Clone, Copy, Debug)]
-struct Motors {
-    feed: Vector2<f64>,
-    feedback: Matrix2<f64>,
-    lag: Matrix2<f64>,
+pub(super) struct Motors {
+    pub(super) feed: Vector2<f64>,
+    pub(super) feedback: Matrix2<f64>,
+    pub(super) lag: Matrix2<f64>,
 }
 
 /// The linear system while each motor drives or brakes, apart in what is slow and what is fast.
 #[derive(Clone, Copy, Debug)]
-struct Mode {
+pub(super) struct Mode {
     /// P, E^-1 gain.
-    pull: Matrix2<f64>,
-    /// M, N, A, F.
-    feedback: Matrix2<f64>,
-    late: Matrix2<f64>,
-    rate: Matrix2<f64>,
-    ahead: Matrix2<f64>,
+    pub(super) pull: Matrix2<f64>,
+    /// M, N, A, F, F T.
+    pub(super) feedback: Matrix2<f64>,
+    pub(super) late: Matrix2<f64>,
+    pub(super) rate: Matrix2<f64>,
+    pub(super) ahead: Matrix2<f64>,
+    pub(super) fading: Matrix2<f64>,
 }
 
-/// Solution over a time h: with A the rate, exp(A h) and its first and second integrals.
+/// Solution over a time h: with A the rate, exp(A h) and its first and second integrals; and what is left of z.
 #[derive(Clone, Copy, Debug)]
-struct Step {
-    speed: Matrix2<f64>,
-    once: Matrix2<f64>,
-    twice: Matrix2<f64>,
+pub(super) struct Step {
+    pub(super) speed: Matrix2<f64>,
+    pub(super) once: Matrix2<f64>,
+    pub(super) twice: Matrix2<f64>,
+    pub(super) left: Matrix2<f64>,
+}
+
+/// What is slow, y, and what is fast, z, of speed and torque.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parts {
+    pub(super) slow: Vector2<f64>,
+    pub(super) fast: Vector2<f64>,
 }
 
 impl Wheels {
@@ -137,7 +131,7 @@ impl Wheels {
         })
     }
 
-    fn motors(&self, feed: &Feed) -> Motors {
+    pub(super) fn motors(&self, feed: &Feed) -> Motors {
         let mut share = Vector2::from(feed.share);
         for (share, band) in share.iter_mut().zip(self.band.iter()) {
             // Without a band exactly as commanded, whatever a command is.
@@ -161,7 +155,7 @@ impl Wheels {
     }
 
     /// The system under `motors` of which the right and the left one drive or brake.
-    fn mode(&self, motors: &Motors, drives: [bool; 2]) -> Option<Mode> {
+    pub(super) fn mode(&self, motors: &Motors, drives: [bool; 2]) -> Option<Mode> {
         let gain = Vector2::from_fn(|i, _| {
             if drives[i] {
                 1.0 - self.loss[i]
@@ -177,9 +171,10 @@ impl Wheels {
         }
         let rate = pull * feedback - drag;
         let ahead = (Matrix2::identity() + motors.lag * feedback * pull).try_inverse()?;
+        let fading = ahead * motors.lag;
         let mut late = Matrix2::zeros();
         for _ in 0..TURNS {
-            late = (pull - rate * late) * ahead * motors.lag;
+            late = (pull - rate * late) * fading;
         }
         Some(Mode {
             pull,
@@ -187,25 +182,59 @@ impl Wheels {
             late,
             rate,
             ahead,
+            fading,
         })
     }
 }
 
 impl Motors {
     /// v once it follows w.
-    fn settled(&self, speed: &Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn settled(&self, speed: &Vector2<f64>) -> Vector2<f64> {
         self.feed - self.feedback * speed
     }
 }
 
 impl Mode {
     /// c: what v follows at a speed of 0.
-    fn offset(&self, motors: &Motors, slowed: &Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn offset(&self, motors: &Motors, slowed: &Vector2<f64>) -> Vector2<f64> {
         self.ahead * (motors.feed + motors.lag * self.feedback * slowed)
     }
 
-    /// The solution over `h` \[s\] by Taylor's series; 0 < h |A| < 3 is taken to rounding.
-    fn step(&self, h: f64) -> Step {
+    /// What is slow and what is fast of a speed and a torque.
+    pub(super) fn parts(
+        &self,
+        offset: &Vector2<f64>,
+        speed: &Vector2<f64>,
+        torque: &Vector2<f64>,
+    ) -> Parts {
+        let fast = torque - (self.feedback * speed + offset);
+        Parts {
+            slow: speed + self.late * fast,
+            fast,
+        }
+    }
+
+    /// Those after this step, `push` being P c - E^-1 s sign.
+    pub(super) fn stepped(&self, step: &Step, parts: &Parts, push: &Vector2<f64>) -> Parts {
+        Parts {
+            slow: step.speed * parts.slow + step.once * push,
+            fast: step.left * parts.fast,
+        }
+    }
+
+    /// Speed and torque of both parts.
+    pub(super) fn whole(
+        &self,
+        offset: &Vector2<f64>,
+        parts: &Parts,
+    ) -> (Vector2<f64>, Vector2<f64>) {
+        let speed = parts.slow - self.late * parts.fast;
+        (speed, self.feedback * speed + offset + parts.fast)
+    }
+
+    /// The solution over `h` \[s\] by Taylor's series; 0 < h |A| < 3 is taken to rounding. z is that of motors of which these
+    /// have `no_lag`.
+    pub(super) fn step(&self, h: f64, no_lag: [bool; 2]) -> Step {
         let a = h * self.rate;
         let mut term = Matrix2::identity();
         let (mut speed, mut once, mut twice) =
@@ -225,221 +254,32 @@ impl Mode {
             speed,
             once: once * h,
             twice: twice * h * h,
+            left: self.left(h, no_lag),
+        }
+    }
+
+    /// exp(-(F T)^-1 h), where a motor has no lag of each motor by itself.
+    fn left(&self, h: f64, no_lag: [bool; 2]) -> Matrix2<f64> {
+        let lag = self.fading.diagonal();
+        match self.fading.try_inverse() {
+            Some(rate) if no_lag == [false; 2] => decayed(&rate, h),
+            _ => Matrix2::from_diagonal(&Vector2::from_fn(|i, _| {
+                if no_lag[i] { 0.0 } else { (-h / lag[i]).exp() }
+            })),
         }
     }
 }
 
-/// What the motors of a row do: whether each drives its wheel at the start, and which one turns to the other after which
-/// share of what is left of the row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Course {
-    drives: [bool; 2],
-    turns: [Option<(usize, f64)>; 2],
-}
-
-/// A ride along the rows of a stretch, which keeps what rows have in common.
-pub(super) struct Ride<'a> {
-    wheels: &'a Wheels,
-    /// Directions of the wheels, and what Coulomb friction slows them by, E^-1 s sign.
-    sign: Vector2<f64>,
-    slowed: Vector2<f64>,
-    /// What modes and steps hold for.
-    share: [f64; 2],
-    h: f64,
-    modes: [Option<Mode>; 4],
-    steps: [Option<Step>; 4],
-    course: &'a mut Vec<Course>,
-    at: usize,
-}
-
-impl<'a> Ride<'a> {
-    /// A ride that decides on the rows of which `course` does not know yet.
-    pub(super) fn new(wheels: &'a Wheels, sign: [f64; 2], course: &'a mut Vec<Course>) -> Self {
-        let sign = Vector2::from(sign);
-        Self {
-            wheels,
-            sign,
-            slowed: wheels.per_inertia * wheels.coulomb.component_mul(&sign),
-            share: [0.0; 2],
-            h: 0.0,
-            modes: [None; 4],
-            steps: [None; 4],
-            course,
-            at: 0,
-        }
-    }
-
-    /// Whether each motor drives its wheel.
-    fn drives(&self, v: &Vector2<f64>) -> [bool; 2] {
-        [0, 1].map(|i| v[i] * self.sign[i] >= 0.0)
-    }
-
-    fn mode(&mut self, feed: &Feed, motors: &Motors, drives: [bool; 2]) -> Option<Mode> {
-        // A stiff source lets modes be those of any feed.
-        if self.wheels.source_ohm != 0.0 && self.share != feed.share {
-            self.share = feed.share;
-            self.modes = [None; 4];
-            self.steps = [None; 4];
-        }
-        let at = index(drives);
-        if self.modes[at].is_none() {
-            self.modes[at] = self.wheels.mode(motors, drives);
-        }
-        self.modes[at]
-    }
-
-    /// The whole row's step.
-    fn step(&mut self, mode: &Mode, drives: [bool; 2], h: f64) -> Step {
-        // Clocks written with six digits jitter by a microsecond's rounding only.
-        if (self.h - h).abs() >= 1.0e-9 {
-            self.h = h;
-            self.steps = [None; 4];
-        }
-        *self.steps[index(drives)].get_or_insert_with(|| mode.step(h))
-    }
-
-    /// Feeds of the next row, what each motor does there once v follows, and the mode.
-    fn follows(&mut self, feed: &Feed, speed: &Vector2<f64>) -> Option<(Motors, Course, Mode)> {
-        let motors = self.wheels.motors(feed);
-        let known = self.course.get(self.at).copied();
-        self.at += 1;
-        if let Some(course) = known {
-            return Some((motors, course, self.mode(feed, &motors, course.drives)?));
-        }
-        let drives = self.drives(&motors.settled(speed));
-        let mode = self.mode(feed, &motors, drives)?;
-        // Not as if tau were 0, for v that is near to it.
-        let drives = self.drives(&(mode.feedback * speed + mode.offset(&motors, &self.slowed)));
-        let course = Course {
-            drives,
-            turns: [None; 2],
-        };
-        self.course.push(course);
-        Some((motors, course, self.mode(feed, &motors, drives)?))
-    }
-
-    /// The state at `speed` under `feed` once v follows, with its derivative by that speed.
-    pub(super) fn settled(
-        &mut self,
-        angle: Vector2<f64>,
-        speed: Vector2<f64>,
-        feed: &Feed,
-    ) -> Option<(State, Carried)> {
-        let (motors, _, mode) = self.follows(feed, &speed)?;
-        let torque = mode.feedback * speed + mode.offset(&motors, &self.slowed);
-        let state = State {
-            angle,
-            speed,
-            torque,
-        };
-        let carried = Carried {
-            angle: Matrix2::zeros(),
-            speed: Matrix2::identity(),
-            torque: mode.feedback,
-        };
-        Some((state, carried))
-    }
-
-    /// The state after a row of `h` \[s\] under `feed`; what is carried only if it is asked for, since most rides are for the
-    /// states alone.
-    pub(super) fn row<const CARRIED: bool>(
-        &mut self,
-        mut state: State,
-        feed: &Feed,
-        h: f64,
-    ) -> Option<(State, Carried)> {
-        let wheels = self.wheels;
-        let decided = self.at < self.course.len();
-        let (motors, mut course, mut mode) = self.follows(feed, &state.speed)?;
-        let mut drives = course.drives;
-        let mut offset = mode.offset(&motors, &self.slowed);
-        let new = mode.feedback * state.speed + offset;
-        let fast = state.torque - new;
-        let left = fast.component_mul(&wheels.lag.map(|lag| left(lag, h)));
-        state.angle -= mode.late * (mode.ahead * (motors.lag * (fast - left)));
-        let extra = Vector2::from_fn(|i, _| {
-            let ahead = if drives[i] {
-                self.sign[i]
-            } else {
-                -self.sign[i]
-            };
-            let other = other_way(-ahead * state.torque[i], ahead * new[i]);
-            -wheels.loss[i] * self.sign[i] * wheels.lag[i] * other
-        });
-        state.speed += mode.late * fast + wheels.per_inertia * extra;
-        let mut carried = Carried {
-            angle: Matrix2::zeros(),
-            speed: Matrix2::identity(),
-            torque: Matrix2::zeros(),
-        };
-        // Each motor may begin to brake or to drive once; v settles, it does not swing.
-        let mut rest = h;
-        for piece in 0..3 {
-            let push = mode.pull * offset - self.slowed;
-            let whole = if rest == h {
-                self.step(&mode, drives, h)
-            } else {
-                mode.step(rest)
-            };
-            if let (false, Some(turn)) = (decided, course.turns.get_mut(piece)) {
-                let end = whole.speed * state.speed + whole.once * push;
-                let (from, to) = (
-                    mode.feedback * state.speed + offset,
-                    mode.feedback * end + offset,
-                );
-                // Where v is 0, as if it fell evenly: it is small all about there.
-                *turn = (0..2)
-                    .filter(|&i| self.drives(&to)[i] != drives[i])
-                    .map(|i| (i, zero(from[i], to[i])))
-                    .min_by(|a, b| a.1.total_cmp(&b.1));
-            }
-            let turn = course.turns.get(piece).copied().flatten();
-            let step = turn.map_or(whole, |(_, part)| mode.step(part * rest));
-            state.angle += step.once * state.speed + step.twice * push;
-            state.speed = step.speed * state.speed + step.once * push;
-            if CARRIED {
-                carried.angle += step.once * carried.speed;
-                carried.speed = step.speed * carried.speed;
-            }
-            let Some((i, part)) = turn else { break };
-            rest -= part * rest;
-            drives[i] = !drives[i];
-            mode = self.mode(feed, &motors, drives)?;
-            offset = mode.offset(&motors, &self.slowed);
-        }
-        self.course[self.at - 1] = course;
-        state.speed -= mode.late * left;
-        state.torque = mode.feedback * state.speed + offset + left;
-        if CARRIED {
-            carried.torque = mode.feedback * carried.speed;
-        }
-        Some((state, carried))
-    }
-}
-
-/// Where a line from `from` to `to` is 0, 0 to 1; 0 of one that is not.
-fn zero(from: f64, to: f64) -> f64 {
-    if from * to < 0.0 {
-        from / (from - to)
+/// exp(-G h) of a G whose eigenvalues m - d and m + d are real and above 0: (G - m)^2 = d^2.
+fn decayed(rate: &Matrix2<f64>, h: f64) -> Matrix2<f64> {
+    let m = 0.5 * rate.trace();
+    let d = (m * m - rate.determinant()).max(0.0).sqrt();
+    let (slow, quick) = ((-(m - d) * h).exp(), (-(m + d) * h).exp());
+    let apart = if d * h > 1.0e-3 {
+        0.5 * (slow - quick) / d
     } else {
-        0.0
-    }
-}
-
-/// Place of a mode.
-fn index(drives: [bool; 2]) -> usize {
-    usize::from(drives[0]) + 2 * usize::from(drives[1])
-}
-
-/// While v goes to `new` from `old` the other way, v = new - (old + new) exp(-t/tau): the integral of |v| less that of v,
-/// over tau; 0 for one that goes no other way.
-fn other_way(old: f64, new: f64) -> f64 {
-    let (old, new) = (old.max(0.0), new.max(0.0));
-    let until = if new > 0.0 { (old / new).ln_1p() } else { 0.0 };
-    2.0 * (old - new * until)
-}
-
-/// exp(-h/tau). Where tau is 0 this is 0 with all its derivatives, and so it is below.
-fn left(lag: f64, h: f64) -> f64 {
-    if lag > 0.0 { (-h / lag).exp() } else { 0.0 }
+        // sinh(x) is x but for a share of x^2/6.
+        h * (-m * h).exp()
+    };
+    Matrix2::from_diagonal_element(0.5 * (slow + quick) + m * apart) - rate * apart
 }

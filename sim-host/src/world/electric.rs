@@ -94,7 +94,7 @@ impl Electric {
         }
         let open_v = sag.unwrap_or(self.open_circuit_v);
         self.feeds = [0, 1].map(|i| self.desired(command, i, omega[i], h, &motor));
-        self.supply_v = self.rail(&motor, omega, open_v, extra_a);
+        self.supply_v = self.rail(&motor, omega, h, (open_v, extra_a));
         let limited = [0, 1].map(|i| self.limited(&motor, i, omega[i], h));
         // A loop that gets what it demands integrates; at a limit it would only wind up.
         if let Actuation::Speed { .. } = command {
@@ -106,17 +106,17 @@ impl Electric {
         }
         if self.feeds != limited {
             self.feeds = limited;
-            self.supply_v = self.rail(&motor, omega, open_v, extra_a);
+            self.supply_v = self.rail(&motor, omega, h, (open_v, extra_a));
         }
         let mut drive = MotorDrives::default();
         for (i, omega) in omega.into_iter().enumerate() {
             let (at_rest, per_speed) = self.mean_current(&motor, i, h);
-            let current = at_rest - per_speed * omega;
             drive.torque[i] = self.constant[i] * at_rest;
             drive.slope[i] = self.constant[i] * per_speed;
+            let current = self.mean_size(&motor, i, at_rest - per_speed * omega, omega, h);
             // Driving, η of the torque arrives; driven, 1/η ≈ 2 − η is felt. Either way it is a
             // friction in proportion to the torque, which is how teeth lose it.
-            drive.loss[i] = (1.0 - motor.gear_efficiency) * (self.constant[i] * current).abs();
+            drive.loss[i] = (1.0 - motor.gear_efficiency) * self.constant[i] * current;
         }
         drive
     }
@@ -223,19 +223,18 @@ impl Electric {
     /// Voltage of the supply: V = V₀ − R_b I, where a driver with duty D draws D i and one that
     /// holds a current draws the power of its motor, (R i + K ω) i / V. Quadratic in V; a battery
     /// that cannot give the power collapses to half of its voltage, where it gives most.
-    fn rail(&self, m: &MotorParams, omega: [f64; 2], open_v: f64, extra_a: f64) -> f64 {
+    fn rail(&self, m: &MotorParams, omega: [f64; 2], h: f64, (open_v, extra_a): (f64, f64)) -> f64 {
         let mut source = open_v - self.internal_ohm * extra_a;
         let (mut conductance, mut power) = (0.0, 0.0);
         for (i, omega) in omega.into_iter().enumerate() {
             let back = self.constant[i] * omega;
             let mut held = |current: f64| power += (m.resistance_ohm * current + back) * current;
             match self.feeds[i] {
-                Feed::Voltage(duty) if m.inductance_h > 0.0 => {
-                    source -= self.internal_ohm * duty * self.current[i];
-                }
                 Feed::Voltage(duty) => {
-                    conductance += duty * duty / m.resistance_ohm;
-                    source += self.internal_ohm * duty * back / m.resistance_ohm;
+                    let kept = self.kept(m, h);
+                    let share = (1.0 - kept) / m.resistance_ohm;
+                    conductance += duty * duty * share;
+                    source += self.internal_ohm * duty * (share * back - kept * self.current[i]);
                 }
                 Feed::Current(current) => held(current),
                 Feed::Loop { at_rest, per_speed } => held(at_rest - per_speed * omega),
@@ -258,11 +257,7 @@ impl Electric {
     fn mean_current(&self, m: &MotorParams, i: usize, h: f64) -> (f64, f64) {
         match self.feeds[i] {
             Feed::Voltage(duty) => {
-                let kept = if m.inductance_h > 0.0 {
-                    self.risen.1 * m.inductance_h / (h * m.resistance_ohm)
-                } else {
-                    0.0
-                };
+                let kept = self.kept(m, h);
                 let share = (1.0 - kept) / m.resistance_ohm;
                 (
                     share * duty * self.supply_v + kept * self.current[i],
@@ -273,6 +268,34 @@ impl Electric {
             Feed::Loop { at_rest, per_speed } => (at_rest, per_speed),
             Feed::Open => (0.0, 0.0),
         }
+    }
+
+    /// The share φ of a substep's first current in its mean, under a held voltage.
+    fn kept(&self, m: &MotorParams, h: f64) -> f64 {
+        if m.inductance_h > 0.0 {
+            self.risen.1 * m.inductance_h / (h * m.resistance_ohm)
+        } else {
+            0.0
+        }
+    }
+
+    /// Mean of |i| over a substep whose mean current is `mean`: larger than |`mean`| where i passes 0 within it, which it does
+    /// at t = L/R ln(1 − i_0/i_∞).
+    fn mean_size(&self, m: &MotorParams, i: usize, mean: f64, omega: f64, h: f64) -> f64 {
+        let Feed::Voltage(duty) = self.feeds[i] else {
+            return mean.abs();
+        };
+        let settled = (duty * self.supply_v - self.constant[i] * omega) / m.resistance_ohm;
+        let from = self.current[i];
+        let to = settled + (from - settled) * (1.0 - self.risen.1);
+        if m.inductance_h <= 0.0 || from * to >= 0.0 {
+            return mean.abs();
+        }
+        let lag = m.inductance_h / m.resistance_ohm;
+        let until = lag * libm::log1p(-from / settled);
+        // At i = 0 the share from/(from - settled) of the way has been gone.
+        let before = (settled * until + lag * from) / h;
+        before.abs() + (mean - before).abs()
     }
 
     /// The model of the speed loop: ω_m' = (ω_c − ω_m)/T, exactly.
