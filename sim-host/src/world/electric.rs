@@ -220,7 +220,7 @@ impl Electric {
         }
     }
 
-    /// Voltage of the supply: V = V₀ − R_b I, where a driver with duty D draws D i and one that
+    /// Voltage of the supply: V = V₀ − R_b I, where a driver with duty D draws D i, i the mean of the substep, and one that
     /// holds a current draws the power of its motor, (R i + K ω) i / V. Quadratic in V; a battery
     /// that cannot give the power collapses to half of its voltage, where it gives most.
     fn rail(&self, m: &MotorParams, omega: [f64; 2], h: f64, (open_v, extra_a): (f64, f64)) -> f64 {
