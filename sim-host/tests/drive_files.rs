@@ -254,6 +254,14 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
         ("r = 0.075", "r = 1e9", "robot.r"),
         ("l = 0.35", "l = 0.35\ncolour = 3", "robot.colour"),
         ("speed = 1.2", "speed = nan", "limits.speed"),
+        // The motors turn the wheels at 1.54 m/s without load, which is 8.8 rad/s on this track.
+        ("speed = 1.2", "speed = 1.6", "limits.speed"),
+        (
+            "speed = 1.2",
+            "speed = 1.2\nrim_speed = 1.6",
+            "limits.rim_speed",
+        ),
+        ("turn_rate = 3.0", "turn_rate = 9.0", "limits.turn_rate"),
         ("jerk = 20.0", "", "limits.jerk"),
         (
             "wheel_torque = 2.0",

@@ -148,10 +148,19 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
         return Err(place.error("limits.wheel_torque", message));
     }
     let fastest = motor.no_load_speed_rad_s() * radius;
-    if base.limits.speed > fastest {
-        let message =
-            format!("is more than the {fastest:.2} m/s at which [motor] runs without load");
-        return Err(place.error("limits.speed", message));
+    let limits = &base.limits;
+    let turning = 0.5 * wheels.track_m * limits.turn_rate;
+    for (key, rim) in [
+        ("limits.speed", limits.speed),
+        ("limits.turn_rate", turning),
+        ("limits.rim_speed", limits.rim_speed),
+    ] {
+        if rim > fastest {
+            let message = format!(
+                "asks a wheel for {rim:.2} m/s, more than the {fastest:.2} m/s at which [motor] runs without load"
+            );
+            return Err(place.error(key, message));
+        }
     }
     if let Some(gyro) = &hardware.gyro {
         let params = gyro.params::<f64>();
