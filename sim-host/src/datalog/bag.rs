@@ -175,7 +175,7 @@ impl<W: Write + Seek> Bag<W> {
         to_writer::<_, LittleEndian, _>(&mut self.buffer, message)?;
         let header = MessageHeader {
             channel_id: channel,
-            // Nobody looks for gaps in what one writer wrote, and a counter of every tick is a byte or two of it.
+            // Nobody looks for gaps in what one writer wrote, and a counter of every tick is 2 to 4 bytes of it, compressed.
             sequence: 0,
             log_time: time_ns,
             publish_time: time_ns,
