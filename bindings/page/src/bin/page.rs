@@ -135,7 +135,7 @@ fn page(program: &[u8]) -> Result<String, Box<dyn Error>> {
         .map(|name| read(name))
         .collect::<Result<_, _>>()?;
     let html = read(FRAME)?
-        .replace("/*CSS*/", read(STYLE)?.trim_end())
+        .replace("/*CSS*/", closed_up(&read(STYLE)?).trim_end())
         .replace("/*JS*/", scripts.trim_end())
         .replace("/*SIZE*/", &program.len().to_string())
         .replace("/*WASM*/", &packed(program)?);
@@ -151,6 +151,15 @@ fn lean(text: &str) -> String {
     let lines = text.lines().map(str::trim);
     let kept = lines.filter(|line| !line.is_empty() && !line.starts_with("//"));
     kept.flat_map(|line| [line, "\n"]).collect()
+}
+
+/// A style without the blanks beside its punctuation.
+fn closed_up(style: &str) -> String {
+    [" {", "{ ", "; ", ": ", ", ", " }"]
+        .iter()
+        .fold(style.to_owned(), |style, pair| {
+            style.replace(pair, pair.trim())
+        })
 }
 
 fn root() -> PathBuf {
