@@ -77,6 +77,44 @@ fn shipped_gains_have_their_margins() {
     }
 }
 
+/// Gains of one's own keep a floor v_f with which half of what is tolerated beside the goal turns a base by no more than is
+/// tolerated there, if poses correct it on the way; a higher floor stays. The figures of `docs/motion.md`.
+#[test]
+fn gains_of_ones_own_keep_the_floor_that_arrival_asks_for() {
+    let floors = ["paper-30kg", "lab-10kg", "hobby-1kg"].map(|name| {
+        let base = file(name);
+        let params = sim_host::closed_loop::params(&base, 10_000).expect("in range");
+        let (gains, arrival) = (&params.motion.gains, &params.motion.arrival);
+        // The largest slope of the heading over the lateral error, by trying all speeds.
+        let steepest = (1..10_000).map(|i| {
+            let v = f64::from(i) * 1e-4;
+            let (c, k3) = (f64::from(gains.lateral), f64::from(gains.heading));
+            c / k3 * v / (v * v + f64::from(gains.slow).powi(2))
+        });
+        let asked = steepest.fold(0.0, f64::max) * 0.5 * f64::from(arrival.distance_m);
+        let tolerated = f64::from(arrival.heading_rad);
+        assert!((asked / tolerated - 1.0).abs() < 1e-3, "{name}: {asked}");
+
+        let higher = MotionGains {
+            slow: 0.4,
+            ..*gains
+        };
+        assert_eq!(params.with_gains(higher).motion.gains, higher);
+        let mut alone = params;
+        alone.localiser.fusion = None;
+        let own = MotionGains {
+            slow: 0.03,
+            ..*gains
+        };
+        let noise = gains.slow_for(params.motion.pose_noise_m, 0.03);
+        assert_eq!(alone.with_gains(own).motion.gains.slow, noise.max(0.03));
+        // Nothing else changes.
+        assert_eq!(params.with_gains(own), params);
+        f64::from(gains.slow)
+    });
+    Stated::of("docs/motion.md").exactly(At::Phrase("(#, # and # m/s on the bases)"), &floors);
+}
+
 /// Hopeless gains are told, the worst concern first, and one loop's trouble is not another's.
 #[test]
 fn hopeless_gains_are_told() {

@@ -5,8 +5,9 @@ use core::fmt;
 use crate::error::{Field, ParamError, Problem};
 use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
-use crate::motion::{Limits, MotionParams, ValidMotionParams};
+use crate::motion::{Limits, MotionGains, MotionParams, NOISE_HEADING_RAD, ValidMotionParams};
 use crate::motor::{Motor, MotorParams};
+use crate::range::larger;
 use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
 use crate::safety::{
@@ -80,11 +81,10 @@ impl<T: Scalar> BaseParams<T> {
         let localisation = localiser.validate_with::<M>()?;
         let rotor = motor.as_ref().map(MotorParams::rotor_at_wheel_kg_m2);
         let with_rotors = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
-        let motion = MotionParams::new_with::<M>(with_rotors, limits)
-            .with_pose_noise(localisation.pose_noise_m());
         let motion = MotionParams {
+            pose_noise_m: localisation.pose_noise_m(),
             arrival: localisation.arrival(),
-            ..motion
+            ..MotionParams::new_with::<M>(with_rotors, limits)
         };
         let counts_per_turn = localiser.odometry.counts_per_turn;
         let body = MotionParams { robot, ..motion };
@@ -114,7 +114,7 @@ impl<T: Scalar> BaseParams<T> {
             let us = fusion.stale_s * T::from_f64(1.0e6);
             detectors.pose = Timeout::AfterUs(larger_us(us, 1_000_000));
         }
-        Ok(Self {
+        let base = Self {
             motion,
             localiser,
             motor,
@@ -124,7 +124,31 @@ impl<T: Scalar> BaseParams<T> {
                 parked: motion.arrival.at_rest,
                 ..SupervisorParams::DEFAULT
             },
-        })
+        };
+        Ok(base.with_gains(motion.gains))
+    }
+
+    /// The same base with gains of its own. `slow` becomes no less than what noise asks for
+    /// ([`MotionParams::with_pose_noise`]) and, where poses are corrected on the way, what the arrival does: a
+    /// lateral error of half of what is tolerated at the goal, the mean of those that are, may turn the robot by
+    /// no more than is tolerated there. In the last centimetres nothing turns it back in time.
+    pub fn with_gains(self, gains: MotionGains<T>) -> Self {
+        let MotionParams {
+            arrival,
+            pose_noise_m,
+            ..
+        } = self.motion;
+        let quiet = gains.slow_for(pose_noise_m, T::from_f64(NOISE_HEADING_RAD));
+        let tolerated = match &self.localiser.fusion {
+            Some(_) => gains.slow_for(T::HALF * arrival.distance_m, arrival.heading_rad),
+            None => T::ZERO,
+        };
+        let mut base = self;
+        base.motion.gains = MotionGains {
+            slow: larger(tolerated, larger(quiet, gains.slow)),
+            ..gains
+        };
+        base
     }
 
     /// Checks every part, and that they fit each other.

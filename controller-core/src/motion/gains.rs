@@ -61,6 +61,9 @@ const DISTURBANCE: f64 = 2.5;
 /// Force and moment at this share each take the quarter of a wheel's torque that commands leave.
 const DISTURBANCE_SHARE: f64 = 0.125;
 
+/// The heading that following may make of the noise of the position \[rad\].
+pub(crate) const NOISE_HEADING_RAD: f64 = 0.03;
+
 impl<T: Scalar> MotionGains<T> {
     /// Gains whose demands suit the limits.
     ///
@@ -88,6 +91,21 @@ impl<T: Scalar> MotionGains<T> {
             disturbance: f(DISTURBANCE),
             disturbance_share: f(DISTURBANCE_SHARE),
         }
+    }
+
+    /// The `slow` with which a lateral error asks for at most this heading \[rad\], whatever the speed.
+    ///
+    /// ```text
+    /// v_f = c e_y/(2 k₃ e_θ),   since c e_y v/(k₃ (v² + v_f²)) is largest at v = v_f
+    /// ```
+    ///
+    /// | symbol | argument | unit |
+    /// | --- | --- | --- |
+    /// | c, k₃ | `lateral`, `heading` | 1/s², 1/s |
+    /// | e_y | `lateral_m` | m |
+    /// | e_θ | `heading_rad` | rad |
+    pub fn slow_for(&self, lateral_m: T, heading_rad: T) -> T {
+        T::HALF * self.lateral * lateral_m / (self.heading * heading_rad)
     }
 
     /// B, the bound of the following law's s₂ and of its input: the heading that a lateral error asks for is sin e_θ = −B/2 at most.

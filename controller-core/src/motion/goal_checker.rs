@@ -61,29 +61,16 @@ impl<T: Scalar> GoalChecker<T> {
             let turned = at.error.theta.abs() < f(HYSTERESIS) * limits.heading_rad;
             (close && turned) || self.inside_s < T::ONE
         } else {
-            let gains = motion.gains();
-            let (v, w) = (
-                travel(
-                    at.command.linear,
-                    at.command_rate.linear,
-                    at.twist.linear,
-                    dt,
-                    gains.speed_loop,
-                ),
-                travel(
-                    at.command.angular,
-                    at.command_rate.angular,
-                    at.twist.angular,
-                    dt,
-                    gains.turn_loop,
-                ),
-            );
-            let (dx, dy) = (at.error.x - v, at.error.y);
+            let PoseError {
+                x: dx,
+                y: dy,
+                theta,
+            } = at.error_at_rest(motion, dt);
             let (tolerance, off) = (limits.distance_m, dx * dx + dy * dy);
             inside = off < tolerance * tolerance;
             let wide = f(HYSTERESIS) * tolerance;
             let near = inside || (self.inside_s > T::ZERO && off < wide * wide);
-            let turned = (at.error.theta - w).abs() < limits.heading_rad;
+            let turned = theta.abs() < limits.heading_rad;
             near && turned && close
         };
         if fit {
@@ -94,6 +81,34 @@ impl<T: Scalar> GoalChecker<T> {
             }
         } else {
             Self::default()
+        }
+    }
+}
+
+impl<T: Scalar> GoalView<T> {
+    /// The error where a stop that is begun now ends: a transition offset
+    /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own.
+    pub(crate) fn error_at_rest(&self, motion: &ValidMotionParams<T>, dt: T) -> PoseError<T> {
+        let gains = motion.gains();
+        let (command, rate) = (&self.command, &self.command_rate);
+        let v = travel(
+            command.linear,
+            rate.linear,
+            self.twist.linear,
+            dt,
+            gains.speed_loop,
+        );
+        let w = travel(
+            command.angular,
+            rate.angular,
+            self.twist.angular,
+            dt,
+            gains.turn_loop,
+        );
+        PoseError {
+            x: self.error.x - v,
+            y: self.error.y,
+            theta: self.error.theta - w,
         }
     }
 }

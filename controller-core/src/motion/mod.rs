@@ -53,6 +53,7 @@ pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
 pub use drive::check_order;
 pub use gains::MotionGains;
+pub(crate) use gains::NOISE_HEADING_RAD;
 pub use hand_over::Remaining;
 pub use limits::{Limits, SaturationPolicy};
 pub use load::Load;

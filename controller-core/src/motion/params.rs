@@ -1,7 +1,7 @@
 //! Parameters of the law for a real base: plain data, validated once.
 
 use super::arrival::Arrival;
-use super::gains::MotionGains;
+use super::gains::{MotionGains, NOISE_HEADING_RAD};
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
 use super::load;
@@ -73,7 +73,7 @@ impl<T: Scalar> MotionParams<T> {
     /// The same base with poses of this noise \[m, standard deviation per tick\], 0 to 1: sets
     /// `pose_noise_m` and what follows from it.
     ///
-    /// * `gains.slow` so that following makes at most 0.03 rad of heading out of it: c σ/(2 k₃ v_f).
+    /// * `gains.slow` so that following makes at most 0.03 rad of heading out of it.
     /// * The tolerance of arrival: 8 σ, which is the radius of 5 σ within which e_y is not corrected
     ///   and 3 σ for the pose that says so; and 0.02 rad, what the bearing's noise leaves of the heading.
     ///
@@ -82,8 +82,7 @@ impl<T: Scalar> MotionParams<T> {
         let f = T::from_f64;
         let (mut gains, mut arrival) = (self.gains, self.arrival);
         if sigma_m > T::ZERO {
-            let slow = gains.lateral * sigma_m / (f(0.06) * gains.heading);
-            gains.slow = larger(slow, gains.slow);
+            gains.slow = larger(gains.slow_for(sigma_m, f(NOISE_HEADING_RAD)), gains.slow);
             arrival.distance_m = larger(f(8.0) * sigma_m, arrival.distance_m);
             arrival.heading_rad = larger(f(0.02), arrival.heading_rad);
         }

@@ -262,6 +262,11 @@ impl<T: Scalar> ParkingLaw<T> {
                 matches!(attempt, Attempt::Manoeuvre | Attempt::Hold)
             }
         };
+        let mut transition = if jumped {
+            Transition::Offset
+        } else {
+            Transition::Continue
+        };
         if begun {
             let plan = if self.memory.retry.is_another() {
                 motion.plan.slower()
@@ -270,9 +275,9 @@ impl<T: Scalar> ParkingLaw<T> {
             };
             let hold = attempt == Attempt::Hold || is_inside(motion, at);
             lent.before.keep(&self.approach);
-            self.approach = Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
+            (self.approach, transition) =
+                Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
         }
-        let mut begun = begun;
         let mut two_per_dt = if begun || attempt == Attempt::Aim {
             None
         } else {
@@ -293,13 +298,13 @@ impl<T: Scalar> ParkingLaw<T> {
                 .as_ref()
                 .is_some_and(|moment| departed(&moment.error));
             if gone && moves && !execution.is_searching() {
-                begun = true;
                 two_per_dt = None;
                 if self.memory.departed {
                     // Whatever keeps it off would do so again: feedback needs no plan.
                     moment = None;
                 } else {
                     self.memory.departed = true;
+                    transition = Transition::Seamless;
                     let Command { twist, rate } = moving.command;
                     let plan = motion.plan.slower();
                     lent.before.keep_manoeuvre(execution);
@@ -319,13 +324,6 @@ impl<T: Scalar> ParkingLaw<T> {
                 let setpoint = lent
                     .follower
                     .advance::<U, M>(motion, &now, command, two_per_dt);
-                let transition = match (begun, execution.is_over()) {
-                    // Held where it is: nothing leads there from how it moves.
-                    (true, true) => Transition::Offset,
-                    (true, false) => Transition::Seamless,
-                    (false, _) if jumped => Transition::Offset,
-                    (false, _) => Transition::Continue,
-                };
                 return (setpoint, transition);
             }
             lent.before.keep(&self.approach);
@@ -406,8 +404,12 @@ impl<T: Scalar> Approach<T> {
         matches!(self, Self::Manoeuvre(execution) if !execution.is_over())
     }
 
-    /// By a manoeuvre; a robot that is where it should be has none to make. With ticks longer than the time constant of the
-    /// follower's neurons by feedback: the follower holds no robot at rest then, and the regulator is slower.
+    /// By a manoeuvre, and how it goes on from the command; a robot that is where it should be has none to make. With ticks
+    /// longer than the time constant of the follower's neurons by feedback: the follower holds no robot at rest then, and
+    /// the regulator is slower.
+    ///
+    /// A robot that comes to rest at once starts from there: what is left of its motion fades beside the manoeuvre, which
+    /// costs the search nothing. At its goal but for the heading it turns on the spot.
     fn begin<M: Maths<T>>(
         motion: &ValidMotionParams<T>,
         plan: &PlanLimits<T>,
@@ -415,18 +417,32 @@ impl<T: Scalar> Approach<T> {
         from: &Command<T>,
         hold: bool,
         dt: T,
-    ) -> Self {
-        let Command { twist, rate } = from;
+    ) -> (Self, Transition) {
         let planned = motion.params().arrival.parking == Parking::Planned;
         if !planned || motion.gains().decay * dt > T::ONE {
-            Self::Regulate
-        } else if hold {
-            Self::Manoeuvre(Execution::at_goal())
-        } else if is_there(motion, at, from) {
-            Self::Manoeuvre(Execution::turning::<M>(plan, &at.error, twist, rate, dt))
-        } else {
-            Self::Manoeuvre(Execution::start::<M>(plan, &at.error, twist, rate, dt))
+            return (Self::Regulate, Transition::Offset);
         }
+        if hold {
+            // Nothing leads there from how it moves.
+            return (Self::Manoeuvre(Execution::at_goal()), Transition::Offset);
+        }
+        let rest = at.error_at_rest(motion, dt);
+        let there = stops_there(motion, at, &rest);
+        let rests = there || is_nearly_still(motion, at, &rest);
+        let still = Command::default();
+        let (Command { twist, rate }, transition) = if rests {
+            (&still, Transition::Offset)
+        } else {
+            (from, Transition::Seamless)
+        };
+        let PoseError { x, y, theta } = at.error;
+        let (x, y) = if there { (T::ZERO, T::ZERO) } else { (x, y) };
+        let mut execution =
+            Execution::start::<M>(plan, &PoseError { x, y, theta }, twist, rate, dt);
+        if there {
+            execution.turn_only();
+        }
+        (Self::Manoeuvre(execution), transition)
     }
 }
 
@@ -438,8 +454,25 @@ fn is_inside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool
         && at.error.theta.abs() < arrival.heading_rad
 }
 
-/// At the goal but for the heading, with a fifth of the tolerance to spare: what a turn moves it aside.
-fn is_there<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>, from: &Command<T>) -> bool {
-    let tolerance = T::from_f64(0.8) * motion.params().arrival.distance_m;
-    at.distance < tolerance && *from == Command::default()
+/// What is left of its motion moves the robot by less than half of what is tolerated at the goal.
+fn is_nearly_still<T: Scalar>(
+    motion: &ValidMotionParams<T>,
+    at: &GoalView<T>,
+    rest: &PoseError<T>,
+) -> bool {
+    let arrival = &motion.params().arrival;
+    (rest.x - at.error.x).abs() < T::HALF * arrival.distance_m
+        && (rest.theta - at.error.theta).abs() < arrival.heading_rad
+}
+
+/// At the goal but for the heading, once it is at `rest`.
+fn stops_there<T: Scalar>(
+    motion: &ValidMotionParams<T>,
+    at: &GoalView<T>,
+    rest: &PoseError<T>,
+) -> bool {
+    let arrival = &motion.params().arrival;
+    let PoseError { x, y, .. } = *rest;
+    motion.rim_speed(&at.command) <= arrival.stall_speed
+        && x * x + y * y < arrival.distance_m * arrival.distance_m
 }

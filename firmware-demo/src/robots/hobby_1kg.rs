@@ -51,7 +51,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             longitudinal_bound: 1.5,
             heading: 2.28,
             lateral: 3.02,
-            slow: 0.03,
+            slow: 0.14575998,
             approach: 1.2,
             approach_brake: 0.9,
             speed_loop: 9.36,

@@ -51,7 +51,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             longitudinal_bound: 1.5,
             heading: 1.87,
             lateral: 1.38,
-            slow: 0.04472136,
+            slow: 0.08445422,
             approach: 1.58,
             approach_brake: 0.9,
             speed_loop: 7.0,

@@ -36,12 +36,7 @@ pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamE
     };
     let mut params = BaseParams::new(robot, limits, localiser, motor, period_us)?;
     if let Some(gains) = &base.gains {
-        // What noise asks of `slow` stays.
-        let slow = params.motion.gains.slow;
-        params.motion.gains = gains.cast();
-        if params.motion.gains.slow < slow {
-            params.motion.gains.slow = slow;
-        }
+        params = params.with_gains(gains.cast());
     }
     params.policy = base.policy;
     Ok(params)

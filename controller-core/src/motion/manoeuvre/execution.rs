@@ -120,22 +120,9 @@ impl<T: Scalar> Execution<T> {
         }
     }
 
-    /// [`Self::start`] for a robot at rest whose position is good as it is: it turns on the spot.
-    pub(crate) fn turning<M: Maths<T>>(
-        limits: &PlanLimits<T>,
-        error: &PoseError<T>,
-        last: &Twist<T>,
-        rate: &Accel<T>,
-        dt: T,
-    ) -> Self {
-        let turn = PoseError {
-            theta: error.theta,
-            ..PoseError::default()
-        };
-        Self {
-            turn_only: true,
-            ..Self::start::<M>(limits, &turn, last, rate, dt)
-        }
+    /// The robot turns on the spot: its position is good as it is, whatever is seen of it while it waits.
+    pub(crate) const fn turn_only(&mut self) {
+        self.turn_only = true;
     }
 
     /// The reference stands at the goal.

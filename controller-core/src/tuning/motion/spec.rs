@@ -3,7 +3,7 @@
 use super::loops::{lateral_start, longitudinal_start};
 use super::margins;
 use crate::maths::Maths;
-use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams};
+use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams, NOISE_HEADING_RAD};
 use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::stability::edge;
@@ -163,19 +163,22 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let longitudinal = solve(DesignParameter::Settling, spec.settling_s)?;
     let approach = solve(DesignParameter::Arrival, spec.arrival_s)?;
 
-    // The base's own suits exact poses; noise σ turns the heading by c σ/(2 k₃ v_f), here 0.03 rad.
-    let quiet = lateral * spec.pose_noise_m / (f(0.06) * heading);
-    let slow = base.gains.slow;
     let gains = MotionGains {
         decay: a,
         longitudinal,
         heading,
         lateral,
-        slow: if quiet > slow { quiet } else { slow },
         approach,
         speed_loop: T::ONE / spec.speed_lag_s,
         turn_loop: T::ONE / spec.turn_lag_s,
         ..base.gains
+    };
+    // The base's own suits exact poses.
+    let quiet = gains.slow_for(spec.pose_noise_m, f(NOISE_HEADING_RAD));
+    let slow = base.gains.slow;
+    let gains = MotionGains {
+        slow: if quiet > slow { quiet } else { slow },
+        ..gains
     };
     survive_delays::<T, M>(spec, &gains)?;
     Ok(gains)
