@@ -127,7 +127,7 @@ def test_laws_and_worlds_can_be_chosen() -> None:
     assert twb.Mission.load("weaving").warnings
 
 
-BAD_GAIN = twb.Robot.load("lab-10kg").text.replace("heading = 3.2", "heading = -3.2")
+BAD_GAIN = twb.Robot.load("lab-10kg").text.replace("\nheading = ", "\nheading = -")
 
 
 def bad_robot() -> object:
