@@ -37,6 +37,10 @@ pub(crate) fn larger<T: Scalar>(a: T, b: T) -> T {
 /// `value`, but not beyond ±`largest`. By comparison: host and chip agree on every bit.
 #[inline]
 pub(crate) fn clamp<T: Scalar>(value: T, largest: T) -> T {
+    if value.abs() <= largest {
+        // What happens in nearly every tick.
+        return value;
+    }
     if value > largest {
         largest
     } else if value < -largest {

@@ -12,7 +12,8 @@ use crate::error::{Input, StepFault};
 use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
-use crate::motion::{Mode, Outcome};
+use crate::motion::{Mode, Outcome, Task};
+use crate::motor::Motor;
 use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode, Side};
@@ -103,41 +104,32 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let dt = seconds(dt_us);
         let mut active_faults = ActiveFaults::NONE;
         let accel = self.exerted_accel();
-        let located = match self
-            .locator
-            .advance::<M>(&self.base.localisation, dt, &accel, sensed)
-        {
-            Ok(located) => located,
-            Err(fault) => {
+        let Self {
+            locator,
+            base,
+            report,
+            ..
+        } = self;
+        let located = locator
+            .advance::<M>(&base.localisation, dt, &accel, sensed, report)
+            .unwrap_or_else(|fault| {
                 active_faults.add(fault.into());
-                Located {
-                    measured: self.report.measured,
-                    fix: FixOutcome::Absent,
-                    fix_age_s: None,
-                    jumped: false,
-                    blind: true,
-                    curvature_bias: self.report.curvature_bias,
-                    gyro: GyroReport::default(),
-                }
-            }
-        };
+                Located::NOT
+            });
+        let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
         active_faults.add_all(&self.monitor.check(&inputs));
         active_faults.add_some(self.given_up());
-        active_faults.add_some(located.gyro.fault.map(Fault::Gyro));
-        if located.gyro.slips {
-            active_faults.add(Fault::WheelSlip(self.sliding(located.gyro.slid)));
+        active_faults.add_some(gyro.fault.map(Fault::Gyro));
+        if gyro.slips {
+            active_faults.add(Fault::WheelSlip(self.sliding(gyro.slid)));
         }
         self.supervisor
             .on_active_faults(&active_faults, &self.base.policy);
         let refused = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
-        let rests = located.measured.is_some_and(|measured| {
-            let Twist { linear, angular } = measured.twist;
-            let single = |value: T| value.to_f64() as f32;
-            self.supervisor.rests(single(linear), single(angular))
-        });
         // Whether that can be believed, the supervisor knows from the active faults.
+        let rests = self.supervisor.state().ends_at_rest() && self.rests();
         self.supervisor.tick(dt_us, rests);
         let action = self.act(dt, &located, sensed, &mut active_faults);
         self.exerted = action.torques().unwrap_or_default();
@@ -145,11 +137,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         report.action = action;
         report.state = self.supervisor.state();
         report.cause = self.supervisor.cause();
-        report.measured = located.measured;
-        report.blind = located.blind;
-        report.curvature_bias = located.curvature_bias;
-        report.fix = located.fix;
-        report.gyro = located.gyro;
         report.active_faults = active_faults;
         report.refused = refused;
         report
@@ -191,7 +178,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             dt_us,
             counts: sensed.counts.ok(),
             // Before the first reading: at rest, which the counts that are missing say more about.
-            measured: located.measured.unwrap_or_default(),
+            measured: self.report.measured.unwrap_or_default(),
             outside: None,
             command: self.commanded(),
             torques: match self.report.action {
@@ -205,6 +192,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             supply_v: sensed.supply_v,
             currents: sensed.currents,
         }
+    }
+
+    /// The base is known to be at rest.
+    fn rests(&self) -> bool {
+        self.report.measured.is_some_and(|measured| {
+            let Twist { linear, angular } = measured.twist;
+            let single = |value: T| value.to_f64() as f32;
+            self.supervisor.rests(single(linear), single(angular))
+        })
     }
 
     /// The command in force; none is rest.
@@ -288,25 +284,33 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         located: &Located<T>,
         sensed: &Sensed<T>,
     ) -> Result<Driven<T>, StepFault> {
-        let speeds = self.locator.wheel_speeds();
-        let motion = &self.base.motion;
-        let turning = self.base.motor.as_ref().map(|motor| Turning {
-            friction: &motor.params().friction,
-            per_count: (T::PI + T::PI) / self.base.localisation.params().odometry.counts_per_turn,
-            counts: sensed.counts.ok(),
-            commanded: motion.wheels().wheel_speeds(&self.commanded()),
-            torques: self.exerted,
-            dt,
-        });
+        let turning = match (&self.driving.task, &self.base.motor) {
+            (Some(Task::Drive { .. }), Some(motor)) => Some(self.turning(motor, dt, sensed)),
+            _ => None,
+        };
         let tick = Tick {
-            motion,
+            motion: &self.base.motion,
             mode,
-            located,
-            speeds,
+            measured: self.report.measured.as_ref(),
+            jumped: located.jumped,
+            speeds: self.locator.wheel_speeds(),
             turning,
             dt,
         };
         self.driving.act(&tick, &mut self.report.motion)
+    }
+
+    /// What the friction of wheels with motors is found by.
+    fn turning<'a>(&self, motor: &'a Motor<T>, dt: T, sensed: &Sensed<T>) -> Turning<'a, T> {
+        let counts_per_turn = self.base.localisation.params().odometry.counts_per_turn;
+        Turning {
+            friction: &motor.params().friction,
+            per_count: (T::PI + T::PI) / counts_per_turn,
+            counts: sensed.counts.ok(),
+            commanded: self.base.motion.wheels().wheel_speeds(&self.commanded()),
+            torques: self.exerted,
+            dt,
+        }
     }
 
     /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or

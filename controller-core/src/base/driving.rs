@@ -1,7 +1,6 @@
 //! From the supervisor's output to what the wheels are to do: the motion law, the stop plan, or neither.
 
 use super::io::{DriveCommand, WheelAction};
-use super::locate::Located;
 use super::wheel_friction::{FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
@@ -29,10 +28,12 @@ pub(super) struct Tick<'a, T> {
     pub(super) motion: &'a ValidMotionParams<T>,
     /// What the supervisor lets through.
     pub(super) mode: OutputMode,
-    pub(super) located: &'a Located<T>,
+    /// `None` before the first reading.
+    pub(super) measured: Option<&'a Measured<T>>,
+    pub(super) jumped: bool,
     /// Of the wheels, as measured.
     pub(super) speeds: WheelSpeeds<T>,
-    /// Of a base with motors.
+    /// Of a base with motors that drives by velocity.
     pub(super) turning: Option<Turning<'a, T>>,
     pub(super) dt: T,
 }
@@ -78,16 +79,16 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         }
         let Tick { motion, speeds, .. } = *tick;
         match tick.mode {
-            OutputMode::Drive | OutputMode::Hold => match (&self.task, &tick.located.measured) {
+            OutputMode::Drive | OutputMode::Hold => match (&self.task, tick.measured) {
                 (Some(task), Some(measured)) => {
-                    let jumped = tick.located.jumped;
+                    let (jumped, dt) = (tick.jumped, tick.dt);
                     let report = step(
                         &mut self.law,
                         motion,
                         task,
                         measured,
                         jumped,
-                        tick.dt,
+                        dt,
                         report,
                     )?;
                     let at_goal = report.outcome == Outcome::Parked;
@@ -99,7 +100,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
                 // Armed before the first reading: nothing to go by yet, so nothing is exerted.
                 _ => Ok(without_torque(report)),
             },
-            OutputMode::ControlledStop => match &tick.located.measured {
+            OutputMode::ControlledStop => match tick.measured {
                 Some(measured) => {
                     let report = self.brake_along_plan(tick, measured, report)?;
                     Ok(Driven::only(drive(
@@ -125,16 +126,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
 
     /// What the wheels' friction is found to be beyond its Coulomb part, while the base drives by velocity and has motors.
     fn beyond_coulomb(&mut self, turning: Option<&Turning<'_, T>>) -> Option<WheelTorques<T>> {
-        match (&self.task, turning) {
-            (Some(Task::Drive { .. }), Some(turning)) => {
-                let watch = self.friction.get_or_insert_default();
-                Some(watch.advance(turning))
-            }
-            _ => {
-                self.friction = None;
-                None
-            }
-        }
+        let Some(turning) = turning else {
+            self.friction = None;
+            return None;
+        };
+        let watch = self.friction.get_or_insert_default();
+        Some(watch.advance(turning))
     }
 
     /// The controlled stop: the motion law along a plan that begins at its last command.
@@ -158,7 +155,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         let first = self.stop.is_none();
         self.stop = Some((plan, t));
         let task = plan.task::<M>(t, dt, &measured.pose);
-        let jumped = tick.located.jumped || first;
+        let jumped = tick.jumped || first;
         step(&mut self.law, motion, &task, measured, jumped, dt, report)
     }
 

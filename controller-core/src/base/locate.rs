@@ -1,9 +1,10 @@
 //! Pose and twist of a tick, also where the encoders gave nothing.
 
 use super::io::Sensed;
+use super::report::BaseReport;
 use crate::error::StepFault;
 use crate::gyro::GyroReport;
-use crate::localiser::{Estimate, FixOutcome, Localiser, ValidLocaliserParams};
+use crate::localiser::{FixOutcome, Localiser, ValidLocaliserParams};
 use crate::maths::Maths;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
@@ -21,18 +22,21 @@ pub(super) struct Locator<T, const N: usize> {
     set: bool,
 }
 
-/// What is known at a tick.
+/// What is known of the pose at a tick, beside what stands in its report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Located<T> {
-    pub(super) measured: Option<Measured<T>>,
-    pub(super) fix: FixOutcome<T>,
     /// How long the base has been without poses, and without a gyro that carries it instead \[s\]; `None` without a localisation
     /// that could be stale.
     pub(super) fix_age_s: Option<T>,
     pub(super) jumped: bool,
-    pub(super) blind: bool,
-    pub(super) curvature_bias: T,
-    pub(super) gyro: GyroReport<T>,
+}
+
+impl<T> Located<T> {
+    /// Nothing is known of a tick that is refused.
+    pub(super) const NOT: Self = Self {
+        fix_age_s: None,
+        jumped: false,
+    };
 }
 
 impl<T: Scalar, const N: usize> Locator<T, N> {
@@ -69,78 +73,73 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// `accel` is what the torques exerted since the last tick were to cause.
+    /// `accel` is what the torques exerted since the last tick were to cause. Where the base is goes into `report`.
     ///
     /// # Errors
-    /// The localiser's: a tick or an acceleration that is no number. Nothing has changed then.
+    /// The localiser's: a tick or an acceleration that is no number. Nothing has changed then, and the report says that the base
+    /// is blind.
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         localisation: &ValidLocaliserParams<T>,
         dt: T,
         accel: &Accel<T>,
         sensed: &Sensed<T>,
+        report: &mut BaseReport<T>,
     ) -> Result<Located<T>, StepFault> {
+        report.blind = true;
+        report.fix = FixOutcome::Absent;
+        report.gyro = GyroReport::default();
         let Ok(counts) = sensed.counts else {
             self.blind_s += dt;
-            let coasted = self.last.map(|last| coast::<T, M>(&last, dt));
-            self.last = coasted;
-            return Ok(self.located(coasted, None, true));
+            self.last = self.last.map(|last| coast::<T, M>(&last, dt));
+            report.measured = self.last;
+            return Ok(self.located(report, false));
         };
-        let estimate = match &mut self.localiser {
+        let jumped = match &mut self.localiser {
             None => {
                 // In two steps: a result that holds all of it would be copied to and fro.
                 let pose = self.start;
                 Localiser::<T, N>::check(&pose)?;
                 let localiser = self.localiser.insert(Localiser::new(localisation));
                 localiser.begin(pose, counts);
-                Estimate {
-                    measured: Measured {
-                        pose,
-                        ..Measured::default()
-                    },
-                    ..Estimate::default()
-                }
+                self.last = Some(Measured {
+                    pose,
+                    ..Measured::default()
+                });
+                false
             }
             Some(localiser) => {
                 // The counts of a gap came in all of it.
                 let dt = self.blind_s + dt;
-                localiser.update_with::<M>(
-                    counts,
-                    dt,
-                    accel,
-                    sensed.fix.as_ref(),
-                    sensed.gyro.as_ref(),
-                )?
+                let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
+                let estimate = localiser.update_with::<M>(counts, dt, accel, fix, gyro)?;
+                self.last = Some(estimate.measured);
+                report.fix = estimate.fix;
+                report.gyro = estimate.gyro;
+                estimate.jumped
             }
         };
         self.blind_s = T::ZERO;
-        self.last = Some(estimate.measured);
-        Ok(self.located(Some(estimate.measured), Some(&estimate), false))
+        report.blind = false;
+        report.measured = self.last;
+        Ok(self.located(report, jumped))
     }
 
-    fn located(
-        &mut self,
-        measured: Option<Measured<T>>,
-        estimate: Option<&Estimate<T>>,
-        blind: bool,
-    ) -> Located<T> {
-        let fused =
-            |localiser: &&Localiser<T, N>| localiser.localisation().params().fusion.is_some();
-        let fusing = self.localiser.as_ref().filter(fused);
-        let fix_age_s = fusing.map(|localiser| localiser.uncarried_s() + self.blind_s);
-        let jumped = self.set || estimate.is_some_and(|estimate| estimate.jumped);
+    fn located(&mut self, report: &mut BaseReport<T>, jumped: bool) -> Located<T> {
+        let jumped = jumped || self.set;
         self.set = false;
+        let Some(localiser) = &self.localiser else {
+            report.curvature_bias = T::ZERO;
+            return Located {
+                fix_age_s: None,
+                jumped,
+            };
+        };
+        report.curvature_bias = localiser.curvature_bias();
+        let fuses = localiser.localisation().params().fusion.is_some();
         Located {
-            measured,
-            fix: estimate.map_or(FixOutcome::Absent, |estimate| estimate.fix),
-            fix_age_s,
+            fix_age_s: fuses.then(|| localiser.uncarried_s() + self.blind_s),
             jumped,
-            blind,
-            curvature_bias: self
-                .localiser
-                .as_ref()
-                .map_or(T::ZERO, Localiser::curvature_bias),
-            gyro: estimate.map_or_else(GyroReport::default, |estimate| estimate.gyro),
         }
     }
 }

@@ -204,7 +204,11 @@ fn estimate<T: Scalar>(
 ) -> (T, bool) {
     let innovation = clamp(momentum - dt * (exerted + last), bound * dt);
     let next = last + gain * innovation;
-    (clamp(next, bound), next.abs() > bound)
+    if next.abs() <= bound {
+        (next, false)
+    } else {
+        (clamp(next, bound), next.abs() > bound)
+    }
 }
 
 #[cfg(test)]

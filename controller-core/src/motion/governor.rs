@@ -179,6 +179,19 @@ impl<T: Scalar> Command<T> {
 
     /// Braking is towards rest, accelerating away from it.
     fn within_accel(&self, limits: &Limits<T>, rate: &Accel<T>) -> Accel<T> {
+        let magnitude = rate.linear.abs();
+        let linear = if magnitude <= limits.accel && magnitude <= limits.brake {
+            rate.linear
+        } else {
+            self.within_its_side(limits, rate.linear)
+        };
+        Accel {
+            linear,
+            angular: clamp(rate.angular, limits.turn_accel),
+        }
+    }
+
+    fn within_its_side(&self, limits: &Limits<T>, rate: T) -> T {
         let v = self.twist.linear;
         let (up, down) = if v > T::ZERO {
             (limits.accel, limits.brake)
@@ -187,16 +200,12 @@ impl<T: Scalar> Command<T> {
         } else {
             (limits.accel, limits.accel)
         };
-        let linear = if rate.linear > up {
+        if rate > up {
             up
-        } else if rate.linear < -down {
+        } else if rate < -down {
             -down
         } else {
-            rate.linear
-        };
-        Accel {
-            linear,
-            angular: clamp(rate.angular, limits.turn_accel),
+            rate
         }
     }
 }

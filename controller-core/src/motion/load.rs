@@ -137,14 +137,15 @@ impl<T: Scalar> LoadAxis<T> {
         self.gained = (self.gained + now.moved) * shrink;
         self.missing = (self.missing + dt * now.push - now.moved) * shrink;
         let x = self.gained;
-        let beyond = x - clamp(x, limits.idle);
-        if beyond != T::ZERO {
-            // What overflows at speeds that no robot has does so in a denominator.
-            let trust = T::ONE / (T::ONE + limits.belief / (dt * beyond * x));
-            let change = trust * (self.missing / x - self.share);
-            let change = clamp(change, limits.rate * dt);
-            self.share = clamp(self.share + change, T::from_f64(LARGEST));
+        if x.abs() <= limits.idle {
+            return;
         }
+        let beyond = x - clamp(x, limits.idle);
+        // What overflows at speeds that no robot has does so in a denominator.
+        let trust = T::ONE / (T::ONE + limits.belief / (dt * beyond * x));
+        let change = trust * (self.missing / x - self.share);
+        let change = clamp(change, limits.rate * dt);
+        self.share = clamp(self.share + change, T::from_f64(LARGEST));
     }
 
     /// Nobody knows what drove the robot: the window begins anew.

@@ -10,6 +10,7 @@ use crate::wheels::WheelMap;
 ///
 /// `limit` > 0. The torques of the result may exceed the limit by rounding only; whoever sends them
 /// clips those last bits.
+#[inline]
 pub fn share<T: Scalar>(
     wheels: &WheelMap<T>,
     desired: &Wrench<T>,
@@ -21,6 +22,19 @@ pub fn share<T: Scalar>(
     if asked.right.abs() <= limit && asked.left.abs() <= limit {
         return (*desired, false);
     }
+    (yielding(wheels, desired, &asked, limit, policy), true)
+}
+
+/// The shared wrench where the wheels cannot exert what is `asked`.
+#[cold]
+#[inline(never)]
+fn yielding<T: Scalar>(
+    wheels: &WheelMap<T>,
+    desired: &Wrench<T>,
+    asked: &WheelTorques<T>,
+    limit: T,
+    policy: SaturationPolicy,
+) -> Wrench<T> {
     let force = Wrench {
         force: desired.force,
         moment: T::ZERO,
@@ -31,7 +45,7 @@ pub fn share<T: Scalar>(
     };
     let (drive, turn) = match policy {
         SaturationPolicy::KeepCurvature => {
-            let scale = limit / largest(&asked);
+            let scale = limit / largest(asked);
             (scale, scale)
         }
         SaturationPolicy::TurnFirst => {
@@ -45,11 +59,10 @@ pub fn share<T: Scalar>(
             (first, rest)
         }
     };
-    let shared = Wrench {
+    Wrench {
         force: drive * desired.force,
         moment: turn * desired.moment,
-    };
-    (shared, true)
+    }
 }
 
 fn largest<T: Scalar>(torques: &WheelTorques<T>) -> T {

@@ -67,7 +67,7 @@ pub(super) use debounce::Debounce;
 
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
-use wheel::{Effort, Time, Wheel, WheelDetections, WheelInputs};
+use wheel::{Effort, Outside, Time, Wheel, WheelDetections, WheelInputs};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,36 +166,23 @@ impl<T: Scalar> Monitor<T> {
             (effort(torques.right, right), effort(torques.left, left))
         });
         let command = settings.map.wheel_speeds(&inputs.command);
-        let outside = inputs
-            .outside
-            .map(|twist| settings.map.wheel_speeds(&twist))
-            .map_or((None, None), |WheelSpeeds { right, left }| {
-                (Some(right), Some(left))
-            });
-        let (right_off, left_off) = self.disagreement(inputs);
+        let outside = inputs.outside.map(|twist| self.outside(&twist, inputs));
+        let (right_outside, left_outside) = outside.unzip();
         let time = Time::of_us(inputs.dt_us);
-        let side = |moved, effort, command, outside, off| WheelInputs {
+        let right = WheelInputs {
             time,
-            moved,
-            effort,
-            command,
-            outside,
-            off,
+            moved: moved.map(|(right, _)| right),
+            effort: efforts.map(|(right, _)| right),
+            command: command.right,
+            outside: right_outside,
         };
-        let right = side(
-            moved.map(|(right, _)| right),
-            efforts.map(|(right, _)| right),
-            command.right,
-            outside.0,
-            right_off,
-        );
-        let left = side(
-            moved.map(|(_, left)| left),
-            efforts.map(|(_, left)| left),
-            command.left,
-            outside.1,
-            left_off,
-        );
+        let left = WheelInputs {
+            time,
+            moved: moved.map(|(_, left)| left),
+            effort: efforts.map(|(_, left)| left),
+            command: command.left,
+            outside: left_outside,
+        };
         let right = self.right.advance(settings, &right);
         let left = self.left.advance(settings, &left);
         if !(right.is_finding() || left.is_finding()) {
@@ -209,14 +196,13 @@ impl<T: Scalar> Monitor<T> {
         found.add_some(of(|wheel| wheel.slips).map(Fault::WheelSlip));
     }
 
-    /// Speed at each wheel by the encoders less that by the outside twist \[m/s\]; 0 without one.
-    fn disagreement(&self, inputs: &DetectorInputs<T>) -> (T, T) {
-        let Some(outside) = inputs.outside else {
-            return (T::ZERO, T::ZERO);
-        };
-        let Twist { linear, angular } = inputs.measured.twist.minus(&outside);
+    /// What an outside `twist` says of the right and the left wheel.
+    fn outside(&self, twist: &Twist<T>, inputs: &DetectorInputs<T>) -> (Outside<T>, Outside<T>) {
+        let WheelSpeeds { right, left } = self.settings.map.wheel_speeds(twist);
+        let Twist { linear, angular } = inputs.measured.twist.minus(twist);
         let turning = T::HALF * self.settings.params.robot.wheels.track_m * angular;
-        (linear + turning, linear - turning)
+        let of = |speed, off| Outside { speed, off };
+        (of(right, linear + turning), of(left, linear - turning))
     }
 }
 

@@ -46,10 +46,17 @@ pub(super) struct WheelInputs<T> {
     pub(super) moved: Option<i32>,
     /// `None` where torques are not known.
     pub(super) effort: Option<Effort<T>>,
-    /// Speed commanded, and by an outside twist \[rad/s\].
+    /// Speed commanded \[rad/s\].
     pub(super) command: T,
-    pub(super) outside: Option<T>,
-    /// Speed by the encoders less that by the outside twist \[m/s\].
+    /// Where there is an outside twist.
+    pub(super) outside: Option<Outside<T>>,
+}
+
+/// What an outside twist says of a wheel.
+pub(super) struct Outside<T> {
+    /// Its speed \[rad/s\].
+    pub(super) speed: T,
+    /// Speed by the encoders less that \[m/s\].
     pub(super) off: T,
 }
 
@@ -108,11 +115,15 @@ impl<T: Scalar> Twice<T> {
 
     /// Wild inputs are forgotten instead of kept.
     fn or_zero(self) -> Self {
-        if residue([self.first, self.second]) == T::ZERO {
+        if self.residue() == T::ZERO {
             self
         } else {
             Self::default()
         }
+    }
+
+    fn residue(&self) -> T {
+        residue([self.first, self.second])
     }
 }
 
@@ -123,48 +134,54 @@ pub(super) struct Wheel<T> {
     seen: Twice<T>,
     /// x \[rad\].
     expected: Twice<T>,
-    /// Counts since the wheel began to stand still.
-    crept: i32,
-    /// Counts since it began to turn against command and torque, below zero.
-    back: i32,
+    pushed: Pushed,
     /// Time without a count.
     silent: Debounce,
-    stands: Debounce,
     against: Debounce,
-    backs: Debounce,
     beyond: Debounce,
 }
 
+/// What becomes of a wheel that is commanded to turn at some speed, with a torque that way which turns a free one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Pushed {
+    /// Counts since it began to stand still.
+    crept: i32,
+    /// Counts since it began to turn against command and torque, below zero.
+    back: i32,
+    stands: Debounce,
+    backs: Debounce,
+}
+
 impl<T: Scalar> Wheel<T> {
+    #[inline(always)]
     pub(super) fn advance(
         &mut self,
         settings: &ValidDetectorParams<T>,
         now: &WheelInputs<T>,
     ) -> WheelDetections {
-        let a = T::from_f64(WINDOW);
-        let Time { dt, shrink, .. } = now.time;
-        let step = T::from_i32(now.moved.unwrap_or(0)) * settings.per_count;
-        self.seen = self.seen.high_pass(step, shrink).or_zero();
-        self.expected = match now.effort {
-            Some(effort) => self.expected.low_pass(effort.accel, dt, shrink).or_zero(),
-            None => Twice::settled(self.seen.second, a),
+        self.filter(settings, now);
+        let stuck = &settings.params.wheels.stuck;
+        let commanded = now.command.abs() >= stuck.speed_rad_s;
+        let (stands, turned) = match now.effort {
+            Some(effort) if commanded && effort.torque.abs() >= stuck.torque_nm => {
+                self.pushed.advance(stuck.after, effort.torque, now)
+            }
+            _ => self.pushed.not(),
         };
-        let way = Self::pushed(settings, now);
-        let stands = self.stands_still(settings, now, way);
-        let compared = self.compared();
         let still = now.moved.is_none_or(|counts| counts == 0);
         let silent = self.silent.holds(still, now.time.us, MOVED_WITHIN);
-        let commanded = now.command.abs() >= settings.params.wheels.stuck.speed_rad_s;
-        let blocked = now
-            .outside
-            .is_some_and(|speed| speed.abs() < T::HALF * settings.params.wheels.stuck.speed_rad_s);
+        let blocked = stands
+            && now
+                .outside
+                .as_ref()
+                .is_some_and(|outside| outside.speed.abs() < T::HALF * stuck.speed_rad_s);
+        let compared = self.compared();
         // Counts that are missing are not counts that stand still.
         let accelerated =
             self.moves_against(settings, compared, now.time.us) && now.moved.is_some();
-        let turned = self.turns_back(settings, now, way);
         WheelDetections {
             stuck: stands && !blocked,
-            blocked: stands && blocked,
+            blocked,
             against: accelerated || turned,
             reversed: (accelerated && self.turns_against()) || turned,
             silent,
@@ -173,58 +190,25 @@ impl<T: Scalar> Wheel<T> {
         }
     }
 
-    /// Which way the wheel is commanded to turn at some speed, with a torque that way which turns a free one.
-    fn pushed(settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) -> i32 {
-        let stuck = &settings.params.wheels.stuck;
-        let torque = now.effort.map_or(T::ZERO, |effort| effort.torque);
-        if now.command >= stuck.speed_rad_s && torque >= stuck.torque_nm {
-            1
-        } else if now.command <= -stuck.speed_rad_s && torque <= -stuck.torque_nm {
-            -1
+    /// What is seen and what is expected, after the tick.
+    #[inline(always)]
+    fn filter(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) {
+        let Time { dt, shrink, .. } = now.time;
+        let step = T::from_i32(now.moved.unwrap_or(0)) * settings.per_count;
+        let seen = self.seen.high_pass(step, shrink);
+        let expected = match now.effort {
+            Some(effort) => self.expected.low_pass(effort.accel, dt, shrink),
+            None => Twice::settled(seen.or_zero().second, T::from_f64(WINDOW)),
+        };
+        if seen.residue() + expected.residue() == T::ZERO {
+            (self.seen, self.expected) = (seen, expected);
         } else {
-            0
+            (self.seen, self.expected) = (seen.or_zero(), expected.or_zero());
         }
     }
 
-    /// Pushed, and no more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
-    /// that holds a place is not commanded to turn and never counts.
-    fn stands_still(
-        &mut self,
-        settings: &ValidDetectorParams<T>,
-        now: &WheelInputs<T>,
-        way: i32,
-    ) -> bool {
-        // Without a reading the wheel is not known to stand; that is a fault of its own.
-        let moved = now.moved.unwrap_or(i32::MAX);
-        let crept = self.crept.saturating_add(moved);
-        let still = way != 0 && (-1..=1).contains(&crept);
-        self.crept = if still { crept } else { 0 };
-        self.stands
-            .holds(still, now.time.us, settings.params.wheels.stuck.after)
-    }
-
-    /// Pushed, and at least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
-    ///
-    /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
-    /// speed, and no acceleration shows it. A sound wheel is turned back only by more than it is pushed with, three times the
-    /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
-    fn turns_back(
-        &mut self,
-        settings: &ValidDetectorParams<T>,
-        now: &WheelInputs<T>,
-        way: i32,
-    ) -> bool {
-        let along = now.moved.map(|moved| moved.saturating_mul(way));
-        let against = way != 0 && along.is_some_and(|along| along <= 0);
-        let back = self.back.saturating_add(along.unwrap_or(0));
-        self.back = if against { back } else { 0 };
-        let lasts = self
-            .backs
-            .holds(against, now.time.us, settings.params.wheels.stuck.after);
-        lasts && T::from_i32(self.back) <= -T::from_f64(LEAST_COUNTS)
-    }
-
     /// y sgn x ≤ −|x|/2 where |x| is at least 2 D and 8 counts; see the [module](super).
+    #[inline(always)]
     fn moves_against(
         &mut self,
         settings: &ValidDetectorParams<T>,
@@ -235,7 +219,8 @@ impl<T: Scalar> Wheel<T> {
         let enough = expected >= load + load && expected >= settings.least_travel;
         // An encoder that dies on the way looks like braking against the torque: while it may be found stuck,
         // this waits.
-        let against = enough && along <= -(T::HALF * expected) && self.stands == Debounce::NONE;
+        let against =
+            enough && along <= -(T::HALF * expected) && self.pushed.stands == Debounce::NONE;
         self.against
             .holds(against, dt_us, settings.params.wheels.reversed)
     }
@@ -255,6 +240,7 @@ impl<T: Scalar> Wheel<T> {
     ///
     /// A wheel with grip moves the whole robot, as x expects; one without moves only itself, and a wheel is
     /// lighter than half a robot by far. Twice |x| forgives a robot that is half as heavy as stated.
+    #[inline(always)]
     fn moves_beyond(
         &mut self,
         settings: &ValidDetectorParams<T>,
@@ -264,14 +250,77 @@ impl<T: Scalar> Wheel<T> {
         let slip = &settings.params.wheels.slip;
         let pushed = expected >= T::HALF * settings.load_travel;
         let most = expected + expected + settings.slip_travel;
-        let beyond = (pushed && along > most) || now.off.abs() > slip.speed_m_s;
+        let off = now.outside.as_ref().map(|outside| outside.off);
+        let beyond =
+            (pushed && along > most) || off.is_some_and(|off| off.abs() > slip.speed_m_s);
         self.beyond.holds(beyond, now.time.us, slip.after)
     }
 
     /// |x| and y sgn x.
+    #[inline(always)]
     fn compared(&self) -> (T, T) {
         let (x, y) = (self.expected.second, self.seen.second);
         if x < T::ZERO { (-x, -y) } else { (x, y) }
+    }
+}
+
+impl Pushed {
+    /// Not pushed: neither does it stand nor turn back.
+    #[inline(always)]
+    fn not(&mut self) -> (bool, bool) {
+        *self = Self::default();
+        (false, false)
+    }
+
+    /// Pushed hard enough; whether it stands, and whether it turns back.
+    fn advance<T: Scalar>(
+        &mut self,
+        after: Timeout,
+        torque: T,
+        now: &WheelInputs<T>,
+    ) -> (bool, bool) {
+        let forward = now.command > T::ZERO;
+        if forward != (torque > T::ZERO) {
+            return self.not();
+        }
+        let stands = self.stands_still(after, now);
+        (stands, self.turns_back(after, now, forward))
+    }
+
+    /// No more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
+    /// that holds a place is not commanded to turn and never counts.
+    fn stands_still<T: Scalar>(&mut self, after: Timeout, now: &WheelInputs<T>) -> bool {
+        // Without a reading the wheel is not known to stand; that is a fault of its own.
+        let moved = now.moved.unwrap_or(i32::MAX);
+        let crept = self.crept.saturating_add(moved);
+        let still = (-1..=1).contains(&crept);
+        self.crept = if still { crept } else { 0 };
+        self.stands.holds(still, now.time.us, after)
+    }
+
+    /// At least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
+    ///
+    /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
+    /// speed, and no acceleration shows it. A sound wheel is turned back only by more than it is pushed with, three times the
+    /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
+    fn turns_back<T: Scalar>(
+        &mut self,
+        after: Timeout,
+        now: &WheelInputs<T>,
+        forward: bool,
+    ) -> bool {
+        let along = now.moved.map(|moved| {
+            if forward {
+                moved
+            } else {
+                moved.saturating_neg()
+            }
+        });
+        let against = along.is_some_and(|along| along <= 0);
+        let back = self.back.saturating_add(along.unwrap_or(0));
+        self.back = if against { back } else { 0 };
+        let lasts = self.backs.holds(against, now.time.us, after);
+        lasts && T::from_i32(self.back) <= -T::from_f64(LEAST_COUNTS)
     }
 }
 

@@ -73,6 +73,11 @@ impl State {
         matches!(self, Self::Tracking | Self::Parking)
     }
 
+    /// A stop, which rest ends.
+    pub(crate) const fn ends_at_rest(self) -> bool {
+        matches!(self, Self::Stopping(_) | Self::Braking(_))
+    }
+
     /// The base moves, or may begin to: everything is watched.
     pub const fn is_live(self) -> bool {
         !matches!(self, Self::Idle | Self::Stopped | Self::Fault)
