@@ -221,6 +221,7 @@ impl<T: Scalar> Odometry<T> {
     }
 
     /// Moves the pose by what the wheels did, with the turn `turn` \[rad\]: theirs, or one that is known better.
+    #[inline(always)]
     pub(crate) fn integrate<M: Maths<T>>(
         &mut self,
         rolled: &Moved<T>,

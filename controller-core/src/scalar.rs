@@ -172,15 +172,15 @@ impl Scalar for f64 {
     }
 }
 
-/// 0 if all `values` are finite, otherwise NaN: Σ (x − x). Residues may be added up, so that many numbers cost one comparison.
-#[allow(clippy::eq_op)] // 0 for what is finite, NaN for what is not.
+/// 0 if all `values` are finite, otherwise NaN: Σ 0 x, one instruction each. Residues may be added up, so that many numbers cost one
+/// comparison.
 #[inline(always)]
 pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
     // From -0, which added to anything is that.
     let start = -T::ZERO;
     values
         .into_iter()
-        .fold(start, |sum, value| sum + (value - value))
+        .fold(start, |sum, value| sum + value * T::ZERO)
 }
 
 /// Microseconds in seconds. In single precision exact to a rounding up to 16.7 s.

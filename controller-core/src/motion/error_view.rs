@@ -19,6 +19,7 @@ pub(crate) struct ErrorView<T> {
 
 impl<T: Scalar> ErrorView<T> {
     /// `turned` is the heading error of a robot that drives by velocity.
+    #[inline(always)]
     pub(crate) fn of<M: Maths<T>>(task: &Task<T>, pose: &Pose<T>, turned: T) -> Self {
         match task {
             Task::Follow(reference) => {

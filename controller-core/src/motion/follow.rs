@@ -60,6 +60,7 @@ impl<T: Scalar> Follower<T> {
     /// k₂ of the paper is c/(v_r² + v_f²): lateral poles that do not depend on v_r, no division by it,
     /// smooth through 0 and the same for v_r < 0. As it is part of an input, no derivative of it is
     /// needed. The heading asked for by s₂ is at most asin B/2 for any offset, 0.7 to 0.93 rad.
+    #[inline(always)]
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,

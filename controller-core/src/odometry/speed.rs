@@ -77,6 +77,7 @@ impl<T: Scalar> Wheel<T> {
     }
 
     /// The speed at the end of the tick \[m/s\]. The loop is solved implicitly: stable for every ω dt.
+    #[inline(always)]
     pub(super) fn track(&mut self, turned: &Turned<T>, bandwidth: T) -> T {
         let f = T::from_f64;
         let &Turned {
@@ -128,6 +129,7 @@ impl<T: Scalar> Wheel<T> {
 
     /// Takes the time between counts; several counts in a tick have come within it. Whether this is a single count
     /// after a rest.
+    #[inline(always)]
     fn count(&mut self, counts: i32, dt: T) -> bool {
         let (longest, rest) = (T::from_f64(LONGEST_S), T::from_f64(REST_S));
         let since = self.since + dt;
@@ -138,9 +140,10 @@ impl<T: Scalar> Wheel<T> {
         }
         let single = counts == 1 || counts == -1;
         let first = single && since >= rest;
-        let goes_on = !first && counts.signum() == self.streak.signum();
+        let forward = counts > 0;
+        let goes_on = !first && forward == (self.streak > 0);
         let streak = if goes_on { self.streak } else { 0 };
-        self.streak = streak.saturating_add(counts.signum());
+        self.streak = streak.saturating_add(if forward { 1 } else { -1 });
         let rolls = !single || self.streak.saturating_abs() >= ROLLS;
         let period = if single { since } else { dt };
         self.period = if period < longest { period } else { longest };

@@ -14,7 +14,7 @@ mod suited;
 pub(super) const WINDOW: f64 = 10.0;
 /// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.
-pub(super) const LEAST_COUNTS: f64 = 8.0;
+pub(super) const LEAST_COUNTS: i32 = 8;
 /// How long something may last, or that it is not watched at all. Being off is never a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -198,7 +198,7 @@ impl<T: Scalar> DetectorParams<T> {
         Ok(ValidDetectorParams {
             load_travel: load_accel(robot, &map, wheels.load_nm) / area,
             slip_travel: slip.accel_rad_s2 / area,
-            least_travel: T::from_f64(LEAST_COUNTS) * per_count,
+            least_travel: T::from_i32(LEAST_COUNTS) * per_count,
             map,
             per_count,
             params: self,

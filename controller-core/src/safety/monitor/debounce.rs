@@ -14,11 +14,11 @@ impl Debounce {
 
     /// Whether `condition` has now held long enough. The tick that ends with it is counted in full.
     pub(crate) const fn holds(&mut self, condition: bool, dt_us: u32, timeout: Timeout) -> bool {
-        self.us = if condition {
-            self.us.saturating_add(dt_us)
-        } else {
-            0
-        };
-        condition && timeout.passed(self.us)
+        if !condition {
+            self.us = 0;
+            return false;
+        }
+        self.us = self.us.saturating_add(dt_us);
+        timeout.passed(self.us)
     }
 }

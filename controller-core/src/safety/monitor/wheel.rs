@@ -273,6 +273,7 @@ impl Pushed {
     }
 
     /// Pushed hard enough; whether it stands, and whether it turns back.
+    #[inline(always)]
     fn advance<T: Scalar>(
         &mut self,
         after: Timeout,
@@ -280,22 +281,28 @@ impl Pushed {
         now: &WheelInputs<T>,
     ) -> (bool, bool) {
         let forward = now.command > T::ZERO;
-        if forward != (torque > T::ZERO) {
+        // Without a reading the wheel is not known to stand or to turn; that is a fault of its own.
+        let moved = now.moved.filter(|_| forward == (torque > T::ZERO));
+        let Some(moved) = moved else {
             return self.not();
-        }
-        let stands = self.stands_still(after, now);
-        (stands, self.turns_back(after, now, forward))
+        };
+        let along = if forward {
+            moved
+        } else {
+            moved.saturating_neg()
+        };
+        let stands = self.stands_still(moved, now.time.us, after);
+        (stands, self.turns_back(along, now.time.us, after))
     }
 
     /// No more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
     /// that holds a place is not commanded to turn and never counts.
-    fn stands_still<T: Scalar>(&mut self, after: Timeout, now: &WheelInputs<T>) -> bool {
-        // Without a reading the wheel is not known to stand; that is a fault of its own.
-        let moved = now.moved.unwrap_or(i32::MAX);
+    #[inline(always)]
+    fn stands_still(&mut self, moved: i32, us: u32, after: Timeout) -> bool {
         let crept = self.crept.saturating_add(moved);
         let still = (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
-        self.stands.holds(still, now.time.us, after)
+        self.stands.holds(still, us, after)
     }
 
     /// At least [`LEAST_COUNTS`] the other way all the while, none the way that it is pushed.
@@ -303,24 +310,14 @@ impl Pushed {
     /// Bridges that feed the back-EMF forward give a reversed wheel less torque the faster it turns: it goes at a steady
     /// speed, and no acceleration shows it. A sound wheel is turned back only by more than it is pushed with, three times the
     /// load; one that still rolls back is braked by what the torque is above the load, twice the load, for all the time.
-    fn turns_back<T: Scalar>(
-        &mut self,
-        after: Timeout,
-        now: &WheelInputs<T>,
-        forward: bool,
-    ) -> bool {
-        let along = now.moved.map(|moved| {
-            if forward {
-                moved
-            } else {
-                moved.saturating_neg()
-            }
-        });
-        let against = along.is_some_and(|along| along <= 0);
-        let back = self.back.saturating_add(along.unwrap_or(0));
-        self.back = if against { back } else { 0 };
-        let lasts = self.backs.holds(against, now.time.us, after);
-        lasts && T::from_i32(self.back) <= -T::from_f64(LEAST_COUNTS)
+    #[inline(always)]
+    fn turns_back(&mut self, along: i32, us: u32, after: Timeout) -> bool {
+        if along > 0 {
+            (self.back, self.backs) = (0, Debounce::NONE);
+            return false;
+        }
+        self.back = self.back.saturating_add(along);
+        self.backs.holds(true, us, after) && self.back <= -LEAST_COUNTS
     }
 }
 
