@@ -119,6 +119,7 @@ impl<T: Scalar> Follower<T> {
     }
 
     /// A tick along a reference.
+    #[inline(always)]
     pub(crate) fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,

@@ -106,6 +106,8 @@ impl<T: Scalar> Command<T> {
 
     /// The setpoint with a rim as fast as it may be, for one that asks more, of which that is this `share`: its curvature is kept,
     /// and no rate points outward.
+    #[cold]
+    #[inline(never)]
     fn below_rim(
         &self,
         motion: &ValidMotionParams<T>,
@@ -117,8 +119,8 @@ impl<T: Scalar> Command<T> {
         Setpoint {
             twist: motion.reachable(twist),
             rate: Accel {
-                linear: share * not_outward(rate.linear, twist.linear, T::ZERO),
-                angular: share * not_outward(rate.angular, twist.angular, T::ZERO),
+                linear: share * inward(rate.linear, twist.linear),
+                angular: share * inward(rate.angular, twist.angular),
             },
         }
     }
@@ -127,6 +129,8 @@ impl<T: Scalar> Command<T> {
     ///
     /// The command was within that limit: what |v| and l |w|/2 have grown by is more than the excess, and both give up the same
     /// share of it. So each stays between what it was and what it was to be, within its acceleration.
+    #[cold]
+    #[inline(never)]
     fn within_rim(&self, motion: &ValidMotionParams<T>, to: &Twist<T>, excess: T) -> Twist<T> {
         let grown = |from: T, to: T| larger(to.abs() - from.abs(), T::ZERO);
         let linear = grown(self.twist.linear, to.linear);
@@ -191,6 +195,9 @@ impl<T: Scalar> Command<T> {
         }
     }
 
+    /// A rate beyond the smaller of the two limits.
+    #[cold]
+    #[inline(never)]
     fn within_its_side(&self, limits: &Limits<T>, rate: T) -> T {
         let v = self.twist.linear;
         let (up, down) = if v > T::ZERO {
@@ -211,8 +218,20 @@ impl<T: Scalar> Command<T> {
 }
 
 /// 0 instead of a rate that points beyond the limit at which the setpoint stands.
+#[inline(always)]
 fn not_outward<T: Scalar>(rate: T, setpoint: T, limit: T) -> T {
-    if setpoint.abs() >= limit && rate * setpoint > T::ZERO {
+    if setpoint.abs() >= limit {
+        inward(rate, setpoint)
+    } else {
+        rate
+    }
+}
+
+/// 0 instead of a rate that makes the setpoint larger.
+#[cold]
+#[inline(never)]
+fn inward<T: Scalar>(rate: T, setpoint: T) -> T {
+    if rate * setpoint > T::ZERO {
         T::ZERO
     } else {
         rate

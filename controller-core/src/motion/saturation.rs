@@ -22,7 +22,7 @@ pub fn share<T: Scalar>(
     if asked.right.abs() <= limit && asked.left.abs() <= limit {
         return (*desired, false);
     }
-    (yielding(wheels, desired, &asked, limit, policy), true)
+    (yielding(wheels, *desired, asked, limit, policy), true)
 }
 
 /// The shared wrench where the wheels cannot exert what is `asked`.
@@ -30,8 +30,8 @@ pub fn share<T: Scalar>(
 #[inline(never)]
 fn yielding<T: Scalar>(
     wheels: &WheelMap<T>,
-    desired: &Wrench<T>,
-    asked: &WheelTorques<T>,
+    desired: Wrench<T>,
+    asked: WheelTorques<T>,
     limit: T,
     policy: SaturationPolicy,
 ) -> Wrench<T> {
@@ -45,7 +45,7 @@ fn yielding<T: Scalar>(
     };
     let (drive, turn) = match policy {
         SaturationPolicy::KeepCurvature => {
-            let scale = limit / largest(asked);
+            let scale = limit / largest(&asked);
             (scale, scale)
         }
         SaturationPolicy::TurnFirst => {
