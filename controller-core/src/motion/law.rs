@@ -46,8 +46,10 @@ pub(crate) struct MotionLaw<T, M, U> {
 }
 
 /// What a tick found on its way to the torque.
-struct Found<T> {
-    aim: Aim<T>,
+struct Found<'a, T> {
+    task: &'a Task<T>,
+    /// It is another task than that of the last tick.
+    new: bool,
     error: PoseError<T>,
     setpoint: Setpoint<T>,
     limited: Limited,
@@ -121,7 +123,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let mut parking = parking::Before::nothing();
         let desired = self.pose_law(motion, (task, true), &view, now, step, &mut parking);
         let found = Found {
-            aim: task.aim(),
+            task,
+            new: true,
             error: view.error,
             setpoint: desired.setpoint,
             limited: Limited::default(),
@@ -150,8 +153,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     ) -> Result<(), StepFault> {
         check_tick(dt, motion.params().max_tick_s)?;
         task.check()?;
-        let aim = task.aim();
-        let new = aim != self.aim;
+        let new = !self.aim.is_of(task);
         // What the laws change before it is known whether the tick is refused.
         let (follower, drive) = (self.follower, self.drive);
         let mut command = if self.released {
@@ -159,7 +161,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         } else {
             self.command
         };
-        let watch = if self.is_resting(&self.aim) && motion.releases() {
+        let parked = matches!(self.aim, Aim::Park(_));
+        let watch = if parked && self.parking.is_resting() && motion.releases() {
             Watch::Fade
         } else {
             Watch::Observe
@@ -187,7 +190,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let now = (measured, &command);
         let mut parking = parking::Before::nothing();
         let desired = self.pose_law(motion, (task, new), &view, now, step, &mut parking);
-        let resting = self.is_resting(&aim);
+        let resting = self.is_resting(task);
         let offset = match desired.transition {
             Transition::Seamless => TransitionOffset::NONE,
             Transition::Offset => {
@@ -221,7 +224,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             saturated: report.limited.torque,
         };
         let found = Found {
-            aim,
+            task,
+            new,
             error: view.error,
             setpoint: desired.setpoint,
             limited,
@@ -339,7 +343,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     fn finish(
         &mut self,
         motion: &ValidMotionParams<T>,
-        found: Found<T>,
+        found: Found<'_, T>,
         twist: &Twist<T>,
         dt: T,
         report: &mut MotionReport<T>,
@@ -352,10 +356,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
         // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
-        let law = match &found.aim {
-            Aim::Follow => T::ZERO,
-            Aim::Park(_) => self.follower.residue() + self.parking.residue(),
-            Aim::Drive => self.drive.residue(),
+        let law = match found.task {
+            Task::Follow(_) => T::ZERO,
+            Task::Park(_) => self.follower.residue() + self.parking.residue(),
+            Task::Drive { .. } => self.drive.residue(),
         };
         if law + found.residue() + residue([wrench.force, wrench.moment]) != T::ZERO {
             return Err(StepFault::Overflow);
@@ -370,7 +374,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         if saturated && residue([applied.force, applied.moment]) != T::ZERO {
             return Err(StepFault::Overflow);
         }
-        self.aim = found.aim;
+        if found.new {
+            self.aim = found.task.aim();
+        }
         self.declared = false;
         self.stall = found.stall;
         self.offset = found.offset;
@@ -380,15 +386,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         }
         let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
         self.released =
-            self.is_resting(&self.aim) && motion.releases() && (found.released || stands());
+            self.is_resting(found.task) && motion.releases() && (found.released || stands());
         self.observer = found.observer;
         self.observer.note((!self.released).then_some(applied));
-        let parking = matches!(self.aim, Aim::Park(_)).then_some(&self.parking);
+        let parking = matches!(found.task, Task::Park(_)).then_some(&self.parking);
         *report = MotionReport {
-            mode: match self.aim {
-                Aim::Follow => Mode::Following,
-                Aim::Park(_) => Mode::Parking,
-                Aim::Drive => Mode::Driving,
+            mode: match found.task {
+                Task::Follow(_) => Mode::Following,
+                Task::Park(_) => Mode::Parking,
+                Task::Drive { .. } => Mode::Driving,
             },
             outcome: match parking {
                 Some(parking) if parking.is_parked() => Outcome::Parked,
@@ -422,13 +428,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         Ok(())
     }
 
-    /// With this aim nothing is asked for any more.
-    fn is_resting(&self, aim: &Aim<T>) -> bool {
-        matches!(aim, Aim::Park(_)) && self.parking.is_resting()
+    /// With this task nothing is asked for any more.
+    fn is_resting(&self, task: &Task<T>) -> bool {
+        matches!(task, Task::Park(_)) && self.parking.is_resting()
     }
 }
 
-impl<T: Scalar> Found<T> {
+impl<T: Scalar> Found<'_, T> {
     /// Nothing is infinite or NaN: a wild input is refused, and does not stay.
     fn residue(&self) -> T {
         let Setpoint { twist, rate } = &self.setpoint;

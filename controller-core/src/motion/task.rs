@@ -36,6 +36,18 @@ pub(crate) enum Aim<T> {
     Drive,
 }
 
+impl<T: Scalar> Aim<T> {
+    /// The task has this aim.
+    #[inline]
+    pub(crate) fn is_of(&self, task: &Task<T>) -> bool {
+        match (self, task) {
+            (Self::Follow, Task::Follow(_)) | (Self::Drive, Task::Drive { .. }) => true,
+            (Self::Park(old), Task::Park(goal)) => old == goal,
+            _ => false,
+        }
+    }
+}
+
 impl<T: Scalar> Task<T> {
     /// The same in another precision; see [`Reference::cast_with`].
     pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Task<S> {
