@@ -16,7 +16,7 @@ use crate::motion::{Mode, Outcome, Task};
 use crate::motor::Motor;
 use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
-use crate::safety::{ActiveFaults, DetectorInputs, Fault, Monitor, OutputMode, Side};
+use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
 use crate::scalar::{Scalar, microseconds, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Accel, Pose, Twist, WheelTorques};
@@ -62,7 +62,7 @@ pub const REMEMBERED: usize = 32;
 pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize = REMEMBERED> {
     base: ValidBaseParams<T>,
     locator: Locator<T, N>,
-    monitor: Monitor<T>,
+    detectors: Detectors<T>,
     supervisor: Supervisor,
     driving: Driving<T, M, U>,
     /// Exerted since the last tick.
@@ -78,7 +78,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         Self {
             base: *base,
             locator: Locator::new(start),
-            monitor: Monitor::new(&base.detectors),
+            detectors: Detectors::default(),
             driving: Driving::IDLE,
             exerted: WheelTorques::default(),
             host: HostWatch::NEW,
@@ -119,7 +119,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
-        active_faults.add_all(&self.monitor.check(&inputs));
+        active_faults.add_all(&self.detectors.check(&self.base.detectors, &inputs));
         active_faults.add_some(self.given_up());
         active_faults.add_some(gyro.fault.map(Fault::Gyro));
         if gyro.slips {
@@ -389,7 +389,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
         self.base = *base;
         self.locator.begin_anew();
-        self.monitor = Monitor::new(&base.detectors);
+        self.detectors = Detectors::default();
         self.supervisor.reconfigure(&base.supervisor);
         self.idle();
         Ok(())
@@ -403,7 +403,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
 
     /// Ticks that came late, by the watch over them, since the start or the last new parameters.
     pub fn late_ticks(&self) -> u32 {
-        self.monitor.late_ticks()
+        self.detectors.late_ticks()
     }
 
     /// What the wheels really exert until the next tick, where the driver could not do what it was

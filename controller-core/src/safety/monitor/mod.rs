@@ -73,6 +73,32 @@ use wheel::{Effort, Outside, Time, Wheel, WheelDetections, WheelInputs};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Monitor<T> {
     settings: ValidDetectorParams<T>,
+    detectors: Detectors<T>,
+}
+
+impl<T: Scalar> Monitor<T> {
+    /// A base that has just started.
+    pub fn new(settings: &ValidDetectorParams<T>) -> Self {
+        Self {
+            settings: *settings,
+            detectors: Detectors::default(),
+        }
+    }
+
+    /// Takes a tick's evidence. A condition that lasts is found again in every tick.
+    pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
+        self.detectors.check(&self.settings, inputs)
+    }
+
+    /// Late ticks since the start.
+    pub fn late_ticks(&self) -> u32 {
+        self.detectors.late_ticks()
+    }
+}
+
+/// What the detectors remember; settings are lent: they exist once, wherever the detectors are built in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Detectors<T> {
     ticks: Ticks,
     unread: Silence,
     last: Option<WheelCounts>,
@@ -82,24 +108,15 @@ pub struct Monitor<T> {
     supply: UnderVoltage,
 }
 
-impl<T: Scalar> Monitor<T> {
-    /// Nothing seen yet.
-    pub fn new(settings: &ValidDetectorParams<T>) -> Self {
-        Self {
-            settings: *settings,
-            ticks: Ticks::default(),
-            unread: Silence::NONE,
-            last: None,
-            right: Wheel::default(),
-            left: Wheel::default(),
-            current: OverCurrent::default(),
-            supply: UnderVoltage::default(),
-        }
-    }
-
-    /// Takes a tick's evidence. A condition that lasts is found again in every tick.
-    pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
-        let params = self.settings.params();
+impl<T: Scalar> Detectors<T> {
+    /// Takes a tick's evidence; see [`Monitor::check`].
+    #[inline(always)]
+    pub(crate) fn check(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        inputs: &DetectorInputs<T>,
+    ) -> ActiveFaults {
+        let params = settings.params();
         let dt_us = inputs.dt_us;
         let mut found = ActiveFaults::NONE;
         self.unread = self.unread.after(dt_us, inputs.counts.is_some());
@@ -134,17 +151,22 @@ impl<T: Scalar> Monitor<T> {
         if self.supply.advance(&params.supply, inputs.supply_v, dt_us) {
             found.add(Fault::UnderVoltage);
         }
-        self.check_wheels(inputs, &mut found);
+        self.check_wheels(settings, inputs, &mut found);
         found
     }
 
     /// Late ticks since the start.
-    pub fn late_ticks(&self) -> u32 {
+    pub(crate) const fn late_ticks(&self) -> u32 {
         self.ticks.late
     }
 
-    fn check_wheels(&mut self, inputs: &DetectorInputs<T>, found: &mut ActiveFaults) {
-        let settings = &self.settings;
+    #[inline(always)]
+    fn check_wheels(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        inputs: &DetectorInputs<T>,
+        found: &mut ActiveFaults,
+    ) {
         let moved = match (inputs.counts, self.last) {
             (Some(now), Some(last)) => Some((
                 now.right.wrapping_sub(last.right),
@@ -166,7 +188,9 @@ impl<T: Scalar> Monitor<T> {
             (effort(torques.right, right), effort(torques.left, left))
         });
         let command = settings.map.wheel_speeds(&inputs.command);
-        let outside = inputs.outside.map(|twist| self.outside(&twist, inputs));
+        let outside = inputs
+            .outside
+            .map(|twist| outside_of(settings, &twist, inputs));
         let (right_outside, left_outside) = outside.unzip();
         let time = Time::of_us(inputs.dt_us);
         let right = WheelInputs {
@@ -195,15 +219,19 @@ impl<T: Scalar> Monitor<T> {
         found.add_some(reversed.map(Fault::EncoderReversed));
         found.add_some(of(|wheel| wheel.slips).map(Fault::WheelSlip));
     }
+}
 
-    /// What an outside `twist` says of the right and the left wheel.
-    fn outside(&self, twist: &Twist<T>, inputs: &DetectorInputs<T>) -> (Outside<T>, Outside<T>) {
-        let WheelSpeeds { right, left } = self.settings.map.wheel_speeds(twist);
-        let Twist { linear, angular } = inputs.measured.twist.minus(twist);
-        let turning = T::HALF * self.settings.params.robot.wheels.track_m * angular;
-        let of = |speed, off| Outside { speed, off };
-        (of(right, linear + turning), of(left, linear - turning))
-    }
+/// What an outside `twist` says of the right and the left wheel.
+fn outside_of<T: Scalar>(
+    settings: &ValidDetectorParams<T>,
+    twist: &Twist<T>,
+    inputs: &DetectorInputs<T>,
+) -> (Outside<T>, Outside<T>) {
+    let WheelSpeeds { right, left } = settings.map.wheel_speeds(twist);
+    let Twist { linear, angular } = inputs.measured.twist.minus(twist);
+    let turning = T::HALF * settings.params.robot.wheels.track_m * angular;
+    let of = |speed, off| Outside { speed, off };
+    (of(right, linear + turning), of(left, linear - turning))
 }
 
 /// Wheels that turn against their torque while neither is silent that should not be.

@@ -248,7 +248,7 @@ fn wild_inputs_do_not_stay() {
         monitor.check(&quiet());
     }
     assert!(monitor.check(&quiet()).is_empty());
-    assert!(monitor.right.seen_is_finite() && monitor.left.seen_is_finite());
+    assert!(monitor.detectors.right.seen_is_finite() && monitor.detectors.left.seen_is_finite());
 }
 
 #[test]
