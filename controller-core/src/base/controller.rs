@@ -374,7 +374,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         if !pose.is_finite() {
             return Err(StepFault::NotFinite(Input::Pose));
         }
-        self.locator.set_pose(pose);
+        self.locator.set_pose(&self.base.localisation, pose);
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use super::io::Sensed;
 use super::report::BaseReport;
 use crate::error::StepFault;
 use crate::gyro::GyroReport;
-use crate::localiser::{FixOutcome, Localiser, ValidLocaliserParams};
+use crate::localiser::{Estimator, FixOutcome, ValidLocaliserParams};
 use crate::maths::Maths;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
@@ -14,7 +14,7 @@ use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
     /// `None` before the first reading.
-    localiser: Option<Localiser<T, N>>,
+    localiser: Option<Estimator<T, N>>,
     start: Pose<T>,
     /// Time since the last reading \[s\].
     blind_s: T,
@@ -53,7 +53,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     /// Speeds at which the wheels turn \[rad/s\]; of the last reading where there is no new one.
     pub(super) fn wheel_speeds(&self) -> WheelSpeeds<T> {
         let localiser = self.localiser.as_ref();
-        localiser.map_or_else(WheelSpeeds::default, Localiser::wheel_speeds)
+        localiser.map_or_else(WheelSpeeds::default, Estimator::wheel_speeds)
     }
 
     /// For other parameters: begins anew, where it was.
@@ -62,11 +62,11 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     }
 
     /// The pose is set; the next tick says that it jumped.
-    pub(super) fn set_pose(&mut self, pose: Pose<T>) {
+    pub(super) fn set_pose(&mut self, localisation: &ValidLocaliserParams<T>, pose: Pose<T>) {
         self.start = pose;
         self.set = true;
         if let Some(localiser) = &mut self.localiser {
-            localiser.set_pose(pose);
+            localiser.set_pose(localisation, pose);
         }
         if let Some(last) = &mut self.last {
             last.pose = pose;
@@ -93,14 +93,14 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             self.blind_s += dt;
             self.last = self.last.map(|last| coast::<T, M>(&last, dt));
             report.measured = self.last;
-            return Ok(self.located(report, false));
+            return Ok(self.located(localisation, report, false));
         };
         let jumped = match &mut self.localiser {
             None => {
                 // In two steps: a result that holds all of it would be copied to and fro.
                 let pose = self.start;
-                Localiser::<T, N>::check(&pose)?;
-                let localiser = self.localiser.insert(Localiser::new(localisation));
+                Estimator::<T, N>::check(&pose)?;
+                let localiser = self.localiser.insert(Estimator::new(localisation));
                 localiser.begin(pose, counts);
                 self.last = Some(Measured {
                     pose,
@@ -112,7 +112,8 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 // The counts of a gap came in all of it.
                 let dt = self.blind_s + dt;
                 let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
-                let estimate = localiser.update_with::<M>(counts, dt, accel, fix, gyro)?;
+                let estimate =
+                    localiser.update::<M>(localisation, counts, dt, *accel, fix, gyro)?;
                 self.last = Some(estimate.measured);
                 report.fix = estimate.fix;
                 report.gyro = estimate.gyro;
@@ -122,10 +123,15 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         self.blind_s = T::ZERO;
         report.blind = false;
         report.measured = self.last;
-        Ok(self.located(report, jumped))
+        Ok(self.located(localisation, report, jumped))
     }
 
-    fn located(&mut self, report: &mut BaseReport<T>, jumped: bool) -> Located<T> {
+    fn located(
+        &mut self,
+        localisation: &ValidLocaliserParams<T>,
+        report: &mut BaseReport<T>,
+        jumped: bool,
+    ) -> Located<T> {
         let jumped = jumped || self.set;
         self.set = false;
         let Some(localiser) = &self.localiser else {
@@ -136,9 +142,9 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             };
         };
         report.curvature_bias = localiser.curvature_bias();
-        let fuses = localiser.localisation().params().fusion.is_some();
+        let fuses = localisation.params().fusion.is_some();
         Located {
-            fix_age_s: fuses.then(|| localiser.uncarried_s() + self.blind_s),
+            fix_age_s: fuses.then(|| localiser.uncarried_s(localisation) + self.blind_s),
             jumped,
         }
     }

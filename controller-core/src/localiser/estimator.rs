@@ -1,0 +1,239 @@
+//! One tick of a localiser, with parameters that are lent.
+
+use super::fusion::{Carried, Correction};
+use super::history::History;
+use super::{Estimate, Fix, FixOutcome, Refusal, SURE, ValidLocaliserParams};
+use crate::error::{Input, StepFault};
+use crate::gyro::{GyroHeading, GyroOutcome, GyroReading, GyroRefusal, GyroReport, Rolled};
+use crate::hal::WheelCounts;
+use crate::maths::Maths;
+use crate::odometry::Odometry;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Measured, Pose, WheelSpeeds};
+
+/// What a localiser remembers; its parameters are lent: they exist once, wherever it is built in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Estimator<T, const N: usize> {
+    odometry: Odometry<T>,
+    history: History<T, N>,
+    correction: Correction<T>,
+    gyro: Option<GyroHeading<T>>,
+    /// Time since a gyro last carried the heading \[s\].
+    alone_s: T,
+}
+
+impl<T: Scalar, const N: usize> Estimator<T, N> {
+    /// A pose to start from.
+    pub(crate) fn check(pose: &Pose<T>) -> Result<(), StepFault> {
+        if pose.is_finite() {
+            Ok(())
+        } else {
+            Err(StepFault::NotFinite(Input::Pose))
+        }
+    }
+
+    /// Of a robot at the origin that has not [begun](Self::begin).
+    #[inline(always)]
+    pub(crate) fn new(localisation: &ValidLocaliserParams<T>) -> Self {
+        const { assert!(N >= 2, "a ring of at least two poses") };
+        let odometry = &localisation.params().odometry;
+        let (pose, counts) = (Pose::default(), WheelCounts::default());
+        Self {
+            odometry: Odometry::of_checked(odometry, pose, counts),
+            history: History::new(),
+            correction: Correction::new(pose),
+            gyro: localisation.gyro.as_ref().map(|gyro| {
+                let mut heading = GyroHeading::new(gyro);
+                heading.set(localisation.fix_heading_variance());
+                heading
+            }),
+            alone_s: T::ZERO,
+        }
+    }
+
+    /// Before the first update: at rest at a pose that was [checked](Self::check), with the encoders at `counts`.
+    pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) {
+        self.odometry.begin(pose, counts);
+        self.history.begin(pose);
+        self.correction.set(pose);
+    }
+
+    /// A tick; see [`Localiser::update_with`](super::Localiser::update_with).
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn update<M: Maths<T>>(
+        &mut self,
+        localisation: &ValidLocaliserParams<T>,
+        counts: WheelCounts,
+        dt: T,
+        accel: Accel<T>,
+        fix: Option<&Fix<T>>,
+        reading: Option<&GyroReading<T>>,
+    ) -> Result<Estimate<T>, StepFault> {
+        if !dt.is_finite() {
+            return Err(StepFault::NotFinite(Input::Tick));
+        }
+        if dt <= T::ZERO {
+            return Err(StepFault::TickNotPositive);
+        }
+        if !accel.is_finite() {
+            return Err(StepFault::NotFinite(Input::Accel));
+        }
+        let before = *self.odometry.pose();
+        self.odometry
+            .set_curvature_bias(self.correction.curvature_bias.value);
+        let rolled = self.odometry.roll(counts);
+        let turn = match (&mut self.gyro, &localisation.gyro) {
+            (Some(heading), Some(gyro)) => {
+                let rolled = Rolled {
+                    travel: rolled.travel,
+                    turn: rolled.turn,
+                    counted: rolled.counted(),
+                    dt,
+                };
+                let turn = heading.advance(gyro, &rolled, reading);
+                if let Some(more) = heading.curvature(gyro) {
+                    self.correction
+                        .curvature_bias
+                        .correct(gyro.most_per_way(), more);
+                }
+                self.alone_s = if heading.carries() {
+                    T::ZERO
+                } else {
+                    self.alone_s + dt
+                };
+                turn
+            }
+            _ => rolled.turn,
+        };
+        let measured = self.odometry.integrate::<M>(&rolled, turn, dt, &accel);
+        let Some(fusion) = &localisation.fusion else {
+            return Ok(Estimate {
+                measured,
+                fix: fix.map_or(FixOutcome::Absent, |_| {
+                    FixOutcome::Refused(Refusal::NoFusion)
+                }),
+                curvature_bias: self.correction.curvature_bias.value,
+                gyro: self.gyro_report(reading),
+                ..Estimate::default()
+            });
+        };
+        self.history.push(measured.pose, dt);
+        self.correction.curvature_bias.drive(self.odometry.travel());
+        let carried = self.gyro.as_ref().filter(|gyro| gyro.carries());
+        let carried = carried.map(|gyro| Carried {
+            off: T::from_f64(SURE) * M::sqrt(gyro.heading_variance()),
+            slides: gyro.slides_now(),
+        });
+        self.correction
+            .advance::<M>(fusion, &before, &measured.pose, carried.as_ref(), dt);
+        let outcome = match fix {
+            None => FixOutcome::Absent,
+            Some(fix) => match self.then(fix) {
+                Err(refusal) => FixOutcome::Refused(refusal),
+                Ok(then) => {
+                    let variance = fusion.heading_variance;
+                    let (correction, gyro) = (&mut self.correction, &mut self.gyro);
+                    let mut innovation = correction.compare::<M>(fix, then, &measured.pose);
+                    let misled = match (&mut *gyro, &localisation.gyro) {
+                        (Some(heading), Some(gyro)) => {
+                            heading.judge(gyro, innovation.heading(), variance)
+                        }
+                        _ => None,
+                    };
+                    if let Some(misled) = misled {
+                        correction.turn(-misled);
+                        innovation = correction.compare::<M>(fix, then, &measured.pose);
+                    }
+                    correction.take::<M>(fusion, fix, &innovation, &measured.pose, |off| {
+                        match (gyro, &localisation.gyro) {
+                            (Some(heading), Some(gyro)) => heading.fused(gyro, off, variance),
+                            _ => None,
+                        }
+                    })
+                }
+            },
+        };
+        let jumped = outcome == FixOutcome::Relocalised;
+        if let (true, Some(gyro)) = (jumped, &mut self.gyro) {
+            gyro.set(fusion.heading_variance);
+        }
+        let fix_age_s = self.correction.fix_age_s;
+        Ok(Estimate {
+            measured: Measured {
+                pose: self.correction.pose,
+                twist: measured.twist,
+            },
+            fix: outcome,
+            jumped,
+            curvature_bias: self.correction.curvature_bias.value,
+            fix_age_s,
+            stale: fix_age_s > fusion.stale_s,
+            gyro: self.gyro_report(reading),
+        })
+    }
+
+    fn gyro_report(&self, reading: Option<&GyroReading<T>>) -> GyroReport<T> {
+        match (&self.gyro, reading) {
+            (Some(gyro), _) => gyro.report(),
+            (None, Some(_)) => GyroReport {
+                outcome: GyroOutcome::Refused(GyroRefusal::NoGyro),
+                ..GyroReport::default()
+            },
+            (None, None) => GyroReport::default(),
+        }
+    }
+
+    /// The pose of odometry at the time of a fix.
+    fn then(&self, fix: &Fix<T>) -> Result<Pose<T>, Refusal<T>> {
+        if !(fix.pose.is_finite() && fix.age_s.is_finite()) {
+            return Err(Refusal::NotFinite);
+        }
+        if fix.age_s < T::ZERO {
+            return Err(Refusal::NegativeAge);
+        }
+        let then = self.history.at(fix.age_s);
+        then.map_err(|oldest_s| Refusal::TooOld { oldest_s })
+    }
+
+    /// See [`Localiser::set_pose`](super::Localiser::set_pose).
+    pub(crate) fn set_pose(&mut self, localisation: &ValidLocaliserParams<T>, pose: Pose<T>) {
+        if localisation.fusion.is_none() {
+            self.odometry.set_pose(pose);
+        }
+        self.correction.set(pose);
+        if let Some(gyro) = &mut self.gyro {
+            gyro.set(localisation.fix_heading_variance());
+        }
+    }
+
+    pub(crate) fn wheel_speeds(&self) -> WheelSpeeds<T> {
+        self.odometry.wheel_speeds()
+    }
+
+    pub(super) fn pose(&self, localisation: &ValidLocaliserParams<T>) -> &Pose<T> {
+        if localisation.fusion.is_none() {
+            self.odometry.pose()
+        } else {
+            &self.correction.pose
+        }
+    }
+
+    pub(super) const fn fix_age_s(&self) -> T {
+        self.correction.fix_age_s
+    }
+
+    /// See [`Localiser::uncarried_s`](super::Localiser::uncarried_s).
+    pub(crate) fn uncarried_s(&self, localisation: &ValidLocaliserParams<T>) -> T {
+        let age = self.correction.fix_age_s;
+        match &localisation.params().gyro {
+            Some(gyro) if age <= gyro.carry_s && self.alone_s < age => self.alone_s,
+            _ => age,
+        }
+    }
+
+    pub(crate) const fn curvature_bias(&self) -> T {
+        self.correction.curvature_bias.value
+    }
+}
