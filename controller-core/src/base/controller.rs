@@ -60,15 +60,15 @@ pub const REMEMBERED: usize = 32;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize = REMEMBERED> {
-    base: ValidBaseParams<T>,
-    locator: Locator<T, N>,
-    detectors: Detectors<T>,
-    supervisor: Supervisor,
-    driving: Driving<T, M, U>,
     /// Exerted since the last tick.
     exerted: WheelTorques<T>,
     host: HostWatch,
+    supervisor: Supervisor,
+    detectors: Detectors<T>,
     report: BaseReport<T>,
+    driving: Driving<T, M, U>,
+    base: ValidBaseParams<T>,
+    locator: Locator<T, N>,
 }
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<T, M, U, N> {

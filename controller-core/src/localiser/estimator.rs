@@ -15,11 +15,11 @@ use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Estimator<T, const N: usize> {
     odometry: Odometry<T>,
-    history: History<T, N>,
     correction: Correction<T>,
-    gyro: Option<GyroHeading<T>>,
     /// Time since a gyro last carried the heading \[s\].
     alone_s: T,
+    gyro: Option<GyroHeading<T>>,
+    history: History<T, N>,
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
