@@ -170,6 +170,9 @@ impl<T: Scalar> ParkingLaw<T> {
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
+        if self.is_driving() {
+            return self.drive_on::<U, M>(lent, motion, error, moving, step);
+        }
         let Step { dt, two_per_dt } = step;
         let distance = distance_of::<T, M>(error);
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
@@ -181,9 +184,7 @@ impl<T: Scalar> ParkingLaw<T> {
             command_rate: moving.command.rate,
             backing: self.is_backing(),
         };
-        // A manoeuvre ends at the goal by itself, sooner than a stop that is begun before.
-        let driving = self.approach.is_under_way() && !was_resting;
-        self.memory.checker = if driving || !self.memory.retry.may_park() {
+        self.memory.checker = if !self.memory.retry.may_park() {
             GoalChecker::default()
         } else if two_per_dt.is_some() {
             self.memory.checker.advance(motion, &at, dt)
@@ -196,7 +197,6 @@ impl<T: Scalar> ParkingLaw<T> {
         ) {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
-            (false, false) if driving => Rest::Driving,
             (false, false) if self.memory.checker.is_settling(motion) => Rest::Settling,
             (false, false) if matches!(self.approach, Approach::Manoeuvre(_)) => Rest::Beside,
             (false, false) => Rest::Moving,
@@ -283,55 +283,111 @@ impl<T: Scalar> ParkingLaw<T> {
         } else {
             step.two_per_dt
         };
-        if let Approach::Manoeuvre(execution) = &mut self.approach {
-            let since = if begun { T::ZERO } else { step.dt };
-            let mut moment = execution.advance::<M>(&at.error, since, step.dt);
-            let departed = |error: &PoseError<T>| {
-                let (far, turned) = DEPARTURE;
-                distance_of::<T, M>(error) > T::from_f64(far) + motion.near
-                    || error.theta.abs() > T::from_f64(turned)
-            };
-            // A robot that does not move is stalled, and has departed from nothing.
-            let moves = T::from_f64(10.0) * motion.rim_speed(moving.twist)
-                >= motion.rim_speed(&moving.command.twist);
-            let gone = moment
-                .as_ref()
-                .is_some_and(|moment| departed(&moment.error));
-            if gone && moves && !execution.is_searching() {
-                two_per_dt = None;
-                if self.memory.departed {
-                    // Whatever keeps it off would do so again: feedback needs no plan.
-                    moment = None;
-                } else {
-                    self.memory.departed = true;
-                    transition = Transition::Seamless;
-                    let Command { twist, rate } = moving.command;
-                    let plan = motion.plan.slower();
-                    lent.before.keep_manoeuvre(execution);
-                    *execution = Execution::start::<M>(&plan, &at.error, twist, rate, step.dt);
-                    moment = execution.advance::<M>(&at.error, T::ZERO, step.dt);
-                }
-            }
-            if let Some(moment) = moment {
-                let now = Instant {
-                    twist: &moment.twist,
-                    accel: &moment.accel,
-                    error: moment.error,
-                    heading: M::sin_cos_near(moment.error.theta),
-                    turn_rate: moving.twist.angular,
-                };
-                let command = &moving.command.twist;
-                let setpoint = lent
-                    .follower
-                    .advance::<U, M>(motion, &now, command, two_per_dt);
-                return (setpoint, transition);
-            }
+        let since = if begun { T::ZERO } else { step.dt };
+        let way = (since, two_per_dt, transition);
+        if let Some(along) = self.along::<U, M>(lent, motion, &at.error, moving, step, way) {
+            return along;
+        }
+        if matches!(self.approach, Approach::Manoeuvre(_)) {
             lent.before.keep(&self.approach);
             self.approach = Approach::Regulate;
             two_per_dt = None;
         }
+        self.regulate::<U, M>(motion, &at.error, at.distance, moving, two_per_dt)
+    }
+
+    /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
+    /// is begun before.
+    fn is_driving(&self) -> bool {
+        self.approach.is_under_way() && !self.is_resting() && self.memory.retry.may_park()
+    }
+
+    /// A tick along a manoeuvre under way; by feedback from where it fails.
+    fn drive_on<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        lent: &mut Lent<'_, T>,
+        motion: &ValidMotionParams<T>,
+        error: &PoseError<T>,
+        moving: Moving<'_, T>,
+        step: Step<T>,
+    ) -> Wanted<T> {
+        self.memory.checker = GoalChecker::NEW;
+        self.memory.retry.drives();
+        let transition = if step.two_per_dt.is_none() {
+            Transition::Offset
+        } else {
+            Transition::Continue
+        };
+        let way = (step.dt, step.two_per_dt, transition);
+        let along = self.along::<U, M>(lent, motion, error, &moving, step, way);
+        let (setpoint, transition) = along.unwrap_or_else(|| {
+            lent.before.keep(&self.approach);
+            self.approach = Approach::Regulate;
+            let distance = distance_of::<T, M>(error);
+            self.regulate::<U, M>(motion, error, distance, &moving, None)
+        });
+        Wanted {
+            setpoint,
+            transition,
+        }
+    }
+
+    /// The setpoint along a manoeuvre, and how it goes on from the command; `None` without one, or where none is to be had.
+    fn along<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        lent: &mut Lent<'_, T>,
+        motion: &ValidMotionParams<T>,
+        error: &PoseError<T>,
+        moving: &Moving<'_, T>,
+        step: Step<T>,
+        (since, mut two_per_dt, mut transition): (T, Option<T>, Transition),
+    ) -> Option<(Setpoint<T>, Transition)> {
+        let Approach::Manoeuvre(execution) = &mut self.approach else {
+            return None;
+        };
+        let mut moment = execution.advance::<M>(error, since, step.dt)?;
+        // A robot that does not move is stalled, and has departed from nothing.
+        let moves = T::from_f64(10.0) * motion.rim_speed(moving.twist)
+            >= motion.rim_speed(&moving.command.twist);
+        if has_departed::<T, M>(motion, &moment.error) && moves && !execution.is_searching() {
+            two_per_dt = None;
+            if self.memory.departed {
+                // Whatever keeps it off would do so again: feedback needs no plan.
+                return None;
+            }
+            self.memory.departed = true;
+            transition = Transition::Seamless;
+            let Command { twist, rate } = moving.command;
+            let plan = motion.plan.slower();
+            lent.before.keep_manoeuvre(execution);
+            *execution = Execution::start::<M>(&plan, error, twist, rate, step.dt);
+            moment = execution.advance::<M>(error, T::ZERO, step.dt)?;
+        }
+        let now = Instant {
+            twist: &moment.twist,
+            accel: &moment.accel,
+            error: moment.error,
+            heading: M::sin_cos_near(moment.error.theta),
+            turn_rate: moving.twist.angular,
+        };
         let command = &moving.command.twist;
-        let (aim, distance) = self.aim::<M>(motion, at);
+        let setpoint = lent
+            .follower
+            .advance::<U, M>(motion, &now, command, two_per_dt);
+        Some((setpoint, transition))
+    }
+
+    /// The setpoint by feedback, and how it goes on from the command.
+    fn regulate<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        error: &PoseError<T>,
+        distance: T,
+        moving: &Moving<'_, T>,
+        two_per_dt: Option<T>,
+    ) -> (Setpoint<T>, Transition) {
+        let command = &moving.command.twist;
+        let (aim, distance) = self.aim::<M>(motion, error, distance);
         let setpoint = self
             .memory
             .regulator
@@ -348,14 +404,15 @@ impl<T: Scalar> ParkingLaw<T> {
     fn aim<M: Maths<T>>(
         &self,
         motion: &ValidMotionParams<T>,
-        at: &GoalView<T>,
+        error: &PoseError<T>,
+        distance: T,
     ) -> (PoseError<T>, T) {
         if self.memory.retry.is_out() {
-            let aim = self.memory.retry.aim::<M>(motion, &at.error);
+            let aim = self.memory.retry.aim::<M>(motion, error);
             let far = distance_of::<T, M>(&aim);
             (aim, far)
         } else {
-            (at.error, at.distance)
+            (*error, distance)
         }
     }
 
@@ -444,6 +501,15 @@ impl<T: Scalar> Approach<T> {
         }
         (Self::Manoeuvre(execution), transition)
     }
+}
+
+/// Further from the reference than [`DEPARTURE`].
+fn has_departed<T: Scalar, M: Maths<T>>(motion: &ValidMotionParams<T>, error: &PoseError<T>) -> bool {
+    let (far, turned) = (T::from_f64(DEPARTURE.0), T::from_f64(DEPARTURE.1));
+    let most = far + motion.near;
+    // What is within half of it in both directions together is so without a root.
+    let close = error.x.abs() + error.y.abs() <= T::HALF * most;
+    (!close && distance_of::<T, M>(error) > most) || error.theta.abs() > turned
 }
 
 /// Slow, and within tolerance: what holds the robot there brings it to rest.

@@ -58,8 +58,6 @@ pub(crate) enum Attempt {
 /// What the latch made of the tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rest {
-    /// Not parked, with a manoeuvre under way.
-    Driving,
     /// Not parked, after a manoeuvre.
     Beside,
     /// Not parked, approaching by feedback.
@@ -100,6 +98,11 @@ impl<T: Scalar> Retry<T> {
         self.out != T::ZERO
     }
 
+    /// Not parked, with a manoeuvre under way.
+    pub(crate) fn drives(&mut self) {
+        self.since_s = T::ZERO;
+    }
+
     /// The attempts after a tick of `dt`, and what is to be done.
     ///
     /// After a manoeuvre that ended beside the goal up to [`MANOEUVRES`] more are had for nothing, and an approach by feedback. Then an attempt
@@ -137,10 +140,6 @@ impl<T: Scalar> Retry<T> {
         }
         let arrival = &motion.params().arrival;
         match rest {
-            Rest::Driving => {
-                next.since_s = T::ZERO;
-                return (next, Attempt::GoOn);
-            }
             Rest::Parked => {
                 next.since_s = T::ZERO;
                 next.parked_s = self.parked_s + dt;
