@@ -228,8 +228,8 @@ impl<T: Scalar> Execution<T> {
                 angular: turn.rate,
             },
             accel: Accel {
-                linear: self.path.drive_at(ahead).accel,
-                angular: self.path.turn_at(ahead).accel,
+                linear: self.path.drive_accel_at(ahead),
+                angular: self.path.turn_accel_at(ahead),
             },
             error,
         })

@@ -110,6 +110,16 @@ impl<T: Scalar> Path<T> {
         }
     }
 
+    /// The rate of the turn rate alone of [`turn_at`](Self::turn_at).
+    pub(crate) fn turn_accel_at(&self, t: T) -> T {
+        accel_at(&self.stop_turn, &self.turns, t)
+    }
+
+    /// The acceleration alone of [`drive_at`](Self::drive_at).
+    pub(crate) fn drive_accel_at(&self, t: T) -> T {
+        accel_at(&self.stop_drive, &self.drives, t)
+    }
+
     /// Travel, speed and acceleration at `t`.
     pub(crate) fn drive_at(&self, t: T) -> AxisSample<T> {
         let [a, b] = &self.drives;
@@ -228,6 +238,16 @@ impl<T: Scalar> Stretch<'_, T> {
             }
         }
         sum
+    }
+}
+
+/// The acceleration of an axis at `t`: that of the stop, if it is not over, and of both profiles.
+fn accel_at<T: Scalar>(stop: &Stop<T>, [a, b]: &[Profile<T>; 2], t: T) -> T {
+    let both = a.accel_at(t) + b.accel_at(t);
+    if stop.is_over() {
+        both
+    } else {
+        stop.accel_at(t) + both
     }
 }
 

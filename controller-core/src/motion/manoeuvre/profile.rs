@@ -35,6 +35,7 @@ impl<T: Scalar> Ramp<T> {
     /// Integral, value and slope at `t`, for −∞ < t < ∞.
     ///
     /// With τ the jerk time and a = 1/(T − τ): a t²/(2τ) first, a (t − τ/2) then, mirrored at the end.
+    #[inline(always)]
     fn at(&self, t: T) -> AxisSample<T> {
         let (duration, rise) = (self.duration, self.jerk_s);
         if t <= T::ZERO {
@@ -241,6 +242,16 @@ impl<T: Scalar> Profile<T> {
 
     /// At time `t`, before, within and after it.
     pub(crate) fn at(&self, t: T) -> AxisSample<T> {
+        self.sample(t)
+    }
+
+    /// The acceleration alone of [`at`](Self::at).
+    pub(crate) fn accel_at(&self, t: T) -> T {
+        self.sample(t).accel
+    }
+
+    #[inline(always)]
+    fn sample(&self, t: T) -> AxisSample<T> {
         if self.is_empty() {
             return AxisSample::default();
         }
@@ -443,6 +454,16 @@ impl<T: Scalar> Stop<T> {
 
     /// At time `t`, a little before the begin as well.
     pub(crate) fn at(&self, t: T) -> AxisSample<T> {
+        self.sample(t)
+    }
+
+    /// The acceleration alone of [`at`](Self::at).
+    pub(crate) fn accel_at(&self, t: T) -> T {
+        self.sample(t).accel
+    }
+
+    #[inline(always)]
+    fn sample(&self, t: T) -> AxisSample<T> {
         if t <= T::ZERO {
             let gained = self.accel * t;
             return AxisSample {
