@@ -268,15 +268,8 @@ impl<T: Scalar> ParkingLaw<T> {
             Transition::Continue
         };
         if begun {
-            let plan = if self.memory.retry.is_another() {
-                motion.plan.slower()
-            } else {
-                motion.plan
-            };
-            let hold = attempt == Attempt::Hold || is_inside(motion, at);
             lent.before.keep(&self.approach);
-            (self.approach, transition) =
-                Approach::begin::<M>(motion, &plan, at, moving.command, hold, step.dt);
+            transition = self.begin::<M>(motion, at, moving.command, attempt, step.dt);
         }
         let mut two_per_dt = if begun || attempt == Attempt::Aim {
             None
@@ -294,6 +287,29 @@ impl<T: Scalar> ParkingLaw<T> {
             two_per_dt = None;
         }
         self.regulate::<U, M>(motion, &at.error, at.distance, moving, two_per_dt)
+    }
+
+    /// Begins an approach, in a function of its own: what it needs of the stack a search does not need as well. How the
+    /// setpoint goes on from the command.
+    #[cold]
+    #[inline(never)]
+    fn begin<M: Maths<T>>(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        at: &GoalView<T>,
+        from: &Command<T>,
+        attempt: Attempt,
+        dt: T,
+    ) -> Transition {
+        let plan = if self.memory.retry.is_another() {
+            motion.plan.slower()
+        } else {
+            motion.plan
+        };
+        let hold = attempt == Attempt::Hold || is_inside(motion, at);
+        let transition;
+        (self.approach, transition) = Approach::begin::<M>(motion, &plan, at, from, hold, dt);
+        transition
     }
 
     /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
@@ -357,10 +373,8 @@ impl<T: Scalar> ParkingLaw<T> {
             }
             self.memory.departed = true;
             transition = Transition::Seamless;
-            let Command { twist, rate } = moving.command;
-            let plan = motion.plan.slower();
             lent.before.keep_manoeuvre(execution);
-            *execution = Execution::start::<M>(&plan, error, twist, rate, step.dt);
+            start_anew::<T, M>(execution, motion, error, moving.command, step.dt);
             moment = execution.advance::<M>(error, T::ZERO, step.dt)?;
         }
         let now = Instant {
@@ -501,6 +515,19 @@ impl<T: Scalar> Approach<T> {
         }
         (Self::Manoeuvre(execution), transition)
     }
+}
+
+/// Another manoeuvre, slower, from where the robot is; apart from the tick for the sake of the stack.
+#[cold]
+#[inline(never)]
+fn start_anew<T: Scalar, M: Maths<T>>(
+    execution: &mut Execution<T>,
+    motion: &ValidMotionParams<T>,
+    error: &PoseError<T>,
+    Command { twist, rate }: &Command<T>,
+    dt: T,
+) {
+    *execution = Execution::start::<M>(&motion.plan.slower(), error, twist, rate, dt);
 }
 
 /// Further from the reference than [`DEPARTURE`].
