@@ -261,22 +261,35 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 }
                 driven.action
             }
-            Err(fault) => {
-                let mut found = ActiveFaults::NONE;
-                found.add(fault.into());
-                active_faults.add(fault.into());
-                self.supervisor.on_active_faults(&found, &self.base.policy);
-                // Nothing that a policy allows for a refused step steps the law again.
-                let mode = match self.supervisor.output() {
-                    mode if mode.has_torque() => OutputMode::Release,
-                    mode => mode,
-                };
-                let driven = self.act_as(mode, dt, located, sensed);
-                driven.map_or(WheelAction::Release, |driven| driven.action)
-            }
+            Err(fault) => self.act_after(fault, dt, located, sensed, active_faults),
         }
     }
 
+    /// The reaction to a step that the motion law refused.
+    #[cold]
+    #[inline(never)]
+    fn act_after(
+        &mut self,
+        fault: StepFault,
+        dt: T,
+        located: &Located<T>,
+        sensed: &Sensed<T>,
+        active_faults: &mut ActiveFaults,
+    ) -> WheelAction<T> {
+        let mut found = ActiveFaults::NONE;
+        found.add(fault.into());
+        active_faults.add(fault.into());
+        self.supervisor.on_active_faults(&found, &self.base.policy);
+        // Nothing that a policy allows for a refused step steps the law again.
+        let mode = match self.supervisor.output() {
+            mode if mode.has_torque() => OutputMode::Release,
+            mode => mode,
+        };
+        let driven = self.act_as(mode, dt, located, sensed);
+        driven.map_or(WheelAction::Release, |driven| driven.action)
+    }
+
+    #[inline(always)]
     fn act_as(
         &mut self,
         mode: OutputMode,
