@@ -62,6 +62,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     ///
     /// # Errors
     /// As there.
+    #[inline(always)]
     pub(crate) fn update<M: Maths<T>>(
         &mut self,
         localisation: &ValidLocaliserParams<T>,
