@@ -21,4 +21,19 @@ impl Debounce {
         self.us = self.us.saturating_add(dt_us);
         timeout.passed(self.us)
     }
+
+    /// Takes a tick in which the condition held or did not.
+    #[inline(always)]
+    pub(crate) const fn count(&mut self, condition: bool, dt_us: u32) {
+        if condition {
+            self.us = self.us.saturating_add(dt_us);
+        } else {
+            self.us = 0;
+        }
+    }
+
+    /// It has held for a time of more than 0.
+    pub(crate) const fn has_lasted(self, timeout: Timeout) -> bool {
+        timeout.passed(self.us)
+    }
 }

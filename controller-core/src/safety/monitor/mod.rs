@@ -207,11 +207,15 @@ impl<T: Scalar> Detectors<T> {
             command: command.left,
             outside: left_outside,
         };
-        let right = self.right.advance(settings, &right);
-        let left = self.left.advance(settings, &left);
-        if !(right.is_finding() || left.is_finding()) {
+        let signs = (
+            self.right.advance(settings, &right),
+            self.left.advance(settings, &left),
+        );
+        if !(signs.0.any() || signs.1.any()) {
             return;
         }
+        let right = self.right.detections(settings, &right, signs.0);
+        let left = self.left.detections(settings, &left, signs.1);
         let of = |what: fn(&WheelDetections) -> bool| Side::of(what(&right), what(&left));
         let (dead, reversed) = (dead(&right, &left), reversed(&right, &left));
         found.add_some(of(|wheel| wheel.stuck).or(dead).map(Fault::EncoderStuck));

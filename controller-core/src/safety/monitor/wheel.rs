@@ -52,6 +52,14 @@ pub(super) struct WheelInputs<T> {
     pub(super) outside: Option<Outside<T>>,
 }
 
+impl<T: Scalar> WheelInputs<T> {
+    /// Commanded to turn at some speed.
+    #[inline(always)]
+    fn is_commanded(&self, settings: &ValidDetectorParams<T>) -> bool {
+        self.command.abs() >= settings.params.wheels.stuck.speed_rad_s
+    }
+}
+
 /// What an outside twist says of a wheel.
 pub(super) struct Outside<T> {
     /// Its speed \[rad/s\].
@@ -60,7 +68,26 @@ pub(super) struct Outside<T> {
     pub(super) off: T,
 }
 
-/// What was found out about it.
+/// What a tick shows of a wheel.
+#[derive(Clone, Copy)]
+pub(super) struct Signs {
+    /// It stands though it is pushed.
+    stands: bool,
+    /// It is accelerated against its torque.
+    accelerated: bool,
+    /// It turns against command and torque.
+    turned: bool,
+    slips: bool,
+}
+
+impl Signs {
+    /// There is something that a fault may come of.
+    pub(super) const fn any(self) -> bool {
+        self.stands | self.accelerated | self.turned | self.slips
+    }
+}
+
+/// What was found out about a wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct WheelDetections {
     pub(super) stuck: bool,
@@ -74,13 +101,6 @@ pub(super) struct WheelDetections {
     /// though it is commanded to turn.
     pub(super) dead: bool,
     pub(super) slips: bool,
-}
-
-impl WheelDetections {
-    /// There is something that a fault may come of. Silence is none: a wheel may stand.
-    pub(super) const fn is_finding(&self) -> bool {
-        self.stuck | self.blocked | self.against | self.slips
-    }
 }
 
 /// Two equal filters in a row, by the implicit Euler step: stable for any tick.
@@ -158,35 +178,56 @@ impl<T: Scalar> Wheel<T> {
         &mut self,
         settings: &ValidDetectorParams<T>,
         now: &WheelInputs<T>,
-    ) -> WheelDetections {
+    ) -> Signs {
         self.filter(settings, now);
         let stuck = &settings.params.wheels.stuck;
-        let commanded = now.command.abs() >= stuck.speed_rad_s;
         let (stands, turned) = match now.effort {
-            Some(effort) if commanded && effort.torque.abs() >= stuck.torque_nm => {
+            Some(effort)
+                if now.is_commanded(settings) && effort.torque.abs() >= stuck.torque_nm =>
+            {
                 self.pushed.advance(stuck.after, effort.torque, now)
             }
             _ => self.pushed.not(),
         };
         let still = now.moved.is_none_or(|counts| counts == 0);
-        let silent = self.silent.holds(still, now.time.us, MOVED_WITHIN);
-        let blocked = stands
-            && now
-                .outside
-                .as_ref()
-                .is_some_and(|outside| outside.speed.abs() < T::HALF * stuck.speed_rad_s);
+        self.silent.count(still, now.time.us);
         let compared = self.compared();
         // Counts that are missing are not counts that stand still.
         let accelerated =
             self.moves_against(settings, compared, now.time.us) && now.moved.is_some();
+        Signs {
+            stands,
+            accelerated,
+            turned,
+            slips: self.moves_beyond(settings, compared, now),
+        }
+    }
+
+    /// What `signs` of a tick mean, with what is remembered.
+    pub(super) fn detections(
+        &self,
+        settings: &ValidDetectorParams<T>,
+        now: &WheelInputs<T>,
+        signs: Signs,
+    ) -> WheelDetections {
+        let Signs {
+            stands,
+            accelerated,
+            turned,
+            slips,
+        } = signs;
+        let slow = T::HALF * settings.params.wheels.stuck.speed_rad_s;
+        let outside = now.outside.as_ref();
+        let blocked = stands && outside.is_some_and(|outside| outside.speed.abs() < slow);
+        let silent = self.silent.has_lasted(MOVED_WITHIN);
         WheelDetections {
             stuck: stands && !blocked,
             blocked,
             against: accelerated || turned,
             reversed: (accelerated && self.turns_against()) || turned,
             silent,
-            dead: silent && commanded,
-            slips: self.moves_beyond(settings, compared, now),
+            dead: silent && now.is_commanded(settings),
+            slips,
         }
     }
 
