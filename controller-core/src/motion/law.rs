@@ -56,7 +56,6 @@ struct Found<'a, T> {
     jumped: bool,
     /// Parked without torque until now, and still.
     released: bool,
-    observer: Observer<T>,
     offset: TransitionOffset<T>,
     command: Command<T>,
     stall: Stall<T>,
@@ -114,6 +113,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         task.check()?;
         self.forget();
         let view = ErrorView::of::<M>(task, &measured.pose, T::ZERO);
+        self.observer = Observer::start(&measured.twist);
         let command = Command::of_robot(motion, &measured.twist);
         let step = Step {
             dt: T::ZERO,
@@ -130,7 +130,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limited: Limited::default(),
             jumped: true,
             released: false,
-            observer: Observer::start(&measured.twist),
             offset: TransitionOffset::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
             stall: Stall::NEW,
@@ -155,7 +154,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         task.check()?;
         let new = !self.aim.is_of(task);
         // What the laws change before it is known whether the tick is refused.
-        let (follower, drive) = (self.follower, self.drive);
+        let (follower, drive, observer) = (self.follower, self.drive, self.observer);
         let mut command = if self.released {
             Command::of_robot(motion, &measured.twist)
         } else {
@@ -167,8 +166,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         } else {
             Watch::Observe
         };
-        let mut observer = self.observer;
-        let bounded = observer.advance(motion, &measured.twist, &command.rate, watch, dt);
+        let bounded = self
+            .observer
+            .advance(motion, &measured.twist, &command.rate, watch, dt);
         let turned = match task {
             Task::Drive { .. } => {
                 self.drive.turn_on(&command, dt);
@@ -231,14 +231,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limited,
             jumped,
             released,
-            observer,
             offset,
             command,
             stall: self.stall.advance(motion, &pushing, dt),
         };
         let finished = self.finish(motion, found, &measured.twist, dt, report);
         if finished.is_err() {
-            (self.follower, self.drive) = (follower, drive);
+            (self.follower, self.drive, self.observer) = (follower, drive, observer);
             self.parking.restore(&parking);
         }
         finished
@@ -351,8 +350,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let limits = &motion.params().limits;
         let command = found.command;
         let velocity_error = twist.minus(&command.twist);
-        let disturbance = found.observer.estimate;
-        let load = found.observer.load();
+        let disturbance = self.observer.estimate;
+        let load = self.observer.load();
         let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
         // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
@@ -361,7 +360,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             Task::Park(_) => self.follower.residue() + self.parking.residue(),
             Task::Drive { .. } => self.drive.residue(),
         };
-        if law + found.residue() + residue([wrench.force, wrench.moment]) != T::ZERO {
+        if law + self.observer.residue() + found.residue() + residue([wrench.force, wrench.moment]) != T::ZERO {
             return Err(StepFault::Overflow);
         }
         let (applied, saturated) = share(
@@ -387,7 +386,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
         self.released =
             self.is_resting(found.task) && motion.releases() && (found.released || stands());
-        self.observer = found.observer;
         self.observer.note((!self.released).then_some(applied));
         let parking = matches!(found.task, Task::Park(_)).then_some(&self.parking);
         *report = MotionReport {
@@ -441,7 +439,6 @@ impl<T: Scalar> Found<'_, T> {
         let PoseError { x, y, theta } = self.error;
         let error = residue([x, y, theta]);
         self.offset.residue()
-            + self.observer.residue()
             + error
             + residue([twist.linear, twist.angular, rate.linear, rate.angular])
     }
