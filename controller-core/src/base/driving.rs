@@ -82,15 +82,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             OutputMode::Drive | OutputMode::Hold => match (&self.task, tick.measured) {
                 (Some(task), Some(measured)) => {
                     let (jumped, dt) = (tick.jumped, tick.dt);
-                    let report = step(
-                        &mut self.law,
-                        motion,
-                        task,
-                        measured,
-                        jumped,
-                        dt,
-                        report,
-                    )?;
+                    let report = step(&mut self.law, motion, task, measured, jumped, dt, report)?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
                         action: drive(motion, report, (speeds, tick.dt), beyond),

@@ -72,7 +72,7 @@ impl<T: Scalar> Follower<T> {
         let (reference, accel) = (now.twist, now.accel);
         let (sine, cosine) = now.heading;
         let v = reference.linear;
-        let slope = gains.lateral / gains.heading * v / (v * v + gains.slow * gains.slow);
+        let slope = motion.lateral * v / (v * v + gains.slow * gains.slow);
         let ahead = slope * now.error.x;
         let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
         let demands = (

@@ -1,6 +1,6 @@
 //! Keeps the command within what the base can do, and says so.
 
-use super::limits::{COMMAND_SHARE, Limits};
+use super::limits::Limits;
 use super::params::ValidMotionParams;
 use super::report::Limited;
 use super::saturation::share;
@@ -164,7 +164,7 @@ impl<T: Scalar> Command<T> {
             force: params.robot.mass_kg * desired.linear,
             moment: params.robot.inertia_kg_m2 * desired.angular,
         };
-        let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
+        let torque = motion.command_torque_nm;
         let (shared, limited) = share(&motion.wheels, &wrench, torque, limits.policy);
         // An axis that did not yield keeps its bits: m (x/m) may be another number than x, and would count as slewed.
         Accel {

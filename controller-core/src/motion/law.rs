@@ -360,7 +360,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             Task::Park(_) => self.follower.residue() + self.parking.residue(),
             Task::Drive { .. } => self.drive.residue(),
         };
-        if law + self.observer.residue() + found.residue() + residue([wrench.force, wrench.moment]) != T::ZERO {
+        if law + self.observer.residue() + found.residue() + residue([wrench.force, wrench.moment])
+            != T::ZERO
+        {
             return Err(StepFault::Overflow);
         }
         let (applied, saturated) = share(

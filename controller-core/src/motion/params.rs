@@ -127,6 +127,12 @@ impl<T: Scalar> MotionParams<T> {
                 force: bound,
                 moment: T::HALF * self.robot.wheels.track_m * bound,
             },
+            loops: (
+                self.robot.mass_kg * gains.speed_loop,
+                self.robot.inertia_kg_m2 * gains.turn_loop,
+            ),
+            command_torque_nm: f(COMMAND_SHARE) * self.limits.wheel_torque_nm,
+            lateral: gains.lateral / gains.heading,
             observer: ObserverLimits::of(&self.limits),
             near: if noisy { noise_radius } else { least },
             noisy,
@@ -215,6 +221,12 @@ pub struct ValidMotionParams<T = f32> {
     pub(crate) noisy: bool,
     /// Largest disturbance that is compensated.
     pub(crate) disturbance: Wrench<T>,
+    /// m κ₁ and I κ₂ of the velocity loops \[N s/m, N m s/rad\].
+    pub(crate) loops: (T, T),
+    /// Torque of a wheel that a command may use \[N m\].
+    pub(crate) command_torque_nm: T,
+    /// c/k₃ of the neuron of e_y; see [`Follower`](super::follow::Follower).
+    pub(crate) lateral: T,
     /// Of the estimates of disturbance and load.
     pub(crate) observer: ObserverLimits<T>,
     /// Neuron of e_x while following \[m/s\].

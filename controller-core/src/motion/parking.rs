@@ -531,7 +531,10 @@ fn start_anew<T: Scalar, M: Maths<T>>(
 }
 
 /// Further from the reference than [`DEPARTURE`].
-fn has_departed<T: Scalar, M: Maths<T>>(motion: &ValidMotionParams<T>, error: &PoseError<T>) -> bool {
+fn has_departed<T: Scalar, M: Maths<T>>(
+    motion: &ValidMotionParams<T>,
+    error: &PoseError<T>,
+) -> bool {
     let (far, turned) = (T::from_f64(DEPARTURE.0), T::from_f64(DEPARTURE.1));
     let most = far + motion.near;
     // What is within half of it in both directions together is so without a root.

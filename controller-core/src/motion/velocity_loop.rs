@@ -13,12 +13,8 @@ pub(crate) fn wrench<T: Scalar>(
     velocity_error: &Twist<T>,
     disturbance: &Wrench<T>,
 ) -> Wrench<T> {
-    let (robot, gains) = (&motion.params().robot, motion.gains());
-    let loops = (
-        robot.mass_kg * gains.speed_loop,
-        robot.inertia_kg_m2 * gains.turn_loop,
-    );
-    let driving = torque::wrench(robot, loops, velocity_error, rate);
+    let robot = &motion.params().robot;
+    let driving = torque::wrench(robot, motion.loops, velocity_error, rate);
     Wrench {
         force: driving.force - disturbance.force,
         moment: driving.moment - disturbance.moment,

@@ -292,8 +292,7 @@ impl<T: Scalar> Wheel<T> {
         let pushed = expected >= T::HALF * settings.load_travel;
         let most = expected + expected + settings.slip_travel;
         let off = now.outside.as_ref().map(|outside| outside.off);
-        let beyond =
-            (pushed && along > most) || off.is_some_and(|off| off.abs() > slip.speed_m_s);
+        let beyond = (pushed && along > most) || off.is_some_and(|off| off.abs() > slip.speed_m_s);
         self.beyond.holds(beyond, now.time.us, slip.after)
     }
 
