@@ -4,7 +4,7 @@ use super::arrival::Parking;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::{Execution, PlanLimits, Reference};
+use super::manoeuvre::{Execution, Moment, PlanLimits, Reference};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::pose_law::{Moving, Step, Transition, Wanted};
@@ -374,8 +374,7 @@ impl<T: Scalar> ParkingLaw<T> {
             self.memory.departed = true;
             transition = Transition::Seamless;
             lent.before.keep_manoeuvre(execution);
-            start_anew::<T, M>(execution, motion, error, moving.command, step.dt);
-            moment = execution.advance::<M>(error, T::ZERO, step.dt)?;
+            moment = start_anew::<T, M>(execution, motion, error, moving.command, step.dt)?;
         }
         let now = Instant {
             twist: &moment.twist,
@@ -526,8 +525,9 @@ fn start_anew<T: Scalar, M: Maths<T>>(
     error: &PoseError<T>,
     Command { twist, rate }: &Command<T>,
     dt: T,
-) {
+) -> Option<Moment<T>> {
     *execution = Execution::start::<M>(&motion.plan.slower(), error, twist, rate, dt);
+    execution.advance::<M>(error, T::ZERO, dt)
 }
 
 /// Further from the reference than [`DEPARTURE`].

@@ -149,6 +149,7 @@ impl<T: Scalar> Execution<T> {
     ///
     /// The position is integrated by the trapezoidal rule with its end correction, dt/2 (f₀ + f₁) +
     /// dt²/12 (f₀′ − f₁′): wrong by dt⁵. At the end of the manoeuvre the reference is the goal.
+    #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         error: &PoseError<T>,

@@ -12,5 +12,5 @@ mod profile;
 mod search;
 
 pub(crate) use candidate::PlanLimits;
-pub(crate) use execution::{Execution, Reference};
+pub(crate) use execution::{Execution, Moment, Reference};
 pub(crate) use profile::AxisLimits;
