@@ -14,37 +14,46 @@
 //! | t | largest impulse of dry friction | N m s |
 //! | c, e | give of the tyre: slip = c f − e; 0 if rigid | m/s per N s, m/s |
 
-use super::slide;
-use super::substep::{Frame, Solved, Task, norm};
+use super::pair::Pair;
+use super::slide::{self, norm};
+use super::substep::{Frame, Solved, Task};
 
 impl Task {
-    /// Speed of wheel `i` under the impulse `f` of the floor: what is left after dry friction.
-    pub fn omega(&self, frame: &Frame, i: usize, f: f64) -> f64 {
-        let left = self.momentum[i] - frame.radius[i] * f;
-        let beyond = (left.abs() - self.dry[i]).max(0.0);
-        beyond.copysign(left) / self.inertia[i]
+    /// Angular momenta of the wheels under forward impulses of the floor, but for dry friction.
+    #[inline(always)]
+    fn left(&self, frame: &Frame, forward: Pair) -> Pair {
+        self.momentum - frame.radius * forward
     }
 
-    /// Dry friction that wheel `i` feels under `f`: −1, 1, or none if it is held.
-    fn turning(&self, frame: &Frame, i: usize, f: f64) -> Option<f64> {
-        let left = self.momentum[i] - frame.radius[i] * f;
-        (left.abs() > self.dry[i]).then_some(1.0_f64.copysign(left))
+    /// Dry friction that wheels feel: −1, 1, or 0 for one that is held.
+    #[inline(always)]
+    fn turning(&self, left: Pair) -> Pair {
+        left.with(self.dry, |left, dry| {
+            if left.abs() > dry {
+                1.0_f64.copysign(left)
+            } else {
+                0.0
+            }
+        })
     }
 
     /// Solves the substep; `guess` is the forward impulses of the last one.
-    pub fn solve(&self, frame: &Frame, guess: [f64; 2]) -> Solved {
+    #[inline(always)]
+    pub fn solve(&self, frame: &Frame, guess: Pair) -> Solved {
         let mut forward = guess;
+        let mut turning = self.turning(self.left(frame, forward));
         // Wheels that turn or are held: a piecewise linear system, whose pieces are right at the
         // first try but in substeps where a wheel starts or stops.
         for _ in 0..PIECES {
-            let turning = [0, 1].map(|i| self.turning(frame, i, forward[i]));
             let (next, across) = self.held_by_floor(frame, turning);
             forward = next;
-            if [0, 1].map(|i| self.turning(frame, i, forward[i])) != turning {
+            let then = self.turning(self.left(frame, forward));
+            if then != turning {
+                turning = then;
                 continue;
             }
-            let floor = [0, 1].map(|i| [forward[i], self.across_of(i, across)]);
-            if (0..2).all(|i| norm(floor[i]) <= self.grip[i]) {
+            let floor = [forward, self.shared(across)];
+            if norm(floor).all(self.grip, |size, grip| size <= grip) {
                 return self.end(frame, floor, [false; 2]);
             }
             break;
@@ -53,65 +62,66 @@ impl Task {
         self.end(frame, floor, slipping)
     }
 
-    /// Sideways impulse of one wheel when the axle slips sideways by `slip`, or shares `total`.
-    fn across_of(&self, i: usize, (total, slip): (f64, f64)) -> f64 {
-        if self.give[i] > 0.0 {
-            (slip + self.held[i][1]) / self.give[i]
+    /// Tyres give; rigid ones do not.
+    #[inline(always)]
+    fn gives(&self) -> bool {
+        self.give[0] > 0.0
+    }
+
+    /// Sideways impulses of the wheels when the axle slips sideways by `slip`, or shares `total`.
+    #[inline(always)]
+    fn shared(&self, (total, slip): (f64, f64)) -> Pair {
+        if self.gives() {
+            (slip + self.held[1]) / self.give
         } else {
-            total * self.share[i]
+            total * self.share
         }
     }
 
     /// Both wheels hold on the floor: three linear equations in both forward impulses and the
     /// whole sideways one. Returns the forward ones, and (whole, slip) sideways.
-    fn held_by_floor(&self, frame: &Frame, turning: [Option<f64>; 2]) -> ([f64; 2], (f64, f64)) {
-        let (along, across) = (frame.along(), frame.across());
-        let between = frame.per_mass - frame.half * frame.half * frame.per_inertia;
-        let skew = frame.half * frame.ahead * frame.per_inertia;
-        let mut diagonal = [0.0; 2];
-        let mut right_side = [0.0; 2];
-        for i in 0..2 {
-            diagonal[i] = along + self.give[i];
-            right_side[i] = self.held[i][0] - frame.forward(&self.free, i);
-            if let Some(sign) = turning[i] {
-                let r = frame.radius[i];
-                diagonal[i] += r * r / self.inertia[i];
-                right_side[i] += r * (self.momentum[i] - sign * self.dry[i]) / self.inertia[i];
-            }
-        }
+    #[inline(always)]
+    fn held_by_floor(&self, frame: &Frame, turning: Pair) -> (Pair, (f64, f64)) {
+        let &Frame { skew, radius, .. } = frame;
+        let still = frame.along + self.give;
+        let pull = self.held[0] - frame.forward(&self.free);
+        // Also of wheels that are held, which do not need it: both at once cost as much as one.
+        let rolling = still + self.rim;
+        let driven = pull + radius * (self.momentum - turning * self.dry) / self.inertia;
+        let turns = |i: usize, yes: Pair, no: Pair| if turning[i] == 0.0 { no[i] } else { yes[i] };
+        let diagonal = [turns(0, rolling, still), turns(1, rolling, still)];
+        let right_side = [turns(0, driven, pull), turns(1, driven, pull)];
         // Two tyres side by side: 1/c = 1/c₁ + 1/c₂, and e is their mean weighted by 1/c.
-        let (give, held) = if self.give[0] > 0.0 {
-            let stiff = self.give.map(|c| 1.0 / c);
+        let (give, held) = if self.gives() {
+            let stiff = 1.0 / self.give;
             let both = stiff[0] + stiff[1];
-            let pull = stiff[0] * self.held[0][1] + stiff[1] * self.held[1][1];
-            (1.0 / both, pull / both)
+            let pull = stiff * self.held[1];
+            (1.0 / both, (pull[0] + pull[1]) / both)
         } else {
             (0.0, 0.0)
         };
-        let last = across + give;
+        let last = frame.across + give;
         let pull = held - frame.sideways(&self.free);
         // Sideways impulse eliminated: its column is (−skew, +skew), its diagonal `last`.
-        let less = skew * skew / last;
-        let a = diagonal[0] - less;
-        let b = diagonal[1] - less;
-        let off = between + less;
-        let first = right_side[0] + skew * pull / last;
-        let second = right_side[1] - skew * pull / last;
+        let [less, moved] = (Pair([skew * skew, skew * pull]) / last).0;
+        let [a, b] = [diagonal[0] - less, diagonal[1] - less];
+        let off = frame.between + less;
+        let [first, second] = [right_side[0] + moved, right_side[1] - moved];
         let determinant = a * b - off * off;
-        let right = (b * first - off * second) / determinant;
-        let left = (a * second - off * first) / determinant;
-        let whole = (pull + skew * (right - left)) / last;
-        ([right, left], (whole, give * whole - held))
+        let forward = Pair([b * first - off * second, a * second - off * first]) / determinant;
+        let whole = (pull + skew * (forward[0] - forward[1])) / last;
+        (forward, (whole, give * whole - held))
     }
 
-    fn end(&self, frame: &Frame, floor: [[f64; 2]; 2], slipping: [bool; 2]) -> Solved {
-        let mut speed = self.free;
-        for (i, impulse) in floor.into_iter().enumerate() {
-            frame.push(&mut speed, i, impulse);
-        }
+    #[inline(always)]
+    fn end(&self, frame: &Frame, floor: [Pair; 2], slipping: [bool; 2]) -> Solved {
+        let push = frame.push(floor);
+        let left = self.left(frame, floor[0]);
+        // What is left after dry friction.
+        let beyond = (left.abs() - self.dry).or_zero();
         Solved {
-            speed,
-            omega: [0, 1].map(|i| self.omega(frame, i, floor[i][0])),
+            speed: [0, 1, 2].map(|n| self.free[n] + push[n][0] + push[n][1]),
+            omega: beyond.with(left, f64::copysign) / self.inertia,
             floor,
             slipping,
         }

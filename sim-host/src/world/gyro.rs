@@ -7,6 +7,7 @@ use super::params::WorldParams;
 use super::plant_fault::PlantFaults;
 use super::random::{Random, Stream};
 use super::sense_params::GyroParams;
+use super::senses::moment_us;
 use std::collections::VecDeque;
 
 /// A sample of the gyro.
@@ -24,6 +25,7 @@ pub(super) struct Gyro {
     bias: f64,
     scale: f64,
     taken: u64,
+    next_us: u64,
     last_theta: f64,
     /// Arrival and moment \[µs\], rate.
     on_the_way: VecDeque<(u64, u64, f64)>,
@@ -44,6 +46,7 @@ impl Gyro {
             scale: 1.0 + within(params.scale_error),
             params,
             taken: 0,
+            next_us: moment_us(0, params.rate_hz),
             last_theta: theta,
             on_the_way: VecDeque::new(),
             last: 0.0,
@@ -52,16 +55,17 @@ impl Gyro {
         })
     }
 
-    /// The next moment at which a sample is taken \[µs\]: the n-th at n/rate, to the microsecond.
-    pub fn next_us(&self) -> u64 {
-        ((self.taken + 1) as f64 * 1.0e6 / self.params.rate_hz).round() as u64
+    /// The next moment at which a sample is taken \[µs\].
+    pub const fn next_us(&self) -> u64 {
+        self.next_us
     }
 
     /// Takes a sample at the moment [`next_us`](Self::next_us), where the robot truly has turned to `theta`.
     pub fn take(&mut self, theta: f64, faults: &PlantFaults) {
         let p = self.params;
-        let moment = self.next_us();
+        let moment = self.next_us;
         self.taken += 1;
+        self.next_us = moment_us(self.taken, p.rate_hz);
         let period = 1.0 / p.rate_hz;
         let truth = (theta - self.last_theta) * p.rate_hz;
         self.last_theta = theta;

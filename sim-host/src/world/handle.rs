@@ -79,9 +79,12 @@ impl World {
             self.take_turns(before.theta, from, to);
         }
         self.now_us += u64::from(dt_us);
-        let electric = (self.electric.supply_v, self.electric.current);
-        self.senses
-            .measure(self.now_us, self.body.angle, electric, &self.faults);
+        self.senses.measure(
+            self.now_us,
+            self.body.angle.0,
+            self.electric.measured(),
+            &self.faults,
+        );
         let now_us = self.now_us;
         self.sample = self.gyro.as_mut().and_then(|gyro| gyro.arrived(now_us));
         Ok(())
@@ -97,8 +100,7 @@ impl World {
             ice: self.faults.ice,
         };
         self.body.substep(&drive, &outside, time_s, h);
-        let mean = [0, 1].map(|i| 0.5 * (before[i] + self.body.omega[i]));
-        self.electric.settle(mean);
+        self.electric.settle(0.5 * (before + self.body.omega));
     }
 
     /// Poses taken within a substep. Between its ends the way is straight to a h²/8, some 1e-8 m.
@@ -203,19 +205,20 @@ impl World {
 
     /// True wheel speeds \[rad/s\].
     pub fn wheel_speeds(&self) -> WheelSpeeds<f64> {
-        let [right, left] = self.body.omega;
+        let [right, left] = self.body.omega.0;
         WheelSpeeds { right, left }
     }
 
     /// Torques that truly act between wheels and floor \[N m\], in the last substep.
     pub fn torques(&self) -> WheelTorques<f64> {
-        let [right, left] = [0, 1].map(|i| self.body.force[i][0] * self.body.radius(i));
+        let [right, left] = self.body.torques().0;
         WheelTorques { right, left }
     }
 
     /// Forces of the floor on the right and the left wheel, forward and leftward \[N\].
     pub fn floor_forces(&self) -> [[f64; 2]; 2] {
-        self.body.force
+        let [forward, leftward] = self.body.force;
+        [0, 1].map(|i| [forward[i], leftward[i]])
     }
 
     /// Whether each wheel is at the end of its grip, right and left.

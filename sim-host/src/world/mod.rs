@@ -41,6 +41,7 @@ mod floor;
 mod gyro;
 mod handle;
 mod keys;
+mod pair;
 mod params;
 mod plant;
 mod plant_fault;
@@ -49,6 +50,7 @@ mod random;
 mod sense_params;
 mod senses;
 mod slide;
+mod speed_loop;
 mod substep;
 
 pub use actuation::{Actuation, Side};

@@ -13,7 +13,8 @@
 
 use super::electric::MotorDrives;
 use super::floor;
-use super::params::{FloorParams, FrictionParams, PushParams, WorldParams};
+use super::pair::Pair;
+use super::params::{FloorParams, PushParams, WorldParams};
 use super::substep::{Frame, Solved, Task};
 use controller_core::maths::{Libm, Maths};
 use controller_core::types::{Measured, Pose, Twist};
@@ -23,25 +24,44 @@ use controller_core::types::{Measured, Pose, Twist};
 pub(super) struct Body {
     frame: Frame,
     mass_kg: f64,
-    /// Of each wheel with its rotor.
-    pub wheel_inertia: [f64; 2],
-    pub load: [f64; 2],
+    /// Of a wheel with its rotor.
+    wheel_inertia: f64,
+    load: Pair,
+    /// Of each wheel in the load.
+    share: Pair,
+    /// Force per slip and way over which a tyre forgets, k/σ \[N/m\].
+    stiff: Pair,
     downhill: [f64; 2],
-    friction: FrictionParams,
+    /// Dry friction of bearing and floor, of a wheel at rest and of one that turns \[N m\].
+    dry: [Pair; 2],
+    viscous_nm_s: f64,
     pub floor: FloorParams,
     pub push: Vec<PushParams>,
     pub pose: Pose<f64>,
     /// (u, v, w) and its rate over the last substep.
     pub speed: [f64; 3],
     rate: [f64; 3],
-    pub omega: [f64; 2],
+    pub omega: Pair,
     /// Turned since the start \[rad\].
-    pub angle: [f64; 2],
-    /// Force of the floor on each wheel, forward and leftward \[N\].
-    pub force: [[f64; 2]; 2],
-    /// Wheels that dry friction held over the last substep.
-    resting: [bool; 2],
+    pub angle: Pair,
+    /// Forces of the floor on the wheels, forward and leftward \[N\].
+    pub force: [Pair; 2],
     pub slipping: [bool; 2],
+    damped: Damped,
+}
+
+/// Wheels in a substep of `h` \[s\] whose motors have a `slope` \[N m s/rad\]: most are as the last one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Damped {
+    h: f64,
+    slope: Pair,
+    /// Angular momentum at the end per speed at the start \[kg m²\].
+    kept: Pair,
+    /// As in [`Task`].
+    inertia: Pair,
+    rim: Pair,
+    /// h k/σ and h² k/σ.
+    stiff: [Pair; 2],
 }
 
 /// What changes from outside during a tick.
@@ -59,32 +79,43 @@ impl Body {
         let b = &p.body;
         let rotor = p.motor.map_or(0.0, |motor| motor.rotor_at_wheel_kg_m2());
         let Measured { pose, twist } = *start;
-        let frame = Frame {
-            per_mass: 1.0 / b.mass_kg,
-            per_inertia: 1.0 / b.inertia_com_kg_m2,
-            half: 0.5 * b.track_m,
-            ahead: b.com_ahead_m,
-            radius: [b.radius_right_m, b.radius_left_m],
-        };
+        let radius = [b.radius_right_m, b.radius_left_m];
+        let half = 0.5 * b.track_m;
+        let frame = Frame::new(b.mass_kg, b.inertia_com_kg_m2, half, b.com_ahead_m, radius);
         let speed = [twist.linear, b.com_ahead_m * twist.angular, twist.angular];
-        let omega = [0, 1].map(|i| frame.forward(&speed, i) / frame.radius[i]);
+        let load = Pair(floor::loads(
+            &p.floor,
+            b.mass_kg,
+            b.load_share,
+            b.load_right,
+        ));
+        let friction = &p.friction;
+        let rolling = friction.rolling * load * frame.radius;
+        // Static friction of 0 means no more than when turning.
+        let bearing = [
+            friction.static_nm.max(friction.coulomb_nm),
+            friction.coulomb_nm,
+        ];
         Self {
-            frame,
             mass_kg: b.mass_kg,
-            wheel_inertia: [b.wheel_inertia_kg_m2 + rotor; 2],
-            load: floor::loads(&p.floor, b.mass_kg, b.load_share, b.load_right),
+            wheel_inertia: b.wheel_inertia_kg_m2 + rotor,
+            load,
+            share: load / (load[0] + load[1]),
+            stiff: p.floor.slip_stiffness * load / p.floor.relaxation_m,
             downhill: floor::downhill(&p.floor, b.mass_kg),
-            friction: p.friction,
+            dry: bearing.map(|bearing| bearing + rolling),
+            viscous_nm_s: friction.viscous_nm_s,
             floor: p.floor.clone(),
             push: p.push.clone(),
             pose,
             speed,
             rate: [0.0; 3],
-            omega,
-            angle: [0.0; 2],
-            force: [[0.0; 2]; 2],
-            resting: omega.map(|omega| omega == 0.0),
+            omega: frame.forward(&speed) / frame.radius,
+            angle: Pair::default(),
+            force: [Pair::default(); 2],
             slipping: [false; 2],
+            damped: Damped::default(),
+            frame,
         }
     }
 
@@ -100,9 +131,8 @@ impl Body {
         self.pose = pose;
         self.speed = [0.0; 3];
         self.rate = [0.0; 3];
-        self.omega = [0.0; 2];
-        self.force = [[0.0; 2]; 2];
-        self.resting = [true; 2];
+        self.omega = Pair::default();
+        self.force = [Pair::default(); 2];
         self.slipping = [false; 2];
     }
 
@@ -111,85 +141,100 @@ impl Body {
         self.frame.sideways(&self.speed)
     }
 
-    pub fn radius(&self, i: usize) -> f64 {
-        self.frame.radius[i]
+    /// Torques between wheels and floor \[N m\].
+    pub fn torques(&self) -> Pair {
+        self.force[0] * self.frame.radius
     }
 
     /// Moves on by `h` \[s\]; `time_s` is its start.
     pub fn substep(&mut self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) {
         let task = self.task(drive, outside, time_s, h);
-        let guess = self.force.map(|[forward, _]| h * forward);
-        let solved = task.solve(&self.frame, guess);
+        let solved = task.solve(&self.frame, h * self.force[0]);
         self.accept(&solved, h);
     }
 
-    fn task(&self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) -> Task {
+    #[inline(always)]
+    fn task(&mut self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) -> Task {
+        if self.damped.h != h || self.damped.slope != drive.slope {
+            self.damped = self.damped(drive.slope, h);
+        }
+        let damped = &self.damped;
         let (dry, grip) = self.bounds(drive, outside, time_s);
         let mut task = Task {
             free: self.free(time_s, h),
-            momentum: [0.0; 2],
-            inertia: [0.0; 2],
-            dry: dry.map(|torque| h * torque),
-            give: [0.0; 2],
-            held: [[0.0; 2]; 2],
-            grip: grip.map(|force| h * force),
-            share: self.load.map(|load| load / (self.load[0] + self.load[1])),
+            momentum: damped.kept * self.omega + h * drive.torque,
+            inertia: damped.inertia,
+            rim: damped.rim,
+            dry: h * dry,
+            give: Pair::default(),
+            held: [Pair::default(); 2],
+            grip: h * grip,
+            share: self.share,
         };
-        for i in 0..2 {
-            let damping = h * (drive.slope[i] + self.friction.viscous_nm_s);
-            let inertia = self.wheel_inertia[i];
-            // Share of the damping at the end: 1/2 is second order, 1/2 + z/12 follows the
-            // exponential for z = damping/inertia, 1 never overshoots.
-            let end = (0.5 + damping / inertia / 12.0).min(1.0);
-            task.momentum[i] =
-                (inertia - damping * (1.0 - end)) * self.omega[i] + h * drive.torque[i];
-            task.inertia[i] = inertia + damping * end;
-            if self.floor.slip_stiffness > 0.0 {
-                // Tyre as a spring k that forgets over the relaxation length σ:
-                // z' = slip − |r ω| z/σ, F = k z; implicit in h it gives slip = c f − e.
-                let stiff = self.floor.slip_stiffness * self.load[i] / self.floor.relaxation_m;
-                let tread = (self.frame.radius[i] * self.omega[i]).abs();
-                let forget = 1.0 + h * tread / self.floor.relaxation_m;
-                task.give[i] = forget / (stiff * h * h);
-                task.held[i] = self.force[i].map(|force| force / (stiff * h));
-            }
+        if self.floor.slip_stiffness > 0.0 {
+            // Tyre as a spring k that forgets over the relaxation length σ:
+            // z' = slip − |r ω| z/σ, F = k z; implicit in h it gives slip = c f − e.
+            let [once, twice] = damped.stiff;
+            let tread = (self.frame.radius * self.omega).abs();
+            let forget = 1.0 + h * tread / self.floor.relaxation_m;
+            task.give = forget / twice;
+            task.held = self.force.map(|force| force / once);
         }
         task
     }
 
-    /// Dry friction \[N m\] and grip \[N\] of each wheel.
-    fn bounds(&self, drive: &MotorDrives, outside: &Outside, time_s: f64) -> ([f64; 2], [f64; 2]) {
-        let friction = &self.friction;
-        let axle = if self.floor.patch.is_empty() {
-            [0.0; 2]
-        } else {
-            let (sine, cosine) = Libm::sin_cos(self.pose.theta);
-            [-sine, cosine].map(|part| part * self.frame.half)
-        };
-        let (mut dry, mut grip) = ([0.0; 2], [0.0; 2]);
-        for i in 0..2 {
-            // Static friction of 0 means no more than when turning.
-            let bearing = if self.resting[i] {
-                friction.static_nm.max(friction.coulomb_nm)
-            } else {
-                friction.coulomb_nm
-            };
-            let rolling = friction.rolling * self.load[i] * self.frame.radius[i];
-            dry[i] = bearing + rolling + drive.loss[i];
-            if outside.blocked[i] {
-                dry[i] = BLOCKED;
-            }
-            // The left wheel stands to the left of the middle.
-            let side = if i == 0 { -1.0 } else { 1.0 };
-            let place = [self.pose.x + side * axle[0], self.pose.y + side * axle[1]];
-            let mu = floor::mu(&self.floor, place, time_s);
-            grip[i] = outside.ice[i].map_or(mu, |ice| mu.min(ice)) * self.load[i];
+    fn damped(&self, slope: Pair, h: f64) -> Damped {
+        let inertia = self.wheel_inertia;
+        let damping = h * (slope + self.viscous_nm_s);
+        // Share of the damping at the end: 1/2 is second order, 1/2 + z/12 follows the
+        // exponential for z = damping/inertia, 1 never overshoots.
+        let end = (0.5 + damping / inertia / 12.0).map(|end| end.min(1.0));
+        let at_end = inertia + damping * end;
+        let once = self.stiff * h;
+        Damped {
+            h,
+            slope,
+            kept: inertia - damping * (1.0 - end),
+            inertia: at_end,
+            rim: self.frame.radius * self.frame.radius / at_end,
+            stiff: [once, once * h],
         }
-        (dry, grip)
+    }
+
+    /// Dry friction \[N m\] and grip \[N\] of each wheel.
+    #[inline(always)]
+    fn bounds(&self, drive: &MotorDrives, outside: &Outside, time_s: f64) -> (Pair, Pair) {
+        let [resting, turning] = self.dry;
+        let dry = |i: usize| {
+            if self.omega[i] == 0.0 {
+                resting[i]
+            } else {
+                turning[i]
+            }
+        };
+        let mut dry = Pair([dry(0), dry(1)]) + drive.loss;
+        if outside.blocked != [false; 2] {
+            dry = Pair([0, 1].map(|i| if outside.blocked[i] { BLOCKED } else { dry[i] }));
+        }
+        let mut mu = [self.floor.mu; 2];
+        if !self.floor.patch.is_empty() {
+            let (sine, cosine) = Libm::sin_cos(self.pose.theta);
+            // The left wheel stands to the left of the middle.
+            let [x, y] = [-sine, cosine].map(|part| part * self.frame.lever);
+            mu = [0, 1].map(|i| {
+                let place = [self.pose.x - x[i], self.pose.y - y[i]];
+                floor::mu(&self.floor, place, time_s)
+            });
+        }
+        if outside.ice != [None; 2] {
+            mu = [0, 1].map(|i| outside.ice[i].map_or(mu[i], |ice| mu[i].min(ice)));
+        }
+        (dry, Pair(mu) * self.load)
     }
 
     /// (u, v, w) at the end of the substep if no wheel touched anything. Rotation, slope and pushes
     /// are taken at the middle, as far as the last substep's rate tells where that is.
+    #[inline(always)]
     fn free(&self, time_s: f64, h: f64) -> [f64; 3] {
         let [u, v, w] = self.speed;
         let [mid_u, mid_v, mid_w] = [0, 1, 2].map(|n| self.speed[n] + 0.5 * h * self.rate[n]);
@@ -208,6 +253,7 @@ impl Body {
         free
     }
 
+    #[inline(always)]
     fn accept(&mut self, solved: &Solved, h: f64) {
         let before = self.speed;
         let sideways = 0.5 * (self.sideways() + self.frame.sideways(&solved.speed));
@@ -221,20 +267,15 @@ impl Body {
         self.pose.x += h * (ahead * cosine - sideways * sine);
         self.pose.y += h * (ahead * sine + sideways * cosine);
         self.pose.theta += h * 0.5 * (before[2] + self.speed[2]);
-        for i in 0..2 {
-            self.angle[i] += h * 0.5 * (self.omega[i] + solved.omega[i]);
-            self.omega[i] = solved.omega[i];
-            self.resting[i] = self.omega[i] == 0.0;
-            self.force[i] = solved.floor[i].map(|impulse| impulse / h);
-        }
+        self.angle = self.angle + h * 0.5 * (self.omega + solved.omega);
+        self.omega = solved.omega;
+        self.force = solved.floor.map(|impulse| impulse / h);
         self.slipping = solved.slipping;
     }
 
     /// Half of the mass each, and the wheel: what a driver moves on a straight line \[kg m²\].
-    pub fn moved(&self) -> [f64; 2] {
-        [0, 1].map(|i| {
-            let r = self.frame.radius[i];
-            0.5 * self.mass_kg * r * r + self.wheel_inertia[i]
-        })
+    pub fn moved(&self) -> Pair {
+        let r = self.frame.radius;
+        0.5 * self.mass_kg * r * r + self.wheel_inertia
     }
 }

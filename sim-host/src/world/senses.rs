@@ -21,8 +21,9 @@ pub(super) struct Senses {
     shown: [i64; 2],
     /// Poses on their way: arrival and moment \[µs\], pose.
     on_the_way: VecDeque<(u64, u64, Pose<f64>)>,
-    /// Poses taken.
+    /// Poses taken, and the moment of the next one \[µs\].
     taken: u64,
+    next_us: Option<u64>,
     pub fix: Option<(Pose<f64>, f64)>,
     pub supply_v: f64,
     pub current_a: [f64; 2],
@@ -52,6 +53,7 @@ impl Senses {
             shown: [0; 2],
             on_the_way: VecDeque::new(),
             taken: 0,
+            next_us: p.pose_source.map(|source| moment_us(0, source.rate_hz)),
             fix: None,
             supply_v: p.battery.open_circuit_v.unwrap_or(p.battery.nominal_v),
             current_a: [0.0; 2],
@@ -67,18 +69,18 @@ impl Senses {
         }
     }
 
-    /// The next moment at which a pose is taken \[µs\]: the n-th at n/rate, to the microsecond.
-    pub fn next_pose_us(&self) -> Option<u64> {
-        let source = self.source?;
-        Some(((self.taken + 1) as f64 * 1.0e6 / source.rate_hz).round() as u64)
+    /// The next moment at which a pose is taken \[µs\].
+    pub const fn next_pose_us(&self) -> Option<u64> {
+        self.next_us
     }
 
     /// Takes a pose at the moment [`next_pose_us`](Self::next_pose_us).
     pub fn take_pose(&mut self, truth: Pose<f64>, faults: &PlantFaults) {
-        let (Some(source), Some(moment)) = (self.source, self.next_pose_us()) else {
+        let (Some(source), Some(moment)) = (self.source, self.next_us) else {
             return;
         };
         self.taken += 1;
+        self.next_us = Some(moment_us(self.taken, source.rate_hz));
         // Drawn before anything is decided, so that no fault shifts the numbers after it.
         let dropped = self.random.drop.chance(source.drop_probability);
         let noise = [self.random.position.normal(), self.random.position.normal()];
@@ -173,4 +175,9 @@ impl Senses {
         // A cast of a float saturates, so the longest tick is some 71 minutes and no wrap.
         ((f64::from(period_us) + even + lateness).max(1.0) as u32).saturating_add(late_us)
     }
+}
+
+/// The moment of a sample after `taken` others \[µs\]: the n-th at n/rate, to the microsecond.
+pub(super) fn moment_us(taken: u64, rate_hz: f64) -> u64 {
+    ((taken + 1) as f64 * 1.0e6 / rate_hz).round() as u64
 }

@@ -1,5 +1,7 @@
 //! A substep of the contacts: what is given and what is found. Symbols as in [`super::contact`].
 
+use super::pair::Pair;
+
 /// The body as contacts see it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
@@ -7,28 +9,36 @@ pub(super) struct Frame {
     pub per_mass: f64,
     /// 1/I about the centre of mass.
     pub per_inertia: f64,
-    /// Half the track.
-    pub half: f64,
     /// Centre of mass ahead of the axle.
     pub ahead: f64,
-    pub radius: [f64; 2],
+    pub radius: Pair,
+    /// +b for the right wheel, −b for the left, b half the track: an impulse forward at the right turns left.
+    pub lever: Pair,
+    /// Change of the forward speed at a wheel per impulse there, and per impulse at the other wheel.
+    pub along: f64,
+    pub between: f64,
+    /// Change of the sideways speed per impulse sideways, and per impulse forward at the left wheel.
+    pub across: f64,
+    pub skew: f64,
 }
 
-/// A substep to be solved. Pairs are right, left.
+/// A substep to be solved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task {
     /// (u, v, w) without any contact.
     pub free: [f64; 3],
-    pub momentum: [f64; 2],
-    pub inertia: [f64; 2],
-    pub dry: [f64; 2],
-    pub give: [f64; 2],
+    pub momentum: Pair,
+    pub inertia: Pair,
+    /// r²/D: change of the speed of a wheel's rim per impulse there, while it turns.
+    pub rim: Pair,
+    pub dry: Pair,
+    pub give: Pair,
     /// e forward and leftward of each wheel.
-    pub held: [[f64; 2]; 2],
+    pub held: [Pair; 2],
     /// Largest impulse of the floor on each wheel.
-    pub grip: [f64; 2],
+    pub grip: Pair,
     /// Share of each wheel in a sideways impulse while both hold.
-    pub share: [f64; 2],
+    pub share: Pair,
 }
 
 /// What a substep ends with.
@@ -36,46 +46,48 @@ pub(super) struct Task {
 pub(super) struct Solved {
     /// (u, v, w).
     pub speed: [f64; 3],
-    pub omega: [f64; 2],
+    pub omega: Pair,
     /// Impulse of the floor on each wheel, forward and leftward.
-    pub floor: [[f64; 2]; 2],
+    pub floor: [Pair; 2],
     pub slipping: [bool; 2],
 }
 
 impl Frame {
-    /// +b for the right wheel, −b for the left: an impulse forward at the right turns left.
-    pub fn lever(&self, i: usize) -> f64 {
-        if i == 0 { self.half } else { -self.half }
+    /// Of mass, inertia, half the track, the centre of mass ahead of the axle, and radii.
+    pub fn new(mass: f64, inertia: f64, half: f64, ahead: f64, radius: [f64; 2]) -> Self {
+        let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
+        Self {
+            per_mass,
+            per_inertia,
+            ahead,
+            radius: Pair(radius),
+            lever: Pair([half, -half]),
+            along: per_mass + half * half * per_inertia,
+            between: per_mass - half * half * per_inertia,
+            across: per_mass + ahead * ahead * per_inertia,
+            skew: half * ahead * per_inertia,
+        }
     }
 
-    /// Speed of a wheel's contact over the floor, forward; it is (u + lever w).
-    pub fn forward(&self, speed: &[f64; 3], i: usize) -> f64 {
-        speed[0] + self.lever(i) * speed[2]
+    /// Speeds of the wheels' contacts over the floor, forward; a wheel has (u + lever w).
+    #[inline(always)]
+    pub fn forward(&self, speed: &[f64; 3]) -> Pair {
+        speed[0] + self.lever * speed[2]
     }
 
     /// Speed of the axle sideways, the same at both wheels: v − d w.
+    #[inline(always)]
     pub fn sideways(&self, speed: &[f64; 3]) -> f64 {
         speed[1] - self.ahead * speed[2]
     }
 
-    /// Adds what an impulse on wheel `i` does.
-    pub fn push(&self, speed: &mut [f64; 3], i: usize, [f, y]: [f64; 2]) {
-        speed[0] += self.per_mass * f;
-        speed[1] += self.per_mass * y;
-        speed[2] += self.per_inertia * (self.lever(i) * f - self.ahead * y);
+    /// What impulses forward and leftward do, of each wheel: changes of u, v and w.
+    #[inline(always)]
+    pub fn push(&self, [f, y]: [Pair; 2]) -> [Pair; 3] {
+        [
+            self.per_mass * f,
+            self.per_mass * y,
+            self.per_inertia * (self.lever * f - self.ahead * y),
+        ]
     }
-
-    /// Change of the forward speed at a wheel per impulse there.
-    pub fn along(&self) -> f64 {
-        self.per_mass + self.half * self.half * self.per_inertia
-    }
-
-    /// The same sideways.
-    pub fn across(&self) -> f64 {
-        self.per_mass + self.ahead * self.ahead * self.per_inertia
-    }
-}
-
-pub(super) fn norm([f, y]: [f64; 2]) -> f64 {
-    (f * f + y * y).sqrt()
 }
