@@ -37,6 +37,13 @@ impl Task {
         })
     }
 
+    /// Whether [`turning`](Self::turning) is as it was.
+    #[inline(always)]
+    fn goes_on(&self, turning: Pair, left: Pair) -> bool {
+        let beyond = (turning * left).all(self.dry, |beyond, dry| beyond > dry);
+        beyond || self.turning(left) == turning
+    }
+
     /// Solves the substep; `guess` is the forward impulses of the last one.
     #[inline(always)]
     pub fn solve(&self, frame: &Frame, guess: Pair) -> Solved {
@@ -47,19 +54,19 @@ impl Task {
         for _ in 0..PIECES {
             let (next, across) = self.held_by_floor(frame, turning);
             forward = next;
-            let then = self.turning(self.left(frame, forward));
-            if then != turning {
-                turning = then;
+            let left = self.left(frame, forward);
+            if !self.goes_on(turning, left) {
+                turning = self.turning(left);
                 continue;
             }
             let floor = [forward, self.shared(across)];
             if norm(floor).all(self.grip, |size, grip| size <= grip) {
-                return self.end(frame, floor, [false; 2]);
+                return self.end(frame, floor, left, [false; 2]);
             }
             break;
         }
         let (floor, slipping) = slide::solve(self, frame, forward);
-        self.end(frame, floor, slipping)
+        self.end(frame, floor, self.left(frame, floor[0]), slipping)
     }
 
     /// Tyres give; rigid ones do not.
@@ -114,9 +121,8 @@ impl Task {
     }
 
     #[inline(always)]
-    fn end(&self, frame: &Frame, floor: [Pair; 2], slipping: [bool; 2]) -> Solved {
+    fn end(&self, frame: &Frame, floor: [Pair; 2], left: Pair, slipping: [bool; 2]) -> Solved {
         let push = frame.push(floor);
-        let left = self.left(frame, floor[0]);
         // What is left after dry friction.
         let beyond = (left.abs() - self.dry).or_zero();
         Solved {

@@ -66,19 +66,24 @@ impl World {
         self.last = acting;
         let steps = dt_us.div_ceil(self.substep_us);
         let h_us = f64::from(dt_us) / f64::from(steps);
+        let end_us = self.now_us + u64::from(dt_us);
+        let due = |us: Option<u64>| us.is_some_and(|us| us <= end_us);
+        let samples = due(self.senses.next_pose_us()) || due(self.gyro.as_ref().map(Gyro::next_us));
         for step in 0..steps {
             let from = self.now_us as f64 + f64::from(step) * h_us;
             let before = self.body.pose;
             self.substep(&acting, 1.0e-6 * from, 1.0e-6 * h_us);
-            let to = if step + 1 == steps {
-                (self.now_us + u64::from(dt_us)) as f64
-            } else {
-                from + h_us
-            };
-            self.take_poses(before, from, to);
-            self.take_turns(before.theta, from, to);
+            if samples {
+                let to = if step + 1 == steps {
+                    end_us as f64
+                } else {
+                    from + h_us
+                };
+                self.take_poses(before, from, to);
+                self.take_turns(before.theta, from, to);
+            }
         }
-        self.now_us += u64::from(dt_us);
+        self.now_us = end_us;
         self.senses.measure(
             self.now_us,
             self.body.angle.0,
