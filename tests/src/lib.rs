@@ -11,6 +11,7 @@ pub mod encoded;
 pub mod fixes;
 pub mod fuzz;
 pub mod golden;
+pub mod host_cost;
 pub mod ideal;
 pub mod led;
 pub mod localised;
