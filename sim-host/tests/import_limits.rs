@@ -1,13 +1,16 @@
 //! Time-scaled trajectories keep every limit on the same path; compact ones keep their tolerance.
 
 use proptest::prelude::*;
+use sim_host::drive::{Retiming, trajectory};
 use sim_host::import::{
     Bound, DriveLimits, Options, Pace, ReferenceLimits, Sample, Tolerance, Trajectory, compact,
     import,
 };
+use sim_host::mission::BaseSpec;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use tests::stated::{At, Stated};
 
 fn load(name: &str) -> Result<Trajectory, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
@@ -286,6 +289,20 @@ fn double_s(length: f64, speed: f64, accel: f64, jerk: f64) -> f64 {
     length / speed + ramp
 }
 
+/// Every limit is kept, jerk among them.
+fn assert_within(run: &Trajectory, limits: &ReferenceLimits) {
+    let tick = 0.002;
+    let mut before = run.at(0.0);
+    for i in 1..=(run.duration() / tick) as u32 {
+        let s = run.at(tick * f64::from(i));
+        assert!(excess(&s, limits) < BETWEEN, "{s:?}");
+        let jerk = [s.a - before.a, s.alpha - before.alpha].map(|d| (d / tick).abs());
+        assert!(jerk[0] < BETWEEN * limits.max_jerk, "{s:?}");
+        assert!(jerk[1] < BETWEEN * limits.max_angular_jerk, "{s:?}");
+        before = s;
+    }
+}
+
 /// The time of the run beside the optimum; it keeps every limit, and ends where the path does.
 fn beside_optimum(
     file: &str,
@@ -298,16 +315,7 @@ fn beside_optimum(
     assert!(scaling.load <= 1.0, "{scaling}");
     let ratio = run.duration() / optimum;
     assert!((0.999..1.03).contains(&ratio), "{ratio}: {optimum}");
-    let tick = 0.002;
-    let mut before = run.at(0.0);
-    for i in 1..=(run.duration() / tick) as u32 {
-        let s = run.at(tick * f64::from(i));
-        assert!(excess(&s, limits) < BETWEEN, "{s:?}");
-        let jerk = [s.a - before.a, s.alpha - before.alpha].map(|d| (d / tick).abs());
-        assert!(jerk[0] < 1.01 * limits.max_jerk, "{s:?}");
-        assert!(jerk[1] < 1.01 * limits.max_angular_jerk, "{s:?}");
-        before = s;
-    }
+    assert_within(&run, limits);
     let (a, b) = (file.at(file.duration()), run.at(run.duration()));
     assert!((a.x - b.x).hypot(a.y - b.y) < 1e-9 && b.v.abs() < 1e-6);
     Ok(())
@@ -482,6 +490,23 @@ fn apart(from: &Trajectory, to: &Trajectory) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// A run is inside the tube about its file, and at its first and last pose.
+fn assert_inside(name: &str, run: &Trajectory, file: &Trajectory, tube: f64) {
+    let (there, back) = (apart(run, file), apart(file, run));
+    // Between the places of the tube, and between points.
+    assert!(there.max(back) < tube + 3e-4, "{name}: {there} {back}");
+    for (a, b) in [
+        (file.at(0.0), run.at(0.0)),
+        (file.at(file.duration()), run.at(run.duration())),
+    ] {
+        let off = (a.x - b.x).hypot(a.y - b.y);
+        assert!(
+            off < 2e-5 && (a.theta - b.theta).abs() < 1e-4,
+            "{name}: {off} {a:?} {b:?}"
+        );
+    }
+}
+
 #[test]
 fn a_tube_saves_time_and_is_kept() -> Result<(), Box<dyn Error>> {
     // A heavy base, slow to turn.
@@ -543,19 +568,7 @@ fn a_tube_saves_time_and_is_kept() -> Result<(), Box<dyn Error>> {
             let by = scaling.departure.map_or(0.0, |by| by.position_m);
             assert!(by <= tube && plain.departure.is_none(), "{name}: {scaling}");
             saved += u32::from(run.duration() < 0.95 * exact.duration());
-            let (there, back) = (apart(&run, &file), apart(&file, &run));
-            // Between the places of the tube, and between points.
-            assert!(there.max(back) < tube + 3e-4, "{name}: {there} {back}");
-            for (a, b) in [
-                (file.at(0.0), run.at(0.0)),
-                (file.at(file.duration()), run.at(run.duration())),
-            ] {
-                let off = (a.x - b.x).hypot(a.y - b.y);
-                assert!(
-                    off < 2e-5 && (a.theta - b.theta).abs() < 1e-4,
-                    "{name}: {off} {a:?} {b:?}"
-                );
-            }
+            assert_inside(name, &run, &file, tube);
             let steps = 20_000;
             let h = run.duration() / f64::from(steps);
             for i in 0..=steps {
@@ -565,5 +578,55 @@ fn a_tube_saves_time_and_is_kept() -> Result<(), Box<dyn Error>> {
         }
     }
     assert!(saved > 3, "{saved}");
+    Ok(())
+}
+
+/// File, base, pace, least time \[s\]; how they were computed stands in the file.
+const LEAST_TIMES: &str = include_str!("least_times.csv");
+
+/// What a file takes beside the least time of any path in its tube, with what is left of a base's
+/// limits for references.
+#[test]
+fn files_take_the_least_time_but_for_what_the_document_says() -> Result<(), Box<dyn Error>> {
+    let mut page = Stated::of("docs/trajectories.md");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let bases = ["paper-30kg", "lab-10kg", "hobby-1kg"];
+    let rows: Vec<Vec<&str>> = LEAST_TIMES
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| line.split(',').collect())
+        .collect();
+    // Ten files on three bases at two paces.
+    assert_eq!(rows.len(), 60);
+    let mut most = [[0.0_f64; 3]; 2];
+    for row in rows {
+        let [name, base, pace, least] = row[..] else {
+            return Err(format!("{row:?}").into());
+        };
+        let column = bases.iter().position(|b| *b == base).ok_or(base)?;
+        let (row, pace) = match pace {
+            "own" => (0, Pace::Own),
+            "fastest" => (1, Pace::Fastest),
+            other => return Err(other.into()),
+        };
+        let spec = BaseSpec::load(&folder.join(format!("../bases/{base}.toml")))?;
+        let file = trajectory(&fs::read(folder.join("tests/fixtures").join(name))?)?;
+        let retiming = Retiming {
+            pace,
+            ..Retiming::default()
+        };
+        let (run, scaling) = retiming.of(&file, &spec)?;
+        let ratio = run.duration() / least.parse::<f64>()?;
+        // Of other limits, or of another tube, the least time would be another.
+        assert!((0.99..=1.05).contains(&ratio), "{name} {base}: {ratio}");
+        most[row][column] = most[row][column].max(ratio);
+        assert!(scaling.load <= 1.0, "{name} {base}: {scaling}");
+        let departs = scaling.departure.map_or(0.0, |by| by.position_m);
+        assert!(departs <= retiming.tolerance_m, "{name} {base}: {scaling}");
+        assert_inside(name, &run, &file, retiming.tolerance_m);
+        assert_within(&run, &spec.reference_limits());
+    }
+    page.at_most(At::Row("Time", "at the file's pace"), &most[0]);
+    page.at_most(At::Row("Time", "fastest"), &most[1]);
     Ok(())
 }

@@ -39,6 +39,8 @@ mod detect;
 mod figures;
 mod fit;
 mod format;
+mod interior;
+mod joint;
 mod json;
 mod limits;
 mod options;

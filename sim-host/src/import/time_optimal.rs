@@ -11,13 +11,10 @@
 //! spline's piece depends on three coefficients, so that each step solves equations with five
 //! diagonals: linear in the number of pieces.
 
-/// A row of limits: `g` on the coefficients of a piece is at most `h`, in parts of the limit.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
-    pub(super) piece: usize,
-    pub(super) g: [f64; 3],
-    pub(super) h: f64,
-}
+use super::interior::{Active, Convex, descend};
+
+/// A row of limits on the coefficients of a piece.
+pub(super) type Row = super::interior::Row<3>;
 
 /// |√q g| is at most 1, with q from `value` on the coefficients of the piece.
 #[derive(Clone, Copy, Debug)]
@@ -96,35 +93,8 @@ const GAUSS: [(f64, f64); 2] = [
     (0.211_324_865_405_187_1, 0.5),
     (0.788_675_134_594_812_9, 0.5),
 ];
-/// Most steps; 25 to 60 are usual.
-const STEPS: usize = 150;
-/// The descent is lost once so many times the time could be gained.
-const LOST: f64 = 1e6;
 /// Part of the limits that a start within them uses.
 const INSIDE: f64 = 0.8;
-/// Part of a limit by which an optimum may be beyond it.
-const MISS: f64 = 1e-5;
-/// Slack at the start, at least, and what could be gained there in parts of the time.
-const FIRST_SLACK: f64 = 0.05;
-const FIRST_GAP: f64 = 0.1;
-/// A step goes this part of the way to the nearest limit.
-const NEAR: f64 = 0.99;
-
-/// A limit as the method sees it.
-struct Active {
-    row: Row,
-    /// What is left of it.
-    slack: f64,
-    /// Its multiplier.
-    dual: f64,
-    /// By how much the coefficients have more left than the slack says.
-    miss: f64,
-    /// By how much the step lowers the slack.
-    falls: f64,
-    /// What the product of slack and multiplier is to be.
-    aim: f64,
-}
-
 impl Problem {
     /// Coefficients that are slow enough if q changes little.
     pub(super) fn slow(&self) -> Vec<f64> {
@@ -169,8 +139,8 @@ impl Problem {
     }
 
     /// The same by one descent; and whether it arrived.
-    fn descend(&self, mut c: Vec<f64>, gain: f64) -> (Vec<f64>, bool) {
-        let mut active: Vec<Active> = Vec::new();
+    fn descend(&self, c: Vec<f64>, gain: f64) -> (Vec<f64>, bool) {
+        let mut active: Vec<Active<3>> = Vec::new();
         for (i, (most, here)) in self.most.iter().zip(&c).enumerate() {
             // A coefficient alone, as a row of a piece that has it: positive, and at most so large.
             let piece = i.min(self.spline.pieces().saturating_sub(1));
@@ -192,76 +162,16 @@ impl Problem {
             };
             active.extend([Active::new(blank), Active::new(blank)]);
         }
-        let mut system = Banded::new(c.len());
-        let mut fresh = true;
-        for _ in 0..STEPS {
-            self.renew(&c, active.get_mut(first_jerk..).unwrap_or_default());
-            let time = self.cost(&c, &mut system);
-            let count = active.len() as f64;
-            let mut worst: f64 = 0.0;
-            for limit in &mut active {
-                let left = limit.row.h - dot(&limit.row.g, &c, limit.row.piece);
-                if fresh {
-                    limit.slack = left.max(FIRST_SLACK);
-                    limit.dual = FIRST_GAP * time / (count * limit.slack);
-                }
-                limit.slack = limit.slack.max(left);
-                limit.miss = left - limit.slack;
-                worst = worst.max(-limit.miss);
-            }
-            fresh = false;
-            let gap: f64 = active.iter().map(|l| l.slack * l.dual).sum();
-            if gap < gain * time && worst < MISS {
-                return (c, true);
-            }
-            for limit in &active {
-                system.weigh(limit.row.piece, &limit.row.g, limit.dual / limit.slack);
-            }
-            if gap > LOST * time || !system.factorise() {
-                break;
-            }
-            for limit in &active {
-                let push = limit.dual * limit.miss / limit.slack;
-                system.push(limit.row.piece, &limit.row.g, push);
-            }
-            // Straight for the optimum, to see how far that goes; then with what this says of the
-            // centre, and of how slack and multiplier change together.
-            let straight = system.solve();
-            for limit in &mut active {
-                limit.falls = dot(&limit.row.g, &straight, limit.row.piece) - limit.miss;
-                limit.aim = 0.0;
-            }
-            let (primal, dual) = longest(&active, 1.0);
-            let after: f64 = active
-                .iter()
-                .map(|l| (l.slack - primal * l.falls) * (l.dual + dual * l.change()))
-                .sum();
-            let mu = (after / gap).powi(3) * gap / count;
-            for limit in &mut active {
-                limit.aim = mu + limit.falls * limit.change();
-                system.push(limit.row.piece, &limit.row.g, -limit.aim / limit.slack);
-            }
-            let step = system.solve();
-            if !step.iter().all(|step| step.is_finite()) {
-                break;
-            }
-            for limit in &mut active {
-                limit.falls = dot(&limit.row.g, &step, limit.row.piece) - limit.miss;
-            }
-            let (primal, dual) = longest(&active, NEAR);
-            for limit in &mut active {
-                limit.dual += dual * limit.change();
-                limit.slack -= primal * limit.falls;
-            }
-            for (c, step) in c.iter_mut().zip(&step) {
-                *c += primal * step;
-            }
-        }
-        (c, false)
+        let mut descent = Descent {
+            problem: self,
+            system: Banded::new(c.len()),
+            first_jerk,
+        };
+        descend(&mut descent, c, active, gain)
     }
 
     /// Tangents of what jerk may be.
-    fn renew(&self, c: &[f64], limits: &mut [Active]) {
+    fn renew(&self, c: &[f64], limits: &mut [Active<3>]) {
         for (row, pair) in self.jerks.iter().zip(limits.chunks_exact_mut(2)) {
             let q = dot(&row.value, c, row.piece).max(f64::MIN_POSITIVE);
             let root = q.sqrt();
@@ -293,38 +203,43 @@ impl Problem {
     }
 }
 
-impl Active {
-    fn new(row: Row) -> Self {
-        Self {
-            row,
-            slack: 1.0,
-            dual: 0.0,
-            miss: 0.0,
-            falls: 0.0,
-            aim: 0.0,
-        }
-    }
-
-    /// The change of the multiplier that goes with the step.
-    fn change(&self) -> f64 {
-        (self.aim + self.dual * self.falls) / self.slack - self.dual
-    }
+/// The problem with the equations of a step.
+struct Descent<'a> {
+    problem: &'a Problem,
+    system: Banded,
+    /// Limits from here on are tangents.
+    first_jerk: usize,
 }
 
-/// The longest steps of coefficients and of multipliers, at most 1, that go a part of the way to the
-/// nearest limit.
-fn longest(active: &[Active], part: f64) -> (f64, f64) {
-    let (mut primal, mut dual) = (1.0_f64, 1.0_f64);
-    for limit in active {
-        if limit.falls > 0.0 {
-            primal = primal.min(part * limit.slack / limit.falls);
-        }
-        let change = limit.change();
-        if change < 0.0 {
-            dual = dual.min(-part * limit.dual / change);
-        }
+impl Convex<3> for Descent<'_> {
+    fn dot(&self, g: &[f64; 3], variables: &[f64], piece: usize) -> f64 {
+        dot(g, variables, piece)
     }
-    (primal, dual)
+
+    fn renew(&self, variables: &[f64], limits: &mut [Active<3>]) {
+        let tangents = limits.get_mut(self.first_jerk..).unwrap_or_default();
+        self.problem.renew(variables, tangents);
+    }
+
+    fn cost(&mut self, variables: &[f64]) -> f64 {
+        self.problem.cost(variables, &mut self.system)
+    }
+
+    fn weigh(&mut self, piece: usize, g: &[f64; 3], weight: f64) {
+        self.system.weigh(piece, g, weight);
+    }
+
+    fn push(&mut self, piece: usize, g: &[f64; 3], push: f64) {
+        self.system.push(piece, g, push);
+    }
+
+    fn factorise(&mut self) -> bool {
+        self.system.factorise()
+    }
+
+    fn solve(&self) -> Vec<f64> {
+        self.system.solve()
+    }
 }
 
 /// A symmetric system with five diagonals.

@@ -265,11 +265,7 @@ impl Search<'_> {
             (1.0 - MARGIN) / found.unwrap_or_default().max(1.0)
         };
         let limits = self.limits;
-        let accel = limits.max_accel.max(limits.max_decel);
-        let jerks_within = [
-            limits.max_jerk.min(accel / RISE),
-            limits.max_angular_jerk.min(limits.max_angular_accel / RISE),
-        ];
+        let jerks_within = jerk_limits(limits);
         let pieces = self.spline.pieces();
         for (piece, pair) in knots.windows(2).enumerate() {
             let [from, to] = pair else { continue };
@@ -451,6 +447,15 @@ impl Search<'_> {
         }
         largest
     }
+}
+
+/// Largest rates of acceleration and of angular acceleration.
+pub(super) fn jerk_limits(limits: &ReferenceLimits) -> [f64; 2] {
+    let accel = limits.max_accel.max(limits.max_decel);
+    [
+        limits.max_jerk.min(accel / RISE),
+        limits.max_angular_jerk.min(limits.max_angular_accel / RISE),
+    ]
 }
 
 /// Abscissae and weights of three points on \[0, 1\].

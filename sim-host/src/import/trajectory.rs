@@ -71,7 +71,6 @@ impl Trajectory {
                 x: s.x,
                 y: s.y,
                 theta: s.theta,
-                room: 1.0,
             })
             .collect();
         let at_rest = |sample: Option<&RawSample>| {
@@ -93,7 +92,7 @@ impl Trajectory {
                 ..*t
             })
             .collect();
-        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance, 0.0) else {
+        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance) else {
             let span = samples.last().map_or(0.0, |s| s.t);
             let place = samples.last().map(|s| s.place.clone()).unwrap_or_default();
             return Err(Refusal::new(format, place, Reason::TooShort(span)));

@@ -7,8 +7,6 @@ pub(in super::super) struct Target {
     pub(in super::super) x: f64,
     pub(in super::super) y: f64,
     pub(in super::super) theta: f64,
-    /// The part of the tolerance that it leaves.
-    pub(in super::super) room: f64,
 }
 
 /// Samples closer than this share a knot \[s\].

@@ -72,13 +72,12 @@ const MOST: f64 = 1e14;
 /// Along and across together are a distance.
 const SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Fits; `calm` weighs accelerations against jerk \[1/s²\]; the closeness says whether the tolerance was reached. `None` for less than two knots, or
-/// if no iterate was finite.
+/// Fits; the closeness says whether the tolerance was reached. `None` for less than two knots, or if
+/// no iterate was finite.
 pub(super) fn fit(
     targets: &[Target],
     rest: Rest,
     tolerance: [f64; 2],
-    calm: f64,
 ) -> Option<(Vec<Node>, Closeness)> {
     let knots = knots(targets);
     if knots.len() < 2 {
@@ -87,12 +86,8 @@ pub(super) fn fit(
     let box_size = [SIDE * tolerance[0], SIDE * tolerance[0], tolerance[1]];
     let pull = box_size.map(|b| FIRST_PULL / (b * b));
     let mut weights = Weights {
-        pose: targets
-            .iter()
-            .map(|target| pull.map(|p| p / target.room.powi(2)))
-            .collect(),
+        pose: vec![pull; targets.len()],
         jerk: vec![Jerk::new(1.0, ARM * ARM); knots.len()],
-        accel: calm * Jerk::new(1.0, ARM * ARM),
         rest: 1e10,
     };
     let ends = [0, targets.len() - 1];
@@ -218,13 +213,12 @@ fn closeness(nodes: &[Node], targets: &[Target], box_size: [f64; 3]) -> (Closene
         let heading = (z[2] - target.theta).abs();
         found.position = found.position.max(libm::hypot(dx, dy));
         found.heading = found.heading.max(heading);
-        let room = box_size.map(|size| size * target.room);
-        let away = SIDE * libm::hypot(dx, dy) / room[0];
-        found.excess = found.excess.max(away).max(heading / room[2]);
+        let away = SIDE * libm::hypot(dx, dy) / box_size[0];
+        found.excess = found.excess.max(away).max(heading / box_size[2]);
         let miss = [
-            (dx * cos + dy * sin).abs() / room[0],
-            (dy * cos - dx * sin).abs() / room[1],
-            heading / room[2],
+            (dx * cos + dy * sin).abs() / box_size[0],
+            (dy * cos - dx * sin).abs() / box_size[1],
+            heading / box_size[2],
         ];
         let here = miss.into_iter().fold(0.0, f64::max);
         if here > largest {

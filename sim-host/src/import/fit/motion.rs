@@ -8,9 +8,9 @@ pub(in super::super) type State = SVector<f64, 7>;
 /// Jerk in v and w.
 pub(in super::super) type Jerk = SVector<f64, 2>;
 /// Derivative of a state with respect to an earlier one.
-pub(super) type ByState = SMatrix<f64, 7, 7>;
+pub(in super::super) type ByState = SMatrix<f64, 7, 7>;
 /// Derivative of a state with respect to the jerk before it.
-pub(super) type ByJerk = SMatrix<f64, 7, 2>;
+pub(in super::super) type ByJerk = SMatrix<f64, 7, 2>;
 
 /// Abscissae and weights of four points on [0, 1]: exact to degree 7, so 1e-12 m over 25 ms at
 /// 10 rad/s.
@@ -44,7 +44,7 @@ fn at(z: &State, u: &Jerk, s: f64) -> (f64, f64, f64) {
 }
 
 /// [`advance`] with its derivatives.
-pub(super) fn linearise(z: &State, u: &Jerk, h: f64) -> (State, ByState, ByJerk) {
+pub(in super::super) fn linearise(z: &State, u: &Jerk, h: f64) -> (State, ByState, ByJerk) {
     let mut a = ByState::identity();
     let mut b = ByJerk::zeros();
     for (node, weight) in GAUSS {

@@ -11,8 +11,6 @@ pub(super) struct Weights {
     pub(super) pose: Vec<[f64; 3]>,
     /// Of jerk in v and w, from every knot to the next.
     pub(super) jerk: Vec<Jerk>,
-    /// Of a and α, everywhere.
-    pub(super) accel: Jerk,
     /// Of speed, turn rate and their rates at a start or end at rest.
     pub(super) rest: f64,
 }
@@ -69,13 +67,6 @@ pub(super) fn step(
             p = a.transpose() * p * a + qux.transpose() * gain;
             q = a.transpose() * q_next + qux.transpose() * push;
             *gains.get_mut(k)? = (gain, push);
-        }
-        if let (Some(from), Some(to)) = (knots.get(k), knots.get(k + 1)) {
-            for (i, weight) in [(5, weights.accel[0]), (6, weights.accel[1])] {
-                let weight = weight * (to.t - from.t);
-                p[(i, i)] += weight;
-                q[i] += weight * z[i];
-            }
         }
         add_cost(knots.get(k)?, targets, &weights.pose, z, &mut p, &mut q);
         if (k == 0 && rest.start) || (k + 1 == n && rest.end) {
