@@ -5,6 +5,7 @@ mod motion_disturbance;
 mod motion_drive;
 mod motion_faults;
 mod motion_feed_forward;
+mod motion_files;
 mod motion_friction;
 mod motion_hand_over;
 mod motion_jumps;
