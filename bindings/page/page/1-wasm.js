@@ -1,16 +1,14 @@
 "use strict";
 const $ = (id) => document.getElementById(id);
 
-// The program: base85 of an LZMA stream. What browsers unpack by themselves, base64 of gzip, would be 120 kB more.
-const DIGITS = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?_~|()[]{}@%$#";
-function fromBase85(text) {
-  const value = new Uint8Array(128), out = new Uint8Array((text.length / 5) * 4);
-  for (let i = 0; i < 85; i++) value[DIGITS.charCodeAt(i)] = i;
-  for (let i = 0, o = 0; i < text.length; i += 5) {
-    let n = 0;
-    for (let k = 0; k < 5; k++) n = n * 85 + value[text.charCodeAt(i + k)];
-    for (let k = 3; k >= 0; k--, n = Math.floor(n / 256)) out[o + k] = n & 255;
-    o += 4;
+// The program: base91 of an LZMA stream, 13 bits in two digits. What browsers unpack by themselves, base64 of gzip, would be 120 kB more.
+function fromBase91(text) {
+  const value = new Uint8Array(128), out = new Uint8Array((text.length * 13) >> 4);
+  for (let c = 33, i = 0; c < 127; c++) if (!"&<>".includes(String.fromCharCode(c))) value[c] = i++;
+  let held = 0, count = 0, o = 0;
+  for (let i = 0; i < text.length; i += 2) {
+    held |= (value[text.charCodeAt(i)] + 91 * value[text.charCodeAt(i + 1)]) << count;
+    for (count += 13; count > 7; count -= 8, held >>>= 8) out[o++] = held & 255;
   }
   return out;
 }
@@ -96,7 +94,7 @@ const numbers = (count) => new Float32Array(wasm.memory.buffer.slice(wasm.output
 
 async function load() {
   const { size } = $("wasm").dataset;
-  const bytes = unpack(fromBase85($("wasm").textContent), +size);
+  const bytes = unpack(fromBase91($("wasm").textContent), +size);
   $("wasm").textContent = "";
   wasm = (await WebAssembly.instantiate(bytes, {})).instance.exports;
   wasm.about();

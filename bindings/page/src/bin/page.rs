@@ -94,7 +94,7 @@ fn imports(wasm: &[u8]) -> bool {
     false
 }
 
-/// As text: base85 of an LZMA stream, which `1-wasm.js` unpacks with the same `lc`, `lp` and `pb`.
+/// As text: base91 of an LZMA stream, which `1-wasm.js` unpacks with the same `lc`, `lp` and `pb`.
 fn packed(program: &[u8]) -> Result<String, Box<dyn Error>> {
     let options = LzmaOptions {
         lc: 4,
@@ -106,21 +106,26 @@ fn packed(program: &[u8]) -> Result<String, Box<dyn Error>> {
     };
     let mut writer = LzmaWriter::new_no_header(Vec::new(), &options, false)?;
     writer.write_all(program)?;
-    let mut bytes = writer.finish()?;
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
-    Ok(bytes.as_chunks().0.iter().flat_map(base85).collect())
+    Ok(base91(&writer.finish()?))
 }
 
-/// Those of Z85 with `~`, `|` and `_` in place of `<`, `>` and `&`, which mean something in HTML.
-const DIGITS: &[u8; 85] =
-    b"0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?_~|()[]{}@%$#";
-
-fn base85(bytes: &[u8; 4]) -> [char; 5] {
-    let mut value = u32::from_be_bytes(*bytes);
-    let mut text = ['0'; 5];
-    for digit in text.iter_mut().rev() {
-        *digit = DIGITS[(value % 85) as usize].into();
-        value /= 85;
+/// Thirteen bits in two digits, the lowest first: 91 of them are what ASCII prints but for the space and `&`, `<` and `>`, which mean
+/// something in HTML.
+fn base91(bytes: &[u8]) -> String {
+    const BITS: u32 = 13;
+    let digits: Vec<char> = ('!'..='~').filter(|c| !"&<>".contains(*c)).collect();
+    let mut text = String::new();
+    let (mut held, mut count) = (0_u32, 0);
+    // What is left at the end is filled up with zeros, of which the program's length tells.
+    for &byte in bytes.iter().chain(&[0; 2]) {
+        held |= u32::from(byte) << count;
+        count += 8;
+        if count >= BITS {
+            let value = (held & ((1 << BITS) - 1)) as usize;
+            text.push(digits[value % digits.len()]);
+            text.push(digits[value / digits.len()]);
+            (held, count) = (held >> BITS, count - BITS);
+        }
     }
     text
 }
