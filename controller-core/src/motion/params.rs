@@ -5,7 +5,7 @@ use super::gains::{MotionGains, NOISE_HEADING_RAD};
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
 use super::load;
-use super::manoeuvre::{AxisLimits, PlanLimits};
+use super::manoeuvre::{AxisLimits, OffsetLimits, PlanLimits};
 use super::observer_limits::ObserverLimits;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
@@ -175,6 +175,9 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
 /// Share of the limits that a parking manoeuvre plans with; the rest is feedback's.
 pub(super) const PLAN_SHARE: f64 = 0.95;
 
+/// What of a limit a plan leaves, as a share of what it uses.
+const PLAN_LEAVES: f64 = 1.0 / PLAN_SHARE - 1.0;
+
 /// What a parking manoeuvre may use: its share of the limits, and no more than the wheels give to a command
 /// that drives and turns at once.
 fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
@@ -252,6 +255,17 @@ impl<T: Scalar> ValidMotionParams<T> {
     /// The gains in use.
     pub fn gains(&self) -> &MotionGains<T> {
         &self.params.gains
+    }
+
+    /// What setting an offset of a manoeuvre may ask for.
+    pub(super) fn offset_limits(&self) -> OffsetLimits<T> {
+        OffsetLimits {
+            turn_accel: T::from_f64(PLAN_LEAVES) * self.plan.turn.up,
+            drive_accel: self.plan.drive.up,
+            heading: self.params.gains.heading,
+            // What noise leaves is four times as large and more; as squares add up, this is nothing beside it.
+            least: T::from_f64(0.1) * self.params.arrival.distance_m,
+        }
     }
 
     /// The map between wrench and wheel torques.

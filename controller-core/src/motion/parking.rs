@@ -301,7 +301,7 @@ impl<T: Scalar> ParkingLaw<T> {
         attempt: Attempt,
         dt: T,
     ) -> Transition {
-        let plan = if self.memory.retry.is_another() {
+        let plan = if self.memory.retry.has_failed_twice() {
             motion.plan.slower()
         } else {
             motion.plan
@@ -361,7 +361,8 @@ impl<T: Scalar> ParkingLaw<T> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
-        let mut moment = execution.advance::<M>(error, since, step.dt)?;
+        let limits = motion.offset_limits();
+        let mut moment = execution.advance::<M>(&limits, error, since, step.dt)?;
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = T::from_f64(10.0) * motion.rim_speed(moving.twist)
             >= motion.rim_speed(&moving.command.twist);
@@ -527,7 +528,7 @@ fn start_anew<T: Scalar, M: Maths<T>>(
     dt: T,
 ) -> Option<Moment<T>> {
     *execution = Execution::start::<M>(&motion.plan.slower(), error, twist, rate, dt);
-    execution.advance::<M>(error, T::ZERO, dt)
+    execution.advance::<M>(&motion.offset_limits(), error, T::ZERO, dt)
 }
 
 /// Further from the reference than [`DEPARTURE`].

@@ -88,9 +88,9 @@ impl<T: Scalar> Retry<T> {
         !(self.is_out() || self.given_up)
     }
 
-    /// Not the first manoeuvre to this goal.
-    pub(crate) fn is_another(&self) -> bool {
-        self.manoeuvres > 0 || self.count > 0
+    /// Full accelerations have led beside this goal twice.
+    pub(crate) fn has_failed_twice(&self) -> bool {
+        self.manoeuvres > 1 || self.count > 0
     }
 
     /// Driving out.

@@ -1,7 +1,9 @@
 //! Driving a manoeuvre: a reference that ends at the goal.
 
 use super::candidate::PlanLimits;
+use super::lateral_offset::{LateralOffset, OffsetLimits, SETTING_S};
 use super::path::{Path, Vector};
+use super::profile::AxisSample;
 use super::search::{Progress, Search};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -37,6 +39,12 @@ pub(crate) struct Reference<T> {
     change: Vector<T>,
     /// The last speed that was not zero \[m/s\]; its sign is the direction of travel.
     speed: T,
+    /// During the last drive.
+    offset: LateralOffset<T>,
+    /// Time since it was set \[s\].
+    set_s: T,
+    /// Travel at the end of the drive \[m\].
+    end: T,
 }
 
 /// Sums of corrections of the goal, and their number.
@@ -114,6 +122,7 @@ impl<T: Scalar> Execution<T> {
                     y: now.linear * now.angular,
                 },
                 speed: now.linear,
+                ..Reference::default()
             },
             turn_only: false,
             seen: Seen::default(),
@@ -132,13 +141,7 @@ impl<T: Scalar> Execution<T> {
             path: Path::default(),
             duration: T::ZERO,
             goal: T::ZERO,
-            reference: Reference {
-                t: T::ZERO,
-                remaining: Vector::default(),
-                velocity: Vector::default(),
-                change: Vector::default(),
-                speed: T::ZERO,
-            },
+            reference: Reference::default(),
             turn_only: false,
             seen: Seen::default(),
         }
@@ -152,6 +155,7 @@ impl<T: Scalar> Execution<T> {
     #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
+        limits: &OffsetLimits<T>,
         error: &PoseError<T>,
         step: T,
         dt: T,
@@ -223,7 +227,7 @@ impl<T: Scalar> Execution<T> {
             theta: (turn.position - heading).wrap_angle(),
         };
         let ahead = self.reference.t + T::HALF * dt;
-        Some(Moment {
+        let mut moment = Moment {
             twist: Twist {
                 linear: drive.rate,
                 angular: turn.rate,
@@ -233,7 +237,58 @@ impl<T: Scalar> Execution<T> {
                 angular: self.path.turn_accel_at(ahead),
             },
             error,
-        })
+        };
+        if self.is_last_drive() && drive.rate != T::ZERO {
+            self.join::<M>(limits, &drive, step, &mut moment);
+        }
+        Some(moment)
+    }
+
+    /// What is driven now is driven to the end.
+    fn is_last_drive(&self) -> bool {
+        let [one, other] = &self.path.drives;
+        let t = self.reference.t;
+        self.search.is_none()
+            && t >= self.path.stop_drive.duration()
+            && (other.is_empty() || t >= one.end())
+    }
+
+    /// Moves the reference aside, to where the robot is, and back to the planned one by the end of the drive ([`LateralOffset`]).
+    ///
+    /// With z, z′, z″, z‴ by the distance q that is left, q̇ = −|v|, beside a path of speed v and turn rate w:
+    ///
+    /// ```text
+    /// ψ = ż/v = −sgn(v) z′        ψ̇ = v z″        ψ̈ = v̇ z″ − v |v| z‴        v ← v − z w
+    /// ```
+    fn join<M: Maths<T>>(
+        &mut self,
+        limits: &OffsetLimits<T>,
+        drive: &AxisSample<T>,
+        step: T,
+        moment: &mut Moment<T>,
+    ) {
+        let reference = &mut self.reference;
+        reference.set_s += step;
+        let PoseError { x, y, theta } = moment.error;
+        let (sine, cosine) = M::sin_cos_near(theta);
+        if reference.set_s >= T::from_f64(SETTING_S) {
+            reference.set_s = T::ZERO;
+            reference.end = self.path.drive_at(self.duration).position;
+            let left = (reference.end - drive.position).abs();
+            // To the left of the reference, where the robot is.
+            let robot = sine * x - cosine * y;
+            reference.offset = reference.offset.set(limits, left, drive.rate, robot);
+        }
+        if reference.offset.is_set() {
+            let v = drive.rate;
+            let now = reference.offset.at((reference.end - drive.position).abs());
+            moment.error.x -= sine * now.offset;
+            moment.error.y += cosine * now.offset;
+            moment.error.theta -= if v < T::ZERO { -now.first } else { now.first };
+            moment.twist.linear -= now.offset * moment.twist.angular;
+            moment.twist.angular += v * now.second;
+            moment.accel.angular += drive.accel * now.second - v * v.abs() * now.third;
+        }
     }
 
     /// Takes the mean of what is seen of the goal while the shape is searched for: a single pose may be off, and a
@@ -296,6 +351,7 @@ impl<T: Scalar> Execution<T> {
     pub(crate) fn residue(&self) -> T {
         let Vector { x, y } = self.reference.remaining;
         let search = self.search.as_ref().map_or(T::ZERO, Search::residue);
-        search + residue([x, y, self.reference.t, self.goal])
+        let offset = self.reference.offset.residue();
+        search + offset + residue([x, y, self.reference.t, self.goal])
     }
 }
