@@ -169,7 +169,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     }
 
     /// [`update`](Self::update) with the acceleration that the torques of this tick were to cause; see
-    /// [`Odometry::update_with_accel`].
+    /// [`Odometry::update_with_accel`](crate::odometry::Odometry::update_with_accel).
     ///
     /// # Errors
     /// A `dt` that is not positive and finite, an acceleration that is not finite. Nothing has changed
