@@ -136,8 +136,9 @@ def test_the_wheel_is_small_and_for_every_python() -> None:
     assert "-cp310-abi3-" in wheel.name
     size = wheel.stat().st_size
     print(f"{size / 1e6:.2f} MB")
-    # 3 MB are aimed at: docs/python.md says what it is made of. It may not grow.
-    assert size <= 4_100_000
+    # 3 MB are aimed at: docs/python.md says what it is made of. It may not grow; 40 kB were given openly, for files whose path and time
+    # are sought together (4.13 MB).
+    assert size <= 4_140_000
 
 
 def blocks() -> list[str]:
