@@ -45,6 +45,19 @@ impl<T: Scalar> GoalChecker<T> {
         self.inside_s > T::ZERO && self.inside_s <= motion.params().arrival.dwell_s
     }
 
+    /// A parked robot is so near its goal that it stays parked, as [`advance`](Self::advance) would find with more work: what is
+    /// within half of the distance in both directions together is so without a root.
+    pub(crate) fn stays(&self, motion: &ValidMotionParams<T>, error: &PoseError<T>) -> bool {
+        self.parked
+            && error.x.abs() + error.y.abs() <= T::HALF * motion.leave_distance()
+            && error.theta.abs() < leave_heading(motion)
+    }
+
+    /// A tick of `dt` of a robot that [`stays`](Self::stays).
+    pub(crate) fn stay(&mut self, dt: T) {
+        self.inside_s += dt;
+    }
+
     /// The latch after a tick of `dt`.
     ///
     /// Enters when the place where the stop would end is inside the tolerance, has been for the dwell, and meanwhile was no
@@ -58,7 +71,7 @@ impl<T: Scalar> GoalChecker<T> {
         let close = at.distance < motion.leave_distance();
         let mut inside = true;
         let fit = if self.parked {
-            let turned = at.error.theta.abs() < f(HYSTERESIS) * limits.heading_rad;
+            let turned = at.error.theta.abs() < leave_heading(motion);
             (close && turned) || self.inside_s < T::ONE
         } else {
             let PoseError {
@@ -111,6 +124,11 @@ impl<T: Scalar> GoalView<T> {
             theta: self.error.theta - w,
         }
     }
+}
+
+/// Heading error at which a parked robot has left its goal \[rad\].
+fn leave_heading<T: Scalar>(motion: &ValidMotionParams<T>) -> T {
+    T::from_f64(HYSTERESIS) * motion.params().arrival.heading_rad
 }
 
 /// How far a command and a speed still carry once the setpoint is zero.

@@ -174,6 +174,16 @@ impl<T: Scalar> ParkingLaw<T> {
             return self.drive_on::<U, M>(lent, motion, error, moving, step);
         }
         let Step { dt, two_per_dt } = step;
+        let may_park = self.memory.retry.may_park();
+        if two_per_dt.is_some() && may_park && self.memory.checker.stays(motion, error) {
+            self.memory.checker.stay(dt);
+            self.memory.retry.rests(dt);
+            self.memory.regulator.rest();
+            return Wanted {
+                setpoint: Setpoint::default(),
+                transition: Transition::Continue,
+            };
+        }
         let distance = distance_of::<T, M>(error);
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
         let at = GoalView {
@@ -184,7 +194,7 @@ impl<T: Scalar> ParkingLaw<T> {
             command_rate: moving.command.rate,
             backing: self.is_backing(),
         };
-        self.memory.checker = if !self.memory.retry.may_park() {
+        self.memory.checker = if !may_park {
             GoalChecker::default()
         } else if two_per_dt.is_some() {
             self.memory.checker.advance(motion, &at, dt)
@@ -361,12 +371,14 @@ impl<T: Scalar> ParkingLaw<T> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
-        let limits = motion.offset_limits();
-        let mut moment = execution.advance::<M>(&limits, error, since, step.dt)?;
+        let limits = || motion.offset_limits();
+        let mut moment = execution.advance::<M>(limits, error, since, step.dt)?;
         // A robot that does not move is stalled, and has departed from nothing.
-        let moves = T::from_f64(10.0) * motion.rim_speed(moving.twist)
-            >= motion.rim_speed(&moving.command.twist);
-        if has_departed::<T, M>(motion, &moment.error) && moves && !execution.is_searching() {
+        let moves = || {
+            T::from_f64(10.0) * motion.rim_speed(moving.twist)
+                >= motion.rim_speed(&moving.command.twist)
+        };
+        if has_departed::<T, M>(motion, &moment.error) && moves() && !execution.is_searching() {
             two_per_dt = None;
             if self.memory.departed {
                 // Whatever keeps it off would do so again: feedback needs no plan.
@@ -528,7 +540,7 @@ fn start_anew<T: Scalar, M: Maths<T>>(
     dt: T,
 ) -> Option<Moment<T>> {
     *execution = Execution::start::<M>(&motion.plan.slower(), error, twist, rate, dt);
-    execution.advance::<M>(&motion.offset_limits(), error, T::ZERO, dt)
+    execution.advance::<M>(|| motion.offset_limits(), error, T::ZERO, dt)
 }
 
 /// Further from the reference than [`DEPARTURE`].

@@ -98,6 +98,12 @@ impl<T: Scalar> Retry<T> {
         self.out != T::ZERO
     }
 
+    /// Parked for another `dt`.
+    pub(crate) fn rests(&mut self, dt: T) {
+        self.since_s = T::ZERO;
+        self.parked_s += dt;
+    }
+
     /// Not parked, with a manoeuvre under way.
     pub(crate) fn drives(&mut self) {
         self.since_s = T::ZERO;
@@ -141,8 +147,7 @@ impl<T: Scalar> Retry<T> {
         let arrival = &motion.params().arrival;
         match rest {
             Rest::Parked => {
-                next.since_s = T::ZERO;
-                next.parked_s = self.parked_s + dt;
+                next.rests(dt);
                 return (next, Attempt::GoOn);
             }
             Rest::Lost => {

@@ -18,6 +18,8 @@ pub(crate) struct Execution<T> {
     path: Path<T>,
     /// Of the path \[s\].
     duration: T,
+    /// Travel at the end of the path's drives \[m\], once the last one has begun.
+    end: Option<T>,
     /// Heading of the goal, from that of the robot at the begin \[rad\].
     goal: T,
     reference: Reference<T>,
@@ -43,8 +45,6 @@ pub(crate) struct Reference<T> {
     offset: LateralOffset<T>,
     /// Time since it was set \[s\].
     set_s: T,
-    /// Travel at the end of the drive \[m\].
-    end: T,
 }
 
 /// Sums of corrections of the goal, and their number.
@@ -109,6 +109,7 @@ impl<T: Scalar> Execution<T> {
             search: Some(Search::start::<M>(limits, &error, &path, dt)),
             path,
             duration: path.duration(),
+            end: None,
             goal: error.theta,
             reference: Reference {
                 t: -half,
@@ -140,6 +141,7 @@ impl<T: Scalar> Execution<T> {
             search: None,
             path: Path::default(),
             duration: T::ZERO,
+            end: None,
             goal: T::ZERO,
             reference: Reference::default(),
             turn_only: false,
@@ -155,7 +157,7 @@ impl<T: Scalar> Execution<T> {
     #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
-        limits: &OffsetLimits<T>,
+        limits: impl FnOnce() -> OffsetLimits<T>,
         error: &PoseError<T>,
         step: T,
         dt: T,
@@ -262,26 +264,34 @@ impl<T: Scalar> Execution<T> {
     /// ```
     fn join<M: Maths<T>>(
         &mut self,
-        limits: &OffsetLimits<T>,
+        limits: impl FnOnce() -> OffsetLimits<T>,
         drive: &AxisSample<T>,
         step: T,
         moment: &mut Moment<T>,
     ) {
         let reference = &mut self.reference;
         reference.set_s += step;
+        // Worked out in the first tick, which has nothing to set yet.
+        let (path, duration) = (&self.path, self.duration);
+        let end = *self
+            .end
+            .get_or_insert_with(|| path.drive_at(duration).position);
+        let due = reference.set_s >= T::from_f64(SETTING_S);
+        if !due && !reference.offset.is_set() {
+            return;
+        }
         let PoseError { x, y, theta } = moment.error;
         let (sine, cosine) = M::sin_cos_near(theta);
-        if reference.set_s >= T::from_f64(SETTING_S) {
+        let left = (end - drive.position).abs();
+        if due {
             reference.set_s = T::ZERO;
-            reference.end = self.path.drive_at(self.duration).position;
-            let left = (reference.end - drive.position).abs();
             // To the left of the reference, where the robot is.
             let robot = sine * x - cosine * y;
-            reference.offset = reference.offset.set(limits, left, drive.rate, robot);
+            reference.offset = reference.offset.set(&limits(), left, drive.rate, robot);
         }
         if reference.offset.is_set() {
             let v = drive.rate;
-            let now = reference.offset.at((reference.end - drive.position).abs());
+            let now = reference.offset.at(left);
             moment.error.x -= sine * now.offset;
             moment.error.y += cosine * now.offset;
             moment.error.theta -= if v < T::ZERO { -now.first } else { now.first };

@@ -227,8 +227,12 @@ impl Supervisor {
     }
 
     fn apply(&mut self, event: Event, cause: Cause) -> Action {
-        // Every tick of a base that is driven: nothing changes, for whatever demands more than that had it leave this state.
-        if self.state == State::Tracking && matches!(event, Event::Track | Event::Drive) {
+        // Every tick of a base that is driven, or stands at its goal: nothing changes, for whatever demands more than that had it
+        // leave this state.
+        if matches!(
+            (self.state, event),
+            (State::Tracking, Event::Track | Event::Drive) | (State::Parked, Event::Reached)
+        ) {
             return Action::Continue;
         }
         let event = not_milder(event, self.output().severity());
