@@ -317,9 +317,7 @@ impl<T: Scalar> ParkingLaw<T> {
             motion.plan
         };
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
-        let transition;
-        (self.approach, transition) = Approach::begin::<M>(motion, &plan, at, from, hold, dt);
-        transition
+        self.approach.begin::<M>(motion, &plan, at, from, hold, dt)
     }
 
     /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
@@ -494,20 +492,26 @@ impl<T: Scalar> Approach<T> {
     /// A robot that comes to rest at once starts from there: what is left of its motion fades beside the manoeuvre, which
     /// costs the search nothing. At its goal but for the heading it turns on the spot.
     fn begin<M: Maths<T>>(
+        &mut self,
         motion: &ValidMotionParams<T>,
         plan: &PlanLimits<T>,
         at: &GoalView<T>,
         from: &Command<T>,
         hold: bool,
         dt: T,
-    ) -> (Self, Transition) {
+    ) -> Transition {
         let planned = motion.params().arrival.parking == Parking::Planned;
         if !planned || motion.gains().decay * dt > T::ONE {
-            return (Self::Regulate, Transition::Offset);
+            *self = Self::Regulate;
+            return Transition::Offset;
         }
+        *self = Self::Manoeuvre(Execution::at_goal());
+        let Self::Manoeuvre(execution) = self else {
+            return Transition::Offset;
+        };
         if hold {
             // Nothing leads there from how it moves.
-            return (Self::Manoeuvre(Execution::at_goal()), Transition::Offset);
+            return Transition::Offset;
         }
         let rest = at.error_at_rest(motion, dt);
         let there = stops_there(motion, at, &rest);
@@ -520,12 +524,11 @@ impl<T: Scalar> Approach<T> {
         };
         let PoseError { x, y, theta } = at.error;
         let (x, y) = if there { (T::ZERO, T::ZERO) } else { (x, y) };
-        let mut execution =
-            Execution::start::<M>(plan, &PoseError { x, y, theta }, twist, rate, dt);
+        execution.start::<M>(plan, &PoseError { x, y, theta }, twist, rate, dt);
         if there {
             execution.turn_only();
         }
-        (Self::Manoeuvre(execution), transition)
+        transition
     }
 }
 
@@ -539,7 +542,7 @@ fn start_anew<T: Scalar, M: Maths<T>>(
     Command { twist, rate }: &Command<T>,
     dt: T,
 ) -> Option<Moment<T>> {
-    *execution = Execution::start::<M>(&motion.plan.slower(), error, twist, rate, dt);
+    execution.start::<M>(&motion.plan.slower(), error, twist, rate, dt);
     execution.advance::<M>(|| motion.offset_limits(), error, T::ZERO, dt)
 }
 

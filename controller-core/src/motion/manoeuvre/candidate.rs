@@ -197,81 +197,83 @@ impl<T: Scalar> Candidate<T> {
         }
     }
 
-    /// Both turns and both drives with these two numbers.
-    fn profiles<M: Maths<T>>(
+    /// Puts both turns and both drives with these two numbers into `path`.
+    fn put_profiles<M: Maths<T>>(
         &self,
         limits: &PlanLimits<T>,
         target: &Target<T>,
         numbers: &[T; 2],
-    ) -> ([Profile<T>; 2], [Profile<T>; 2]) {
+        path: &mut Path<T>,
+    ) {
         let [first_number, second_number] = *numbers;
+        let ([a, b], [c, d]) = (&mut path.turns, &mut path.drives);
         match *self {
             Self::OneDrive { first, last, .. } => {
-                let a = limits.turn.profile::<M>(first_number);
-                let b = limits.turn.profile::<M>(target.turn - first_number);
-                let drive = limits.drive.profile::<M>(second_number);
-                let start = a.duration() * (T::ONE - first);
-                let wanted = start + drive.duration() - last * b.duration();
+                *a = limits.turn.profile::<M>(first_number);
+                *b = limits.turn.profile::<M>(target.turn - first_number);
+                *c = limits.drive.profile::<M>(second_number);
+                *d = Profile::default();
+                c.start = a.duration() * (T::ONE - first);
+                let wanted = c.start + c.duration() - last * b.duration();
                 // One ends before the other starts: ramps that overlap would add up their jerks.
                 let earliest = a.duration();
-                let second = if wanted > earliest { wanted } else { earliest };
-                (
-                    [a, b.starting(second)],
-                    [drive.starting(start), Profile::default()],
-                )
+                b.start = if wanted > earliest { wanted } else { earliest };
             }
             Self::TwoDrives {
                 swing,
                 before,
                 between,
             } => {
-                let a = limits.turn.profile::<M>(swing);
-                let b = limits.turn.profile::<M>(target.turn - swing);
-                let c = limits.drive.profile::<M>(first_number);
-                let d = limits.drive.profile::<M>(second_number);
+                *a = limits.turn.profile::<M>(swing);
+                *b = limits.turn.profile::<M>(target.turn - swing);
+                *c = limits.drive.profile::<M>(first_number);
+                *d = limits.drive.profile::<M>(second_number);
                 let slack = a.duration() + b.duration() - c.duration() - d.duration();
-                let (turn, one, other) = if slack > T::ZERO {
+                if slack > T::ZERO {
                     let one = before * slack;
-                    (T::ZERO, one, one + between * slack + c.duration())
+                    d.start = one + between * slack + c.duration();
+                    c.start = one;
                 } else {
-                    (-(before * slack), T::ZERO, c.duration())
-                };
-                (
-                    [a.starting(turn), b.starting(turn + a.duration())],
-                    [c.starting(one), d.starting(other)],
-                )
+                    a.start = -(before * slack);
+                    d.start = c.duration();
+                }
+                b.start = a.start + a.duration();
             }
         }
     }
 
-    /// The manoeuvre with these two numbers, after the motion in `path` at its begin, from `ready` on \[s\].
-    pub(crate) fn path<M: Maths<T>>(
+    /// Lays out the manoeuvre with these two numbers in `path`, after the motion there at its begin, from `ready` on \[s\].
+    pub(crate) fn lay_out<M: Maths<T>>(
         &self,
         limits: &PlanLimits<T>,
         target: &Target<T>,
         numbers: &[T; 2],
-        begin: &Path<T>,
         ready: T,
-    ) -> Path<T> {
-        let (mut turns, mut drives) = self.profiles::<M>(limits, target, numbers);
-        if let Some(fastest) = limits.fastest_beyond(&turns, &drives) {
+        path: &mut Path<T>,
+    ) {
+        self.put_profiles::<M>(limits, target, numbers, path);
+        if let Some(fastest) = limits.fastest_beyond(&path.turns, &path.drives) {
             // Peaks yield, by one factor: that costs less time than a slower clock for the whole. A peak that is cut lasts longer and
             // may meet more of the other axis: what is beyond then does take the slower clock.
             let share = limits.rim / fastest;
             let mut cut = *limits;
-            cut.drive.rate = share * peak(&drives);
-            cut.turn.rate = share * peak(&turns);
-            (turns, drives) = self.profiles::<M>(&cut, target, numbers);
-            if let Some(fastest) = limits.fastest_beyond(&turns, &drives) {
+            cut.drive.rate = share * peak(&path.drives);
+            cut.turn.rate = share * peak(&path.turns);
+            self.put_profiles::<M>(&cut, target, numbers, path);
+            if let Some(fastest) = limits.fastest_beyond(&path.turns, &path.drives) {
                 let by = fastest / limits.rim;
-                turns = turns.map(|turn| turn.slowed(by));
-                drives = drives.map(|drive| drive.slowed(by));
+                for profile in path.turns.iter_mut().chain(&mut path.drives) {
+                    *profile = profile.slowed(by);
+                }
             }
         }
         // What adds to the motion at the begin brakes when that has come to rest, what is against it starts then:
         // decelerations do not add up.
         let mut shift = ready;
-        for (profiles, stop) in [(&turns, &begin.stop_turn), (&drives, &begin.stop_drive)] {
+        for (profiles, stop) in [
+            (&path.turns, &path.stop_turn),
+            (&path.drives, &path.stop_drive),
+        ] {
             for profile in profiles {
                 let busy = if profile.peak * stop.braked_from() < T::ZERO {
                     profile.start
@@ -284,11 +286,8 @@ impl<T: Scalar> Candidate<T> {
                 }
             }
         }
-        let shifted = |profile: Profile<T>| profile.starting(profile.start + shift);
-        Path {
-            turns: turns.map(shifted),
-            drives: drives.map(shifted),
-            ..*begin
+        for profile in path.turns.iter_mut().chain(&mut path.drives) {
+            profile.start += shift;
         }
     }
 

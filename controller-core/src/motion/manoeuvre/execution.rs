@@ -18,8 +18,8 @@ pub(crate) struct Execution<T> {
     path: Path<T>,
     /// Of the path \[s\].
     duration: T,
-    /// Travel at the end of the path's drives \[m\], once the last one has begun.
-    end: Option<T>,
+    /// Travel at the end of the path's drives \[m\], once the last one has begun; [`Scalar::MAX`] before.
+    end: T,
     /// Heading of the goal, from that of the robot at the begin \[rad\].
     goal: T,
     reference: Reference<T>,
@@ -69,12 +69,13 @@ impl<T: Scalar> Execution<T> {
     /// Begins to search, from a robot that sees its goal at `error` and was commanded `last` a tick ago, with `rate`. The
     /// reference goes on from there: it jumps neither in rate nor in acceleration.
     pub(crate) fn start<M: Maths<T>>(
+        &mut self,
         limits: &PlanLimits<T>,
         error: &PoseError<T>,
         last: &Twist<T>,
         rate: &Accel<T>,
         dt: T,
-    ) -> Self {
+    ) {
         // An acceleration is held for a tick, and meant for its middle: the clock of the manoeuvre starts half a tick
         // from now, and so does its frame.
         let half = T::HALF * dt;
@@ -100,34 +101,30 @@ impl<T: Scalar> Execution<T> {
         };
         let still = *last == Twist::default() && *rate == Accel::default();
         let limits = &if still { *limits } else { limits.smoother() };
-        let path = Path {
-            stop_drive: limits.drive.stop(twist.linear, rate.linear),
-            stop_turn: limits.turn.stop(twist.angular, rate.angular),
-            ..Path::default()
-        };
-        Self {
-            search: Some(Search::start::<M>(limits, &error, &path, dt)),
-            path,
-            duration: path.duration(),
-            end: None,
-            goal: error.theta,
-            reference: Reference {
-                t: -half,
-                remaining,
-                velocity: Vector {
-                    x: now.linear,
-                    y: T::ZERO,
-                },
-                change: Vector {
-                    x: rate.linear,
-                    y: now.linear * now.angular,
-                },
-                speed: now.linear,
-                ..Reference::default()
+        // Field by field: a manoeuvre is not copied.
+        self.path.stop_drive = limits.drive.stop(twist.linear, rate.linear);
+        self.path.stop_turn = limits.turn.stop(twist.angular, rate.angular);
+        self.path.forget_manoeuvre();
+        self.duration = self.path.duration();
+        self.end = T::MAX;
+        self.goal = error.theta;
+        self.reference = Reference {
+            t: -half,
+            remaining,
+            velocity: Vector {
+                x: now.linear,
+                y: T::ZERO,
             },
-            turn_only: false,
-            seen: Seen::default(),
-        }
+            change: Vector {
+                x: rate.linear,
+                y: now.linear * now.angular,
+            },
+            speed: now.linear,
+            ..Reference::default()
+        };
+        self.turn_only = false;
+        self.seen = Seen::default();
+        self.search = Some(Search::start::<M>(limits, &error, &self.path, dt));
     }
 
     /// The robot turns on the spot: its position is good as it is, whatever is seen of it while it waits.
@@ -141,7 +138,7 @@ impl<T: Scalar> Execution<T> {
             search: None,
             path: Path::default(),
             duration: T::ZERO,
-            end: None,
+            end: T::MAX,
             goal: T::ZERO,
             reference: Reference::default(),
             turn_only: false,
@@ -167,12 +164,12 @@ impl<T: Scalar> Execution<T> {
             let moving = self.duration > T::ZERO;
             // Ticks that became shorter may find it when it should have started.
             let late = moving && self.reference.t > search.ready();
-            match search.advance::<M>(&self.path, dt) {
+            match search.advance::<M>(&mut self.path, dt) {
                 Progress::Searching => {}
-                Progress::Found(_) if late => return None,
-                Progress::Found(path) => {
+                Progress::Found if late => return None,
+                Progress::Found => {
                     self.search = None;
-                    self.path = path;
+                    let path = &self.path;
                     self.duration = path.duration();
                     if path.stop_drive.duration() == T::ZERO && path.stop_turn.duration() == T::ZERO
                     {
@@ -271,18 +268,17 @@ impl<T: Scalar> Execution<T> {
     ) {
         let reference = &mut self.reference;
         reference.set_s += step;
-        // Worked out in the first tick, which has nothing to set yet.
-        let (path, duration) = (&self.path, self.duration);
-        let end = *self
-            .end
-            .get_or_insert_with(|| path.drive_at(duration).position);
+        if self.end == T::MAX {
+            // In the first tick, which has nothing to set yet.
+            self.end = travel_at_end(&self.path, self.duration);
+        }
         let due = reference.set_s >= T::from_f64(SETTING_S);
         if !due && !reference.offset.is_set() {
             return;
         }
         let PoseError { x, y, theta } = moment.error;
         let (sine, cosine) = M::sin_cos_near(theta);
-        let left = (end - drive.position).abs();
+        let left = (self.end - drive.position).abs();
         if due {
             reference.set_s = T::ZERO;
             // To the left of the reference, where the robot is.
@@ -364,4 +360,11 @@ impl<T: Scalar> Execution<T> {
         let offset = self.reference.offset.residue();
         search + offset + residue([x, y, self.reference.t, self.goal])
     }
+}
+
+/// Once a manoeuvre; apart from its ticks, which are quicker for it.
+#[cold]
+#[inline(never)]
+fn travel_at_end<T: Scalar>(path: &Path<T>, duration: T) -> T {
+    path.drive_at(duration).position
 }

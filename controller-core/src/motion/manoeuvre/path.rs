@@ -86,6 +86,12 @@ pub(crate) struct Ends<T> {
 }
 
 impl<T: Scalar> Path<T> {
+    /// Nothing but the motion at the begin is left.
+    pub(crate) fn forget_manoeuvre(&mut self) {
+        self.turns = [Profile::default(); 2];
+        self.drives = [Profile::default(); 2];
+    }
+
     /// When everything is at rest \[s\].
     pub(crate) fn duration(&self) -> T {
         let [a, b] = [self.stop_drive.duration(), self.stop_turn.duration()];

@@ -211,11 +211,6 @@ impl<T: Scalar> Profile<T> {
         }
     }
 
-    /// The same, starting at another time.
-    pub(crate) fn starting(self, start: T) -> Self {
-        Self { start, ..self }
-    }
-
     /// The same way on a clock that is slower by this factor.
     pub(crate) fn slowed(self, by: T) -> Self {
         Self {
@@ -503,7 +498,7 @@ impl<T: Scalar> Stop<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{AxisLimits, AxisSample};
+    use super::{AxisLimits, AxisSample, Profile};
     use crate::maths::Libm;
 
     const AXES: [AxisLimits<f64>; 3] = [
@@ -547,7 +542,10 @@ mod tests {
             for i in 0..60 {
                 let way = 1e-5 * 1.25_f64.powi(i);
                 for way in [way, -way] {
-                    let profile = axis.profile::<Libm>(way).starting(0.3);
+                    let profile = Profile {
+                        start: 0.3,
+                        ..axis.profile::<Libm>(way)
+                    };
                     let end = profile.at(profile.end());
                     assert!(
                         (end.position - way).abs() < 1e-12 * way.abs().max(1.0),

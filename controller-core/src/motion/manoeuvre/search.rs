@@ -68,12 +68,12 @@ struct Solver<T> {
 }
 
 /// What came of a tick of searching.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Progress<T> {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Progress {
     /// Not done.
     Searching,
-    /// The quickest one found.
-    Found(Path<T>),
+    /// The quickest one is found.
+    Found,
     /// No shape led there.
     Failed,
 }
@@ -159,25 +159,28 @@ impl<T: Scalar> Search<T> {
         self.ready
     }
 
-    /// A tick of `dt` on, with the motion at the begin: as many evaluations as belong to it.
-    pub(crate) fn advance<M: Maths<T>>(&mut self, begin: &Path<T>, dt: T) -> Progress<T> {
+    /// A tick of `dt` on: as many evaluations as belong to it. `path` has the motion at the begin, gets what is found, and is where
+    /// manoeuvres are tried: a copy of each would be most of what a search needs of the stack.
+    pub(crate) fn advance<M: Maths<T>>(&mut self, path: &mut Path<T>, dt: T) -> Progress {
         let mut left = per_tick(dt);
-        while left > 0 {
-            let (progress, work) = if self.polishing {
-                (self.polish::<M>(begin), FINE)
+        let mut progress = Progress::Searching;
+        while left > 0 && progress == Progress::Searching {
+            let work;
+            (progress, work) = if self.polishing {
+                (self.polish::<M>(path), FINE)
             } else {
-                (self.compare::<M>(begin), 1)
+                (self.compare::<M>(path), 1)
             };
-            if progress != Progress::Searching {
-                return progress;
-            }
             left = left.saturating_sub(work);
         }
-        Progress::Searching
+        if progress != Progress::Found {
+            path.forget_manoeuvre();
+        }
+        progress
     }
 
     /// One rough evaluation of the shape that is being tried.
-    fn compare<M: Maths<T>>(&mut self, begin: &Path<T>) -> Progress<T> {
+    fn compare<M: Maths<T>>(&mut self, path: &mut Path<T>) -> Progress {
         if self.solver.is_none() {
             if self.is_done() {
                 return self.begin_polishing();
@@ -189,7 +192,7 @@ impl<T: Scalar> Search<T> {
         };
         self.evaluations += 1;
         let candidate = self.candidate::<M>(self.index);
-        let (path, ends) = self.evaluate::<M>(begin, &candidate, &solver.numbers, Quality::Rough);
+        let ends = self.evaluate::<M>(path, &candidate, &solver.numbers, Quality::Rough);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         let enough = T::from_f64(5.0e-4) * self.target.distance;
@@ -247,7 +250,7 @@ impl<T: Scalar> Search<T> {
         None
     }
 
-    fn begin_polishing(&mut self) -> Progress<T> {
+    fn begin_polishing(&mut self) -> Progress {
         match self.best {
             Some(best) => {
                 self.index = best.index;
@@ -260,26 +263,26 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One fine evaluation of the best shape.
-    fn polish<M: Maths<T>>(&mut self, begin: &Path<T>) -> Progress<T> {
+    fn polish<M: Maths<T>>(&mut self, path: &mut Path<T>) -> Progress {
         let Some(solver) = self.solver else {
             return Progress::Failed;
         };
         let candidate = self.candidate::<M>(self.index);
-        let (path, ends) = self.evaluate::<M>(begin, &candidate, &solver.numbers, Quality::Fine);
+        let ends = self.evaluate::<M>(path, &candidate, &solver.numbers, Quality::Fine);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         // Ten times the rounding of the sum in single precision.
         let f = T::from_f64;
         let enough = f(2.0e-6) * (T::ONE + self.target.distance);
         if miss <= enough || solver.step >= POLISHING {
-            return Progress::Found(path);
+            return Progress::Found;
         }
         match solver.next(&candidate, &ends.drives, residual, miss, &self.target, true) {
             Some(next) => {
                 self.solver = Some(next);
                 Progress::Searching
             }
-            None => Progress::Found(path),
+            None => Progress::Found,
         }
     }
 
@@ -287,16 +290,16 @@ impl<T: Scalar> Search<T> {
         Candidate::numbered::<M>(index, self.near, &self.limits, &self.target)
     }
 
+    /// Tries the candidate in `path`.
     fn evaluate<M: Maths<T>>(
         &self,
-        begin: &Path<T>,
+        path: &mut Path<T>,
         candidate: &Candidate<T>,
         numbers: &[T; 2],
         quality: Quality,
-    ) -> (Path<T>, Ends<T>) {
-        let path = candidate.path::<M>(&self.limits, &self.target, numbers, begin, self.ready);
-        let ends = path.ends::<M>(quality);
-        (path, ends)
+    ) -> Ends<T> {
+        candidate.lay_out::<M>(&self.limits, &self.target, numbers, self.ready, path);
+        path.ends::<M>(quality)
     }
 
     fn residual(&self, ends: &Ends<T>) -> Vector<T> {
@@ -382,7 +385,7 @@ impl<T: Scalar> Solver<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::profile::AxisLimits;
+    use super::super::profile::{AxisLimits, Profile};
     use super::{PlanLimits, Progress, Search};
     use crate::maths::{Libm, Maths, Single};
     use crate::motion::manoeuvre::path::Path;
@@ -439,24 +442,20 @@ mod tests {
         for base in BASES {
             let (limits, exact) = (limits::<T>(&base), limits::<f64>(&base));
             for (error, v, w) in goals() {
-                let begin = Path {
+                let mut path = Path {
                     stop_drive: limits.drive.stop(T::from_f64(v), T::from_f64(0.4 * v)),
                     stop_turn: limits.turn.stop(T::from_f64(w), T::from_f64(-w)),
                     ..Path::default()
                 };
                 let dt = T::from_f64(0.01);
-                let mut search = Search::start::<M>(&limits, &error.cast(), &begin, dt);
-                let mut ticks = 0;
-                let path = loop {
+                let mut search = Search::start::<M>(&limits, &error.cast(), &path, dt);
+                let mut ticks = 1;
+                while search.advance::<M>(&mut path, dt) == Progress::Searching {
                     ticks += 1;
-                    match search.advance::<M>(&begin, dt) {
-                        Progress::Searching => {}
-                        Progress::Found(path) => break path,
-                        Progress::Failed => panic!("{error:?}"),
-                    }
-                };
+                }
+                assert_ne!(path.drives, [Profile::default(); 2], "{error:?}");
                 assert!(ticks <= 40, "{ticks}");
-                let profile = |p: &crate::motion::manoeuvre::profile::Profile<T>| p.cast_for_test();
+                let profile = |p: &Profile<T>| p.cast_for_test();
                 let path = Path {
                     stop_drive: exact.drive.stop(v, 0.4 * v),
                     stop_turn: exact.turn.stop(w, -w),
