@@ -187,6 +187,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     /// The pose of odometry at the time of a fix.
+    #[inline(always)]
     fn then(&self, fix: &Fix<T>) -> Result<Pose<T>, Refusal<T>> {
         if !(fix.pose.is_finite() && fix.age_s.is_finite()) {
             return Err(Refusal::NotFinite);

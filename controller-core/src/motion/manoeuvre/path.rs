@@ -107,13 +107,7 @@ impl<T: Scalar> Path<T> {
 
     /// Heading, turn rate and its rate at `t`.
     pub(crate) fn turn_at(&self, t: T) -> AxisSample<T> {
-        let [a, b] = &self.turns;
-        let both = sum(a.at(t), b.at(t));
-        if self.stop_turn.is_over() {
-            both
-        } else {
-            sum(self.stop_turn.at(t), both)
-        }
+        at(&self.stop_turn, &self.turns, t)
     }
 
     /// The rate of the turn rate alone of [`turn_at`](Self::turn_at).
@@ -128,13 +122,7 @@ impl<T: Scalar> Path<T> {
 
     /// Travel, speed and acceleration at `t`.
     pub(crate) fn drive_at(&self, t: T) -> AxisSample<T> {
-        let [a, b] = &self.drives;
-        let both = sum(a.at(t), b.at(t));
-        if self.stop_drive.is_over() {
-            both
-        } else {
-            sum(self.stop_drive.at(t), both)
-        }
+        at(&self.stop_drive, &self.drives, t)
     }
 
     /// Where the motion at the begin and each of the drives lead: ∫ v (cos θ, sin θ) dt.
@@ -247,11 +235,25 @@ impl<T: Scalar> Stretch<'_, T> {
     }
 }
 
-/// The acceleration of an axis at `t`: that of the stop, if it is not over, and of both profiles.
+/// An axis at `t`: the stop, if there was motion at the begin, and both profiles.
+fn at<T: Scalar>(stop: &Stop<T>, [a, b]: &[Profile<T>; 2], t: T) -> AxisSample<T> {
+    let both = sum(a.at(t), b.at(t));
+    if stop.is_over() {
+        both
+    } else if stop.is_behind(t) {
+        sum(stop.behind(t), both)
+    } else {
+        sum(stop.at(t), both)
+    }
+}
+
+/// The acceleration alone of [`at`].
 fn accel_at<T: Scalar>(stop: &Stop<T>, [a, b]: &[Profile<T>; 2], t: T) -> T {
     let both = a.accel_at(t) + b.accel_at(t);
     if stop.is_over() {
         both
+    } else if stop.is_behind(t) {
+        stop.behind(t).accel + both
     } else {
         stop.accel_at(t) + both
     }

@@ -42,11 +42,7 @@ impl<T: Scalar> Ramp<T> {
             return AxisSample::default();
         }
         if t >= duration {
-            return AxisSample {
-                position: t - T::HALF * duration,
-                rate: T::ONE,
-                accel: T::ZERO,
-            };
+            return self.end(t);
         }
         let slope = T::ONE / (duration - rise);
         let third = T::from_f64(1.0 / 3.0);
@@ -82,6 +78,15 @@ impl<T: Scalar> Ramp<T> {
                 rate: slope * past,
                 accel: slope,
             }
+        }
+    }
+
+    /// At its end and behind it.
+    fn end(&self, t: T) -> AxisSample<T> {
+        AxisSample {
+            position: t - T::HALF * self.duration,
+            rate: T::ONE,
+            accel: T::ZERO,
         }
     }
 }
@@ -457,6 +462,29 @@ impl<T: Scalar> Stop<T> {
         self.sample(t).accel
     }
 
+    /// It had something to brake, and has.
+    pub(crate) fn is_behind(&self, t: T) -> bool {
+        t - self.fade >= self.ramp.duration && self.faded != T::ZERO
+    }
+
+    /// What [`at`](Self::at) says once it [is behind](Self::is_behind), with less to look at.
+    #[inline(always)]
+    pub(crate) fn behind(&self, t: T) -> AxisSample<T> {
+        let t = t - self.fade;
+        let ramp = self.ramp.end(t);
+        AxisSample {
+            position: self.faded_at() + self.faded * (t - ramp.position),
+            rate: self.faded * (T::ONE - ramp.rate),
+            accel: -(self.faded * ramp.accel),
+        }
+    }
+
+    /// Where the acceleration has faded.
+    fn faded_at(&self) -> T {
+        let third = T::from_f64(1.0 / 3.0);
+        self.fade * (self.rate + third * self.accel * self.fade)
+    }
+
     #[inline(always)]
     fn sample(&self, t: T) -> AxisSample<T> {
         if t <= T::ZERO {
@@ -478,8 +506,7 @@ impl<T: Scalar> Stop<T> {
                 accel: self.accel * left,
             };
         }
-        let third = T::from_f64(1.0 / 3.0);
-        let before = self.fade * (self.rate + third * self.accel * self.fade);
+        let before = self.faded_at();
         let t = t - self.fade;
         let ramp = self.ramp.at(t);
         if self.faded == T::ZERO {
