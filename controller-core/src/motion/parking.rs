@@ -470,12 +470,14 @@ impl<T: Scalar> ParkingLaw<T> {
         }
     }
 
+    /// Of what may have changed since the last tick: a manoeuvre leaves the feedback alone, but that it lets its neurons rest.
     pub(crate) fn residue(&self) -> T {
-        let approach = match &self.approach {
+        match &self.approach {
             Approach::Manoeuvre(execution) => execution.residue(),
-            Approach::Idle | Approach::Chase | Approach::Regulate => T::ZERO,
-        };
-        self.memory.regulator.residue() + approach
+            Approach::Idle | Approach::Chase | Approach::Regulate => {
+                self.memory.regulator.residue()
+            }
+        }
     }
 }
 
