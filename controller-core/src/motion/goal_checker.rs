@@ -193,3 +193,66 @@ impl<T: Scalar> Stall<T> {
         self.since_s > motion.params().arrival.stall_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{GoalChecker, GoalView};
+    use crate::motion::{Limits, MotionParams, SaturationPolicy};
+    use crate::pose_error::PoseError;
+    use crate::robot::Robot;
+    use crate::types::{Accel, Twist};
+
+    /// Wherever a parked robot is said to stay, the whole check has it parked; and it is said wherever that matters.
+    #[test]
+    fn what_stays_is_parked() {
+        let limits = Limits {
+            speed: 1.1,
+            turn_rate: 2.3,
+            rim_speed: 1.3,
+            accel: 0.7,
+            brake: 1.3,
+            turn_accel: 3.1,
+            jerk: 17.0,
+            turn_jerk: 41.0,
+            wheel_torque_nm: 8.0,
+            policy: SaturationPolicy::KeepCurvature,
+        };
+        let motion = MotionParams::<f32>::new(Robot::paper(), limits).validate();
+        let motion = motion.expect("parameters of a base");
+        let arrival = &motion.params().arrival;
+        let parked = GoalChecker {
+            parked: true,
+            inside_s: 3.0,
+        };
+        let mut stayed = 0;
+        for i in -30..=30 {
+            for j in -30..=30 {
+                for turn in [0.0, 0.9, 1.29, 1.31, f32::NAN] {
+                    let tenth = 0.1 * arrival.distance_m;
+                    let error = PoseError {
+                        x: tenth * i as f32,
+                        y: tenth * j as f32,
+                        theta: turn * arrival.heading_rad,
+                    };
+                    let at = GoalView {
+                        distance: error.x.hypot(error.y),
+                        error,
+                        twist: Twist::default(),
+                        command: Twist::default(),
+                        command_rate: Accel::default(),
+                        backing: false,
+                    };
+                    let mut quick = parked;
+                    if quick.stays(&motion, &error) {
+                        quick.stay(0.01);
+                        assert_eq!(quick, parked.advance(&motion, &at, 0.01));
+                        stayed += 1;
+                    }
+                }
+            }
+        }
+        // All within the tolerance in both directions together, with three headings that are good.
+        assert_eq!(stayed, 3 * 221);
+        assert!(!GoalChecker::NEW.stays(&motion, &PoseError::default()));
+    }
+}

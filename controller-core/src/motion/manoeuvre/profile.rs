@@ -595,6 +595,15 @@ mod tests {
                     let start = stop.at(0.0);
                     assert!((start.rate, start.accel, start.position) == (rate, accel, 0.0));
                     assert!(stop.at(stop.duration()).rate.abs() < 1e-12);
+                    // The way to look at it then says the same, bit for bit.
+                    for later in [1e-9, 0.01, 1.0, 30.0] {
+                        let t = stop.duration() + later;
+                        if stop.is_behind(t) {
+                            assert_eq!(stop.at(t), stop.behind(t));
+                        } else {
+                            assert_eq!(stop.faded, 0.0, "{t} after {rate}, {accel}");
+                        }
+                    }
                     if stop.duration() > 0.0 {
                         check(|t| stop.at(t), 0.0, stop.duration(), &axis);
                     }
