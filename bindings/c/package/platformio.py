@@ -16,6 +16,11 @@ CORES = {
     "esp32c6": "rv32imac",
     "esp32h2": "rv32imac",
     "esp32p4": "rv32imafc",
+    # Xtensa: `src/twb_portable.c` is compiled.
+    "esp8266": "portable",
+    "esp32": "portable",
+    "esp32s2": "portable",
+    "esp32s3": "portable",
 }
 
 cpu = env.BoardConfig().get("build.cpu", "")  # noqa: F821
@@ -26,5 +31,6 @@ if core is None:
 flags = " ".join(str(flag) for flag in env.get("CCFLAGS", []))  # noqa: F821
 if core in ("cortex-m4", "cortex-m33") and "float-abi=hard" in flags:
     core += "f"
-here = os.path.dirname(os.path.realpath("platformio.py"))
-env.Append(LIBPATH=[os.path.join(here, "lib", core)], LIBS=["twb"])  # noqa: F821
+if core != "portable":
+    here = os.path.dirname(os.path.realpath("platformio.py"))
+    env.Append(LIBPATH=[os.path.join(here, "lib", core)], LIBS=["twb"])  # noqa: F821
