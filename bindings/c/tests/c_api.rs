@@ -378,6 +378,71 @@ fn archives_are_as_large_as_stated() {
     assert_eq!(cores, 3);
 }
 
+/// Xtensa is what the portable C is for; the compiler of the ESP8266 has neither floats nor divisions in its library.
+#[test]
+fn portable_c_is_clean_for_xtensa_and_needs_nothing_but_its_compilers_functions() {
+    // As Arduino and PlatformIO find it.
+    let source = archives().join("src/twb_portable.c");
+    let object = scratch().join("xtensa.o");
+    succeed(
+        Command::new("xtensa-lx106-elf-gcc")
+            .args(["-std=c99", "-O1", "-ffreestanding", "-mlongcalls", "-c"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(here().join("include"))
+            .arg(source)
+            .arg("-o")
+            .arg(&object),
+    );
+    let symbols = succeed(Command::new("xtensa-lx106-elf-nm").arg("-g").arg(&object));
+    let symbols = String::from_utf8_lossy(&symbols.stdout).into_owned();
+    let (mut calls, mut needed) = (0, 0);
+    for line in symbols.lines() {
+        match line.split_whitespace().collect::<Vec<_>>()[..] {
+            ["U", name] if name.starts_with("__") => needed += 1,
+            [_, "T", name] if name.starts_with("twb_") => calls += 1,
+            _ => panic!("{line}"),
+        }
+    }
+    assert!(calls == 17 && needed > 10, "{symbols}");
+}
+
+/// What PlatformIO's builder has of a board, and what the script makes of it.
+#[test]
+fn the_script_for_platformio_links_the_archive_of_the_board_or_compiles_c() {
+    let script = r#"
+import json, os, sys
+os.chdir(sys.argv[1])
+class Env(dict):
+    def __init__(self, board, flags):
+        self.update(CCFLAGS=flags)
+        self.board, self.added = board, {}
+    def BoardConfig(self):
+        return self.board
+    def Append(self, **added):
+        self.added.update(added)
+for board, flags in [
+    ({"build.cpu": "cortex-m4", "build.mcu": "stm32f411ret6"}, ["-mfloat-abi=hard"]),
+    ({"build.cpu": "cortex-m4", "build.mcu": "nrf52840"}, ["-mfloat-abi=softfp"]),
+    ({"build.mcu": "esp32c3"}, []),
+    ({"build.mcu": "esp32s3"}, []),
+]:
+    env = Env(board, flags)
+    exec(open("platformio.py").read(), {"env": env, "Import": lambda name: None})
+    paths = [os.path.basename(path) for path in env.added.get("LIBPATH", [])]
+    print(*paths, *env.added.get("LIBS", []), *env.added.get("CPPDEFINES", []))
+"#;
+    let output = succeed(
+        Command::new("python3")
+            .args(["-c", script])
+            .arg(here().join("package")),
+    );
+    assert_eq!(
+        String::from_utf8_lossy(&output.stdout),
+        "cortex-m4f twb\ncortex-m4 twb\nrv32imc twb\nTWB_PORTABLE\n"
+    );
+}
+
 /// A cross compiler, an emulator, and the core's archive.
 struct Board {
     core: &'static str,
