@@ -3,10 +3,11 @@
 #[path = "support/mission.rs"]
 mod mission;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::{env, fs};
 
 use controller_core::base::BaseParams;
@@ -568,8 +569,22 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
+    /// The portable C compiled for the board, once its ticks are counted.
+    fn object(&self) -> PathBuf {
+        scratch().join(format!("portable-{}.o", self.board.core))
+    }
+
     /// What each tick of the image of `tests/overhead` took, and the duties of both motors.
-    fn ticks(&self, configuration: &str) -> Vec<[u32; 3]> {
+    fn ticks(&self, configuration: &'static str) -> Vec<[u32; 3]> {
+        // Once for each image, and one after the other: they are built at the same place.
+        static COUNTED: Mutex<BTreeMap<[&str; 2], Vec<[u32; 3]>>> = Mutex::new(BTreeMap::new());
+        let mut counted = COUNTED.lock().unwrap_or_else(PoisonError::into_inner);
+        let image = [self.board.core, configuration];
+        let ticks = counted.entry(image);
+        ticks.or_insert_with(|| self.count(configuration)).clone()
+    }
+
+    fn count(&self, configuration: &str) -> Vec<[u32; 3]> {
         let folder = scratch().join("overhead").join(self.board.core);
         fs::create_dir_all(folder.join("src")).expect("a folder can be made");
         let root = here().join("../..").canonicalize().expect("the workspace");
@@ -592,7 +607,7 @@ impl Image<'_> {
         copy(root.join("Cargo.lock"), "Cargo.lock");
         copy(root.join("firmware-demo/memory").join(self.map), "memory.x");
         let search = format!("-L{}", folder.display());
-        let object = folder.join("twb.o");
+        let object = self.object();
         let linked = format!("{}", object.display());
         let mut flags: Vec<&str> = self
             .linker
@@ -648,7 +663,7 @@ impl Image<'_> {
     }
 
     /// What each tick takes in Rust and through C.
-    fn both(&self, through: &str) -> Vec<[u32; 2]> {
+    fn both(&self, through: &'static str) -> Vec<[u32; 2]> {
         let (rust, c) = (self.ticks("in_rust"), self.ticks(through));
         assert_eq!((rust.len(), c.len()), (3000, 3000));
         let both = rust.iter().zip(&c).map(|(rust, c)| {
@@ -712,11 +727,7 @@ fn a_tick_of_portable_c_takes_at_most_three_times_the_instructions() {
     let (rust, c) = (mean(0), mean(1));
     println!("{c:.0} instructions, {rust:.0} in Rust");
     assert!(c <= 3.0 * rust, "{c} against {rust}");
-    let object = scratch().join("flash.o");
-    let mut compiler = CORTEX_M4F.compiler();
-    let source = archives().join(PORTABLE);
-    succeed(compiler.arg("-c").arg(source).arg("-o").arg(&object));
-    let size = succeed(Command::new("arm-none-eabi-size").arg(&object));
+    let size = succeed(Command::new("arm-none-eabi-size").arg(IMAGE_M4F.object()));
     let text = String::from_utf8_lossy(&size.stdout).into_owned();
     let row = text.lines().nth(1).expect("a row of numbers");
     let sizes: Vec<f64> = row
