@@ -21,10 +21,12 @@ CORES = {
 cpu = env.BoardConfig().get("build.cpu", "")  # noqa: F821
 mcu = env.BoardConfig().get("build.mcu", "")  # noqa: F821
 core = CORES.get(cpu) or CORES.get(mcu)
-if core is None:
-    raise SystemExit("twb: no archive for cpu '%s', mcu '%s'" % (cpu, mcu))
 flags = " ".join(str(flag) for flag in env.get("CCFLAGS", []))  # noqa: F821
 if core in ("cortex-m4", "cortex-m33") and "float-abi=hard" in flags:
     core += "f"
-here = os.path.dirname(os.path.realpath("platformio.py"))
-env.Append(LIBPATH=[os.path.join(here, "lib", core)], LIBS=["twb"])  # noqa: F821
+if core is None:
+    # Xtensa, and what else there is: `src/twb_portable.c` is compiled.
+    env.Append(CPPDEFINES=["TWB_PORTABLE"])  # noqa: F821
+else:
+    here = os.path.dirname(os.path.realpath("platformio.py"))
+    env.Append(LIBPATH=[os.path.join(here, "lib", core)], LIBS=["twb"])  # noqa: F821

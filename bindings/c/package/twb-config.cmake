@@ -1,6 +1,7 @@
 # find_package(twb): the archive for the core that is compiled for, as `twb::twb`.
 #
-# TWB_CORE names one of the folders of lib/; by default it follows from CMAKE_SYSTEM_PROCESSOR and the compiler's flags.
+# TWB_CORE names one of the folders of lib/, or is `portable`: C, compiled by the project's compiler. By default it follows from
+# CMAKE_SYSTEM_PROCESSOR and the compiler's flags.
 if(NOT TWB_CORE)
   string(JOIN " " twb_flags "${CMAKE_SYSTEM_PROCESSOR}" "${CMAKE_C_FLAGS}" "${CMAKE_CXX_FLAGS}")
   if(NOT CMAKE_CROSSCOMPILING)
@@ -16,7 +17,7 @@ if(NOT TWB_CORE)
   elseif(twb_flags MATCHES "rv32(imafc|imac|imc)")
     set(TWB_CORE rv32${CMAKE_MATCH_1})
   else()
-    message(FATAL_ERROR "twb: no archive follows from '${twb_flags}'; set TWB_CORE to a folder of ${CMAKE_CURRENT_LIST_DIR}/lib")
+    set(TWB_CORE portable)
   endif()
   # Soft and hard float ABIs do not link with each other.
   if(TWB_CORE MATCHES "^cortex-m(4|33)$" AND twb_flags MATCHES "float-abi=hard|eabihf")
@@ -24,10 +25,17 @@ if(NOT TWB_CORE)
   endif()
 endif()
 set(twb_archive "${CMAKE_CURRENT_LIST_DIR}/lib/${TWB_CORE}/libtwb.a")
+if(TWB_CORE STREQUAL portable)
+  set(twb_archive "${CMAKE_CURRENT_LIST_DIR}/portable/twb.c")
+endif()
 if(NOT EXISTS "${twb_archive}")
   message(FATAL_ERROR "twb: ${twb_archive} is missing; `cargo run -p capi --bin archives -- ${TWB_CORE}` builds it")
 endif()
-if(NOT TARGET twb::twb)
+if(NOT TARGET twb::twb AND TWB_CORE STREQUAL portable)
+  add_library(twb_portable STATIC "${twb_archive}")
+  target_include_directories(twb_portable PUBLIC "${CMAKE_CURRENT_LIST_DIR}/include")
+  add_library(twb::twb ALIAS twb_portable)
+elseif(NOT TARGET twb::twb)
   add_library(twb::twb STATIC IMPORTED)
   set_target_properties(twb::twb PROPERTIES
     IMPORTED_LOCATION "${twb_archive}"

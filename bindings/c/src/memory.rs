@@ -4,7 +4,7 @@
 
 use core::mem::MaybeUninit;
 use core::ptr::{self, NonNull};
-use core::sync::atomic::{AtomicU32, Ordering, compiler_fence};
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use controller_core::base::{BaseController, WheelAction};
 use controller_core::hal::ErrorKind;
@@ -24,6 +24,22 @@ const BUSY: u32 = READY ^ 0x80;
 const NO_STOP: u32 = 0;
 const STOP_RELEASE: u32 = 1;
 const STOP_BRAKE: u32 = 2;
+
+/// Between marks and what they guard: an interrupt on the same core sees both in this order.
+#[inline]
+fn fence() {
+    // WebAssembly has no such fence, and the C compiler that portable C is for would see none.
+    #[cfg(all(feature = "archive", target_arch = "wasm32"))]
+    {
+        // SAFETY: of the portable C, which defines it.
+        unsafe extern "C" {
+            safe fn twb_fence();
+        }
+        twb_fence();
+    }
+    #[cfg(not(all(feature = "archive", target_arch = "wasm32")))]
+    core::sync::atomic::compiler_fence(Ordering::SeqCst);
+}
 
 /// What `twb_base` holds.
 #[repr(C, align(8))]
@@ -116,11 +132,11 @@ impl Handle {
             return Err(Status::Busy);
         }
         self.mark().store(BUSY, Ordering::Relaxed);
-        compiler_fence(Ordering::SeqCst);
+        fence();
         // SAFETY: room for a `Base` by the promise at `new`; the mark keeps every other call away from the body.
         unsafe { ptr::addr_of_mut!((*self.0.as_ptr()).body).write(MaybeUninit::new(body)) };
         self.asked().store(NO_STOP, Ordering::Relaxed);
-        compiler_fence(Ordering::SeqCst);
+        fence();
         self.mark().store(READY, Ordering::Relaxed);
         Ok(())
     }
@@ -142,7 +158,7 @@ impl Handle {
             });
         }
         mark.store(BUSY, Ordering::Relaxed);
-        compiler_fence(Ordering::SeqCst);
+        fence();
         // SAFETY: READY says that `put` wrote the body; BUSY now keeps every other call away from it until it is given back.
         let body = unsafe { (*ptr::addr_of_mut!((*self.0.as_ptr()).body)).assume_init_mut() };
         let result = work(body);
@@ -153,9 +169,9 @@ impl Handle {
                 self.asked().store(NO_STOP, Ordering::Relaxed);
                 stopped = Some(body.stop(asked));
             }
-            compiler_fence(Ordering::SeqCst);
+            fence();
             mark.store(READY, Ordering::Relaxed);
-            compiler_fence(Ordering::SeqCst);
+            fence();
             // An interrupt that stopped between the look and the mark saw a base in a call.
             if self.asked().load(Ordering::Relaxed) == NO_STOP {
                 return Ok((result, stopped));

@@ -3,10 +3,11 @@
 #[path = "support/mission.rs"]
 mod mission;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::{env, fs};
 
 use controller_core::base::BaseParams;
@@ -39,19 +40,25 @@ fn succeed(command: &mut Command) -> Output {
     output
 }
 
-/// The folder with the archives of the host and of both emulated boards.
+/// The folder with the archives of the host and of both emulated boards, and the portable C.
 fn archives() -> &'static Path {
-    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    &built().0
+}
+
+/// With what the builder printed of them.
+fn built() -> &'static (PathBuf, String) {
+    static BUILT: OnceLock<(PathBuf, String)> = OnceLock::new();
     BUILT.get_or_init(|| {
         let out = scratch().join("archives");
-        succeed(
+        let output = succeed(
             Command::new(env!("CARGO_BIN_EXE_archives"))
                 .env("CARGO_TARGET_DIR", scratch())
                 .arg("--out")
                 .arg(&out)
-                .args(["host", "cortex-m4f", "rv32imafc"]),
+                .args(["host", "cortex-m4f", "rv32imafc", "portable"]),
         );
-        out
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        (out, printed)
     })
 }
 
@@ -118,9 +125,25 @@ fn write_robots() -> PathBuf {
     folder
 }
 
+/// What programs of the host are linked with: the archive, or C for any core. Below [`archives`].
+const HOST: [&str; 2] = ["lib/host/libtwb.a", PORTABLE];
+
+/// The same functions in C.
+const PORTABLE: &str = "portable/twb.c";
+
 /// Builds a program of the host from sources of `tests/c` with the archive, in a language standard.
 fn program(name: &str, compiler: &str, standard: &str, sources: &[&str]) -> PathBuf {
-    let to = scratch().join(name);
+    program_with(HOST[0], name, compiler, standard, sources)
+}
+
+fn program_with(
+    functions: &str,
+    name: &str,
+    compiler: &str,
+    standard: &str,
+    sources: &[&str],
+) -> PathBuf {
+    let to = scratch().join(format!("{name}-{}", functions.replace('/', "-")));
     succeed(
         Command::new(compiler)
             .args([standard, "-O1", "-ffp-contract=off"])
@@ -134,7 +157,7 @@ fn program(name: &str, compiler: &str, standard: &str, sources: &[&str]) -> Path
                     .iter()
                     .map(|source| here().join("tests/c").join(source)),
             )
-            .arg(archives().join("lib/host/libtwb.a"))
+            .arg(archives().join(functions))
             .arg("-o")
             .arg(&to),
     );
@@ -169,11 +192,8 @@ fn headers_are_clean_in_every_standard() {
     }
 }
 
-#[test]
-fn every_call_refuses_every_bad_argument_and_changes_nothing() {
-    let program = program("bad_arguments", "gcc", "-std=c99", &["bad_arguments.c"]);
-    let output = succeed(&mut Command::new(program));
-    let text = String::from_utf8_lossy(&output.stdout);
+/// What `bad_arguments.c` prints.
+fn assert_all_refused(text: &str) {
     let checks: u32 = text
         .split_whitespace()
         .next()
@@ -183,11 +203,30 @@ fn every_call_refuses_every_bad_argument_and_changes_nothing() {
 }
 
 #[test]
+fn every_call_refuses_every_bad_argument_and_changes_nothing() {
+    for functions in HOST {
+        let sources = ["bad_arguments.c"];
+        let program = program_with(functions, "bad_arguments", "gcc", "-std=c99", &sources);
+        let output = succeed(&mut Command::new(program));
+        assert_all_refused(&String::from_utf8_lossy(&output.stdout));
+    }
+}
+
+/// There the caller's pointers are the addresses of the portable C; on the host, pieces of memory are.
+#[test]
+fn portable_c_refuses_every_bad_argument_where_pointers_are_addresses() {
+    assert_all_refused(&CORTEX_M4F.run(PORTABLE, &["bad_arguments.c"]));
+}
+
+#[test]
 fn an_emergency_stop_from_an_interrupt_is_obeyed_by_the_tick_that_it_interrupts() {
-    let program = program("interrupted", "gcc", "-std=c99", &["interrupted.c"]);
-    let output = succeed(&mut Command::new(program));
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(text.trim(), "100 stops within a tick, all obeyed");
+    for functions in HOST {
+        let sources = ["interrupted.c"];
+        let program = program_with(functions, "interrupted", "gcc", "-std=c99", &sources);
+        let output = succeed(&mut Command::new(program));
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(text.trim(), "100 stops within a tick, all obeyed");
+    }
 }
 
 #[test]
@@ -249,31 +288,33 @@ fn a_mission_from_c_has_the_bits_of_rust() {
     assert_eq!(numbers("states", 16), 0b111_0011_1111, "{expected}");
     assert_eq!(numbers("faults", 16) & 0x407, 0x407, "{expected}");
     assert!(numbers("parked", 10) > TICKS / 5, "{expected}");
-    let program = program(
-        "mission",
-        "gcc",
-        "-std=c99",
-        &["run_mission.c", "mission.c"],
-    );
-    let output = succeed(Command::new(program).arg(TICKS.to_string()));
-    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), expected);
+    for functions in HOST {
+        let sources = ["run_mission.c", "mission.c"];
+        let program = program_with(functions, "mission", "gcc", "-std=c99", &sources);
+        let output = succeed(Command::new(program).arg(TICKS.to_string()));
+        assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), expected);
+    }
 }
 
 #[test]
 fn cmake_finds_the_archive_and_its_example_parks() {
-    let build = scratch().join("cmake");
-    succeed(
-        Command::new("cmake")
-            .arg("-S")
-            .arg(here().join("examples/cmake"))
-            .arg("-B")
-            .arg(&build)
-            .arg(format!("-Dtwb_DIR={}", archives().display())),
-    );
-    succeed(Command::new("cmake").arg("--build").arg(&build));
-    let output = succeed(&mut Command::new(build.join("park")));
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.starts_with("parked at"), "{text}");
+    // By itself, and as it is told.
+    for core in ["", "portable"] {
+        let build = scratch().join(format!("cmake-{core}"));
+        succeed(
+            Command::new("cmake")
+                .arg("-S")
+                .arg(here().join("examples/cmake"))
+                .arg("-B")
+                .arg(&build)
+                .arg(format!("-DTWB_CORE={core}"))
+                .arg(format!("-Dtwb_DIR={}", archives().display())),
+        );
+        succeed(Command::new("cmake").arg("--build").arg(&build));
+        let output = succeed(&mut Command::new(build.join("park")));
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.starts_with("parked at"), "{text}");
+    }
 }
 
 /// What the packages for other build systems name is what the builder builds; those systems are not here to ask.
@@ -318,6 +359,91 @@ fn packages_name_archives_that_there_are() {
     }
 }
 
+#[test]
+fn archives_are_as_large_as_stated() {
+    let mut page = Stated::of("docs/c.md");
+    let mut cores = 0;
+    for line in built().1.lines().skip(1) {
+        let mut words = line.split_whitespace();
+        let core = format!("`{}`", words.next().expect("a core"));
+        let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
+        let [flash, size] = numbers[..] else { continue };
+        cores += 1;
+        for (column, bytes) in [
+            ("flash, opt-level 3 \\[B\\]", flash),
+            ("archive \\[B\\]", size),
+        ] {
+            page.about(At::Cell("Cost", &core, column), &[bytes]);
+        }
+    }
+    assert_eq!(cores, 3);
+}
+
+/// Xtensa is what the portable C is for; the compiler of the ESP8266 has neither floats nor divisions in its library.
+#[test]
+fn portable_c_is_clean_for_xtensa_and_needs_nothing_but_its_compilers_functions() {
+    // As Arduino and PlatformIO find it.
+    let source = archives().join("src/twb_portable.c");
+    let object = scratch().join("xtensa.o");
+    succeed(
+        Command::new("xtensa-lx106-elf-gcc")
+            .args(["-std=c99", "-O1", "-ffreestanding", "-mlongcalls", "-c"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(here().join("include"))
+            .arg(source)
+            .arg("-o")
+            .arg(&object),
+    );
+    let symbols = succeed(Command::new("xtensa-lx106-elf-nm").arg("-g").arg(&object));
+    let symbols = String::from_utf8_lossy(&symbols.stdout).into_owned();
+    let (mut calls, mut needed) = (0, 0);
+    for line in symbols.lines() {
+        match line.split_whitespace().collect::<Vec<_>>()[..] {
+            ["U", name] if name.starts_with("__") => needed += 1,
+            [_, "T", name] if name.starts_with("twb_") => calls += 1,
+            _ => panic!("{line}"),
+        }
+    }
+    assert!(calls == 17 && needed > 10, "{symbols}");
+}
+
+/// What PlatformIO's builder has of a board, and what the script makes of it.
+#[test]
+fn the_script_for_platformio_links_the_archive_of_the_board_or_compiles_c() {
+    let script = r#"
+import json, os, sys
+os.chdir(sys.argv[1])
+class Env(dict):
+    def __init__(self, board, flags):
+        self.update(CCFLAGS=flags)
+        self.board, self.added = board, {}
+    def BoardConfig(self):
+        return self.board
+    def Append(self, **added):
+        self.added.update(added)
+for board, flags in [
+    ({"build.cpu": "cortex-m4", "build.mcu": "stm32f411ret6"}, ["-mfloat-abi=hard"]),
+    ({"build.cpu": "cortex-m4", "build.mcu": "nrf52840"}, ["-mfloat-abi=softfp"]),
+    ({"build.mcu": "esp32c3"}, []),
+    ({"build.mcu": "esp32s3"}, []),
+]:
+    env = Env(board, flags)
+    exec(open("platformio.py").read(), {"env": env, "Import": lambda name: None})
+    paths = [os.path.basename(path) for path in env.added.get("LIBPATH", [])]
+    print(*paths, *env.added.get("LIBS", []), *env.added.get("CPPDEFINES", []))
+"#;
+    let output = succeed(
+        Command::new("python3")
+            .args(["-c", script])
+            .arg(here().join("package")),
+    );
+    assert_eq!(
+        String::from_utf8_lossy(&output.stdout),
+        "cortex-m4f twb\ncortex-m4 twb\nrv32imc twb\nTWB_PORTABLE\n"
+    );
+}
+
 /// A cross compiler, an emulator, and the core's archive.
 struct Board {
     core: &'static str,
@@ -349,30 +475,41 @@ const RV32IMAFC: Board = Board {
 };
 
 impl Board {
-    /// The mission in C, by the distribution's cross compiler, on the emulated board.
-    fn run(&self) -> String {
+    /// Its archive, below [`archives`].
+    fn archive(&self) -> String {
+        format!("lib/{}/libtwb.a", self.core)
+    }
+
+    /// The distribution's cross compiler, without a C library.
+    fn compiler(&self) -> Command {
+        let mut compiler = Command::new(self.compiler);
+        compiler
+            .args(self.machine)
+            .args(["-std=c99", "-O2", "-ffreestanding", "-nostdlib"])
+            .args(["-ffp-contract=off", "-fno-tree-loop-distribute-patterns"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(here().join("include"));
+        compiler
+    }
+
+    /// What a program in C prints on the emulated board.
+    fn run(&self, functions: &str, program: &[&str]) -> String {
         let sources = here().join("tests/c");
-        let image = scratch().join(self.core);
+        let name = [program[0], functions].join("-").replace('/', "-");
+        let image = scratch().join(format!("{}-{name}", self.core));
         succeed(
-            Command::new(self.compiler)
-                .args(self.machine)
-                .args([
-                    "-std=c99",
-                    "-O2",
-                    "-ffreestanding",
-                    "-nostdlib",
-                    "-ffp-contract=off",
-                ])
-                .args(STRICT)
+            self.compiler()
                 .arg(format!("-DTICKS={TICKS}u"))
                 .arg("-I")
-                .arg(here().join("include"))
+                .arg(sources.join("bare"))
                 .arg("-I")
                 .arg(robot_header())
                 .arg("-T")
                 .arg(sources.join(self.map))
-                .args([sources.join("run_emulated.c"), sources.join("mission.c")])
-                .arg(archives().join("lib").join(self.core).join("libtwb.a"))
+                .arg(sources.join("emulated.c"))
+                .args(program.iter().map(|source| sources.join(source)))
+                .arg(archives().join(functions))
                 .args(["-lgcc", "-o"])
                 .arg(&image),
         );
@@ -394,14 +531,31 @@ impl Board {
     }
 }
 
-#[test]
-fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_cortex_m4f() {
-    assert_eq!(CORTEX_M4F.run(), expected());
+impl Board {
+    /// Runs the mission in C, which has to have the bits of Rust; the bytes of stack that it took.
+    fn mission(&self, functions: &str) -> f64 {
+        let printed = self.run(functions, &["run_emulated.c", "mission.c"]);
+        let (bits, stack) = printed.split_once("\nstack ").expect("two lines");
+        assert_eq!(bits, expected());
+        stack.parse().expect("a number")
+    }
 }
 
 #[test]
 fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_rv32() {
-    assert_eq!(RV32IMAFC.run(), expected());
+    RV32IMAFC.mission(&RV32IMAFC.archive());
+    RV32IMAFC.mission(PORTABLE);
+}
+
+#[test]
+fn a_mission_from_c_has_the_bits_of_rust_on_an_emulated_cortex_m4f() {
+    let archive = CORTEX_M4F.mission(&CORTEX_M4F.archive());
+    let portable = CORTEX_M4F.mission(PORTABLE);
+    let mut page = Stated::of("docs/c.md");
+    page.about(
+        At::Phrase("a call takes at most # bytes of stack there, # as portable C"),
+        &[archive, portable],
+    );
 }
 
 /// A core with what an image in Rust needs of its run time.
@@ -415,8 +569,22 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
+    /// The portable C compiled for the board, once its ticks are counted.
+    fn object(&self) -> PathBuf {
+        scratch().join(format!("portable-{}.o", self.board.core))
+    }
+
     /// What each tick of the image of `tests/overhead` took, and the duties of both motors.
-    fn ticks(&self, configuration: &str) -> Vec<[u32; 3]> {
+    fn ticks(&self, configuration: &'static str) -> Vec<[u32; 3]> {
+        // Once for each image, and one after the other: they are built at the same place.
+        static COUNTED: Mutex<BTreeMap<[&str; 2], Vec<[u32; 3]>>> = Mutex::new(BTreeMap::new());
+        let mut counted = COUNTED.lock().unwrap_or_else(PoisonError::into_inner);
+        let image = [self.board.core, configuration];
+        let ticks = counted.entry(image);
+        ticks.or_insert_with(|| self.count(configuration)).clone()
+    }
+
+    fn count(&self, configuration: &str) -> Vec<[u32; 3]> {
         let folder = scratch().join("overhead").join(self.board.core);
         fs::create_dir_all(folder.join("src")).expect("a folder can be made");
         let root = here().join("../..").canonicalize().expect("the workspace");
@@ -439,8 +607,32 @@ impl Image<'_> {
         copy(root.join("Cargo.lock"), "Cargo.lock");
         copy(root.join("firmware-demo/memory").join(self.map), "memory.x");
         let search = format!("-L{}", folder.display());
-        let flags = self.linker.iter().copied().chain([search.as_str()]);
-        let flags: Vec<String> = flags.map(|flag| format!("-Clink-arg={flag}")).collect();
+        let object = self.object();
+        let linked = format!("{}", object.display());
+        let mut flags: Vec<&str> = self
+            .linker
+            .iter()
+            .copied()
+            .chain([search.as_str()])
+            .collect();
+        if configuration == "through_portable" {
+            let source = archives().join(PORTABLE);
+            let mut compiler = self.board.compiler();
+            succeed(compiler.arg("-c").arg(source).arg("-o").arg(&object));
+            // Beside those of Rust, which are in the image as well.
+            let names = ["init", "arm", "tick"];
+            succeed(
+                Command::new(self.board.compiler.replace("gcc", "objcopy"))
+                    .args(names.map(|name| format!("--redefine-sym=twb_{name}=portable_{name}")))
+                    .args(names.map(|name| format!("--keep-global-symbol=portable_{name}")))
+                    .arg(&object),
+            );
+            flags.push(&linked);
+        }
+        let flags: Vec<String> = flags
+            .iter()
+            .map(|flag| format!("-Clink-arg={flag}"))
+            .collect();
         let target_dir = scratch().join("overhead-target");
         succeed(
             Command::new(env!("CARGO"))
@@ -449,7 +641,7 @@ impl Image<'_> {
                 .env("RUSTFLAGS", flags.join(" "))
                 .args(["rustc", "--quiet", "--profile", "chip"])
                 .args(["--target", self.target, "--", "--cfg", configuration])
-                .args(["--check-cfg", "cfg(through_c, in_rust)"]),
+                .args(["--check-cfg", "cfg(through_c, through_portable, in_rust)"]),
         );
         let (program, arguments) = self.board.emulator.split_first().expect("a program");
         let output = succeed(
@@ -470,14 +662,23 @@ impl Image<'_> {
         rows.collect()
     }
 
+    /// What each tick takes in Rust and through C.
+    fn both(&self, through: &'static str) -> Vec<[u32; 2]> {
+        let (rust, c) = (self.ticks("in_rust"), self.ticks(through));
+        assert_eq!((rust.len(), c.len()), (3000, 3000));
+        let both = rust.iter().zip(&c).map(|(rust, c)| {
+            assert_eq!(rust[1..], c[1..], "the duties");
+            [rust[0], c[0]]
+        });
+        both.collect()
+    }
+
     /// Most and mean that a tick takes more through C than in Rust.
     fn more(&self) -> (i64, f64) {
-        let (rust, c) = (self.ticks("in_rust"), self.ticks("through_c"));
-        assert_eq!((rust.len(), c.len()), (3000, 3000));
-        let more = rust.iter().zip(&c).map(|(rust, c)| {
-            assert_eq!(rust[1..], c[1..], "the duties");
-            i64::from(c[0]) - i64::from(rust[0])
-        });
+        let both = self.both("through_c");
+        let more = both
+            .iter()
+            .map(|[rust, c]| i64::from(*c) - i64::from(*rust));
         let more: Vec<i64> = more.collect();
         let mean = more.iter().sum::<i64>() as f64 / more.len() as f64;
         let most = *more.iter().max().expect("ticks");
@@ -486,16 +687,17 @@ impl Image<'_> {
     }
 }
 
+const IMAGE_M4F: Image<'_> = Image {
+    board: &CORTEX_M4F,
+    target: "thumbv7em-none-eabihf",
+    run_time: "cortex-m-rt = \"0.7.5\"",
+    linker: &["--nmagic", "-Tlink.x"],
+    map: "mps2-an386.x",
+    icount: "shift=10",
+};
+
 #[test]
 fn a_tick_from_c_takes_few_instructions_more() {
-    let arm = Image {
-        board: &CORTEX_M4F,
-        target: "thumbv7em-none-eabihf",
-        run_time: "cortex-m-rt = \"0.7.5\"",
-        linker: &["--nmagic", "-Tlink.x"],
-        map: "mps2-an386.x",
-        icount: "shift=10",
-    };
     let riscv = Image {
         board: &RV32IMAFC,
         target: "riscv32imafc-unknown-none-elf",
@@ -505,9 +707,42 @@ fn a_tick_from_c_takes_few_instructions_more() {
         icount: "shift=0",
     };
     let mut page = Stated::of("docs/c.md");
-    for (image, core) in [(arm, "the emulated Cortex-M4F"), (riscv, "the RV32IMAFC")] {
+    for (image, core) in [
+        (IMAGE_M4F, "the emulated Cortex-M4F"),
+        (riscv, "the RV32IMAFC"),
+    ] {
         let (most, mean) = image.more();
         let phrase = format!("# instructions more than in Rust on {core}, at most #");
         page.exactly(At::Phrase(&phrase), &[mean, most as f64]);
     }
+}
+
+#[test]
+fn a_tick_of_portable_c_takes_at_most_three_times_the_instructions() {
+    let both = IMAGE_M4F.both("through_portable");
+    let mean = |part: usize| {
+        let sum: u64 = both.iter().map(|ticks| u64::from(ticks[part])).sum();
+        sum as f64 / both.len() as f64
+    };
+    let (rust, c) = (mean(0), mean(1));
+    println!("{c:.0} instructions, {rust:.0} in Rust");
+    assert!(c <= 3.0 * rust, "{c} against {rust}");
+    let size = succeed(Command::new("arm-none-eabi-size").arg(IMAGE_M4F.object()));
+    let text = String::from_utf8_lossy(&size.stdout).into_owned();
+    let row = text.lines().nth(1).expect("a row of numbers");
+    let sizes: Vec<f64> = row
+        .split_whitespace()
+        .map_while(|word| word.parse().ok())
+        .collect();
+    // Code with constants; then what a program would have to keep for it.
+    assert_eq!(sizes[1..3], [0.0, 0.0], "data and bss: {text}");
+    let mut page = Stated::of("docs/c.md");
+    page.about(
+        At::Phrase("A tick takes # instructions in the mean, # in Rust"),
+        &[c, rust],
+    );
+    page.about(
+        At::Phrase("the file takes # bytes of flash there"),
+        &sizes[..1],
+    );
 }

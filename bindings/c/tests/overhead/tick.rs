@@ -1,5 +1,5 @@
 //! Executed instructions from the sensors' numbers to the motors' duties, tick by tick: with the core's types, or with
-//! `--cfg through_c` through the C interface. Two images, for in one the compiler would inline one of both.
+//! `--cfg through_c` through the C interface, `--cfg through_portable` through that interface in C. An image each, for in one the compiler would inline one of them.
 #![no_std]
 #![no_main]
 
@@ -34,7 +34,7 @@ struct Outputs {
     duties: [f32; 2],
 }
 
-#[cfg(not(through_c))]
+#[cfg(in_rust)]
 mod base {
     use controller_core::base::{BaseController, Order, Sensed, WheelAction};
     use controller_core::hal::{Observed, WheelCounts};
@@ -96,9 +96,10 @@ mod base {
     }
 }
 
-#[cfg(through_c)]
+#[cfg(not(in_rust))]
 mod base {
     use capi::abi::{API, Action, Order, Pose, Sensed, Twist, order, sensed};
+    #[cfg(through_c)]
     use capi::calls::{twb_arm, twb_init, twb_tick};
     use capi::memory::{self, Base as Opaque};
     use controller_core::types::WheelTorques;
@@ -106,6 +107,29 @@ mod base {
     use protocol::{MAX_ROBOT_BLOB, encode_robot};
 
     use super::{Inputs, Outputs, Demand};
+
+    #[cfg(through_portable)]
+    unsafe extern "C" {
+        #[link_name = "portable_init"]
+        fn twb_init(
+            base: *mut Opaque,
+            size: usize,
+            api: u32,
+            robot: *const u8,
+            length: usize,
+            start: *const Pose,
+        ) -> i32;
+        #[link_name = "portable_arm"]
+        fn twb_arm(base: *mut Opaque) -> i32;
+        #[link_name = "portable_tick"]
+        fn twb_tick(
+            base: *mut Opaque,
+            dt_us: u32,
+            order: *const Order,
+            sensed: *const Sensed,
+            action: *mut Action,
+        ) -> i32;
+    }
 
     #[repr(C, align(8))]
     struct Memory([u8; memory::SIZE]);

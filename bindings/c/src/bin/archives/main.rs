@@ -4,6 +4,7 @@
 //! cargo run -p capi --bin archives                      # all cores, into target/twb
 //! cargo run -p capi --bin archives -- host cortex-m4f   # these
 //! cargo run -p capi --bin archives -- --opt s host      # smaller and slower
+//! cargo run -p capi --bin archives -- portable          # C for cores that Rust does not have
 //! ```
 //!
 //! Of the static library that Rust makes, one object is linked with all that the header's functions need and nothing else, and
@@ -18,6 +19,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
+
+mod portable;
 
 /// Most bytes of an archive.
 const MOST_BYTES: u64 = 300_000;
@@ -106,8 +109,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     for name in &names {
-        if !CORES.iter().any(|core| core.name == name) {
-            let known: Vec<&str> = CORES.iter().map(|core| core.name).collect();
+        if !CORES.iter().any(|core| core.name == name) && name != portable::NAME {
+            let cores = CORES.iter().map(|core| core.name);
+            let known: Vec<&str> = cores.chain([portable::NAME]).collect();
             return Err(format!("no core {name}: there are {}", known.join(", ")).into());
         }
     }
@@ -129,6 +133,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             let archive = archive.display();
             println!("{:<14} {flash:>9} {size:>9}  {archive}", core.name);
         }
+    }
+    if names.is_empty() || names.iter().any(|name| name == portable::NAME) {
+        let file = portable::build(&opt, &out, here)?;
+        println!(
+            "{:<14} {:>9} {:>9}  {}",
+            portable::NAME,
+            "-",
+            "-",
+            file.display()
+        );
     }
     Ok(())
 }
@@ -212,7 +226,7 @@ fn build(
     api: &[String],
     tools: &Tools,
 ) -> Result<(u64, u64, PathBuf), Box<dyn Error>> {
-    let library = rust_library(core, opt)?;
+    let library = cargo_build("staticlib", core.target, opt, &flags(core))?.join("libcapi.a");
     let folder = out.join("lib").join(core.name);
     fs::create_dir_all(&folder)?;
     let (linked, object) = (folder.join("linked.o"), folder.join("twb.o"));
@@ -236,6 +250,7 @@ fn build(
             "--remove-section=.comment",
         ])
         .args(kept)
+        .args(short_names(&linked, tools)?)
         .args([&linked, &object]))?;
     fs::remove_file(&linked)?;
     check_symbols(core, api, tools, &object)?;
@@ -258,7 +273,42 @@ fn build(
     Ok((flash(&sections), size, archive))
 }
 
-fn rust_library(core: &Core, opt: &str) -> Result<PathBuf, Box<dyn Error>> {
+/// What gives functions that nobody calls by name, and their sections, short names: paths and hashes would take 12 to 16 kB.
+fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Error>> {
+    let mut arguments = Vec::new();
+    let mut shorts = Vec::new();
+    let symbols = run(tools.run("llvm-nm").arg("--just-symbol-name").arg(object))?;
+    for name in symbols.lines().filter(|name| name.starts_with("_ZN")) {
+        // `..4tick17h` and 16 digits, `E`.
+        let path = name.get(..name.len().saturating_sub(20)).unwrap_or(name);
+        let last = path.rsplit(|c: char| c.is_ascii_digit()).next();
+        let short = format!("{}.{}", last.unwrap_or_default(), shorts.len());
+        arguments.push(format!("--redefine-sym={name}={short}"));
+        shorts.push((name, short));
+    }
+    let sections = run(tools.run("llvm-size").arg("-A").arg(object))?;
+    let sections = sections
+        .lines()
+        .filter_map(|line| line.split_whitespace().next());
+    for (number, section) in sections.enumerate() {
+        let of_function = shorts.iter().find(|(name, _)| section.ends_with(name));
+        if let Some((name, short)) = of_function {
+            let renamed = section.replace(name, short);
+            arguments.push(format!("--rename-section={section}={renamed}"));
+        } else if section.starts_with(".rodata..Lanon.") {
+            arguments.push(format!("--rename-section={section}=.rodata.{number}"));
+        }
+    }
+    Ok(arguments)
+}
+
+/// Builds the crate with what only archives have; where its library is.
+fn cargo_build(
+    kind: &str,
+    target: &str,
+    opt: &str,
+    flags: &str,
+) -> Result<PathBuf, Box<dyn Error>> {
     // Of its own, so that other builds of the same crates need not begin anew, and another one for each level.
     let target_dir = target_dir().join(format!("c-{opt}"));
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -266,11 +316,11 @@ fn rust_library(core: &Core, opt: &str) -> Result<PathBuf, Box<dyn Error>> {
         .current_dir(root())
         .env("CARGO_TARGET_DIR", &target_dir)
         .env("CARGO_PROFILE_CHIP_OPT_LEVEL", opt)
-        .env("RUSTFLAGS", flags(core))
+        .env("RUSTFLAGS", flags)
         .args(["rustc", "--quiet", "--locked", "-p", "capi", "--lib"])
-        .args(["--crate-type", "staticlib", "--features", "archive"])
-        .args(["--profile", "chip", "--target", core.target]))?;
-    Ok(target_dir.join(core.target).join("chip/libcapi.a"))
+        .args(["--crate-type", kind, "--features", "archive"])
+        .args(["--profile", "chip", "--target", target]))?;
+    Ok(target_dir.join(target).join("chip"))
 }
 
 /// Nothing unwinds, so that no tables for it are due.
