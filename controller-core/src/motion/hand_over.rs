@@ -62,7 +62,8 @@ impl<T: Scalar> ValidMotionParams<T> {
     }
 
     /// Distance to the goal \[m\], along the path, at which to change from following to parking: far
-    /// enough for the robot not to overshoot from `speed` \[m/s\].
+    /// enough for the robot not to overshoot from `speed` \[m/s\], and a time constant of its heading before that, v/k₃, in which
+    /// parking takes back what following left to the side.
     ///
     /// The approach decays as exp(−k₄ t), and the transition offset from the speed at hand-over carries the
     /// robot on by its share: v (1/(2 k₄) + 1/A). Where k₄ v is more than the planned deceleration
@@ -74,11 +75,12 @@ impl<T: Scalar> ValidMotionParams<T> {
         let (k4, p) = (gains.approach, gains.approach_brake);
         let linear = v * (T::HALF / k4 + T::ONE / gains.decay);
         let braking = v * v / (p + p) + p / (f(8.0) * k4 * k4) + v / gains.decay;
-        let needed = if k4 * v > p && braking > linear {
+        let stopping = if k4 * v > p && braking > linear {
             braking
         } else {
             linear
         };
+        let needed = stopping + v / gains.heading;
         // Even from rest a goal this near is the parking law's business.
         let least = f(0.05);
         if needed > least { needed } else { least }

@@ -525,6 +525,12 @@ impl<T: Scalar> Approach<T> {
             (from, Transition::Seamless)
         };
         let PoseError { x, y, theta } = at.error;
+        if !rests {
+            let rolls_on = execution.roll_on::<M>(plan, &at.error, twist, rate, dt);
+            if rolls_on.is_some() {
+                return Transition::Offset;
+            }
+        }
         let (x, y) = if there { (T::ZERO, T::ZERO) } else { (x, y) };
         execution.start::<M>(plan, &PoseError { x, y, theta }, twist, rate, dt);
         if there {

@@ -1,10 +1,10 @@
 //! Driving a manoeuvre: a reference that ends at the goal.
 
 use super::candidate::PlanLimits;
-use super::lateral_offset::{LateralOffset, OffsetLimits, SETTING_S};
+use super::lateral_offset::{Aside, LateralOffset, OffsetLimits, SETTING_S};
 use super::path::{Path, Vector};
 use super::profile::AxisSample;
-use super::search::{Progress, Search};
+use super::search::{Progress, Search, ready_s};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
@@ -65,7 +65,92 @@ pub(crate) struct Moment<T> {
     pub(crate) error: PoseError<T>,
 }
 
+/// The motion that a manoeuvre begins with.
+struct Begin<T> {
+    /// Of a tick \[s\].
+    half: T,
+    /// What is commanded now.
+    now: Twist<T>,
+    /// What will be, half a tick from now. An acceleration is held for a tick, and meant for its middle: the clock of a manoeuvre
+    /// starts there, and so does its frame.
+    twist: Twist<T>,
+}
+
+impl<T: Scalar> Begin<T> {
+    /// With `last` commanded a tick of `dt` ago, and `rate`.
+    fn of(last: &Twist<T>, rate: &Accel<T>, dt: T) -> Self {
+        let half = T::HALF * dt;
+        let now = Twist {
+            linear: last.linear + dt * rate.linear,
+            angular: last.angular + dt * rate.angular,
+        };
+        let twist = Twist {
+            linear: now.linear + half * rate.linear,
+            angular: now.angular + half * rate.angular,
+        };
+        Self { half, now, twist }
+    }
+}
+
 impl<T: Scalar> Execution<T> {
+    /// Keeps its speed and brakes at the goal: for a robot that drives towards it already. Nothing has to be searched for. Its frame is
+    /// that of the goal, whose axis is the planned path; what the robot is aside of it is a [`LateralOffset`]'s from the begin.
+    ///
+    /// `None`, and nothing is changed, where that is no quicker than what a search finds, or is not to be had within `limits`: too near, too
+    /// far aside, or heading elsewhere. For a manoeuvre that stands at its goal.
+    pub(crate) fn roll_on<M: Maths<T>>(
+        &mut self,
+        limits: &PlanLimits<T>,
+        error: &PoseError<T>,
+        last: &Twist<T>,
+        rate: &Accel<T>,
+        dt: T,
+    ) -> Option<()> {
+        let Begin { half, now, twist } = Begin::of(last, rate, dt);
+        let (sine, cosine) = M::sin_cos(error.theta);
+        if cosine <= T::HALF {
+            return None;
+        }
+        let ahead = error.x * cosine + error.y * sine;
+        let stop = limits.drive.stop(twist.linear, rate.linear);
+        let stop_drive = stop.standing_at(ahead - half * twist.linear)?;
+        let left = ahead.abs();
+        if stop_drive.duration() > ready_s(dt) + limits.drive.profile::<M>(left).duration() {
+            return None;
+        }
+        let robot = Aside {
+            offset: error.x * sine - error.y * cosine,
+            slope: -sine / cosine,
+            turn_rate: now.angular,
+            turn_accel: rate.angular,
+            speed: now.linear,
+            accel: rate.linear,
+        };
+        let curve = LateralOffset::of_robot(limits, left, &robot)?;
+        self.path.stop_drive = stop_drive;
+        self.duration = stop_drive.duration();
+        self.end = ahead - half * twist.linear;
+        self.reference = Reference {
+            t: -half,
+            remaining: Vector {
+                x: ahead,
+                y: T::ZERO,
+            },
+            velocity: Vector {
+                x: now.linear,
+                y: T::ZERO,
+            },
+            change: Vector {
+                x: rate.linear,
+                y: T::ZERO,
+            },
+            speed: now.linear,
+            offset: curve,
+            ..Reference::default()
+        };
+        Some(())
+    }
+
     /// Begins to search, from a robot that sees its goal at `error` and was commanded `last` a tick ago, with `rate`. The
     /// reference goes on from there: it jumps neither in rate nor in acceleration.
     pub(crate) fn start<M: Maths<T>>(
@@ -76,17 +161,7 @@ impl<T: Scalar> Execution<T> {
         rate: &Accel<T>,
         dt: T,
     ) {
-        // An acceleration is held for a tick, and meant for its middle: the clock of the manoeuvre starts half a tick
-        // from now, and so does its frame.
-        let half = T::HALF * dt;
-        let now = Twist {
-            linear: last.linear + dt * rate.linear,
-            angular: last.angular + dt * rate.angular,
-        };
-        let twist = Twist {
-            linear: now.linear + half * rate.linear,
-            angular: now.angular + half * rate.angular,
-        };
+        let Begin { half, now, twist } = Begin::of(last, rate, dt);
         // The goal as seen from there; the robot looks aside by what it turns until then.
         let turned = half * twist.angular;
         let (sine, cosine) = M::sin_cos_near(turned);
@@ -247,8 +322,9 @@ impl<T: Scalar> Execution<T> {
     fn is_last_drive(&self) -> bool {
         let [one, other] = &self.path.drives;
         let t = self.reference.t;
+        let rolls_on = one.is_empty() && other.is_empty();
         self.search.is_none()
-            && t >= self.path.stop_drive.duration()
+            && (t >= self.path.stop_drive.duration() || rolls_on)
             && (other.is_empty() || t >= one.end())
     }
 
@@ -257,8 +333,10 @@ impl<T: Scalar> Execution<T> {
     /// With z, z′, z″, z‴ by the distance q that is left, q̇ = −|v|, beside a path of speed v and turn rate w:
     ///
     /// ```text
-    /// ψ = ż/v = −sgn(v) z′        ψ̇ = v z″        ψ̈ = v̇ z″ − v |v| z‴        v ← v − z w
+    /// ψ = −sgn(v) atan z′        ψ̇ = v z″/(1 + z′²)        v ← v √(1 + z′²) − z w        d/dt of both
     /// ```
+    ///
+    /// to the third power of z′, of which there is no more than [`STEEPEST`](super::lateral_offset): what is left out is below a thousandth.
     fn join<M: Maths<T>>(
         &mut self,
         limits: impl FnOnce() -> OffsetLimits<T>,
@@ -290,10 +368,18 @@ impl<T: Scalar> Execution<T> {
             let now = reference.offset.at(left);
             moment.error.x -= sine * now.offset;
             moment.error.y += cosine * now.offset;
-            moment.error.theta -= if v < T::ZERO { -now.first } else { now.first };
-            moment.twist.linear -= now.offset * moment.twist.angular;
-            moment.twist.angular += v * now.second;
-            moment.accel.angular += drive.accel * now.second - v * v.abs() * now.third;
+            let third = T::from_f64(1.0 / 3.0);
+            let square = now.first * now.first;
+            let (longer, less) = (T::HALF * square, T::ONE - square);
+            let steep = now.first * (T::ONE - third * square);
+            let passing = v * v.abs();
+            let pulled = now.first * now.second;
+            moment.error.theta -= if v < T::ZERO { -steep } else { steep };
+            moment.twist.linear += longer * v - now.offset * moment.twist.angular;
+            moment.twist.angular += v * less * now.second;
+            moment.accel.linear += longer * drive.accel - passing * pulled;
+            moment.accel.angular += less * (drive.accel * now.second - passing * now.third)
+                + (passing + passing) * pulled * now.second;
         }
     }
 

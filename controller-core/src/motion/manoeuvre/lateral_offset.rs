@@ -4,6 +4,8 @@
 //! feedback, which noise and delays keep soft, works off a half. So the reference goes to where the robot is, and from there along a
 //! curve that joins the planned one at the goal: what the robot has to turn for it is fed forward.
 
+use super::candidate::PlanLimits;
+use crate::motion::limits::rim_speed;
 use crate::range::{clamp, larger};
 use crate::scalar::Scalar;
 
@@ -14,22 +16,44 @@ pub(crate) const SETTING_S: f64 = 0.1;
 /// The driven reference lies z to the left of the planned one:
 ///
 /// ```text
-/// z(w) = z₀ + z₁ w + z₂ w² + c₃ w³ + c₄ w⁴        w = 1 − q/q₀        z(1) = z′(1) = 0
-/// c₃ = −4 z₀ − 3 z₁ − 2 z₂                        c₄ = 3 z₀ + 2 z₁ + z₂
+/// z(w) = z₀ + z₁ w + z₂ w² + c₃ w³ + c₄ w⁴ + h w³ (1 − w)²        w = 1 − q/q₀        z(1) = z′(1) = 0
+/// c₃ = −4 z₀ − 3 z₁ − 2 z₂                                        c₄ = 3 z₀ + 2 z₁ + z₂
 /// ```
 ///
 /// | symbol | what | unit |
 /// | --- | --- | --- |
 /// | q, q₀ | distance left of the last drive, now and where z was set | m |
 /// | z₀, z₁, z₂ | offset there, its first derivative and half its second by w | m |
+/// | c₃ + h | a sixth of its third | m |
 ///
-/// z₁ and z₂ are those of the curve until then: heading and turn rate of the reference do not jump, its place does.
+/// z₁, z₂ and h are those of the curve until then: heading and turn rate of the reference do not jump, its place does. Of a robot
+/// that begins on the way all of them are its own, the angular acceleration by h; else h is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LateralOffset<T> {
     /// q₀; 0 where there is no offset.
     from: T,
     start: [T; 3],
+    /// h.
+    swell: T,
 }
+
+/// A robot beside a straight path that it drives along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Aside<T> {
+    /// To the left of the path \[m\].
+    pub(crate) offset: T,
+    /// Tangent of its heading against that of the path.
+    pub(crate) slope: T,
+    /// Of its heading \[rad/s\], and the rate of that \[rad/s²\].
+    pub(crate) turn_rate: T,
+    pub(crate) turn_accel: T,
+    /// Speed along the path \[m/s\], not 0, and its rate \[m/s²\].
+    pub(crate) speed: T,
+    pub(crate) accel: T,
+}
+
+/// The largest slope that a curve begins with: then its heading and its length are known to a thousandth from powers of the slope.
+pub(crate) const STEEPEST: f64 = 0.2;
 
 /// What setting an offset may ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,20 +85,25 @@ impl<T: Scalar> LateralOffset<T> {
 
     /// z, z′, z″/2 and z‴/6 by w.
     fn by_share(&self, w: T) -> [T; 4] {
-        let (two, three, four, six) = (
-            T::from_f64(2.0),
-            T::from_f64(3.0),
-            T::from_f64(4.0),
-            T::from_f64(6.0),
-        );
+        let f = T::from_f64;
+        let (two, three, four, five) = (f(2.0), f(3.0), f(4.0), f(5.0));
+        let (six, ten) = (f(6.0), f(10.0));
         let [a, b, c] = self.start;
-        let (d, e) = (-(four * a + three * b + two * c), three * a + two * b + c);
+        let h = self.swell;
+        let (d, e) = (self.third(), three * a + two * b + c - two * h);
         [
-            a + w * (b + w * (c + w * (d + w * e))),
-            b + w * (two * c + w * (three * d + w * four * e)),
-            c + w * (three * d + w * six * e),
-            d + w * four * e,
+            a + w * (b + w * (c + w * (d + w * (e + w * h)))),
+            b + w * (two * c + w * (three * d + w * (four * e + w * five * h))),
+            c + w * (three * d + w * (six * e + w * ten * h)),
+            d + w * (four * e + w * ten * h),
         ]
+    }
+
+    /// c₃ + h.
+    fn third(&self) -> T {
+        let f = T::from_f64;
+        let [a, b, c] = self.start;
+        self.swell - (f(4.0) * a + f(3.0) * b + f(2.0) * c)
     }
 
     /// With `left` still to drive.
@@ -97,40 +126,96 @@ impl<T: Scalar> LateralOffset<T> {
     /// for another.
     ///
     /// Too late is when less than 1/k₃ is left, which braking evenly takes 2 q/|v| of: the heading would not be back at the goal. What
-    /// the curve asks for at its begin, 6 |c₃| v²/q³, has to be there: z₀ is as much of `offset` as it is. v is what is driven, or
-    /// what will be where the drive has just begun, √(a q).
+    /// the curve asks for at its begin, 6 |c₃| v²/q³, has to be there, or to be asked for already: z₀ is as much of `offset` as it is. v
+    /// is what is driven, or what will be where the drive has just begun, √(a q).
     pub(crate) fn set(&self, limits: &OffsetLimits<T>, left: T, speed: T, offset: T) -> Self {
         let f = T::from_f64;
         let change = offset - self.at(left).offset;
         if change.abs() <= limits.least || f(2.0) * left * limits.heading <= speed.abs() {
             return *self;
         }
-        let (first, second) = if self.is_set() {
+        let (first, second, third, swell) = if self.is_set() {
             let share = left / self.from;
-            let [_, first, second, _] = self.by_share(T::ONE - share);
-            (share * first, share * share * second)
+            let (square, cube) = (share * share, share * share * share);
+            let [_, first, second, third] = self.by_share(T::ONE - share);
+            let swell = square * cube * self.swell;
+            (share * first, square * second, cube * third, swell)
         } else {
-            (T::ZERO, T::ZERO)
+            (T::ZERO, T::ZERO, T::ZERO, T::ZERO)
         };
         let fast = larger(speed * speed, limits.drive_accel * left);
-        let most = limits.turn_accel * left * left * left / (f(6.0) * fast);
-        let rest = f(3.0) * first + f(2.0) * second;
+        let allowed = limits.turn_accel * left * left * left / (f(6.0) * fast);
+        let most = larger(allowed, third.abs());
+        let rest = f(3.0) * first + f(2.0) * second - swell;
         let third = clamp(-(f(4.0) * offset + rest), most);
         Self {
             from: left,
             start: [f(-0.25) * (third + rest), first, second],
+            swell,
         }
+    }
+
+    /// The curve of a robot that drives towards its goal already, with `left` > 0 to drive: it goes on as the robot moves. `None` where
+    /// it is not there by `limits`, or too steep.
+    ///
+    /// Nothing else turns: all that `limits` has is the curve's, v² |z‴| until it brakes, and a |z″| and v |z″| where it is bent most.
+    /// A parabola is between the coefficients of its Bernstein form, on the stretch that is asked about: z‴ on that of full speed, and
+    /// z″, a cubic, likewise on all of it.
+    pub(crate) fn of_robot(limits: &PlanLimits<T>, left: T, robot: &Aside<T>) -> Option<Self> {
+        let f = T::from_f64;
+        let speed = robot.speed;
+        let forward = if speed < T::ZERO { -T::ONE } else { T::ONE };
+        let (square, cube) = (left * left, left * left * left);
+        let passing = speed * speed.abs();
+        let bent = robot.turn_rate / speed;
+        let mut curve = Self {
+            from: left,
+            start: [
+                robot.offset,
+                forward * left * robot.slope,
+                T::HALF * square * bent,
+            ],
+            swell: T::ZERO,
+        };
+        let third = cube * (robot.turn_accel - robot.accel * bent) / (f(6.0) * passing);
+        curve.swell = third - curve.third();
+        let [_, _, begin, _] = curve.by_share(T::ZERO);
+        let [_, _, end, last] = curve.by_share(T::ONE);
+        // Half the second derivative's own derivative is three times the sixth of the third.
+        let (after, before) = (begin + third, end - last);
+        let bend = f(2.0) * largest([begin, after, before, end]) / square;
+        let braking = speed * speed / (f(2.0) * limits.drive.down * left);
+        let full = larger(T::ONE - braking, T::ZERO);
+        let [_, _, _, at_full] = curve.by_share(full);
+        let [a, b, c] = curve.start;
+        let rising = f(4.0) * (f(3.0) * a + f(2.0) * b + c - f(2.0) * curve.swell);
+        let between = third + T::HALF * full * rising;
+        let turn_accel = f(6.0) * passing.abs() * largest([third, between, at_full, third]) / cube;
+        let turn_rate = speed.abs() * bend;
+        let fits = robot.slope.abs() <= f(STEEPEST)
+            && turn_accel <= limits.turn.up
+            && limits.drive.down * bend <= limits.turn.up
+            && turn_rate <= limits.turn.rate
+            && rim_speed(speed, turn_rate, limits.track) <= limits.rim;
+        fits.then_some(curve)
     }
 
     pub(crate) fn residue(&self) -> T {
         let [a, b, c] = self.start;
-        crate::scalar::residue([a, b, c])
+        crate::scalar::residue([a, b, c, self.swell])
     }
+}
+
+/// The largest size.
+fn largest<T: Scalar>([a, b, c, d]: [T; 4]) -> T {
+    larger(larger(a.abs(), b.abs()), larger(c.abs(), d.abs()))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{LateralOffset, OffsetLimits};
+    use super::{Aside, LateralOffset, OffsetLimits};
+    use crate::motion::manoeuvre::candidate::PlanLimits;
+    use crate::motion::manoeuvre::profile::AxisLimits;
 
     const LIMITS: OffsetLimits<f64> = OffsetLimits {
         turn_accel: 0.3,
@@ -181,5 +266,113 @@ mod tests {
         assert_eq!(none.set(&LIMITS, 0.5, 0.3, -0.0001), none);
         assert_eq!(none.set(&LIMITS, 0.049, 0.3, 0.001), none);
         assert!(none.set(&LIMITS, 0.051, 0.3, 0.001).is_set());
+    }
+
+    /// Drives at 1 m/s² and turns at 2 rad/s².
+    fn plan() -> PlanLimits<f64> {
+        let axis = |rate, accel| AxisLimits {
+            rate,
+            up: accel,
+            down: accel,
+            jerk_s: 0.05,
+        };
+        PlanLimits {
+            drive: axis(1.0, 1.0),
+            turn: axis(2.0, 2.0),
+            rim: 1.2,
+            track: 0.4,
+        }
+    }
+
+    /// It begins as the robot moves, forward and backward; an arc that ends at the goal is one.
+    #[test]
+    fn the_curve_of_a_robot_goes_on_as_it_moves() {
+        let (left, curvature) = (0.4, 0.3);
+        for speed in [0.5, -0.5] {
+            let arc = Aside {
+                offset: 0.5 * curvature * left * left,
+                // Forward it drives down towards the path, backward it looks up.
+                slope: -curvature * left * f64::signum(speed),
+                turn_rate: curvature * speed,
+                turn_accel: 0.0,
+                speed,
+                accel: 0.0,
+            };
+            let curve = LateralOffset::of_robot(&plan(), left, &arc).expect("possible");
+            for share in [1.0, 0.7, 0.2, 0.0] {
+                let q = share * left;
+                let now = curve.at(q);
+                assert!((now.offset - 0.5 * curvature * q * q).abs() < 1e-12);
+                assert!((now.first - curvature * q).abs() < 1e-12);
+                assert!((now.second - curvature).abs() < 1e-12 && now.third.abs() < 1e-11);
+            }
+            let weaving = Aside {
+                offset: arc.offset + 0.002,
+                turn_accel: 0.3,
+                accel: 0.2,
+                ..arc
+            };
+            let curve = LateralOffset::of_robot(&plan(), left, &weaving).expect("possible");
+            let (begin, end) = (curve.at(left), curve.at(0.0));
+            assert!((begin.offset - weaving.offset).abs() < 1e-12);
+            assert!((begin.first - curvature * left).abs() < 1e-12);
+            assert!((speed * begin.second - weaving.turn_rate).abs() < 1e-12);
+            let turning = weaving.accel * begin.second - speed * speed.abs() * begin.third;
+            assert!((turning - weaving.turn_accel).abs() < 1e-12);
+            assert!(end.offset.abs() < 1e-12 && end.first.abs() < 1e-12);
+            // Set anew where the robot is on it, it is the same curve.
+            let here = curve.at(0.3);
+            let same = curve.set(&LIMITS, 0.3, speed, here.offset + 1.001 * LIMITS.least);
+            let (there, here) = (same.at(0.2), curve.at(0.2));
+            assert!((there.offset - here.offset).abs() < 1.1 * LIMITS.least);
+            assert!((there.third - here.third).abs() < 0.3);
+        }
+    }
+
+    /// Too steep, too sharply bent for how fast it has to be driven, too fast for a rim, or too far aside: there is none. None that is
+    /// taken turns quicker than it may while the robot drives at full speed.
+    #[test]
+    fn a_curve_of_a_robot_keeps_the_limits() {
+        let plan = plan();
+        let of = |left, speed, offset, slope, turn_rate| {
+            let robot = Aside {
+                offset,
+                slope,
+                turn_rate,
+                turn_accel: 0.0,
+                speed,
+                accel: 0.0,
+            };
+            LateralOffset::of_robot(&plan, left, &robot)
+        };
+        assert!(of(0.4, 0.5, 0.0, 0.25, 0.0).is_none());
+        assert!(of(0.4, 0.2, 0.0, 0.0, 0.5).is_none());
+        assert!(of(0.4, 1.0, 0.0, 0.0, 1.5).is_none());
+        assert!(of(0.4, 0.5, 0.05, 0.0, 0.0).is_none());
+        let mut taken = 0;
+        for i in 0..200 {
+            let i = f64::from(i);
+            let speed = 0.1 + 0.004 * i;
+            let (offset, slope) = (0.02 * (2.4 * i).sin(), 0.1 * (1.7 * i).cos());
+            let Some(curve) = of(0.4, speed, offset, slope, -slope * speed / 0.4) else {
+                continue;
+            };
+            taken += 1;
+            let brakes = 0.5 * speed * speed / plan.drive.down;
+            for step in 0..=100 {
+                let q = 0.004 * f64::from(step);
+                let now = curve.at(q);
+                let turning = speed * speed * now.third.abs();
+                assert!(
+                    q < brakes || turning < plan.turn.up + 1e-9,
+                    "{i}: {turning}"
+                );
+                assert!(
+                    plan.drive.down * now.second.abs() < plan.turn.up + 1e-9,
+                    "{i}"
+                );
+            }
+        }
+        assert!(taken > 50, "{taken}");
     }
 }

@@ -88,6 +88,14 @@ fn per_tick<T: Scalar>(dt: T) -> u8 {
     count
 }
 
+/// When a robot that moves may start the manoeuvre that is searched for in ticks of `dt` \[s\].
+pub(crate) fn ready_s<T: Scalar>(dt: T) -> T {
+    let all = EVALUATIONS + STEPS + CANDIDATES / GUESSES + FINE * (POLISHING + 1);
+    // Never divided by 0, which a compiler that saves space does not see.
+    let ticks = all.checked_div(per_tick(dt)).unwrap_or(all) + 3;
+    T::from_i32(i32::from(ticks)) * dt
+}
+
 impl<T: Scalar> Search<T> {
     /// A search for the way to `error`, the goal as the robot sees it now, while it moves on as in `begin`.
     pub(crate) fn start<M: Maths<T>>(
@@ -120,14 +128,7 @@ impl<T: Scalar> Search<T> {
         Self {
             limits: *limits,
             target,
-            ready: if moving {
-                let all = EVALUATIONS + STEPS + CANDIDATES / GUESSES + FINE * (POLISHING + 1);
-                // Never divided by 0, which a compiler that saves space does not see.
-                let ticks = all.checked_div(per_tick(dt)).unwrap_or(all) + 3;
-                T::from_i32(i32::from(ticks)) * dt
-            } else {
-                T::ZERO
-            },
+            ready: if moving { ready_s(dt) } else { T::ZERO },
             near: straight < across,
             least: if straight > aside { straight } else { aside },
             index: 0,
