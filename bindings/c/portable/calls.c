@@ -11,7 +11,7 @@ static inline u32 address(call_t *call, u32 piece, const void *pointer) {
 static inline u32 address(call_t *call, u32 piece, const void *pointer) {
     (void)call;
     (void)piece;
-    return pointer == NULL ? 0 : (u32)((uintptr_t)pointer - (uintptr_t)&constants);
+    return pointer == NULL ? 0 : (u32)((uintptr_t)pointer - origin());
 }
 #endif
 

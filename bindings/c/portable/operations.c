@@ -64,9 +64,17 @@ static inline u8 *place(u8 *const *pieces, u64 at) {
     return pieces[(u32)at >> 28] + ((u32)at & 0x0FFFFFFFu);
 }
 #else
+/* Address 0, as a number of which the compiler does not know where it comes from: what it knows to be reached from `constants` it
+ * takes for a part of them, and moves across accesses to the stack. */
+static inline uintptr_t origin(void) {
+    uintptr_t at = (uintptr_t)&constants;
+    __asm__("" : "+r"(at));
+    return at;
+}
+
 static inline u8 *place(const u8 *unused, u64 at) {
     (void)unused;
-    return (u8 *)((uintptr_t)&constants + (uintptr_t)at);
+    return (u8 *)(origin() + (uintptr_t)at);
 }
 #endif
 
