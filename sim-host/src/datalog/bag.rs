@@ -72,6 +72,8 @@ impl<W: Write + Seek> Bag<W> {
             .profile("ros2")
             .library(concat!("sim-host ", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
+            // A hundredth smaller than the default, 3; more than 6 gains nothing.
+            .compression_level(6)
             // The same bytes on any number of processors.
             .compression_threads(0)
             .chunk_size(Some(CHUNK))
