@@ -47,7 +47,7 @@ pub(crate) struct Aside<T> {
     /// Of its heading \[rad/s\], and the rate of that \[rad/s²\].
     pub(crate) turn_rate: T,
     pub(crate) turn_accel: T,
-    /// Speed along the path \[m/s\], not 0, and its rate \[m/s²\].
+    /// Speed along the path \[m/s\], and its rate \[m/s²\].
     pub(crate) speed: T,
     pub(crate) accel: T,
 }
@@ -89,8 +89,7 @@ impl<T: Scalar> LateralOffset<T> {
         let (two, three, four, five) = (f(2.0), f(3.0), f(4.0), f(5.0));
         let (six, ten) = (f(6.0), f(10.0));
         let [a, b, c] = self.start;
-        let h = self.swell;
-        let (d, e) = (self.third(), three * a + two * b + c - two * h);
+        let (d, e, h) = (self.third(), self.fourth(), self.swell);
         [
             a + w * (b + w * (c + w * (d + w * (e + w * h)))),
             b + w * (two * c + w * (three * d + w * (four * e + w * five * h))),
@@ -104,6 +103,13 @@ impl<T: Scalar> LateralOffset<T> {
         let f = T::from_f64;
         let [a, b, c] = self.start;
         self.swell - (f(4.0) * a + f(3.0) * b + f(2.0) * c)
+    }
+
+    /// c₄ − 2 h.
+    fn fourth(&self) -> T {
+        let f = T::from_f64;
+        let [a, b, c] = self.start;
+        f(3.0) * a + f(2.0) * b + c - f(2.0) * self.swell
     }
 
     /// With `left` still to drive.
@@ -179,7 +185,7 @@ impl<T: Scalar> LateralOffset<T> {
         };
         let third = cube * (robot.turn_accel - robot.accel * bent) / (f(6.0) * passing);
         curve.swell = third - curve.third();
-        let [_, _, begin, _] = curve.by_share(T::ZERO);
+        let [_, _, begin] = curve.start;
         let [_, _, end, last] = curve.by_share(T::ONE);
         // Half the second derivative's own derivative is three times the sixth of the third.
         let (after, before) = (begin + third, end - last);
@@ -187,12 +193,12 @@ impl<T: Scalar> LateralOffset<T> {
         let braking = speed * speed / (f(2.0) * limits.drive.down * left);
         let full = larger(T::ONE - braking, T::ZERO);
         let [_, _, _, at_full] = curve.by_share(full);
-        let [a, b, c] = curve.start;
-        let rising = f(4.0) * (f(3.0) * a + f(2.0) * b + c - f(2.0) * curve.swell);
-        let between = third + T::HALF * full * rising;
-        let turn_accel = f(6.0) * passing.abs() * largest([third, between, at_full, third]) / cube;
+        let between = third + full * f(2.0) * curve.fourth();
+        let turn_accel = f(6.0) * passing.abs() * largest([third, between, at_full]) / cube;
         let turn_rate = speed.abs() * bend;
-        let fits = robot.slope.abs() <= f(STEEPEST)
+        // A robot that does not drive has no curve that is a number.
+        let fits = curve.residue() == T::ZERO
+            && robot.slope.abs() <= f(STEEPEST)
             && turn_accel <= limits.turn.up
             && limits.drive.down * bend <= limits.turn.up
             && turn_rate <= limits.turn.rate
@@ -207,8 +213,9 @@ impl<T: Scalar> LateralOffset<T> {
 }
 
 /// The largest size.
-fn largest<T: Scalar>([a, b, c, d]: [T; 4]) -> T {
-    larger(larger(a.abs(), b.abs()), larger(c.abs(), d.abs()))
+fn largest<T: Scalar, const N: usize>(of: [T; N]) -> T {
+    of.into_iter()
+        .fold(T::ZERO, |most, one| larger(one.abs(), most))
 }
 
 #[cfg(test)]
@@ -349,6 +356,8 @@ mod tests {
         assert!(of(0.4, 0.2, 0.0, 0.0, 0.5).is_none());
         assert!(of(0.4, 1.0, 0.0, 0.0, 1.5).is_none());
         assert!(of(0.4, 0.5, 0.05, 0.0, 0.0).is_none());
+        assert!(of(0.4, 0.0, 0.0, 0.0, 0.1).is_none());
+        assert!(of(0.4, 0.0, 0.0, 0.0, 0.0).is_none());
         let mut taken = 0;
         for i in 0..200 {
             let i = f64::from(i);

@@ -485,7 +485,12 @@ impl<T: Scalar> Stop<T> {
     #[inline(always)]
     pub(crate) fn behind(&self, t: T) -> AxisSample<T> {
         let t = t - self.fade;
-        let ramp = self.ramp.end(t - self.hold);
+        self.braking(t, &self.ramp.end(t - self.hold))
+    }
+
+    /// At `t` since the acceleration has faded, with so much of the ramp done.
+    #[inline(always)]
+    fn braking(&self, t: T, ramp: &AxisSample<T>) -> AxisSample<T> {
         AxisSample {
             position: self.faded_at() + self.faded * (t - ramp.position),
             rate: self.faded * (T::ONE - ramp.rate),
@@ -520,20 +525,14 @@ impl<T: Scalar> Stop<T> {
                 accel: self.accel * left,
             };
         }
-        let before = self.faded_at();
-        let t = t - self.fade;
-        let ramp = self.ramp.at(t - self.hold);
         if self.faded == T::ZERO {
             return AxisSample {
-                position: before,
+                position: self.faded_at(),
                 ..AxisSample::default()
             };
         }
-        AxisSample {
-            position: before + self.faded * (t - ramp.position),
-            rate: self.faded * (T::ONE - ramp.rate),
-            accel: -(self.faded * ramp.accel),
-        }
+        let t = t - self.fade;
+        self.braking(t, &self.ramp.at(t - self.hold))
     }
 }
 

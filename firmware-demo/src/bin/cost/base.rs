@@ -16,7 +16,6 @@ const TICKS: u32 = 14_000;
 const SEARCH_TICKS: u32 = 350_000 / mission::PERIOD_US;
 
 /// Where a mission is.
-#[derive(Clone, Copy, PartialEq)]
 enum Phase {
     First,
     Follow,
