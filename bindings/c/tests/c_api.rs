@@ -301,6 +301,10 @@ fn cmake_finds_the_archive_and_its_example_parks() {
     // By itself, and as it is told.
     for core in ["", "portable"] {
         let build = scratch().join(format!("cmake-{core}"));
+        // A cache that another checkout left in the same target folder is refused.
+        if build.exists() {
+            fs::remove_dir_all(&build).expect("it can be removed");
+        }
         succeed(
             Command::new("cmake")
                 .arg("-S")
