@@ -93,7 +93,7 @@ fn serve(arguments: &MonitorArgs) -> Result<Option<BoardServer>, CommandError> {
         return Ok(None);
     };
     let path = &arguments.page;
-    let page = std::fs::read_to_string(path).map_err(|cause| MonitorError::Page {
+    let page = std::fs::read(path).map_err(|cause| MonitorError::Page {
         path: path.clone(),
         cause,
     })?;

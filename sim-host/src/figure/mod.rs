@@ -6,6 +6,10 @@
 
 mod bench;
 mod corner;
+// The build script runs it.
+#[cfg(test)]
+#[allow(dead_code)]
+mod lean_font;
 mod limits;
 mod notes;
 mod panels;

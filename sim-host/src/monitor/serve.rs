@@ -17,11 +17,8 @@ const WAITING: usize = 10_000;
 const QUIET: Duration = Duration::from_secs(5);
 /// One that does not read is not waited for longer than this at the end.
 const FAREWELL: Duration = Duration::from_millis(500);
-/// By this the page knows that there is a board to listen to.
-const MARK: (&str, &str) = (
-    "<head>",
-    "<head>\n<meta name=\"monitor\" content=\"board\">",
-);
+/// After the page's first `<head>`: by this it knows that there is a board to listen to.
+const MARK: (&[u8], &[u8]) = (b"<head>", b"\n<meta name=\"monitor\" content=\"board\">");
 
 type Listeners = Arc<Mutex<Vec<SyncSender<Arc<str>>>>>;
 
@@ -39,13 +36,16 @@ impl BoardServer {
     ///
     /// # Errors
     /// [`MonitorError::Serve`]: the port is taken.
-    pub fn start(port: u16, page: &str) -> Result<Self, MonitorError> {
+    pub fn start(port: u16, page: &[u8]) -> Result<Self, MonitorError> {
         let failed = |cause: String| MonitorError::Serve { port, cause };
         let server = tiny_http::Server::http((std::net::Ipv4Addr::LOCALHOST, port))
             .map_err(|cause| failed(cause.to_string()))?;
         let address = server.server_addr().to_ip();
         let address = address.ok_or_else(|| failed("no address".to_owned()))?;
-        let page: Arc<str> = page.replacen(MARK.0, MARK.1, 1).into();
+        let mark = page.windows(MARK.0.len()).position(|word| word == MARK.0);
+        let (head, rest) = page.split_at(mark.map_or(0, |at| at + MARK.0.len()));
+        let mark = if head.is_empty() { &[] } else { MARK.1 };
+        let page: Arc<[u8]> = [head, mark, rest].concat().into();
         let listeners = Listeners::default();
         let telling = Arc::new(());
         // Weak, since this thread does not end.
@@ -103,7 +103,7 @@ impl BoardServer {
 }
 
 /// Answers a request. A browser that has gone is no error.
-fn answer(request: Request, page: &Arc<str>, listeners: &Listeners, telling: &Weak<()>) {
+fn answer(request: Request, page: &[u8], listeners: &Listeners, telling: &Weak<()>) {
     let local = request.headers().iter().any(|header| {
         let host = header.value.as_str();
         let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
@@ -116,8 +116,9 @@ fn answer(request: Request, page: &Arc<str>, listeners: &Listeners, telling: &We
     }
     match request.url() {
         "/" | "/index.html" => {
-            let kind = Header::from_bytes("Content-Type", "text/html; charset=utf-8");
-            let mut response = Response::from_string(page.as_ref());
+            // The page says itself how its letters are encoded.
+            let kind = Header::from_bytes("Content-Type", "text/html");
+            let mut response = Response::from_data(page);
             if let Ok(kind) = kind {
                 response.add_header(kind);
             }

@@ -94,8 +94,8 @@ fn imports(wasm: &[u8]) -> bool {
     false
 }
 
-/// As text: base91 of an LZMA stream, which `1-wasm.js` unpacks with the same `lc`, `lp` and `pb`.
-fn packed(program: &[u8]) -> Result<String, Box<dyn Error>> {
+/// As letters of the page's encoding: an LZMA stream, which `1-wasm.js` unpacks with the same `lc`, `lp` and `pb`.
+fn packed(program: &[u8]) -> Result<Vec<u8>, Box<dyn Error>> {
     let options = LzmaOptions {
         lc: 4,
         lp: 0,
@@ -106,31 +106,33 @@ fn packed(program: &[u8]) -> Result<String, Box<dyn Error>> {
     };
     let mut writer = LzmaWriter::new_no_header(Vec::new(), &options, false)?;
     writer.write_all(program)?;
-    Ok(base91(&writer.finish()?))
+    Ok(letters(&writer.finish()?))
 }
 
-/// Thirteen bits in two digits, the lowest first: 91 of them are what ASCII prints but for the space and `&`, `<` and `>`, which mean
-/// something in HTML.
-fn base91(bytes: &[u8]) -> String {
-    const BITS: u32 = 13;
-    let digits: Vec<char> = ('!'..='~').filter(|c| !"&<>".contains(*c)).collect();
-    let mut text = String::new();
-    let (mut held, mut count) = (0_u32, 0);
-    // What is left at the end is filled up with zeros, of which the program's length tells.
-    for &byte in bytes.iter().chain(&[0; 2]) {
-        held |= u32::from(byte) << count;
-        count += 8;
-        if count >= BITS {
-            let value = (held & ((1 << BITS) - 1)) as usize;
-            text.push(digits[value % digits.len()]);
-            text.push(digits[value / digits.len()]);
-            (held, count) = (held >> BITS, count - BITS);
+/// Every byte is a letter of windows-1252, as browsers read it, and stays what it is within a script, but for two: they make another
+/// letter of 0, and a line feed of a carriage return. With `<` a script might end, or a comment begin. These, moved by 64, stand behind
+/// a `=`, and so does `=` itself.
+fn letters(bytes: &[u8]) -> Vec<u8> {
+    let mut letters = Vec::with_capacity(bytes.len() + bytes.len() / 50);
+    for &byte in bytes {
+        match byte {
+            0 | b'\r' | b'<' | b'=' => letters.extend([b'=', byte + 64]),
+            _ => letters.push(byte),
         }
     }
-    text
+    letters
 }
 
-fn page(program: &[u8]) -> Result<String, Box<dyn Error>> {
+/// In ASCII, which is the same in every encoding of pages.
+fn ascii(text: &str, escaped: fn(u32) -> String) -> String {
+    let letters = text.chars().map(|c| match c {
+        '\0'..='\x7f' => c.to_string(),
+        _ => escaped(c.into()),
+    });
+    letters.collect()
+}
+
+fn page(program: &[u8]) -> Result<Vec<u8>, Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("page");
     let read = |name: &str| -> std::io::Result<String> {
         Ok(lean(&fs::read_to_string(folder.join(name))?))
@@ -139,11 +141,15 @@ fn page(program: &[u8]) -> Result<String, Box<dyn Error>> {
         .iter()
         .map(|name| read(name))
         .collect::<Result<_, _>>()?;
-    let html = read(FRAME)?
+    let html = ascii(&read(FRAME)?, |c| format!("&#{c};"))
         .replace("/*CSS*/", closed_up(&read(STYLE)?).trim_end())
-        .replace("/*JS*/", scripts.trim_end())
         .replace("/*SIZE*/", &program.len().to_string())
-        .replace("/*WASM*/", &packed(program)?);
+        .replace(
+            "/*JS*/",
+            ascii(&scripts, |c| format!("\\u{{{c:x}}}")).trim_end(),
+        );
+    let (before, after) = html.split_once("/*WASM*/").ok_or("a place for it")?;
+    let html = [before.as_bytes(), &packed(program)?, after.as_bytes()].concat();
     if html.len() > MOST_BYTES {
         let most = MOST_BYTES;
         return Err(format!("the page has {} bytes, at most are {most}", html.len()).into());

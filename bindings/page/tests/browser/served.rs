@@ -56,7 +56,7 @@ const SINGLE: u32 = 40;
 fn a_served_board_shows_within_0_2_s_and_no_report_of_60_s_is_lost() {
     let _turn = one_at_a_time();
     let (mut board, path) = terminal();
-    let html = std::fs::read_to_string(page()).expect("the page");
+    let html = std::fs::read(page()).expect("the page");
     let server = BoardServer::start(0, &html).expect("a server");
     let mut port = Port::open(&path, 115_200).expect("a port");
     let mut browser = Chromium::open(1280, 800, false);
@@ -158,7 +158,7 @@ fn a_board_over_web_serial_shows() {
 /// A name of another site that leads to this machine gets nothing.
 #[test]
 fn only_browsers_of_this_machine_are_served() {
-    let server = BoardServer::start(0, "<html><head></head></html>").expect("a server");
+    let server = BoardServer::start(0, b"<html><head></head></html>").expect("a server");
     let ask = |host: &str, path: &str| {
         let mut line = TcpStream::connect(server.address()).expect("connected");
         let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
@@ -175,6 +175,6 @@ fn only_browsers_of_this_machine_are_served() {
     assert!(ask("evil.example:80", "/").starts_with("HTTP/1.1 403"));
     assert!(ask("evil.example", "/events").starts_with("HTTP/1.1 403"));
     assert!(ask(&own, "/etc/passwd").starts_with("HTTP/1.1 404"));
-    let taken = BoardServer::start(server.address().port(), "");
+    let taken = BoardServer::start(server.address().port(), b"");
     assert!(taken.is_err_and(|error| error.to_string().contains("port")));
 }
