@@ -114,10 +114,6 @@ impl<T: Scalar> Follower<T> {
         }
     }
 
-    pub(crate) fn residue(&self) -> T {
-        self.along.residue() + self.across.residue() + self.around.residue()
-    }
-
     /// A tick along a reference.
     #[inline(always)]
     pub(crate) fn follow<U: NeuronUpdate<T>, M: Maths<T>>(

@@ -354,10 +354,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let load = self.observer.load();
         let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
-        // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
+        // What is not finite stays so in every sum: the disturbance in the wrench, what the follower remembers in the setpoint, which
+        // is its own along manoeuvres as well.
         let law = match found.task {
             Task::Follow(_) => T::ZERO,
-            Task::Park(_) => self.follower.residue() + self.parking.residue(),
+            Task::Park(_) => self.parking.residue(),
             Task::Drive { .. } => self.drive.residue(),
         };
         if law + self.observer.residue() + found.residue() + residue([wrench.force, wrench.moment])

@@ -391,7 +391,7 @@ impl<T: Scalar> ParkingLaw<T> {
             twist: &moment.twist,
             accel: &moment.accel,
             error: moment.error,
-            heading: M::sin_cos_near(moment.error.theta),
+            heading: moment.heading,
             turn_rate: moving.twist.angular,
         };
         let command = &moving.command.twist;
