@@ -220,11 +220,11 @@ impl<T: Scalar> Execution<T> {
     }
 
     /// The reference stands at the goal.
+    #[inline(always)]
     pub(crate) fn at_goal() -> Self {
-        let path = Path::default();
         Self {
-            stage: Stage::Driving(Courses::of(&path, T::ZERO)),
-            path,
+            stage: Stage::Driving(Courses::STANDING),
+            path: Path::default(),
             duration: T::ZERO,
             end: T::MAX,
             goal: T::ZERO,

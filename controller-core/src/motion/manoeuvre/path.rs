@@ -185,6 +185,12 @@ pub(crate) struct Courses<T> {
 }
 
 impl<T: Scalar> Courses<T> {
+    /// Of a path on which nothing moves.
+    pub(crate) const STANDING: Self = Self {
+        turn: Course::STANDING,
+        drive: Course::STANDING,
+    };
+
     /// Up to time `t`.
     pub(crate) fn of(path: &Path<T>, t: T) -> Self {
         Self {

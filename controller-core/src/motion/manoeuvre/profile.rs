@@ -283,7 +283,7 @@ pub(crate) struct Piece<T> {
 }
 
 impl<T: Scalar> Piece<T> {
-    fn rest(from: T, position: T) -> Self {
+    const fn rest(from: T, position: T) -> Self {
         Self {
             from,
             position,
@@ -356,13 +356,19 @@ impl<T: Scalar> Pieces<T> {
     /// Stretches of two profiles and what lies between them: so often is there a next one.
     const MOST: u8 = 2 * 8 + 1;
 
+    /// Of two empty profiles.
+    const NONE: Self = Self {
+        number: 2,
+        begun: 0,
+        piece: Piece::rest(T::ZERO, T::ZERO),
+        until: T::MAX,
+    };
+
     /// From time 0 on.
     pub(crate) fn of(profiles: &[Profile<T>; 2]) -> Self {
         let mut pieces = Self {
             number: 0,
-            begun: 0,
-            piece: Piece::rest(T::ZERO, T::ZERO),
-            until: T::MAX,
+            ..Self::NONE
         };
         pieces.wait(profiles);
         pieces
@@ -446,6 +452,13 @@ pub(crate) struct Course<T> {
 }
 
 impl<T: Scalar> Course<T> {
+    /// Of an axis that does not move.
+    pub(crate) const STANDING: Self = Self {
+        pieces: Pieces::NONE,
+        stopping: false,
+        stopped: T::ZERO,
+    };
+
     /// Up to time `t`.
     pub(crate) fn of(stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) -> Self {
         let mut course = Self {
