@@ -74,7 +74,7 @@ impl<T: Scalar> Follower<T> {
         let v = reference.linear;
         let slope = motion.lateral * v / (v * v + gains.slow * gains.slow);
         let ahead = slope * now.error.x;
-        let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
+        let across = slope * now.error.y * M::inverse_sqrt(T::ONE + ahead * ahead);
         let demands = (
             gains.longitudinal * now.error.x,
             motion.across.clip(across),
