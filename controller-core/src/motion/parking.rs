@@ -50,10 +50,16 @@ enum Approach<T> {
 /// What a tick of parking changed, as it was before: a tick that is refused changes nothing.
 pub(crate) struct Before<T> {
     memory: Option<Memory<T>>,
+    approach: Kept<T>,
+}
+
+/// What was kept of an approach.
+enum Kept<T> {
+    Nothing,
     /// Of a manoeuvre under way.
-    reference: Option<Reference<T>>,
-    /// An approach that was searched for, or replaced: then it changed by more than its reference.
-    approach: Option<Approach<T>>,
+    Reference(Reference<T>),
+    /// All of one that was searched for, or replaced: then it changed by more than its reference.
+    Whole(Approach<T>),
 }
 
 /// How far the robot may be from the reference of a manoeuvre before another one is planned \[m\], \[rad\]. The
@@ -74,21 +80,34 @@ impl<T: Scalar> Before<T> {
     pub(crate) const fn nothing() -> Self {
         Self {
             memory: None,
-            reference: None,
-            approach: None,
+            approach: Kept::Nothing,
         }
     }
 
     /// Keeps an approach that is about to be replaced, if it is the first of the tick.
     fn keep(&mut self, approach: &Approach<T>) {
-        if self.approach.is_none() {
-            self.approach = Some(*approach);
+        match approach {
+            Approach::Manoeuvre(execution) => self.keep_manoeuvre(execution),
+            Approach::Idle | Approach::Chase | Approach::Regulate => {
+                if let Kept::Nothing = self.approach {
+                    self.approach = Kept::Whole(*approach);
+                }
+            }
         }
     }
 
+    /// The same of a manoeuvre, of which the reference may have gone on already.
+    #[cold]
+    #[inline(never)]
     fn keep_manoeuvre(&mut self, execution: &Execution<T>) {
-        if self.approach.is_none() {
-            self.approach = Some(Approach::Manoeuvre(*execution));
+        let reference = match &self.approach {
+            Kept::Whole(_) => return,
+            Kept::Reference(reference) => *reference,
+            Kept::Nothing => execution.reference(),
+        };
+        self.approach = Kept::Whole(Approach::Manoeuvre(*execution));
+        if let Kept::Whole(Approach::Manoeuvre(kept)) = &mut self.approach {
+            kept.return_to(&reference);
         }
     }
 }
@@ -116,9 +135,10 @@ impl<T: Scalar> ParkingLaw<T> {
     pub(crate) fn keep(&self, before: &mut Before<T>) {
         before.memory = Some(self.memory);
         if let Approach::Manoeuvre(execution) = &self.approach {
-            before.reference = Some(execution.reference());
             if execution.is_searching() {
-                before.keep(&self.approach);
+                before.keep_manoeuvre(execution);
+            } else {
+                before.approach = Kept::Reference(execution.reference());
             }
         }
     }
@@ -129,13 +149,12 @@ impl<T: Scalar> ParkingLaw<T> {
         if let Some(memory) = before.memory {
             self.memory = memory;
         }
-        if let Some(approach) = &before.approach {
-            self.approach = *approach;
-        }
-        if let (Approach::Manoeuvre(execution), Some(reference)) =
-            (&mut self.approach, &before.reference)
-        {
-            execution.return_to(reference);
+        match (&before.approach, &mut self.approach) {
+            (Kept::Whole(before), approach) => *approach = *before,
+            (Kept::Reference(reference), Approach::Manoeuvre(execution)) => {
+                execution.return_to(reference);
+            }
+            (Kept::Reference(_) | Kept::Nothing, _) => {}
         }
     }
 

@@ -243,6 +243,9 @@ impl<T: Scalar> Candidate<T> {
     }
 
     /// Lays out the manoeuvre with these two numbers in `path`, after the motion there at its begin, from `ready` on \[s\].
+    ///
+    /// Apart, for the sake of the stack: what it needs the integration of the path, which follows, does not need as well.
+    #[inline(never)]
     pub(crate) fn lay_out<M: Maths<T>>(
         &self,
         limits: &PlanLimits<T>,

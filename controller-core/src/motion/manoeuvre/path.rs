@@ -120,6 +120,9 @@ impl<T: Scalar> Path<T> {
     ///
     /// Between the instants at which a jerk steps speed and heading are polynomials: Gauss' rule has nothing but the sine of a
     /// cubic to err by. Where the robot does not turn, or does not drive, nothing has to be summed.
+    ///
+    /// Apart, for the sake of the stack.
+    #[inline(never)]
     pub(crate) fn ends<M: Maths<T>>(&self, quality: Quality) -> Ends<T> {
         let (rule, pairs) = gauss(quality);
         let rule = rule.get(..pairs).unwrap_or_default();
