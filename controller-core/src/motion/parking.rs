@@ -4,7 +4,7 @@ use super::arrival::Parking;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::{Execution, Moment, PlanLimits, Reference};
+use super::manoeuvre::{Execution, Moment, Pace, Reference};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::pose_law::{Moving, Step, Transition, Wanted};
@@ -330,13 +330,9 @@ impl<T: Scalar> ParkingLaw<T> {
         attempt: Attempt,
         dt: T,
     ) -> Transition {
-        let plan = if self.memory.retry.has_failed_twice() {
-            motion.plan.slower()
-        } else {
-            motion.plan
-        };
+        let slower = self.memory.retry.has_failed_twice();
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
-        self.approach.begin::<M>(motion, &plan, at, from, hold, dt)
+        self.approach.begin::<M>(motion, slower, at, from, hold, dt)
     }
 
     /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
@@ -389,7 +385,7 @@ impl<T: Scalar> ParkingLaw<T> {
             return None;
         };
         let limits = || motion.offset_limits();
-        let mut moment = execution.advance::<M>(limits, error, since, step.dt)?;
+        let mut moment = execution.advance::<M>(&motion.plan, limits, error, since, step.dt)?;
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
@@ -515,7 +511,7 @@ impl<T: Scalar> Approach<T> {
     fn begin<M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
-        plan: &PlanLimits<T>,
+        slower: bool,
         at: &GoalView<T>,
         from: &Command<T>,
         hold: bool,
@@ -545,13 +541,19 @@ impl<T: Scalar> Approach<T> {
         };
         let PoseError { x, y, theta } = at.error;
         if !rests {
-            let rolls_on = execution.roll_on::<M>(plan, &at.error, twist, rate, dt);
+            let pace = Pace {
+                slower,
+                ..Pace::default()
+            };
+            let plan = motion.plan.at(pace);
+            let rolls_on = execution.roll_on::<M>(&plan, &at.error, twist, rate, dt);
             if rolls_on.is_some() {
                 return Transition::Offset;
             }
         }
         let (x, y) = if there { (T::ZERO, T::ZERO) } else { (x, y) };
-        execution.start::<M>(plan, &PoseError { x, y, theta }, twist, rate, dt);
+        let error = PoseError { x, y, theta };
+        execution.start::<M>(&motion.plan, slower, &error, twist, rate, dt);
         if there {
             execution.turn_only();
         }
@@ -569,8 +571,8 @@ fn start_anew<T: Scalar, M: Maths<T>>(
     Command { twist, rate }: &Command<T>,
     dt: T,
 ) -> Option<Moment<T>> {
-    execution.start::<M>(&motion.plan.slower(), error, twist, rate, dt);
-    execution.advance::<M>(|| motion.offset_limits(), error, T::ZERO, dt)
+    execution.start::<M>(&motion.plan, true, error, twist, rate, dt);
+    execution.advance::<M>(&motion.plan, || motion.offset_limits(), error, T::ZERO, dt)
 }
 
 /// Further from the reference than [`DEPARTURE`].

@@ -1,6 +1,6 @@
 //! Driving a manoeuvre: a reference that ends at the goal.
 
-use super::candidate::PlanLimits;
+use super::candidate::{Pace, PlanLimits};
 use super::lateral_offset::{Aside, LateralOffset, OffsetLimits, SETTING_S};
 use super::path::{Courses, Path, Vector};
 use super::profile::AxisSample;
@@ -167,7 +167,8 @@ impl<T: Scalar> Execution<T> {
     /// reference goes on from there: it jumps neither in rate nor in acceleration.
     pub(crate) fn start<M: Maths<T>>(
         &mut self,
-        limits: &PlanLimits<T>,
+        plan: &PlanLimits<T>,
+        slower: bool,
         error: &PoseError<T>,
         last: &Twist<T>,
         rate: &Accel<T>,
@@ -187,7 +188,11 @@ impl<T: Scalar> Execution<T> {
             theta: error.theta - turned,
         };
         let still = *last == Twist::default() && *rate == Accel::default();
-        let limits = &if still { *limits } else { limits.smoother() };
+        let pace = Pace {
+            slower,
+            smoother: !still,
+        };
+        let limits = &plan.at(pace);
         // Field by field: a manoeuvre is not copied.
         self.path.stop_drive = limits.drive.stop(twist.linear, rate.linear);
         self.path.stop_turn = limits.turn.stop(twist.angular, rate.angular);
@@ -211,7 +216,7 @@ impl<T: Scalar> Execution<T> {
         };
         self.turn_only = false;
         self.seen = Seen::default();
-        self.stage = Stage::Searching(Search::start::<M>(limits, &error, &self.path, dt));
+        self.stage = Stage::Searching(Search::start::<M>((limits, pace), &error, &self.path, dt));
     }
 
     /// The robot turns on the spot: its position is good as it is, whatever is seen of it while it waits.
@@ -235,13 +240,14 @@ impl<T: Scalar> Execution<T> {
     }
 
     /// A `step` on, 0 at the begin and then `dt`; `None` if no manoeuvre was found. `error` is the goal as the robot
-    /// sees it now.
+    /// sees it now; `plan` and `limits` are what the search and the last drive may use.
     ///
     /// The position is integrated by the trapezoidal rule with its end correction, dt/2 (f₀ + f₁) +
     /// dt²/12 (f₀′ − f₁′): wrong by dt⁵. At the end of the manoeuvre the reference is the goal.
     #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
+        plan: &PlanLimits<T>,
         limits: impl FnOnce() -> OffsetLimits<T>,
         error: &PoseError<T>,
         step: T,
@@ -252,7 +258,7 @@ impl<T: Scalar> Execution<T> {
             let moving = self.duration > T::ZERO;
             // Ticks that became shorter may find it when it should have started.
             let late = moving && self.reference.t > search.ready();
-            match search.advance::<M>(&mut self.path, dt) {
+            match search.advance::<M>(plan, &mut self.path, dt) {
                 Progress::Searching => {}
                 Progress::Found if late => return None,
                 Progress::Found => {
