@@ -42,16 +42,9 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     if x.abs() <= LARGE {
         sin_cos_near(x)
     } else {
-        sin_cos_large(x)
+        let (r, half_turns) = reduce_large(x);
+        evaluate(r, half_turns)
     }
-}
-
-/// [`sin_cos`] for large angles, as a whole apart: what they share with others would slow those down.
-#[cold]
-#[inline(never)]
-fn sin_cos_large(x: f32) -> (f32, f32) {
-    let (r, half_turns) = reduce_large(x);
-    evaluate(r, half_turns)
 }
 
 /// [`sin_cos`] for |`x`| ≤ 1e4 rad, unchecked: beyond, the result is wrong.
@@ -78,6 +71,8 @@ fn evaluate(r: f32, half_turns: u32) -> (f32, f32) {
 }
 
 /// The angle less the nearest multiple of π, and that multiple modulo 2.
+#[cold]
+#[inline(never)]
 fn reduce_large(x: f32) -> (f32, u32) {
     let bits = x.to_bits();
     let mag = bits & !SIGN;
