@@ -198,7 +198,7 @@ impl<T: Scalar> Odometry<T> {
     ) -> Measured<T> {
         let rolled = self.roll(counts);
         let turn = rolled.turn;
-        self.integrate::<M>(&rolled, turn, dt, accel)
+        self.integrate::<M>(&rolled, turn, dt, accel).0
     }
 
     /// What the wheels did since the last call, their learnt curvature bias included.
@@ -220,7 +220,8 @@ impl<T: Scalar> Odometry<T> {
         }
     }
 
-    /// Moves the pose by what the wheels did, with the turn `turn` \[rad\]: theirs, or one that is known better.
+    /// Moves the pose by what the wheels did, with the turn `turn` \[rad\]: theirs, or one that is known better. The chord of that
+    /// \[m\], backward negative, comes with it.
     #[inline(always)]
     pub(crate) fn integrate<M: Maths<T>>(
         &mut self,
@@ -228,7 +229,7 @@ impl<T: Scalar> Odometry<T> {
         turn: T,
         dt: T,
         accel: &Accel<T>,
-    ) -> Measured<T> {
+    ) -> (Measured<T>, T) {
         let (moved, travel) = (rolled.counts, rolled.travel);
         let half_turn = T::HALF * turn;
         let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
@@ -254,13 +255,14 @@ impl<T: Scalar> Odometry<T> {
         let right = self.right.track(&right, self.bandwidth);
         let left = self.left.track(&left, self.bandwidth);
         let linear = T::HALF * (right + left);
-        Measured {
+        let measured = Measured {
             pose: self.pose,
             twist: Twist {
                 linear,
                 angular: (right - left) / self.track + self.curvature_bias * linear,
             },
-        }
+        };
+        (measured, chord)
     }
 
     /// From now on adds this turn per distance \[rad/m\].

@@ -7,7 +7,9 @@
 #[path = "single_maths/oracle.rs"]
 mod oracle;
 
-use controller_core::single::{asin, atan2, exp_m1, sin_cos, sin_cos_near, sqrt, wrap};
+use controller_core::single::{
+    asin, atan2, exp_m1, inverse_sqrt, sin_cos, sin_cos_near, sqrt, wrap,
+};
 use oracle::{principal, turns_per_radian, worst};
 use std::f32::consts::PI;
 use std::f64::consts::TAU;
@@ -192,5 +194,25 @@ fn sqrt_is_the_ieee_one() {
         [-1.0, f32::NAN, f32::NEG_INFINITY]
             .iter()
             .all(|x| sqrt(*x).is_nan())
+    );
+}
+
+#[test]
+fn inverse_sqrt_is_within_two_ten_millionths_of_itself() {
+    let error = |x: f32| (f64::from(inverse_sqrt(x)) * f64::from(x).sqrt() - 1.0).abs();
+    // Two binades hold every mantissa under either parity of the exponent.
+    let all = worst(1.0, 4.0, 1, error);
+    let some = worst(f32::MIN_POSITIVE, f32::MAX, 97, error);
+    assert!(all.max(some) <= 1.4e-7, "{all:e} {some:e}");
+    let tiny = f32::from_bits(1);
+    assert!((f64::from(inverse_sqrt(tiny)) * f64::from(tiny).sqrt() - 1.0).abs() < 2e-7);
+    assert_eq!(
+        [0.0, -0.0, f32::INFINITY].map(inverse_sqrt),
+        [f32::INFINITY, f32::NEG_INFINITY, 0.0]
+    );
+    assert!(
+        [-1.0, f32::NAN, f32::NEG_INFINITY]
+            .iter()
+            .all(|x| inverse_sqrt(*x).is_nan())
     );
 }

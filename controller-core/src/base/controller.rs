@@ -67,10 +67,10 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
     exerted: WheelTorques<T>,
     detectors: Detectors<T>,
     report: BaseReport<T>,
-    locator: Locator<T, N>,
-    base: ValidBaseParams<T>,
     host: HostWatch,
     supervisor: Supervisor,
+    base: ValidBaseParams<T>,
+    locator: Locator<T, N>,
     driving: Driving<T, M, U>,
 }
 

@@ -1,6 +1,6 @@
 //! One tick of a localiser, with parameters that are lent.
 
-use super::fusion::{Carried, Correction};
+use super::fusion::{Carried, Correction, Moved};
 use super::history::History;
 use super::{Estimate, Fix, FixOutcome, Refusal, SURE, ValidLocaliserParams};
 use crate::error::{Input, StepFault};
@@ -108,7 +108,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             }
             _ => rolled.turn,
         };
-        let measured = self.odometry.integrate::<M>(&rolled, turn, dt, &accel);
+        let (measured, chord) = self.odometry.integrate::<M>(&rolled, turn, dt, &accel);
         let Some(fusion) = &localisation.fusion else {
             return Ok(Estimate {
                 measured,
@@ -127,8 +127,13 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             off: T::from_f64(SURE) * M::sqrt(gyro.heading_variance()),
             slides: gyro.slides_now(),
         });
+        let moved = Moved {
+            from: &before,
+            to: &measured.pose,
+            chord,
+        };
         self.correction
-            .advance::<M>(fusion, &before, &measured.pose, carried.as_ref(), dt);
+            .advance::<M>(fusion, &moved, carried.as_ref(), dt);
         let outcome = match fix {
             None => FixOutcome::Absent,
             Some(fix) => match self.then(fix) {

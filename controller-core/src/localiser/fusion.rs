@@ -97,19 +97,17 @@ impl<T: Scalar> Correction<T> {
         };
     }
 
-    /// A tick in which odometry moved from `before` to `now`: the robot moves with it, and what is to
-    /// be corrected is, by the exponential that the noise is derived for, at no more than its rate. `heading` where a gyro
+    /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise is derived for, at no more than its rate. `heading` where a gyro
     /// carries it.
     #[inline(always)]
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         fusion: &Fusion<T>,
-        before: &Pose<T>,
-        now: &Pose<T>,
+        moved: &Moved<'_, T>,
         heading: Option<&Carried<T>>,
         dt: T,
     ) {
-        self.pose = carried::<T, M>(&self.pose, before, now);
+        self.pose = carried::<T, M>(&self.pose, moved.from, moved.to);
         let share = -M::exp_m1(-(fusion.spread * dt));
         let (most, turn) = (dt * fusion.position.rate, dt * fusion.heading.rate);
         let step = Pose {
@@ -119,7 +117,7 @@ impl<T: Scalar> Correction<T> {
         };
         self.pose = sum(&self.pose, &step, T::ONE);
         self.pending = sum(&self.pending, &step, -T::ONE);
-        let driven = fusion.driven::<M>(before, now);
+        let driven = fusion.driven(moved);
         match heading {
             None => self.slack.grow(&driven),
             Some(heading) => self.slack.carry(fusion, &driven, heading, dt),
@@ -237,6 +235,14 @@ impl<T: Scalar> Candidate<T> {
     }
 }
 
+/// What odometry did in a tick.
+pub(super) struct Moved<'a, T> {
+    pub(super) from: &'a Pose<T>,
+    pub(super) to: &'a Pose<T>,
+    /// Between the two \[m\], backward negative.
+    pub(super) chord: T,
+}
+
 /// A heading that a gyro carries.
 pub(super) struct Carried<T> {
     /// How far it may be off \[rad\].
@@ -255,10 +261,9 @@ struct Driven<T> {
 impl<T: Scalar> Fusion<T> {
     /// Errors of the radii of opposite sign turn a straight run by twice their share of travel over
     /// track.
-    fn driven<M: Maths<T>>(&self, before: &Pose<T>, now: &Pose<T>) -> Driven<T> {
-        let (dx, dy) = (now.x - before.x, now.y - before.y);
-        let travel = M::sqrt(dx * dx + dy * dy);
-        let turn = (now.theta - before.theta).abs();
+    fn driven(&self, moved: &Moved<'_, T>) -> Driven<T> {
+        let travel = moved.chord.abs();
+        let turn = (moved.to.theta - moved.from.theta).abs();
         Driven {
             travel,
             drift_m: self.drift * travel,

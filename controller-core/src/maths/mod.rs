@@ -46,6 +46,11 @@ pub trait Maths<T: Scalar>: Copy + core::fmt::Debug + Default + Send + Sync + 's
     fn atan2(y: T, x: T) -> T;
     /// Square root of a value ≥ 0.
     fn sqrt(value: T) -> T;
+    /// One over the [square root](Maths::sqrt) of a value > 0.
+    #[inline(always)]
+    fn inverse_sqrt(value: T) -> T {
+        T::ONE / Self::sqrt(value)
+    }
     /// exp(x) − 1 for x ≤ 0, without the cancellation near 0.
     fn exp_m1(x: T) -> T;
 }

@@ -32,6 +32,10 @@ impl Maths<f32> for Single {
         single::sqrt(value)
     }
     #[inline]
+    fn inverse_sqrt(value: f32) -> f32 {
+        single::inverse_sqrt(value)
+    }
+    #[inline]
     fn exp_m1(x: f32) -> f32 {
         single::exp_m1(x)
     }

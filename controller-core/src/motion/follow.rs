@@ -74,7 +74,7 @@ impl<T: Scalar> Follower<T> {
         let v = reference.linear;
         let slope = motion.lateral * v / (v * v + gains.slow * gains.slow);
         let ahead = slope * now.error.x;
-        let across = slope * now.error.y / M::sqrt(T::ONE + ahead * ahead);
+        let across = slope * now.error.y * M::inverse_sqrt(T::ONE + ahead * ahead);
         let demands = (
             gains.longitudinal * now.error.x,
             motion.across.clip(across),
@@ -112,10 +112,6 @@ impl<T: Scalar> Follower<T> {
                 angular: accel.angular + gains.heading * turn_rate,
             },
         }
-    }
-
-    pub(crate) fn residue(&self) -> T {
-        self.along.residue() + self.across.residue() + self.around.residue()
     }
 
     /// A tick along a reference.

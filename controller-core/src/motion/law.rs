@@ -54,6 +54,8 @@ struct Found<'a, T> {
     setpoint: Setpoint<T>,
     limited: Limited,
     jumped: bool,
+    /// Nothing is asked for any more.
+    resting: bool,
     /// Parked without torque until now, and still.
     released: bool,
     offset: TransitionOffset<T>,
@@ -129,6 +131,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             setpoint: desired.setpoint,
             limited: Limited::default(),
             jumped: true,
+            resting: self.is_resting(task),
             released: false,
             offset: TransitionOffset::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
@@ -230,6 +233,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             setpoint: desired.setpoint,
             limited,
             jumped,
+            resting,
             released,
             offset,
             command,
@@ -354,10 +358,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let load = self.observer.load();
         let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
-        // What is not finite stays so in every sum: the disturbance in the wrench, what following remembers in the setpoint.
+        // What is not finite stays so in every sum: the disturbance in the wrench, what the follower remembers in the setpoint, which
+        // is its own along manoeuvres as well.
         let law = match found.task {
             Task::Follow(_) => T::ZERO,
-            Task::Park(_) => self.follower.residue() + self.parking.residue(),
+            Task::Park(_) => self.parking.residue(),
             Task::Drive { .. } => self.drive.residue(),
         };
         if law + self.observer.residue() + found.residue() + residue([wrench.force, wrench.moment])
@@ -386,8 +391,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             self.command.twist = achieved(motion, &rate, twist, &applied, &disturbance);
         }
         let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
-        self.released =
-            self.is_resting(found.task) && motion.releases() && (found.released || stands());
+        self.released = found.resting && motion.releases() && (found.released || stands());
         self.observer.note((!self.released).then_some(applied));
         let parking = matches!(found.task, Task::Park(_)).then_some(&self.parking);
         *report = MotionReport {
@@ -428,7 +432,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         Ok(())
     }
 
-    /// With this task nothing is asked for any more.
+    /// With this task nothing is asked for any more, as parking has it in this tick.
     fn is_resting(&self, task: &Task<T>) -> bool {
         matches!(task, Task::Park(_)) && self.parking.is_resting()
     }

@@ -4,7 +4,7 @@ use super::arrival::Parking;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::{Execution, Moment, PlanLimits, Reference};
+use super::manoeuvre::{Execution, Moment, Pace, Reference};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::pose_law::{Moving, Step, Transition, Wanted};
@@ -50,10 +50,16 @@ enum Approach<T> {
 /// What a tick of parking changed, as it was before: a tick that is refused changes nothing.
 pub(crate) struct Before<T> {
     memory: Option<Memory<T>>,
+    approach: Kept<T>,
+}
+
+/// What was kept of an approach.
+enum Kept<T> {
+    Nothing,
     /// Of a manoeuvre under way.
-    reference: Option<Reference<T>>,
-    /// An approach that was searched for, or replaced: then it changed by more than its reference.
-    approach: Option<Approach<T>>,
+    Reference(Reference<T>),
+    /// All of one that was searched for, or replaced: then it changed by more than its reference.
+    Whole(Approach<T>),
 }
 
 /// How far the robot may be from the reference of a manoeuvre before another one is planned \[m\], \[rad\]. The
@@ -74,21 +80,34 @@ impl<T: Scalar> Before<T> {
     pub(crate) const fn nothing() -> Self {
         Self {
             memory: None,
-            reference: None,
-            approach: None,
+            approach: Kept::Nothing,
         }
     }
 
     /// Keeps an approach that is about to be replaced, if it is the first of the tick.
     fn keep(&mut self, approach: &Approach<T>) {
-        if self.approach.is_none() {
-            self.approach = Some(*approach);
+        match approach {
+            Approach::Manoeuvre(execution) => self.keep_manoeuvre(execution),
+            Approach::Idle | Approach::Chase | Approach::Regulate => {
+                if let Kept::Nothing = self.approach {
+                    self.approach = Kept::Whole(*approach);
+                }
+            }
         }
     }
 
+    /// The same of a manoeuvre, of which the reference may have gone on already.
+    #[cold]
+    #[inline(never)]
     fn keep_manoeuvre(&mut self, execution: &Execution<T>) {
-        if self.approach.is_none() {
-            self.approach = Some(Approach::Manoeuvre(*execution));
+        let reference = match &self.approach {
+            Kept::Whole(_) => return,
+            Kept::Reference(reference) => *reference,
+            Kept::Nothing => execution.reference(),
+        };
+        self.approach = Kept::Whole(Approach::Manoeuvre(*execution));
+        if let Kept::Whole(Approach::Manoeuvre(kept)) = &mut self.approach {
+            kept.return_to(&reference);
         }
     }
 }
@@ -116,9 +135,10 @@ impl<T: Scalar> ParkingLaw<T> {
     pub(crate) fn keep(&self, before: &mut Before<T>) {
         before.memory = Some(self.memory);
         if let Approach::Manoeuvre(execution) = &self.approach {
-            before.reference = Some(execution.reference());
             if execution.is_searching() {
-                before.keep(&self.approach);
+                before.keep_manoeuvre(execution);
+            } else {
+                before.approach = Kept::Reference(execution.reference());
             }
         }
     }
@@ -129,13 +149,12 @@ impl<T: Scalar> ParkingLaw<T> {
         if let Some(memory) = before.memory {
             self.memory = memory;
         }
-        if let Some(approach) = &before.approach {
-            self.approach = *approach;
-        }
-        if let (Approach::Manoeuvre(execution), Some(reference)) =
-            (&mut self.approach, &before.reference)
-        {
-            execution.return_to(reference);
+        match (&before.approach, &mut self.approach) {
+            (Kept::Whole(before), approach) => *approach = *before,
+            (Kept::Reference(reference), Approach::Manoeuvre(execution)) => {
+                execution.return_to(reference);
+            }
+            (Kept::Reference(_) | Kept::Nothing, _) => {}
         }
     }
 
@@ -311,13 +330,9 @@ impl<T: Scalar> ParkingLaw<T> {
         attempt: Attempt,
         dt: T,
     ) -> Transition {
-        let plan = if self.memory.retry.has_failed_twice() {
-            motion.plan.slower()
-        } else {
-            motion.plan
-        };
+        let slower = self.memory.retry.has_failed_twice();
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
-        self.approach.begin::<M>(motion, &plan, at, from, hold, dt)
+        self.approach.begin::<M>(motion, slower, at, from, hold, dt)
     }
 
     /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
@@ -370,7 +385,7 @@ impl<T: Scalar> ParkingLaw<T> {
             return None;
         };
         let limits = || motion.offset_limits();
-        let mut moment = execution.advance::<M>(limits, error, since, step.dt)?;
+        let mut moment = execution.advance::<M>(&motion.plan, limits, error, since, step.dt)?;
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
@@ -391,7 +406,7 @@ impl<T: Scalar> ParkingLaw<T> {
             twist: &moment.twist,
             accel: &moment.accel,
             error: moment.error,
-            heading: M::sin_cos_near(moment.error.theta),
+            heading: moment.heading,
             turn_rate: moving.twist.angular,
         };
         let command = &moving.command.twist;
@@ -496,7 +511,7 @@ impl<T: Scalar> Approach<T> {
     fn begin<M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
-        plan: &PlanLimits<T>,
+        slower: bool,
         at: &GoalView<T>,
         from: &Command<T>,
         hold: bool,
@@ -526,13 +541,19 @@ impl<T: Scalar> Approach<T> {
         };
         let PoseError { x, y, theta } = at.error;
         if !rests {
-            let rolls_on = execution.roll_on::<M>(plan, &at.error, twist, rate, dt);
+            let pace = Pace {
+                slower,
+                ..Pace::default()
+            };
+            let plan = motion.plan.at(pace);
+            let rolls_on = execution.roll_on::<M>(&plan, &at.error, twist, rate, dt);
             if rolls_on.is_some() {
                 return Transition::Offset;
             }
         }
         let (x, y) = if there { (T::ZERO, T::ZERO) } else { (x, y) };
-        execution.start::<M>(plan, &PoseError { x, y, theta }, twist, rate, dt);
+        let error = PoseError { x, y, theta };
+        execution.start::<M>(&motion.plan, slower, &error, twist, rate, dt);
         if there {
             execution.turn_only();
         }
@@ -550,8 +571,8 @@ fn start_anew<T: Scalar, M: Maths<T>>(
     Command { twist, rate }: &Command<T>,
     dt: T,
 ) -> Option<Moment<T>> {
-    execution.start::<M>(&motion.plan.slower(), error, twist, rate, dt);
-    execution.advance::<M>(|| motion.offset_limits(), error, T::ZERO, dt)
+    execution.start::<M>(&motion.plan, true, error, twist, rate, dt);
+    execution.advance::<M>(&motion.plan, || motion.offset_limits(), error, T::ZERO, dt)
 }
 
 /// Further from the reference than [`DEPARTURE`].

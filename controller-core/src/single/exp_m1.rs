@@ -3,6 +3,9 @@
 use super::SIGN;
 use core::f32::consts::LOG2_E;
 
+/// Up to here, just below (ln 2)/2, there is nothing to reduce.
+const NEAR: f32 = 0.346;
+
 /// Bits of 17.5: beyond, exp x − 1 is −1 in `f32`, or it may overflow on the way.
 const FAR: u32 = 0x418c_0000;
 
@@ -29,6 +32,10 @@ const E: [f32; 5] = [
 /// the overflow of exp on; −∞ gives −1, NaN gives NaN. A zero of either sign gives +0.
 #[inline]
 pub fn exp_m1(x: f32) -> f32 {
+    // A tick times a decay rate: what is left out would change no bit.
+    if x.abs() < NEAR {
+        return reduced_exp_m1(x);
+    }
     let (p, n) = if x.to_bits() & !SIGN <= FAR {
         reduced(x)
     } else {
@@ -45,8 +52,14 @@ fn reduced(x: f32) -> (f32, u32) {
     let n = shifted - ROUND;
     let [high, low] = LN_2_PARTS;
     let r = x - n * high - n * low;
+    (reduced_exp_m1(r), shifted.to_bits())
+}
+
+/// exp r − 1 for |r| ≤ (ln 2)/2.
+#[inline(always)]
+fn reduced_exp_m1(r: f32) -> f32 {
     let p = E[0] + r * (E[1] + r * (E[2] + r * (E[3] + r * E[4])));
-    (r + r * r * p, shifted.to_bits())
+    r + r * r * p
 }
 
 /// `exp_m1` beyond ±17.5.

@@ -13,6 +13,7 @@
 //! | [`asin`] | [−1, 1] | 1.4e-7 absolute |
 //! | [`exp_m1`] | everything | 1.2e-7 relative |
 //! | [`sqrt`] | everything | correctly rounded |
+//! | [`inverse_sqrt`] | everything | 1.4e-7 relative |
 //!
 //! The polynomials were fitted offline: weighted minimax (Remez exchange, 40 digits) on the
 //! interval written next to the coefficients, then rounded to `f32` from the lowest power up, the
@@ -31,7 +32,7 @@ pub use asin::asin;
 pub use atan2::atan2;
 pub use exp_m1::exp_m1;
 pub use sin_cos::{sin_cos, sin_cos_near};
-pub use sqrt::sqrt;
+pub use sqrt::{inverse_sqrt, sqrt};
 pub use wrap::wrap;
 
 /// The sign bit.

@@ -1,4 +1,4 @@
-//! Square root.
+//! Square root, and one over it.
 
 use super::INFINITY_BITS;
 
@@ -13,22 +13,47 @@ const NORMAL: u32 = 0x0080_0000;
 #[inline]
 pub fn sqrt(x: f32) -> f32 {
     let bits = x.to_bits();
-    if bits.wrapping_sub(NORMAL) >= INFINITY_BITS - NORMAL {
+    if is_special(bits) {
         return special(x);
     }
     root(bits)
+}
+
+/// 1/√`x`, within 1.4e-7 of it, in half the work of a root and a division.
+///
+/// Infinities, zeros, negative arguments and NaN as with these.
+#[inline]
+pub fn inverse_sqrt(x: f32) -> f32 {
+    let bits = x.to_bits();
+    if is_special(bits) {
+        return special_inverse(x);
+    }
+    let half = 0.5 * x;
+    let y = inverse_guess(bits, half);
+    y + y * (0.5 - half * y * y)
+}
+
+/// Not a positive normal number.
+#[inline]
+fn is_special(bits: u32) -> bool {
+    bits.wrapping_sub(NORMAL) >= INFINITY_BITS - NORMAL
+}
+
+/// 1/√x within 4.8e-6 of it, of a positive normal number, half of which is `half`.
+#[inline]
+fn inverse_guess(bits: u32, half: f32) -> f32 {
+    // Halving and negating the bits does so to the logarithm, up to the bend of the mantissa; the
+    // constant balances the error of the guess, 3.5e-2. Then 1.8e-3, 4.8e-6.
+    let y = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(bits >> 1));
+    let y = y * (1.5 - half * y * y);
+    y * (1.5 - half * y * y)
 }
 
 /// The root of a positive normal number.
 #[inline]
 fn root(bits: u32) -> f32 {
     let x = f32::from_bits(bits);
-    let half = 0.5 * x;
-    // Halving and negating the bits does so to the logarithm, up to the bend of the mantissa; the
-    // constant balances the error of the guess, 3.5e-2. Then 1.8e-3, 4.8e-6.
-    let y = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(bits >> 1));
-    let y = y * (1.5 - half * y * y);
-    let y = y * (1.5 - half * y * y);
+    let y = inverse_guess(bits, 0.5 * x);
     let s = x * y;
     let s = s + 0.5 * y * (x - s * s);
 
@@ -45,6 +70,13 @@ fn root(bits: u32) -> f32 {
     let up = u32::from(rest > q);
     let down = u32::from(rest <= -q);
     f32::from_bits(estimate.wrapping_add(up).wrapping_sub(down))
+}
+
+/// [`inverse_sqrt`] of what [`special`] is for.
+#[cold]
+#[inline(never)]
+fn special_inverse(x: f32) -> f32 {
+    1.0 / special(x)
 }
 
 /// Zeros, subnormal and negative numbers, infinities and NaN.

@@ -18,10 +18,29 @@ pub(crate) struct PlanLimits<T> {
     pub(crate) track: T,
 }
 
+/// How much of the limits a manoeuvre uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Pace {
+    /// Half the accelerations.
+    pub(crate) slower: bool,
+    /// Half the jerk.
+    pub(crate) smoother: bool,
+}
+
 impl<T: Scalar> PlanLimits<T> {
+    /// What a manoeuvre of this pace may use.
+    pub(crate) fn at(&self, pace: Pace) -> Self {
+        let limits = if pace.slower { self.slower() } else { *self };
+        if pace.smoother {
+            limits.smoother()
+        } else {
+            limits
+        }
+    }
+
     /// With half the accelerations, which twice the stated mass leaves to the same wheels: where the robot did not follow at full
     /// ones.
-    pub(crate) fn slower(&self) -> Self {
+    fn slower(&self) -> Self {
         let axis = |axis: &AxisLimits<T>| AxisLimits {
             up: T::HALF * axis.up,
             down: T::HALF * axis.down,
@@ -35,7 +54,7 @@ impl<T: Scalar> PlanLimits<T> {
     }
 
     /// With half the jerk: for a robot that moves, where ramps of two motions may coincide.
-    pub(crate) fn smoother(&self) -> Self {
+    fn smoother(&self) -> Self {
         let axis = |axis: &AxisLimits<T>| AxisLimits {
             jerk_s: axis.jerk_s + axis.jerk_s,
             ..*axis
@@ -243,6 +262,9 @@ impl<T: Scalar> Candidate<T> {
     }
 
     /// Lays out the manoeuvre with these two numbers in `path`, after the motion there at its begin, from `ready` on \[s\].
+    ///
+    /// Apart, for the sake of the stack: what it needs the integration of the path, which follows, does not need as well.
+    #[inline(never)]
     pub(crate) fn lay_out<M: Maths<T>>(
         &self,
         limits: &PlanLimits<T>,

@@ -1,8 +1,8 @@
 //! Driving a manoeuvre: a reference that ends at the goal.
 
-use super::candidate::PlanLimits;
+use super::candidate::{Pace, PlanLimits};
 use super::lateral_offset::{Aside, LateralOffset, OffsetLimits, SETTING_S};
-use super::path::{Path, Vector};
+use super::path::{Courses, Path, Vector};
 use super::profile::AxisSample;
 use super::search::{Progress, Search, ready_s};
 use crate::maths::Maths;
@@ -14,7 +14,7 @@ use crate::types::{Accel, Twist};
 /// A manoeuvre under way, or being searched for while the robot comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Execution<T> {
-    search: Option<Search<T>>,
+    stage: Stage<T>,
     path: Path<T>,
     /// Of the path \[s\].
     duration: T,
@@ -29,7 +29,16 @@ pub(crate) struct Execution<T> {
     seen: Seen<T>,
 }
 
-/// Where the reference is: what a tick changes of a manoeuvre under way.
+/// What is known of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage<T> {
+    /// The motion at its begin.
+    Searching(Search<T>),
+    /// All of it, and where on it the reference is.
+    Driving(Courses<T>),
+}
+
+/// Where the reference is: what a tick changes of a manoeuvre under way, beside what follows from its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Reference<T> {
     /// Since the begin \[s\].
@@ -63,6 +72,8 @@ pub(crate) struct Moment<T> {
     pub(crate) accel: Accel<T>,
     /// Reference minus robot.
     pub(crate) error: PoseError<T>,
+    /// (sin e_θ, cos e_θ).
+    pub(crate) heading: (T, T),
 }
 
 /// The motion that a manoeuvre begins with.
@@ -128,6 +139,7 @@ impl<T: Scalar> Execution<T> {
         };
         let curve = LateralOffset::of_robot(limits, left, &robot)?;
         self.path.stop_drive = stop_drive;
+        self.stage = Stage::Driving(Courses::of(&self.path, -half));
         self.duration = stop_drive.duration();
         self.end = ahead - half * twist.linear;
         self.reference = Reference {
@@ -155,7 +167,8 @@ impl<T: Scalar> Execution<T> {
     /// reference goes on from there: it jumps neither in rate nor in acceleration.
     pub(crate) fn start<M: Maths<T>>(
         &mut self,
-        limits: &PlanLimits<T>,
+        plan: &PlanLimits<T>,
+        slower: bool,
         error: &PoseError<T>,
         last: &Twist<T>,
         rate: &Accel<T>,
@@ -175,7 +188,11 @@ impl<T: Scalar> Execution<T> {
             theta: error.theta - turned,
         };
         let still = *last == Twist::default() && *rate == Accel::default();
-        let limits = &if still { *limits } else { limits.smoother() };
+        let pace = Pace {
+            slower,
+            smoother: !still,
+        };
+        let limits = &plan.at(pace);
         // Field by field: a manoeuvre is not copied.
         self.path.stop_drive = limits.drive.stop(twist.linear, rate.linear);
         self.path.stop_turn = limits.turn.stop(twist.angular, rate.angular);
@@ -199,7 +216,7 @@ impl<T: Scalar> Execution<T> {
         };
         self.turn_only = false;
         self.seen = Seen::default();
-        self.search = Some(Search::start::<M>(limits, &error, &self.path, dt));
+        self.stage = Stage::Searching(Search::start::<M>((limits, pace), &error, &self.path, dt));
     }
 
     /// The robot turns on the spot: its position is good as it is, whatever is seen of it while it waits.
@@ -208,9 +225,10 @@ impl<T: Scalar> Execution<T> {
     }
 
     /// The reference stands at the goal.
+    #[inline(always)]
     pub(crate) fn at_goal() -> Self {
         Self {
-            search: None,
+            stage: Stage::Driving(Courses::STANDING),
             path: Path::default(),
             duration: T::ZERO,
             end: T::MAX,
@@ -222,28 +240,28 @@ impl<T: Scalar> Execution<T> {
     }
 
     /// A `step` on, 0 at the begin and then `dt`; `None` if no manoeuvre was found. `error` is the goal as the robot
-    /// sees it now.
+    /// sees it now; `plan` and `limits` are what the search and the last drive may use.
     ///
     /// The position is integrated by the trapezoidal rule with its end correction, dt/2 (f₀ + f₁) +
     /// dt²/12 (f₀′ − f₁′): wrong by dt⁵. At the end of the manoeuvre the reference is the goal.
     #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
+        plan: &PlanLimits<T>,
         limits: impl FnOnce() -> OffsetLimits<T>,
         error: &PoseError<T>,
         step: T,
         dt: T,
     ) -> Option<Moment<T>> {
         self.look::<M>(error);
-        if let Some(search) = &mut self.search {
+        if let Stage::Searching(search) = &mut self.stage {
             let moving = self.duration > T::ZERO;
             // Ticks that became shorter may find it when it should have started.
             let late = moving && self.reference.t > search.ready();
-            match search.advance::<M>(&mut self.path, dt) {
+            match search.advance::<M>(plan, &mut self.path, dt) {
                 Progress::Searching => {}
                 Progress::Found if late => return None,
                 Progress::Found => {
-                    self.search = None;
                     let path = &self.path;
                     self.duration = path.duration();
                     if path.stop_drive.duration() == T::ZERO && path.stop_turn.duration() == T::ZERO
@@ -251,6 +269,7 @@ impl<T: Scalar> Execution<T> {
                         // Nothing has moved: the clock starts now.
                         self.reference.t = -step;
                     }
+                    self.stage = Stage::Driving(Courses::of(path, self.reference.t));
                 }
                 Progress::Failed => return None,
             }
@@ -261,21 +280,33 @@ impl<T: Scalar> Execution<T> {
                 twist: Twist::default(),
                 accel: Accel::default(),
                 error: *error,
+                heading: M::sin_cos_near(error.theta),
             });
         }
-        let (turn, drive) = (
-            self.path.turn_at(self.reference.t),
-            self.path.drive_at(self.reference.t),
-        );
-        let (sine, cosine) = M::sin_cos_near(turn.position);
+        let (path, t) = (&self.path, self.reference.t);
+        let ahead = t + T::HALF * dt;
+        let (turn, drive, accel) = match &mut self.stage {
+            Stage::Driving(courses) => {
+                let (turn, drive) = courses.go_on_to(path, t);
+                (turn, drive, courses.accel_at(path, ahead))
+            }
+            Stage::Searching(_) => {
+                let accel = Accel {
+                    linear: path.drive_at(ahead).accel,
+                    angular: path.turn_at(ahead).accel,
+                };
+                (path.turn_at(t), path.drive_at(t), accel)
+            }
+        };
+        let (turn_sine, turn_cosine) = M::sin_cos_near(turn.position);
         let velocity = Vector {
-            x: drive.rate * cosine,
-            y: drive.rate * sine,
+            x: drive.rate * turn_cosine,
+            y: drive.rate * turn_sine,
         };
         let across = drive.rate * turn.rate;
         let change = Vector {
-            x: drive.accel * cosine - across * sine,
-            y: drive.accel * sine + across * cosine,
+            x: drive.accel * turn_cosine - across * turn_sine,
+            y: drive.accel * turn_sine + across * turn_cosine,
         };
         let half = T::HALF * step;
         let correction = step * step * T::from_f64(1.0 / 12.0);
@@ -300,17 +331,19 @@ impl<T: Scalar> Execution<T> {
             y: error.y - (y * cosine - x * sine),
             theta: (turn.position - heading).wrap_angle(),
         };
-        let ahead = self.reference.t + T::HALF * dt;
+        // sin and cos of a difference whose own ones are known.
+        let heading = (
+            turn_sine * cosine - turn_cosine * sine,
+            turn_cosine * cosine + turn_sine * sine,
+        );
         let mut moment = Moment {
             twist: Twist {
                 linear: drive.rate,
                 angular: turn.rate,
             },
-            accel: Accel {
-                linear: self.path.drive_accel_at(ahead),
-                angular: self.path.turn_accel_at(ahead),
-            },
+            accel,
             error,
+            heading,
         };
         if self.is_last_drive() && drive.rate != T::ZERO {
             self.join::<M>(limits, &drive, step, &mut moment);
@@ -320,12 +353,7 @@ impl<T: Scalar> Execution<T> {
 
     /// What is driven now is driven to the end.
     fn is_last_drive(&self) -> bool {
-        let [one, other] = &self.path.drives;
-        let t = self.reference.t;
-        let rolls_on = one.is_empty() && other.is_empty();
-        self.search.is_none()
-            && (t >= self.path.stop_drive.duration() || rolls_on)
-            && (other.is_empty() || t >= one.end())
+        matches!(&self.stage, Stage::Driving(courses) if courses.is_last_drive(&self.path))
     }
 
     /// Moves the reference aside, to where the robot is, and back to the planned one by the end of the drive ([`LateralOffset`]).
@@ -354,8 +382,8 @@ impl<T: Scalar> Execution<T> {
         if !due && !reference.offset.is_set() {
             return;
         }
-        let PoseError { x, y, theta } = moment.error;
-        let (sine, cosine) = M::sin_cos_near(theta);
+        let PoseError { x, y, .. } = moment.error;
+        let (sine, cosine) = moment.heading;
         let left = (self.end - drive.position).abs();
         if due {
             reference.set_s = T::ZERO;
@@ -375,6 +403,7 @@ impl<T: Scalar> Execution<T> {
             let passing = v * v.abs();
             let pulled = now.first * now.second;
             moment.error.theta -= if v < T::ZERO { -steep } else { steep };
+            moment.heading = M::sin_cos_near(moment.error.theta);
             moment.twist.linear += longer * v - now.offset * moment.twist.angular;
             moment.twist.angular += v * less * now.second;
             moment.accel.linear += longer * drive.accel - passing * pulled;
@@ -386,7 +415,7 @@ impl<T: Scalar> Execution<T> {
     /// Takes the mean of what is seen of the goal while the shape is searched for: a single pose may be off, and a
     /// heading that is off by 5 mrad moves a goal 3 m away by 15 mm.
     fn look<M: Maths<T>>(&mut self, error: &PoseError<T>) {
-        let Some(search) = &mut self.search else {
+        let Stage::Searching(search) = &mut self.stage else {
             return;
         };
         if self.duration > T::ZERO {
@@ -421,18 +450,21 @@ impl<T: Scalar> Execution<T> {
     }
 
     /// Back to where the reference was.
-    pub(crate) const fn return_to(&mut self, reference: &Reference<T>) {
+    pub(crate) fn return_to(&mut self, reference: &Reference<T>) {
         self.reference = *reference;
+        if let Stage::Driving(courses) = &mut self.stage {
+            *courses = Courses::of(&self.path, reference.t);
+        }
     }
 
     /// The reference stands at the goal.
     pub(crate) fn is_over(&self) -> bool {
-        self.search.is_none() && self.reference.t >= self.duration
+        !self.is_searching() && self.reference.t >= self.duration
     }
 
     /// The manoeuvre is not known yet.
     pub(crate) fn is_searching(&self) -> bool {
-        self.search.is_some()
+        matches!(self.stage, Stage::Searching(_))
     }
 
     /// The reference backs up, or did last.
@@ -442,7 +474,10 @@ impl<T: Scalar> Execution<T> {
 
     pub(crate) fn residue(&self) -> T {
         let Vector { x, y } = self.reference.remaining;
-        let search = self.search.as_ref().map_or(T::ZERO, Search::residue);
+        let search = match &self.stage {
+            Stage::Searching(search) => search.residue(),
+            Stage::Driving(_) => T::ZERO,
+        };
         let offset = self.reference.offset.residue();
         search + offset + residue([x, y, self.reference.t, self.goal])
     }

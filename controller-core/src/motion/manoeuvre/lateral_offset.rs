@@ -32,9 +32,8 @@ pub(crate) const SETTING_S: f64 = 0.1;
 pub(crate) struct LateralOffset<T> {
     /// q₀; 0 where there is no offset.
     from: T,
-    start: [T; 3],
-    /// h.
-    swell: T,
+    /// z₀, z₁, z₂, c₃ + h, c₄ − 2 h and h: what z has of the powers of w.
+    powers: [T; 6],
 }
 
 /// A robot beside a straight path that it drives along.
@@ -78,6 +77,17 @@ pub(crate) struct OffsetSample<T> {
 }
 
 impl<T: Scalar> LateralOffset<T> {
+    /// From z₀, z₁, z₂ and h.
+    fn new(from: T, [a, b, c]: [T; 3], swell: T) -> Self {
+        let f = T::from_f64;
+        let third = swell - straight_third([a, b, c]);
+        let fourth = f(3.0) * a + f(2.0) * b + c - f(2.0) * swell;
+        Self {
+            from,
+            powers: [a, b, c, third, fourth, swell],
+        }
+    }
+
     /// There is one.
     pub(crate) fn is_set(&self) -> bool {
         self.from > T::ZERO
@@ -88,28 +98,13 @@ impl<T: Scalar> LateralOffset<T> {
         let f = T::from_f64;
         let (two, three, four, five) = (f(2.0), f(3.0), f(4.0), f(5.0));
         let (six, ten) = (f(6.0), f(10.0));
-        let [a, b, c] = self.start;
-        let (d, e, h) = (self.third(), self.fourth(), self.swell);
+        let [a, b, c, d, e, h] = self.powers;
         [
             a + w * (b + w * (c + w * (d + w * (e + w * h)))),
             b + w * (two * c + w * (three * d + w * (four * e + w * five * h))),
             c + w * (three * d + w * (six * e + w * ten * h)),
             d + w * (four * e + w * ten * h),
         ]
-    }
-
-    /// c₃ + h.
-    fn third(&self) -> T {
-        let f = T::from_f64;
-        let [a, b, c] = self.start;
-        self.swell - (f(4.0) * a + f(3.0) * b + f(2.0) * c)
-    }
-
-    /// c₄ − 2 h.
-    fn fourth(&self) -> T {
-        let f = T::from_f64;
-        let [a, b, c] = self.start;
-        f(3.0) * a + f(2.0) * b + c - f(2.0) * self.swell
     }
 
     /// With `left` still to drive.
@@ -144,7 +139,8 @@ impl<T: Scalar> LateralOffset<T> {
             let share = left / self.from;
             let (square, cube) = (share * share, share * share * share);
             let [_, first, second, third] = self.by_share(T::ONE - share);
-            let swell = square * cube * self.swell;
+            let [.., swell] = self.powers;
+            let swell = square * cube * swell;
             (share * first, square * second, cube * third, swell)
         } else {
             (T::ZERO, T::ZERO, T::ZERO, T::ZERO)
@@ -154,11 +150,7 @@ impl<T: Scalar> LateralOffset<T> {
         let most = larger(allowed, third.abs());
         let rest = f(3.0) * first + f(2.0) * second - swell;
         let third = clamp(-(f(4.0) * offset + rest), most);
-        Self {
-            from: left,
-            start: [f(-0.25) * (third + rest), first, second],
-            swell,
-        }
+        Self::new(left, [f(-0.25) * (third + rest), first, second], swell)
     }
 
     /// The curve of a robot that drives towards its goal already, with `left` > 0 to drive: it goes on as the robot moves. `None` where
@@ -174,18 +166,14 @@ impl<T: Scalar> LateralOffset<T> {
         let (square, cube) = (left * left, left * left * left);
         let passing = speed * speed.abs();
         let bent = robot.turn_rate / speed;
-        let mut curve = Self {
-            from: left,
-            start: [
-                robot.offset,
-                forward * left * robot.slope,
-                T::HALF * square * bent,
-            ],
-            swell: T::ZERO,
-        };
+        let start = [
+            robot.offset,
+            forward * left * robot.slope,
+            T::HALF * square * bent,
+        ];
         let third = cube * (robot.turn_accel - robot.accel * bent) / (f(6.0) * passing);
-        curve.swell = third - curve.third();
-        let [_, _, begin] = curve.start;
+        let curve = Self::new(left, start, third + straight_third(start));
+        let [_, _, begin, _, fourth, _] = curve.powers;
         let [_, _, end, last] = curve.by_share(T::ONE);
         // Half the second derivative's own derivative is three times the sixth of the third.
         let (after, before) = (begin + third, end - last);
@@ -193,7 +181,7 @@ impl<T: Scalar> LateralOffset<T> {
         let braking = speed * speed / (f(2.0) * limits.drive.down * left);
         let full = larger(T::ONE - braking, T::ZERO);
         let [_, _, _, at_full] = curve.by_share(full);
-        let between = third + full * f(2.0) * curve.fourth();
+        let between = third + full * f(2.0) * fourth;
         let turn_accel = f(6.0) * passing.abs() * largest([third, between, at_full]) / cube;
         let turn_rate = speed.abs() * bend;
         // A robot that does not drive has no curve that is a number.
@@ -207,9 +195,15 @@ impl<T: Scalar> LateralOffset<T> {
     }
 
     pub(crate) fn residue(&self) -> T {
-        let [a, b, c] = self.start;
-        crate::scalar::residue([a, b, c, self.swell])
+        let [a, b, c, _, _, h] = self.powers;
+        crate::scalar::residue([a, b, c, h])
     }
+}
+
+/// −c₃ of z₀, z₁ and z₂.
+fn straight_third<T: Scalar>([a, b, c]: [T; 3]) -> T {
+    let f = T::from_f64;
+    f(4.0) * a + f(3.0) * b + f(2.0) * c
 }
 
 /// The largest size.

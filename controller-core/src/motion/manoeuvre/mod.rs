@@ -12,7 +12,7 @@ mod path;
 mod profile;
 mod search;
 
-pub(crate) use candidate::PlanLimits;
+pub(crate) use candidate::{Pace, PlanLimits};
 pub(crate) use execution::{Execution, Moment, Reference};
 pub(crate) use lateral_offset::OffsetLimits;
 pub(crate) use profile::AxisLimits;

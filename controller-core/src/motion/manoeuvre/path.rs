@@ -1,8 +1,9 @@
 //! Turns and drives on one clock, and where they lead.
 
-use super::profile::{AxisSample, Piece, Pieces, Profile, Stop};
+use super::profile::{AxisSample, Course, Piece, Pieces, Profile, Stop};
 use crate::maths::Maths;
 use crate::scalar::Scalar;
+use crate::types::Accel;
 
 /// A manoeuvre: the motion at its begin comes to rest, while two turns and two drives add to it.
 ///
@@ -110,16 +111,6 @@ impl<T: Scalar> Path<T> {
         at(&self.stop_turn, &self.turns, t)
     }
 
-    /// The rate of the turn rate alone of [`turn_at`](Self::turn_at).
-    pub(crate) fn turn_accel_at(&self, t: T) -> T {
-        accel_at(&self.stop_turn, &self.turns, t)
-    }
-
-    /// The acceleration alone of [`drive_at`](Self::drive_at).
-    pub(crate) fn drive_accel_at(&self, t: T) -> T {
-        accel_at(&self.stop_drive, &self.drives, t)
-    }
-
     /// Travel, speed and acceleration at `t`.
     pub(crate) fn drive_at(&self, t: T) -> AxisSample<T> {
         at(&self.stop_drive, &self.drives, t)
@@ -129,6 +120,9 @@ impl<T: Scalar> Path<T> {
     ///
     /// Between the instants at which a jerk steps speed and heading are polynomials: Gauss' rule has nothing but the sine of a
     /// cubic to err by. Where the robot does not turn, or does not drive, nothing has to be summed.
+    ///
+    /// Apart, for the sake of the stack.
+    #[inline(never)]
     pub(crate) fn ends<M: Maths<T>>(&self, quality: Quality) -> Ends<T> {
         let (rule, pairs) = gauss(quality);
         let rule = rule.get(..pairs).unwrap_or_default();
@@ -175,14 +169,63 @@ impl<T: Scalar> Path<T> {
                 }
             }
             if turn.until <= to {
-                turn.advance();
+                turn.advance(&self.turns);
             }
             if drive.until <= to {
-                drive.advance();
+                drive.advance(&self.drives);
             }
             from = to;
         }
         ends
+    }
+}
+
+/// Both axes of a path that is driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Courses<T> {
+    turn: Course<T>,
+    drive: Course<T>,
+}
+
+impl<T: Scalar> Courses<T> {
+    /// Of a path on which nothing moves.
+    pub(crate) const STANDING: Self = Self {
+        turn: Course::STANDING,
+        drive: Course::STANDING,
+    };
+
+    /// Up to time `t`.
+    pub(crate) fn of(path: &Path<T>, t: T) -> Self {
+        Self {
+            turn: Course::of(&path.stop_turn, &path.turns, t),
+            drive: Course::of(&path.stop_drive, &path.drives, t),
+        }
+    }
+
+    /// On to time `t`, no earlier than that of the last call: what [`Path::turn_at`] and [`Path::drive_at`] say but for rounding.
+    #[inline(always)]
+    pub(crate) fn go_on_to(&mut self, path: &Path<T>, t: T) -> (AxisSample<T>, AxisSample<T>) {
+        self.turn.go_on_to(&path.stop_turn, &path.turns, t);
+        self.drive.go_on_to(&path.stop_drive, &path.drives, t);
+        (
+            self.turn.at(&path.stop_turn, t),
+            self.drive.at(&path.stop_drive, t),
+        )
+    }
+
+    /// At a time that may lie a little ahead.
+    #[inline(always)]
+    pub(crate) fn accel_at(&self, path: &Path<T>, t: T) -> Accel<T> {
+        Accel {
+            linear: self.drive.accel_at(&path.stop_drive, &path.drives, t),
+            angular: self.turn.accel_at(&path.stop_turn, &path.turns, t),
+        }
+    }
+
+    /// What is driven now is driven to the end.
+    pub(crate) fn is_last_drive(&self, path: &Path<T>) -> bool {
+        let [one, other] = &path.drives;
+        self.drive.is_at_last(&path.drives) || (one.is_empty() && other.is_empty())
     }
 }
 
@@ -240,22 +283,8 @@ fn at<T: Scalar>(stop: &Stop<T>, [a, b]: &[Profile<T>; 2], t: T) -> AxisSample<T
     let both = sum(a.at(t), b.at(t));
     if stop.is_over() {
         both
-    } else if stop.is_behind(t) {
-        sum(stop.behind(t), both)
     } else {
         sum(stop.at(t), both)
-    }
-}
-
-/// The acceleration alone of [`at`].
-fn accel_at<T: Scalar>(stop: &Stop<T>, [a, b]: &[Profile<T>; 2], t: T) -> T {
-    let both = a.accel_at(t) + b.accel_at(t);
-    if stop.is_over() {
-        both
-    } else if stop.is_behind(t) {
-        stop.behind(t).accel + both
-    } else {
-        stop.accel_at(t) + both
     }
 }
 

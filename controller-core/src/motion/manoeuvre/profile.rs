@@ -243,16 +243,6 @@ impl<T: Scalar> Profile<T> {
 
     /// At time `t`, before, within and after it.
     pub(crate) fn at(&self, t: T) -> AxisSample<T> {
-        self.sample(t)
-    }
-
-    /// The acceleration alone of [`at`](Self::at).
-    pub(crate) fn accel_at(&self, t: T) -> T {
-        self.sample(t).accel
-    }
-
-    #[inline(always)]
-    fn sample(&self, t: T) -> AxisSample<T> {
         if self.is_empty() {
             return AxisSample::default();
         }
@@ -293,7 +283,7 @@ pub(crate) struct Piece<T> {
 }
 
 impl<T: Scalar> Piece<T> {
-    fn rest(from: T, position: T) -> Self {
+    const fn rest(from: T, position: T) -> Self {
         Self {
             from,
             position,
@@ -319,25 +309,41 @@ impl<T: Scalar> Piece<T> {
         self.rate + t * (b + b + t * (c + c + c))
     }
 
+    fn accel(&self, t: T) -> T {
+        let half = self.half_accel + three::<T>() * self.sixth_jerk * (t - self.from);
+        half + half
+    }
+
+    #[inline(always)]
+    fn at(&self, t: T) -> AxisSample<T> {
+        AxisSample {
+            position: self.position(t),
+            rate: self.rate(t),
+            accel: self.accel(t),
+        }
+    }
+
     /// The stretch that follows at `t`, with another jerk.
     fn onward(&self, t: T, sixth_jerk: T) -> Self {
-        let three = T::ONE + T::ONE + T::ONE;
         Self {
             from: t,
             position: self.position(t),
             rate: self.rate(t),
-            half_accel: self.half_accel + three * self.sixth_jerk * (t - self.from),
+            half_accel: T::HALF * self.accel(t),
             sixth_jerk,
         }
     }
 }
 
-/// Two profiles, one after the other, as stretches of constant jerk.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pieces<'a, T> {
-    profiles: &'a [Profile<T>; 2],
+fn three<T: Scalar>() -> T {
+    T::ONE + T::ONE + T::ONE
+}
+
+/// Two profiles, one after the other, as stretches of constant jerk. They are lent: the same ones to every call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pieces<T> {
     /// Which of the two is next, or under way; 2 behind both.
-    pub(crate) number: usize,
+    pub(crate) number: u8,
     /// Stretches of it that have begun.
     begun: u8,
     /// The present stretch,
@@ -346,25 +352,33 @@ pub(crate) struct Pieces<'a, T> {
     pub(crate) until: T,
 }
 
-impl<'a, T: Scalar> Pieces<'a, T> {
+impl<T: Scalar> Pieces<T> {
+    /// Stretches of two profiles and what lies between them: so often is there a next one.
+    const MOST: u8 = 2 * 8 + 1;
+
+    /// Of two empty profiles.
+    const NONE: Self = Self {
+        number: 2,
+        begun: 0,
+        piece: Piece::rest(T::ZERO, T::ZERO),
+        until: T::MAX,
+    };
+
     /// From time 0 on.
-    pub(crate) fn of(profiles: &'a [Profile<T>; 2]) -> Self {
+    pub(crate) fn of(profiles: &[Profile<T>; 2]) -> Self {
         let mut pieces = Self {
-            profiles,
             number: 0,
-            begun: 0,
-            piece: Piece::rest(T::ZERO, T::ZERO),
-            until: T::MAX,
+            ..Self::NONE
         };
-        pieces.wait();
+        pieces.wait(profiles);
         pieces
     }
 
     /// At rest until the next profile that is not empty.
-    fn wait(&mut self) {
+    fn wait(&mut self, profiles: &[Profile<T>; 2]) {
         self.begun = 0;
         self.until = T::MAX;
-        while let Some(profile) = self.profiles.get(self.number) {
+        while let Some(profile) = profiles.get(usize::from(self.number)) {
             if !profile.is_empty() {
                 self.until = profile.start;
                 return;
@@ -377,8 +391,8 @@ impl<'a, T: Scalar> Pieces<'a, T> {
     ///
     /// A ramp of duration R and jerk time τ changes the rate by v with the jerk ±v/((R − τ) τ), for τ at its begin and at its end.
     /// Where it ends the rate is known, and no rounding is carried on.
-    pub(crate) fn advance(&mut self) {
-        let Some(profile) = self.profiles.get(self.number) else {
+    pub(crate) fn advance(&mut self, profiles: &[Profile<T>; 2]) {
+        let Some(profile) = profiles.get(usize::from(self.number)) else {
             return;
         };
         let (from, tau, peak) = (self.until, profile.jerk_s, profile.peak);
@@ -403,13 +417,110 @@ impl<'a, T: Scalar> Pieces<'a, T> {
             _ => {
                 self.piece = Piece::rest(from, last.position(from));
                 self.number += 1;
-                self.wait();
+                self.wait(profiles);
                 return;
             }
         };
         self.piece = piece;
         self.until = until;
     }
+
+    /// On to the stretch of the time `t`, which may lie several ahead.
+    ///
+    /// What a stretch is follows from where the one before it ended, and not from when it was asked for: the way to a time does not
+    /// matter.
+    #[inline(always)]
+    fn go_on_to(&mut self, profiles: &[Profile<T>; 2], t: T) {
+        for _ in 0..Self::MOST {
+            if t < self.until {
+                break;
+            }
+            self.advance(profiles);
+        }
+    }
+}
+
+/// An axis of a manoeuvre under way: what its stop and its profiles say of a time, from tick to tick with a cubic instead of three
+/// closed forms. They are lent: the same ones to every call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Course<T> {
+    pieces: Pieces<T>,
+    /// The motion at the begin is not over.
+    stopping: bool,
+    /// How far it went, once it is.
+    stopped: T,
+}
+
+impl<T: Scalar> Course<T> {
+    /// Of an axis that does not move.
+    pub(crate) const STANDING: Self = Self {
+        pieces: Pieces::NONE,
+        stopping: false,
+        stopped: T::ZERO,
+    };
+
+    /// Up to time `t`.
+    pub(crate) fn of(stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) -> Self {
+        let mut course = Self {
+            pieces: Pieces::of(profiles),
+            stopping: !stop.is_over(),
+            stopped: T::ZERO,
+        };
+        course.go_on_to(stop, profiles, t);
+        course
+    }
+
+    /// On to time `t`, no earlier than that of the last call.
+    #[inline(always)]
+    pub(crate) fn go_on_to(&mut self, stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) {
+        if self.stopping && t >= stop.duration() {
+            self.stopping = false;
+            self.stopped = stop.at(stop.duration()).position;
+        }
+        self.pieces.go_on_to(profiles, t);
+    }
+
+    /// At the time that it has gone on to.
+    #[inline(always)]
+    pub(crate) fn at(&self, stop: &Stop<T>, t: T) -> AxisSample<T> {
+        let mut sample = self.pieces.piece.at(t);
+        if self.stopping {
+            let stop = stop.at(t);
+            sample.position += stop.position;
+            sample.rate += stop.rate;
+            sample.accel += stop.accel;
+        } else {
+            sample.position += self.stopped;
+        }
+        sample
+    }
+
+    /// The acceleration alone, at a time that may lie a little ahead.
+    #[inline(always)]
+    pub(crate) fn accel_at(&self, stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) -> T {
+        let accel = if t < self.pieces.until {
+            self.pieces.piece.accel(t)
+        } else {
+            accel_beyond(profiles, t)
+        };
+        if self.stopping {
+            accel + stop.at(t).accel
+        } else {
+            accel
+        }
+    }
+
+    /// The motion at the begin is over, and so is the first of two profiles.
+    pub(crate) fn is_at_last(&self, [_, last]: &[Profile<T>; 2]) -> bool {
+        !self.stopping && (self.pieces.number > 0 || last.is_empty())
+    }
+}
+
+/// A few times a manoeuvre; apart from its ticks, which are quicker for it.
+#[cold]
+#[inline(never)]
+fn accel_beyond<T: Scalar>([a, b]: &[Profile<T>; 2], t: T) -> T {
+    a.at(t).accel + b.at(t).accel
 }
 
 /// From a rate and an acceleration at time 0 to rest.
@@ -466,28 +577,6 @@ impl<T: Scalar> Stop<T> {
         self.faded
     }
 
-    /// At time `t`, a little before the begin as well.
-    pub(crate) fn at(&self, t: T) -> AxisSample<T> {
-        self.sample(t)
-    }
-
-    /// The acceleration alone of [`at`](Self::at).
-    pub(crate) fn accel_at(&self, t: T) -> T {
-        self.sample(t).accel
-    }
-
-    /// It had something to brake, and has.
-    pub(crate) fn is_behind(&self, t: T) -> bool {
-        t - self.fade - self.hold >= self.ramp.duration && self.faded != T::ZERO
-    }
-
-    /// What [`at`](Self::at) says once it [is behind](Self::is_behind), with less to look at.
-    #[inline(always)]
-    pub(crate) fn behind(&self, t: T) -> AxisSample<T> {
-        let t = t - self.fade;
-        self.braking(t, &self.ramp.end(t - self.hold))
-    }
-
     /// At `t` since the acceleration has faded, with so much of the ramp done.
     #[inline(always)]
     fn braking(&self, t: T, ramp: &AxisSample<T>) -> AxisSample<T> {
@@ -504,8 +593,8 @@ impl<T: Scalar> Stop<T> {
         self.fade * (self.rate + third * self.accel * self.fade)
     }
 
-    #[inline(always)]
-    fn sample(&self, t: T) -> AxisSample<T> {
+    /// At time `t`, a little before the begin as well.
+    pub(crate) fn at(&self, t: T) -> AxisSample<T> {
         if t <= T::ZERO {
             let gained = self.accel * t;
             return AxisSample {

@@ -1,6 +1,6 @@
 //! The quickest manoeuvre to a pose, by a bounded number of steps.
 
-use super::candidate::{CANDIDATES, Candidate, PlanLimits, Target};
+use super::candidate::{CANDIDATES, Candidate, Pace, PlanLimits, Target};
 use super::path::{Ends, Path, Quality, Vector};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
@@ -33,7 +33,7 @@ const POLISHING: u8 = 5;
 /// A search under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Search<T> {
-    limits: PlanLimits<T>,
+    pace: Pace,
     target: Target<T>,
     /// When the manoeuvre may start, for a robot that moves \[s\].
     ready: T,
@@ -97,9 +97,10 @@ pub(crate) fn ready_s<T: Scalar>(dt: T) -> T {
 }
 
 impl<T: Scalar> Search<T> {
-    /// A search for the way to `error`, the goal as the robot sees it now, while it moves on as in `begin`.
+    /// A search for the way to `error`, the goal as the robot sees it now, while it moves on as in `begin`. `limits` are those of the
+    /// `pace`.
     pub(crate) fn start<M: Maths<T>>(
-        limits: &PlanLimits<T>,
+        (limits, pace): (&PlanLimits<T>, Pace),
         error: &PoseError<T>,
         begin: &Path<T>,
         dt: T,
@@ -126,7 +127,7 @@ impl<T: Scalar> Search<T> {
         let aside = limits.turn.profile::<M>(turn).duration();
         let across = limits.turn.profile::<M>(T::FRAC_PI_2).duration();
         Self {
-            limits: *limits,
+            pace,
             target,
             ready: if moving { ready_s(dt) } else { T::ZERO },
             near: straight < across,
@@ -160,17 +161,23 @@ impl<T: Scalar> Search<T> {
         self.ready
     }
 
-    /// A tick of `dt` on: as many evaluations as belong to it. `path` has the motion at the begin, gets what is found, and is where
+    /// A tick of `dt` on: as many evaluations as belong to it. `plan` is what a manoeuvre at full pace may use. `path` has the motion at the begin, gets what is found, and is where
     /// manoeuvres are tried: a copy of each would be most of what a search needs of the stack.
-    pub(crate) fn advance<M: Maths<T>>(&mut self, path: &mut Path<T>, dt: T) -> Progress {
+    pub(crate) fn advance<M: Maths<T>>(
+        &mut self,
+        plan: &PlanLimits<T>,
+        path: &mut Path<T>,
+        dt: T,
+    ) -> Progress {
+        let limits = &plan.at(self.pace);
         let mut left = per_tick(dt);
         let mut progress = Progress::Searching;
         while left > 0 && progress == Progress::Searching {
             let work;
             (progress, work) = if self.polishing {
-                (self.polish::<M>(path), FINE)
+                (self.polish::<M>(limits, path), FINE)
             } else {
-                (self.compare::<M>(path), 1)
+                (self.compare::<M>(limits, path), 1)
             };
             left = left.saturating_sub(work);
         }
@@ -181,19 +188,19 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One rough evaluation of the shape that is being tried.
-    fn compare<M: Maths<T>>(&mut self, path: &mut Path<T>) -> Progress {
+    fn compare<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, path: &mut Path<T>) -> Progress {
         if self.solver.is_none() {
             if self.is_done() {
                 return self.begin_polishing();
             }
-            self.solver = self.next_guess::<M>();
+            self.solver = self.next_guess::<M>(limits);
         }
         let Some(solver) = self.solver else {
             return Progress::Searching;
         };
         self.evaluations += 1;
-        let candidate = self.candidate::<M>(self.index);
-        let ends = self.evaluate::<M>(path, &candidate, &solver.numbers, Quality::Rough);
+        let candidate = self.candidate::<M>(limits, self.index);
+        let ends = self.evaluate::<M>(limits, path, &candidate, &solver.numbers, Quality::Rough);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         let enough = T::from_f64(5.0e-4) * self.target.distance;
@@ -236,14 +243,14 @@ impl<T: Scalar> Search<T> {
     }
 
     /// The first guess for the next shape that may be quicker; `None` if none of the next [`GUESSES`] may.
-    fn next_guess<M: Maths<T>>(&mut self) -> Option<Solver<T>> {
+    fn next_guess<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Option<Solver<T>> {
         let bound = self.best.map_or(T::MAX, |best| best.duration);
         for _ in 0..GUESSES {
             if self.index >= CANDIDATES {
                 return None;
             }
-            let candidate = self.candidate::<M>(self.index);
-            if let Some(numbers) = candidate.guess::<M>(&self.limits, &self.target, bound) {
+            let candidate = self.candidate::<M>(limits, self.index);
+            if let Some(numbers) = candidate.guess::<M>(limits, &self.target, bound) {
                 return Some(Solver::start(numbers));
             }
             self.index += 1;
@@ -264,12 +271,12 @@ impl<T: Scalar> Search<T> {
     }
 
     /// One fine evaluation of the best shape.
-    fn polish<M: Maths<T>>(&mut self, path: &mut Path<T>) -> Progress {
+    fn polish<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, path: &mut Path<T>) -> Progress {
         let Some(solver) = self.solver else {
             return Progress::Failed;
         };
-        let candidate = self.candidate::<M>(self.index);
-        let ends = self.evaluate::<M>(path, &candidate, &solver.numbers, Quality::Fine);
+        let candidate = self.candidate::<M>(limits, self.index);
+        let ends = self.evaluate::<M>(limits, path, &candidate, &solver.numbers, Quality::Fine);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         // Ten times the rounding of the sum in single precision.
@@ -287,19 +294,20 @@ impl<T: Scalar> Search<T> {
         }
     }
 
-    fn candidate<M: Maths<T>>(&self, index: u8) -> Candidate<T> {
-        Candidate::numbered::<M>(index, self.near, &self.limits, &self.target)
+    fn candidate<M: Maths<T>>(&self, limits: &PlanLimits<T>, index: u8) -> Candidate<T> {
+        Candidate::numbered::<M>(index, self.near, limits, &self.target)
     }
 
     /// Tries the candidate in `path`.
     fn evaluate<M: Maths<T>>(
         &self,
+        limits: &PlanLimits<T>,
         path: &mut Path<T>,
         candidate: &Candidate<T>,
         numbers: &[T; 2],
         quality: Quality,
     ) -> Ends<T> {
-        candidate.lay_out::<M>(&self.limits, &self.target, numbers, self.ready, path);
+        candidate.lay_out::<M>(limits, &self.target, numbers, self.ready, path);
         path.ends::<M>(quality)
     }
 
@@ -387,7 +395,7 @@ impl<T: Scalar> Solver<T> {
 #[cfg(test)]
 mod tests {
     use super::super::profile::{AxisLimits, Profile};
-    use super::{PlanLimits, Progress, Search};
+    use super::{Pace, PlanLimits, Progress, Search};
     use crate::maths::{Libm, Maths, Single};
     use crate::motion::manoeuvre::path::Path;
     use crate::motion::params::PLAN_SHARE;
@@ -449,9 +457,10 @@ mod tests {
                     ..Path::default()
                 };
                 let dt = T::from_f64(0.01);
-                let mut search = Search::start::<M>(&limits, &error.cast(), &path, dt);
+                let mut search =
+                    Search::start::<M>((&limits, Pace::default()), &error.cast(), &path, dt);
                 let mut ticks = 1;
-                while search.advance::<M>(&mut path, dt) == Progress::Searching {
+                while search.advance::<M>(&limits, &mut path, dt) == Progress::Searching {
                     ticks += 1;
                 }
                 assert_ne!(path.drives, [Profile::default(); 2], "{error:?}");
