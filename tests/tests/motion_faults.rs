@@ -2,12 +2,13 @@
 
 use controller_core::error::{Field, Input, ParamError, Problem, StepFault};
 use controller_core::maths::{Libm, Maths, Single};
-use controller_core::motion::{JumpThreshold, MotionController, MotionParams, Task};
+use controller_core::motion::{JumpThreshold, MotionController, MotionParams, Outcome, Task};
 use controller_core::reference::Reference;
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
-use controller_core::types::{Accel, Measured, Pose, Twist};
+use controller_core::types::{Accel, Measured, Pose, Twist, Wrench};
 use tests::motion_base::{Base, Body};
+use tests::motion_loop::{Drive, home};
 
 /// Three poses, three twists and a tick, with one number replaced.
 fn inputs<T: Scalar, M: Maths<T>>(place: usize, wrong: f64) -> (Task<T>, Task<T>, Measured<T>) {
@@ -89,6 +90,53 @@ fn refused_ticks_change_nothing_in_double_precision() {
 #[test]
 fn refused_ticks_change_nothing_in_single_precision() {
     faults_change_nothing::<f32, Single, RationalMean>();
+}
+
+/// A tick with a speed that asks for no torque there is, refused at every instant of a manoeuvre: while one is searched for, on
+/// the way, where a stretch of its jerk ends, beside its goal, at rest.
+fn manoeuvres_are_kept<T, M, U>()
+where
+    T: Scalar,
+    M: Maths<T> + PartialEq,
+    U: NeuronUpdate<T> + PartialEq,
+{
+    let base = Base::STANDARD;
+    let motion = base.params::<T, M>().validate().expect("valid");
+    let order = home()(0.0);
+    let goal = Task::Park(Pose::default());
+    let dt = 0.01;
+    for start in [
+        Body::at(-1.5, 0.7, 0.4),
+        Body::at(0.6, -0.3, 2.0),
+        Body::at(0.0, 0.02, 0.0),
+        Body {
+            twist: Twist::new(0.8, 0.3),
+            ..Body::at(-0.6, 0.05, -0.1)
+        },
+    ] {
+        let drive = || Drive::<T, M, U>::start(&motion, base, start, &order, dt);
+        // The other one meets no such tick. What a manoeuvre has worked out ahead may differ, what it says may not.
+        let (mut drive, mut other) = (drive(), drive());
+        for _ in 0..1000 {
+            drive.coast(&Wrench::default());
+            let measured = drive.body.measured();
+            let mut wild = measured;
+            wild.twist.linear = T::MAX;
+            let before = *drive.report();
+            let answer = drive.controller.step(T::from_f64(dt), &goal, &wild);
+            assert_eq!(answer, Err(StepFault::Overflow), "{:?}", drive.body);
+            assert_eq!(drive.report(), &before);
+            let expected = other.advance(|_| order);
+            assert_eq!(drive.take(&order, &measured), expected);
+        }
+        assert_eq!(drive.report().outcome, Outcome::Parked, "{start:?}");
+    }
+}
+
+#[test]
+fn ticks_refused_on_a_manoeuvre_change_nothing() {
+    manoeuvres_are_kept::<f64, Libm, ExactMean>();
+    manoeuvres_are_kept::<f32, Single, RationalMean>();
 }
 
 type Place = fn(&mut MotionParams<f64>) -> &mut f64;
