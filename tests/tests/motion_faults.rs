@@ -114,20 +114,17 @@ where
             ..Body::at(-0.6, 0.05, -0.1)
         },
     ] {
-        let drive = || Drive::<T, M, U>::start(&motion, base, start, &order, dt);
-        // The other one meets no such tick. What a manoeuvre has worked out ahead may differ, what it says may not.
-        let (mut drive, mut other) = (drive(), drive());
+        let mut drive = Drive::<T, M, U>::start(&motion, base, start, &order, dt);
         for _ in 0..1000 {
             drive.coast(&Wrench::default());
             let measured = drive.body.measured();
             let mut wild = measured;
             wild.twist.linear = T::MAX;
-            let before = *drive.report();
+            let before = drive.controller;
             let answer = drive.controller.step(T::from_f64(dt), &goal, &wild);
             assert_eq!(answer, Err(StepFault::Overflow), "{:?}", drive.body);
-            assert_eq!(drive.report(), &before);
-            let expected = other.advance(|_| order);
-            assert_eq!(drive.take(&order, &measured), expected);
+            assert!(drive.controller == before, "{:?}", drive.body);
+            drive.take(&order, &measured);
         }
         assert_eq!(drive.report().outcome, Outcome::Parked, "{start:?}");
     }

@@ -97,8 +97,8 @@ impl<T: Scalar> Correction<T> {
         };
     }
 
-    /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise is derived for, at no more than its rate. `heading` where a gyro
-    /// carries it.
+    /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise
+    /// is derived for, at no more than its rate. `heading` where a gyro carries it.
     #[inline(always)]
     pub(super) fn advance<M: Maths<T>>(
         &mut self,

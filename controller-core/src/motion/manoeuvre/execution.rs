@@ -18,7 +18,7 @@ pub(crate) struct Execution<T> {
     path: Path<T>,
     /// Of the path \[s\].
     duration: T,
-    /// Travel at the end of the path's drives \[m\], once the last one has begun; [`Scalar::MAX`] before.
+    /// Travel at the end of the path's drives \[m\], once they are known.
     end: T,
     /// Heading of the goal, from that of the robot at the begin \[rad\].
     goal: T,
@@ -198,7 +198,6 @@ impl<T: Scalar> Execution<T> {
         self.path.stop_turn = limits.turn.stop(twist.angular, rate.angular);
         self.path.forget_manoeuvre();
         self.duration = self.path.duration();
-        self.end = T::MAX;
         self.goal = error.theta;
         self.reference = Reference {
             t: -half,
@@ -231,7 +230,7 @@ impl<T: Scalar> Execution<T> {
             stage: Stage::Driving(Courses::STANDING),
             path: Path::default(),
             duration: T::ZERO,
-            end: T::MAX,
+            end: T::ZERO,
             goal: T::ZERO,
             reference: Reference::default(),
             turn_only: false,
@@ -264,6 +263,7 @@ impl<T: Scalar> Execution<T> {
                 Progress::Found => {
                     let path = &self.path;
                     self.duration = path.duration();
+                    self.end = travel_at_end(path, self.duration);
                     if path.stop_drive.duration() == T::ZERO && path.stop_turn.duration() == T::ZERO
                     {
                         // Nothing has moved: the clock starts now.
@@ -291,11 +291,12 @@ impl<T: Scalar> Execution<T> {
                 (turn, drive, courses.accel_at(path, ahead))
             }
             Stage::Searching(_) => {
+                let (turn, drive) = (&path.stop_turn, &path.stop_drive);
                 let accel = Accel {
-                    linear: path.drive_at(ahead).accel,
-                    angular: path.turn_at(ahead).accel,
+                    linear: drive.at(ahead).accel,
+                    angular: turn.at(ahead).accel,
                 };
-                (path.turn_at(t), path.drive_at(t), accel)
+                (turn.at(t), drive.at(t), accel)
             }
         };
         let (turn_sine, turn_cosine) = M::sin_cos_near(turn.position);
@@ -374,10 +375,6 @@ impl<T: Scalar> Execution<T> {
     ) {
         let reference = &mut self.reference;
         reference.set_s += step;
-        if self.end == T::MAX {
-            // In the first tick, which has nothing to set yet.
-            self.end = travel_at_end(&self.path, self.duration);
-        }
         let due = reference.set_s >= T::from_f64(SETTING_S);
         if !due && !reference.offset.is_set() {
             return;
@@ -424,7 +421,7 @@ impl<T: Scalar> Execution<T> {
         }
         if !search.is_polishing() {
             // In the frame of the begin, by the heading of the reference.
-            let heading = self.path.turn_at(self.reference.t).position;
+            let heading = self.path.stop_turn.at(self.reference.t).position;
             let (sine, cosine) = M::sin_cos_near(heading);
             if !self.turn_only {
                 self.seen.moved = self.seen.moved.plus(Vector {
@@ -452,7 +449,9 @@ impl<T: Scalar> Execution<T> {
     /// Back to where the reference was.
     pub(crate) fn return_to(&mut self, reference: &Reference<T>) {
         self.reference = *reference;
-        if let Stage::Driving(courses) = &mut self.stage {
+        // One that is over goes on no more.
+        let over = self.is_over();
+        if let (Stage::Driving(courses), false) = (&mut self.stage, over) {
             *courses = Courses::of(&self.path, reference.t);
         }
     }

@@ -627,7 +627,7 @@ impl<T: Scalar> Stop<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{AxisLimits, AxisSample, Profile};
+    use super::{AxisLimits, AxisSample, Course, Profile};
     use crate::maths::Libm;
 
     const AXES: [AxisLimits<f64>; 3] = [
@@ -699,6 +699,48 @@ mod tests {
                     assert!(stop.at(stop.duration()).rate.abs() < 1e-12);
                     if stop.duration() > 0.0 {
                         check(|t| stop.at(t), 0.0, stop.duration(), &axis);
+                    }
+                }
+            }
+        }
+    }
+
+    /// From tick to tick, several stretches in one as well, and laid out anew at any of them, a course says what the closed forms do.
+    #[test]
+    fn a_course_is_what_the_closed_forms_say() {
+        for axis in AXES {
+            for (one, other) in [(0.8, -0.3), (0.02, 1.5), (0.0, 0.4), (-0.6, 0.0)] {
+                let (stop, first) = (axis.stop(-0.3, 0.2), axis.profile::<Libm>(one));
+                let first = Profile {
+                    start: 0.11,
+                    ..first
+                };
+                let second = Profile {
+                    start: first.end() + 0.07,
+                    ..axis.profile::<Libm>(other)
+                };
+                let profiles = [first, second];
+                let exact = |t| {
+                    let (stop, [a, b]) = (stop.at(t), profiles.map(|profile| profile.at(t)));
+                    let position = stop.position + a.position + b.position;
+                    let rate = stop.rate + a.rate + b.rate;
+                    [position, rate, stop.accel + a.accel + b.accel]
+                };
+                // 1e-12 of numbers of the size of 1, a hundred roundings of each of some ten stretches.
+                let differs = |sample: &AxisSample<f64>, exact: [f64; 3]| {
+                    let sample = [sample.position, sample.rate, sample.accel];
+                    (sample.iter().zip(exact)).any(|(a, b)| (a - b).abs() > 1.0e-12)
+                };
+                for dt in [0.000_7, 0.013, 0.31] {
+                    let mut course = Course::of(&stop, &profiles, -0.5 * dt);
+                    for tick in 0..(6.0 / dt) as u32 {
+                        let t = dt * (f64::from(tick) - 0.5);
+                        course.go_on_to(&stop, &profiles, t);
+                        assert!(!differs(&course.at(&stop, t), exact(t)), "{axis:?} {t}");
+                        assert_eq!(course, Course::of(&stop, &profiles, t), "{t}");
+                        let ahead = t + 0.5 * dt;
+                        let accel = course.accel_at(&stop, &profiles, ahead);
+                        assert!((accel - exact(ahead)[2]).abs() < 1.0e-12, "{axis:?} {t}");
                     }
                 }
             }

@@ -161,8 +161,9 @@ impl<T: Scalar> Search<T> {
         self.ready
     }
 
-    /// A tick of `dt` on: as many evaluations as belong to it. `plan` is what a manoeuvre at full pace may use. `path` has the motion at the begin, gets what is found, and is where
-    /// manoeuvres are tried: a copy of each would be most of what a search needs of the stack.
+    /// A tick of `dt` on: as many evaluations as belong to it. `plan` is what a manoeuvre at full pace may use. `path` has the motion
+    /// at the begin, gets what is found, and is where manoeuvres are tried: a copy of each would be most of what a search needs of
+    /// the stack.
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         plan: &PlanLimits<T>,
