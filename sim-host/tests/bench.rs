@@ -281,7 +281,9 @@ fn the_report_is_a_page_by_itself() -> Result<(), Box<dyn Error>> {
     let rows = summaries(small());
     let names = NAMES.map(str::to_owned);
     let classes = [Plant::Ideal, Plant::Realistic].map(|plant| class(Track::Parking, plant));
-    let figures = classes.map(|class| pareto(&rows, class, &names).unwrap_or_default());
+    let figures = classes.map(|class| {
+        pareto(&rows, class, &names).map_or_else(|_| String::new(), |figure| figure.svg())
+    });
     let page = html(&rows, &names, "seed 1 <&>", &figures);
     assert!(page.contains("seed 1 &lt;&amp;&gt;"));
     for word in [

@@ -3,16 +3,19 @@
 use crate::error;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use sim_host::figure::Drawing;
 
-/// A figure: SVG, and PNG made of it. A notebook shows it.
+/// A figure, as SVG and as PNG. A notebook shows it.
 #[pyclass(module = "twb", frozen)]
 pub struct Figure {
+    drawing: Drawing,
     svg: String,
 }
 
 impl Figure {
-    pub const fn new(svg: String) -> Self {
-        Self { svg }
+    pub fn new(drawing: Drawing) -> Self {
+        let svg = drawing.svg();
+        Self { drawing, svg }
     }
 
     pub fn into_svg(self) -> String {
@@ -31,7 +34,7 @@ impl Figure {
     /// As PNG, with the font on board: the same pixels on every machine.
     #[getter]
     fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| sim_host::figure::png(&self.svg));
+        let bytes = py.detach(|| self.drawing.png());
         let bytes = bytes.map_err(|cause| error::run(&cause.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
     }

@@ -159,8 +159,9 @@ impl Run {
             label: run.label(),
             trace: &run.trace,
         });
-        let svg = five_panels(&self.job.title(), main, other);
-        Ok(Figure::new(svg.map_err(|e| error::run(&e.to_string()))?))
+        let drawing = five_panels(&self.job.title(), main, other);
+        let drawing = drawing.map_err(|cause| error::run(&cause.to_string()))?;
+        Ok(Figure::new(drawing))
     }
 
     fn _repr_svg_(&self) -> PyResult<String> {

@@ -10,7 +10,7 @@ use sim_host::bench::{
     ARRIVED, Class, DRIVEN, FILES, LawKind, Settings, TrackFile, Tuned, console, evaluations, html,
     markdown, runs, study, summaries, tune, verdict, write_csv,
 };
-use sim_host::figure::{pareto, png};
+use sim_host::figure::pareto;
 use sim_host::scenario::{BASES, BuiltInBase};
 use std::fs;
 
@@ -88,14 +88,13 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
             console(&rows, *class),
             verdict(&rows, *class, &names)
         ))?;
-        let svg = pareto(&rows, *class, &names)?;
+        let figure = pareto(&rows, *class, &names)?;
         let file = format!(
             "{NAME}-{}",
             class.name().replace(", ", "-").replace(' ', "-")
         );
-        writer.bytes(&format!("{file}.svg"), svg.as_bytes())?;
-        writer.bytes(&format!("{file}.png"), &png(&svg)?)?;
-        figures.push(svg);
+        writer.drawing(&file, &figure)?;
+        figures.push(figure.svg());
     }
     say(
         "figures of bases side by side, medians of runs; !: better than the default law; front: * on the Pareto front of time and exactness\n",

@@ -5,7 +5,7 @@ use super::write::Writer;
 use super::{part, say};
 use crate::cli::Output;
 use crate::part_args::PartArgs;
-use sim_host::figure::{png, robustness as figure};
+use sim_host::figure::robustness as figure;
 use sim_host::robustness::{Robustness, Run, rows, tables, write_csv};
 
 /// The files' name.
@@ -28,9 +28,7 @@ pub fn report(study: &Robustness, runs: &[Run], output: &Output) -> Result<(), C
          expected: of the neural law, by an independent calculation. !: beside the goal.\n\n",
     )?;
     say(&format!("{noise}\n{peaks}\n"))?;
-    let svg = figure(&rows)?;
-    writer.bytes(&format!("{NAME}.svg"), svg.as_bytes())?;
-    writer.bytes(&format!("{NAME}.png"), &png(&svg)?)?;
+    writer.drawing(NAME, &figure(&rows)?)?;
     writer.rows(NAME, |out| write_csv(&rows, out))?;
     say(&format!("results are in {}\n", output.out.display()))
 }

@@ -4,7 +4,7 @@ use super::error::CommandError;
 use crate::cli::Output;
 use serde::Serialize;
 use sim_host::csv_out::{self, Columns};
-use sim_host::figure::{Labelled, five_panels, png};
+use sim_host::figure::{Drawing, Labelled, five_panels};
 use sim_host::record;
 use sim_host::trace::Trace;
 use std::fs::{self, File};
@@ -33,13 +33,13 @@ impl<'a> Writer<'a> {
         main: Labelled<'_>,
         other: Option<Labelled<'_>>,
     ) -> Result<(), CommandError> {
-        let svg = five_panels(title, main, other)?;
-        let raster = png(&svg)?;
-        for (extension, bytes) in [("svg", svg.as_bytes()), ("png", &raster)] {
-            let path = self.path(&format!("{name}.{extension}"));
-            fs::write(&path, bytes).map_err(|error| failed(&path, &error))?;
-        }
-        Ok(())
+        self.drawing(name, &five_panels(title, main, other)?)
+    }
+
+    /// As SVG and PNG.
+    pub fn drawing(&self, name: &str, drawing: &Drawing) -> Result<(), CommandError> {
+        self.bytes(&format!("{name}.svg"), drawing.svg().as_bytes())?;
+        self.bytes(&format!("{name}.png"), &drawing.png()?)
     }
 
     pub fn csv(&self, name: &str, trace: &Trace, columns: Columns) -> Result<(), CommandError> {

@@ -1,17 +1,11 @@
 //! The benchmark: time beside exactness, a panel for each base, and the front of both.
 
 use super::FigureError;
-use super::style::{self, Panel, entry};
-use super::typeset;
+use super::axis::Axis;
+use super::chart::{Chart, Entry, Item, Marker, Place, sheet};
+use super::drawing::{Color, Drawing, Stroke};
+use super::style::entry;
 use crate::bench::{Class, LawKind, Row, Summary, better};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
-use kuva::plot::scatter::MarkerShape;
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::layout::{Layout, TickFormat};
-use kuva::render::plots::Plot;
-use std::sync::Arc;
 
 /// Width of a panel, of one with the legend beside it, and height of all \[px\].
 const WIDTHS: (f64, f64) = (470.0, 740.0);
@@ -19,13 +13,13 @@ const HEIGHT: f64 = 430.0;
 /// Where a law that never arrives is drawn, beyond the slowest that does.
 const NEVER: f64 = 1.6;
 /// Of the line along the front.
-const FRONT: &str = "#bbbbbb";
+const FRONT: Color = "#bbbbbb";
 /// Finer than this nothing differs \[mm, or mm/s\].
 const FINEST: f64 = 0.01;
 
 /// Colour and mark of a law.
-const fn look(kind: LawKind) -> (&'static str, MarkerShape) {
-    use MarkerShape as M;
+const fn look(kind: LawKind) -> (Color, Marker) {
+    use Marker as M;
     match kind {
         LawKind::Default => ("#d55e00", M::Star),
         LawKind::TurnDriveTurn => ("#0072b2", M::Square),
@@ -45,33 +39,24 @@ const fn look(kind: LawKind) -> (&'static str, MarkerShape) {
     }
 }
 
-/// The Pareto figure of a class, as SVG.
+/// The Pareto figure of a class.
 ///
 /// # Errors
 /// [`FigureError::Empty`] if no law ran.
-pub fn pareto(rows: &[Row], class: Class, bases: &[String]) -> Result<String, FigureError> {
+pub fn pareto(rows: &[Row], class: Class, bases: &[String]) -> Result<Drawing, FigureError> {
     let rows = better(rows, class);
     let count = rows.first().map_or(0, |row| row.bases.len());
     if count == 0 {
         return Err(FigureError::Empty);
     }
-    let panels: Vec<Panel> = (0..count)
-        .map(|at| panel(&rows, at, count, bases))
-        .collect();
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
-    let scene = Figure::new(1, count)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(WIDTHS.0, HEIGHT)
-        .with_col_width(count - 1, WIDTHS.1)
-        .with_spacing(style::SPACING)
-        .with_title(class.name())
-        .with_title_size(style::TITLE_SIZE)
-        .render();
-    Ok(typeset::subscripts(&SvgBackend::new().render_scene(&scene)))
+    let cells = (0..count).map(|at| {
+        let width = if at + 1 == count { WIDTHS.1 } else { WIDTHS.0 };
+        (width, None, panel(&rows, at, count, bases))
+    });
+    Ok(sheet(&class.name(), vec![(HEIGHT, cells.collect())]))
 }
 
-fn panel(rows: &[&Row], at: usize, count: usize, bases: &[String]) -> Panel {
+fn panel(rows: &[&Row], at: usize, count: usize, bases: &[String]) -> Chart {
     let own: Vec<&Summary> = rows.iter().filter_map(|row| row.bases.get(at)).collect();
     let times = own.iter().map(|summary| summary.ratio.median);
     let slowest = times.filter(|time| time.is_finite()).fold(1.2, f64::max);
@@ -94,49 +79,50 @@ fn panel(rows: &[&Row], at: usize, count: usize, bases: &[String]) -> Panel {
     );
     let least = points.iter().map(|(time, _)| *time).fold(1.0, f64::min);
     let x = (0.95 * least, 1.1 * never);
-    let mut plots: Vec<Plot> = Vec::new();
     let mut front: Vec<(f64, f64)> = own
         .iter()
         .filter(|summary| summary.on_front)
         .map(|summary| place(summary))
         .collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let line = LinePlot::new().with_data(front).with_color(FRONT);
-    plots.push(line.with_stroke_width(1.5).into());
+    let stroke = Stroke {
+        color: FRONT,
+        width: 1.5,
+        dashes: &[],
+    };
+    let mut items = vec![Item::Line(front, stroke)];
     for summary in &own {
         let (time, off) = place(summary);
-        let (color, shape) = look(summary.law.kind);
-        let shape = if summary.ratio.median.is_finite() {
-            shape
+        let (color, marker) = look(summary.law.kind);
+        let marker = if summary.ratio.median.is_finite() {
+            marker
         } else {
-            MarkerShape::Cross
+            Marker::Cross
         };
-        let plot = ScatterPlot::new()
-            .with_data(vec![(time, off.min(high))])
-            .with_marker(shape)
-            .with_size(if summary.law.kind == LawKind::Default {
-                7.0
-            } else {
-                5.0
-            })
-            .with_color(color);
-        plots.push(plot.into());
+        let size = if summary.law.kind == LawKind::Default {
+            7.0
+        } else {
+            5.0
+        };
+        items.push(Item::Mark((time, off.min(high)), marker, size, color));
     }
     let title = bases.get(own.first().map_or(at, |summary| summary.base));
-    let mut layout = style::layout(x, (low, high))
-        .with_log_x()
-        .with_log_y()
-        .with_x_tick_format(TickFormat::Custom(Arc::new(plain)))
-        .with_y_tick_format(TickFormat::Custom(Arc::new(plain)))
-        .with_title(title.map_or("", String::as_str))
-        .with_x_label("time : least time, median; × never");
-    if at == 0 {
-        layout = layout.with_y_label(y_label(&own));
+    let y_label = if at == 0 { y_label(&own) } else { "" };
+    Chart {
+        title: title.cloned().unwrap_or_default(),
+        x: Axis::log(x, "time : least time, median; × never"),
+        y: Axis::log((low, high), y_label),
+        equal: false,
+        items,
+        legend: if at + 1 == count {
+            legend(rows)
+        } else {
+            Vec::new()
+        },
+        place: Place::Beside,
+        uprights: Vec::new(),
+        words: Vec::new(),
     }
-    if at + 1 == count {
-        layout = with_legend(layout, rows);
-    }
-    (plots, layout)
 }
 
 fn y_label(own: &[&Summary]) -> &'static str {
@@ -148,23 +134,11 @@ fn y_label(own: &[&Summary]) -> &'static str {
     }
 }
 
-fn with_legend(layout: Layout, rows: &[&Row]) -> Layout {
+fn legend(rows: &[&Row]) -> Vec<Entry> {
     let law = |row: &&Row| {
-        let (color, shape) = look(row.law.kind);
-        entry(
-            &crate::bench::label(row),
-            color,
-            LegendShape::Marker(shape),
-            None,
-        )
+        let (color, marker) = look(row.law.kind);
+        entry(&crate::bench::label(row), color, Some(marker), &[])
     };
-    let front = entry("front", FRONT, LegendShape::Line, None);
-    let entries: Vec<LegendEntry> = rows.iter().map(law).chain([front]).collect();
-    layout
-        .with_legend_entries(entries)
-        .with_legend_position(LegendPosition::OutsideRightTop)
-}
-
-fn plain(value: f64) -> String {
-    format!("{value}")
+    let front = entry("front", FRONT, None, &[]);
+    rows.iter().map(law).chain([front]).collect()
 }

@@ -1,7 +1,6 @@
 //! Where a legend hides least.
 
-use super::style::SMALL_SIZE;
-use kuva::plot::legend::{LegendEntry, LegendPosition};
+use super::chart::{self, Entry, OFF};
 
 /// A corner of a panel, inside the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +21,7 @@ impl Corner {
     pub fn emptiest(
         points: impl Iterator<Item = (f64, f64)>,
         range: ((f64, f64), (f64, f64)),
-        entries: &[LegendEntry],
+        entries: &[Entry],
         plot: (f64, f64),
     ) -> (Self, usize) {
         let size = legend_size(entries);
@@ -56,36 +55,19 @@ impl Corner {
     }
 
     /// What the upper limit of an axis has to become for a legend above everything drawn.
-    pub fn room_above(y: (f64, f64), entries: &[LegendEntry], height: f64) -> f64 {
+    pub fn room_above(y: (f64, f64), entries: &[Entry], height: f64) -> f64 {
         y.0 + (y.1 - y.0) / (1.0 - (legend_size(entries).1 / height).min(0.5))
     }
 
     /// Width and height of a legend as shares of those between the axes.
-    pub fn legend_share(entries: &[LegendEntry], plot: (f64, f64)) -> (f64, f64) {
+    pub fn legend_share(entries: &[Entry], plot: (f64, f64)) -> (f64, f64) {
         let (wide, high) = legend_size(entries);
         (wide / plot.0, high / plot.1)
     }
-
-    /// As the plot library names it.
-    pub fn position(self) -> LegendPosition {
-        match (self.right, self.top) {
-            (true, true) => LegendPosition::InsideTopRight,
-            (true, false) => LegendPosition::InsideBottomRight,
-            (false, true) => LegendPosition::InsideTopLeft,
-            (false, false) => LegendPosition::InsideBottomLeft,
-        }
-    }
 }
 
-/// Width and height of a legend with its distance from the axes, a little on the large side \[px\].
-fn legend_size(entries: &[LegendEntry]) -> (f64, f64) {
-    let font = f64::from(SMALL_SIZE);
-    let longest = entries
-        .iter()
-        .map(|entry| entry.label.chars().count())
-        .max();
-    (
-        0.62 * font * longest.unwrap_or(0) as f64 + 55.0,
-        1.5 * font * entries.len() as f64 + 30.0,
-    )
+/// Width and height of a legend with its distance from the axes, and as much on the other side \[px\].
+fn legend_size(entries: &[Entry]) -> (f64, f64) {
+    let (wide, high) = chart::legend_size(entries);
+    (wide + 2.0 * OFF, high + 2.0 * OFF)
 }

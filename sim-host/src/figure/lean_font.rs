@@ -1,25 +1,16 @@
 //! A TrueType font without hints, without tables that nothing reads here, and without the outlines of scripts that no label has.
 //!
-//! Numbers of glyphs, widths and kerning stay as they are, so what is left is set and drawn bit for bit as with the whole font. The
-//! build script runs this.
+//! Numbers of glyphs, widths and the closer pairs of `kern` stay as they are, so what is left is set and drawn bit for bit as with the
+//! whole font. The build script runs this.
 
 use std::ops::RangeInclusive;
 
-/// Letters that keep their outlines: Latin, Greek, Cyrillic with all their accents, punctuation, signs of mathematics, arrows, shapes;
-/// variants and ligatures of them, which the font counts as letters for private use.
-pub const KEPT: [RangeInclusive<u32>; 6] = [
-    0x0000..=0x052f,
-    0x1d00..=0x1fff,
-    0x2000..=0x27bf,
-    0x2c60..=0x2c7f,
-    0xe000..=0xf8ff,
-    0xfb00..=0xfb06,
-];
+/// Letters that keep their outlines: Latin, Greek, Cyrillic with all their accents, punctuation, signs of mathematics, arrows, shapes.
+pub const KEPT: [RangeInclusive<u32>; 3] = [0x0000..=0x052f, 0x1e00..=0x1fff, 0x2000..=0x27bf];
 
-/// Tables that typesetting and drawing without hints read.
-const TABLES: [&[u8; 4]; 13] = [
-    b"GDEF", b"GPOS", b"GSUB", b"OS/2", b"cmap", b"glyf", b"head", b"hhea", b"hmtx", b"kern",
-    b"loca", b"maxp", b"name",
+/// Tables that setting letter after letter and drawing without hints read.
+const TABLES: [&[u8; 4]; 8] = [
+    b"cmap", b"glyf", b"head", b"hhea", b"hmtx", b"kern", b"loca", b"maxp",
 ];
 
 /// The font without what is not needed; nothing if it is not as expected.
@@ -85,16 +76,13 @@ pub fn lean(font: &[u8]) -> Option<Vec<u8>> {
     Some(out)
 }
 
-/// Which glyphs keep their outlines: those of letters that are kept, those that no letter has, which ligatures and variants are, and
-/// what both are composed of.
+/// Which glyphs keep their outlines: the box for letters that are missing, those of letters that are kept, and what they are composed of.
 fn kept(cmap: &[u8], outlines: &[&[u8]]) -> Option<Vec<bool>> {
-    let mut kept = vec![true; outlines.len()];
-    let letters = letters(cmap)?;
-    for keeps in [false, true] {
-        for &(letter, glyph) in &letters {
-            if KEPT.iter().any(|range| range.contains(&letter)) == keeps {
-                *kept.get_mut(glyph)? = keeps;
-            }
+    let mut kept = vec![false; outlines.len()];
+    *kept.first_mut()? = true;
+    for (letter, glyph) in letters(cmap)? {
+        if KEPT.iter().any(|range| range.contains(&letter)) {
+            *kept.get_mut(glyph)? = true;
         }
     }
     // Parts may have parts of their own.

@@ -4,8 +4,12 @@
 //! velocity, (d) actual and desired angular velocity, (e) force and moment. The first run is
 //! drawn strong, a second one thin and pale below it.
 
+mod axis;
 mod bench;
+mod chart;
 mod corner;
+mod drawing;
+mod font;
 // The build script runs it.
 #[cfg(test)]
 #[allow(dead_code)]
@@ -18,16 +22,13 @@ mod robustness;
 mod style;
 mod thin_out;
 mod time_panel;
-mod typeset;
 
 pub use bench::pareto;
-pub use png::png;
+pub use drawing::Drawing;
 pub use robustness::robustness;
 pub use thin_out::thin_out;
 
 use crate::trace::Trace;
-use kuva::backend::svg::SvgBackend;
-use kuva::render::figure::{Figure, LabelConfig};
 
 /// A run with the name that the legends show.
 #[derive(Clone, Copy, Debug)]
@@ -45,15 +46,12 @@ pub enum FigureError {
     /// A trace without rows, or a picture without size.
     #[error("there is nothing to draw")]
     Empty,
-    /// The SVG cannot be read back.
-    #[error("the SVG cannot be rendered: {0}")]
-    Svg(#[from] resvg::usvg::Error),
     /// The pixels cannot be encoded.
     #[error("the PNG cannot be encoded: {0}")]
     Png(String),
 }
 
-/// Draws a run, and another one to compare it with, as SVG.
+/// Draws a run, and another one to compare it with.
 ///
 /// # Errors
 /// [`FigureError::Empty`] if a trace has no rows.
@@ -61,36 +59,34 @@ pub fn five_panels(
     title: &str,
     main: Labelled<'_>,
     other: Option<Labelled<'_>>,
-) -> Result<String, FigureError> {
+) -> Result<Drawing, FigureError> {
     if main.trace.rows.is_empty() || other.is_some_and(|other| other.trace.rows.is_empty()) {
         return Err(FigureError::Empty);
     }
-    let panels = [
-        panels::trajectories(main, other),
-        panels::errors(main, other),
-        panels::linear_velocity(main, other),
-        panels::angular_velocity(main, other),
-        panels::torques(main, other),
-    ];
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
     let (width, height) = style::CELL;
-    let scene = Figure::new(3, 2)
-        // The torques take the full width of the last row.
-        .with_structure(vec![vec![0], vec![1], vec![2], vec![3], vec![4, 5]])
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(width, height)
-        .with_row_height(0, style::FIRST_ROW)
-        .with_spacing(style::SPACING)
-        .with_labels_custom(
-            vec!["(a)", "(b)", "(c)", "(d)", "(e)"],
-            LabelConfig {
-                size: style::LABEL_SIZE,
-                ..LabelConfig::default()
-            },
-        )
-        .with_title(title)
-        .with_title_size(style::TITLE_SIZE)
-        .render();
-    Ok(typeset::subscripts(&SvgBackend::new().render_scene(&scene)))
+    // The torques take the full width of the last row.
+    let wide = 2.0 * width + style::SPACING;
+    Ok(chart::sheet(
+        title,
+        vec![
+            (
+                style::FIRST_ROW,
+                vec![
+                    (width, Some("(a)"), panels::trajectories(main, other)),
+                    (width, Some("(b)"), panels::errors(main, other)),
+                ],
+            ),
+            (
+                height,
+                vec![
+                    (width, Some("(c)"), panels::linear_velocity(main, other)),
+                    (width, Some("(d)"), panels::angular_velocity(main, other)),
+                ],
+            ),
+            (
+                height,
+                vec![(wide, Some("(e)"), panels::torques(main, other))],
+            ),
+        ],
+    ))
 }

@@ -1,9 +1,7 @@
 //! Words inside a panel.
 
+use super::chart::{Chart, Upright};
 use super::corner::Corner;
-use super::style::{self, GREY};
-use kuva::plot::annotations::{ReferenceLine, TextAnnotation};
-use kuva::render::layout::Layout;
 
 /// A panel with its axes fixed and its legend placed.
 pub(super) struct Canvas {
@@ -24,19 +22,18 @@ const HALF_LABEL: f64 = 40.0;
 
 impl Canvas {
     /// Marks the hand-over, beside its line and away from the legend.
-    pub fn mark_hand_over(&self, layout: Layout) -> Layout {
+    pub fn mark_hand_over(&self, chart: &mut Chart) {
         let Some(time) = self.hand_over else {
-            return layout;
+            return;
         };
-        let line = ReferenceLine::vertical(time)
-            .with_color(GREY)
-            .with_dasharray("2 3");
-        let (place, up) = self.beside(time);
+        chart.uprights.push(Upright {
+            at: time,
+            dashes: &[2.0, 3.0],
+            label: "",
+        });
         // A time of the user's, without the noise of its last digits.
         let text = format!("P = {} s", (time * 1.0e3).round() / 1.0e3);
-        layout
-            .with_reference_line(line)
-            .with_annotation(self.text(text, place, up))
+        self.write(chart, text, self.beside(time));
     }
 
     /// The middle of a label at the upper end, beside an instant and clear of the legend.
@@ -58,7 +55,7 @@ impl Canvas {
     }
 
     /// A remark at the upper or lower end, clear of the line of the hand-over and of the legend.
-    pub fn remark(&self, layout: Layout, text: String, above: bool) -> Layout {
+    pub fn remark(&self, chart: &mut Chart, text: String, above: bool) {
         let (place, right) = match self.hand_over.map(|time| self.across(time)) {
             Some(line) if line < 0.5 => (0.5 * (line + 1.0), true),
             Some(line) => (0.5 * line, false),
@@ -72,17 +69,17 @@ impl Canvas {
             0.0
         };
         let up = if above { 0.86 - height } else { 0.05 + height };
-        layout.with_annotation(self.text(text, place, up))
+        self.write(chart, text, (place, up));
     }
 
     fn across(&self, time: f64) -> f64 {
         (time - self.x.0) / (self.x.1 - self.x.0)
     }
 
-    fn text(&self, text: String, across: f64, up: f64) -> TextAnnotation {
+    fn write(&self, chart: &mut Chart, text: String, (across, up): (f64, f64)) {
         let x = self.x.0 + across * (self.x.1 - self.x.0);
         let y = self.y.0 + up * (self.y.1 - self.y.0);
-        TextAnnotation::new(text, x, y).with_font_size(style::SMALL_SIZE)
+        chart.words.push((text, (x, y)));
     }
 }
 

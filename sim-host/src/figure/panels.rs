@@ -1,37 +1,31 @@
 //! The five panels.
 
 use super::Labelled;
+use super::axis::Axis;
+use super::chart::{Chart, Item, Marker, Place};
 use super::corner::Corner;
+use super::drawing::{Color, Stroke};
 use super::limits::Span;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, Panel, STRONG, entry};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, STRONG, entry};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
 use crate::trace::TraceRow;
-use kuva::plot::legend::LegendShape;
-use kuva::plot::scatter::MarkerShape;
-use kuva::plot::{LinePlot, LineStyle, ScatterPlot};
-use kuva::render::plots::Plot;
+
+/// Of the reference.
+const DASHES: &[f32] = &[6.0, 4.0];
 
 /// (a): the plane, both axes to one scale.
-pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     let rows = &main.trace.rows;
     let parking = main.trace.parking();
     let tracked = parking.map_or(rows.len(), |h| h.row);
     let mut reference: Vec<_> = rows[..tracked].iter().map(reference_point).collect();
-    let mut marks = vec![("start", MarkerShape::Circle, point(&rows[0]))];
+    let mut marks = vec![("start", Marker::Circle, point(&rows[0]))];
     if let Some(hand_over) = &parking {
         let pose = hand_over.left.pose();
         reference.push((pose.x, pose.y));
-        marks.push((
-            "hand-over",
-            MarkerShape::Diamond,
-            point(&rows[hand_over.row]),
-        ));
-        marks.push((
-            "target",
-            MarkerShape::Star,
-            (hand_over.goal.x, hand_over.goal.y),
-        ));
+        marks.push(("hand-over", Marker::Diamond, point(&rows[hand_over.row])));
+        marks.push(("target", Marker::Star, (hand_over.goal.x, hand_over.goal.y)));
     }
     let path: Vec<_> = rows.iter().map(point).collect();
     let below: Vec<_> = other.map_or_else(Vec::new, |o| o.trace.rows.iter().map(point).collect());
@@ -52,48 +46,47 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> P
     );
     let (x, y) = equal_aspect(span(|p| p.0).padded(), span(|p| p.1).padded(), plot);
     let pixels = plot.0 / (x.1 - x.0);
-    let line = |points: &[(f64, f64)], color: &str, width| {
-        LinePlot::new()
-            .with_data(thin_out(points, (pixels, pixels), 0.15))
-            .with_color(color)
-            .with_stroke_width(width)
+    let line = |points: &[(f64, f64)], color: Color, width, dashes| {
+        let stroke = Stroke {
+            color,
+            width,
+            dashes,
+        };
+        Item::Line(thin_out(points, (pixels, pixels), 0.15), stroke)
     };
-    let mut plots: Vec<Plot> = Vec::new();
+    let mut items = Vec::new();
     let mut entries = vec![
-        entry("reference", GREY, LegendShape::Line, Some("6 4")),
-        entry(main.label, BLUE.strong, LegendShape::Line, None),
+        entry("reference", GREY, None, DASHES),
+        entry(main.label, BLUE.strong, None, &[]),
     ];
     if let Some(other) = other {
-        plots.push(line(&below, BLUE.pale, 1.6).into());
-        entries.push(entry(other.label, BLUE.pale, LegendShape::Line, None));
+        items.push(line(&below, BLUE.pale, 1.6, &[]));
+        entries.push(entry(other.label, BLUE.pale, None, &[]));
     }
-    let dashes = LineStyle::Custom("6 4".into());
-    plots.push(line(&reference, GREY, 1.6).with_line_style(dashes).into());
-    plots.push(line(&path, BLUE.strong, STRONG).into());
-    for (name, shape, point) in marks {
+    items.push(line(&reference, GREY, 1.6, DASHES));
+    items.push(line(&path, BLUE.strong, STRONG, &[]));
+    for (name, marker, point) in marks {
         let color = if name == "target" {
             ORANGE.strong
         } else {
             BLACK
         };
-        let mark = ScatterPlot::new()
-            .with_data(vec![point])
-            .with_marker(shape)
-            .with_size(6.0)
-            .with_color(color);
-        plots.push(mark.into());
-        entries.push(entry(name, color, LegendShape::Marker(shape), None));
+        items.push(Item::Mark(point, marker, 6.0, color));
+        entries.push(entry(name, color, Some(marker), &[]));
     }
     let seen = reference.iter().chain(&path).chain(&below).copied();
     let (corner, _) = Corner::emptiest(seen, (x, y), &entries, plot);
-    let layout = style::layout(x, y)
-        .with_equal_aspect()
-        .with_title("Reference and real trajectories")
-        .with_x_label("x [m]")
-        .with_y_label("y [m]")
-        .with_legend_entries(entries)
-        .with_legend_position(corner.position());
-    (plots, layout)
+    Chart {
+        title: "Reference and real trajectories".to_owned(),
+        x: Axis::new(x, "x [m]"),
+        y: Axis::new(y, "y [m]"),
+        equal: true,
+        items,
+        legend: entries,
+        place: Place::Inside(corner),
+        uprights: Vec::new(),
+        words: Vec::new(),
+    }
 }
 
 /// Both ranges, one of them widened, so that a metre is as long across as up.
@@ -115,7 +108,7 @@ fn reference_point(row: &TraceRow) -> (f64, f64) {
 }
 
 /// (b).
-pub(super) fn errors(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+pub(super) fn errors(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     TimePanel {
         title: "Posture errors",
         y_label: "e_x, e_y [m], e_θ [rad]",
@@ -130,7 +123,7 @@ pub(super) fn errors(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
 }
 
 /// (c).
-pub(super) fn linear_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+pub(super) fn linear_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     TimePanel {
         title: "Actual and desired linear velocities",
         y_label: "v, v_c [m/s]",
@@ -147,7 +140,7 @@ pub(super) fn linear_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -
 }
 
 /// (d).
-pub(super) fn angular_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+pub(super) fn angular_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     TimePanel {
         title: "Actual and desired angular velocities",
         y_label: "w, w_c [rad/s]",
@@ -164,7 +157,7 @@ pub(super) fn angular_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) 
 }
 
 /// (e).
-pub(super) fn torques(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+pub(super) fn torques(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     TimePanel {
         title: "Linear and angular torques",
         y_label: "τ_1 [N], τ_2 [N m]",

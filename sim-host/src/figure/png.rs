@@ -1,81 +1,188 @@
-//! From SVG to PNG, with the font on board: the same picture on a machine without fonts.
+//! Pixels, with the font on board: the same picture on a machine without fonts.
 
 use super::FigureError;
-use resvg::{tiny_skia, usvg};
+use super::drawing::{Anchor, Drawing, Point, Shape, Stroke, Text};
+use super::font::{self, Pen};
+use tiny_skia::{
+    Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform,
+};
 
 /// Pixels per unit of the SVG: sharp at twice the size on screen, 200 dpi on a page.
 const SCALE: f32 = 2.0;
+/// Width of the line around a bold letter, as a share of its size.
+const BOLDER: f32 = 0.06;
 
-/// The regular and the bold font, without what no label needs: see `build.rs`.
-const FONTS: [&[u8]; 2] = [
-    include_bytes!(concat!(env!("OUT_DIR"), "/regular.ttf")),
-    include_bytes!(concat!(env!("OUT_DIR"), "/bold.ttf")),
-];
+impl Drawing {
+    /// As PNG.
+    ///
+    /// # Errors
+    /// [`FigureError::Empty`] if it has no size.
+    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
+        self.pixels()?
+            .encode_png()
+            .map_err(|error| FigureError::Png(error.to_string()))
+    }
 
-/// Renders an SVG.
-///
-/// # Errors
-/// An SVG that cannot be read or is empty.
-pub fn png(svg: &str) -> Result<Vec<u8>, FigureError> {
-    with_fonts(svg, FONTS)
+    fn pixels(&self) -> Result<Pixmap, FigureError> {
+        let pixels = |length: f64| (length as f32 * SCALE).ceil() as u32;
+        let mut map =
+            Pixmap::new(pixels(self.size.0), pixels(self.size.1)).ok_or(FigureError::Empty)?;
+        map.fill(Color::WHITE);
+        for shape in &self.shapes {
+            draw(&mut map, shape);
+        }
+        Ok(map)
+    }
 }
 
-fn with_fonts(svg: &str, files: [&[u8]; 2]) -> Result<Vec<u8>, FigureError> {
-    let mut options = usvg::Options {
-        font_family: "DejaVu Sans".to_owned(),
-        ..usvg::Options::default()
-    };
-    let fonts = options.fontdb_mut();
-    for file in files {
-        fonts.load_font_data(file.to_vec());
+fn draw(map: &mut Pixmap, shape: &Shape) {
+    let scale = Transform::from_scale(SCALE, SCALE);
+    match shape {
+        Shape::Line(points, stroke) => {
+            if let Some(path) = path(points, false) {
+                map.stroke_path(&path, &paint(stroke.color), &pen(stroke), scale, None);
+            }
+        }
+        Shape::Area(points, color) => {
+            if let Some(path) = path(points, true) {
+                map.fill_path(&path, &paint(color), FillRule::Winding, scale, None);
+            }
+        }
+        Shape::Disc((x, y), radius, color) => {
+            if let Some(path) = PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32) {
+                map.fill_path(&path, &paint(color), FillRule::Winding, scale, None);
+            }
+        }
+        Shape::Text(text) => {
+            let (x, y) = (text.at.0 as f32, text.at.1 as f32);
+            let turn = if text.upward { -90.0 } else { 0.0 };
+            let place = scale.pre_translate(x, y).pre_rotate(turn);
+            if let Some(path) = outlines(text) {
+                let paint = paint("#000000");
+                map.fill_path(&path, &paint, FillRule::Winding, place, None);
+                if text.bold {
+                    // A bold font would be as large as the regular one, for five letters.
+                    let stroke = tiny_skia::Stroke {
+                        width: BOLDER * text.size as f32,
+                        ..tiny_skia::Stroke::default()
+                    };
+                    map.stroke_path(&path, &paint, &stroke, place, None);
+                }
+            }
+        }
     }
-    let tree = usvg::Tree::from_str(svg, &options)?;
-    let size = tree.size();
-    let pixels = |length: f32| (length * SCALE).ceil() as u32;
-    let mut map = tiny_skia::Pixmap::new(pixels(size.width()), pixels(size.height()))
-        .ok_or(FigureError::Empty)?;
-    let scale = tiny_skia::Transform::from_scale(SCALE, SCALE);
-    resvg::render(&tree, scale, &mut map.as_mut());
-    map.encode_png()
-        .map_err(|error| FigureError::Png(error.to_string()))
+}
+
+/// The letters of a text, around the place that it is anchored at.
+fn outlines(text: &Text) -> Option<Path> {
+    let face = font::face();
+    let (letters, width) = font::set(face, &text.text, text.size);
+    let start = match text.anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => -0.5 * width,
+        Anchor::End => -width,
+    };
+    let mut path = PathBuilder::new();
+    for letter in letters {
+        let mut pen = Pen {
+            path: &mut path,
+            origin: ((start + letter.across) as f32, letter.below as f32),
+            unit: letter.size as f32 / f32::from(face.units_per_em()),
+        };
+        // A space has no outline.
+        let _ = face.outline_glyph(letter.glyph, &mut pen);
+    }
+    path.finish()
+}
+
+fn path(points: &[Point], closed: bool) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    for (n, &(x, y)) in points.iter().enumerate() {
+        let (x, y) = (x as f32, y as f32);
+        if n == 0 {
+            path.move_to(x, y);
+        } else {
+            path.line_to(x, y);
+        }
+    }
+    if closed {
+        path.close();
+    }
+    path.finish()
+}
+
+fn paint(color: &str) -> Paint<'static> {
+    let number = u32::from_str_radix(color.trim_start_matches('#'), 16).unwrap_or(0);
+    let [_, red, green, blue] = number.to_be_bytes();
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(red, green, blue, 255);
+    paint
+}
+
+fn pen(stroke: &Stroke) -> tiny_skia::Stroke {
+    tiny_skia::Stroke {
+        width: stroke.width as f32,
+        line_join: LineJoin::Miter,
+        dash: StrokeDash::new(stroke.dashes.to_vec(), 0.0),
+        ..tiny_skia::Stroke::default()
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{FONTS, png, with_fonts};
+    use super::outlines;
+    use crate::figure::drawing::{Anchor, Text};
+    use crate::figure::font::{self, FILE, Pen};
     use crate::figure::lean_font::KEPT;
+    use ttf_parser::Face;
 
     #[test]
-    fn labels_look_as_with_the_whole_fonts() {
-        // Kerning, ligatures, composed letters, subscripts, signs; then every letter that is kept, 64 in a row.
-        let mut lines = vec![
-            "AVATAR To fi ffl \u{e4}\u{1ec7} i\u{307} e\u{301} q\u{323}".to_owned(),
-            "θ_ref [rad], ω² ≤ 1·10⁻³ − ½ → ∞ ‰ Δs ± σ № Ђж".to_owned(),
-        ];
-        let kept = KEPT.into_iter().flatten().filter_map(char::from_u32);
-        let letters: Vec<char> = kept
-            .filter(|c| !c.is_control() && !"<&>".contains(*c))
+    fn letters_look_as_in_the_whole_font() {
+        let kept: Vec<char> = (KEPT.into_iter().flatten())
+            .filter_map(char::from_u32)
             .collect();
-        lines.extend(letters.chunks(64).map(|row| row.iter().collect()));
-        let texts: String = (lines.iter().enumerate())
-            .map(|(n, line)| {
-                let (y, weight) = (20 * n + 20, ["normal", "bold"][n % 2]);
-                format!("<text x=\"5\" y=\"{y}\" font-size=\"14\" font-weight=\"{weight}\">{line}</text>")
-            })
-            .collect();
-        let height = 20 * lines.len() + 20;
-        let svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"1000\" height=\"{height}\">{texts}</svg>"
-        );
-        let whole = [dejavu::sans::regular(), dejavu::sans::bold()];
-        assert!(png(&svg).expect("a picture") == with_fonts(&svg, whole).expect("a picture"));
-        for (lean, whole) in FONTS.iter().zip(whole) {
-            assert!(
-                10 * lean.len() < 6 * whole.len(),
-                "{} bytes of {}",
-                lean.len(),
-                whole.len()
-            );
+        assert!(kept.contains(&'θ') && kept.contains(&'Ж') && kept.contains(&'−'));
+        let whole = Face::parse(dejavu::sans::regular(), 0).expect("a font");
+        let look = |face: &Face<'_>, letter| {
+            let glyph = face.glyph_index(letter)?;
+            let mut path = tiny_skia::PathBuilder::new();
+            let mut pen = Pen {
+                path: &mut path,
+                origin: (0.0, 0.0),
+                unit: 1.0,
+            };
+            face.outline_glyph(glyph, &mut pen);
+            Some((path.finish(), face.glyph_hor_advance(glyph)))
+        };
+        for &letter in &kept {
+            assert_eq!(look(font::face(), letter), look(&whole, letter), "{letter}");
         }
+        // Pairs as well.
+        let wide = |face| font::set(face, "AVATAR To, Ty", 100.0).1;
+        assert_eq!(wide(font::face()), wide(&whole));
+        assert!(2 * FILE.len() < dejavu::sans::regular().len());
+    }
+
+    #[test]
+    fn a_text_is_where_its_anchor_is() {
+        let text = |anchor| Text {
+            text: "AV θ_ref".to_owned(),
+            at: (0.0, 0.0),
+            size: 15.0,
+            anchor,
+            bold: false,
+            upward: false,
+        };
+        let bounds = |anchor| outlines(&text(anchor)).expect("letters").bounds();
+        let (start, middle, end) = (
+            bounds(Anchor::Start),
+            bounds(Anchor::Middle),
+            bounds(Anchor::End),
+        );
+        assert!(start.left() > -0.5 && end.right() < 0.5);
+        assert!((middle.left() + middle.right()).abs() < 1.5);
+        // The subscript is below the base line, and the pair A and V is closer than its letters are wide.
+        assert!(start.bottom() > 2.0 && start.top() < -10.0);
+        assert!(font::width("AV", 15.0) < font::width("A", 15.0) + font::width("V", 15.0) - 0.5);
     }
 }

@@ -1,19 +1,11 @@
 //! The study of robustness: a row per condition, a mark per law and case.
 
 use super::FigureError;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE};
-use super::style::{Panel, entry};
-use super::typeset;
+use super::axis::Axis;
+use super::chart::{Chart, Entry, Item, Marker, Place, Upright, sheet};
+use super::drawing::Drawing;
+use super::style::{BLACK, BLUE, GREEN, ORANGE, entry};
 use crate::robustness::{Case, ComparedLaw, RunVerdict, StudyOutcome, StudyRow};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::annotations::ReferenceLine;
-use kuva::plot::legend::{LegendPosition, LegendShape};
-use kuva::plot::scatter::MarkerShape;
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::layout::{Layout, TickFormat};
-use kuva::render::plots::Plot;
-use std::sync::Arc;
 
 /// Height of a condition's row, and of what is above and below all rows \[px\].
 const ROW: f64 = 27.0;
@@ -29,11 +21,11 @@ const LEAST_AT: f64 = 0.0115;
 const TIMES: (f64, f64) = (4.0, 9.6);
 const NEVER_AT: f64 = 9.3;
 
-/// Distance to the goal at the end and settling time, side by side, as SVG.
+/// Distance to the goal at the end and settling time, side by side.
 ///
 /// # Errors
 /// [`FigureError::Empty`] if there are no rows.
-pub fn robustness(rows: &[StudyRow<'_>]) -> Result<String, FigureError> {
+pub fn robustness(rows: &[StudyRow<'_>]) -> Result<Drawing, FigureError> {
     let mut names: Vec<&str> = rows.iter().map(|row| row.condition.name.as_str()).collect();
     names.dedup();
     if names.is_empty() {
@@ -41,19 +33,12 @@ pub fn robustness(rows: &[StudyRow<'_>]) -> Result<String, FigureError> {
     }
     let (ends, times) = (ends(rows, &names), times(rows, &names));
     let height = FRAME + ROW * names.len() as f64;
-    let scene = Figure::new(1, 2)
-        .with_plots(vec![ends.0, times.0])
-        .with_layouts(vec![ends.1, times.1])
-        .with_cell_size(WIDTHS.0, height)
-        .with_col_width(1, WIDTHS.1)
-        .with_spacing(style::SPACING)
-        .with_title("The paper's cases under what is wrong with a real robot")
-        .with_title_size(style::TITLE_SIZE)
-        .render();
-    Ok(typeset::subscripts(&SvgBackend::new().render_scene(&scene)))
+    let cells = vec![(WIDTHS.0, None, ends), (WIDTHS.1, None, times)];
+    let title = "The paper's cases under what is wrong with a real robot";
+    Ok(sheet(title, vec![(height, cells)]))
 }
 
-fn ends(rows: &[StudyRow<'_>], names: &[&str]) -> Panel {
+fn ends(rows: &[StudyRow<'_>], names: &[&str]) -> Chart {
     let place = |outcome: &StudyOutcome| {
         let lost = outcome.verdict > RunVerdict::Missed;
         let mm = |metres: f64| (1.0e3 * metres).clamp(LEAST_AT, LOST_AT);
@@ -65,61 +50,55 @@ fn ends(rows: &[StudyRow<'_>], names: &[&str]) -> Panel {
         }
     };
     let categories = names.iter().rev().map(|name| (*name).to_owned()).collect();
-    let layout = layout(DISTANCES, names.len())
-        .with_log_x()
-        .with_x_tick_format(TickFormat::Custom(Arc::new(decade)))
-        .with_y_categories(categories)
-        .with_x_label("distance to the goal at the end [mm]; bars: worst seed; × lost")
+    Chart {
         // The band that counts as settled.
-        .with_reference_line(mark(50.0));
-    let mut plots = grid(DISTANCES, &[0.1, 1.0, 10.0, 100.0], names.len());
-    plots.extend(marks(rows, names, place));
-    (plots, layout)
+        uprights: vec![Upright {
+            at: 50.0,
+            dashes: &[6.0, 4.0],
+            label: "5 cm",
+        }],
+        ..chart(
+            Axis::log(
+                DISTANCES,
+                "distance to the goal at the end [mm]; bars: worst seed; × lost",
+            ),
+            categories,
+            marks(rows, names, place),
+        )
+    }
 }
 
-fn times(rows: &[StudyRow<'_>], names: &[&str]) -> Panel {
+fn times(rows: &[StudyRow<'_>], names: &[&str]) -> Chart {
     let place = |outcome: &StudyOutcome| match outcome.settling_s {
         Some(time) => (time.mean, time.worst.min(NEVER_AT), false),
         None => (NEVER_AT, NEVER_AT, true),
     };
-    let layout = layout(TIMES, names.len())
-        .with_y_categories(vec![String::new(); names.len()])
-        .with_x_tick_step(1.0)
-        .with_x_label("settled within 5 cm, 0.05 rad [s]; × not before the hand-over")
-        .with_legend_entries(legend())
-        .with_legend_position(LegendPosition::OutsideRightTop);
-    let mut plots = grid(TIMES, &[5.0, 6.0, 7.0, 8.0, 9.0], names.len());
-    plots.extend(marks(rows, names, place));
-    (plots, layout)
+    Chart {
+        legend: legend(),
+        ..chart(
+            Axis::new(
+                TIMES,
+                "settled within 5 cm, 0.05 rad [s]; × not before the hand-over",
+            ),
+            vec![String::new(); names.len()],
+            marks(rows, names, place),
+        )
+    }
 }
 
-fn layout(x: (f64, f64), rows: usize) -> Layout {
-    style::layout(x, height(rows))
-}
-
-fn height(rows: usize) -> (f64, f64) {
-    (0.3, rows as f64 + 0.7)
-}
-
-/// A hair line between conditions, and at each number: categories leave no grid. Lines of data, for
-/// reference lines are drawn over the marks.
-fn grid(x: (f64, f64), numbers: &[f64], rows: usize) -> Vec<Plot> {
-    let y = height(rows);
-    let across = (1..rows).map(|row| row as f64 + 0.5);
-    let across = across.map(|at| vec![(x.0, at), (x.1, at)]);
-    let up = numbers.iter().map(|at| vec![(*at, y.0), (*at, y.1)]);
-    let line = |points: Vec<(f64, f64)>| {
-        let line = LinePlot::new().with_data(points).with_color("#e6e6e6");
-        line.with_stroke_width(1.0).into()
-    };
-    across.chain(up).map(line).collect()
-}
-
-fn mark(x: f64) -> ReferenceLine {
-    ReferenceLine::vertical(x)
-        .with_color(GREY)
-        .with_stroke_width(1.0)
-        .with_label("5 cm")
+fn chart(x: Axis, names: Vec<String>, items: Vec<Item>) -> Chart {
+    let y = (0.3, names.len() as f64 + 0.7);
+    Chart {
+        title: String::new(),
+        x,
+        y: Axis::named(y, names),
+        equal: false,
+        items,
+        legend: Vec::new(),
+        place: Place::Beside,
+        uprights: Vec::new(),
+        words: Vec::new(),
+    }
 }
 
 /// A mark per law and case; `place` gives mean and worst, and whether the run failed.
@@ -127,49 +106,30 @@ fn marks(
     rows: &[StudyRow<'_>],
     names: &[&str],
     place: impl Fn(&StudyOutcome) -> (f64, f64, bool),
-) -> Vec<Plot> {
-    let mut plots = Vec::new();
+) -> Vec<Item> {
+    let mut items = Vec::new();
     for (law, color) in COLORS {
-        for (case, shape) in SHAPES {
+        for (case, marker) in MARKERS {
             for failed in [false, true] {
-                let own = rows.iter().filter(|row| row.law == law && row.case == case);
-                let (mut points, mut bars) = (Vec::new(), Vec::new());
-                for row in own {
+                let marker = if failed { Marker::Cross } else { marker };
+                for row in rows.iter().filter(|row| row.law == law && row.case == case) {
                     let (mean, worst, fails) = place(&row.outcome);
+                    if fails != failed {
+                        continue;
+                    }
                     let name = row.condition.name.as_str();
                     let at = names.iter().position(|other| *other == name).unwrap_or(0);
-                    if fails == failed {
-                        points.push((mean, (names.len() - at) as f64 + lane(law, case)));
-                        bars.push((0.0, worst - mean));
+                    let point = (mean, (names.len() - at) as f64 + lane(law, case));
+                    // A bar without length would leave its end on the mark.
+                    if worst > mean {
+                        items.push(Item::Bar(point, worst, color));
                     }
+                    items.push(Item::Mark(point, marker, 4.0, color));
                 }
-                // A bar without length would leave its cap on the mark.
-                let spread = points.iter().zip(&bars).filter(|(_, bar)| bar.1 > 0.0);
-                let (ends, bars): (Vec<_>, Vec<_>) = spread.unzip();
-                if !ends.is_empty() {
-                    let ends = ends.into_iter().copied();
-                    let bars = bars.into_iter().copied();
-                    let plot = ScatterPlot::new()
-                        .with_data(ends.collect::<Vec<_>>())
-                        .with_x_err_asymmetric(bars)
-                        .with_size(1.0)
-                        .with_color(color);
-                    plots.push(plot.into());
-                }
-                if points.is_empty() {
-                    continue;
-                }
-                let shape = if failed { MarkerShape::Cross } else { shape };
-                let plot = ScatterPlot::new()
-                    .with_data(points)
-                    .with_marker(shape)
-                    .with_size(4.0)
-                    .with_color(color);
-                plots.push(plot.into());
             }
         }
     }
-    plots
+    items
 }
 
 const COLORS: [(ComparedLaw, &str); 3] = [
@@ -178,9 +138,9 @@ const COLORS: [(ComparedLaw, &str); 3] = [
     (ComparedLaw::Default, GREEN.strong),
 ];
 
-const SHAPES: [(Case, MarkerShape); 2] = [
-    (Case::Line, MarkerShape::Circle),
-    (Case::Curve, MarkerShape::Triangle),
+const MARKERS: [(Case, Marker); 2] = [
+    (Case::Line, Marker::Circle),
+    (Case::Curve, Marker::Triangle),
 ];
 
 /// Laws side by side within a row, and the cases of a law close to each other.
@@ -196,15 +156,8 @@ fn lane(law: ComparedLaw, case: Case) -> f64 {
     }
 }
 
-fn legend() -> Vec<kuva::plot::legend::LegendEntry> {
-    let square = LegendShape::Marker(MarkerShape::Square);
-    let laws = COLORS.map(|(law, color)| entry(law.name(), color, square, None));
-    let cases =
-        SHAPES.map(|(case, shape)| entry(case.name(), BLACK, LegendShape::Marker(shape), None));
+fn legend() -> Vec<Entry> {
+    let laws = COLORS.map(|(law, color)| entry(law.name(), color, Some(Marker::Square), &[]));
+    let cases = MARKERS.map(|(case, marker)| entry(case.name(), BLACK, Some(marker), &[]));
     laws.into_iter().chain(cases).collect()
-}
-
-/// 0.01 to 1000 as they are.
-fn decade(value: f64) -> String {
-    format!("{value}")
 }

@@ -1,15 +1,15 @@
 //! A panel with time to the right.
 
 use super::Labelled;
+use super::axis::Axis;
+use super::chart::{Chart, Entry, Item, Place};
 use super::corner::Corner;
+use super::drawing::Stroke;
 use super::limits::Span;
 use super::notes::Canvas;
-use super::style::{self, Ink, Panel, entry, stroke};
+use super::style::{self, Ink, entry, stroke};
 use super::thin_out::thin_out;
 use crate::trace::{Trace, TraceRow};
-use kuva::plot::legend::{LegendEntry, LegendShape};
-use kuva::plot::{LinePlot, LineStyle};
-use kuva::render::plots::Plot;
 
 /// What a curve shows.
 #[derive(Clone, Copy)]
@@ -20,6 +20,12 @@ pub(super) struct Signal {
     pub dashed: bool,
     /// The signal is 0 before the first row, and its first step is part of the picture.
     pub from_zero: bool,
+}
+
+impl Signal {
+    const fn dashes(&self) -> &'static [f32] {
+        if self.dashed { DASHES } else { &[] }
+    }
 }
 
 /// What a panel shows.
@@ -33,45 +39,45 @@ pub(super) struct TimePanel<'a> {
 
 /// Largest deviation of a drawn curve from the trace \[px\].
 const TOLERANCE: f64 = 0.15;
-const DASHES: &str = "7 4";
+const DASHES: &[f32] = &[7.0, 4.0];
 /// What is shown of the time before the start, as a share of the run.
 const LEAD: f64 = 0.012;
 
 impl TimePanel<'_> {
     /// The curves of `main` over those of `other`.
-    pub fn draw(&self, main: Labelled<'_>, other: Option<Labelled<'_>>) -> Panel {
+    pub fn draw(&self, main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
         let entries = self.legend(main, other);
         let canvas = self.canvas(main, other, &entries);
         let (x, y) = (canvas.x, canvas.y);
         let scale = (self.size.0 / (x.1 - x.0), self.size.1 / (y.1 - y.0));
-        let curves = |run: Labelled<'_>, strong: bool| -> Vec<Plot> {
+        let curves = |run: Labelled<'_>, strong: bool| -> Vec<Item> {
             let signals = self.signals.iter();
             signals
                 .map(|s| curve(s, run.trace, scale, strong))
                 .collect()
         };
-        let mut plots = other.map_or_else(Vec::new, |other| curves(other, false));
-        plots.extend(curves(main, true));
-        let layout = style::layout(x, y)
-            .with_title(self.title)
-            .with_x_label("t [s]")
-            .with_y_label(self.y_label)
-            .with_legend_entries(entries)
-            .with_legend_position(canvas.legend.position());
-        let layout = canvas.mark_hand_over(layout);
-        match other.and_then(|other| self.off_scale(other, y)) {
-            Some((text, above)) => (plots, canvas.remark(layout, text, above)),
-            None => (plots, layout),
+        let mut items = other.map_or_else(Vec::new, |other| curves(other, false));
+        items.extend(curves(main, true));
+        let mut chart = Chart {
+            title: self.title.to_owned(),
+            x: Axis::new(x, "t [s]"),
+            y: Axis::new(y, self.y_label),
+            equal: false,
+            items,
+            legend: entries,
+            place: Place::Inside(canvas.legend),
+            uprights: Vec::new(),
+            words: Vec::new(),
+        };
+        canvas.mark_hand_over(&mut chart);
+        if let Some((text, above)) = other.and_then(|other| self.off_scale(other, y)) {
+            canvas.remark(&mut chart, text, above);
         }
+        chart
     }
 
     /// Axis limits that show `main` well, and a place for the legend.
-    fn canvas(
-        &self,
-        main: Labelled<'_>,
-        other: Option<Labelled<'_>>,
-        entries: &[LegendEntry],
-    ) -> Canvas {
+    fn canvas(&self, main: Labelled<'_>, other: Option<Labelled<'_>>, entries: &[Entry]) -> Canvas {
         let runs = [Some(main), other];
         let rows = || runs.iter().flatten().flat_map(|run| &run.trace.rows);
         let t_end = rows().map(|row| row.t).fold(0.0, f64::max);
@@ -112,16 +118,14 @@ impl TimePanel<'_> {
         })
     }
 
-    fn legend(&self, main: Labelled<'_>, other: Option<Labelled<'_>>) -> Vec<LegendEntry> {
-        let dashes = |s: &Signal| s.dashed.then_some(DASHES);
+    fn legend(&self, main: Labelled<'_>, other: Option<Labelled<'_>>) -> Vec<Entry> {
         let mut entries = Vec::new();
-        let line = LegendShape::Line;
         for s in self.signals {
             entries.push(entry(
                 &self.label(s, main, other.is_some()),
                 s.ink.strong,
-                line,
-                dashes(s),
+                None,
+                s.dashes(),
             ));
         }
         if let Some(other) = other {
@@ -129,8 +133,8 @@ impl TimePanel<'_> {
                 entries.push(entry(
                     &self.label(s, other, true),
                     s.ink.pale,
-                    line,
-                    dashes(s),
+                    None,
+                    s.dashes(),
                 ));
             }
         }
@@ -170,21 +174,19 @@ fn span_of(signal: &Signal, trace: &Trace) -> Span {
     Span::of(trace.rows.iter().map(signal.value).chain(before))
 }
 
-fn curve(signal: &Signal, trace: &Trace, scale: (f64, f64), main: bool) -> Plot {
+fn curve(signal: &Signal, trace: &Trace, scale: (f64, f64), main: bool) -> Item {
     let t_end = trace.rows.last().map_or(0.0, |row| row.t);
     let rest = [(-LEAD * t_end, 0.0), (0.0, 0.0)];
     let before: &[_] = if signal.from_zero { &rest } else { &[] };
     let rows = trace.rows.iter().map(|row| (row.t, (signal.value)(row)));
     let points: Vec<_> = before.iter().copied().chain(rows).collect();
     let ink = signal.ink;
-    let mut line = LinePlot::new()
-        .with_data(thin_out(&points, scale, TOLERANCE))
-        .with_color(if main { ink.strong } else { ink.pale })
-        .with_stroke_width(stroke(main));
-    if signal.dashed {
-        line = line.with_line_style(LineStyle::Custom(DASHES.into()));
-    }
-    line.into()
+    let stroke = Stroke {
+        color: if main { ink.strong } else { ink.pale },
+        width: stroke(main),
+        dashes: signal.dashes(),
+    };
+    Item::Line(thin_out(&points, scale, TOLERANCE), stroke)
 }
 
 /// Three digits are plenty in a picture.
