@@ -91,7 +91,9 @@ impl<T: Scalar> Monitor<T> {
 
     /// Takes a tick's evidence. A condition that lasts is found again in every tick.
     pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
-        self.detectors.check(&self.settings, inputs)
+        let mut found = ActiveFaults::NONE;
+        self.detectors.check(&self.settings, inputs, &mut found);
+        found
     }
 
     /// Late ticks since the start.
@@ -160,16 +162,16 @@ pub(crate) struct Detectors<T> {
 }
 
 impl<T: Scalar> Detectors<T> {
-    /// Takes a tick's evidence; see [`Monitor::check`].
+    /// Takes a tick's evidence, and adds what it shows to what was `found`; see [`Monitor::check`].
     #[inline(always)]
     pub(crate) fn check(
         &mut self,
         settings: &ValidDetectorParams<T>,
         inputs: &DetectorInputs<T>,
-    ) -> ActiveFaults {
+        found: &mut ActiveFaults,
+    ) {
         let params = settings.params();
         let dt_us = inputs.dt_us;
-        let mut found = ActiveFaults::NONE;
         self.unread = self.unread.after(dt_us, inputs.counts.is_some());
         let (jitter, long) = self.ticks.advance(&params.ticks, dt_us);
         let mut add = |holds: bool, fault: Fault| {
@@ -202,8 +204,7 @@ impl<T: Scalar> Detectors<T> {
         if self.supply.advance(&params.supply, inputs.supply_v, dt_us) {
             found.add(Fault::UnderVoltage);
         }
-        self.check_wheels(settings, inputs, &mut found);
-        found
+        self.check_wheels(settings, inputs, found);
     }
 
     /// Late ticks since the start.

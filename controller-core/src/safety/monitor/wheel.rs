@@ -239,9 +239,8 @@ impl<T: Scalar> Wheel<T> {
             Some(effort) => self.expected.low_pass(effort.gained, dt, shrink),
             None => Twice::settled(seen.or_zero().second, T::from_f64(WINDOW)),
         };
-        if seen.residue() + expected.residue() == T::ZERO {
-            (self.seen, self.expected) = (seen, expected);
-        } else {
+        (self.seen, self.expected) = (seen, expected);
+        if seen.residue() + expected.residue() != T::ZERO {
             (self.seen, self.expected) = (seen.or_zero(), expected.or_zero());
         }
     }
