@@ -121,11 +121,24 @@ impl<T: Scalar> WheelMap<T> {
     /// Wheel speeds that go with a twist: B̄ᵀ (v, w)ᵀ, by virtual work.
     #[inline(always)]
     pub fn wheel_speeds(&self, twist: &Twist<T>) -> WheelSpeeds<T> {
-        let [[fr, fl], [mr, ml]] = self.to_wrench;
         WheelSpeeds {
-            right: fr * twist.linear + mr * twist.angular,
-            left: fl * twist.linear + ml * twist.angular,
+            right: self.right_speed(twist),
+            left: self.left_speed(twist),
         }
+    }
+
+    /// The right one of [`wheel_speeds`](Self::wheel_speeds).
+    #[inline(always)]
+    pub(crate) fn right_speed(&self, twist: &Twist<T>) -> T {
+        let [[force, _], [moment, _]] = self.to_wrench;
+        force * twist.linear + moment * twist.angular
+    }
+
+    /// The left one.
+    #[inline(always)]
+    pub(crate) fn left_speed(&self, twist: &Twist<T>) -> T {
+        let [[_, force], [_, moment]] = self.to_wrench;
+        force * twist.linear + moment * twist.angular
     }
 
     /// The twist that goes with wheel speeds: B̄⁻ᵀ (φ̇_R, φ̇_L)ᵀ.

@@ -105,7 +105,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// One tick, `dt_us` after the last.
     pub fn tick(&mut self, dt_us: u32, order: &Order<T>, sensed: &Sensed<T>) -> &BaseReport<T> {
         let dt = seconds(dt_us);
-        let mut active_faults = ActiveFaults::NONE;
+        self.report.active_faults = ActiveFaults::NONE;
         let accel = self.exerted_accel();
         let Self {
             locator,
@@ -113,34 +113,37 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             report,
             ..
         } = self;
-        let located = locator
-            .advance::<M>(&base.localisation, dt, &accel, sensed, report)
-            .unwrap_or_else(|fault| {
-                active_faults.add(fault.into());
-                Located::NOT
-            });
+        let located = locator.advance::<M>(&base.localisation, dt, &accel, sensed, report);
+        let located = located.unwrap_or_else(|fault| {
+            report.active_faults.add(fault.into());
+            Located::NOT
+        });
         let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
-        active_faults.add_all(&self.detectors.check(&self.base.detectors, &inputs));
-        active_faults.add_some(self.given_up());
+        self.detectors.check(
+            &self.base.detectors,
+            &inputs,
+            &mut self.report.active_faults,
+        );
+        let given_up = self.given_up();
+        let slid = gyro.slips.then(|| self.sliding(gyro.slid));
+        let active_faults = &mut self.report.active_faults;
+        active_faults.add_some(given_up);
         active_faults.add_some(gyro.fault.map(Fault::Gyro));
-        if gyro.slips {
-            active_faults.add(Fault::WheelSlip(self.sliding(gyro.slid)));
-        }
+        active_faults.add_some(slid.map(Fault::WheelSlip));
         self.supervisor
-            .on_active_faults(&active_faults, &self.base.policy);
+            .on_active_faults(active_faults, &self.base.policy);
         let refused = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
         // Whether that can be believed, the supervisor knows from the active faults.
         let rests = self.supervisor.state().ends_at_rest() && self.rests();
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, &located, sensed, &mut active_faults);
+        let action = self.act(dt, &located, sensed);
         self.exerted = action.torques().unwrap_or_default();
         let report = &mut self.report;
         report.action = action;
         report.state = self.supervisor.state();
         report.cause = self.supervisor.cause();
-        report.active_faults = active_faults;
         report.refused = refused;
         report
     }
@@ -242,13 +245,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
 
     /// What the wheels are to do. A step that the motion law refuses is a fault, whose reaction takes
     /// its place in this very tick.
-    fn act(
-        &mut self,
-        dt: T,
-        located: &Located<T>,
-        sensed: &Sensed<T>,
-        active_faults: &mut ActiveFaults,
-    ) -> WheelAction<T> {
+    fn act(&mut self, dt: T, located: &Located<T>, sensed: &Sensed<T>) -> WheelAction<T> {
         let mode = self.supervisor.output();
         match self.act_as(mode, dt, located, sensed) {
             Ok(driven) => {
@@ -264,7 +261,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 }
                 driven.action
             }
-            Err(fault) => self.act_after(fault, dt, located, sensed, active_faults),
+            Err(fault) => self.act_after(fault, dt, located, sensed),
         }
     }
 
@@ -277,11 +274,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         dt: T,
         located: &Located<T>,
         sensed: &Sensed<T>,
-        active_faults: &mut ActiveFaults,
     ) -> WheelAction<T> {
         let mut found = ActiveFaults::NONE;
         found.add(fault.into());
-        active_faults.add(fault.into());
+        self.report.active_faults.add(fault.into());
         self.supervisor.on_active_faults(&found, &self.base.policy);
         // Nothing that a policy allows for a refused step steps the law again.
         let mode = match self.supervisor.output() {
@@ -404,7 +400,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             return Err(StepFault::WrongPhase);
         }
         self.base = *base;
-        self.locator.begin_anew();
+        self.locator.begin_anew(self.report.measured.as_ref());
         self.detectors = Detectors::default();
         self.supervisor.reconfigure(&base.supervisor);
         self.idle();

@@ -10,15 +10,15 @@ use crate::reference::sinc;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 
-/// The localiser, and what it needs across ticks without a reading.
+/// The localiser, and what it needs across ticks without a reading beside the report of the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
     /// `None` before the first reading.
     localiser: Option<Estimator<T, N>>,
+    /// Where the base is if there was no reading yet, or if it was `set` there since the last tick.
     start: Pose<T>,
     /// Time since the last reading \[s\].
     blind_s: T,
-    last: Option<Measured<T>>,
     set: bool,
 }
 
@@ -45,7 +45,6 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             localiser: None,
             start,
             blind_s: T::ZERO,
-            last: None,
             set: false,
         }
     }
@@ -56,9 +55,18 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         localiser.map_or_else(WheelSpeeds::default, Estimator::wheel_speeds)
     }
 
-    /// For other parameters: begins anew, where it was.
-    pub(super) fn begin_anew(&mut self) {
-        *self = Self::new(self.last.map_or(self.start, |last| last.pose));
+    /// For other parameters: begins anew, where it was by the last report.
+    pub(super) fn begin_anew(&mut self, reported: Option<&Measured<T>>) {
+        let last = reported.map(|measured| self.with_set(measured).pose);
+        *self = Self::new(last.unwrap_or(self.start));
+    }
+
+    /// What was measured, but where the base was set since.
+    fn with_set(&self, measured: &Measured<T>) -> Measured<T> {
+        Measured {
+            pose: if self.set { self.start } else { measured.pose },
+            ..*measured
+        }
     }
 
     /// The pose is set; the next tick says that it jumped.
@@ -67,9 +75,6 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         self.set = true;
         if let Some(localiser) = &mut self.localiser {
             localiser.set_pose(localisation, pose);
-        }
-        if let Some(last) = &mut self.last {
-            last.pose = pose;
         }
     }
 
@@ -91,8 +96,8 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         report.gyro = GyroReport::default();
         let Ok(counts) = sensed.counts else {
             self.blind_s += dt;
-            self.last = self.last.map(|last| coast::<T, M>(&last, dt));
-            report.measured = self.last;
+            let last = report.measured.map(|measured| self.with_set(&measured));
+            report.measured = last.map(|last| coast::<T, M>(&last, dt));
             return Ok(self.located(localisation, report, false));
         };
         let jumped = match &mut self.localiser {
@@ -102,7 +107,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 Estimator::<T, N>::check(&pose)?;
                 let localiser = self.localiser.insert(Estimator::new(localisation));
                 localiser.begin(pose, counts);
-                self.last = Some(Measured {
+                report.measured = Some(Measured {
                     pose,
                     ..Measured::default()
                 });
@@ -114,7 +119,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
                 let estimate =
                     localiser.update::<M>(localisation, counts, dt, *accel, fix, gyro)?;
-                self.last = Some(estimate.measured);
+                report.measured = Some(estimate.measured);
                 report.fix = estimate.fix;
                 report.gyro = estimate.gyro;
                 estimate.jumped
@@ -122,7 +127,6 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         };
         self.blind_s = T::ZERO;
         report.blind = false;
-        report.measured = self.last;
         Ok(self.located(localisation, report, jumped))
     }
 

@@ -234,8 +234,9 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// See [`Localiser::uncarried_s`](super::Localiser::uncarried_s).
     pub(crate) fn uncarried_s(&self, localisation: &ValidLocaliserParams<T>) -> T {
         let age = self.correction.fix_age_s;
-        match &localisation.params().gyro {
-            Some(gyro) if age <= gyro.carry_s && self.alone_s < age => self.alone_s,
+        // Asked of the gyro's own state, which is at hand: a base without one has no such parameters either.
+        match (&self.gyro, &localisation.params().gyro) {
+            (Some(_), Some(gyro)) if age <= gyro.carry_s && self.alone_s < age => self.alone_s,
             _ => age,
         }
     }

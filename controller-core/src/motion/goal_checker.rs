@@ -18,7 +18,7 @@ const HYSTERESIS: f64 = 1.3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct GoalChecker<T> {
     pub(crate) parked: bool,
-    inside_s: T,
+    pub(super) inside_s: T,
 }
 
 /// Where the robot is with respect to its goal, and how it moves.

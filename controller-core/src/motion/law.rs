@@ -154,7 +154,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
         check_tick(dt, motion.params().max_tick_s)?;
-        task.check()?;
+        // A reference comes with every tick, and all of it goes into error and setpoint: it is looked at if they are not finite.
+        if !matches!(task, Task::Follow(_)) {
+            task.check()?;
+        }
         let new = !self.aim.is_of(task);
         // What the laws change before it is known whether the tick is refused.
         let (follower, drive, observer) = (self.follower, self.drive, self.observer);
@@ -243,6 +246,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         if finished.is_err() {
             (self.follower, self.drive, self.observer) = (follower, drive, observer);
             self.parking.restore(&parking);
+            task.check()?;
         }
         finished
     }
@@ -269,7 +273,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                     .follow::<U, M>(motion, reference, view, moving, two_per_dt)
             }
             Task::Park(_) => {
-                self.parking.keep(before);
                 if new {
                     self.parking.renew(matches!(self.aim, Aim::Park(_)), before);
                 }

@@ -49,8 +49,19 @@ enum Approach<T> {
 
 /// What a tick of parking changed, as it was before: a tick that is refused changes nothing.
 pub(crate) struct Before<T> {
-    memory: Option<Memory<T>>,
+    memory: KeptMemory<T>,
     approach: Kept<T>,
+}
+
+/// What was kept beside the approach.
+enum KeptMemory<T> {
+    Nothing,
+    /// All that a tick along a manoeuvre changes of it: for how long the robot has been inside of its tolerance, and near to be stuck.
+    Times {
+        inside_s: T,
+        since_s: T,
+    },
+    Whole(Memory<T>),
 }
 
 /// What was kept of an approach.
@@ -74,14 +85,35 @@ pub(crate) struct Lent<'a, T> {
     pub(crate) before: &'a mut Before<T>,
 }
 
+impl<T: Scalar> Memory<T> {
+    /// Back to these times, of [`KeptMemory::Times`].
+    fn return_to(&mut self, inside_s: T, since_s: T) {
+        self.checker.inside_s = inside_s;
+        self.retry.since_s = since_s;
+    }
+}
+
 impl<T: Scalar> Before<T> {
     /// Nothing changed. No constant: that would be copied as a whole.
     #[inline(always)]
     pub(crate) const fn nothing() -> Self {
         Self {
-            memory: None,
+            memory: KeptMemory::Nothing,
             approach: Kept::Nothing,
         }
+    }
+
+    /// Keeps all of a memory, of which the times may have changed already.
+    #[cold]
+    #[inline(never)]
+    fn keep_memory(&mut self, memory: &Memory<T>) {
+        let mut whole = *memory;
+        match self.memory {
+            KeptMemory::Nothing => {}
+            KeptMemory::Times { inside_s, since_s } => whole.return_to(inside_s, since_s),
+            KeptMemory::Whole(_) => return,
+        }
+        self.memory = KeptMemory::Whole(whole);
     }
 
     /// Keeps an approach that is about to be replaced, if it is the first of the tick.
@@ -130,10 +162,19 @@ impl<T: Scalar> ParkingLaw<T> {
         self.approach = Approach::Idle;
     }
 
-    /// Keeps what every tick changes.
+    /// Keeps what a tick changes that is not one along a manoeuvre, if it is not kept yet.
     #[inline(always)]
-    pub(crate) fn keep(&self, before: &mut Before<T>) {
-        before.memory = Some(self.memory);
+    fn keep(&self, before: &mut Before<T>) {
+        if !matches!(before.memory, KeptMemory::Nothing) {
+            return;
+        }
+        before.memory = KeptMemory::Whole(self.memory);
+        self.keep_under_way(before);
+    }
+
+    /// Keeps what every tick changes of a manoeuvre.
+    #[inline(always)]
+    fn keep_under_way(&self, before: &mut Before<T>) {
         if let Approach::Manoeuvre(execution) = &self.approach {
             if execution.is_searching() {
                 before.keep_manoeuvre(execution);
@@ -146,8 +187,10 @@ impl<T: Scalar> ParkingLaw<T> {
     /// Back to what was before a tick.
     #[cold]
     pub(crate) fn restore(&mut self, before: &Before<T>) {
-        if let Some(memory) = before.memory {
-            self.memory = memory;
+        match before.memory {
+            KeptMemory::Nothing => {}
+            KeptMemory::Times { inside_s, since_s } => self.memory.return_to(inside_s, since_s),
+            KeptMemory::Whole(memory) => self.memory = memory,
         }
         match (&before.approach, &mut self.approach) {
             (Kept::Whole(before), approach) => *approach = *before,
@@ -159,7 +202,10 @@ impl<T: Scalar> ParkingLaw<T> {
     }
 
     /// Another goal: all approaches are to be had again. `goes_on` if the robot was on its way to one.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn renew(&mut self, goes_on: bool, before: &mut Before<T>) {
+        self.keep(before);
         before.keep(&self.approach);
         self.memory.retry = Retry::NEW;
         self.memory.departed = false;
@@ -181,6 +227,7 @@ impl<T: Scalar> ParkingLaw<T> {
     }
 
     /// A tick.
+    #[inline(always)]
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         lent: &mut Lent<'_, T>,
@@ -190,8 +237,23 @@ impl<T: Scalar> ParkingLaw<T> {
         step: Step<T>,
     ) -> Wanted<T> {
         if self.is_driving() {
-            return self.drive_on::<U, M>(lent, motion, error, moving, step);
+            self.drive_on::<U, M>(lent, motion, error, moving, step)
+        } else {
+            self.advance_beside::<U, M>(lent, motion, error, moving, step)
         }
+    }
+
+    /// A tick without a manoeuvre under way.
+    #[inline(never)]
+    fn advance_beside<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        lent: &mut Lent<'_, T>,
+        motion: &ValidMotionParams<T>,
+        error: &PoseError<T>,
+        moving: Moving<'_, T>,
+        step: Step<T>,
+    ) -> Wanted<T> {
+        self.keep(lent.before);
         let Step { dt, two_per_dt } = step;
         let may_park = self.memory.retry.may_park();
         if two_per_dt.is_some() && may_park && self.memory.checker.stays(motion, error) {
@@ -233,14 +295,17 @@ impl<T: Scalar> ParkingLaw<T> {
         let (retry, attempt) = self.memory.retry.advance::<M>(motion, &at, rest, dt);
         self.memory.retry = retry;
         let resting = self.is_resting();
-        let (setpoint, transition) = if resting {
+        if resting {
             self.memory.regulator.rest();
             let transition = if was_resting && two_per_dt.is_some() {
                 Transition::Continue
             } else {
                 Transition::Offset
             };
-            (Setpoint::default(), transition)
+            Wanted {
+                setpoint: Setpoint::default(),
+                transition,
+            }
         } else {
             // Pushed off its goal, or beside it, the robot starts afresh.
             match attempt {
@@ -255,10 +320,6 @@ impl<T: Scalar> ParkingLaw<T> {
                 _ => attempt,
             };
             self.approach::<U, M>(lent, motion, &at, &moving, step, attempt)
-        };
-        Wanted {
-            setpoint,
-            transition,
         }
     }
 
@@ -271,7 +332,7 @@ impl<T: Scalar> ParkingLaw<T> {
         moving: &Moving<'_, T>,
         step: Step<T>,
         attempt: Attempt,
-    ) -> (Setpoint<T>, Transition) {
+    ) -> Wanted<T> {
         if step.dt == T::ZERO {
             // At the start: the first tick tells how long ticks are.
             lent.before.keep(&self.approach);
@@ -280,7 +341,10 @@ impl<T: Scalar> ParkingLaw<T> {
                 twist: moving.command.twist,
                 rate: Accel::default(),
             };
-            return (setpoint, Transition::Offset);
+            return Wanted {
+                setpoint,
+                transition: Transition::Offset,
+            };
         }
         let jumped = step.two_per_dt.is_none();
         let begun = match self.approach {
@@ -342,6 +406,7 @@ impl<T: Scalar> ParkingLaw<T> {
     }
 
     /// A tick along a manoeuvre under way; by feedback from where it fails.
+    #[inline(always)]
     fn drive_on<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         lent: &mut Lent<'_, T>,
@@ -350,8 +415,13 @@ impl<T: Scalar> ParkingLaw<T> {
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
+        lent.before.memory = KeptMemory::Times {
+            inside_s: self.memory.checker.inside_s,
+            since_s: self.memory.retry.since_s,
+        };
         self.memory.checker = GoalChecker::NEW;
         self.memory.retry.drives();
+        self.keep_under_way(lent.before);
         let transition = if step.two_per_dt.is_none() {
             Transition::Offset
         } else {
@@ -359,16 +429,27 @@ impl<T: Scalar> ParkingLaw<T> {
         };
         let way = (step.dt, step.two_per_dt, transition);
         let along = self.along::<U, M>(lent, motion, error, &moving, step, way);
-        let (setpoint, transition) = along.unwrap_or_else(|| {
-            lent.before.keep(&self.approach);
-            self.approach = Approach::Regulate;
-            let distance = distance_of::<T, M>(error);
-            self.regulate::<U, M>(motion, error, distance, &moving, None)
-        });
-        Wanted {
-            setpoint,
-            transition,
+        match along {
+            Some(along) => along,
+            None => self.leave::<U, M>(lent, motion, error, &moving),
         }
+    }
+
+    /// By feedback, from where a manoeuvre failed.
+    #[cold]
+    #[inline(never)]
+    fn leave<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        lent: &mut Lent<'_, T>,
+        motion: &ValidMotionParams<T>,
+        error: &PoseError<T>,
+        moving: &Moving<'_, T>,
+    ) -> Wanted<T> {
+        lent.before.keep(&self.approach);
+        lent.before.keep_memory(&self.memory);
+        self.approach = Approach::Regulate;
+        let distance = distance_of::<T, M>(error);
+        self.regulate::<U, M>(motion, error, distance, moving, None)
     }
 
     /// The setpoint along a manoeuvre, and how it goes on from the command; `None` without one, or where none is to be had.
@@ -380,7 +461,7 @@ impl<T: Scalar> ParkingLaw<T> {
         moving: &Moving<'_, T>,
         step: Step<T>,
         (since, mut two_per_dt, mut transition): (T, Option<T>, Transition),
-    ) -> Option<(Setpoint<T>, Transition)> {
+    ) -> Option<Wanted<T>> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
@@ -397,6 +478,7 @@ impl<T: Scalar> ParkingLaw<T> {
                 // Whatever keeps it off would do so again: feedback needs no plan.
                 return None;
             }
+            lent.before.keep_memory(&self.memory);
             self.memory.departed = true;
             transition = Transition::Seamless;
             lent.before.keep_manoeuvre(execution);
@@ -413,7 +495,10 @@ impl<T: Scalar> ParkingLaw<T> {
         let setpoint = lent
             .follower
             .advance::<U, M>(motion, &now, command, two_per_dt);
-        Some((setpoint, transition))
+        Some(Wanted {
+            setpoint,
+            transition,
+        })
     }
 
     /// The setpoint by feedback, and how it goes on from the command.
@@ -424,7 +509,7 @@ impl<T: Scalar> ParkingLaw<T> {
         distance: T,
         moving: &Moving<'_, T>,
         two_per_dt: Option<T>,
-    ) -> (Setpoint<T>, Transition) {
+    ) -> Wanted<T> {
         let command = &moving.command.twist;
         let (aim, distance) = self.aim::<M>(motion, error, distance);
         let setpoint = self
@@ -436,7 +521,10 @@ impl<T: Scalar> ParkingLaw<T> {
         } else {
             Transition::Offset
         };
-        (setpoint, transition)
+        Wanted {
+            setpoint,
+            transition,
+        }
     }
 
     /// What to drive at by feedback, and how far it is: the goal, or the place that a retry drives out to.

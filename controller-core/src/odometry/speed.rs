@@ -54,7 +54,7 @@ pub(super) struct Wheel<T> {
     since: T,
     /// For how long a count has been expected \[s\].
     overdue: T,
-    /// Single counts in a row without a rest between them; negative backward.
+    /// Single counts in a row without a rest between them, up to [`ROLLS`]; negative backward.
     streak: i32,
     /// Largest acceleration that friction has held since the wheel rolled \[m/s²\], ≥ 0.
     held: T,
@@ -140,11 +140,12 @@ impl<T: Scalar> Wheel<T> {
         }
         let single = counts == 1 || counts == -1;
         let first = single && since >= rest;
-        let forward = counts > 0;
-        let goes_on = !first && forward == (self.streak > 0);
-        let streak = if goes_on { self.streak } else { 0 };
-        self.streak = streak.saturating_add(if forward { 1 } else { -1 });
-        let rolls = !single || self.streak.saturating_abs() >= ROLLS;
+        let sign = if counts > 0 { 1 } else { -1 };
+        let streak = self.streak * sign;
+        let streak = if first || streak < 0 { 0 } else { streak };
+        let streak = if streak < ROLLS { streak + 1 } else { ROLLS };
+        self.streak = streak * sign;
+        let rolls = !single || streak == ROLLS;
         let period = if single { since } else { dt };
         self.period = if period < longest { period } else { longest };
         self.since = T::ZERO;

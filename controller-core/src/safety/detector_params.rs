@@ -193,12 +193,21 @@ impl<T: Scalar> DetectorParams<T> {
         ] {
             within(field, value, low, high)?;
         }
+        let accels = |right: T, left: T| {
+            wheel_accels(robot, &map, &map.wrench(&WheelTorques { right, left }))
+        };
+        let (by_right, by_left) = (accels(T::ONE, T::ZERO), accels(T::ZERO, T::ONE));
         let window = T::from_f64(WINDOW);
         let area = window * window;
         Ok(ValidDetectorParams {
             load_travel: load_accel(robot, &map, wheels.load_nm) / area,
             slip_travel: slip.accel_rad_s2 / area,
             least_travel: T::from_i32(LEAST_COUNTS) * per_count,
+            own_accel: WheelAccels {
+                right: by_right.0,
+                left: by_left.1,
+            },
+            other_accel: by_left.0,
             map,
             per_count,
             params: self,
@@ -219,12 +228,15 @@ fn load_accel<T: Scalar>(robot: &Robot<T>, map: &WheelMap<T>, load_nm: T) -> T {
     if driving > turning { driving } else { turning }
 }
 
+/// Accelerations of both wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct WheelAccels<T> {
+    pub(super) right: T,
+    pub(super) left: T,
+}
+
 /// Angular accelerations of right and left wheel \[rad/s²\] under a wrench: B̄ᵀ M̄⁻¹ τ̄.
-pub(super) fn wheel_accels<T: Scalar>(
-    robot: &Robot<T>,
-    map: &WheelMap<T>,
-    wrench: &Wrench<T>,
-) -> (T, T) {
+fn wheel_accels<T: Scalar>(robot: &Robot<T>, map: &WheelMap<T>, wrench: &Wrench<T>) -> (T, T) {
     let accel = acceleration(robot, wrench);
     let rates = map.wheel_speeds(&Twist::new(accel.linear, accel.angular));
     (rates.right, rates.left)
@@ -247,6 +259,10 @@ pub(super) fn time(field: Field, timeout: Timeout, least_us: f64) -> Result<(), 
 pub struct ValidDetectorParams<T> {
     pub(super) params: DetectorParams<T>,
     pub(super) map: WheelMap<T>,
+    /// By a wheel's own torque \[rad/s² per N m\],
+    pub(super) own_accel: WheelAccels<T>,
+    /// and by that of the other one, which is the same for both: B̄ᵀ M̄⁻¹ B̄ is symmetric.
+    pub(super) other_accel: T,
     /// Turn of a wheel per count \[rad\].
     pub(super) per_count: T,
     /// D: what the load adds at most to the filtered turn of a wheel \[rad\]; see [`Monitor`](super::Monitor).

@@ -7,9 +7,9 @@
 //! | not finite | measured pose or twist | the tick |
 //! | tick too long, jitter | `ticks` | the tick; `row` late ticks, or `of_64` of the last 64 |
 //! | pose jump, driver | reported by others | the tick |
-//! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a tick |
+//! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a [look](self#wheels) |
 //! | reversed | turns against its torque, ever faster | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
-//! | reversed | commanded to turn, turns the other way | `stuck.after` and a tick, and as long for a wheel to come round |
+//! | reversed | commanded to turn, turns the other way | `stuck.after` and a look, and as long for a wheel to come round |
 //! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
 //! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |
@@ -45,6 +45,11 @@
 //! follows y, as if a constant acceleration explained it: nothing is said of the wheels, and when torques are
 //! known again both filters begin from what the wheels really did.
 //!
+//! A tick looks at both, but ticks of at most [`BRIEF_US`] in turns at one each: a look then spans two of them. It takes all that was
+//! exerted and counted since the last one of its wheel, so nothing is left out, and what it shows stands until the next. What lasts
+//! is timed by looks, so it is found one such tick later at most; the filters have 20 looks in their window at least, twice as many
+//! as in ticks of 10 ms.
+//!
 //! A velocity loop of bandwidth κ on reversed encoders drives the speed up as v_c (e^(κt) − 1) and the force
 //! as m κ v_c e^(κt): when the latter has reached F the base has gone less than F/(m κ²), whatever the
 //! command was. With the default load that is 10 % of the weight to be reached, 0.11 m for κ = 3, plus what it
@@ -55,19 +60,18 @@ mod electric;
 mod ticks;
 mod wheel;
 
-use super::detector_params::{ValidDetectorParams, wheel_accels};
+use super::detector_params::ValidDetectorParams;
 use super::fault::{Fault, Side};
 use super::inputs::{ActiveFaults, DetectorInputs};
 use super::silence::Silence;
 use crate::error::Input;
-use crate::hal::WheelCounts;
-use crate::scalar::Scalar;
-use crate::types::{Twist, WheelSpeeds};
+use crate::scalar::{Scalar, seconds};
+use crate::types::{Twist, WheelSpeeds, WheelTorques};
 pub(super) use debounce::Debounce;
 
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
-use wheel::{Effort, Outside, Time, Wheel, WheelDetections, WheelInputs};
+use wheel::{Effort, Wheel, WheelDetections, WheelInputs};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +91,9 @@ impl<T: Scalar> Monitor<T> {
 
     /// Takes a tick's evidence. A condition that lasts is found again in every tick.
     pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
-        self.detectors.check(&self.settings, inputs)
+        let mut found = ActiveFaults::NONE;
+        self.detectors.check(&self.settings, inputs, &mut found);
+        found
     }
 
     /// Late ticks since the start.
@@ -96,12 +102,59 @@ impl<T: Scalar> Monitor<T> {
     }
 }
 
+/// Longest tick in which only one wheel is looked at \[µs\]. A look then spans no more than 5 ms, and what it adds to the time in
+/// which something is found is a hundredth of `stuck.after` as bases have it.
+const BRIEF_US: u32 = 2_500;
+
+/// A time, and what the wheels exerted in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Span<T> {
+    us: u32,
+    /// Torques were not known all the while,
+    unknown: bool,
+    /// else torque times time \[N m s\].
+    impulses: WheelTorques<T>,
+}
+
+impl<T: Scalar> Span<T> {
+    /// A tick of `us`.
+    #[inline(always)]
+    fn of(us: u32, torques: Option<WheelTorques<T>>) -> Self {
+        let dt = seconds::<T>(us);
+        let WheelTorques { right, left } = torques.unwrap_or_default();
+        Self {
+            us,
+            unknown: torques.is_none(),
+            impulses: WheelTorques {
+                right: right * dt,
+                left: left * dt,
+            },
+        }
+    }
+
+    /// This one and another.
+    #[inline(always)]
+    fn and(&self, other: &Self) -> Self {
+        Self {
+            us: self.us.saturating_add(other.us),
+            unknown: self.unknown | other.unknown,
+            impulses: WheelTorques {
+                right: self.impulses.right + other.impulses.right,
+                left: self.impulses.left + other.impulses.left,
+            },
+        }
+    }
+}
+
 /// What the detectors remember; settings are lent: they exist once, wherever the detectors are built in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Detectors<T> {
     ticks: Ticks,
     unread: Silence,
-    last: Option<WheelCounts>,
+    /// The next look is at the left wheel.
+    turn_is_left: bool,
+    /// Since that was looked at, but for the tick to come.
+    unseen: Span<T>,
     right: Wheel<T>,
     left: Wheel<T>,
     current: OverCurrent,
@@ -109,16 +162,16 @@ pub(crate) struct Detectors<T> {
 }
 
 impl<T: Scalar> Detectors<T> {
-    /// Takes a tick's evidence; see [`Monitor::check`].
+    /// Takes a tick's evidence, and adds what it shows to what was `found`; see [`Monitor::check`].
     #[inline(always)]
     pub(crate) fn check(
         &mut self,
         settings: &ValidDetectorParams<T>,
         inputs: &DetectorInputs<T>,
-    ) -> ActiveFaults {
+        found: &mut ActiveFaults,
+    ) {
         let params = settings.params();
         let dt_us = inputs.dt_us;
-        let mut found = ActiveFaults::NONE;
         self.unread = self.unread.after(dt_us, inputs.counts.is_some());
         let (jitter, long) = self.ticks.advance(&params.ticks, dt_us);
         let mut add = |holds: bool, fault: Fault| {
@@ -151,8 +204,7 @@ impl<T: Scalar> Detectors<T> {
         if self.supply.advance(&params.supply, inputs.supply_v, dt_us) {
             found.add(Fault::UnderVoltage);
         }
-        self.check_wheels(settings, inputs, &mut found);
-        found
+        self.check_wheels(settings, inputs, found);
     }
 
     /// Late ticks since the start.
@@ -167,55 +219,90 @@ impl<T: Scalar> Detectors<T> {
         inputs: &DetectorInputs<T>,
         found: &mut ActiveFaults,
     ) {
-        let moved = match (inputs.counts, self.last) {
-            (Some(now), Some(last)) => Some((
-                now.right.wrapping_sub(last.right),
-                now.left.wrapping_sub(last.left),
-            )),
-            _ => None,
-        };
-        if inputs.counts.is_some() {
-            self.last = inputs.counts;
-        }
         let torques = match self.supply.suspected(&settings.params.supply) {
             true => None,
             false => inputs.torques,
         };
-        let efforts = torques.map(|torques| {
-            let wrench = settings.map.wrench(&torques);
-            let (right, left) = wheel_accels(&settings.params.robot, &settings.map, &wrench);
-            let effort = |torque, accel| Effort { torque, accel };
-            (effort(torques.right, right), effort(torques.left, left))
-        });
-        let command = settings.map.wheel_speeds(&inputs.command);
-        let outside = inputs
-            .outside
-            .map(|twist| outside_of(settings, &twist, inputs));
-        let (right_outside, left_outside) = outside.unzip();
-        let time = Time::of_us(inputs.dt_us);
-        let right = WheelInputs {
-            time,
-            moved: moved.map(|(right, _)| right),
-            effort: efforts.map(|(right, _)| right),
-            command: command.right,
-            outside: right_outside,
-        };
-        let left = WheelInputs {
-            time,
-            moved: moved.map(|(_, left)| left),
-            effort: efforts.map(|(_, left)| left),
-            command: command.left,
-            outside: left_outside,
-        };
-        let signs = (
-            self.right.advance(settings, &right),
-            self.left.advance(settings, &left),
-        );
-        if !(signs.0.any() || signs.1.any()) {
-            return;
+        let tick = Span::of(inputs.dt_us, torques);
+        let (is_left, brief) = (self.turn_is_left, inputs.dt_us <= BRIEF_US);
+        let (wheel, now) = self.look_at(settings, inputs, &self.unseen.and(&tick), is_left);
+        wheel.advance(settings, &now);
+        if brief {
+            (self.unseen, self.turn_is_left) = (tick, !is_left);
+        } else {
+            self.unseen = Span::default();
+            let (wheel, now) = self.look_at(settings, inputs, &tick, !is_left);
+            wheel.advance_too(settings, &now);
         }
-        let right = self.right.detections(settings, &right, signs.0);
-        let left = self.left.detections(settings, &left, signs.1);
+        if !self.right.signs.and(self.left.signs).is_empty() {
+            let outside = inputs
+                .outside
+                .map(|twist| settings.map.wheel_speeds(&twist));
+            let command = settings.map.wheel_speeds(&inputs.command);
+            self.find(settings, &command, outside.as_ref(), found);
+        }
+    }
+
+    /// A wheel, and what there is to be seen of it after a `span`.
+    #[inline(always)]
+    fn look_at(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        inputs: &DetectorInputs<T>,
+        span: &Span<T>,
+        is_left: bool,
+    ) -> (&mut Wheel<T>, WheelInputs<T>) {
+        let (map, counts, command) = (&settings.map, &inputs.counts, &inputs.command);
+        let WheelTorques { right, left } = span.impulses;
+        let (own, other) = (&settings.own_accel, settings.other_accel);
+        let (wheel, count, command, impulse, gained) = if is_left {
+            let count = counts.as_ref().map(|counts| counts.left);
+            let gained = own.left * left + other * right;
+            (&mut self.left, count, map.left_speed(command), left, gained)
+        } else {
+            let count = counts.as_ref().map(|counts| counts.right);
+            let gained = own.right * right + other * left;
+            (
+                &mut self.right,
+                count,
+                map.right_speed(command),
+                right,
+                gained,
+            )
+        };
+        let off = inputs.outside.map(|twist| {
+            let Twist { linear, angular } = inputs.measured.twist.minus(&twist);
+            let turning = T::HALF * settings.params.robot.wheels.track_m * angular;
+            if is_left {
+                linear - turning
+            } else {
+                linear + turning
+            }
+        });
+        let now = WheelInputs {
+            us: span.us,
+            dt: seconds(span.us),
+            count,
+            effort: (!span.unknown).then_some(Effort { impulse, gained }),
+            command,
+            off,
+        };
+        (wheel, now)
+    }
+
+    /// What the signs of the wheels come to.
+    #[cold]
+    #[inline(never)]
+    fn find(
+        &self,
+        settings: &ValidDetectorParams<T>,
+        command: &WheelSpeeds<T>,
+        outside: Option<&WheelSpeeds<T>>,
+        found: &mut ActiveFaults,
+    ) {
+        let (right, left) = outside.map(|speeds| (speeds.right, speeds.left)).unzip();
+        let right = self.right.detections(settings, command.right, right);
+        let left = self.left.detections(settings, command.left, left);
         let of = |what: fn(&WheelDetections) -> bool| Side::of(what(&right), what(&left));
         let (dead, reversed) = (dead(&right, &left), reversed(&right, &left));
         found.add_some(of(|wheel| wheel.stuck).or(dead).map(Fault::EncoderStuck));
@@ -223,19 +310,6 @@ impl<T: Scalar> Detectors<T> {
         found.add_some(reversed.map(Fault::EncoderReversed));
         found.add_some(of(|wheel| wheel.slips).map(Fault::WheelSlip));
     }
-}
-
-/// What an outside `twist` says of the right and the left wheel.
-fn outside_of<T: Scalar>(
-    settings: &ValidDetectorParams<T>,
-    twist: &Twist<T>,
-    inputs: &DetectorInputs<T>,
-) -> (Outside<T>, Outside<T>) {
-    let WheelSpeeds { right, left } = settings.map.wheel_speeds(twist);
-    let Twist { linear, angular } = inputs.measured.twist.minus(twist);
-    let turning = T::HALF * settings.params.robot.wheels.track_m * angular;
-    let of = |speed, off| Outside { speed, off };
-    (of(right, linear + turning), of(left, linear - turning))
 }
 
 /// Wheels that turn against their torque while neither is silent that should not be.

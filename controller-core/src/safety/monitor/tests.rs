@@ -3,6 +3,7 @@
 use super::*;
 use crate::error::Field;
 use crate::hal::ErrorKind;
+use crate::hal::WheelCounts;
 use crate::maths::Libm;
 use crate::motion::{Limits, MotionParams, SaturationPolicy};
 use crate::paper::params::Params;
@@ -10,6 +11,7 @@ use crate::safety::{Currents, DetectorParams, FaultKind, Timeout};
 use crate::types::WheelTorques;
 
 mod named;
+mod turns;
 
 /// Ticks of 10 ms on the paper's robot with wheels of 15 N m and 4096 counts.
 fn params() -> DetectorParams<f64> {

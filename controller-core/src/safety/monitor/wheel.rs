@@ -2,88 +2,67 @@
 
 use super::debounce::Debounce;
 use crate::safety::detector_params::{LEAST_COUNTS, Timeout, ValidDetectorParams, WINDOW};
-use crate::scalar::residue;
-use crate::scalar::{Scalar, seconds};
+use crate::scalar::{Scalar, residue};
 
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
 /// [`LEAST_COUNTS`] in it has counted.
 const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
 
-/// What a wheel exerts.
+/// What a wheel exerted since it was looked at last.
 #[derive(Clone, Copy)]
 pub(super) struct Effort<T> {
-    /// Torque \[N m\].
-    pub(super) torque: T,
-    /// Acceleration by the torques of both wheels \[rad/s²\].
-    pub(super) accel: T,
+    /// Torque times time \[N m s\].
+    pub(super) impulse: T,
+    /// Speed by the torques of both wheels \[rad/s\].
+    pub(super) gained: T,
 }
 
-/// Time since the last tick, for both wheels.
-#[derive(Clone, Copy)]
-pub(super) struct Time<T> {
-    us: u32,
-    /// \[s\].
-    dt: T,
-    /// 1/(1 + a dt).
-    shrink: T,
-}
-
-impl<T: Scalar> Time<T> {
-    pub(super) fn of_us(us: u32) -> Self {
-        let dt = seconds(us);
-        Self {
-            us,
-            dt,
-            shrink: T::ONE / (T::ONE + T::from_f64(WINDOW) * dt),
-        }
-    }
-}
-
-/// What a tick knows of one wheel.
+/// What a look knows of one wheel.
 pub(super) struct WheelInputs<T> {
-    pub(super) time: Time<T>,
-    /// Counts since the last reading; `None` without one.
-    pub(super) moved: Option<i32>,
+    /// Time since the last one.
+    pub(super) us: u32,
+    pub(super) dt: T,
+    /// The encoder's; `None` without a reading.
+    pub(super) count: Option<i32>,
     /// `None` where torques are not known.
     pub(super) effort: Option<Effort<T>>,
     /// Speed commanded \[rad/s\].
     pub(super) command: T,
-    /// Where there is an outside twist.
-    pub(super) outside: Option<Outside<T>>,
+    /// Its speed by the encoders less that by an outside twist, where there is one \[m/s\].
+    pub(super) off: Option<T>,
 }
 
-impl<T: Scalar> WheelInputs<T> {
-    /// Commanded to turn at some speed.
-    #[inline(always)]
-    fn is_commanded(&self, settings: &ValidDetectorParams<T>) -> bool {
-        self.command.abs() >= settings.params.wheels.stuck.speed_rad_s
-    }
+/// Commanded to turn at some speed.
+#[inline(always)]
+fn is_commanded<T: Scalar>(settings: &ValidDetectorParams<T>, command: T) -> bool {
+    command.abs() >= settings.params.wheels.stuck.speed_rad_s
 }
 
-/// What an outside twist says of a wheel.
-pub(super) struct Outside<T> {
-    /// Its speed \[rad/s\].
-    pub(super) speed: T,
-    /// Speed by the encoders less that \[m/s\].
-    pub(super) off: T,
-}
-
-/// What a tick shows of a wheel.
-#[derive(Clone, Copy)]
-pub(super) struct Signs {
-    /// It stands though it is pushed.
-    stands: bool,
-    /// It is accelerated against its torque.
-    accelerated: bool,
-    /// It turns against command and torque.
-    turned: bool,
-    slips: bool,
-}
+/// What a look shows of a wheel, a bit each: something that a fault may come of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Signs(u8);
 
 impl Signs {
-    /// There is something that a fault may come of.
-    pub(super) const fn any(self) -> bool {
-        self.stands | self.accelerated | self.turned | self.slips
+    /// It stands though it is pushed.
+    const STANDS: u8 = 1;
+    /// It is accelerated against its torque.
+    const ACCELERATED: u8 = 2;
+    /// It turns against command and torque.
+    const TURNED: u8 = 4;
+    const SLIPS: u8 = 8;
+
+    /// There are none.
+    pub(super) const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Both of two wheels.
+    pub(super) const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    const fn has(self, sign: u8) -> bool {
+        self.0 & sign != 0
     }
 }
 
@@ -118,9 +97,9 @@ impl<T: Scalar> Twice<T> {
         Self { first, second }
     }
 
-    /// 1/(s + a)² of `input`.
-    fn low_pass(&self, input: T, dt: T, shrink: T) -> Self {
-        let first = (self.first + input * dt) * shrink;
+    /// 1/(s + a)² of an input of which that is the integral over the step `dt`.
+    fn low_pass(&self, integral: T, dt: T, shrink: T) -> Self {
+        let first = (self.first + integral) * shrink;
         let second = (self.second + first * dt) * shrink;
         Self { first, second }
     }
@@ -159,6 +138,10 @@ pub(super) struct Wheel<T> {
     silent: Debounce,
     against: Debounce,
     beyond: Debounce,
+    /// The last reading of its encoder.
+    count: Option<i32>,
+    /// Of the last look.
+    pub(super) signs: Signs,
 }
 
 /// What becomes of a wheel that is commanded to turn at some speed, with a torque that way which turns a free one.
@@ -173,52 +156,61 @@ struct Pushed {
 }
 
 impl<T: Scalar> Wheel<T> {
+    /// A look at it: its signs are those of now.
     #[inline(always)]
-    pub(super) fn advance(
-        &mut self,
-        settings: &ValidDetectorParams<T>,
-        now: &WheelInputs<T>,
-    ) -> Signs {
-        self.filter(settings, now);
+    pub(super) fn advance(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) {
+        let moved = match (now.count, self.count) {
+            (Some(now), Some(last)) => Some(now.wrapping_sub(last)),
+            _ => None,
+        };
+        if now.count.is_some() {
+            self.count = now.count;
+        }
+        self.filter(settings, moved, now);
         let stuck = &settings.params.wheels.stuck;
         let (stands, turned) = match now.effort {
             Some(effort)
-                if now.is_commanded(settings) && effort.torque.abs() >= stuck.torque_nm =>
+                if is_commanded(settings, now.command)
+                    && effort.impulse.abs() >= stuck.torque_nm * now.dt =>
             {
-                self.pushed.advance(stuck.after, effort.torque, now)
+                self.pushed.advance(stuck.after, effort.impulse, moved, now)
             }
             _ => self.pushed.not(),
         };
-        let still = now.moved.is_none_or(|counts| counts == 0);
-        self.silent.count(still, now.time.us);
+        let still = moved.is_none_or(|counts| counts == 0);
+        self.silent.count(still, now.us);
         let compared = self.compared();
         // Counts that are missing are not counts that stand still.
-        let accelerated =
-            self.moves_against(settings, compared, now.time.us) && now.moved.is_some();
-        Signs {
-            stands,
-            accelerated,
-            turned,
-            slips: self.moves_beyond(settings, compared, now),
-        }
+        let accelerated = self.moves_against(settings, compared, now.us) && moved.is_some();
+        let slips = self.moves_beyond(settings, compared, now);
+        let sign = |shown: bool, sign| if shown { sign } else { 0 };
+        self.signs = Signs(
+            sign(stands, Signs::STANDS)
+                | sign(accelerated, Signs::ACCELERATED)
+                | sign(turned, Signs::TURNED)
+                | sign(slips, Signs::SLIPS),
+        );
     }
 
-    /// What `signs` of a tick mean, with what is remembered.
+    /// [`advance`](Self::advance) for the second wheel of a tick: by a call, since no short tick has it.
+    #[inline(never)]
+    pub(super) fn advance_too(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) {
+        self.advance(settings, now);
+    }
+
+    /// What its signs mean, with what is remembered, where it is commanded to turn at `command` \[rad/s\] and turns at `outside` by
+    /// an outside twist.
     pub(super) fn detections(
         &self,
         settings: &ValidDetectorParams<T>,
-        now: &WheelInputs<T>,
-        signs: Signs,
+        command: T,
+        outside: Option<T>,
     ) -> WheelDetections {
-        let Signs {
-            stands,
-            accelerated,
-            turned,
-            slips,
-        } = signs;
+        let has = |sign| self.signs.has(sign);
+        let (stands, slips) = (has(Signs::STANDS), has(Signs::SLIPS));
+        let (accelerated, turned) = (has(Signs::ACCELERATED), has(Signs::TURNED));
         let slow = T::HALF * settings.params.wheels.stuck.speed_rad_s;
-        let outside = now.outside.as_ref();
-        let blocked = stands && outside.is_some_and(|outside| outside.speed.abs() < slow);
+        let blocked = stands && outside.is_some_and(|speed| speed.abs() < slow);
         let silent = self.silent.has_lasted(MOVED_WITHIN);
         WheelDetections {
             stuck: stands && !blocked,
@@ -226,24 +218,29 @@ impl<T: Scalar> Wheel<T> {
             against: accelerated || turned,
             reversed: (accelerated && self.turns_against()) || turned,
             silent,
-            dead: silent && now.is_commanded(settings),
+            dead: silent && is_commanded(settings, command),
             slips,
         }
     }
 
-    /// What is seen and what is expected, after the tick.
+    /// What is seen, where it `moved` by so many counts, and what is expected.
     #[inline(always)]
-    fn filter(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) {
-        let Time { dt, shrink, .. } = now.time;
-        let step = T::from_i32(now.moved.unwrap_or(0)) * settings.per_count;
+    fn filter(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        moved: Option<i32>,
+        now: &WheelInputs<T>,
+    ) {
+        let dt = now.dt;
+        let shrink = T::ONE / (T::ONE + T::from_f64(WINDOW) * dt);
+        let step = T::from_i32(moved.unwrap_or(0)) * settings.per_count;
         let seen = self.seen.high_pass(step, shrink);
         let expected = match now.effort {
-            Some(effort) => self.expected.low_pass(effort.accel, dt, shrink),
+            Some(effort) => self.expected.low_pass(effort.gained, dt, shrink),
             None => Twice::settled(seen.or_zero().second, T::from_f64(WINDOW)),
         };
-        if seen.residue() + expected.residue() == T::ZERO {
-            (self.seen, self.expected) = (seen, expected);
-        } else {
+        (self.seen, self.expected) = (seen, expected);
+        if seen.residue() + expected.residue() != T::ZERO {
             (self.seen, self.expected) = (seen.or_zero(), expected.or_zero());
         }
     }
@@ -291,9 +288,9 @@ impl<T: Scalar> Wheel<T> {
         let slip = &settings.params.wheels.slip;
         let pushed = expected >= T::HALF * settings.load_travel;
         let most = expected + expected + settings.slip_travel;
-        let off = now.outside.as_ref().map(|outside| outside.off);
-        let beyond = (pushed && along > most) || off.is_some_and(|off| off.abs() > slip.speed_m_s);
-        self.beyond.holds(beyond, now.time.us, slip.after)
+        let slid = |off: T| off.abs() > slip.speed_m_s;
+        let beyond = (pushed && along > most) || now.off.is_some_and(slid);
+        self.beyond.holds(beyond, now.us, slip.after)
     }
 
     /// |x| and y sgn x.
@@ -317,12 +314,13 @@ impl Pushed {
     fn advance<T: Scalar>(
         &mut self,
         after: Timeout,
-        torque: T,
+        impulse: T,
+        moved: Option<i32>,
         now: &WheelInputs<T>,
     ) -> (bool, bool) {
         let forward = now.command > T::ZERO;
         // Without a reading the wheel is not known to stand or to turn; that is a fault of its own.
-        let moved = now.moved.filter(|_| forward == (torque > T::ZERO));
+        let moved = moved.filter(|_| forward == (impulse > T::ZERO));
         let Some(moved) = moved else {
             return self.not();
         };
@@ -331,8 +329,8 @@ impl Pushed {
         } else {
             moved.saturating_neg()
         };
-        let stands = self.stands_still(moved, now.time.us, after);
-        (stands, self.turns_back(along, now.time.us, after))
+        let stands = self.stands_still(moved, now.us, after);
+        (stands, self.turns_back(along, now.us, after))
     }
 
     /// No more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
@@ -368,6 +366,11 @@ impl<T: Scalar> Wheel<T> {
             .iter()
             .all(|filter| filter.first.is_finite() && filter.second.is_finite())
     }
+
+    /// y and x.
+    pub(super) fn seen_and_expected(&self) -> (T, T) {
+        (self.seen.second, self.expected.second)
+    }
 }
 
 #[cfg(test)]
@@ -380,7 +383,7 @@ mod tests {
         for (output, a) in [(0.3_f64, 5.0), (-2.0, 0.4)] {
             for dt in [1e-4, 1e-2, 0.5] {
                 let settled = Twice::settled(output, a);
-                let next = settled.low_pass(a * a * output, dt, 1.0 / (1.0 + a * dt));
+                let next = settled.low_pass(a * a * output * dt, dt, 1.0 / (1.0 + a * dt));
                 assert!((next.second - output).abs() < 1e-15 * output.abs() * 10.0);
                 assert!((next.first - a * output).abs() < 1e-14);
             }

@@ -86,7 +86,21 @@ impl Supervisor {
     }
 
     /// Takes an event from host, mission or caller, and says what to do.
+    #[inline]
     pub fn on(&mut self, event: Event) -> Action {
+        // Every tick of a base that is driven, or stands at its goal: nothing changes, for whatever demands more than that had it
+        // leave this state.
+        if matches!(
+            (self.state, event),
+            (State::Tracking, Event::Track | Event::Drive) | (State::Parked, Event::Reached)
+        ) {
+            return Action::Continue;
+        }
+        self.take(event)
+    }
+
+    #[inline(never)]
+    fn take(&mut self, event: Event) -> Action {
         let cause = match event {
             Event::Arm | Event::Park | Event::Drive | Event::Stop | Event::Reset => Cause::Host,
             Event::Track => Cause::References,
@@ -112,6 +126,7 @@ impl Supervisor {
     ///
     /// Where nothing can move (Idle, Stopped, Fault) only a driver's fault changes the state: an idle base
     /// needs no host and no pose. Arming such a base shows within the same tick what is wrong with it.
+    #[inline]
     pub fn on_active_faults(
         &mut self,
         active_faults: &ActiveFaults,
@@ -120,6 +135,12 @@ impl Supervisor {
         if active_faults.is_empty() {
             return Action::Continue;
         }
+        self.meet(active_faults, policy)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn meet(&mut self, active_faults: &ActiveFaults, policy: &ValidPolicyParams) -> Action {
         for fault in active_faults.ignored(policy) {
             self.ignored = self.ignored.saturating_add(1);
             self.last_ignored = Some(fault);
@@ -227,14 +248,6 @@ impl Supervisor {
     }
 
     fn apply(&mut self, event: Event, cause: Cause) -> Action {
-        // Every tick of a base that is driven, or stands at its goal: nothing changes, for whatever demands more than that had it
-        // leave this state.
-        if matches!(
-            (self.state, event),
-            (State::Tracking, Event::Track | Event::Drive) | (State::Parked, Event::Reached)
-        ) {
-            return Action::Continue;
-        }
         let event = not_milder(event, self.output().severity());
         let (state, action) = next(self.state, event);
         let reaction = demanded(event);

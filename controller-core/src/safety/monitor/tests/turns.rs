@@ -1,0 +1,124 @@
+//! Brief ticks, in which the wheels are looked at in turns.
+
+use super::*;
+
+/// Of 1 ms.
+fn brief(inputs: DetectorInputs<f64>) -> DetectorInputs<f64> {
+    DetectorInputs {
+        dt_us: 1000,
+        ..inputs
+    }
+}
+
+fn every_ms() -> Monitor<f64> {
+    let period_us = 1000;
+    monitor(DetectorParams {
+        period_us,
+        ..params()
+    })
+}
+
+/// 250 ms from the first look at the wheel: the right one's is in the first tick, the left one's in the second.
+#[test]
+fn what_stands_is_found_at_most_a_tick_later_and_stays_found() {
+    for (right, left, side, tick) in [
+        (0, 10, Side::Right, 251),
+        (10, 0, Side::Left, 252),
+        (0, 0, Side::Right, 251),
+    ] {
+        let mut monitor = every_ms();
+        let kind = FaultKind::EncoderStuck;
+        let at = |k| brief(pushing(k, right, left));
+        assert_eq!(found_in(&mut monitor, 300, kind, at), Some(tick));
+        // Also in the ticks that look at the other wheel.
+        let later = if right == left { Side::Both } else { side };
+        for k in tick + 1..tick + 10 {
+            let found = monitor.check(&at(k));
+            assert_eq!(found.get(kind), Some(Fault::EncoderStuck(later)));
+        }
+        // It ends with its sign: at the next look.
+        let moves = |k| brief(pushing(100 * k, 1, 1));
+        monitor.check(&moves(1));
+        assert!(monitor.check(&moves(2)).get(kind).is_none());
+    }
+}
+
+/// A torque to and fro at every tick pushes nothing, though a look meets it the same way each time.
+#[test]
+fn a_look_takes_all_that_was_exerted_since_the_last() {
+    let shaken = |k: i32, mean: f64| {
+        let torque = mean + if k % 2 == 0 { 8.0 } else { -8.0 };
+        DetectorInputs {
+            torques: Some(WheelTorques {
+                right: torque,
+                left: -torque,
+            }),
+            command: Twist::new(0.0, 2.0),
+            ..brief(pushing(k, 0, 0))
+        }
+    };
+    let kind = FaultKind::EncoderStuck;
+    let quiet = found_in(&mut every_ms(), 2000, kind, |k| shaken(k, 0.0));
+    assert_eq!(quiet, None);
+    let pushed = found_in(&mut every_ms(), 2000, kind, |k| shaken(k, 4.0));
+    assert!(pushed.is_some_and(|tick| tick <= 255), "{pushed:?}");
+}
+
+/// Ticks of any length one after the other: neither counts nor torques nor time are lost or taken twice.
+#[test]
+fn nothing_is_lost_where_ticks_change_their_length() {
+    let mut monitor = every_ms();
+    let (mut us, mut angle, mut speed) = (0_u32, 0.0_f64, 0.0);
+    // 4 N m each: 80 N on 30 kg with wheels of 0.1 m.
+    let accel = 8.0 / (30.0 * 0.1 * 0.1);
+    let lengths = [1000, 10_000, 1000, 2000, 2500, 2600, 700];
+    for dt_us in lengths.into_iter().cycle().take(700) {
+        let dt = 1e-6 * f64::from(dt_us);
+        us += dt_us;
+        angle += dt * (speed + 0.5 * dt * accel);
+        speed += dt * accel;
+        let count = (angle * 4096.0 / core::f64::consts::TAU) as i32;
+        let found = monitor.check(&DetectorInputs {
+            dt_us,
+            counts: Some(WheelCounts {
+                right: count,
+                left: count,
+            }),
+            ..pushing(0, 0, 0)
+        });
+        assert!(
+            found
+                .iter()
+                .all(|fault| fault.kind() == FaultKind::TickJitter)
+        );
+    }
+    assert!(us > 1_000_000);
+    // After 20 windows both have settled at â/a², what is seen within the two counts by which it may be rounded; a tick lost, or taken twice, is a tenth.
+    let settled = accel / 100.0;
+    for wheel in [&monitor.detectors.right, &monitor.detectors.left] {
+        let (seen, expected) = wheel.seen_and_expected();
+        assert!(
+            (expected - settled).abs() < 1e-6 * settled,
+            "{expected} {settled}"
+        );
+        let rounding = 2.0 * core::f64::consts::TAU / 4096.0;
+        assert!(
+            (seen - settled).abs() < 0.03 * settled + rounding,
+            "{seen} {settled}"
+        );
+    }
+}
+
+/// Torques that are not known in one of the ticks of a look are not known in it.
+#[test]
+fn a_tick_without_torques_blinds_the_looks_it_is_in() {
+    let dark = |k: i32| {
+        let mut inputs = brief(pushing(k, 0, 0));
+        if k % 2 == 0 {
+            inputs.torques = None;
+        }
+        inputs
+    };
+    let kind = FaultKind::EncoderStuck;
+    assert_eq!(found_in(&mut every_ms(), 2000, kind, dark), None);
+}
