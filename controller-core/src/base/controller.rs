@@ -395,6 +395,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     ///
     /// # Errors
     /// [`StepFault::WrongPhase`] while the base is live: only Idle, Stopped and Fault are left alone by new gains.
+    // What it needs of the stack is not needed while parameters are checked as well.
+    #[inline(never)]
     pub fn reconfigure(&mut self, base: &ValidBaseParams<T>) -> Result<(), StepFault> {
         if self.supervisor.state().is_live() {
             return Err(StepFault::WrongPhase);

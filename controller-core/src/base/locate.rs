@@ -58,7 +58,11 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     /// For other parameters: begins anew, where it was by the last report.
     pub(super) fn begin_anew(&mut self, reported: Option<&Measured<T>>) {
         let last = reported.map(|measured| self.with_set(measured).pose);
-        *self = Self::new(last.unwrap_or(self.start));
+        // In place: a whole one would be made on the stack first.
+        self.localiser = None;
+        self.start = last.unwrap_or(self.start);
+        self.blind_s = T::ZERO;
+        self.set = false;
     }
 
     /// What was measured, but where the base was set since.

@@ -54,17 +54,20 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
     /// # Errors
     ///
     /// [`SettingError`]: parameters out of range, or that allow more torque than the driver does.
+    // What it needs of the stack is free again while the task runs.
+    #[inline(never)]
     pub fn new(
         drive: D,
         references: ReferenceConsumer<'queue, f32>,
         defaults: BaseParams<f32>,
         start: Pose<f32>,
     ) -> Result<Self, SettingError> {
-        let base = settings::check(&defaults, &drive)?;
+        let checked = settings::check(&defaults, &drive);
+        let base = checked.as_ref().map_err(|error| *error)?;
         Ok(Self {
             drive,
             references,
-            controller: BaseController::new(&base, start),
+            controller: BaseController::new(base, start),
             params: defaults,
             defaults,
             course: Course::default(),

@@ -46,11 +46,12 @@ pub(super) fn check<D: WheelDrive>(
     params: &BaseParams<f32>,
     drive: &D,
 ) -> Result<ValidBaseParams<f32>, SettingError> {
-    let base = params.validate().map_err(SettingError::Base)?;
-    if params.motion.limits.wheel_torque_nm > drive.max_torque_nm() {
+    // Not taken apart and put together again: that would be a second copy on the stack.
+    let base = params.validate().map_err(SettingError::Base);
+    if base.is_ok() && params.motion.limits.wheel_torque_nm > drive.max_torque_nm() {
         return Err(SettingError::TorqueLimit);
     }
-    Ok(base)
+    base
 }
 
 impl<D: WheelDrive> ControlTask<'_, D> {
@@ -83,9 +84,13 @@ impl<D: WheelDrive> ControlTask<'_, D> {
         if !self.is_disarmed() {
             return Err(SetError::Armed);
         }
-        let base = check(params, &self.drive).map_err(SetError::Setting)?;
+        let checked = check(params, &self.drive);
+        // By reference: out of its result it would be another copy on the stack.
+        let base = checked
+            .as_ref()
+            .map_err(|error| SetError::Setting(*error))?;
         self.controller
-            .reconfigure(&base)
+            .reconfigure(base)
             .map_err(|_| SetError::Armed)?;
         self.params = *params;
         Ok(())
