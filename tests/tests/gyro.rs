@@ -108,6 +108,12 @@ fn learns_at_rest<T: Scalar>(bias: f64, seed: u64) {
     assert!(variance < f64::powi(1.5 * 4.9e-5, 2), "{variance:e}");
 }
 
+/// One of the readings of this rest is more than five standard deviations off, as one of 1.7 million is.
+#[test]
+fn a_reading_that_is_far_off_by_chance_ends_no_rest() {
+    learns_at_rest::<f64>(0.0, 11_036_286_374_072_588_099);
+}
+
 proptest! {
     #[test]
     fn the_bias_is_learnt_at_rest(bias in -0.0115_f64..0.0115, seed in any::<u64>()) {

@@ -17,7 +17,8 @@ const AGREES: f64 = 0.1;
 /// A bias is beyond its limit from this multiple of it on: noise adds to what is just within.
 const BEYOND: f64 = 1.1;
 /// Standard deviations, squared, that readings of a base at rest may be apart.
-const STEADY: f64 = 25.0;
+/// Six are exceeded by chance once in 500 million readings, a week at 1 kHz; five would end a rest every half an hour.
+const STEADY: f64 = 36.0;
 /// Way over which the wheels' curvature bias is learnt from the gyro \[m\], and how much of what is seen is taken.
 const STRETCH_M: f64 = 0.3;
 const TAKEN: f64 = 0.3;
