@@ -2,9 +2,9 @@
 
 use super::FigureError;
 use super::axis::Axis;
-use super::chart::{Chart, Entry, Item, Marker, Place, sheet};
+use super::chart::{Chart, Item, Place, sheet};
 use super::drawing::{Color, Drawing, Stroke};
-use super::style::entry;
+use super::legend::{Entry, Marker, entry};
 use crate::bench::{Class, LawKind, Row, Summary, better};
 
 /// Width of a panel, of one with the legend beside it, and height of all \[px\].

@@ -4,21 +4,10 @@ use super::axis::Axis;
 use super::corner::Corner;
 use super::drawing::{Anchor, Color, Drawing, Point, Shape, Stroke, Text};
 use super::font;
+use super::legend::{Entry, FRAME, GAP, LINE, Marker, OFF, PAD, SAMPLE, legend_size};
 use super::style::{
     AXIS, GREY, GRID, LABEL_SIZE, LEGEND_EDGE, PAPER, SMALL_SIZE, SPACING, TITLE_SIZE,
 };
-
-/// What is drawn for a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Marker {
-    Circle,
-    Square,
-    Triangle,
-    TriangleDown,
-    Diamond,
-    Star,
-    Cross,
-}
 
 /// Something between the axes, in their units.
 #[derive(Clone, Debug)]
@@ -27,16 +16,6 @@ pub(super) enum Item {
     Mark(Point, Marker, f64, Color),
     /// From a point to an x, with an end.
     Bar(Point, f64, Color),
-}
-
-/// A line of a legend.
-#[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub label: String,
-    pub color: Color,
-    /// A line with these dashes without one.
-    pub marker: Option<Marker>,
-    pub dashes: &'static [f32],
 }
 
 /// Where a legend is.
@@ -84,28 +63,8 @@ const ABOVE: (f64, f64) = (10.0, 44.0);
 /// Length of ticks, and from the axis to its numbers.
 const TICK: f64 = 5.0;
 const NUMBERS: f64 = 8.0;
-/// Of a legend: around it, the sample, and from that to its words; its height besides its lines.
-const PAD: f64 = 10.0;
-const SAMPLE: f64 = 18.0;
-const GAP: f64 = 8.0;
-const FRAME: f64 = 12.5;
-const LINE: f64 = 1.5 * SMALL_SIZE;
-/// From a legend to the axes.
-pub(super) const OFF: f64 = 8.0;
 /// From the middle of letters to their base line, as a share of their size.
 const MIDDLE: f64 = 0.364;
-
-/// Width and height of a legend.
-pub(super) fn legend_size(entries: &[Entry]) -> Point {
-    let widths = entries
-        .iter()
-        .map(|entry| font::width(&entry.label, SMALL_SIZE));
-    let widest = widths.fold(0.0, f64::max);
-    (
-        2.0 * PAD + SAMPLE + GAP + widest,
-        LINE * entries.len() as f64 + FRAME,
-    )
-}
 
 /// Rows of panels, each with its height, below a title.
 pub(super) fn sheet(title: &str, rows: Vec<(f64, Vec<Cell>)>) -> Drawing {

@@ -1,6 +1,6 @@
 //! Where a legend hides least.
 
-use super::chart::{self, Entry, OFF};
+use super::legend::{self, Entry, OFF};
 
 /// A corner of a panel, inside the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +68,6 @@ impl Corner {
 
 /// Width and height of a legend with its distance from the axes, and as much on the other side \[px\].
 fn legend_size(entries: &[Entry]) -> (f64, f64) {
-    let (wide, high) = chart::legend_size(entries);
+    let (wide, high) = legend::legend_size(entries);
     (wide + 2.0 * OFF, high + 2.0 * OFF)
 }

@@ -14,6 +14,7 @@ mod font;
 #[cfg(test)]
 #[allow(dead_code)]
 mod lean_font;
+mod legend;
 mod limits;
 mod notes;
 mod panels;

@@ -2,11 +2,12 @@
 
 use super::Labelled;
 use super::axis::Axis;
-use super::chart::{Chart, Item, Marker, Place};
+use super::chart::{Chart, Item, Place};
 use super::corner::Corner;
 use super::drawing::{Color, Stroke};
+use super::legend::{Marker, entry};
 use super::limits::Span;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, STRONG, entry};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, STRONG};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
 use crate::trace::TraceRow;

@@ -2,9 +2,10 @@
 
 use super::FigureError;
 use super::axis::Axis;
-use super::chart::{Chart, Entry, Item, Marker, Place, Upright, sheet};
+use super::chart::{Chart, Item, Place, Upright, sheet};
 use super::drawing::Drawing;
-use super::style::{BLACK, BLUE, GREEN, ORANGE, entry};
+use super::legend::{Entry, Marker, entry};
+use super::style::{BLACK, BLUE, GREEN, ORANGE};
 use crate::robustness::{Case, ComparedLaw, RunVerdict, StudyOutcome, StudyRow};
 
 /// Height of a condition's row, and of what is above and below all rows \[px\].

@@ -1,6 +1,5 @@
 //! Sizes, colours and strokes.
 
-use super::chart::{Entry, Marker};
 use super::drawing::Color;
 
 /// Width and height of a panel.
@@ -49,21 +48,6 @@ pub(super) const PAPER: &str = "#ffffff";
 /// Stroke of the main run and of the one below it.
 pub(super) const STRONG: f64 = 2.2;
 pub(super) const PALE: f64 = 1.2;
-
-/// A line of a legend.
-pub(super) fn entry(
-    label: &str,
-    color: Color,
-    marker: Option<Marker>,
-    dashes: &'static [f32],
-) -> Entry {
-    Entry {
-        label: label.to_owned(),
-        color,
-        marker,
-        dashes,
-    }
-}
 
 /// The stroke of the main run and of the one below it.
 pub(super) fn stroke(main: bool) -> f64 {

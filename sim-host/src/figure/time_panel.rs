@@ -2,12 +2,13 @@
 
 use super::Labelled;
 use super::axis::Axis;
-use super::chart::{Chart, Entry, Item, Place};
+use super::chart::{Chart, Item, Place};
 use super::corner::Corner;
 use super::drawing::Stroke;
+use super::legend::{Entry, entry};
 use super::limits::Span;
 use super::notes::Canvas;
-use super::style::{self, Ink, entry, stroke};
+use super::style::{self, Ink, stroke};
 use super::thin_out::thin_out;
 use crate::trace::{Trace, TraceRow};
 
