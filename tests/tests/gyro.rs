@@ -110,7 +110,7 @@ fn learns_at_rest<T: Scalar>(bias: f64, seed: u64) {
 
 /// One of the readings of this rest is more than five standard deviations off, as one of 1.7 million is.
 #[test]
-fn a_reading_that_is_far_off_by_chance_ends_no_rest() {
+fn a_reading_that_is_far_off_by_chance_is_no_jump() {
     learns_at_rest::<f64>(0.0, 11_036_286_374_072_588_099);
 }
 

@@ -17,8 +17,9 @@ const AGREES: f64 = 0.1;
 /// A bias is beyond its limit from this multiple of it on: noise adds to what is just within.
 const BEYOND: f64 = 1.1;
 /// Standard deviations, squared, that readings of a base at rest may be apart.
-/// Six are exceeded by chance once in 500 million readings, a week at 1 kHz; five would end a rest every half an hour.
-const STEADY: f64 = 36.0;
+const STEADY: f64 = 25.0;
+/// By which a reading at rest says that the bias has jumped: six are exceeded by chance once in 500 million readings, a week at 1 kHz.
+const JUMPED: f64 = 36.0;
 /// Way over which the wheels' curvature bias is learnt from the gyro \[m\], and how much of what is seen is taken.
 const STRETCH_M: f64 = 0.3;
 const TAKEN: f64 = 0.3;
@@ -345,7 +346,7 @@ impl<T: Scalar> GyroHeading<T> {
         let off = self.last_rate - self.bias;
         let variance = gyro.noise / t + gyro.rounded;
         self.spread.pass(T::ZERO, T::ZERO, T::ZERO, gyro.walk * t);
-        if off * off > T::from_f64(STEADY) * (self.spread.bb + variance) {
+        if off * off > T::from_f64(JUMPED) * (self.spread.bb + variance) {
             // It has jumped within its limit: what was learnt is worth nothing.
             self.spread.forget_bias(gyro.prior);
         }
