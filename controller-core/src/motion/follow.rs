@@ -134,11 +134,7 @@ impl<T: Scalar> Follower<T> {
         let command = &moving.command.twist;
         Wanted {
             setpoint: self.advance::<U, M>(motion, &now, command, two_per_dt),
-            transition: if two_per_dt.is_some() {
-                Transition::Continue
-            } else {
-                Transition::Offset
-            },
+            transition: Transition::after(two_per_dt),
         }
     }
 

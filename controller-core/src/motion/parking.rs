@@ -355,11 +355,7 @@ impl<T: Scalar> ParkingLaw<T> {
                 matches!(attempt, Attempt::Manoeuvre | Attempt::Hold)
             }
         };
-        let mut transition = if jumped {
-            Transition::Offset
-        } else {
-            Transition::Continue
-        };
+        let mut transition = Transition::after(step.two_per_dt);
         if begun {
             lent.before.keep(&self.approach);
             transition = self.begin::<M>(motion, at, moving.command, attempt, step.dt);
@@ -422,11 +418,7 @@ impl<T: Scalar> ParkingLaw<T> {
         self.memory.checker = GoalChecker::NEW;
         self.memory.retry.drives();
         self.keep_under_way(lent.before);
-        let transition = if step.two_per_dt.is_none() {
-            Transition::Offset
-        } else {
-            Transition::Continue
-        };
+        let transition = Transition::after(step.two_per_dt);
         let way = (step.dt, step.two_per_dt, transition);
         let along = self.along::<U, M>(lent, motion, error, &moving, step, way);
         match along {
@@ -516,14 +508,9 @@ impl<T: Scalar> ParkingLaw<T> {
             .memory
             .regulator
             .advance::<U, M>(motion, &aim, distance, command, two_per_dt);
-        let transition = if two_per_dt.is_some() {
-            Transition::Continue
-        } else {
-            Transition::Offset
-        };
         Wanted {
             setpoint,
-            transition,
+            transition: Transition::after(two_per_dt),
         }
     }
 

@@ -38,3 +38,15 @@ pub(crate) enum Transition {
     /// From the command itself, rate and acceleration: there is no offset.
     Seamless,
 }
+
+impl Transition {
+    /// Of a law that goes on unless pose, task or goal has jumped: then there is no 2/dt to take the setpoint's rate by.
+    #[inline(always)]
+    pub(crate) const fn after<T: Copy>(two_per_dt: Option<T>) -> Self {
+        if two_per_dt.is_some() {
+            Self::Continue
+        } else {
+            Self::Offset
+        }
+    }
+}
