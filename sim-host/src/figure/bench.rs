@@ -2,7 +2,7 @@
 
 use super::FigureError;
 use super::axis::Axis;
-use super::chart::{Chart, Item, Place, sheet};
+use super::chart::{Chart, Item, sheet};
 use super::drawing::{Color, Drawing, Stroke};
 use super::legend::{Entry, Marker, entry};
 use crate::bench::{Class, LawKind, Row, Summary, better};
@@ -108,20 +108,15 @@ fn panel(rows: &[&Row], at: usize, count: usize, bases: &[String]) -> Chart {
     }
     let title = bases.get(own.first().map_or(at, |summary| summary.base));
     let y_label = if at == 0 { y_label(&own) } else { "" };
+    let x = Axis::log(x, "time : least time, median; × never");
     Chart {
         title: title.cloned().unwrap_or_default(),
-        x: Axis::log(x, "time : least time, median; × never"),
-        y: Axis::log((low, high), y_label),
-        equal: false,
-        items,
         legend: if at + 1 == count {
             legend(rows)
         } else {
             Vec::new()
         },
-        place: Place::Beside,
-        uprights: Vec::new(),
-        words: Vec::new(),
+        ..Chart::new(x, Axis::log((low, high), y_label), items)
     }
 }
 

@@ -107,6 +107,21 @@ fn words(text: &str, at: Point, size: f64, anchor: Anchor) -> Text {
 type Area = (f64, f64, f64, f64);
 
 impl Chart {
+    /// Without a title, a legend and words.
+    pub const fn new(x: Axis, y: Axis, items: Vec<Item>) -> Self {
+        Self {
+            title: String::new(),
+            x,
+            y,
+            equal: false,
+            items,
+            legend: Vec::new(),
+            place: Place::Beside,
+            uprights: Vec::new(),
+            words: Vec::new(),
+        }
+    }
+
     /// Draws it into a cell.
     fn draw(mut self, origin: Point, size: Point, shapes: &mut Vec<Shape>) {
         let mut area = self.area(origin, size);

@@ -1,6 +1,6 @@
 //! A picture as lines, areas and words: written as SVG, or drawn as PNG.
 //!
-//! Ours, because size decides: a plotting library and one that renders SVG would be a quarter of the wheel for Python.
+//! Ours, because size decides: with a plotting library and one that renders SVG the wheel for Python had 3.7 MB instead of 2.1.
 
 use std::fmt::Write as _;
 

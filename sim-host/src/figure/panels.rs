@@ -79,14 +79,10 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
     let (corner, _) = Corner::emptiest(seen, (x, y), &entries, plot);
     Chart {
         title: "Reference and real trajectories".to_owned(),
-        x: Axis::new(x, "x [m]"),
-        y: Axis::new(y, "y [m]"),
         equal: true,
-        items,
         legend: entries,
         place: Place::Inside(corner),
-        uprights: Vec::new(),
-        words: Vec::new(),
+        ..Chart::new(Axis::new(x, "x [m]"), Axis::new(y, "y [m]"), items)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::FigureError;
 use super::axis::Axis;
-use super::chart::{Chart, Item, Place, Upright, sheet};
+use super::chart::{Chart, Item, Upright, sheet};
 use super::drawing::Drawing;
 use super::legend::{Entry, Marker, entry};
 use super::style::{BLACK, BLUE, GREEN, ORANGE};
@@ -89,17 +89,7 @@ fn times(rows: &[StudyRow<'_>], names: &[&str]) -> Chart {
 
 fn chart(x: Axis, names: Vec<String>, items: Vec<Item>) -> Chart {
     let y = (0.3, names.len() as f64 + 0.7);
-    Chart {
-        title: String::new(),
-        x,
-        y: Axis::named(y, names),
-        equal: false,
-        items,
-        legend: Vec::new(),
-        place: Place::Beside,
-        uprights: Vec::new(),
-        words: Vec::new(),
-    }
+    Chart::new(x, Axis::named(y, names), items)
 }
 
 /// A mark per law and case; `place` gives mean and worst, and whether the run failed.

@@ -61,14 +61,9 @@ impl TimePanel<'_> {
         items.extend(curves(main, true));
         let mut chart = Chart {
             title: self.title.to_owned(),
-            x: Axis::new(x, "t [s]"),
-            y: Axis::new(y, self.y_label),
-            equal: false,
-            items,
             legend: entries,
             place: Place::Inside(canvas.legend),
-            uprights: Vec::new(),
-            words: Vec::new(),
+            ..Chart::new(Axis::new(x, "t [s]"), Axis::new(y, self.y_label), items)
         };
         canvas.mark_hand_over(&mut chart);
         if let Some((text, above)) = other.and_then(|other| self.off_scale(other, y)) {
