@@ -148,6 +148,11 @@ impl<T: Scalar> Shunting<T> {
         })
     }
 
+    /// What a long tick with a positive input pulls the state to.
+    pub(crate) fn pull(&self) -> T {
+        self.pull[0]
+    }
+
     /// A \[1/s\].
     pub fn decay(&self) -> T {
         self.decay
@@ -192,7 +197,12 @@ impl<T: Scalar> Shunting<T> {
     /// with one product less.
     #[inline(always)]
     pub fn rate(&self, state: T, input: T) -> T {
-        self.bounds[input.sign_index() & 1] * input - (self.decay + input.abs()) * state
+        rate(
+            self.bounds[input.sign_index() & 1],
+            self.decay,
+            state,
+            input,
+        )
     }
 
     /// The state that a constant input leads to: (B S⁺ − D S⁻)/(A + |u|), inside (−D, B).
@@ -226,10 +236,8 @@ impl<T: Scalar> Shunting<T> {
         twice_input: T,
         two_per_dt: T,
     ) -> T {
-        // 1/(2 (A + |u|)): with 2u and 2/dt the twos cancel.
-        let half_time = T::ONE / (self.twice_decay + twice_input.abs());
-        let target = self.pull[twice_input.sign_index() & 1] * (twice_input * half_time);
-        state + U::share::<M>(half_time * two_per_dt) * (target - state)
+        let pull = self.pull[twice_input.sign_index() & 1];
+        advance::<T, U, M>(pull, self.twice_decay, state, twice_input, two_per_dt)
     }
 
     /// The state after `dt` ≥ 0 \[s\] with a finite input known at both ends, whatever their
@@ -258,4 +266,25 @@ impl<T: Scalar> Shunting<T> {
     pub(crate) fn fading<U: NeuronUpdate<T>, M: Maths<T>>(&self, two_per_dt: T) -> T {
         U::share::<M>(self.half_time * two_per_dt)
     }
+}
+
+/// [`Shunting::rate`] with the `bound` on the input's side.
+#[inline(always)]
+pub(crate) fn rate<T: Scalar>(bound: T, decay: T, state: T, input: T) -> T {
+    bound * input - (decay + input.abs()) * state
+}
+
+/// [`Shunting::advance`] with what the input's side pulls to.
+#[inline(always)]
+pub(crate) fn advance<T: Scalar, U: NeuronUpdate<T>, M: Maths<T>>(
+    pull: T,
+    twice_decay: T,
+    state: T,
+    twice_input: T,
+    two_per_dt: T,
+) -> T {
+    // 1/(2 (A + |u|)): with 2u and 2/dt the twos cancel.
+    let half_time = T::ONE / (twice_decay + twice_input.abs());
+    let target = pull * (twice_input * half_time);
+    state + U::share::<M>(half_time * two_per_dt) * (target - state)
 }

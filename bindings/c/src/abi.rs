@@ -3,12 +3,10 @@
 /// Version of these structs and of the calls: the caller's header has the same one.
 pub const API: u32 = 1;
 
-/// What a call answers.
+/// What a call answers that did nothing. None is 0, which the call answers that did what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
-    /// Done.
-    Ok = 0,
     /// A pointer is NULL.
     Null = -1,
     /// A pointer is not aligned for its type.
@@ -35,26 +33,6 @@ pub enum Status {
     BadValue = -12,
     /// The base's state does not allow it.
     Refused = -13,
-}
-
-impl Status {
-    /// All of them, `ALL[n]` being −n.
-    pub const ALL: [Self; 14] = [
-        Self::Ok,
-        Self::Null,
-        Self::Misaligned,
-        Self::NotInitialised,
-        Self::Busy,
-        Self::Api,
-        Self::RobotMagic,
-        Self::RobotLength,
-        Self::RobotCheck,
-        Self::RobotVersion,
-        Self::RobotContent,
-        Self::NotFinite,
-        Self::BadValue,
-        Self::Refused,
-    ];
 }
 
 /// `twb_pose`.

@@ -9,8 +9,9 @@
 use core::ffi::c_char;
 use core::slice;
 
-use controller_core::base::{BaseController, BaseParams, WheelAction};
-use controller_core::hal::{ErrorKind, Observed};
+use controller_core::base::{self, BaseController, BaseParams, ValidBaseParams, WheelAction};
+use controller_core::hal::{ErrorKind, Observed, WheelCounts};
+use controller_core::motor::WheelCommands;
 use controller_core::safety::supervisor::{self, Event};
 use controller_core::types::WheelTorques;
 use protocol::{BaseTick, decode_robot};
@@ -22,7 +23,7 @@ use crate::{convert, names};
 /// The code of a result.
 const fn code(result: Result<(), Status>) -> i32 {
     match result {
-        Ok(()) => Status::Ok as i32,
+        Ok(()) => 0,
         Err(status) => status as i32,
     }
 }
@@ -33,10 +34,7 @@ const fn code(result: Result<(), Status>) -> i32 {
 /// Of `base`, as the [module](self) says.
 unsafe fn with(base: *const Base, work: impl FnOnce(&mut Body) -> Result<(), Status>) -> i32 {
     // SAFETY: of the caller.
-    let result = unsafe { Handle::new(base) }
-        .and_then(|handle| handle.with(work))
-        .and_then(|(result, _)| result);
-    code(result)
+    code(unsafe { Handle::new(base) }.and_then(|handle| handle.with(work, |_| ())))
 }
 
 /// An event of the host.
@@ -54,7 +52,7 @@ unsafe fn on(base: *mut Base, event: Event) -> i32 {
 }
 
 /// Bytes to parameters that were validated.
-fn robot(blob: &[u8]) -> Result<controller_core::base::ValidBaseParams<f32>, Status> {
+fn robot(blob: &[u8]) -> Result<ValidBaseParams<f32>, Status> {
     let params: BaseParams<f32> = decode_robot(blob)?;
     params.validate().map_err(|_| Status::RobotContent)
 }
@@ -176,38 +174,24 @@ pub unsafe extern "C" fn twb_tick(
         }
         // SAFETY: neither NULL nor misaligned, the rest is the caller's.
         let handle = unsafe { Handle::new_unchecked(base) };
-        let (result, stopped) = handle.with(|body| {
+        let work = |body: &mut Body| {
             // SAFETY: of the caller; nobody else looks at them during the call. They are not copied, which would take longer than
             // all that is done with them.
-            let (order, sensed) = unsafe { (&*order, &*sensed) };
-            let order = convert::order(order)?;
-            let sensed = convert::sensed(sensed, body.answer)?;
-            step(&mut body.controller, dt_us, &order, &sensed);
+            let (asked, found) = unsafe { (&*order, &*sensed) };
+            let mut order = base::Order::None;
+            convert::order(asked, &mut order)?;
+            let mut sensed = base::Sensed::of_counts(WheelCounts::default());
+            convert::sensed(found, body.answer, &mut sensed)?;
+            body.controller.tick(dt_us, &order, &sensed);
             body.ticks = body.ticks.wrapping_add(1);
             // SAFETY: of the caller.
             unsafe { drive(body, sensed.supply_v, action) };
             Ok(())
-        })?;
-        if let Some(stop) = stopped {
-            // SAFETY: of the caller.
-            unsafe { action.write(convert::action(&stop)) };
-        }
-        result
+        };
+        // SAFETY: of the caller.
+        handle.with(work, |stop| unsafe { action.write(convert::action(stop)) })
     };
     code(result())
-}
-
-/// The core's tick. On ARM a function of its own: within another one the compiler runs out of registers there, and it takes
-/// longer; on RISC-V saving its many registers twice does.
-#[cfg_attr(target_arch = "arm", inline(never))]
-#[cfg_attr(not(target_arch = "arm"), inline)]
-fn step(
-    controller: &mut BaseController,
-    dt_us: u32,
-    order: &controller_core::base::Order<f32>,
-    sensed: &controller_core::base::Sensed<f32>,
-) {
-    controller.tick(dt_us, order, sensed);
 }
 
 /// What is wrong with the first of a tick's pointers that something is wrong with.
@@ -236,61 +220,53 @@ fn first_refusal(
 /// `out` may be written.
 #[inline]
 unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
-    let Body {
-        controller, answer, ..
-    } = body;
-    *answer = Ok(());
-    let drive = match &controller.report().action {
-        WheelAction::Drive(drive) => drive,
-        other => {
-            // SAFETY: of the caller.
-            unsafe { out.write(convert::action(other)) };
-            return;
-        }
+    body.answer = Ok(());
+    let report = body.controller.report();
+    let (WheelAction::Drive(drive), Some(motor)) = (&report.action, body.controller.base().motor())
+    else {
+        // SAFETY: of the caller.
+        unsafe { out.write(convert::action(&report.action)) };
+        return;
     };
-    let mut flags = drive
-        .beyond_coulomb
-        .map_or(0, |_| abi::action::BEYOND_COULOMB);
-    let (mut duty, mut exerted) = (Wheels::default(), None);
-    if let Some(motor) = controller.base().motor() {
-        let commands = motor.commands(
-            &drive.torques,
-            &Observed {
-                speeds: drive.speeds,
-                desired: drive.desired,
-                beyond_coulomb: drive.beyond_coulomb,
-                supply_v: supply_v.unwrap_or(f32::NAN),
-            },
-        );
-        if commands.is_invalid() {
-            // SAFETY: of the caller.
-            unsafe { out.write(convert::action(&WheelAction::Release)) };
-            *answer = Err(ErrorKind::Other);
-            let _ = controller.note_exerted(&WheelTorques::default());
-            return;
-        }
-        flags |= abi::action::DUTY;
-        duty = Wheels {
-            right: commands.right.duty,
-            left: commands.left.duty,
-        };
-        exerted = commands.exerted();
-        if exerted.is_some() {
-            flags |= abi::action::LIMITED;
-        }
-    }
+    let observed = Observed {
+        speeds: drive.speeds,
+        desired: drive.desired,
+        beyond_coulomb: drive.beyond_coulomb,
+        supply_v: supply_v.unwrap_or(f32::NAN),
+    };
+    let commands = motor.commands(&drive.torques, &observed);
     // SAFETY: of the caller.
-    unsafe {
-        out.write(Action {
-            flags,
-            duty,
-            ..convert::driven(drive)
-        });
+    unsafe { out.write(convert::with_duties(drive, &commands)) };
+    if let Some(exerted) = commands.exerted() {
+        // SAFETY: of the caller.
+        unsafe { limited(body, &commands, exerted, out) };
     }
-    if let Some(exerted) = exerted {
-        // What is no number is not noted: the estimates go on with the commanded torques.
-        let _ = controller.note_exerted(&exerted);
-    }
+}
+
+/// What the motors cannot do. Apart, so that a tick does not carry it along.
+///
+/// # Safety
+/// `out` is an action.
+#[cold]
+#[inline(never)]
+unsafe fn limited(
+    body: &mut Body,
+    commands: &WheelCommands,
+    exerted: WheelTorques<f32>,
+    out: *mut Action,
+) {
+    let exerted = if commands.is_invalid() {
+        // SAFETY: of the caller.
+        unsafe { out.write(convert::action(&WheelAction::Release)) };
+        body.answer = Err(ErrorKind::Other);
+        WheelTorques::default()
+    } else {
+        // SAFETY: of the caller.
+        unsafe { (*out).flags |= abi::action::LIMITED };
+        exerted
+    };
+    // What is no number is not noted: the estimates go on with the commanded torques.
+    let _ = body.controller.note_exerted(&exerted);
 }
 
 /// What the wheels really exert until the next tick.

@@ -4,6 +4,7 @@ use controller_core::base::{self, DriveCommand, WheelAction};
 use controller_core::gyro::GyroReading;
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
+use controller_core::motor::WheelCommands;
 use controller_core::reference::Reference;
 use controller_core::safety::Currents;
 use controller_core::safety::supervisor::{Cause, State, Then};
@@ -57,23 +58,33 @@ pub(crate) const fn flag(value: u32) -> Result<bool, Status> {
     }
 }
 
-/// An order. Values are the tick's to judge, only kinds are judged here.
+/// An order, written to where the tick reads it: by value the numbers of all kinds would be copied. Values are the tick's to judge,
+/// only kinds are judged here.
 #[inline]
-pub(crate) fn order(order: &abi::Order) -> Result<base::Order<f32>, Status> {
-    Ok(match order.kind {
-        order::NONE => base::Order::None,
-        order::FOLLOW => base::Order::Follow(Reference::new(
-            (&order.pose).into(),
-            (&order.twist).into(),
-            Accel::new(order.accel.v, order.accel.w),
-        )),
-        order::PARK => base::Order::Park((&order.pose).into()),
-        order::VELOCITY => base::Order::Drive {
-            twist: (&order.twist).into(),
-            hold_heading: flag(order.hold_heading)?,
-        },
+pub(crate) fn order(order: &abi::Order, to: &mut base::Order<f32>) -> Result<(), Status> {
+    match order.kind {
+        order::NONE => {}
+        order::FOLLOW => follow(order, to),
+        order::PARK => *to = base::Order::Park((&order.pose).into()),
+        order::VELOCITY => {
+            *to = base::Order::Drive {
+                twist: (&order.twist).into(),
+                hold_heading: flag(order.hold_heading)?,
+            };
+        }
         _ => return Err(Status::BadValue),
-    })
+    }
+    Ok(())
+}
+
+/// A sample to follow. Apart, for the compiler would make one piece of the stores of all kinds, with addresses that it works out.
+#[inline(never)]
+fn follow(order: &abi::Order, to: &mut base::Order<f32>) {
+    *to = base::Order::Follow(Reference::new(
+        (&order.pose).into(),
+        (&order.twist).into(),
+        Accel::new(order.accel.v, order.accel.w),
+    ));
 }
 
 /// What is wrong with a device that is not well.
@@ -90,45 +101,57 @@ const fn device(status: u32) -> Result<Result<(), ErrorKind>, Status> {
     }))
 }
 
-/// What was sensed. `answer` is what a driver would have answered to the last duties.
+/// What was sensed, written to where the tick reads it, so that what is not there is not copied. `answer` is what a driver would have
+/// answered to the last duties.
 #[inline]
 pub(crate) fn sensed(
     sensed: &abi::Sensed,
     answer: Result<(), ErrorKind>,
-) -> Result<base::Sensed<f32>, Status> {
+    to: &mut base::Sensed<f32>,
+) -> Result<(), Status> {
     let there = |flag| sensed.flags & flag != 0;
-    let no_rate = there(sensed::GYRO_HEADING) && !there(sensed::GYRO);
-    if sensed.flags & !sensed::KNOWN != 0 || no_rate {
-        return Err(Status::BadValue);
-    }
-    let counts = WheelCounts {
+    to.counts = Ok(WheelCounts {
         right: sensed.right,
         left: sensed.left,
-    };
+    });
+    to.driver = answer;
     // Nearly always both are well.
-    let (encoders, driver) = if sensed.encoders | sensed.driver == device::OK {
-        (Ok(()), Ok(()))
-    } else {
-        (device(sensed.encoders)?, device(sensed.driver)?)
-    };
-    Ok(base::Sensed {
-        counts: encoders.map(|()| counts),
-        fix: there(sensed::FIX).then_some(Fix {
+    if sensed.encoders | sensed.driver != device::OK {
+        if let Err(error) = device(sensed.encoders)? {
+            to.counts = Err(error);
+        }
+        to.driver = device(sensed.driver)?.and(answer);
+    }
+    if there(sensed::FIX) {
+        to.fix = Some(Fix {
             pose: (&sensed.fix).into(),
             age_s: sensed.fix_age_s,
-        }),
-        gyro: there(sensed::GYRO).then_some(GyroReading {
-            rate: sensed.gyro_rate,
-            heading: there(sensed::GYRO_HEADING).then_some(sensed.gyro_heading),
-            age_s: sensed.gyro_age_s,
-        }),
-        supply_v: there(sensed::SUPPLY).then_some(sensed.supply_v),
-        currents: there(sensed::CURRENTS).then_some(Currents {
-            right: sensed.currents.right,
-            left: sensed.currents.left,
-        }),
-        driver: driver.and(answer),
-    })
+        });
+    }
+    if there(sensed::SUPPLY) {
+        to.supply_v = Some(sensed.supply_v);
+    }
+    // One look for what most bases have not, and for what no flag stands for.
+    if there(!(sensed::FIX | sensed::SUPPLY)) {
+        let no_rate = there(sensed::GYRO_HEADING) && !there(sensed::GYRO);
+        if there(!sensed::KNOWN) || no_rate {
+            return Err(Status::BadValue);
+        }
+        if there(sensed::GYRO) {
+            to.gyro = Some(GyroReading {
+                rate: sensed.gyro_rate,
+                heading: there(sensed::GYRO_HEADING).then_some(sensed.gyro_heading),
+                age_s: sensed.gyro_age_s,
+            });
+        }
+        if there(sensed::CURRENTS) {
+            to.currents = Some(Currents {
+                right: sensed.currents.right,
+                left: sensed.currents.left,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// An action without duties.
@@ -141,22 +164,39 @@ pub(crate) fn action(from: &WheelAction<f32>) -> abi::Action {
     match from {
         WheelAction::Release => of_kind(action::RELEASE),
         WheelAction::Brake => of_kind(action::BRAKE),
-        // Where nothing drives any more: a stop.
         WheelAction::Drive(drive) => driven(drive),
     }
 }
 
-/// Torques without flags and duties.
+/// Torques without duties.
 #[inline]
-pub(crate) fn driven(drive: &DriveCommand<f32>) -> abi::Action {
+fn driven(drive: &DriveCommand<f32>) -> abi::Action {
+    let (flags, beyond_coulomb) = match &drive.beyond_coulomb {
+        Some(beyond) => (action::BEYOND_COULOMB, beyond.into()),
+        None => (0, abi::Wheels::default()),
+    };
     abi::Action {
         kind: action::DRIVE,
-        flags: 0,
+        flags,
         torque: (&drive.torques).into(),
         duty: abi::Wheels::default(),
         desired: (&drive.desired).into(),
         speed: (&drive.speeds).into(),
-        beyond_coulomb: (&drive.beyond_coulomb.unwrap_or_default()).into(),
+        beyond_coulomb,
+    }
+}
+
+/// Torques with the duties for them.
+#[inline]
+pub(crate) fn with_duties(drive: &DriveCommand<f32>, commands: &WheelCommands) -> abi::Action {
+    let driven = driven(drive);
+    abi::Action {
+        flags: driven.flags | action::DUTY,
+        duty: abi::Wheels {
+            right: commands.right.duty,
+            left: commands.left.duty,
+        },
+        ..driven
     }
 }
 

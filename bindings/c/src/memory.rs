@@ -61,6 +61,9 @@ pub(crate) struct Body {
 }
 
 impl Body {
+    /// Apart, so that a tick does not carry it along.
+    #[cold]
+    #[inline(never)]
     fn stop(&mut self, asked: u32) -> WheelAction<f32> {
         self.controller.emergency_stop_by(asked == STOP_BRAKE)
     }
@@ -83,6 +86,17 @@ const fn unsound(null: bool) -> Status {
         Status::Null
     } else {
         Status::Misaligned
+    }
+}
+
+/// Why a base with this mark is not to be worked on: it is not [`READY`].
+#[cold]
+#[inline(never)]
+const fn unready(mark: u32) -> Status {
+    if mark == BUSY {
+        Status::Busy
+    } else {
+        Status::NotInitialised
     }
 }
 
@@ -141,40 +155,36 @@ impl Handle {
         Ok(())
     }
 
-    /// Works on an initialised base that no other call is under way on. With what an emergency stop that came meanwhile asks of
-    /// the wheels.
+    /// Works on an initialised base that no other call is under way on. `stopped` gets what an emergency stop that came meanwhile
+    /// asks of the wheels.
     #[inline]
     pub fn with<R>(
         self,
-        work: impl FnOnce(&mut Body) -> R,
-    ) -> Result<(R, Option<WheelAction<f32>>), Status> {
+        work: impl FnOnce(&mut Body) -> Result<R, Status>,
+        stopped: impl Fn(&WheelAction<f32>),
+    ) -> Result<R, Status> {
         let mark = self.mark();
         let found = mark.load(Ordering::Relaxed);
         if found != READY {
-            return Err(if found == BUSY {
-                Status::Busy
-            } else {
-                Status::NotInitialised
-            });
+            return Err(unready(found));
         }
         mark.store(BUSY, Ordering::Relaxed);
         fence();
         // SAFETY: READY says that `put` wrote the body; BUSY now keeps every other call away from it until it is given back.
         let body = unsafe { (*ptr::addr_of_mut!((*self.0.as_ptr()).body)).assume_init_mut() };
         let result = work(body);
-        let mut stopped = None;
         loop {
             let asked = self.asked().load(Ordering::Relaxed);
             if asked != NO_STOP {
                 self.asked().store(NO_STOP, Ordering::Relaxed);
-                stopped = Some(body.stop(asked));
+                stopped(&body.stop(asked));
             }
             fence();
             mark.store(READY, Ordering::Relaxed);
             fence();
             // An interrupt that stopped between the look and the mark saw a base in a call.
             if self.asked().load(Ordering::Relaxed) == NO_STOP {
-                return Ok((result, stopped));
+                return result;
             }
             mark.store(BUSY, Ordering::Relaxed);
         }
@@ -187,13 +197,12 @@ impl Handle {
         } else {
             (STOP_RELEASE, WheelAction::Release)
         };
-        match self.with(|body| body.stop(asked)) {
-            Ok((action, _)) => Ok(action),
+        match self.with(|body| Ok(body.stop(asked)), |_| ()) {
             Err(Status::Busy) => {
                 self.asked().store(asked, Ordering::Relaxed);
                 Ok(action)
             }
-            Err(status) => Err(status),
+            result => result,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The tick of a base.
 
-use super::driving::{Driven, Driving, Tick};
+use super::driving::{Driving, Tick};
 use super::host_watch::HostWatch;
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
@@ -246,70 +246,45 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// What the wheels are to do. A step that the motion law refuses is a fault, whose reaction takes
     /// its place in this very tick.
     fn act(&mut self, dt: T, located: &Located<T>, sensed: &Sensed<T>) -> WheelAction<T> {
-        let mode = self.supervisor.output();
-        match self.act_as(mode, dt, located, sensed) {
-            Ok(driven) => {
-                match driven.at_goal {
-                    Some(true) => {
-                        self.supervisor.on(Event::Reached);
-                    }
-                    // Pushed off its goal, it drives back, and is watched like any base that drives.
-                    Some(false) if self.supervisor.state() == State::Parked => {
-                        self.supervisor.on(Event::Park);
-                    }
-                    _ => {}
-                }
-                driven.action
-            }
-            Err(fault) => self.act_after(fault, dt, located, sensed),
-        }
-    }
-
-    /// The reaction to a step that the motion law refused.
-    #[cold]
-    #[inline(never)]
-    fn act_after(
-        &mut self,
-        fault: StepFault,
-        dt: T,
-        located: &Located<T>,
-        sensed: &Sensed<T>,
-    ) -> WheelAction<T> {
-        let mut found = ActiveFaults::NONE;
-        found.add(fault.into());
-        self.report.active_faults.add(fault.into());
-        self.supervisor.on_active_faults(&found, &self.base.policy);
-        // Nothing that a policy allows for a refused step steps the law again.
-        let mode = match self.supervisor.output() {
-            mode if mode.has_torque() => OutputMode::Release,
-            mode => mode,
-        };
-        let driven = self.act_as(mode, dt, located, sensed);
-        driven.map_or(WheelAction::Release, |driven| driven.action)
-    }
-
-    #[inline(always)]
-    fn act_as(
-        &mut self,
-        mode: OutputMode,
-        dt: T,
-        located: &Located<T>,
-        sensed: &Sensed<T>,
-    ) -> Result<Driven<T>, StepFault> {
         let turning = match (&self.driving.task, &self.base.motor) {
             (Some(Task::Drive { .. }), Some(motor)) => Some(self.turning(motor, dt, sensed)),
             _ => None,
         };
         let tick = Tick {
             motion: &self.base.motion,
-            mode,
+            mode: self.supervisor.output(),
             measured: self.report.measured.as_ref(),
             jumped: located.jumped,
             speeds: self.locator.wheel_speeds(),
             turning,
             dt,
         };
-        self.driving.act(&tick, &mut self.report.motion)
+        let driven = match self.driving.act(&tick, &mut self.report.motion) {
+            Ok(driven) => driven,
+            Err(fault) => return self.act_after(fault),
+        };
+        match driven.at_goal {
+            Some(true) => {
+                self.supervisor.on(Event::Reached);
+            }
+            // Pushed off its goal, it drives back, and is watched like any base that drives.
+            Some(false) if self.supervisor.state() == State::Parked => {
+                self.supervisor.on(Event::Park);
+            }
+            _ => {}
+        }
+        driven.action
+    }
+
+    /// The reaction to a step that the motion law refused. Nothing that a policy allows for it steps the law again.
+    #[cold]
+    #[inline(never)]
+    fn act_after(&mut self, fault: StepFault) -> WheelAction<T> {
+        let mut found = ActiveFaults::NONE;
+        found.add(fault.into());
+        self.report.active_faults.add(fault.into());
+        self.supervisor.on_active_faults(&found, &self.base.policy);
+        self.cut()
     }
 
     /// What the friction of wheels with motors is found by.

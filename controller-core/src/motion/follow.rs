@@ -83,7 +83,7 @@ impl<T: Scalar> Follower<T> {
         match two_per_dt {
             Some(two_per_dt) => {
                 let step = |lag: &super::lag::Lag<T>, state: &LagState<T>, demand| {
-                    lag.advance::<U, M>(state, demand, two_per_dt)
+                    lag.advance::<U, M>(state, demand, gains.decay, two_per_dt)
                 };
                 self.along = step(&motion.along, &self.along, demands.0);
                 self.across = step(&motion.across, &self.across, demands.1);
@@ -98,8 +98,8 @@ impl<T: Scalar> Follower<T> {
         }
         let heading_rate = reference.angular - now.turn_rate;
         let turn = self.across.value + sine + self.around.value;
-        let turn_rate = motion.across.rate(&self.across)
-            + motion.around.rate(&self.around)
+        let turn_rate = motion.across.rate(&self.across, gains.decay)
+            + motion.around.rate(&self.around, gains.decay)
             + cosine * heading_rate;
         Setpoint {
             twist: Twist {
@@ -107,7 +107,7 @@ impl<T: Scalar> Follower<T> {
                 angular: reference.angular + gains.heading * turn,
             },
             rate: Accel {
-                linear: motion.along.rate(&self.along) + accel.linear * cosine
+                linear: motion.along.rate(&self.along, gains.decay) + accel.linear * cosine
                     - v * sine * heading_rate,
                 angular: accel.angular + gains.heading * turn_rate,
             },

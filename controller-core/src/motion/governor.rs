@@ -44,62 +44,54 @@ impl<T: Scalar> Command<T> {
         dt: T,
     ) -> (Self, Limited) {
         let limits = &motion.params().limits;
+        let mut limited = Limited::default();
+        let mut setpoint = *setpoint;
         let rim = motion.rim_speed(&setpoint.twist);
-        let reduced = rim > limits.rim_speed;
-        let setpoint = &if reduced {
-            self.below_rim(motion, setpoint, limits.rim_speed / rim)
-        } else {
-            *setpoint
-        };
-        let needed = Accel {
+        if rim > limits.rim_speed {
+            setpoint = self.below_rim(motion, &setpoint, limits.rim_speed / rim);
+            limited.speed = true;
+        }
+        let mut slew = Accel {
             linear: (setpoint.twist.linear - self.twist.linear) / dt,
             angular: (setpoint.twist.angular - self.twist.angular) / dt,
         };
-        let slew = self.slew(motion, &needed);
+        let mut rate = setpoint.rate;
+        if let Some(less) = self.slew(motion, &slew) {
+            if less.linear != slew.linear {
+                rate.linear = less.linear;
+                limited.accel = true;
+            }
+            if less.angular != slew.angular {
+                rate.angular = less.angular;
+                limited.accel = true;
+            }
+            slew = less;
+        }
         let moved = Twist {
             linear: self.twist.linear + slew.linear * dt,
             angular: self.twist.angular + slew.angular * dt,
         };
-        let twist = Twist {
+        let mut twist = Twist {
             linear: clamp(moved.linear, limits.speed),
             angular: clamp(moved.angular, limits.turn_rate),
         };
-        let slewed = (slew.linear != needed.linear, slew.angular != needed.angular);
-        let mut rate = Accel {
-            linear: if slewed.0 {
-                slew.linear
-            } else {
-                setpoint.rate.linear
-            },
-            angular: if slewed.1 {
-                slew.angular
-            } else {
-                setpoint.rate.angular
-            },
-        };
+        limited.speed |= twist != moved;
         let excess = motion.rim_speed(&twist) - limits.rim_speed;
-        let beyond = excess > T::ZERO;
-        let twist = if beyond {
+        if excess > T::ZERO {
             let less = self.within_rim(motion, &twist, excess);
             // What is taken off the step is taken off its rate: a step too long by a rounding changes nothing else.
             rate.linear += (less.linear - twist.linear) / dt;
             rate.angular += (less.angular - twist.angular) / dt;
-            less
-        } else {
-            twist
-        };
+            twist = less;
+            limited.speed = true;
+        }
         rate.linear = not_outward(rate.linear, setpoint.twist.linear, limits.speed);
         rate.angular = not_outward(rate.angular, setpoint.twist.angular, limits.turn_rate);
         let rate = self.within_accel(limits, &rate);
         let (linear, linear_jerk) = towards(self.rate.linear, rate.linear, limits.jerk * dt);
         let (angular, angular_jerk) =
             towards(self.rate.angular, rate.angular, limits.turn_jerk * dt);
-        let limited = Limited {
-            speed: reduced || beyond || twist != moved,
-            accel: slewed.0 || slewed.1,
-            jerk: linear_jerk || angular_jerk,
-            ..Limited::default()
-        };
+        limited.jerk = linear_jerk || angular_jerk;
         let rate = Accel { linear, angular };
         (Self { twist, rate }, limited)
     }
@@ -155,8 +147,8 @@ impl<T: Scalar> Command<T> {
         }
     }
 
-    /// `needed` within acceleration, braking and the wheels' share for the command.
-    fn slew(&self, motion: &ValidMotionParams<T>, needed: &Accel<T>) -> Accel<T> {
+    /// `needed` within acceleration, braking and the wheels' share for the command; `None` where it is.
+    fn slew(&self, motion: &ValidMotionParams<T>, needed: &Accel<T>) -> Option<Accel<T>> {
         let params = motion.params();
         let limits = &params.limits;
         let desired = self.within_accel(limits, needed);
@@ -166,19 +158,22 @@ impl<T: Scalar> Command<T> {
         };
         let torque = motion.command_torque_nm;
         let (shared, limited) = share(&motion.wheels, &wrench, torque, limits.policy);
+        if !limited {
+            return (desired != *needed).then_some(desired);
+        }
         // An axis that did not yield keeps its bits: m (x/m) may be another number than x, and would count as slewed.
-        Accel {
-            linear: if limited && shared.force != wrench.force {
+        Some(Accel {
+            linear: if shared.force != wrench.force {
                 shared.force / params.robot.mass_kg
             } else {
                 desired.linear
             },
-            angular: if limited && shared.moment != wrench.moment {
+            angular: if shared.moment != wrench.moment {
                 shared.moment / params.robot.inertia_kg_m2
             } else {
                 desired.angular
             },
-        }
+        })
     }
 
     /// Braking is towards rest, accelerating away from it.

@@ -2,16 +2,19 @@
 
 use crate::error::ParamError;
 use crate::maths::Maths;
+use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
-use crate::shunting::NeuronParams;
-use crate::shunting::{NeuronUpdate, Shunting};
+use crate::shunting::{self, NeuronParams, NeuronUpdate, Shunting};
 
 /// Eq. (4) with B = D and its input scaled by A/B: for a constant demand x the state goes to
-/// x/(1 + |x|/B), which is x where it is small and never beyond ±B.
+/// x/(1 + |x|/B), which is x where it is small and never beyond ±B. A is lent: all neurons of the law have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lag<T> {
-    neuron: Shunting<T>,
+    /// B, and the same as a long tick pulls the state to it.
+    bound: T,
+    pull: T,
+    /// A/B.
     scale: T,
 }
 
@@ -41,19 +44,22 @@ impl<T: Scalar> Lag<T> {
             b: bound,
             d: bound,
         })?;
-        let scale = decay / bound;
-        Ok(Self { neuron, scale })
+        Ok(Self {
+            bound,
+            pull: neuron.pull(),
+            scale: decay / bound,
+        })
     }
 
     /// `demand` within ±B.
     pub(crate) fn clip(&self, demand: T) -> T {
-        self.neuron.clip(demand)
+        clamp(demand, self.bound)
     }
 
     /// The state that starts from `value`, or as near to it as the bound allows.
     pub(crate) fn reset(&self, value: T, demand: T) -> LagState<T> {
         LagState {
-            value: self.neuron.clip(value),
+            value: self.clip(value),
             input: self.scale * demand,
         }
     }
@@ -63,18 +69,25 @@ impl<T: Scalar> Lag<T> {
         &self,
         last: &LagState<T>,
         demand: T,
+        decay: T,
         two_per_dt: T,
     ) -> LagState<T> {
         let input = self.scale * demand;
         let twice = U::twice_input(last.input, input);
         LagState {
-            value: self.neuron.advance::<U, M>(last.value, twice, two_per_dt),
+            value: shunting::advance::<T, U, M>(
+                self.pull,
+                decay + decay,
+                last.value,
+                twice,
+                two_per_dt,
+            ),
             input,
         }
     }
 
     /// Rate of change of the state, from its own input.
-    pub(crate) fn rate(&self, state: &LagState<T>) -> T {
-        self.neuron.rate(state.value, state.input)
+    pub(crate) fn rate(&self, state: &LagState<T>, decay: T) -> T {
+        shunting::rate(self.bound, decay, state.value, state.input)
     }
 }

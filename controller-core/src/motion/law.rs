@@ -421,8 +421,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             wrench,
             torques: if self.released {
                 WheelTorques::default()
-            } else {
+            } else if saturated {
                 bounded(&motion.wheels.torques(&applied), limits.wheel_torque_nm)
+            } else {
+                // Those that were compared with the limit.
+                motion.wheels.torques(&wrench)
             },
             limited: Limited {
                 torque: saturated,

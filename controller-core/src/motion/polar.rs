@@ -100,10 +100,13 @@ impl<T: Scalar> PoseRegulator<T> {
         let ahead = gain * error.x;
         match two_per_dt {
             Some(two_per_dt) => {
-                self.approach = motion
-                    .approach
-                    .advance::<U, M>(&self.approach, ahead, two_per_dt);
-                self.turn = motion.turn.advance::<U, M>(&self.turn, turn, two_per_dt);
+                self.approach =
+                    motion
+                        .approach
+                        .advance::<U, M>(&self.approach, ahead, gains.decay, two_per_dt);
+                self.turn = motion
+                    .turn
+                    .advance::<U, M>(&self.turn, turn, gains.decay, two_per_dt);
             }
             None => {
                 self.approach = motion.approach.reset(command.linear, ahead);
@@ -116,8 +119,8 @@ impl<T: Scalar> PoseRegulator<T> {
                 angular: self.turn.value,
             },
             rate: Accel {
-                linear: motion.approach.rate(&self.approach),
-                angular: motion.turn.rate(&self.turn),
+                linear: motion.approach.rate(&self.approach, gains.decay),
+                angular: motion.turn.rate(&self.turn, gains.decay),
             },
         }
     }

@@ -37,7 +37,7 @@ pub struct MotorLimited {
 impl MotorLimited {
     /// The wheel gets another torque than demanded.
     pub const fn torque(&self) -> bool {
-        self.current || self.voltage || self.invalid
+        self.current | self.voltage | self.invalid
     }
 }
 
@@ -72,7 +72,7 @@ impl<T: Scalar> Motor<T> {
 
     /// Speed of the wheel at which the back-EMF is the nominal supply \[rad/s\]: U/(g k_t).
     pub fn no_load_speed_rad_s(&self) -> T {
-        self.supply / self.gear.constant
+        self.params.supply_v / self.gear.constant
     }
 
     /// Current of a shorted motor \[A\]: g k_t |ω|/R. Motor and bridge have to bear it when braked.
@@ -99,18 +99,32 @@ impl<T: Scalar> Motor<T> {
     /// All inputs zero give exactly zero.
     #[inline]
     pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
-        let (supply, supply_unknown) = self.believed(supply_v);
+        self.command_from(demand, self.believed(supply_v))
+    }
+
+    /// [`command`](Self::command) from a supply that is [`believed`](Self::believed).
+    pub(super) fn command_from(
+        &self,
+        demand: &WheelDemand<T>,
+        (supply, supply_unknown): (T, bool),
+    ) -> MotorCommand<T> {
+        let MotorParams {
+            friction,
+            max_current_a,
+            resistance_ohm,
+            ..
+        } = self.params;
         let sense = clamp(demand.desired_speed_rad_s * self.per_blend, T::ONE);
         let beyond = demand
             .beyond_coulomb_nm
-            .unwrap_or_else(|| self.stiction * self.standing(demand.speed_rad_s));
-        let level = self.coulomb + beyond;
-        let friction = level * sense + self.viscous * demand.desired_speed_rad_s;
-        let torque = demand.torque_nm + friction;
+            .unwrap_or_else(|| friction.stiction_nm * self.standing(demand.speed_rad_s));
+        let level = friction.coulomb_nm + beyond;
+        let friction_nm = level * sense + friction.viscous_nm_s * demand.desired_speed_rad_s;
+        let torque = demand.torque_nm + friction_nm;
         let current = self.gear.current(torque, sense);
-        let allowed = clamp(current, self.max_current);
+        let allowed = clamp(current, max_current_a);
         let back_emf = self.gear.constant * demand.speed_rad_s;
-        let needed = self.resistance * allowed + back_emf;
+        let needed = resistance_ohm * allowed + back_emf;
         if !(torque.is_finite() && needed.is_finite()) {
             return MotorCommand {
                 limited: MotorLimited {
@@ -123,9 +137,9 @@ impl<T: Scalar> Motor<T> {
         }
         let most = supply * self.dead_band.most();
         let voltage = clamp(needed, most);
-        let runaway = most + self.resistance * self.max_current;
+        let runaway = most + resistance_ohm * max_current_a;
         let limited = MotorLimited {
-            current: current.abs() > self.max_current,
+            current: current.abs() > max_current_a,
             voltage: needed.abs() > most,
             overspeed: back_emf.abs() > runaway,
             supply_unknown,
@@ -138,7 +152,7 @@ impl<T: Scalar> Motor<T> {
             if limited.overspeed {
                 left
             } else {
-                clamp(left, self.max_current)
+                clamp(left, max_current_a)
             }
         } else {
             allowed
@@ -150,7 +164,7 @@ impl<T: Scalar> Motor<T> {
         };
         MotorCommand {
             torque_nm,
-            friction_nm: friction,
+            friction_nm,
             current_a: current,
             voltage_v: voltage,
             duty: self.dead_band.beyond(voltage / supply),
@@ -165,12 +179,12 @@ impl<T: Scalar> Motor<T> {
     }
 
     /// The supply to reckon with, and whether it is not the measured one.
-    fn believed(&self, measured: T) -> (T, bool) {
+    pub(super) fn believed(&self, measured: T) -> (T, bool) {
         let (low, high) = self.believable;
         if measured >= low && measured <= high {
             (measured, false)
         } else {
-            (self.supply, true)
+            (self.params.supply_v, true)
         }
     }
 }

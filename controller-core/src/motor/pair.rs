@@ -23,6 +23,7 @@ impl Motor<f32> {
             beyond_coulomb,
             supply_v,
         } = observed;
+        let supply = self.believed(*supply_v);
         let command = |torque_nm, desired_speed_rad_s, speed_rad_s, beyond_coulomb_nm| {
             let demand = WheelDemand {
                 torque_nm,
@@ -30,7 +31,7 @@ impl Motor<f32> {
                 speed_rad_s,
                 beyond_coulomb_nm,
             };
-            self.command(&demand, *supply_v)
+            self.command_from(&demand, supply)
         };
         WheelCommands {
             right: command(
@@ -54,7 +55,7 @@ impl WheelCommands {
     /// it is what was asked.
     pub fn exerted(&self) -> Option<WheelTorques<f32>> {
         let Self { right, left } = self;
-        let limited = right.limited.torque() || left.limited.torque();
+        let limited = right.limited.torque() | left.limited.torque();
         limited.then_some(WheelTorques {
             right: right.torque_nm - right.friction_nm,
             left: left.torque_nm - left.friction_nm,

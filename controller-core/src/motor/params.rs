@@ -88,14 +88,8 @@ pub struct MotorParams<T = f32> {
 pub struct Motor<T> {
     pub(super) params: MotorParams<T>,
     pub(super) gear: Gear<T>,
-    pub(super) resistance: T,
     pub(super) per_resistance: T,
-    pub(super) supply: T,
     pub(super) believable: (T, T),
-    pub(super) max_current: T,
-    pub(super) coulomb: T,
-    pub(super) stiction: T,
-    pub(super) viscous: T,
     pub(super) per_blend: T,
     pub(super) per_release: T,
     pub(super) dead_band: DeadBand<T>,
@@ -124,7 +118,7 @@ impl<T: Scalar> MotorParams<T> {
         let friction = &self.friction;
         let coulomb = within(Field::CoulombFriction, friction.coulomb_nm, 0.0, 1.0e6)?;
         let stiction = within(Field::Stiction, friction.stiction_nm, 0.0, 1.0e6)?;
-        let viscous = within(Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6)?;
+        within(Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6)?;
         let blends = coulomb > T::ZERO || stiction > T::ZERO || efficiency < T::ONE;
         let least = if blends { 1.0e-3 } else { 0.0 };
         let blend = within(Field::FrictionBlend, friction.blend_rad_s, least, 1.0e3)?;
@@ -136,17 +130,11 @@ impl<T: Scalar> MotorParams<T> {
             Ok(Motor {
                 params: self,
                 gear,
-                resistance,
                 per_resistance: T::ONE / resistance,
-                supply,
                 believable: (
                     supply * T::from_f64(MIN_SUPPLY_SHARE),
                     supply * T::from_f64(MAX_SUPPLY_SHARE),
                 ),
-                max_current,
-                coulomb,
-                stiction,
-                viscous,
                 per_blend: if blends { T::ONE / blend } else { T::ZERO },
                 per_release: if blends {
                     T::ONE / (T::from_f64(RELEASE) * blend)

@@ -98,7 +98,8 @@ pub fn electrical_brake<T: Scalar>(
 /// # Errors
 /// A mass, inertia or wheel out of its range.
 pub fn coast<T: Scalar>(motor: &Motor<T>, robot: &Robot<T>) -> Result<Slowing<T>, ParamError> {
-    slowing(robot, motor.viscous, motor.coulomb)
+    let friction = &motor.params.friction;
+    slowing(robot, friction.viscous_nm_s, friction.coulomb_nm)
 }
 
 /// Both wheels with τ = −`viscous` ω − `coulomb` sgn ω.

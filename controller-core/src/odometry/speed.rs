@@ -140,7 +140,8 @@ impl<T: Scalar> Wheel<T> {
         }
         let single = counts == 1 || counts == -1;
         let first = single && since >= rest;
-        let sign = if counts > 0 { 1 } else { -1 };
+        // 1 or −1, without a comparison.
+        let sign = (counts >> 31) | 1;
         let streak = self.streak * sign;
         let streak = if first || streak < 0 { 0 } else { streak };
         let streak = if streak < ROLLS { streak + 1 } else { ROLLS };
@@ -156,9 +157,16 @@ impl<T: Scalar> Wheel<T> {
     }
 }
 
-/// The part of an acceleration that is beyond what friction has been seen to hold.
+/// The part of an acceleration that is beyond what friction has been seen to hold: nearly always all of it, so that comes first.
 fn beyond_held<T: Scalar>(accel: T, held: T) -> T {
-    accel - clamp(accel, held)
+    let inside = if accel > held {
+        held
+    } else if accel < -held {
+        -held
+    } else {
+        accel
+    };
+    accel - inside
 }
 
 /// The smaller of the loop's bandwidth and what the counts allow \[rad/s\].
