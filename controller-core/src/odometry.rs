@@ -126,8 +126,6 @@ pub struct Odometry<T> {
     pose: Pose<T>,
     /// Turn to add per way \[rad/m\], as a localiser has learnt it.
     curvature_bias: T,
-    /// Way of the last call \[m\].
-    travel: T,
     /// Angle that a wheel turns per travel of its rim \[rad/m\]: right, left.
     per_metre: (T, T),
 }
@@ -167,7 +165,6 @@ impl<T: Scalar> Odometry<T> {
             left: Wheel::default(),
             pose,
             curvature_bias: T::ZERO,
-            travel: T::ZERO,
         }
     }
 
@@ -212,7 +209,6 @@ impl<T: Scalar> Odometry<T> {
         let left = T::from_i32(moved.1) * self.left_per_count;
         let travel = T::HALF * (right + left);
         let turn = (right - left) / self.track + self.curvature_bias * travel;
-        self.travel = travel;
         Moved {
             counts: moved,
             travel,
@@ -268,11 +264,6 @@ impl<T: Scalar> Odometry<T> {
     /// From now on adds this turn per distance \[rad/m\].
     pub(crate) const fn set_curvature_bias(&mut self, curvature_bias: T) {
         self.curvature_bias = curvature_bias;
-    }
-
-    /// Way of the last call, backward negative \[m\].
-    pub(crate) const fn travel(&self) -> T {
-        self.travel
     }
 
     /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt curvature bias adds to the turn rate is

@@ -110,7 +110,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 let pose = self.start;
                 Estimator::<T, N>::check(&pose)?;
                 let localiser = self.localiser.insert(Estimator::new(localisation));
-                localiser.begin(pose, counts);
+                localiser.begin(localisation, pose, counts);
                 report.measured = Some(Measured {
                     pose,
                     ..Measured::default()

@@ -402,14 +402,13 @@ impl<T: Scalar> GyroHeading<T> {
         self.alone = T::ZERO;
     }
 
-    /// A fix was fused; the share of what its heading is off by that is to be taken. `None` where the gyro is not believed.
-    pub(crate) fn fused(&mut self, gyro: &ValidGyroParams<T>, off: T, variance: T) -> Option<T> {
+    /// A fix was fused whose heading is off by `off`.
+    pub(crate) fn fused(&mut self, gyro: &ValidGyroParams<T>, off: T, variance: T) {
         if self.fault.is_some() {
-            return None;
+            return;
         }
         let gain = self.spread.see_heading(variance);
         self.correct(gyro, gain, off);
-        Some(gain.heading)
     }
 
     fn correct(&mut self, gyro: &ValidGyroParams<T>, gain: Gain<T>, off: T) {

@@ -41,7 +41,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         Self {
             odometry: Odometry::of_checked(odometry, pose, counts),
             history: History::new(),
-            correction: Correction::new(pose),
+            correction: Correction::new(localisation.fusion.as_ref(), pose),
             gyro: localisation.gyro.as_ref().map(|gyro| {
                 let mut heading = GyroHeading::new(gyro);
                 heading.set(localisation.fix_heading_variance());
@@ -52,10 +52,15 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     /// Before the first update: at rest at a pose that was [checked](Self::check), with the encoders at `counts`.
-    pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) {
+    pub(crate) fn begin(
+        &mut self,
+        localisation: &ValidLocaliserParams<T>,
+        pose: Pose<T>,
+        counts: WheelCounts,
+    ) {
         self.odometry.begin(pose, counts);
         self.history.begin(pose);
-        self.correction.set(pose);
+        self.correction.state(localisation.fusion.as_ref(), pose);
     }
 
     /// A tick; see [`Localiser::update_with`](super::Localiser::update_with).
@@ -83,7 +88,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
         let before = *self.odometry.pose();
         self.odometry
-            .set_curvature_bias(self.correction.curvature_bias.value);
+            .set_curvature_bias(self.correction.curvature_bias);
         let rolled = self.odometry.roll(counts);
         let turn = match (&mut self.gyro, &localisation.gyro) {
             (Some(heading), Some(gyro)) => {
@@ -95,9 +100,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                 };
                 let turn = heading.advance(gyro, &rolled, reading);
                 if let Some(more) = heading.curvature(gyro) {
-                    self.correction
-                        .curvature_bias
-                        .correct(gyro.most_per_way(), more);
+                    self.correction.correct_bias(gyro.most_per_way(), more);
                 }
                 self.alone_s = if heading.carries() {
                     T::ZERO
@@ -115,13 +118,12 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                 fix: fix.map_or(FixOutcome::Absent, |_| {
                     FixOutcome::Refused(Refusal::NoFusion)
                 }),
-                curvature_bias: self.correction.curvature_bias.value,
+                curvature_bias: self.correction.curvature_bias,
                 gyro: self.gyro_report(reading),
                 ..Estimate::default()
             });
         };
         self.history.push(measured.pose, dt);
-        self.correction.curvature_bias.drive(self.odometry.travel());
         let carried = self.gyro.as_ref().filter(|gyro| gyro.carries());
         let carried = carried.map(|gyro| Carried {
             off: T::from_f64(SURE) * M::sqrt(gyro.heading_variance()),
@@ -131,6 +133,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             from: &before,
             to: &measured.pose,
             chord,
+            travel: rolled.travel,
         };
         self.correction
             .advance::<M>(fusion, &moved, carried.as_ref(), dt);
@@ -139,7 +142,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             Some(fix) => match self.then(fix) {
                 Err(refusal) => FixOutcome::Refused(refusal),
                 Ok(then) => {
-                    let variance = fusion.heading_variance;
+                    let variance = fusion.growth.fix_heading();
                     let (correction, gyro) = (&mut self.correction, &mut self.gyro);
                     let mut innovation = correction.compare::<M>(fix, then, &measured.pose);
                     let misled = match (&mut *gyro, &localisation.gyro) {
@@ -152,18 +155,22 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                         correction.turn(-misled);
                         innovation = correction.compare::<M>(fix, then, &measured.pose);
                     }
-                    correction.take::<M>(fusion, fix, &innovation, &measured.pose, |off| {
-                        match (gyro, &localisation.gyro) {
-                            (Some(heading), Some(gyro)) => heading.fused(gyro, off, variance),
-                            _ => None,
-                        }
-                    })
+                    let carried = gyro.as_ref().filter(|gyro| gyro.carries());
+                    let carried = carried.map(GyroHeading::heading_variance);
+                    let pose = &measured.pose;
+                    let outcome = correction.take::<M>(fusion, fix, &innovation, pose, carried);
+                    if let (FixOutcome::Fused, Some(heading), Some(gyro)) =
+                        (&outcome, gyro, &localisation.gyro)
+                    {
+                        heading.fused(gyro, innovation.heading(), variance);
+                    }
+                    outcome
                 }
             },
         };
         let jumped = outcome == FixOutcome::Relocalised;
         if let (true, Some(gyro)) = (jumped, &mut self.gyro) {
-            gyro.set(fusion.heading_variance);
+            gyro.set(fusion.growth.fix_heading());
         }
         let fix_age_s = self.correction.fix_age_s;
         Ok(Estimate {
@@ -173,7 +180,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             },
             fix: outcome,
             jumped,
-            curvature_bias: self.correction.curvature_bias.value,
+            curvature_bias: self.correction.curvature_bias,
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
             gyro: self.gyro_report(reading),
@@ -209,7 +216,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         if localisation.fusion.is_none() {
             self.odometry.set_pose(pose);
         }
-        self.correction.set(pose);
+        self.correction.state(localisation.fusion.as_ref(), pose);
         if let Some(gyro) = &mut self.gyro {
             gyro.set(localisation.fix_heading_variance());
         }
@@ -242,6 +249,6 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     pub(crate) const fn curvature_bias(&self) -> T {
-        self.correction.curvature_bias.value
+        self.correction.curvature_bias
     }
 }

@@ -1,6 +1,6 @@
 //! The map from odometry's frame to the world's, and its correction.
 
-use super::curvature_bias::CurvatureBias;
+use super::covariance::{Covariance, Since};
 use super::params::Fusion;
 use super::{Fix, FixOutcome};
 use crate::angle::wrap;
@@ -52,7 +52,12 @@ pub(super) struct Correction<T> {
     candidate: Option<Candidate<T>>,
     /// Slides that good fixes have not forgiven yet.
     slides: T,
-    pub(super) curvature_bias: CurvatureBias<T>,
+    /// What is known of the pose and of the wheels.
+    covariance: Covariance<T>,
+    /// What odometry did since the last fix.
+    since: Since<T>,
+    /// Turn that odometry has to add per way \[rad/m\].
+    pub(super) curvature_bias: T,
     pub(super) fix_age_s: T,
 }
 
@@ -70,14 +75,19 @@ impl<T: Copy> Innovation<T> {
 }
 
 impl<T: Scalar> Correction<T> {
-    pub(super) fn new(pose: Pose<T>) -> Self {
+    /// At a pose that is stated.
+    pub(super) fn new(fusion: Option<&Fusion<T>>, pose: Pose<T>) -> Self {
         Self {
             pose,
             pending: Pose::default(),
             slack: Slack::default(),
             candidate: None,
             slides: T::ZERO,
-            curvature_bias: CurvatureBias::default(),
+            covariance: fusion.map_or(Covariance::NONE, |fusion| {
+                Covariance::stated(&fusion.growth)
+            }),
+            since: Since::default(),
+            curvature_bias: T::ZERO,
             fix_age_s: T::ZERO,
         }
     }
@@ -87,14 +97,25 @@ impl<T: Scalar> Correction<T> {
         self.pose.theta += by;
     }
 
-    pub(super) fn set(&mut self, pose: Pose<T>) {
-        self.curvature_bias.forget_way();
-        *self = Self {
-            slides: self.slides,
-            curvature_bias: self.curvature_bias,
-            fix_age_s: self.fix_age_s,
-            ..Self::new(pose)
-        };
+    /// Elsewhere, where somebody says that the robot is. What is known of the wheels stays.
+    pub(super) fn state(&mut self, fusion: Option<&Fusion<T>>, pose: Pose<T>) {
+        if let Some(fusion) = fusion {
+            self.covariance.state(&fusion.growth);
+        }
+        self.put(pose);
+    }
+
+    fn put(&mut self, pose: Pose<T>) {
+        self.pose = pose;
+        self.pending = Pose::default();
+        self.slack = Slack::default();
+        self.candidate = None;
+        self.since = Since::default();
+    }
+
+    /// A gyro turned by `more` per way than the wheels; at most `most` is believed \[rad/m\].
+    pub(super) fn correct_bias(&mut self, most: T, more: T) {
+        self.curvature_bias = clamp(self.curvature_bias + more, most);
     }
 
     /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise
@@ -107,7 +128,12 @@ impl<T: Scalar> Correction<T> {
         heading: Option<&Carried<T>>,
         dt: T,
     ) {
-        self.pose = carried::<T, M>(&self.pose, moved.from, moved.to);
+        let before = self.pose;
+        self.pose = moved_along::<T, M>(&self.pose, moved.from, moved.to);
+        self.since.x += self.pose.x - before.x;
+        self.since.y += self.pose.y - before.y;
+        self.since.way += moved.travel;
+        self.since.turn += moved.turn().abs();
         let share = -M::exp_m1(-(fusion.spread * dt));
         let (most, turn) = (dt * fusion.position.rate, dt * fusion.heading.rate);
         let step = Pose {
@@ -139,37 +165,31 @@ impl<T: Scalar> Correction<T> {
         now: &Pose<T>,
     ) -> Innovation<T> {
         let target = sum(&self.pose, &self.pending, T::ONE);
-        let off = difference(&fix.pose, &carried::<T, M>(&target, now, &then));
+        let off = difference(&fix.pose, &moved_along::<T, M>(&target, now, &then));
         Innovation { off, then }
     }
 
-    /// Judges a fix. Where a gyro carries the heading it says what share of a heading is to be taken, and the wheels' curvature bias
-    /// is not learnt from it.
+    /// Judges a fix. `carried` is the variance of a heading that a gyro carries \[rad²\].
     pub(super) fn take<M: Maths<T>>(
         &mut self,
         fusion: &Fusion<T>,
         fix: &Fix<T>,
         innovation: &Innovation<T>,
         now: &Pose<T>,
-        heading_gain: impl FnOnce(T) -> Option<T>,
+        carried: Option<T>,
     ) -> FixOutcome<T> {
         let (position, heading) = (&fusion.position, &fusion.heading);
         let Innovation { off, then } = innovation;
+        let since = core::mem::take(&mut self.since);
+        self.covariance.pass(&fusion.growth, &since, carried);
         let gate = Slack {
             m: position.gate + self.slack.m,
             rad: heading.gate + self.slack.rad,
         };
         if gate.allows(off) {
-            let carried = heading_gain(off.theta);
-            let step = Pose {
-                x: position.gain * off.x,
-                y: position.gain * off.y,
-                theta: carried.unwrap_or(heading.gain) * off.theta,
-            };
-            self.pending = sum(&self.pending, &step, T::ONE);
-            if carried.is_none() {
-                self.curvature_bias.learn(&fusion.learning, off.theta);
-            }
+            let taken = self.covariance.take(&fusion.growth, off);
+            self.pending = sum(&self.pending, &taken.pose, T::ONE);
+            self.correct_bias(fusion.most_bias(), taken.bias);
             self.slack.m = self.slack.m * (T::ONE - position.gain);
             self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
             self.candidate = None;
@@ -191,7 +211,8 @@ impl<T: Scalar> Correction<T> {
         if slid {
             self.slides += T::ONE;
         }
-        self.set(carried::<T, M>(&candidate.pose, then, now));
+        self.covariance.set(&fusion.growth);
+        self.put(moved_along::<T, M>(&candidate.pose, then, now));
         self.fix_age_s = fix.age_s;
         FixOutcome::Relocalised
     }
@@ -216,7 +237,7 @@ impl<T: Scalar> Candidate<T> {
     /// With one more outlier; anew from it, if it disagrees. Outliers that agree only if the wheels slide
     /// agree that odometry is wrong, not by how much: of them the last is taken, not the mean.
     fn joined<M: Maths<T>>(&self, fix: &Pose<T>, then: &Pose<T>, fusion: &Fusion<T>) -> Self {
-        let expected = carried::<T, M>(&self.pose, &self.then, then);
+        let expected = moved_along::<T, M>(&self.pose, &self.then, then);
         let off = difference(fix, &expected);
         let first = Self::first(fix, then, fusion);
         let count = self.count.saturating_add(1);
@@ -241,6 +262,8 @@ pub(super) struct Moved<'a, T> {
     pub(super) to: &'a Pose<T>,
     /// Between the two \[m\], backward negative.
     pub(super) chord: T,
+    /// Way of the middle \[m\], backward negative.
+    pub(super) travel: T,
 }
 
 /// A heading that a gyro carries.
@@ -251,6 +274,13 @@ pub(super) struct Carried<T> {
     pub(super) slides: bool,
 }
 
+impl<T: Scalar> Moved<'_, T> {
+    /// \[rad\].
+    fn turn(&self) -> T {
+        self.to.theta - self.from.theta
+    }
+}
+
 /// How far a tick drove, times the share that odometry may be wrong by.
 struct Driven<T> {
     travel: T,
@@ -259,11 +289,16 @@ struct Driven<T> {
 }
 
 impl<T: Scalar> Fusion<T> {
+    /// The largest curvature bias \[rad/m\]: that of radii which are wrong by the whole drift, each its way.
+    fn most_bias(&self) -> T {
+        self.drift * self.two_per_track
+    }
+
     /// Errors of the radii of opposite sign turn a straight run by twice their share of travel over
     /// track.
     fn driven(&self, moved: &Moved<'_, T>) -> Driven<T> {
         let travel = moved.chord.abs();
-        let turn = (moved.to.theta - moved.from.theta).abs();
+        let turn = moved.turn().abs();
         Driven {
             travel,
             drift_m: self.drift * travel,
@@ -308,7 +343,7 @@ impl<T: Scalar> Slack<T> {
 /// Inlined, as what calls it in every tick and for every fix: poses stay in registers, and a tick with a fix takes 115 instructions
 /// less.
 #[inline(always)]
-fn carried<T: Scalar, M: Maths<T>>(pose: &Pose<T>, from: &Pose<T>, to: &Pose<T>) -> Pose<T> {
+fn moved_along<T: Scalar, M: Maths<T>>(pose: &Pose<T>, from: &Pose<T>, to: &Pose<T>) -> Pose<T> {
     let (sine, cosine) = M::sin_cos(pose.theta - from.theta);
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     Pose {

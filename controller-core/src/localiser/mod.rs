@@ -3,14 +3,15 @@
 //! Odometry is smooth and drifts; a camera, beacons or a lidar match do not drift, but each of their
 //! poses is wrong by millimetres, is some ticks old, and now and then is nonsense. [`Localiser`]
 //! reports the pose of odometry under a rigid map from its frame to the world's, and corrects that map
-//! slowly: noise is filtered, the pose never steps, and at constant speed nothing lags.
+//! bit by bit: noise is filtered, the pose never steps, and at constant speed nothing lags.
 //!
 //! * A [`Fix`] is compared with the pose at *its* time, from a ring of the last N poses, under the
 //!   map of today: neither its age nor corrections since then are mistaken for errors.
-//! * A share of the innovation is taken, by the stated bandwidth, and spread over the time between
-//!   fixes. A heading correction turns the robot where it stands, and not the world about its origin.
-//! * Headings that are off on the way, always to the same side, show that the wheels are not as large as stated:
-//!   odometry learns this curvature bias, and keeps it where no fix comes.
+//! * Of the innovation a Kalman filter's share is taken, and spread over the time between fixes: at rest that of the
+//!   stated bandwidth, on the way more, since odometry's errors grow with way and turn. A heading correction turns the
+//!   robot where it stands, and not the world about its origin.
+//! * Headings and places that are off on the way, always to the same side, show that the wheels are not as large as
+//!   stated: odometry learns this curvature bias with the pose, and keeps it where no fix comes.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -41,7 +42,7 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 
-mod curvature_bias;
+mod covariance;
 mod estimator;
 mod fusion;
 mod history;
@@ -128,8 +129,8 @@ pub struct Estimate<T> {
 
 /// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks.
 ///
-/// A tick costs odometry, one sine and cosine and an exponential; a fix adds two of the former and a
-/// walk through at most N poses.
+/// A tick costs odometry, one sine and cosine and an exponential; a fix adds two of the former, three
+/// updates of ten covariances and a walk through at most N poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Localiser<T, const N: usize> {
     localisation: ValidLocaliserParams<T>,
@@ -151,7 +152,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             localisation: *localisation,
             estimator: Estimator::new(localisation),
         };
-        localiser.estimator.begin(pose, counts);
+        localiser.estimator.begin(localisation, pose, counts);
         Ok(localiser)
     }
 

@@ -1,6 +1,6 @@
 //! Parameters of the localiser: plain data, validated once.
 
-use super::curvature_bias::Learning;
+use super::covariance::Growth;
 use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::gyro::{GyroParams, ValidGyroParams};
@@ -19,7 +19,8 @@ pub struct FusionParams<T = f32> {
     pub noise_rad: T,
     /// Fixes per second, nominal; 1e-2 to 1e3. They may come more rarely.
     pub rate_hz: T,
-    /// Bandwidth of the position's correction at the nominal rate \[rad/s\], 1e-3 to 100.
+    /// Bandwidth of the position's correction at rest, at the nominal rate \[rad/s\], 1e-3 to 100. A base that drives
+    /// corrects faster, by what `drift` makes of its way.
     pub bandwidth: T,
     /// The same of the heading's.
     pub heading_bandwidth: T,
@@ -27,8 +28,9 @@ pub struct FusionParams<T = f32> {
     pub gate: T,
     /// Outliers in a row that agree with each other and so are right, 2 to 100.
     pub relocalise_after: u8,
-    /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate, and bounds
-    /// the curvature bias that is learnt: [`Estimate::curvature_bias`](super::Estimate::curvature_bias).
+    /// What odometry may be wrong by, as a share of the travel of a wheel; 0 to 0.5. Widens the gate, bounds
+    /// the curvature bias that is learnt, [`Estimate::curvature_bias`](super::Estimate::curvature_bias), and says how fast a
+    /// base that drives is to doubt odometry: the larger, the more of each fix is taken on the way. At 0 as much as at rest.
     pub drift: T,
     /// How fast a wheel may slide over the floor \[m/s\], 0 (never) to 100: outliers may move by that
     /// beside odometry and still agree.
@@ -41,8 +43,7 @@ impl<T: Scalar> FusionParams<T> {
     /// A pose source of this noise and rate, and odometry that is good to 2 % or better.
     ///
     /// The bandwidths leave a seventh of the noise, 1/50 of its variance, but are at most 1 rad/s:
-    /// faster noise keeps a parking robot busy. Odometry that is 2 % wrong leaves the pose behind by
-    /// 2 % of speed over bandwidth. 5 standard deviations reject one good fix in half a million; 3
+    /// faster noise keeps a parking robot busy. 5 standard deviations reject one good fix in half a million; 3
     /// outliers that agree are no chance. A base that is commanded more than the floor holds has been
     /// seen to turn at 1 to 2 rad/s while its wheels say otherwise: a slide of half a metre per second
     /// at half a metre of track. Stale after ten fixes.
@@ -185,7 +186,7 @@ impl<T: Scalar> ValidLocaliserParams<T> {
     pub(super) fn fix_heading_variance(&self) -> T {
         self.fusion
             .as_ref()
-            .map_or(T::ZERO, |fusion| fusion.heading_variance)
+            .map_or(T::ZERO, |fusion| fusion.growth.fix_heading())
     }
 
     /// The farthest that a coordinate of the pose is corrected in a tick of `dt` \[s\]: \[m\] and \[rad\].
@@ -208,9 +209,7 @@ pub(super) struct Fusion<T> {
     pub(super) drift: T,
     pub(super) slide: T,
     pub(super) two_per_track: T,
-    pub(super) learning: Learning<T>,
-    /// Variance of a fix's heading \[rad²\].
-    pub(super) heading_variance: T,
+    pub(super) growth: Growth<T>,
     pub(super) stale_s: T,
 }
 
@@ -232,18 +231,22 @@ pub(super) struct Channel<T> {
 impl<T: Scalar> Fusion<T> {
     fn new<M: Maths<T>>(params: &FusionParams<T>, track: T) -> Self {
         let channel = |noise, bandwidth| Channel::new::<M>(params, noise, bandwidth);
+        let position = channel(params.noise_m, params.bandwidth);
         let heading = channel(params.noise_rad, params.heading_bandwidth);
         let two_per_track = (T::ONE + T::ONE) / track;
+        let (noise, gain) = (
+            (params.noise_m, params.noise_rad),
+            (position.gain, heading.gain),
+        );
         Self {
-            position: channel(params.noise_m, params.bandwidth),
-            learning: Learning::new(heading.gain, params.noise_rad, params.drift * two_per_track),
+            growth: Growth::new(noise, gain, params.drift, two_per_track),
+            position,
             heading,
             spread: params.rate_hz,
             relocalise_after: params.relocalise_after,
             drift: params.drift,
             slide: params.slide_m_s,
             two_per_track,
-            heading_variance: params.noise_rad * params.noise_rad,
             stale_s: params.stale_s,
         }
     }

@@ -22,9 +22,7 @@ pub enum End {
 /// What is known to go wrong, at a rate that is stated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Failing {
-    /// Says that it is parked, and is farther from its goal than the pose's noise explains.
-    Misplaced,
-    /// Neither parks nor gives up.
+    /// Neither parks for good nor gives up.
     Adrift,
 }
 
@@ -32,7 +30,6 @@ impl Failing {
     /// For tables and files.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Misplaced => "misplaced",
             Self::Adrift => "adrift",
         }
     }

@@ -177,7 +177,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
             self.park_again(watch)?;
             self.again = true;
         }
-        Ok(self.parked.failed.map_or(end, End::Known))
+        Ok(end)
     }
 
     /// Drives the base into the state in which the trouble strikes.
@@ -290,7 +290,9 @@ impl<'a, 'queue> Runner<'a, 'queue> {
                 LONGEST_S.1
             };
             if self.t - since > longest {
-                if self.state() == State::Parking && self.timeline.is_known(Failing::Adrift) {
+                // Parked by then, but not for long enough to be called settled, is adrift as well.
+                let here = matches!(self.state(), State::Parking | State::Parked);
+                if here && self.timeline.is_known(Failing::Adrift) {
                     return Ok(End::Known(Failing::Adrift));
                 }
                 return Err(format!(

@@ -179,8 +179,10 @@ fn check(name: &str, space_m: [f64; 2], drives: u32, least: usize) {
     assert!(10 * held >= 9 * intervals, "{name}: {held} of {intervals}");
 }
 
-// With a true share of 90 %, 20 drives hold less than 13 in one of 17,000 draws of the seeds (binomial distribution), so that one of
-// 21 quantities does in one of 800.
+// With a true share of 90 %, 20 drives hold less than 13 in one of 2,400 draws of the seeds (binomial distribution), and 40 less than
+// 28 in one of 11,000, so that one of 21 quantities does in one of 115 and of 540. All together scatter by 8 % from drive to drive
+// of the hobby base, since quantities of one drive are wrong together: 40 drives of intervals that hold in 95 % are below 90 % in
+// one of 25,000 draws, 20 in one of 400.
 
 #[test]
 fn intervals_hold_what_the_lab_base_is() {
@@ -194,7 +196,7 @@ fn intervals_hold_what_the_paper_base_is() {
 
 #[test]
 fn intervals_hold_what_the_hobby_base_is() {
-    check("hobby-1kg", [1.5, 1.0], 20, 13);
+    check("hobby-1kg", [1.5, 1.0], 40, 28);
 }
 
 /// The whole firmware on emulated chips, at 1 kHz and at the base's own 100 Hz: every byte that it sends is the one that the same
@@ -242,8 +244,9 @@ fn a_chip_records_every_tick_at_the_full_rate() {
         let errors = errors(&found(&drive, &truth), &truth);
         println!("{machine:?}: {errors:.2?}");
         assert_eq!(errors.len(), 21);
-        // Of one drive: at twice the interval's width one of 21 is missed by chance in 500 draws of the seed; and more than 6
-        // of 21 at its own width in 2,000 if they were independent.
+        // Of one drive: at twice the interval's width one of 21 is missed by chance in 500 draws of the seed. How many hold at its
+        // own width has no such number, since quantities of one drive are wrong together, by its radii: of 160 drives of two bases
+        // that were looked at 4 held fewer than 15, the worst 12.
         assert!(
             errors.values().all(|[error, _]| error.abs() <= 2.0),
             "{errors:?}"
@@ -252,7 +255,7 @@ fn a_chip_records_every_tick_at_the_full_rate() {
             .values()
             .filter(|[error, _]| error.abs() <= 1.0)
             .count();
-        assert!(within >= 15, "{within}: {errors:?}");
+        assert!(within > 21 / 2, "{within}: {errors:?}");
     }
 }
 

@@ -3,7 +3,6 @@
 use super::Checked;
 use super::timeline::Timeline;
 use crate::campaign::bounds::Bounds;
-use crate::campaign::outcome::Failing;
 use crate::closed_loop::Board;
 use crate::mission::BaseSpec;
 use controller_core::angle::wrap;
@@ -13,8 +12,6 @@ use controller_core::types::Pose;
 pub(super) struct ParkedCheck {
     /// Largest distance from the goal, and largest heading error \[m, rad\].
     pub(super) worst: Option<(f64, f64)>,
-    /// What went wrong as it is stated to.
-    pub(super) failed: Option<Failing>,
 }
 
 impl ParkedCheck {
@@ -39,10 +36,6 @@ impl ParkedCheck {
         let core = board.task().controller().base();
         let (most_m, most_rad) = bounds.parked(core, base, timeline.poses());
         if off.0 > most_m + shift || off.1 > most_rad + turn {
-            if timeline.is_known(Failing::Misplaced) {
-                self.failed = Some(Failing::Misplaced);
-                return Ok(());
-            }
             return Err(format!(
                 "parked {:.1} mm and {:.1} mrad off, beyond {:.1} and {:.1}",
                 1.0e3 * off.0,

@@ -1,6 +1,6 @@
 //! The correction of odometry by fixes.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Matrix4, SMatrix, Vector2, Vector3, Vector4};
 
 use super::{Constants, Fix, carried};
 use crate::oracle::motion::follow::wrapped;
@@ -43,7 +43,10 @@ pub struct Fusion {
     slides: f64,
     /// Turn per way \[rad/m\].
     pub bias: f64,
-    way: f64,
+    /// Covariance of the errors of x, y, θ and bias.
+    covariance: Matrix4<f64>,
+    /// Of odometry since the last fix: way in the world, way along it, turn to either side.
+    since: (Vector2<f64>, f64, f64),
     /// Of the last fix that was taken \[s\].
     pub age: f64,
 }
@@ -82,9 +85,23 @@ fn difference(of: &Vector3<f64>, from: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(off.x, off.y, wrapped(off.z))
 }
 
+/// Variances of the errors of a pose that is stated, or that a fix has set, and of the bias.
+fn errors(k: &Constants, stated: bool, bias: f64) -> Matrix4<f64> {
+    let [position, heading] = channels(k);
+    let share = |gain: f64| if stated { gain } else { 1.0 };
+    let position = share(position.gain) * k.sigma.0.powi(2);
+    let heading = share(heading.gain) * k.sigma.1.powi(2);
+    Matrix4::from_diagonal(&Vector4::new(position, position, heading, bias))
+}
+
+/// Variance of the bias of unknown wheels: radii that are wrong by an eighth of the drift.
+fn unknown(k: &Constants) -> f64 {
+    (k.drift / 8.0 * 2.0 / k.track).powi(2)
+}
+
 impl Fusion {
     /// At a posture.
-    pub fn start(q: Vector3<f64>) -> Self {
+    pub fn start(k: &Constants, q: Vector3<f64>) -> Self {
         Self {
             q,
             pending: Vector3::zeros(),
@@ -92,18 +109,20 @@ impl Fusion {
             candidate: None,
             slides: 0.0,
             bias: 0.0,
-            way: 0.0,
+            covariance: errors(k, true, unknown(k)),
+            since: (Vector2::zeros(), 0.0, 0.0),
             age: 0.0,
         }
     }
 
     /// Elsewhere; what was learnt stays.
-    pub fn set(&mut self, q: Vector3<f64>) {
+    pub fn set(&mut self, k: &Constants, q: Vector3<f64>, stated: bool) {
         *self = Self {
             slides: self.slides,
             bias: self.bias,
+            covariance: errors(k, stated, self.covariance[(3, 3)]),
             age: self.age,
-            ..Self::start(q)
+            ..Self::start(k, q)
         };
     }
 
@@ -116,8 +135,11 @@ impl Fusion {
         way: f64,
         dt: f64,
     ) {
-        self.way += way;
+        let before = self.q;
         self.q = carried(&self.q, from, to);
+        self.since.0 += (self.q - before).xy();
+        self.since.1 += way;
+        self.since.2 += (self.q.z - before.z).abs();
         let [position, heading] = channels(k);
         let most = dt * Vector3::new(position.rate, position.rate, heading.rate);
         let spread = 1.0 - (-k.rate * dt).exp();
@@ -149,11 +171,10 @@ impl Fusion {
         let [position, heading] = channels(k);
         let believed = carried(&(self.q + self.pending), now, then);
         let off = difference(&fix.q, &believed);
+        self.pass(k, position.gain, heading.gain);
         let gate = self.slack + Slack::new(position.gate, heading.gate);
         if allows(&gate, &off) {
-            let share = Vector3::new(position.gain, position.gain, heading.gain);
-            self.pending += share.component_mul(&off);
-            self.learn(k, heading.gain, off.z);
+            self.correct(k, &off);
             let kept = Slack::new(1.0 - position.gain, 1.0 - heading.gain);
             self.slack.component_mul_assign(&kept);
             self.candidate = None;
@@ -169,7 +190,7 @@ impl Fusion {
             return Taken::Rejected;
         }
         self.slides += f64::from(u8::from(slid));
-        self.set(carried(&candidate.q, then, now));
+        self.set(k, carried(&candidate.q, then, now), false);
         self.age = fix.age;
         Taken::Relocalised
     }
@@ -207,14 +228,43 @@ impl Fusion {
         }
     }
 
-    /// b ← b + β s off/(s² + s₀²), β = α²/4, s₀ = 1.8 σ α^1.5/b_max, b_max = 2 d/l.
-    fn learn(&mut self, k: &Constants, alpha: f64, off: f64) {
-        let most = 2.0 * k.drift / k.track;
-        let s = std::mem::take(&mut self.way);
-        if most > 0.0 {
-            let s0 = 1.8 * k.sigma.1 * alpha.powf(1.5) / most;
-            let step = alpha.powi(2) / 4.0 * s * off / (s.powi(2) + s0.powi(2));
-            self.bias = (self.bias + step).clamp(-most, most);
+    /// The errors since the last fix: those that odometry carries along, and those that come to them.
+    fn pass(&mut self, k: &Constants, position: f64, heading: f64) {
+        let (moved, way, turn) = std::mem::take(&mut self.since);
+        // What a turn of the whole way does, and one that grows along it.
+        let aside = Vector2::new(-moved.y, moved.x);
+        let mut f = Matrix4::identity();
+        f.fixed_view_mut::<2, 1>(0, 2).copy_from(&aside);
+        f.fixed_view_mut::<2, 1>(0, 3)
+            .copy_from(&(aside * (way / 2.0)));
+        f[(2, 3)] = way;
+        let rest = |gain: f64, sigma: f64| (gain * sigma).powi(2) / (1.0 - gain);
+        let slid = rest(position, k.sigma.0) + (0.06 * k.drift).powi(2) * way.abs();
+        let turned = rest(heading, k.sigma.1) + (k.drift / 3.0).powi(2) * turn;
+        let changed = 0.01 * unknown(k) * way.abs();
+        let more = Matrix4::from_diagonal(&Vector4::new(slid, slid, turned, changed));
+        let mut p = f * self.covariance * f.transpose() + more;
+        p[(3, 3)] = p[(3, 3)].min(unknown(k));
+        let most = (1e5 * k.sigma.0.powi(2), 1e5 * k.sigma.1.powi(2));
+        if p[(0, 0)] + p[(1, 1)] > most.0 || p[(2, 2)] > most.1 {
+            p = Matrix4::from_diagonal(&Vector4::new(most.0, most.0, most.1, p[(3, 3)]));
         }
+        self.covariance = p;
+    }
+
+    /// All three coordinates at once, K = P Hᵀ (H P Hᵀ + R)⁻¹, and P in Joseph's form.
+    fn correct(&mut self, k: &Constants, off: &Vector3<f64>) {
+        let (m, rad) = (k.sigma.0.powi(2), k.sigma.1.powi(2));
+        let r = Matrix3::from_diagonal(&Vector3::new(m, m, rad));
+        let h = SMatrix::<f64, 3, 4>::identity();
+        let p = self.covariance;
+        let sum = h * p * h.transpose() + r;
+        let gain = p * h.transpose() * sum.try_inverse().expect("positive definite");
+        let left = Matrix4::identity() - gain * h;
+        self.covariance = left * p * left.transpose() + gain * r * gain.transpose();
+        let step = gain * off;
+        self.pending += step.xyz();
+        let most = 2.0 * k.drift / k.track;
+        self.bias = (self.bias + step.w).clamp(-most, most);
     }
 }

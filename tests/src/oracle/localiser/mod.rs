@@ -103,7 +103,7 @@ impl Localiser {
             now: 0.0,
             odometry: Odometry::start(q, counts),
             past: vec![(0.0, q)],
-            fusion: Fusion::start(q),
+            fusion: Fusion::start(&k, q),
         }
     }
 
@@ -161,6 +161,6 @@ impl Localiser {
 
     /// Elsewhere on the map.
     pub fn set(&mut self, q: Vector3<f64>) {
-        self.fusion.set(q);
+        self.fusion.set(&self.k, q, true);
     }
 }
