@@ -110,8 +110,8 @@ impl<T> Moved<T> {
 ///
 /// The pose error of one step is zero for wheels that turn at constant rates in between. The speed
 /// estimate has no steady error at constant speed and no ripple either, at a count in many ticks as
-/// well as at many in one. Changes of speed that no known acceleration explains arrive 2/bandwidth late, or
-/// 1.3 times the time between counts, where that is longer; a wheel that has stopped reads at
+/// well as at many in one. Changes of speed that no known acceleration explains arrive 2/bandwidth late at first, or
+/// 1.3 times the time between counts, where that is longer, and those that last in time: what causes them is learnt; a wheel that has stopped reads at
 /// most one count per time since the next was due, and soon exactly 0. A torque that friction holds moves nothing:
 /// an acceleration that a missing count refutes is not believed until the wheel rolls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,7 +184,7 @@ impl<T: Scalar> Odometry<T> {
     /// [`update`](Self::update) for a robot that was accelerated by `accel` (finite) since the last call.
     ///
     /// That is what the torques of that time do to it: force over mass, moment over inertia. The speed
-    /// estimate then lags only what this leaves out, friction, slopes and wrong masses; a velocity
+    /// estimate then lags only what this leaves out, friction, slopes and wrong masses, until it has learnt them; a velocity
     /// loop sees its own torques without delay (the observer's poles and the loop's do not mix), and
     /// `bandwidth` may be as low as disturbances allow.
     pub fn update_with_accel<M: Maths<T>>(
@@ -266,12 +266,13 @@ impl<T: Scalar> Odometry<T> {
         self.curvature_bias = curvature_bias;
     }
 
-    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\]: what a learnt curvature bias adds to the turn rate is
-    /// no turning of a motor.
-    pub fn wheel_speeds(&self) -> WheelSpeeds<T> {
+    /// Speeds of the wheels for which a motor layer is to make up the back-EMF \[rad/s\]: as the encoders have them (what a learnt
+    /// curvature bias adds to the turn rate is no turning of a motor), without what the wheels have just lost to forces that
+    /// nobody told of. A wheel that friction slows gets more voltage by it, one whose motor is stronger than stated less.
+    pub fn back_emf_speeds(&self) -> WheelSpeeds<T> {
         WheelSpeeds {
-            right: self.right.speed() * self.per_metre.0,
-            left: self.left.speed() * self.per_metre.1,
+            right: self.right.back_emf_speed(self.bandwidth) * self.per_metre.0,
+            left: self.left.back_emf_speed(self.bandwidth) * self.per_metre.1,
         }
     }
 

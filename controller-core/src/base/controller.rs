@@ -165,7 +165,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
 
     fn exerted_accel(&self) -> Accel<T> {
         let mut wrench = self.base.motion.wheels().wrench(&self.exerted);
-        // What friction and slopes take of it accelerates nothing. Parking knows it otherwise: a wheel that stands has to be pushed.
+        // What friction and slopes take of it accelerates nothing. Odometry finds that by itself, but not where counts are rare: driving
+        // by velocity may creep. Parking knows it otherwise: a wheel that stands has to be pushed.
         if let Some(report) = &self.report.motion
             && report.mode == Mode::Driving
         {
@@ -255,7 +256,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             mode: self.supervisor.output(),
             measured: self.report.measured.as_ref(),
             jumped: located.jumped,
-            speeds: self.locator.wheel_speeds(),
+            speeds: self.locator.back_emf_speeds(),
             turning,
             dt,
         };

@@ -89,7 +89,7 @@ pub struct DriveCommand<T = f32> {
     pub torques: WheelTorques<T>,
     /// Speeds that are commanded, for the compensation of friction \[rad/s\].
     pub desired: WheelSpeeds<T>,
-    /// Speeds in the middle of the tick, for the back-EMF \[rad/s\]: as measured, and half a tick of the commanded acceleration.
+    /// Speeds in the middle of the tick, for the back-EMF \[rad/s\]: [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds), and half a tick of the commanded acceleration.
     pub speeds: WheelSpeeds<T>,
     /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]. Only while driving by velocity.
     pub beyond_coulomb: Option<WheelTorques<T>>,

@@ -49,10 +49,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// Speeds at which the wheels turn \[rad/s\]; of the last reading where there is no new one.
-    pub(super) fn wheel_speeds(&self) -> WheelSpeeds<T> {
+    /// See [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds); of the last reading where there is no new one.
+    pub(super) fn back_emf_speeds(&self) -> WheelSpeeds<T> {
         let localiser = self.localiser.as_ref();
-        localiser.map_or_else(WheelSpeeds::default, Estimator::wheel_speeds)
+        localiser.map_or_else(WheelSpeeds::default, Estimator::back_emf_speeds)
     }
 
     /// For other parameters: begins anew, where it was by the last report.

@@ -222,8 +222,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
-    pub(crate) fn wheel_speeds(&self) -> WheelSpeeds<T> {
-        self.odometry.wheel_speeds()
+    pub(crate) fn back_emf_speeds(&self) -> WheelSpeeds<T> {
+        self.odometry.back_emf_speeds()
     }
 
     pub(super) fn pose(&self, localisation: &ValidLocaliserParams<T>) -> &Pose<T> {

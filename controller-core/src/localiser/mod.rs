@@ -210,9 +210,9 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         self.estimator.set_pose(&self.localisation, pose);
     }
 
-    /// Speeds at which the wheels turn, as the encoders have it \[rad/s\].
-    pub fn wheel_speeds(&self) -> WheelSpeeds<T> {
-        self.estimator.wheel_speeds()
+    /// See [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds).
+    pub fn back_emf_speeds(&self) -> WheelSpeeds<T> {
+        self.estimator.back_emf_speeds()
     }
 
     /// The pose of the last update.

@@ -348,7 +348,7 @@ impl Known {
 pub const KNOWN: [Known; 1] = [Known {
     injection: FaultInjectionKind::WheelOnIce,
     failing: Failing::Adrift,
-    rate: 0.0080,
+    rate: 0.0043,
 }];
 
 /// How often each of [`KNOWN`] happened, where its trouble was there.

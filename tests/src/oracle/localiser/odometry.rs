@@ -24,6 +24,8 @@ const REST: f64 = 0.5;
 const STANDS: f64 = 0.01;
 /// Single counts in one direction of a wheel that rolls.
 const ROLLS: i32 = 4;
+/// Third coefficient of the loop, s³ + 2ω s² + ω² s + this ω³.
+const THIRD: f64 = 0.0625;
 
 /// The loop of a wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +38,8 @@ struct Wheel {
     overdue: f64,
     streak: i32,
     held: f64,
+    /// Of the wheel, known to nobody \[m/s²\].
+    drag: f64,
 }
 
 /// Odometry.
@@ -117,7 +121,10 @@ impl Wheel {
 
     fn advance(&mut self, omega: f64, counts: i32, q: f64, accel: f64, dt: f64) {
         let ends_rest = self.count(counts, dt);
+        let accel = accel + self.drag;
         let a = accel.signum() * (accel.abs() - self.held).max(0.0);
+        let whole = omega;
+        let rare = omega * self.between > PER_COUNT / 2.0;
         let omega = omega.min(PER_COUNT / self.between);
         let x = omega * dt;
         let ahead = self.speed * dt + a * dt.powi(2) / 2.0;
@@ -131,11 +138,18 @@ impl Wheel {
             inside + beyond * shrink
         };
         let mut v = self.speed + a * dt + omega * x * shrink * beyond;
+        let most = THIRD * whole * self.speed.abs();
+        self.drag += THIRD * omega.powi(3) * dt * shrink * beyond;
+        self.drag = self.drag.clamp(-most, most);
+        if rare {
+            self.drag = 0.0;
+        }
         if counts == 0 && beyond * ahead < 0.0 {
             self.overdue += dt;
             let most = q / self.overdue;
             if v.abs() > most {
                 v = v.clamp(-most, most);
+                self.drag = 0.0;
                 self.lag = inside;
                 if a * ahead > 0.0 {
                     self.held += a.abs();
@@ -144,6 +158,7 @@ impl Wheel {
             if v.abs() < STANDS * q || v * ahead < 0.0 {
                 v = 0.0;
                 self.lag = inside;
+                self.drag = 0.0;
             }
         } else {
             self.overdue = 0.0;
