@@ -37,6 +37,7 @@ pub struct MotorLimited {
 impl MotorLimited {
     /// The wheel gets another torque than demanded.
     pub const fn torque(&self) -> bool {
+        // Bits, since all three are at hand: a tick without branches here is shorter.
         self.current | self.voltage | self.invalid
     }
 }
