@@ -99,6 +99,21 @@ pub(crate) struct Moved<T> {
     pub(crate) turn: T,
 }
 
+/// What accelerated the robot since the last call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Accelerated<T> {
+    /// By the torques.
+    pub(crate) exerted: Accel<T>,
+    /// Beside them, as a disturbance estimate has it: for a robot that creeps. Odometry learns by itself what it can.
+    pub(crate) told: Option<Accel<T>>,
+}
+
+impl<T: Scalar> Accelerated<T> {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.exerted.is_finite() && self.told.is_none_or(|told| told.is_finite())
+    }
+}
+
 impl<T> Moved<T> {
     /// Whether the right and the left wheel moved by a count.
     pub(crate) const fn counted(&self) -> (bool, bool) {
@@ -195,7 +210,11 @@ impl<T: Scalar> Odometry<T> {
     ) -> Measured<T> {
         let rolled = self.roll(counts);
         let turn = rolled.turn;
-        self.integrate::<M>(&rolled, turn, dt, accel).0
+        let accelerated = Accelerated {
+            exerted: *accel,
+            told: None,
+        };
+        self.integrate::<M>(&rolled, turn, dt, &accelerated).0
     }
 
     /// What the wheels did since the last call, their learnt curvature bias included.
@@ -224,7 +243,7 @@ impl<T: Scalar> Odometry<T> {
         rolled: &Moved<T>,
         turn: T,
         dt: T,
-        accel: &Accel<T>,
+        accelerated: &Accelerated<T>,
     ) -> (Measured<T>, T) {
         let (moved, travel) = (rolled.counts, rolled.travel);
         let half_turn = T::HALF * turn;
@@ -235,17 +254,25 @@ impl<T: Scalar> Odometry<T> {
             y: self.pose.y + chord * sine,
             theta: self.pose.theta + turn,
         };
-        let rim = T::HALF * self.track * accel.angular;
+        let lever = T::HALF * self.track;
+        let rims = |accel: &Accel<T>| {
+            let rim = lever * accel.angular;
+            (accel.linear + rim, accel.linear - rim)
+        };
+        let accel = rims(&accelerated.exerted);
+        let told = accelerated.told.as_ref().map(rims);
         let right = Turned {
             counts: moved.0,
             per_count: self.right_per_count,
-            accel: accel.linear + rim,
+            accel: accel.0,
+            told: told.map(|told| told.0),
             dt,
         };
         let left = Turned {
             counts: moved.1,
             per_count: self.left_per_count,
-            accel: accel.linear - rim,
+            accel: accel.1,
+            told: told.map(|told| told.1),
             dt,
         };
         let right = self.right.track(&right, self.bandwidth);

@@ -12,14 +12,15 @@ use crate::error::{Input, StepFault};
 use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
-use crate::motion::{Mode, Outcome, Task};
+use crate::motion::{Mode, MotionReport, Outcome, Task};
 use crate::motor::Motor;
+use crate::odometry::Accelerated;
 use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
 use crate::scalar::{Scalar, microseconds, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Accel, Pose, Twist, WheelTorques};
+use crate::types::{Pose, Twist, WheelTorques, Wrench};
 
 /// Poses remembered for late fixes, unless stated otherwise: 0.3 s at 10 ms.
 pub const REMEMBERED: usize = 32;
@@ -106,14 +107,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     pub fn tick(&mut self, dt_us: u32, order: &Order<T>, sensed: &Sensed<T>) -> &BaseReport<T> {
         let dt = seconds(dt_us);
         self.report.active_faults = ActiveFaults::NONE;
-        let accel = self.exerted_accel();
+        let accelerated = self.accelerated();
         let Self {
             locator,
             base,
             report,
             ..
         } = self;
-        let located = locator.advance::<M>(&base.localisation, dt, &accel, sensed, report);
+        let located = locator.advance::<M>(&base.localisation, dt, &accelerated, sensed, report);
         let located = located.unwrap_or_else(|fault| {
             report.active_faults.add(fault.into());
             Located::NOT
@@ -163,20 +164,21 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         &self.supervisor
     }
 
-    fn exerted_accel(&self) -> Accel<T> {
-        let mut wrench = self.base.motion.wheels().wrench(&self.exerted);
-        // What friction and slopes take of it accelerates nothing. Odometry finds that by itself, but not where counts are rare: driving
-        // by velocity may creep. Parking knows it otherwise: a wheel that stands has to be pushed.
-        if let Some(report) = &self.report.motion
-            && report.mode == Mode::Driving
-        {
-            wrench.force += report.disturbance.force;
-            wrench.moment += report.disturbance.moment;
-        }
-        let stated = acceleration(&self.base.motion.params().robot, &wrench);
-        match &self.report.motion {
-            Some(report) => report.load.slowed(&stated),
-            None => stated,
+    fn accelerated(&self) -> Accelerated<T> {
+        let by = |wrench: &Wrench<T>| {
+            let stated = acceleration(&self.base.motion.params().robot, wrench);
+            match &self.report.motion {
+                Some(report) => report.load.slowed(&stated),
+                None => stated,
+            }
+        };
+        // What friction and slopes take of the torques accelerates nothing, and odometry finds that by itself, but not of a wheel that
+        // creeps: driving by velocity may. Parking knows it otherwise: a wheel that stands has to be pushed.
+        let drives = |report: &&MotionReport<T>| report.mode == Mode::Driving;
+        let driving = self.report.motion.as_ref().filter(drives);
+        Accelerated {
+            exerted: by(&self.base.motion.wheels().wrench(&self.exerted)),
+            told: driving.map(|report| by(&report.disturbance)),
         }
     }
 

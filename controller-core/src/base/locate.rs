@@ -6,9 +6,10 @@ use crate::error::StepFault;
 use crate::gyro::GyroReport;
 use crate::localiser::{Estimator, FixOutcome, ValidLocaliserParams};
 use crate::maths::Maths;
+use crate::odometry::Accelerated;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
-use crate::types::{Accel, Measured, Pose, WheelSpeeds};
+use crate::types::{Measured, Pose, WheelSpeeds};
 
 /// The localiser, and what it needs across ticks without a reading beside the report of the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +83,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// `accel` is what the torques exerted since the last tick were to cause. Where the base is goes into `report`.
+    /// `accelerated` is what the torques exerted since the last tick were to cause, and what acts beside them. Where the base is goes into `report`.
     ///
     /// # Errors
     /// The localiser's: a tick or an acceleration that is no number. Nothing has changed then, and the report says that the base
@@ -91,7 +92,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         &mut self,
         localisation: &ValidLocaliserParams<T>,
         dt: T,
-        accel: &Accel<T>,
+        accelerated: &Accelerated<T>,
         sensed: &Sensed<T>,
         report: &mut BaseReport<T>,
     ) -> Result<Located<T>, StepFault> {
@@ -122,7 +123,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 let dt = self.blind_s + dt;
                 let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
                 let estimate =
-                    localiser.update::<M>(localisation, counts, dt, *accel, fix, gyro)?;
+                    localiser.update::<M>(localisation, counts, dt, accelerated, fix, gyro)?;
                 report.measured = Some(estimate.measured);
                 report.fix = estimate.fix;
                 report.gyro = estimate.gyro;

@@ -7,9 +7,9 @@ use crate::error::{Input, StepFault};
 use crate::gyro::{GyroHeading, GyroOutcome, GyroReading, GyroRefusal, GyroReport, Rolled};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::odometry::Odometry;
+use crate::odometry::{Accelerated, Odometry};
 use crate::scalar::Scalar;
-use crate::types::{Accel, Measured, Pose, WheelSpeeds};
+use crate::types::{Measured, Pose, WheelSpeeds};
 
 /// What a localiser remembers; its parameters are lent: they exist once, wherever it is built in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         localisation: &ValidLocaliserParams<T>,
         counts: WheelCounts,
         dt: T,
-        accel: Accel<T>,
+        accelerated: &Accelerated<T>,
         fix: Option<&Fix<T>>,
         reading: Option<&GyroReading<T>>,
     ) -> Result<Estimate<T>, StepFault> {
@@ -83,7 +83,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         if dt <= T::ZERO {
             return Err(StepFault::TickNotPositive);
         }
-        if !accel.is_finite() {
+        if !accelerated.is_finite() {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
@@ -111,7 +111,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             }
             _ => rolled.turn,
         };
-        let (measured, chord) = self.odometry.integrate::<M>(&rolled, turn, dt, &accel);
+        let (measured, chord) = self.odometry.integrate::<M>(&rolled, turn, dt, accelerated);
         let Some(fusion) = &localisation.fusion else {
             return Ok(Estimate {
                 measured,

@@ -57,6 +57,7 @@ use crate::error::StepFault;
 use crate::gyro::{GyroReading, GyroReport};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
+use crate::odometry::Accelerated;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 pub(crate) use estimator::Estimator;
@@ -201,7 +202,11 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             localisation,
             estimator,
         } = self;
-        estimator.update::<M>(localisation, counts, dt, *accel, fix, reading)
+        let accelerated = Accelerated {
+            exerted: *accel,
+            told: None,
+        };
+        estimator.update::<M>(localisation, counts, dt, &accelerated, fix, reading)
     }
 
     /// Puts the robot elsewhere on the map, with the same duty to declare it as a relocalisation.

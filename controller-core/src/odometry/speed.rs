@@ -55,7 +55,8 @@ const MADE_UP: f64 = 4.0;
 ///
 /// So friction, a slope, a motor that gives another torque than asked, do not mislead the speed for long: without u a force F
 /// would read as a speed of 2 F/(m ω). Where counts are rare ([`OFTEN`]) nothing is learnt, and a wheel that is stopped
-/// forgets: dry friction turns about with the direction.
+/// forgets: dry friction turns about with the direction. A wheel that creeps is therefore told of such accelerations, and believes
+/// them ([`not_learnt`]).
 ///
 /// A prediction that has left its count while none came is overdue by t: the speed is at most q/t.
 ///
@@ -91,6 +92,8 @@ pub(super) struct Turned<T> {
     pub(super) per_count: T,
     /// Acceleration that the wheel's rim was to have \[m/s²\].
     pub(super) accel: T,
+    /// What is told of what acts beside the torques, as an acceleration of the rim \[m/s²\].
+    pub(super) told: Option<T>,
     pub(super) dt: T,
 }
 
@@ -109,10 +112,20 @@ impl<T: Scalar> Wheel<T> {
             counts,
             per_count,
             accel,
+            told,
             dt,
         } = turned;
         let first = self.count(counts, dt);
-        let accel = beyond_held(accel + self.unknown, self.held);
+        let most = if bandwidth * self.period > f(OFTEN) {
+            T::ZERO
+        } else {
+            f(MOST) * bandwidth * self.speed.abs()
+        };
+        let unknown = match told {
+            None => self.unknown,
+            Some(told) => self.unknown + not_learnt(told, most),
+        };
+        let accel = beyond_held(accel + unknown, self.held);
         let omega = bandwidth_between(self.period, bandwidth);
         let a = omega * dt;
         let one_plus = T::ONE + a;
@@ -125,12 +138,7 @@ impl<T: Scalar> Wheel<T> {
         let beyond = if first { T::ZERO } else { error - inside };
         let corrected = omega * (a * shrink) * beyond;
         let mut speed = self.speed + dt * accel + corrected;
-        let mut unknown = if bandwidth * self.period > f(OFTEN) {
-            T::ZERO
-        } else {
-            let most = f(MOST) * bandwidth * self.speed.abs();
-            clamp(self.unknown + f(LEARNS) * omega * corrected, most)
-        };
+        let mut unknown = clamp(self.unknown + f(LEARNS) * omega * corrected, most);
         self.lag = if first {
             inside
         } else {
@@ -201,6 +209,14 @@ fn beyond_held<T: Scalar>(accel: T, held: T) -> T {
         accel
     };
     accel - inside
+}
+
+/// What of an acceleration that is told of a wheel has to believe that can learn at most `most` of it: all of it while it can learn no
+/// more than that, nothing once it can learn twice as much.
+fn not_learnt<T: Scalar>(told: T, most: T) -> T {
+    let spare = most - told.abs();
+    let spare = if spare > T::ZERO { spare } else { T::ZERO };
+    beyond_held(told, spare)
 }
 
 /// The smaller of the loop's bandwidth and what the counts allow \[rad/s\].
