@@ -1,14 +1,14 @@
 //! Driving by velocity: a speed and a turn rate as a host or an operator orders them.
 
-use super::goal_checker::STOPPING_DECAY;
 use super::governor::Command;
+use super::limits::Limits;
 use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
 use super::transition_offset::AxisOffset;
 use crate::angle::wrap;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
-use crate::range::clamp;
+use crate::range::{clamp, larger, smaller};
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::types::{Accel, Twist};
@@ -87,13 +87,13 @@ impl<T: Scalar> DriveLaw<T> {
     /// The setpoint goes from the command to the order as two lags in cascade do,
     ///
     /// ```text
-    /// v_d″ + 2 A_v v_d′ + A_v² (v_d − v) = 0        A_v = min(12/s, e j/a)
-    /// w_d = w_s + k₃ sin e_θ                        w_s likewise towards w
+    /// v_d″ + 2 A v_d′ + A² (v_d − v) = 0        A = e min(j/a, j_w/α)
+    /// w_d = w_s + k₃ sin e_θ                    w_s likewise towards w
     /// ```
     ///
     /// with the exact solution over a tick, from where the governor left the command: what it limited is not asked for again, and
-    /// orders may change in every tick. The faster of both lags brakes from the largest acceleration a with a jerk of
-    /// A a/e at most, so that the jerk limit j makes no command overshoot its order.
+    /// orders may change in every tick. The lag brakes from the largest acceleration a with a jerk of
+    /// A a/e at most, so that the jerk limit j makes no command overshoot its order; no slower lag is needed for that.
     ///
     /// The heading that is held is the integral of w_s. Its error is bounded to a quarter of a turn, where the sine is largest. A
     /// robot that is ordered to stand holds it until it does, and none at rest: noise of the pose would turn it.
@@ -105,24 +105,15 @@ impl<T: Scalar> DriveLaw<T> {
         if now.jumped {
             *self = Self::default();
         }
-        let limits = &motion.params().limits;
         let order = motion.reachable(now.order);
         let (twist, rate) = (&now.command.twist, &now.command.rate);
-        let accel = if limits.accel > limits.brake {
-            limits.accel
-        } else {
-            limits.brake
-        };
-        let (linear, linear_rate) = lagged::<T, M>(
-            (twist.linear, rate.linear),
-            order.linear,
-            decay(limits.jerk, accel),
-            now.dt,
-        );
+        let decay = decay(&motion.params().limits);
+        let (linear, linear_rate) =
+            lagged::<T, M>((twist.linear, rate.linear), order.linear, decay, now.dt);
         let (angular, angular_rate) = lagged::<T, M>(
             (twist.angular - self.added, rate.angular - self.added_rate),
             order.angular,
-            decay(limits.turn_jerk, limits.turn_accel),
+            decay,
             now.dt,
         );
         let still = T::from_f64(STILL);
@@ -161,13 +152,12 @@ impl<T: Scalar> DriveLaw<T> {
     }
 }
 
-/// A \[1/s\] for a jerk limit and the largest acceleration.
-fn decay<T: Scalar>(jerk: T, accel: T) -> T {
-    let (most, needed) = (
-        T::from_f64(STOPPING_DECAY),
-        T::from_f64(core::f64::consts::E) * jerk / accel,
-    );
-    if needed < most { needed } else { most }
+/// A \[1/s\]: the fastest at which neither axis needs more than its jerk limit to brake from its largest acceleration. One for both, so
+/// that a change of the twist keeps its curvature where no limit of acceleration is in its way.
+fn decay<T: Scalar>(limits: &Limits<T>) -> T {
+    let accel = larger(limits.accel, limits.brake);
+    let (linear, angular) = (limits.jerk / accel, limits.turn_jerk / limits.turn_accel);
+    T::from_f64(core::f64::consts::E) * smaller(linear, angular)
 }
 
 /// Value and rate `dt` later, on their way to `order`.
