@@ -71,14 +71,22 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<&MotionReport<T>, StepFault> {
-        check_measured(measured)?;
+        // What is measured goes into the errors of a reference and of a goal, all of it: there it is looked at once a tick is refused.
+        if matches!(task, Task::Drive { .. }) {
+            check_measured(measured)?;
+        }
         let Self {
             motion,
             law,
             report,
         } = self;
-        law.step(motion, dt, task, measured, report)?;
-        Ok(report)
+        match law.step(motion, dt, task, measured, report) {
+            Ok(()) => Ok(report),
+            Err(fault) => {
+                check_measured(measured)?;
+                Err(fault)
+            }
+        }
     }
 
     /// The next pose jumps: the localisation was corrected, or the reference replaced. Command and

@@ -140,8 +140,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         self.finish(motion, found, &measured.twist, T::ZERO, report)
     }
 
-    /// One tick, `dt` \[s\] after the last, whose `report` becomes that of this one. What is `measured` has been looked at: if it is
-    /// not finite all the same, no torque is, and the tick is refused for that.
+    /// One tick, `dt` \[s\] after the last, whose `report` becomes that of this one. What is `measured` goes into errors and
+    /// torque, but for the place of a robot that drives by velocity: where it is not finite they are not, and the tick is refused for that.
     ///
     /// # Errors
     /// Any [`StepFault`]; law and report are then unchanged, and the wheels are the caller's to make safe.
