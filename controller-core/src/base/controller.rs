@@ -135,17 +135,17 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         active_faults.add_some(slid.map(Fault::WheelSlip));
         self.supervisor
             .on_active_faults(active_faults, &self.base.policy);
-        let refused = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
+        let taken = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
         // Whether that can be believed, the supervisor knows from the active faults.
         let rests = self.supervisor.state().ends_at_rest() && self.rests();
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, &located, sensed);
+        let action = self.act(dt, (&located, taken.other_goal), sensed);
         self.exerted = action.torques().unwrap_or_default();
         let report = &mut self.report;
         report.action = action;
         report.state = self.supervisor.state();
         report.cause = self.supervisor.cause();
-        report.refused = refused;
+        report.refused = taken.refused;
         report
     }
 
@@ -248,7 +248,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
 
     /// What the wheels are to do. A step that the motion law refuses is a fault, whose reaction takes
     /// its place in this very tick.
-    fn act(&mut self, dt: T, located: &Located<T>, sensed: &Sensed<T>) -> WheelAction<T> {
+    fn act(
+        &mut self,
+        dt: T,
+        (located, other_goal): (&Located<T>, bool),
+        sensed: &Sensed<T>,
+    ) -> WheelAction<T> {
         let turning = match (&self.driving.task, &self.base.motor) {
             (Some(Task::Drive { .. }), Some(motor)) => Some(self.turning(motor, dt, sensed)),
             _ => None,
@@ -258,6 +263,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             mode: self.supervisor.output(),
             measured: self.report.measured.as_ref(),
             jumped: located.jumped,
+            other_goal,
             speeds: self.locator.back_emf_speeds(),
             turning,
             dt,

@@ -4,7 +4,7 @@ use super::io::{DriveCommand, WheelAction};
 use super::wheel_friction::{FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
-use crate::motion::{MotionLaw, MotionReport, Outcome, Task, ValidMotionParams};
+use crate::motion::{Asked, MotionLaw, MotionReport, Outcome, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
@@ -31,6 +31,8 @@ pub(super) struct Tick<'a, T> {
     /// `None` before the first reading.
     pub(super) measured: Option<&'a Measured<T>>,
     pub(super) jumped: bool,
+    /// Of [`Taken`](super::orders::Taken).
+    pub(super) other_goal: bool,
     /// Of the wheels, as measured.
     pub(super) speeds: WheelSpeeds<T>,
     /// Of a base with motors that drives by velocity.
@@ -82,7 +84,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             OutputMode::Drive | OutputMode::Hold => match (&self.task, tick.measured) {
                 (Some(task), Some(measured)) => {
                     let (jumped, dt) = (tick.jumped, tick.dt);
-                    let report = step(&mut self.law, motion, task, measured, jumped, dt, report)?;
+                    let asked = Asked {
+                        task,
+                        other_goal: tick.other_goal,
+                    };
+                    let report = step(&mut self.law, motion, asked, measured, jumped, dt, report)?;
                     let at_goal = report.outcome == Outcome::Parked;
                     Ok(Driven {
                         action: drive(motion, report, (speeds, tick.dt), beyond),
@@ -148,7 +154,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         self.stop = Some((plan, t));
         let task = plan.task::<M>(t, dt, &measured.pose);
         let jumped = tick.jumped || first;
-        step(&mut self.law, motion, &task, measured, jumped, dt, report)
+        let asked = Asked {
+            task: &task,
+            other_goal: false,
+        };
+        step(&mut self.law, motion, asked, measured, jumped, dt, report)
     }
 
     fn let_go(&mut self, report: &mut Option<MotionReport<T>>) {
@@ -173,7 +183,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
 fn step<'r, T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     law: &mut MotionLaw<T, M, U>,
     motion: &ValidMotionParams<T>,
-    task: &Task<T>,
+    asked: Asked<'_, T>,
     measured: &Measured<T>,
     jumped: bool,
     dt: T,
@@ -182,12 +192,12 @@ fn step<'r, T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     let starts = report.is_none();
     let current = report.get_or_insert_default();
     let taken = if starts {
-        law.begin(motion, task, measured, current)
+        law.begin(motion, asked.task, measured, current)
     } else {
         if jumped {
             law.declare_jump();
         }
-        law.step(motion, dt, task, measured, current)
+        law.step(motion, dt, asked, measured, current)
     };
     match taken {
         Ok(()) => Ok(report.get_or_insert_default()),

@@ -3,13 +3,13 @@
 use super::law::MotionLaw;
 use super::params::ValidMotionParams;
 use super::report::MotionReport;
-use super::task::Task;
+use super::task::{Asked, Task};
 use crate::check::check_measured;
 use crate::error::StepFault;
 use crate::maths::{Maths, Single};
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Measured, WheelTorques};
+use crate::types::{Measured, Pose, WheelTorques};
 
 /// Follows any trajectory, parks exactly, drives by velocity, within the limits of the base. See [`crate::motion`].
 ///
@@ -36,6 +36,8 @@ use crate::types::{Measured, WheelTorques};
 pub struct MotionController<T = f32, M = Single, U = RationalMean> {
     motion: ValidMotionParams<T>,
     law: MotionLaw<T, M, U>,
+    /// Of the last tick that parked.
+    goal: Pose<T>,
     report: MotionReport<T>,
 }
 
@@ -54,6 +56,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         let mut controller = Self {
             motion: *motion,
             law: MotionLaw::IDLE,
+            goal: match task {
+                Task::Park(goal) => *goal,
+                Task::Follow(_) | Task::Drive { .. } => Pose::default(),
+            },
             report: MotionReport::default(),
         };
         let Self { law, report, .. } = &mut controller;
@@ -71,17 +77,28 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         task: &Task<T>,
         measured: &Measured<T>,
     ) -> Result<&MotionReport<T>, StepFault> {
-        // What is measured goes into the errors of a reference and of a goal, all of it: there it is looked at once a tick is refused.
-        if matches!(task, Task::Drive { .. }) {
-            check_measured(measured)?;
-        }
         let Self {
             motion,
             law,
+            goal: last,
             report,
         } = self;
-        match law.step(motion, dt, task, measured, report) {
-            Ok(()) => Ok(report),
+        // What is measured goes into the errors of a reference and of a goal, all of it: there it is looked at once a tick is refused.
+        let other_goal = match task {
+            Task::Follow(_) => false,
+            Task::Park(goal) => goal != last,
+            Task::Drive { .. } => {
+                check_measured(measured)?;
+                false
+            }
+        };
+        match law.step(motion, dt, Asked { task, other_goal }, measured, report) {
+            Ok(()) => {
+                if let (true, Task::Park(goal)) = (other_goal, task) {
+                    *last = *goal;
+                }
+                Ok(report)
+            }
             Err(fault) => {
                 check_measured(measured)?;
                 Err(fault)

@@ -13,7 +13,7 @@ use super::pose_law::{Moving, Step, Transition, Wanted};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
 use super::setpoint::Setpoint;
-use super::task::{Aim, Task};
+use super::task::{Asked, Task};
 use super::transition_offset::TransitionOffset;
 use super::velocity_loop::{achieved, stands, wrench};
 use crate::check::check_tick;
@@ -30,7 +30,6 @@ use core::marker::PhantomData;
 /// What the law remembers from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MotionLaw<T, M, U> {
-    aim: Aim<T>,
     follower: Follower<T>,
     parking: ParkingLaw<T>,
     drive: DriveLaw<T>,
@@ -45,11 +44,16 @@ pub(crate) struct MotionLaw<T, M, U> {
     back_ends: PhantomData<(M, U)>,
 }
 
+/// Of a task that is another one than in the last tick.
+#[derive(Clone, Copy)]
+struct Renewed {
+    /// That parked already, at another goal.
+    goes_on: bool,
+}
+
 /// What a tick found on its way to the torque.
 struct Found<'a, T> {
     task: &'a Task<T>,
-    /// It is another task than that of the last tick.
-    new: bool,
     error: PoseError<T>,
     setpoint: Setpoint<T>,
     limited: Limited,
@@ -66,7 +70,6 @@ struct Found<'a, T> {
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     /// Nothing seen, nothing asked for.
     pub(crate) const IDLE: Self = Self {
-        aim: Aim::Follow,
         follower: Follower::NEW,
         parking: ParkingLaw::NEW,
         drive: DriveLaw::NEW,
@@ -82,7 +85,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     /// Becomes [`IDLE`](Self::IDLE), without a copy of the room that a manoeuvre takes.
     fn forget(&mut self) {
         let Self {
-            aim,
             follower,
             parking,
             drive,
@@ -95,7 +97,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             back_ends: _,
         } = self;
         parking.forget();
-        (*aim, *follower, *drive) = (Aim::Follow, Follower::NEW, DriveLaw::NEW);
+        (*follower, *drive) = (Follower::NEW, DriveLaw::NEW);
         (*stall, *observer) = (Stall::NEW, Observer::NEW);
         (*offset, *command) = (TransitionOffset::NONE, Command::REST);
         (*declared, *released) = (false, false);
@@ -123,10 +125,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         };
         let now = (measured, &command);
         let mut parking = parking::Before::nothing();
-        let desired = self.pose_law(motion, (task, true), &view, now, step, &mut parking);
+        let renewed = Some(Renewed { goes_on: false });
+        let desired = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
         let found = Found {
             task,
-            new: true,
             error: view.error,
             setpoint: desired.setpoint,
             limited: Limited::default(),
@@ -149,16 +151,17 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         &mut self,
         motion: &ValidMotionParams<T>,
         dt: T,
-        task: &Task<T>,
+        asked: Asked<'_, T>,
         measured: &Measured<T>,
         report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
         check_tick(dt, motion.params().max_tick_s)?;
+        let task = asked.task;
         // A reference comes with every tick, and all of it goes into error and setpoint: it is looked at if they are not finite.
         if !matches!(task, Task::Follow(_)) {
             task.check()?;
         }
-        let new = !self.aim.is_of(task);
+        let new = asked.is_new(report.mode);
         // What the laws change before it is known whether the tick is refused.
         let (follower, drive, observer) = (self.follower, self.drive, self.observer);
         let mut command = if self.released {
@@ -166,7 +169,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         } else {
             self.command
         };
-        let parked = matches!(self.aim, Aim::Park(_));
+        let parked = report.mode == Mode::Parking;
         let watch = if parked && self.parking.is_resting() && motion.releases() {
             Watch::Fade
         } else {
@@ -194,8 +197,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             },
         };
         let now = (measured, &command);
+        let renewed = new.then_some(Renewed { goes_on: parked });
         let mut parking = parking::Before::nothing();
-        let desired = self.pose_law(motion, (task, new), &view, now, step, &mut parking);
+        let desired = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
         let resting = self.is_resting(task);
         let offset = match desired.transition {
             Transition::Seamless => TransitionOffset::NONE,
@@ -231,7 +235,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         };
         let found = Found {
             task,
-            new,
             error: view.error,
             setpoint: desired.setpoint,
             limited,
@@ -251,12 +254,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         finished
     }
 
-    /// The law of the task; `before` keeps what parking changes. A `new` goal is parked at anew.
+    /// The law of the task; `before` keeps what parking changes. A `renewed` goal is parked at anew.
     #[inline(always)]
     fn pose_law(
         &mut self,
         motion: &ValidMotionParams<T>,
-        (task, new): (&Task<T>, bool),
+        (task, renewed): (&Task<T>, Option<Renewed>),
         view: &ErrorView<T>,
         (measured, command): (&Measured<T>, &Command<T>),
         step: Step<T>,
@@ -273,8 +276,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                     .follow::<U, M>(motion, reference, view, moving, two_per_dt)
             }
             Task::Park(_) => {
-                if new {
-                    self.parking.renew(matches!(self.aim, Aim::Park(_)), before);
+                if let Some(renewed) = renewed {
+                    self.parking.renew(renewed.goes_on, before);
                 }
                 let mut lent = Lent {
                     follower: &mut self.follower,
@@ -383,9 +386,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         if saturated && residue([applied.force, applied.moment]) != T::ZERO {
             return Err(StepFault::Overflow);
         }
-        if found.new {
-            self.aim = found.task.aim();
-        }
         self.declared = false;
         self.stall = found.stall;
         self.offset = found.offset;
@@ -398,11 +398,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         self.observer.note((!self.released).then_some(applied));
         let parking = matches!(found.task, Task::Park(_)).then_some(&self.parking);
         *report = MotionReport {
-            mode: match found.task {
-                Task::Follow(_) => Mode::Following,
-                Task::Park(_) => Mode::Parking,
-                Task::Drive { .. } => Mode::Driving,
-            },
+            mode: found.task.mode(),
             outcome: match parking {
                 Some(parking) if parking.is_parked() => Outcome::Parked,
                 Some(parking) if parking.has_given_up() => Outcome::OutOfTolerance,

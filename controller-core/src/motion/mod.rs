@@ -65,3 +65,4 @@ pub use task::Task;
 pub(crate) use law::MotionLaw;
 pub(crate) use limits::COMMAND_SHARE;
 pub(crate) use polar::{BEARING, COUPLING};
+pub(crate) use task::Asked;

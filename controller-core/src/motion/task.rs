@@ -2,6 +2,7 @@
 
 use super::drive::check_order;
 use super::params::ValidMotionParams;
+use super::report::Mode;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::reference::Reference;
@@ -28,23 +29,19 @@ pub enum Task<T = f32> {
     },
 }
 
-/// A kind of task, and its goal if it has one: another aim is another task.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Aim<T> {
-    Follow,
-    Park(Pose<T>),
-    Drive,
+/// A task in a tick of the law, which keeps no goal: whoever calls it knows the last one.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a, T> {
+    pub(crate) task: &'a Task<T>,
+    /// It parks, and at another goal than in the last tick, if that parked as well.
+    pub(crate) other_goal: bool,
 }
 
-impl<T: Scalar> Aim<T> {
-    /// The task has this aim.
+impl<T: Scalar> Asked<'_, T> {
+    /// Another kind of task than that of the last tick, or another goal, is another task.
     #[inline]
-    pub(crate) fn is_of(&self, task: &Task<T>) -> bool {
-        match (self, task) {
-            (Self::Follow, Task::Follow(_)) | (Self::Drive, Task::Drive { .. }) => true,
-            (Self::Park(old), Task::Park(goal)) => old == goal,
-            _ => false,
-        }
+    pub(crate) fn is_new(&self, last: Mode) -> bool {
+        self.other_goal || last != self.task.mode()
     }
 }
 
@@ -75,12 +72,12 @@ impl<T: Scalar> Task<T> {
         }
     }
 
-    /// What stays the same from tick to tick while the task does.
-    pub(crate) const fn aim(&self) -> Aim<T> {
+    /// What the controller is at with it.
+    pub(crate) const fn mode(&self) -> Mode {
         match self {
-            Self::Follow(_) => Aim::Follow,
-            Self::Park(goal) => Aim::Park(*goal),
-            Self::Drive { .. } => Aim::Drive,
+            Self::Follow(_) => Mode::Following,
+            Self::Park(_) => Mode::Parking,
+            Self::Drive { .. } => Mode::Driving,
         }
     }
 
