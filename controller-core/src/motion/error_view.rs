@@ -18,9 +18,13 @@ pub(crate) struct ErrorView<T> {
 }
 
 impl<T: Scalar> ErrorView<T> {
-    /// `turned` is the heading error of a robot that drives by velocity.
+    /// `turned` is asked for the heading error of a robot that drives by velocity.
     #[inline(always)]
-    pub(crate) fn of<M: Maths<T>>(task: &Task<T>, pose: &Pose<T>, turned: T) -> Self {
+    pub(crate) fn of<M: Maths<T>>(
+        task: &Task<T>,
+        pose: &Pose<T>,
+        turned: impl FnOnce() -> T,
+    ) -> Self {
         match task {
             Task::Follow(reference) => {
                 let (error, heading) = tracking_error::<T, M>(reference, pose);
@@ -38,7 +42,7 @@ impl<T: Scalar> ErrorView<T> {
             },
             Task::Drive { .. } => Self {
                 error: PoseError {
-                    theta: turned,
+                    theta: turned(),
                     ..PoseError::default()
                 },
                 heading: (T::ZERO, T::ONE),

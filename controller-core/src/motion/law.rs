@@ -51,6 +51,30 @@ struct Renewed {
     goes_on: bool,
 }
 
+/// What the law of the task makes of a tick.
+struct Desired<T> {
+    wanted: Wanted<T>,
+    /// Nothing is asked for any more.
+    resting: bool,
+    /// The order is beyond the limits, and driven at the limits.
+    beyond: bool,
+    /// Of what the law remembers. The follower's is in the setpoint, which is its own along manoeuvres as well.
+    residue: T,
+}
+
+impl<T: Scalar> Desired<T> {
+    /// Of a law that the robot moves by, all of it in what is `wanted`.
+    #[inline(always)]
+    const fn moving(wanted: Wanted<T>) -> Self {
+        Self {
+            wanted,
+            resting: false,
+            beyond: false,
+            residue: T::ZERO,
+        }
+    }
+}
+
 /// What a tick found on its way to the torque.
 struct Found<'a, T> {
     task: &'a Task<T>,
@@ -60,6 +84,8 @@ struct Found<'a, T> {
     jumped: bool,
     /// Nothing is asked for any more.
     resting: bool,
+    /// Of what its law remembers.
+    law: T,
     /// Parked without torque until now, and still.
     released: bool,
     offset: TransitionOffset<T>,
@@ -116,7 +142,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     ) -> Result<(), StepFault> {
         task.check()?;
         self.forget();
-        let view = ErrorView::of::<M>(task, &measured.pose, T::ZERO);
+        let view = ErrorView::of::<M>(task, &measured.pose, || T::ZERO);
         self.observer = Observer::start(&measured.twist);
         let command = Command::of_robot(motion, &measured.twist);
         let step = Step {
@@ -126,14 +152,20 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let now = (measured, &command);
         let mut parking = parking::Before::nothing();
         let renewed = Some(Renewed { goes_on: false });
-        let desired = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
+        let Desired {
+            wanted: desired,
+            resting,
+            residue,
+            ..
+        } = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
         let found = Found {
             task,
             error: view.error,
             setpoint: desired.setpoint,
             limited: Limited::default(),
             jumped: true,
-            resting: self.is_resting(task),
+            resting,
+            law: residue,
             released: false,
             offset: TransitionOffset::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
@@ -178,14 +210,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let bounded = self
             .observer
             .advance(motion, &measured.twist, &command.rate, watch, dt);
-        let turned = match task {
-            Task::Drive { .. } => {
-                self.drive.turn_on(&command, dt);
-                self.drive.error(measured.pose.theta)
-            }
-            Task::Follow(_) | Task::Park(_) => T::ZERO,
-        };
-        let view = ErrorView::of::<M>(task, &measured.pose, turned);
+        let view = ErrorView::of::<M>(task, &measured.pose, || {
+            self.drive.turn_on(&command, dt);
+            self.drive.error(measured.pose.theta)
+        });
         let jumped =
             new || self.declared || view.has_jumped::<M>(&report.error, motion.params(), dt);
         let step = Step {
@@ -199,8 +227,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let now = (measured, &command);
         let renewed = new.then_some(Renewed { goes_on: parked });
         let mut parking = parking::Before::nothing();
-        let desired = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
-        let resting = self.is_resting(task);
+        let Desired {
+            wanted: desired,
+            resting,
+            beyond,
+            residue,
+        } = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
         let offset = match desired.transition {
             Transition::Seamless => TransitionOffset::NONE,
             Transition::Offset => {
@@ -227,7 +259,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limited
         };
         limited.disturbance = bounded;
-        limited.speed |= task.is_beyond(motion);
+        limited.speed |= beyond;
         let pushing = Pushing {
             command: command.twist,
             twist: measured.twist,
@@ -240,6 +272,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limited,
             jumped,
             resting,
+            law: residue,
             released,
             offset,
             command,
@@ -264,7 +297,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         (measured, command): (&Measured<T>, &Command<T>),
         step: Step<T>,
         before: &mut parking::Before<T>,
-    ) -> Wanted<T> {
+    ) -> Desired<T> {
         let moving = Moving {
             twist: &measured.twist,
             command,
@@ -272,8 +305,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         match task {
             Task::Follow(reference) => {
                 let two_per_dt = step.two_per_dt;
-                self.follower
-                    .follow::<U, M>(motion, reference, view, moving, two_per_dt)
+                Desired::moving(
+                    self.follower
+                        .follow::<U, M>(motion, reference, view, moving, two_per_dt),
+                )
             }
             Task::Park(_) => {
                 if let Some(renewed) = renewed {
@@ -283,8 +318,18 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                     follower: &mut self.follower,
                     before,
                 };
-                self.parking
-                    .advance::<U, M>(&mut lent, motion, &view.error, moving, step)
+                Desired {
+                    wanted: self.parking.advance::<U, M>(
+                        &mut lent,
+                        motion,
+                        &view.error,
+                        moving,
+                        step,
+                    ),
+                    resting: self.parking.is_resting(),
+                    beyond: false,
+                    residue: self.parking.residue(),
+                }
             }
             Task::Drive {
                 twist,
@@ -300,9 +345,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                     jumped: step.two_per_dt.is_none(),
                     dt: step.dt,
                 };
-                Wanted {
+                let wanted = Wanted {
                     setpoint: self.drive.advance::<M>(motion, &now),
                     transition: Transition::Seamless,
+                };
+                Desired {
+                    beyond: motion.reachable(twist) != *twist,
+                    residue: self.drive.residue(),
+                    ..Desired::moving(wanted)
                 }
             }
         }
@@ -364,14 +414,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let load = self.observer.load();
         let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
-        // What is not finite stays so in every sum: the disturbance in the wrench, what the follower remembers in the setpoint, which
-        // is its own along manoeuvres as well.
-        let law = match found.task {
-            Task::Follow(_) => T::ZERO,
-            Task::Park(_) => self.parking.residue(),
-            Task::Drive { .. } => self.drive.residue(),
-        };
-        if law + self.observer.residue() + found.residue() + residue([wrench.force, wrench.moment])
+        // What is not finite stays so in every sum: the disturbance in the wrench.
+        if found.law
+            + self.observer.residue()
+            + found.residue()
+            + residue([wrench.force, wrench.moment])
             != T::ZERO
         {
             return Err(StepFault::Overflow);
@@ -432,11 +479,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             retries: parking.map_or(0, ParkingLaw::retries),
         };
         Ok(())
-    }
-
-    /// With this task nothing is asked for any more, as parking has it in this tick.
-    fn is_resting(&self, task: &Task<T>) -> bool {
-        matches!(task, Task::Park(_)) && self.parking.is_resting()
     }
 }
 

@@ -1,7 +1,6 @@
 //! What the robot is to do.
 
 use super::drive::check_order;
-use super::params::ValidMotionParams;
 use super::report::Mode;
 use crate::error::{Input, StepFault};
 use crate::maths::Maths;
@@ -78,14 +77,6 @@ impl<T: Scalar> Task<T> {
             Self::Follow(_) => Mode::Following,
             Self::Park(_) => Mode::Parking,
             Self::Drive { .. } => Mode::Driving,
-        }
-    }
-
-    /// An order beyond the limits, which is driven at the limits.
-    pub(crate) fn is_beyond(&self, motion: &ValidMotionParams<T>) -> bool {
-        match self {
-            Self::Drive { twist, .. } => motion.reachable(twist) != *twist,
-            Self::Follow(_) | Self::Park(_) => false,
         }
     }
 }
