@@ -18,7 +18,7 @@ use crate::odometry::Accelerated;
 use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
-use crate::scalar::{Scalar, microseconds, seconds};
+use crate::scalar::{Scalar, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Pose, Twist, WheelTorques, Wrench};
 
@@ -115,10 +115,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             ..
         } = self;
         let located = locator.advance::<M>(&base.localisation, dt, &accelerated, sensed, report);
-        let located = located.unwrap_or_else(|fault| {
-            report.active_faults.add(fault.into());
-            Located::NOT
-        });
         let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
@@ -182,7 +178,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
     }
 
-    fn inputs(&self, dt_us: u32, located: &Located<T>, sensed: &Sensed<T>) -> DetectorInputs<T> {
+    fn inputs(&self, dt_us: u32, located: &Located, sensed: &Sensed<T>) -> DetectorInputs<T> {
         DetectorInputs {
             dt_us,
             counts: sensed.counts.ok(),
@@ -194,7 +190,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 WheelAction::Brake => None,
                 WheelAction::Drive(_) | WheelAction::Release => Some(self.exerted),
             },
-            pose_age_us: located.fix_age_s.map_or(0, microseconds),
+            pose_age_us: located.fix_age_us,
             command_age_us: self.host.order_age_us(),
             pose_jumped: located.jumped,
             driver: sensed.driver.err(),
@@ -251,7 +247,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     fn act(
         &mut self,
         dt: T,
-        (located, other_goal): (&Located<T>, bool),
+        (located, other_goal): (&Located, bool),
         sensed: &Sensed<T>,
     ) -> WheelAction<T> {
         let turning = match (&self.driving.task, &self.base.motor) {

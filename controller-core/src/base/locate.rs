@@ -8,7 +8,7 @@ use crate::localiser::{Estimator, FixOutcome, ValidLocaliserParams};
 use crate::maths::Maths;
 use crate::odometry::Accelerated;
 use crate::reference::sinc;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, microseconds};
 use crate::types::{Measured, Pose, WheelSpeeds};
 
 /// The localiser, and what it needs across ticks without a reading beside the report of the last one.
@@ -24,18 +24,18 @@ pub(super) struct Locator<T, const N: usize> {
 }
 
 /// What is known of the pose at a tick, beside what stands in its report.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Located<T> {
-    /// How long the base has been without poses, and without a gyro that carries it instead \[s\]; `None` without a localisation
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Located {
+    /// How long the base has been without poses, and without a gyro that carries it instead \[µs\]; 0 without a localisation
     /// that could be stale.
-    pub(super) fix_age_s: Option<T>,
+    pub(super) fix_age_us: u32,
     pub(super) jumped: bool,
 }
 
-impl<T> Located<T> {
+impl Located {
     /// Nothing is known of a tick that is refused.
-    pub(super) const NOT: Self = Self {
-        fix_age_s: None,
+    const NOT: Self = Self {
+        fix_age_us: 0,
         jumped: false,
     };
 }
@@ -85,9 +85,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
 
     /// `accelerated` is what the torques exerted since the last tick were to cause, and what acts beside them. Where the base is goes into `report`.
     ///
-    /// # Errors
-    /// The localiser's: a tick or an acceleration that is no number. Nothing has changed then, and the report says that the base
-    /// is blind.
+    /// What the localiser refuses, a tick or an acceleration that is no number, is a fault there. Nothing has changed then.
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         localisation: &ValidLocaliserParams<T>,
@@ -95,23 +93,24 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         accelerated: &Accelerated<T>,
         sensed: &Sensed<T>,
         report: &mut BaseReport<T>,
-    ) -> Result<Located<T>, StepFault> {
-        report.blind = true;
-        report.fix = FixOutcome::Absent;
-        report.gyro = GyroReport::default();
+    ) -> Located {
         let Ok(counts) = sensed.counts else {
+            blind(report);
             self.blind_s += dt;
             let last = report.measured.map(|measured| self.with_set(&measured));
             report.measured = last.map(|last| coast::<T, M>(&last, dt));
-            return Ok(self.located(localisation, report, false));
+            return self.located(localisation, report, false);
         };
         let jumped = match &mut self.localiser {
             None => {
                 // In two steps: a result that holds all of it would be copied to and fro.
                 let pose = self.start;
-                Estimator::<T, N>::check(&pose)?;
+                if let Err(fault) = Estimator::<T, N>::check(&pose) {
+                    return refused(report, fault);
+                }
                 let localiser = self.localiser.insert(Estimator::new(localisation));
                 localiser.begin(localisation, pose, counts);
+                blind(report);
                 report.measured = Some(Measured {
                     pose,
                     ..Measured::default()
@@ -123,7 +122,10 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 let dt = self.blind_s + dt;
                 let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
                 let estimate =
-                    localiser.update::<M>(localisation, counts, dt, accelerated, fix, gyro)?;
+                    match localiser.update::<M>(localisation, counts, dt, accelerated, fix, gyro) {
+                        Ok(estimate) => estimate,
+                        Err(fault) => return refused(report, fault),
+                    };
                 report.measured = Some(estimate.measured);
                 report.fix = estimate.fix;
                 report.gyro = estimate.gyro;
@@ -132,7 +134,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         };
         self.blind_s = T::ZERO;
         report.blind = false;
-        Ok(self.located(localisation, report, jumped))
+        self.located(localisation, report, jumped)
     }
 
     fn located(
@@ -140,23 +142,43 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         localisation: &ValidLocaliserParams<T>,
         report: &mut BaseReport<T>,
         jumped: bool,
-    ) -> Located<T> {
+    ) -> Located {
         let jumped = jumped || self.set;
         self.set = false;
         let Some(localiser) = &self.localiser else {
             report.curvature_bias = T::ZERO;
             return Located {
-                fix_age_s: None,
+                fix_age_us: 0,
                 jumped,
             };
         };
         report.curvature_bias = localiser.curvature_bias();
         let fuses = localisation.params().fusion.is_some();
         Located {
-            fix_age_s: fuses.then(|| localiser.uncarried_s(localisation) + self.blind_s),
+            fix_age_us: if fuses {
+                microseconds(localiser.uncarried_s(localisation) + self.blind_s)
+            } else {
+                0
+            },
             jumped,
         }
     }
+}
+
+/// Says that a tick has told nothing.
+fn blind<T: Scalar>(report: &mut BaseReport<T>) {
+    report.blind = true;
+    report.fix = FixOutcome::Absent;
+    report.gyro = GyroReport::default();
+}
+
+/// A tick that the localiser refuses.
+#[cold]
+#[inline(never)]
+fn refused<T: Scalar>(report: &mut BaseReport<T>, fault: StepFault) -> Located {
+    blind(report);
+    report.active_faults.add(fault.into());
+    Located::NOT
 }
 
 /// Goes on along the arc of the present twist: Eq. (6) over `dt`.
