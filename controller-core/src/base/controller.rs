@@ -106,7 +106,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// One tick, `dt_us` after the last.
     pub fn tick(&mut self, dt_us: u32, order: &Order<T>, sensed: &Sensed<T>) -> &BaseReport<T> {
         let dt = seconds(dt_us);
-        self.report.active_faults = ActiveFaults::NONE;
+        self.report.active_faults.clear();
         let accelerated = self.accelerated();
         let Self {
             locator,

@@ -68,6 +68,14 @@ impl ActiveFaults {
         details: Details::NONE,
     };
 
+    /// Forgets all of them, which nearly always are none.
+    #[inline]
+    pub(crate) fn clear(&mut self) {
+        if !self.is_empty() {
+            *self = Self::NONE;
+        }
+    }
+
     /// Adds a fault, such as a refused step or a driver error that this tick met after the check. The
     /// first one of a kind stays.
     #[inline]
