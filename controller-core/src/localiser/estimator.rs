@@ -4,7 +4,9 @@ use super::fusion::{Carried, Correction, Moved};
 use super::history::History;
 use super::{Estimate, Fix, FixOutcome, Refusal, SURE, ValidLocaliserParams};
 use crate::error::{Input, StepFault};
-use crate::gyro::{GyroHeading, GyroOutcome, GyroReading, GyroRefusal, GyroReport, Rolled};
+use crate::gyro::{
+    GyroHeading, GyroOutcome, GyroParams, GyroReading, GyroRefusal, GyroReport, Rolled,
+};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
 use crate::odometry::{Accelerated, Odometry};
@@ -240,11 +242,20 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// See [`Localiser::uncarried_s`](super::Localiser::uncarried_s).
     pub(crate) fn uncarried_s(&self, localisation: &ValidLocaliserParams<T>) -> T {
+        match &localisation.params().gyro {
+            Some(gyro) => self.alone_s(gyro),
+            None => self.correction.fix_age_s,
+        }
+    }
+
+    /// The same of a base with a gyro. Apart, so that one without does not work it out and throw it away.
+    #[inline(never)]
+    fn alone_s(&self, gyro: &GyroParams<T>) -> T {
         let age = self.correction.fix_age_s;
-        // Asked of the gyro's own state, which is at hand: a base without one has no such parameters either.
-        match (&self.gyro, &localisation.params().gyro) {
-            (Some(_), Some(gyro)) if age <= gyro.carry_s && self.alone_s < age => self.alone_s,
-            _ => age,
+        if age <= gyro.carry_s && self.alone_s < age {
+            self.alone_s
+        } else {
+            age
         }
     }
 
