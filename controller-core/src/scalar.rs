@@ -55,6 +55,8 @@ pub trait Scalar:
     fn from_f64(value: f64) -> Self;
     /// The nearest value of this type.
     fn from_i32(value: i32) -> Self;
+    /// The nearest value of this type.
+    fn from_u32(value: u32) -> Self;
     /// Widens to a double; exact.
     fn to_f64(self) -> f64;
     /// Without its fraction; saturates, and is 0 for NaN.
@@ -93,6 +95,10 @@ impl Scalar for f32 {
     }
     #[inline]
     fn from_i32(value: i32) -> Self {
+        value as f32
+    }
+    #[inline]
+    fn from_u32(value: u32) -> Self {
         value as f32
     }
     #[inline]
@@ -143,6 +149,10 @@ impl Scalar for f64 {
         f64::from(value)
     }
     #[inline]
+    fn from_u32(value: u32) -> Self {
+        f64::from(value)
+    }
+    #[inline]
     fn to_f64(self) -> f64 {
         self
     }
@@ -186,7 +196,7 @@ pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
 /// Microseconds in seconds. In single precision exact to a rounding up to 16.7 s.
 #[inline]
 pub(crate) fn seconds<T: Scalar>(us: u32) -> T {
-    T::from_i32(i32::try_from(us).unwrap_or(i32::MAX)) * T::from_f64(1.0e-6)
+    T::from_u32(us) * T::from_f64(1.0e-6)
 }
 
 /// Seconds in microseconds. Saturates; what is no number is as long as can be.
