@@ -7,13 +7,11 @@ use crate::robot::{acceleration, wrench_for};
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, Wrench};
 
-/// Estimate of a disturbance, and what it needs to go on: the last twist and what the wheels exert.
+/// Estimate of a disturbance, and what it needs to go on beside what the wheels exert.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Observer<T> {
     pub(crate) estimate: Wrench<T>,
     twist: Twist<T>,
-    /// What the wheels exert until the next tick; `None` if nobody knows, or they are not driven.
-    exerted: Option<Wrench<T>>,
     driving: LoadAxis<T>,
     turning: LoadAxis<T>,
 }
@@ -35,7 +33,6 @@ impl<T: Scalar> Observer<T> {
             moment: T::ZERO,
         },
         twist: Twist::new(T::ZERO, T::ZERO),
-        exerted: None,
         driving: LoadAxis::NEW,
         turning: LoadAxis::NEW,
     };
@@ -60,21 +57,16 @@ impl<T: Scalar> Observer<T> {
         self.driving.residue() + self.turning.residue()
     }
 
-    /// What the wheels will exert until the next tick.
-    pub(crate) fn note(&mut self, exerted: Option<Wrench<T>>) {
-        self.exerted = exerted;
-    }
-
     /// The estimate after a tick of `dt`, and whether it stands at its bound.
     ///
-    /// Frozen over a tick in which it is not known what the wheels exerted. `command_rate` is that of
+    /// Frozen over a tick in which it is not known what the wheels `exerted`. `command_rate` is that of
     /// the tick before, which those wheels followed; see [`patient`].
     pub(crate) fn advance(
         &mut self,
         motion: &ValidMotionParams<T>,
         twist: &Twist<T>,
         command_rate: &Accel<T>,
-        watch: Watch,
+        (watch, exerted): (Watch, &Option<Wrench<T>>),
         dt: T,
     ) -> bool {
         let moved = twist.minus(&self.twist);
@@ -83,7 +75,7 @@ impl<T: Scalar> Observer<T> {
         let bound = &motion.disturbance;
         let gain = bandwidth / (T::ONE + bandwidth * dt);
         let last = self.estimate;
-        let exerted = match (watch, &self.exerted) {
+        let exerted = match (watch, exerted) {
             (Watch::Observe, Some(exerted)) => exerted,
             (watch, _) => {
                 self.driving.skip();

@@ -24,7 +24,7 @@ use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Measured, Twist, WheelTorques};
+use crate::types::{Measured, Twist, WheelTorques, Wrench};
 use core::marker::PhantomData;
 
 /// What the law remembers from tick to tick.
@@ -35,6 +35,8 @@ pub(crate) struct MotionLaw<T, M, U> {
     drive: DriveLaw<T>,
     stall: Stall<T>,
     observer: Observer<T>,
+    /// What the wheels exert until the next tick; `None` if nobody knows, or they are not driven.
+    exerted: Option<Wrench<T>>,
     offset: TransitionOffset<T>,
     command: Command<T>,
     /// The caller said that the pose will jump.
@@ -101,6 +103,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         drive: DriveLaw::NEW,
         stall: Stall::NEW,
         observer: Observer::NEW,
+        exerted: None,
         offset: TransitionOffset::NONE,
         command: Command::REST,
         declared: false,
@@ -116,6 +119,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             drive,
             stall,
             observer,
+            exerted,
             offset,
             command,
             declared,
@@ -124,7 +128,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         } = self;
         parking.forget();
         (*follower, *drive) = (Follower::NEW, DriveLaw::NEW);
-        (*stall, *observer) = (Stall::NEW, Observer::NEW);
+        (*stall, *observer, *exerted) = (Stall::NEW, Observer::NEW, None);
         (*offset, *command) = (TransitionOffset::NONE, Command::REST);
         (*declared, *released) = (false, false);
     }
@@ -207,9 +211,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         } else {
             Watch::Observe
         };
-        let bounded = self
-            .observer
-            .advance(motion, &measured.twist, &command.rate, watch, dt);
+        let bounded = self.observer.advance(
+            motion,
+            &measured.twist,
+            &command.rate,
+            (watch, &self.exerted),
+            dt,
+        );
         let view = ErrorView::of::<M>(task, &measured.pose, || {
             self.drive.turn_on(&command, dt);
             self.drive.error(measured.pose.theta)
@@ -376,13 +384,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         if !(applied.right.is_finite() && applied.left.is_finite()) {
             return Err(StepFault::NotFinite(Input::Applied));
         }
-        self.observer.note(Some(motion.wheels.wrench(applied)));
+        self.exerted = Some(motion.wheels.wrench(applied));
         Ok(())
     }
 
     /// Until the next tick the wheels are not driven.
     pub(crate) fn note_not_driven(&mut self) {
-        self.observer.note(None);
+        self.exerted = None;
     }
 
     /// How much of its rate the command keeps in a tick that jumps: all of it, unless the last tick
@@ -442,7 +450,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         }
         let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
         self.released = found.resting && motion.releases() && (found.released || stands());
-        self.observer.note((!self.released).then_some(applied));
+        self.exerted = (!self.released).then_some(applied);
         let parking = matches!(found.task, Task::Park(_)).then_some(&self.parking);
         *report = MotionReport {
             mode: found.task.mode(),
