@@ -18,8 +18,9 @@ pub fn share<T: Scalar>(
     policy: SaturationPolicy,
 ) -> (Wrench<T>, bool) {
     let asked = wheels.torques(desired);
-    // Both compared, so that what is not a number fits no limit.
-    if asked.right.abs() <= limit && asked.left.abs() <= limit {
+    // What is not a number fits no limit. If it is one wheel's alone, force and moment overflow there with opposite signs: they add up
+    // at the other wheel, which is then the largest.
+    if largest(&asked) <= limit {
         return (*desired, false);
     }
     (yielding(wheels, *desired, asked, limit, policy), true)
@@ -65,6 +66,8 @@ fn yielding<T: Scalar>(
     }
 }
 
+/// The larger size of both, of the left wheel where that of the right one is no number.
+#[inline(always)]
 fn largest<T: Scalar>(torques: &WheelTorques<T>) -> T {
     let (right, left) = (torques.right.abs(), torques.left.abs());
     if right > left { right } else { left }
