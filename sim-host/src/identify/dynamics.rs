@@ -193,18 +193,29 @@ impl Motion<'_> {
         local: &DVector<f64>,
         course: &mut Vec<Course>,
     ) -> DVector<f64> {
-        let samples = stretch.last - stretch.first + 1;
-        let mut rows = Vec::with_capacity(self.per_sample() * samples);
+        let mut rows = Vec::with_capacity(self.rows(stretch));
         let whole = self.along::<false>(global, stretch, local, course, |_, sample| {
-            rows.extend(sample.state.angle.iter());
-            if self.log.current.is_some() {
-                rows.extend(sample.current);
-            }
+            self.predict(sample, &mut rows);
         });
+        self.predicted(stretch, rows, whole)
+    }
+
+    fn rows(&self, stretch: &Stretch) -> usize {
+        self.per_sample() * (stretch.last - stretch.first + 1)
+    }
+
+    fn predict(&self, sample: &Sample, rows: &mut Vec<f64>) {
+        rows.extend(sample.state.angle.iter());
+        if self.log.current.is_some() {
+            rows.extend(sample.current);
+        }
+    }
+
+    fn predicted(&self, stretch: &Stretch, rows: Vec<f64>, whole: Option<()>) -> DVector<f64> {
         match whole {
             Some(()) => DVector::from_vec(rows),
             // No system: no sum of squares, so the step is refused.
-            None => DVector::from_element(self.per_sample() * samples, f64::NAN),
+            None => DVector::from_element(self.rows(stretch), f64::NAN),
         }
     }
 
@@ -217,31 +228,43 @@ impl Motion<'_> {
         DVector::from_vec(rows)
     }
 
-    /// Derivatives by the start state. What a jump of the command does at once counts as free of it, which is good to
-    /// some permille.
-    fn by_start(
+    /// Those with their derivatives by the start state. What a jump of the command does at once counts as free of it, which
+    /// is good to some permille.
+    fn simulated_by_start(
         &self,
         global: &[f64],
         stretch: &Stretch,
         local: &DVector<f64>,
         course: &mut Vec<Course>,
-    ) -> DMatrix<f64> {
+    ) -> (DVector<f64>, DMatrix<f64>) {
         let per = self.per_sample();
-        let mut rows = DMatrix::zeros(per * (stretch.last - stretch.first + 1), 4);
-        let _: Option<()> = self.along::<true>(global, stretch, local, course, |n, sample| {
+        let mut rows = Vec::with_capacity(self.rows(stretch));
+        let mut by_start = DMatrix::zeros(self.rows(stretch), 4);
+        let whole = self.along::<true>(global, stretch, local, course, |n, sample| {
+            self.predict(sample, &mut rows);
             let current = sample.current_by_speed;
             for i in 0..2 {
                 let at = per * n + i;
-                rows[(at, i)] = 1.0;
+                by_start[(at, i)] = 1.0;
                 for side in 0..2 {
-                    rows[(at, 2 + side)] = sample.carried.angle[(i, side)];
+                    by_start[(at, 2 + side)] = sample.carried.angle[(i, side)];
                     if per > 2 {
-                        rows[(at + 2, 2 + side)] = current[(i, side)];
+                        by_start[(at + 2, 2 + side)] = current[(i, side)];
                     }
                 }
             }
         });
-        rows
+        (self.predicted(stretch, rows, whole), by_start)
+    }
+
+    /// Whether rows depend on a parameter at all: not on the battery's resistance where no current is known, nor on its drain
+    /// without a supply.
+    fn acts(&self, parameter: usize, count: usize) -> bool {
+        match count - parameter {
+            1 => self.log.supply.is_some(),
+            2 => self.log.current.is_some(),
+            _ => true,
+        }
     }
 }
 
@@ -295,10 +318,11 @@ impl Model for Motion<'_> {
         // Where motors turn from driving to braking moves nothing, for there v is 0; so derivatives hold that, and have
         // no jumps.
         let mut course = Vec::new();
-        let here = self.simulated(global.as_slice(), stretch, local, &mut course);
+        let (here, by_start) =
+            self.simulated_by_start(global.as_slice(), stretch, local, &mut course);
         let mut by_global = DMatrix::zeros(here.len(), global.len());
         let mut moved = global.clone();
-        for i in 0..global.len() {
+        for i in (0..global.len()).filter(|&i| self.acts(i, global.len())) {
             let step = STEP * self.scale[i];
             moved[i] = global[i] + step;
             let there = self.simulated(moved.as_slice(), stretch, local, &mut course);
@@ -308,7 +332,7 @@ impl Model for Motion<'_> {
         Linear {
             residual: here - self.measured(stretch),
             global: by_global,
-            local: self.by_start(global.as_slice(), stretch, local, &mut course),
+            local: by_start,
         }
     }
 }

@@ -191,9 +191,8 @@ fn total(model: &impl Model, value: &DVector<f64>, local: &[DVector<f64>], sigma
 }
 
 fn whiten(model: &impl Model, residual: &mut DVector<f64>, sigma: &[f64]) {
-    let kinds = model.kinds();
-    for (i, r) in residual.iter_mut().enumerate() {
-        *r /= sigma[kinds[i % kinds.len()]];
+    for (r, kind) in residual.iter_mut().zip(model.kinds().iter().cycle()) {
+        *r /= sigma[*kind];
     }
 }
 
@@ -212,9 +211,8 @@ fn reduce(
         .column_iter_mut()
         .chain(linear.local.column_iter_mut())
     {
-        let kinds = model.kinds();
-        for (i, entry) in column.iter_mut().enumerate() {
-            *entry /= sigma[kinds[i % kinds.len()]];
+        for (entry, kind) in column.iter_mut().zip(model.kinds().iter().cycle()) {
+            *entry /= sigma[*kind];
         }
     }
     for (mut column, scale) in linear.global.column_iter_mut().zip(scale.iter()) {

@@ -103,6 +103,15 @@ impl<'a> Ride<'a> {
         *self.steps[index(course.drives)].get_or_insert_with(|| mode.step(h, course.no_lag))
     }
 
+    /// The step over what is left of a row.
+    fn rest(&mut self, mode: &Mode, course: &Course, rest: f64, h: f64) -> Step {
+        if rest == h {
+            self.step(mode, course, h)
+        } else {
+            mode.step(rest, course.no_lag)
+        }
+    }
+
     /// Whether each motor drives its wheel once v follows, not as if tau were 0.
     fn settles(&mut self, feed: &Feed, motors: &Motors, speed: &Vector2<f64>) -> Option<[bool; 2]> {
         let drives = self.drives(&motors.settled(speed));
@@ -186,19 +195,22 @@ impl<'a> Ride<'a> {
         for piece in 0..=PIECES {
             let push = mode.pull * offset - self.slowed;
             let parts = mode.parts(&offset, &state.speed, &state.torque);
-            let whole = if rest == h {
-                self.step(&mode, &now, h)
-            } else {
-                mode.step(rest, course.no_lag)
-            };
+            // Of a row that is decided only what it does is worked out.
+            let mut whole = None;
             if let (false, Some(turn)) = (decided, course.turns.get_mut(piece)) {
                 let torque =
                     |step: &Step| mode.whole(&offset, &mode.stepped(step, &parts, &push)).1;
-                let ends = [state.torque - parts.fast, torque(&whole)];
+                let to_end = self.rest(&mode, &now, rest, h);
+                let ends = [state.torque - parts.fast, torque(&to_end)];
                 *turn = self.turn(&mode, &now, rest, ends, torque);
+                whole = Some(to_end);
             }
             let turn = course.turns.get(piece).copied().flatten();
-            let step = turn.map_or(whole, |(_, part)| mode.step(part * rest, course.no_lag));
+            let step = match (turn, whole) {
+                (Some((_, part)), _) => mode.step(part * rest, course.no_lag),
+                (None, Some(whole)) => whole,
+                (None, None) => self.rest(&mode, &now, rest, h),
+            };
             let after = mode.stepped(&step, &parts, &push);
             state.angle += step.once * parts.slow + step.twice * push
                 - mode.late * (mode.fading * (parts.fast - after.fast));
