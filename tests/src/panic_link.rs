@@ -38,6 +38,7 @@ pub fn link(board: Board, level: &str, items: &str, arguments: &[&str]) -> (bool
          controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
          firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\"] }}\n\
          protocol = {{ path = \"{workspace}/protocol\", package = \"controller-core-protocol\" }}\n\
+         [profile.release]\ndebug = \"line-tables-only\"\n\
          [profile.chip]\ninherits = \"release\"\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
     );
     let write = |name: &str, text: &[u8]| {
@@ -57,15 +58,13 @@ pub fn link(board: Board, level: &str, items: &str, arguments: &[&str]) -> (bool
     write("memory.x", memory.as_bytes());
     let search = format!("-L{}", folder.display());
     flags.push(&search);
-    let flags: Vec<String> = flags
-        .iter()
-        .map(|flag| format!("-Clink-arg={flag}"))
-        .collect();
+    let flags = flags.iter().map(|flag| format!("-Clink-arg={flag}"));
+    // For the program alone: with the workspace's profile, its dependencies are those of the images.
     let output = cargo(&folder, level)
         .args(["rustc", "--quiet", "--profile", "chip", "--target"])
         .args([board.target, "--"])
+        .args(flags)
         .args(arguments)
-        .env("RUSTFLAGS", flags.join(" "))
         .output()
         .expect("cargo can be started");
     (

@@ -100,7 +100,9 @@ mod host;
 #[cfg(all(not(target_os = "none"), feature = "host"))]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    host::run(&arguments)
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    print!("{}", host::run(&arguments)?);
+    Ok(())
 }
 
 #[cfg(all(not(target_os = "none"), not(feature = "host")))]
