@@ -11,6 +11,7 @@ use std::error::Error;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use tests::boards_target;
 use tests::stated::{At, Stated};
 
 const NAMES: [&str; 3] = ["paper-30kg", "lab-10kg", "hobby-1kg"];
@@ -41,19 +42,15 @@ fn a_board_drives_the_robot_of_a_file() -> Result<(), Box<dyn Error>> {
         let mut build = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
         build.args(["build", "--release", "--locked"]);
         build.current_dir(root.join("boards/stm32f411"));
-        // Where `sh tests/run` builds all boards. Without `ROBOT` it is the one of the board's own line.
-        let target = root.join("target/boards").canonicalize();
-        build.env(
-            "CARGO_TARGET_DIR",
-            target.unwrap_or_else(|_| root.join("target/boards")),
-        );
+        build.env("CARGO_TARGET_DIR", boards_target());
+        // Without `ROBOT` it is the one of the board's own line.
         build
             .env_remove("ROBOT")
             .envs(robot.map(|path| ("ROBOT", path)));
         let built = build.output()?;
         assert!(built.status.success(), "{built:?}");
-        let elf = "target/boards/thumbv7em-none-eabihf/release/board-stm32f411";
-        Ok(std::fs::read(root.join(elf))?)
+        let elf = "thumbv7em-none-eabihf/release/board-stm32f411";
+        Ok(std::fs::read(boards_target().join(elf))?)
     };
     let has = |image: &[u8], number: f32| image.windows(4).any(|word| word == number.to_le_bytes());
     let changed = image(Some(folder.path().join("mine.rs")))?;

@@ -1,5 +1,7 @@
 //! What the tests share: the oracle, the golden traces, the core in closed loop, seeded states and the tolerances.
 
+use std::path::{Path, PathBuf};
+
 pub mod aicardi;
 pub mod check;
 pub mod core_draw;
@@ -32,3 +34,9 @@ pub mod safety_rig;
 pub mod stated;
 pub mod tolerance;
 pub mod tuning_loop;
+
+/// Where `sh tests/run` builds the images of boards, so that tests build only what differs.
+pub fn boards_target() -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    root.canonicalize().unwrap_or(root).join("target/boards")
+}

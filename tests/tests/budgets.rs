@@ -25,6 +25,7 @@ use budget_image::{
 };
 use sim_host::bench::{LawKind, instructions};
 use sim_host::pil::Footprint;
+use tests::boards_target;
 use tests::stated::{At, Stated};
 
 /// The requirement: a whole tick on the Cortex-M4F for ordinary inputs, at opt level 3, with a reference whose heading
@@ -401,7 +402,7 @@ fn rivals_cost_what_the_benchmark_says(peers: &Rows) {
 /// The peers are a workspace of their own, for their dependencies burden nobody.
 fn peers() -> Rows {
     let mut command = cargo(&root().join("boards/cost-peers"), "3");
-    command.args([
+    command.env("CARGO_TARGET_DIR", boards_target()).args([
         "build",
         "--quiet",
         "--locked",
@@ -410,7 +411,7 @@ fn peers() -> Rows {
         "panic-proof",
     ]);
     budget_image::succeed(&mut command);
-    let image = target_dir("3")
+    let image = boards_target()
         .join(BOARDS[0].target)
         .join("release/cost-peers");
     run(BOARDS[0], "cost", &image)
