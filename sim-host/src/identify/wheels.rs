@@ -52,6 +52,17 @@ pub(super) const DYNAMIC: usize = 8;
 /// Steps to M and N, each of which leaves a share tau/T of what the one before did: 0.05^4 is 6e-6.
 const TURNS: usize = 4;
 
+/// 1/n!, as far as a step takes them: 3^25/27! is 8e-17.
+const PER_FACTORIAL: [f64; 28] = {
+    let mut all = [1.0; 28];
+    let mut n = 1;
+    while n < all.len() {
+        all[n] = all[n - 1] / n as f64;
+        n += 1;
+    }
+    all
+};
+
 /// Parameters of the system.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wheels {
@@ -236,20 +247,25 @@ impl Mode {
     /// have `no_lag`.
     pub(super) fn step(&self, h: f64, no_lag: [bool; 2]) -> Step {
         let a = h * self.rate;
-        let mut term = Matrix2::identity();
-        let (mut speed, mut once, mut twice) =
-            (Matrix2::zeros(), Matrix2::zeros(), Matrix2::zeros());
-        // 3^24 / 24! is 5e-13, and with h |A| < 0.3 ten terms would do.
-        for n in 0..24 {
-            let n = f64::from(n);
-            speed += term;
-            once += term / (n + 1.0);
-            twice += term / ((n + 1.0) * (n + 2.0));
-            term = term * a / (n + 1.0);
-            if term.amax() < 1.0e-15 {
-                break;
+        let (trace, determinant) = (a.trace(), a.determinant());
+        // A series in a is p + q a, for a^2 = trace a - determinant (Cayley, Hamilton): Horner's rule with two numbers, from the
+        // last term on. No vector grows by more than this size; what is left out is below rounding.
+        let size = 2.0 * a.amax();
+        let last = match size {
+            _ if size < 0.1 => 10,
+            _ if size < 0.4 => 14,
+            _ if size < 1.5 => 20,
+            _ => 27,
+        };
+        let (mut p, mut q) = (0.0, 0.0);
+        let mut down_to = |least: usize, from: usize| {
+            for n in (least..=from).rev() {
+                (p, q) = (PER_FACTORIAL[n] - determinant * q, p + trace * q);
             }
-        }
+            Matrix2::from_diagonal_element(p) + q * a
+        };
+        // Sums of a^n / (n + 2)!, of a^n / (n + 1)! and of a^n / n!.
+        let [twice, once, speed] = [(2, last), (1, 1), (0, 0)].map(|(to, from)| down_to(to, from));
         Step {
             speed,
             once: once * h,
