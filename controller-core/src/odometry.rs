@@ -110,7 +110,8 @@ pub(crate) struct Accelerated<T> {
 
 impl<T: Scalar> Accelerated<T> {
     pub(crate) fn is_finite(&self) -> bool {
-        self.exerted.is_finite() && self.told.is_none_or(|told| told.is_finite())
+        let told = self.told.as_ref().map_or(T::ZERO, Accel::residue);
+        self.exerted.residue() + told == T::ZERO
     }
 }
 

@@ -122,15 +122,27 @@ fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Friction brakes a wheel harder than its torque drives it, on the bad floor most of all: that is no fault.
+/// Velocity orders stop nobody: friction brakes a wheel harder than its torque drives it, on the bad floor most of all, and that is no
+/// fault. How soon and how closely they are obeyed the page states, beside what rivals' wishes go through.
 #[test]
-fn velocity_orders_stop_nobody() -> Result<(), Box<dyn Error>> {
-    let classes = [Plant::Realistic, Plant::BadFloor].map(|plant| class(Track::Velocity, plant));
-    let settings = settings(&classes, 20)?;
+fn the_page_states_velocity_orders() -> Result<(), Box<dyn Error>> {
+    let classes = [Plant::Ideal, Plant::Realistic, Plant::BadFloor]
+        .map(|plant| class(Track::Velocity, plant));
+    let mut settings = settings(&classes, 20)?;
+    settings.laws = vec![LawKind::HeadingHeld, LawKind::RateLimits];
     let runs = study(&settings, &Tuned::built_in(), || {})?;
-    assert!(runs.len() >= 2 * 3 * 20, "{} runs", runs.len());
+    assert_eq!(runs.len(), 3 * 3 * (1 + 20 + 20));
     for Run { figures, .. } in &runs {
         assert_eq!(figures.stopped, None);
+    }
+    let rows = summaries(&runs);
+    let mut page = Stated::of("docs/bench.md");
+    for kind in [LawKind::Default, LawKind::HeadingHeld, LawKind::RateLimits] {
+        let of_plants = classes.map(|of| row(&rows, of, kind));
+        let times = of_plants.map(|row| each(row, |s| s.ratio.median));
+        let off = each(of_plants[2], |s| 1.0e3 * s.rms_m.median);
+        let figures = [times.concat(), off].concat();
+        page.exactly(At::Row("Velocity orders", kind.name()), &figures);
     }
     Ok(())
 }

@@ -20,7 +20,7 @@ use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
 use crate::scalar::{Scalar, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Pose, Twist, WheelTorques, Wrench};
+use crate::types::{Accel, Pose, Twist, WheelTorques};
 
 /// Poses remembered for late fixes, unless stated otherwise: 0.3 s at 10 ms.
 pub const REMEMBERED: usize = 32;
@@ -161,21 +161,27 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     fn accelerated(&self) -> Accelerated<T> {
-        let by = |wrench: &Wrench<T>| {
-            let stated = acceleration(&self.base.motion.params().robot, wrench);
-            match &self.report.motion {
-                Some(report) => report.load.slowed(&stated),
-                None => stated,
-            }
+        let wrench = self.base.motion.wheels().wrench(&self.exerted);
+        let stated = acceleration(&self.base.motion.params().robot, &wrench);
+        let Some(report) = &self.report.motion else {
+            return Accelerated {
+                exerted: stated,
+                told: None,
+            };
         };
         // What friction and slopes take of the torques accelerates nothing, and odometry finds that by itself, but not of a wheel that
         // creeps: driving by velocity may. Parking knows it otherwise: a wheel that stands has to be pushed.
-        let drives = |report: &&MotionReport<T>| report.mode == Mode::Driving;
-        let driving = self.report.motion.as_ref().filter(drives);
+        let creeps = report.mode == Mode::Driving;
         Accelerated {
-            exerted: by(&self.base.motion.wheels().wrench(&self.exerted)),
-            told: driving.map(|report| by(&report.disturbance)),
+            exerted: report.load.slowed(&stated),
+            told: creeps.then(|| self.resisted(report)),
         }
+    }
+
+    /// What acts beside the torques, as an acceleration.
+    fn resisted(&self, report: &MotionReport<T>) -> Accel<T> {
+        let stated = acceleration(&self.base.motion.params().robot, &report.disturbance);
+        report.load.slowed(&stated)
     }
 
     fn inputs(&self, dt_us: u32, located: &Located, sensed: &Sensed<T>) -> DetectorInputs<T> {

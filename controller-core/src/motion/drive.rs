@@ -108,13 +108,21 @@ impl<T: Scalar> DriveLaw<T> {
         let order = motion.reachable(now.order);
         let (twist, rate) = (&now.command.twist, &now.command.rate);
         let decay = decay(&motion.params().limits);
-        let (linear, linear_rate) =
-            lagged::<T, M>((twist.linear, rate.linear), order.linear, decay, now.dt);
-        let (angular, angular_rate) = lagged::<T, M>(
-            (twist.angular - self.added, rate.angular - self.added_rate),
+        let fade = T::ONE + M::exp_m1(-(decay * now.dt));
+        // Value and rate at the end of the tick.
+        let lagged = |value: T, rate: T, order: T| {
+            let gap = AxisOffset {
+                value: value - order,
+                rate,
+            };
+            let gap = gap.advance(decay, now.dt, fade);
+            (order + gap.value, gap.rate)
+        };
+        let (linear, linear_rate) = lagged(twist.linear, rate.linear, order.linear);
+        let (angular, angular_rate) = lagged(
+            twist.angular - self.added,
+            rate.angular - self.added_rate,
             order.angular,
-            decay,
-            now.dt,
         );
         let still = T::from_f64(STILL);
         let moves = order != Twist::default() || linear.abs() > still || angular.abs() > still;
@@ -158,15 +166,4 @@ fn decay<T: Scalar>(limits: &Limits<T>) -> T {
     let accel = larger(limits.accel, limits.brake);
     let (linear, angular) = (limits.jerk / accel, limits.turn_jerk / limits.turn_accel);
     T::from_f64(core::f64::consts::E) * smaller(linear, angular)
-}
-
-/// Value and rate `dt` later, on their way to `order`.
-fn lagged<T: Scalar, M: Maths<T>>((value, rate): (T, T), order: T, decay: T, dt: T) -> (T, T) {
-    let fade = T::ONE + M::exp_m1(-(decay * dt));
-    let gap = AxisOffset {
-        value: value - order,
-        rate,
-    };
-    let gap = gap.advance(decay, dt, fade);
-    (order + gap.value, gap.rate)
 }

@@ -14,6 +14,8 @@ firmware_demo::firmware!(run);
 /// What a program has before each tick.
 #[derive(Clone, Copy)]
 struct Inputs {
+    /// As a program measures it: a number that the compiler knew would be carried through the whole tick in Rust, and not through C.
+    dt_us: u32,
     counts: [i32; 2],
     supply_v: f32,
     fix: Option<[f32; 3]>,
@@ -73,7 +75,7 @@ mod base {
                 hold_heading: false,
             },
         };
-        base.tick(10_000, &order, &sensed);
+        base.tick(inputs.dt_us, &order, &sensed);
         *outputs = Outputs::default();
         let WheelAction::Drive(drive) = &base.report().action else {
             return;
@@ -194,7 +196,7 @@ mod base {
         unsafe {
             core::hint::black_box(twb_tick as Tick)(
                 to,
-                10_000,
+                inputs.dt_us,
                 &base.order,
                 &base.sensed,
                 &mut base.action,
@@ -224,6 +226,7 @@ fn run() {
         }
         let counts = (way / 0.075 * 325.9493) as i32;
         let inputs = black_box(Inputs {
+            dt_us: 10_000,
             counts: [counts, counts],
             supply_v: 24.0,
             fix: (tick % 5 == 0).then_some([way, 0.0, 0.0]),

@@ -44,7 +44,7 @@ impl Heading {
             *self = Self::default();
         }
         let to = k.reachable(order);
-        let decay = (E * k.jerk.component_div(&k.accel.sup(&k.brake))).inf(&Pair::repeat(12.0));
+        let decay = Pair::repeat(E * k.jerk.component_div(&k.accel.sup(&k.brake)).min());
         let from = command.twist - Pair::new(0.0, self.added);
         let from_rate = command.rate - Pair::new(0.0, self.added_rate);
         let (gap, rate) = faded(&(from - to), &from_rate, &decay, dt);
