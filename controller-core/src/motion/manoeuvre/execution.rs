@@ -293,8 +293,8 @@ impl<T: Scalar> Execution<T> {
             Stage::Searching(_) => {
                 let (turn, drive) = (&path.stop_turn, &path.stop_drive);
                 let accel = Accel {
-                    linear: drive.accel_at(ahead),
-                    angular: turn.accel_at(ahead),
+                    linear: drive.at(ahead).accel,
+                    angular: turn.at(ahead).accel,
                 };
                 (turn.at(t), drive.at(t), accel)
             }

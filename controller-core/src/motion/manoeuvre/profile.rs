@@ -504,7 +504,7 @@ impl<T: Scalar> Course<T> {
             accel_beyond(profiles, t)
         };
         if self.stopping {
-            accel + stop.accel_at(t)
+            accel + stop.at(t).accel
         } else {
             accel
         }
@@ -595,17 +595,6 @@ impl<T: Scalar> Stop<T> {
 
     /// At time `t`, a little before the begin as well.
     pub(crate) fn at(&self, t: T) -> AxisSample<T> {
-        self.sample(t)
-    }
-
-    /// The acceleration alone: what only the others need is not worked out.
-    #[inline(never)]
-    pub(crate) fn accel_at(&self, t: T) -> T {
-        self.sample(t).accel
-    }
-
-    #[inline(always)]
-    fn sample(&self, t: T) -> AxisSample<T> {
         if t <= T::ZERO {
             let gained = self.accel * t;
             return AxisSample {
