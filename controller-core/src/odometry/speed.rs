@@ -211,8 +211,8 @@ fn beyond_held<T: Scalar>(accel: T, held: T) -> T {
     accel - inside
 }
 
-/// What of an acceleration that is told of a wheel has to believe that can learn at most `most` of it: all of it while it can learn no
-/// more than that, nothing once it can learn twice as much.
+/// The part of a told acceleration that a wheel believes which learns up to `most` by itself: all of it up to a `most` of its size,
+/// nothing from twice its size on.
 fn not_learnt<T: Scalar>(told: T, most: T) -> T {
     let spare = most - told.abs();
     let spare = if spare > T::ZERO { spare } else { T::ZERO };
