@@ -258,8 +258,9 @@ fn orders_that_change_all_the_time_are_followed() {
     }
 }
 
-/// From rest to nine tenths of a small step, which no limit of acceleration slows: by the lag, 3.9/A, and no sooner than the jerk lets
-/// it, which rises and falls.
+/// From rest to nine tenths of a small step, which no limit of acceleration slows. Not sooner than the jerk alone lets it, √(2 · 0.045/j),
+/// 67 ms at 20 m/s³; and not later than the lag, 3.9/A, 108 ms at A = e · 20/1.5, begun as much later as the jerk alone takes:
+/// 175 ms, of which 170 are asked.
 #[test]
 fn a_small_order_is_obeyed_at_once() {
     for (name, base) in [BASES[0], BASES[2]] {
