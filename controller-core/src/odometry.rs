@@ -99,19 +99,27 @@ pub(crate) struct Moved<T> {
     pub(crate) turn: T,
 }
 
-/// What accelerated the robot since the last call.
+/// Accelerations of the robot since the last call.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Accelerated<T> {
+pub(crate) struct Accelerations<T> {
     /// By the torques.
     pub(crate) exerted: Accel<T>,
-    /// Beside them, as a disturbance estimate has it: for a robot that creeps. Odometry learns by itself what it can.
-    pub(crate) told: Option<Accel<T>>,
+    /// By what acts beside them, as a disturbance estimate has it: for a robot that creeps. Odometry learns by itself what it can.
+    pub(crate) disturbance: Option<Accel<T>>,
 }
 
-impl<T: Scalar> Accelerated<T> {
+impl<T: Scalar> Accelerations<T> {
+    /// Of a robot whose disturbance nobody estimates.
+    pub(crate) const fn exerted(exerted: Accel<T>) -> Self {
+        Self {
+            exerted,
+            disturbance: None,
+        }
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
-        let told = self.told.as_ref().map_or(T::ZERO, Accel::residue);
-        self.exerted.residue() + told == T::ZERO
+        let disturbance = self.disturbance.as_ref().map_or(T::ZERO, Accel::residue);
+        self.exerted.residue() + disturbance == T::ZERO
     }
 }
 
@@ -211,11 +219,8 @@ impl<T: Scalar> Odometry<T> {
     ) -> Measured<T> {
         let rolled = self.roll(counts);
         let turn = rolled.turn;
-        let accelerated = Accelerated {
-            exerted: *accel,
-            told: None,
-        };
-        self.integrate::<M>(&rolled, turn, dt, &accelerated).0
+        let accelerations = Accelerations::exerted(*accel);
+        self.integrate::<M>(&rolled, turn, dt, &accelerations).0
     }
 
     /// What the wheels did since the last call, their learnt curvature bias included.
@@ -244,7 +249,7 @@ impl<T: Scalar> Odometry<T> {
         rolled: &Moved<T>,
         turn: T,
         dt: T,
-        accelerated: &Accelerated<T>,
+        accelerations: &Accelerations<T>,
     ) -> (Measured<T>, T) {
         let (moved, travel) = (rolled.counts, rolled.travel);
         let half_turn = T::HALF * turn;
@@ -260,20 +265,20 @@ impl<T: Scalar> Odometry<T> {
             let rim = lever * accel.angular;
             (accel.linear + rim, accel.linear - rim)
         };
-        let accel = rims(&accelerated.exerted);
-        let told = accelerated.told.as_ref().map(rims);
+        let exerted = rims(&accelerations.exerted);
+        let disturbance = accelerations.disturbance.as_ref().map(rims);
         let right = Turned {
             counts: moved.0,
             per_count: self.right_per_count,
-            accel: accel.0,
-            told: told.map(|told| told.0),
+            accel: exerted.0,
+            disturbance: disturbance.map(|rim| rim.0),
             dt,
         };
         let left = Turned {
             counts: moved.1,
             per_count: self.left_per_count,
-            accel: accel.1,
-            told: told.map(|told| told.1),
+            accel: exerted.1,
+            disturbance: disturbance.map(|rim| rim.1),
             dt,
         };
         let right = self.right.track(&right, self.bandwidth);
@@ -295,8 +300,8 @@ impl<T: Scalar> Odometry<T> {
     }
 
     /// Speeds of the wheels for which a motor layer is to make up the back-EMF \[rad/s\]: as the encoders have them (what a learnt
-    /// curvature bias adds to the turn rate is no turning of a motor), without what the wheels have just lost to forces that
-    /// nobody told of. A wheel that friction slows gets more voltage by it, one whose motor is stronger than stated less.
+    /// curvature bias adds to the turn rate is no turning of a motor), without what the wheels have just lost to unmodelled
+    /// forces. A wheel that friction slows gets more voltage by it, one whose motor is stronger than stated less.
     pub fn back_emf_speeds(&self) -> WheelSpeeds<T> {
         WheelSpeeds {
             right: self.right.back_emf_speed(self.bandwidth) * self.per_metre.0,

@@ -12,15 +12,15 @@ use crate::error::{Input, StepFault};
 use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
-use crate::motion::{Mode, MotionReport, Outcome, Task};
+use crate::motion::{Mode, Outcome, Task};
 use crate::motor::Motor;
-use crate::odometry::Accelerated;
+use crate::odometry::Accelerations;
 use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
 use crate::scalar::{Scalar, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Accel, Pose, Twist, WheelTorques};
+use crate::types::{Accel, Pose, Twist, WheelTorques, Wrench};
 
 /// Poses remembered for late fixes, unless stated otherwise: 0.3 s at 10 ms.
 pub const REMEMBERED: usize = 32;
@@ -107,14 +107,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     pub fn tick(&mut self, dt_us: u32, order: &Order<T>, sensed: &Sensed<T>) -> &BaseReport<T> {
         let dt = seconds(dt_us);
         self.report.active_faults.clear();
-        let accelerated = self.accelerated();
+        let accelerations = self.accelerations();
         let Self {
             locator,
             base,
             report,
             ..
         } = self;
-        let located = locator.advance::<M>(&base.localisation, dt, &accelerated, sensed, report);
+        let located = locator.advance::<M>(&base.localisation, dt, &accelerations, sensed, report);
         let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
@@ -135,7 +135,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         // Whether that can be believed, the supervisor knows from the active faults.
         let rests = self.supervisor.state().ends_at_rest() && self.rests();
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, (&located, taken.other_goal), sensed);
+        let action = self.act(dt, &located, taken.other_goal, sensed);
         self.exerted = action.torques().unwrap_or_default();
         let report = &mut self.report;
         report.action = action;
@@ -160,28 +160,24 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         &self.supervisor
     }
 
-    fn accelerated(&self) -> Accelerated<T> {
-        let wrench = self.base.motion.wheels().wrench(&self.exerted);
-        let stated = acceleration(&self.base.motion.params().robot, &wrench);
+    fn accelerations(&self) -> Accelerations<T> {
+        let exerted = self.base.motion.wheels().wrench(&self.exerted);
         let Some(report) = &self.report.motion else {
-            return Accelerated {
-                exerted: stated,
-                told: None,
-            };
+            return Accelerations::exerted(self.unloaded(&exerted));
         };
         // What friction and slopes take of the torques accelerates nothing, and odometry finds that by itself, but not of a wheel that
         // creeps: driving by velocity may. Parking knows it otherwise: a wheel that stands has to be pushed.
         let creeps = report.mode == Mode::Driving;
-        Accelerated {
-            exerted: report.load.slowed(&stated),
-            told: creeps.then(|| self.resisted(report)),
+        let by = |wrench| report.load.slowed(&self.unloaded(wrench));
+        Accelerations {
+            exerted: by(&exerted),
+            disturbance: creeps.then(|| by(&report.disturbance)),
         }
     }
 
-    /// What acts beside the torques, as an acceleration.
-    fn resisted(&self, report: &MotionReport<T>) -> Accel<T> {
-        let stated = acceleration(&self.base.motion.params().robot, &report.disturbance);
-        report.load.slowed(&stated)
+    /// Acceleration of the base without a load.
+    fn unloaded(&self, wrench: &Wrench<T>) -> Accel<T> {
+        acceleration(&self.base.motion.params().robot, wrench)
     }
 
     fn inputs(&self, dt_us: u32, located: &Located, sensed: &Sensed<T>) -> DetectorInputs<T> {
@@ -253,7 +249,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     fn act(
         &mut self,
         dt: T,
-        (located, other_goal): (&Located, bool),
+        located: &Located,
+        other_goal: bool,
         sensed: &Sensed<T>,
     ) -> WheelAction<T> {
         let turning = match (&self.driving.task, &self.base.motor) {

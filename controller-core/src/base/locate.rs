@@ -6,7 +6,7 @@ use crate::error::StepFault;
 use crate::gyro::GyroReport;
 use crate::localiser::{Estimator, FixOutcome, ValidLocaliserParams};
 use crate::maths::Maths;
-use crate::odometry::Accelerated;
+use crate::odometry::Accelerations;
 use crate::reference::sinc;
 use crate::scalar::{Scalar, microseconds};
 use crate::types::{Measured, Pose, WheelSpeeds};
@@ -83,14 +83,14 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// `accelerated` is what the torques exerted since the last tick were to cause, and what acts beside them. Where the base is goes into `report`.
+    /// `accelerations` are those since the last tick. Where the base is goes into `report`.
     ///
     /// What the localiser refuses, a tick or an acceleration that is no number, is a fault there. Nothing has changed then.
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         localisation: &ValidLocaliserParams<T>,
         dt: T,
-        accelerated: &Accelerated<T>,
+        accelerations: &Accelerations<T>,
         sensed: &Sensed<T>,
         report: &mut BaseReport<T>,
     ) -> Located {
@@ -122,7 +122,8 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 let dt = self.blind_s + dt;
                 let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
                 let estimate =
-                    match localiser.update::<M>(localisation, counts, dt, accelerated, fix, gyro) {
+                    match localiser.update::<M>(localisation, counts, dt, accelerations, fix, gyro)
+                    {
                         Ok(estimate) => estimate,
                         Err(fault) => return refused(report, fault),
                     };
@@ -165,7 +166,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
     }
 }
 
-/// Says that a tick has told nothing.
+/// Reports a tick without a measurement.
 fn blind<T: Scalar>(report: &mut BaseReport<T>) {
     report.blind = true;
     report.fix = FixOutcome::Absent;

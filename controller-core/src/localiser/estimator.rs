@@ -9,7 +9,7 @@ use crate::gyro::{
 };
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::odometry::{Accelerated, Odometry};
+use crate::odometry::{Accelerations, Odometry};
 use crate::scalar::Scalar;
 use crate::types::{Measured, Pose, WheelSpeeds};
 
@@ -75,7 +75,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         localisation: &ValidLocaliserParams<T>,
         counts: WheelCounts,
         dt: T,
-        accelerated: &Accelerated<T>,
+        accelerations: &Accelerations<T>,
         fix: Option<&Fix<T>>,
         reading: Option<&GyroReading<T>>,
     ) -> Result<Estimate<T>, StepFault> {
@@ -85,7 +85,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         if dt <= T::ZERO {
             return Err(StepFault::TickNotPositive);
         }
-        if !accelerated.is_finite() {
+        if !accelerations.is_finite() {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
@@ -113,7 +113,9 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             }
             _ => rolled.turn,
         };
-        let (measured, chord) = self.odometry.integrate::<M>(&rolled, turn, dt, accelerated);
+        let (measured, chord) = self
+            .odometry
+            .integrate::<M>(&rolled, turn, dt, accelerations);
         let Some(fusion) = &localisation.fusion else {
             return Ok(Estimate {
                 measured,

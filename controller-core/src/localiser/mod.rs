@@ -57,7 +57,7 @@ use crate::error::StepFault;
 use crate::gyro::{GyroReading, GyroReport};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::odometry::Accelerated;
+use crate::odometry::Accelerations;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, WheelSpeeds};
 pub(crate) use estimator::Estimator;
@@ -202,11 +202,8 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             localisation,
             estimator,
         } = self;
-        let accelerated = Accelerated {
-            exerted: *accel,
-            told: None,
-        };
-        estimator.update::<M>(localisation, counts, dt, &accelerated, fix, reading)
+        let accelerations = Accelerations::exerted(*accel);
+        estimator.update::<M>(localisation, counts, dt, &accelerations, fix, reading)
     }
 
     /// Puts the robot elsewhere on the map, with the same duty to declare it as a relocalisation.

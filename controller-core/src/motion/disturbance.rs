@@ -66,7 +66,8 @@ impl<T: Scalar> Observer<T> {
         motion: &ValidMotionParams<T>,
         twist: &Twist<T>,
         command_rate: &Accel<T>,
-        (watch, exerted): (Watch, &Option<Wrench<T>>),
+        watch: Watch,
+        exerted: Option<&Wrench<T>>,
         dt: T,
     ) -> bool {
         let moved = twist.minus(&self.twist);

@@ -215,7 +215,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             motion,
             &measured.twist,
             &command.rate,
-            (watch, &self.exerted),
+            watch,
+            self.exerted.as_ref(),
             dt,
         );
         let view = ErrorView::of::<M>(task, &measured.pose, || {

@@ -1,6 +1,6 @@
 //! Speed of a wheel from counts that may be rare.
 
-use crate::range::clamp;
+use crate::range::{clamp, larger};
 use crate::scalar::Scalar;
 
 /// The loop's bandwidth is at most this over the time between counts \[rad\]. A count shows its speed
@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// accelerations has a torque ripple of 3.2, 2.0, 2.1, 2.6 % of its limit.
 const PER_COUNT: f64 = 1.5;
 
-/// Bandwidth over time between counts \[rad\] above which nothing is learnt of accelerations that nobody told of: half of
+/// Bandwidth over time between counts \[rad\] above which nothing is learnt of unmodelled accelerations: half of
 /// [`PER_COUNT`], and the speed of a wheel that turns steadily is read as quietly as without.
 const OFTEN: f64 = 0.5 * PER_COUNT;
 
@@ -27,7 +27,7 @@ const STANDS: f64 = 0.01;
 /// one in some 10 s with brushes beside the wires, add one or rarely two.
 const ROLLS: i32 = 4;
 
-/// Share of the loop's bandwidth at which it learns an acceleration that nobody told of. Its poles are those of
+/// Share of the loop's bandwidth at which it learns an unmodelled acceleration. Its poles are those of
 /// s³ + 2ω s² + ω² s + ω³/16, all real: 0.07, 0.71 and 1.22 ω. Above 4/27 two of them swing.
 const LEARNS: f64 = 1.0 / 16.0;
 
@@ -35,12 +35,12 @@ const LEARNS: f64 = 1.0 / 16.0;
 /// the direction, and where the supply fails and comes back there was none.
 const MOST: f64 = 1.0 / 16.0;
 
-/// The winding makes up for the speed that a wheel lost in this many times 1/ω to what nobody told of. A motor whose free wheel
+/// The winding makes up for the speed that a wheel lost in this many times 1/ω to unmodelled accelerations. A motor whose free wheel
 /// settles in τ then takes from what pushes the wheel all but 1/(1 + 4/(ωτ)), and the loop of [`LEARNS`] becomes that much
 /// faster: at 20 ms and 50 rad/s 5 times, with poles of a damping of 0.67.
 const MADE_UP: f64 = 4.0;
 
-/// Wheel travel \[m\], its rate \[m/s\] and what accelerates it unknown to anybody, estimated by a third-order loop inside a count.
+/// Wheel travel \[m\], its rate \[m/s\] and its unmodelled acceleration \[m/s²\], estimated by a third-order loop inside a count.
 ///
 /// Counts are rounded down, so that a count n says only that the travel is in \[n, n + 1) of it. The
 /// loop predicts the travel from speed and known acceleration; as long as the prediction is inside,
@@ -55,8 +55,8 @@ const MADE_UP: f64 = 4.0;
 ///
 /// So friction, a slope, a motor that gives another torque than asked, do not mislead the speed for long: without u a force F
 /// would read as a speed of 2 F/(m ω). Where counts are rare ([`OFTEN`]) nothing is learnt, and a wheel that is stopped
-/// forgets: dry friction turns about with the direction. A wheel that creeps is therefore told of such accelerations, and believes
-/// them ([`not_learnt`]).
+/// forgets: dry friction turns about with the direction. A wheel that creeps is therefore fed forward what a disturbance estimate
+/// outside knows ([`fed_forward`]).
 ///
 /// A prediction that has left its count while none came is overdue by t: the speed is at most q/t.
 ///
@@ -81,8 +81,8 @@ pub(super) struct Wheel<T> {
     streak: i32,
     /// Largest acceleration that friction has held since the wheel rolled \[m/s²\], ≥ 0.
     held: T,
-    /// Acceleration that nobody told of \[m/s²\].
-    unknown: T,
+    /// Acceleration beyond that of torques and disturbance estimate, as learnt \[m/s²\].
+    unmodelled: T,
 }
 
 /// What a wheel did in a tick.
@@ -92,16 +92,16 @@ pub(super) struct Turned<T> {
     pub(super) per_count: T,
     /// Acceleration that the wheel's rim was to have \[m/s²\].
     pub(super) accel: T,
-    /// What is told of what acts beside the torques, as an acceleration of the rim \[m/s²\].
-    pub(super) told: Option<T>,
+    /// Acceleration of the rim by a disturbance, where somebody estimates it \[m/s²\].
+    pub(super) disturbance: Option<T>,
     pub(super) dt: T,
 }
 
 impl<T: Scalar> Wheel<T> {
-    /// The speed for which the back-EMF is to be made up \[m/s\]: without what the wheel lost, in [`MADE_UP`]/ω, to what nobody told
-    /// of; a quarter of its own at most, as [`MOST`] has it.
+    /// The speed for which the back-EMF is to be made up \[m/s\]: without what the wheel lost, in [`MADE_UP`]/ω, to unmodelled
+    /// accelerations; a quarter of its own at most, as [`MOST`] has it.
     pub(super) fn back_emf_speed(&self, bandwidth: T) -> T {
-        self.speed - T::from_f64(MADE_UP) * self.unknown / bandwidth
+        self.speed - T::from_f64(MADE_UP) * self.unmodelled / bandwidth
     }
 
     /// The speed at the end of the tick \[m/s\]. The loop is solved implicitly: stable for every ω dt.
@@ -112,7 +112,7 @@ impl<T: Scalar> Wheel<T> {
             counts,
             per_count,
             accel,
-            told,
+            disturbance,
             dt,
         } = turned;
         let first = self.count(counts, dt);
@@ -121,11 +121,11 @@ impl<T: Scalar> Wheel<T> {
         } else {
             f(MOST) * bandwidth * self.speed.abs()
         };
-        let unknown = match told {
-            None => self.unknown,
-            Some(told) => self.unknown + not_learnt(told, most),
+        let unmodelled = match disturbance {
+            None => self.unmodelled,
+            Some(disturbance) => self.unmodelled + fed_forward(disturbance, most),
         };
-        let accel = beyond_held(accel + unknown, self.held);
+        let accel = beyond_held(accel + unmodelled, self.held);
         let omega = bandwidth_between(self.period, bandwidth);
         let a = omega * dt;
         let one_plus = T::ONE + a;
@@ -138,7 +138,7 @@ impl<T: Scalar> Wheel<T> {
         let beyond = if first { T::ZERO } else { error - inside };
         let corrected = omega * (a * shrink) * beyond;
         let mut speed = self.speed + dt * accel + corrected;
-        let mut unknown = clamp(self.unknown + f(LEARNS) * omega * corrected, most);
+        let mut unmodelled = clamp(self.unmodelled + f(LEARNS) * omega * corrected, most);
         self.lag = if first {
             inside
         } else {
@@ -152,7 +152,7 @@ impl<T: Scalar> Wheel<T> {
             if speed.abs() > most {
                 // A blow: the travel has stopped at the edge too, or it would be undone backwards.
                 speed = clamp(speed, most);
-                unknown = T::ZERO;
+                unmodelled = T::ZERO;
                 self.lag = inside;
                 if accel * ahead > T::ZERO {
                     self.held += accel.abs();
@@ -161,11 +161,11 @@ impl<T: Scalar> Wheel<T> {
             // A wheel that is late is slow; it is not reversed.
             if speed.abs() < f(STANDS) * per_count || speed * ahead < T::ZERO {
                 speed = T::ZERO;
-                unknown = T::ZERO;
+                unmodelled = T::ZERO;
                 self.lag = inside;
             }
         }
-        (self.speed, self.unknown) = (speed, unknown);
+        (self.speed, self.unmodelled) = (speed, unmodelled);
         speed
     }
 
@@ -211,12 +211,11 @@ fn beyond_held<T: Scalar>(accel: T, held: T) -> T {
     accel - inside
 }
 
-/// The part of a told acceleration that a wheel believes which learns up to `most` by itself: all of it up to a `most` of its size,
-/// nothing from twice its size on.
-fn not_learnt<T: Scalar>(told: T, most: T) -> T {
-    let spare = most - told.abs();
-    let spare = if spare > T::ZERO { spare } else { T::ZERO };
-    beyond_held(told, spare)
+/// The part of an estimated disturbance that is fed forward to a wheel that learns up to `most` by itself: all of it up to a `most`
+/// of its size, nothing from twice its size on.
+fn fed_forward<T: Scalar>(disturbance: T, most: T) -> T {
+    let spare = larger(most - disturbance.abs(), T::ZERO);
+    beyond_held(disturbance, spare)
 }
 
 /// The smaller of the loop's bandwidth and what the counts allow \[rad/s\].
