@@ -92,31 +92,56 @@ fn the_default_law_is_first_in_parking_on_the_ideal_plant() {
     assert_eq!(sooner.count(), 0);
 }
 
-/// On real hardware: motors, friction, late and noisy poses, mass and inertia that nobody knows.
+/// Motors, friction, late and noisy poses, mass and inertia that nobody knows.
+const REAL: [Plant; 2] = [Plant::Realistic, Plant::BadFloor];
+
+/// Parks on real hardware and on bad floors.
 #[test]
 fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
-    let of = class(Track::Parking, Plant::Realistic);
-    let mut settings = settings(&[of], 40)?;
+    let classes = REAL.map(|plant| class(Track::Parking, plant));
+    let mut settings = settings(&classes, 40)?;
     settings.laws = vec![LawKind::TurnDriveTurn];
     let runs = study(&settings, &Tuned::built_in(), || {})?;
-    let ours = |run: &&Run| run.law.kind == LawKind::Default;
+    let rows = summaries(&runs);
     let mut page = Stated::of("docs/bench.md");
-    for summary in &row(&summaries(&runs), of, LawKind::Default).bases {
-        let name = NAMES[summary.base];
-        let own = runs
-            .iter()
-            .filter(ours)
-            .filter(|run| run.base == summary.base);
-        let slow = own.filter(|run| {
-            let arrived = run.figures.arrived_s.unwrap_or(f64::INFINITY);
-            arrived - ALLOWED_S > 2.5 * run.minimum_s
+    for (base, name) in NAMES.into_iter().enumerate() {
+        let figures = classes.map(|of| {
+            let summary = &row(&rows, of, LawKind::Default).bases[base];
+            let own = runs.iter().filter(|run| {
+                run.law.kind == LawKind::Default && run.class == of && run.base == base
+            });
+            let slow = own.filter(|run| {
+                let arrived = run.figures.arrived_s.unwrap_or(f64::INFINITY);
+                arrived - ALLOWED_S > 2.5 * run.minimum_s
+            });
+            let slow = 100.0 * slow.count() as f64 / summary.runs as f64;
+            assert_eq!(summary.failed, 0, "{name}");
+            [summary.late.median, summary.late.most, slow]
         });
-        let slow = 100.0 * slow.count() as f64 / summary.runs as f64;
-        assert_eq!(summary.failed, 0, "{name}");
-        assert!(summary.late.median <= 1.5, "{name}: {:?}", summary.late);
+        assert!(figures[0][0] <= 1.5, "{name}: {figures:?}");
+        page.exactly(At::Row("Parking on real hardware", name), &figures.concat());
+    }
+    Ok(())
+}
+
+/// Files on real hardware and on bad floors: how late, and how far beside the path.
+#[test]
+fn the_page_states_files_on_real_hardware() -> Result<(), Box<dyn Error>> {
+    let classes = REAL.map(|plant| class(Track::Files, plant));
+    let mut settings = settings(&classes, 32)?;
+    settings.laws = vec![LawKind::TurnDriveTurn];
+    let runs = study(&settings, &Tuned::built_in(), || {})?;
+    let rows = summaries(&runs);
+    let mut page = Stated::of("docs/bench.md");
+    for kind in [LawKind::Default, LawKind::TurnDriveTurn] {
+        let figures = classes.map(|of| {
+            let row = row(&rows, of, kind);
+            let off = each(row, |s| 1.0e3 * s.rms_m.median);
+            [each(row, |s| s.ratio.median), off].concat()
+        });
         page.exactly(
-            At::Row("Parking on real hardware", name),
-            &[summary.late.median, summary.late.most, slow],
+            At::Row("Files on real hardware", kind.name()),
+            &figures.concat(),
         );
     }
     Ok(())

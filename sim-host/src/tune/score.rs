@@ -89,11 +89,11 @@ impl Score {
 /// Age of the poses that every loop of tuned gains survives \[s\]: twice the 60 ms of a camera that needs two frames
 /// (`world::presets`), and half a period of 20 Hz.
 pub const POSE_DELAY_S: f64 = 0.15;
-/// Delay of the torque that every loop of tuned gains survives \[s\], on a base of this control period \[s\]: ten ticks,
-/// where measuring, computing and holding take one and a half; at least the threshold of
+/// Delay of the torque that every loop of tuned gains survives \[s\], on a base of this control period \[s\]: five times what
+/// measuring, computing and holding take, one and a half ticks; at least the threshold of
 /// [`controller_core::tuning::Concern::ShortOfTorqueDelay`].
 pub const fn torque_delay_s(period_s: f64) -> f64 {
-    (10.0 * period_s).max(0.05)
+    (7.5 * period_s).max(0.05)
 }
 
 /// What the linear loops lack of being healthy: for damping, [`POSE_DELAY_S`], [`torque_delay_s`] and the mass of
