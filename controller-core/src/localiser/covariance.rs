@@ -244,3 +244,72 @@ impl<T: Scalar> Covariance<T> {
         self.bb -= kb * b;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fixes of 5 mm and 5 mrad and odometry that may be wrong by 2 %, on wheels 0.5 m apart.
+    fn growth() -> Growth<f64> {
+        Growth::new((5e-3, 5e-3), (0.04, 0.04), 0.02, 4.0)
+    }
+
+    /// A heading or a place of which nothing is known any more: no error has to do with another, and the next fix is taken whole.
+    #[test]
+    fn what_is_lost_is_taken_from_a_fix() {
+        let growth = growth();
+        let lost = Covariance::of((LOST * growth.fix.0, LOST * growth.fix.1), growth.bias);
+        let since = |way, turn| Since {
+            way,
+            turn,
+            ..Since::default()
+        };
+        // The bound is 2.5 m² and 2.5 rad². A radian adds (0.02/3)² rad², a metre twice (0.06 · 0.02)² m²: 56,000 and 870,000 of them.
+        for (since, carried, is_lost) in [
+            (since(0.0, 5.5e4), None, false),
+            (since(0.0, 5.7e4), None, true),
+            (since(8.5e5, 0.0), Some(1e-6), false),
+            (since(8.8e5, 0.0), Some(1e-6), true),
+            (since(0.0, f64::NAN), None, true),
+        ] {
+            let mut covariance = Covariance::stated(&growth);
+            covariance.pass(&growth, &since, carried);
+            assert_eq!(covariance == lost, is_lost, "{since:?}");
+            let taken = covariance.take(&growth, &Pose::new(1.0, -2.0, 0.5)).pose;
+            let left = [taken.x - 1.0, taken.y + 2.0, taken.theta - 0.5];
+            // One of LOST of it is left, and of 2 m twice that.
+            let whole = left.iter().all(|left| left.abs() < 2.0 / LOST);
+            assert_eq!(whole, is_lost, "{since:?}: {left:?}");
+        }
+    }
+
+    /// A heading that a gyro carries is as sure as the gyro says: that leads the place aside on the way, and tells nothing of the wheels.
+    #[test]
+    fn a_carried_heading_is_the_gyros() {
+        let growth = growth();
+        let mut covariance = Covariance::stated(&growth);
+        // A metre along x, after some way by the wheels alone.
+        let since = Since {
+            x: 1.0,
+            way: 1.0,
+            ..Since::default()
+        };
+        covariance.pass(&growth, &since, None);
+        assert!(covariance.yb > 0.0 && covariance.tb > 0.0);
+        let (before, heading) = (covariance, 1e-6);
+        covariance.pass(&growth, &since, Some(heading));
+        let slid = growth.rest.0 + growth.per_way;
+        let yy = before.yy + 2.0 * before.yt + heading + slid;
+        for (is, expected) in [
+            (covariance.xx, before.xx + slid),
+            (covariance.yy, yy),
+            (covariance.yt, before.yt + heading),
+            (covariance.tt, heading),
+            (covariance.yb, 0.0),
+            (covariance.tb, 0.0),
+        ] {
+            // Roundings of some sums.
+            assert!((is - expected).abs() < 1e-15, "{is:e} {expected:e}");
+        }
+    }
+}

@@ -74,4 +74,26 @@ mod tests {
             assert!((filtered_share(gain) / gain - 0.5).abs() < gain);
         }
     }
+
+    /// Between its limits it is what the two recursions above settle at, fix by fix, with their mean over the time to the next.
+    #[test]
+    fn the_share_is_what_the_recursions_settle_at() {
+        for gain in [0.1, 0.5, 0.9] {
+            // Of s and p before a fix: E s², E s p, E p².
+            let (mut ss, mut sp, mut pp) = (0.0, 0.0, 0.0);
+            let mut mean = 0.0;
+            // 0.9² to the power of 500 is left of the start.
+            for _ in 0..500 {
+                let fix = gain * gain;
+                let next = (
+                    (1.0 - gain) * (1.0 - gain) * ss + fix,
+                    (1.0 - gain) * (sp - gain * ss) + fix,
+                    pp - 2.0 * gain * sp + fix * ss + fix,
+                );
+                mean = next.0 - 2.0 * (1.0 - KEPT) * next.1 + 0.5 * (1.0 - KEPT * KEPT) * next.2;
+                (ss, sp, pp) = (next.0, KEPT * next.1, KEPT * KEPT * next.2);
+            }
+            assert!((filtered_share(gain) - mean).abs() < 1e-12, "{gain}");
+        }
+    }
 }
