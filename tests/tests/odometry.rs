@@ -182,6 +182,66 @@ fn calibration_scales_the_lengths() {
     assert_eq!(calibrated.delay_s(), 2.0 / 50.0);
 }
 
+/// A count's travel is that of the wheel, right or left, which turned out to be the larger.
+#[test]
+fn travel_per_count_is_that_of_the_larger_wheel() {
+    for (right, left) in [(1.05, 0.95), (0.95, 1.05)] {
+        let params = OdometryParams {
+            calibration: Calibration {
+                right,
+                left,
+                track: 1.0,
+            },
+            ..params()
+        };
+        let larger = (0.1 * right).max(0.098 * left);
+        // Roundings.
+        assert_within(
+            params.travel_per_count_m(),
+            2.0 * PI * larger / 2048.0,
+            1e-18,
+            "travel",
+        );
+    }
+}
+
+/// Back-EMF is made up for the speed at which each wheel turns, by its own radius; and on a ramp that no torque explains for what the
+/// wheel would turn without what it won in 4/bandwidth.
+#[test]
+fn back_emf_is_of_the_wheels_without_unmodelled_forces() {
+    let dt = 1e-3;
+    // Fine counts, so that the loop and not the quantisation is seen.
+    let fine = OdometryParams {
+        counts_per_turn: 1.0e7,
+        calibration: Calibration {
+            right: 1.02,
+            left: 0.97,
+            track: 1.0,
+        },
+        ..params()
+    };
+    let (right_m, left_m) = (1.02 * 0.1, 0.97 * 0.098);
+    for (speed, accel) in [(0.5, 0.0), (0.1, 0.3), (-0.1, -0.3)] {
+        let mut odometry =
+            Odometry::new(&fine, Pose::default(), WheelCounts::default()).expect("in range");
+        for k in 1..=5000 {
+            let t = f64::from(k) * dt;
+            let count =
+                |r: f64| ((speed + 0.5 * accel * t) * t / (2.0 * PI * r) * 1.0e7).round() as i32;
+            let now = WheelCounts {
+                right: count(right_m),
+                left: count(left_m),
+            };
+            odometry.update::<Libm>(now, dt);
+        }
+        let made_up = speed + accel * 5.0 - accel * 4.0 / 50.0;
+        let speeds = odometry.back_emf_speeds();
+        // Quantisation: a count of 6e-8 m, through bandwidth² dt, on a tenth of a metre; what is learnt of it 4/16 more.
+        assert_within(speeds.right, made_up / right_m, 3e-5, "right");
+        assert_within(speeds.left, made_up / left_m, 3e-5, "left");
+    }
+}
+
 /// Parameters out of range are named.
 #[test]
 fn odometry_names_bad_parameters() {

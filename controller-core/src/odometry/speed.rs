@@ -227,3 +227,59 @@ fn bandwidth_between<T: Scalar>(period: T, bandwidth: T) -> T {
         bandwidth
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a disturbance estimate has is fed forward where a wheel can learn nothing by itself, less where it can learn as much, and
+    /// not where it can learn twice as much.
+    #[test]
+    fn a_disturbance_is_fed_forward_to_what_cannot_learn_it() {
+        for (most, fed) in [
+            (0.0, 0.4),
+            (0.2, 0.4),
+            (0.4, 0.4),
+            (0.6, 0.2),
+            (0.8, 0.0),
+            (5.0, 0.0),
+        ] {
+            for side in [1.0, -1.0] {
+                // A rounding.
+                assert!((fed_forward(side * 0.4, most) - side * fed).abs() < 1e-15);
+            }
+        }
+    }
+
+    /// A wheel believes torque, what it has learnt, and what is fed forward beside that: together, inside a count.
+    #[test]
+    fn a_wheel_adds_what_accelerates_it() {
+        let (omega, dt) = (50.0, 0.01);
+        // At 0.1 m/s what is learnt is at most 50/16 · 0.1 = 0.3125 m/s²; at rest, nothing.
+        for (speed, learnt, disturbance, fed) in [
+            (0.0, 0.0, None, 0.0),
+            (0.0, 0.0, Some(-0.25), -0.25),
+            (0.1, 0.2, None, 0.0),
+            (0.1, 0.2, Some(-0.25), -0.1875),
+            (0.1, 0.2, Some(0.1), 0.0),
+        ] {
+            let mut wheel = Wheel {
+                speed,
+                unmodelled: learnt,
+                period: dt,
+                ..Wheel::default()
+            };
+            let turned = Turned {
+                counts: 0,
+                per_count: 0.01,
+                accel: 0.5,
+                disturbance,
+                dt,
+            };
+            let believed = wheel.track(&turned, omega);
+            let expected = speed + dt * (0.5 + learnt + fed);
+            assert!((believed - expected).abs() < 1e-15, "{believed} {expected}");
+            assert_eq!(wheel.unmodelled, learnt);
+        }
+    }
+}
