@@ -233,14 +233,27 @@ fn the_ideal_robot_drives_exactly_as_ordered() {
 }
 
 /// A stick that moves: 20 orders a second of a sine, and one in every tick. The command is late by two lags of 1/A, A = e j/a, and by
-/// no more for orders that come in every tick.
+/// no more for orders that come in every tick; on both axes, by the one that has less jerk for its acceleration.
 #[test]
 fn orders_that_change_all_the_time_are_followed() {
-    let limits = Base::STANDARD.limits;
-    let lag = limits.accel / (core::f64::consts::E * limits.jerk);
-    for every in [1, 5] {
+    let of = |jerk: f64, turn_jerk: f64| Base {
+        limits: controller_core::motion::Limits {
+            jerk,
+            turn_jerk,
+            ..Base::STANDARD.limits
+        },
+        ..Base::STANDARD
+    };
+    // The acceleration is 1.5 m/s² and 3 rad/s².
+    for (base, every, per_s) in [
+        (Base::STANDARD, 1, 20.0 / 1.5),
+        (Base::STANDARD, 5, 20.0 / 1.5),
+        (of(10.0, 40.0), 1, 10.0 / 1.5),
+        (of(20.0, 20.0), 1, 20.0 / 3.0),
+    ] {
+        let lag = 1.0 / (core::f64::consts::E * per_s);
         let stick = |t: f64| drive(0.3 * (0.5 * t).sin(), 0.3 * (0.7 * t).cos(), false);
-        let mut robot = start(Base::STANDARD, Body::default(), &stick(0.0));
+        let mut robot = start(base, Body::default(), &stick(0.0));
         for tick in 0..4000_u32 {
             let of = f64::from(tick / every * every) * 0.01;
             robot.advance(|_| stick(of));
@@ -335,7 +348,8 @@ fn the_heading_is_held_against_pushes() {
             moment: 0.1 * most,
         };
         let w = 0.2 * base.limits.turn_rate;
-        for order in [(0.3, 0.0), (-0.3, 0.0), (0.3, w), (0.0, w)] {
+        // The third is slower than what counts as standing.
+        for order in [(0.3, 0.0), (-0.3, 0.0), (5e-3, 0.0), (0.3, w), (0.0, w)] {
             let off = |hold: bool| {
                 let order = drive(order.0, order.1, hold);
                 let mut robot = start(base, Body::default(), &order);
@@ -426,6 +440,35 @@ fn a_jump_of_the_localisation_turns_nothing() {
                 "{tick}: {:?}",
                 robot.body.pose
             );
+        }
+    }
+}
+
+/// Told to stand, a robot holds its heading until it does: straight on, and where it turns in place.
+#[test]
+fn the_heading_is_held_until_it_stands() {
+    let push = Wrench {
+        force: 0.0,
+        moment: 5.0,
+    };
+    for (v, w) in [(0.5, 0.0), (0.0, 0.6)] {
+        let mut robot = start(Base::STANDARD, Body::default(), &drive(v, w, true));
+        for tick in 0..700 {
+            let pushed = (450..500).contains(&tick);
+            robot.coast(&if pushed { push } else { Wrench::default() });
+            let order = if tick < 500 {
+                drive(v, w, true)
+            } else {
+                drive(0.0, 0.0, true)
+            };
+            let measured = robot.body.measured::<f64>();
+            let error = robot.take(&order, &measured).error.theta.abs();
+            // 0.5 m/s and 0.6 rad/s take 0.33 and 0.2 s to brake, and the lag of 1/36 s little more.
+            match tick {
+                500..515 => assert!(error > 1e-4, "{v} {w} {tick}: {error}"),
+                600.. => assert!(error == 0.0, "{v} {w} {tick}: {error}"),
+                _ => (),
+            }
         }
     }
 }

@@ -167,3 +167,107 @@ fn decay<T: Scalar>(limits: &Limits<T>) -> T {
     let (linear, angular) = (limits.jerk / accel, limits.turn_jerk / limits.turn_accel);
     T::from_f64(core::f64::consts::E) * smaller(linear, angular)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::Libm;
+    use crate::motion::{MotionParams, SaturationPolicy};
+    use crate::robot::Robot;
+
+    fn motion() -> ValidMotionParams<f64> {
+        let limits = Limits {
+            speed: 1.0,
+            turn_rate: 2.0,
+            rim_speed: 1.2,
+            accel: 0.8,
+            brake: 1.0,
+            turn_accel: 3.0,
+            jerk: 20.0,
+            turn_jerk: 40.0,
+            wheel_torque_nm: 8.0,
+            policy: SaturationPolicy::KeepCurvature,
+        };
+        let params = MotionParams::new(Robot::paper(), limits);
+        params.validate().expect("valid")
+    }
+
+    /// Whatever is not a number shows: a tick with it is refused.
+    #[test]
+    fn no_number_is_overlooked() {
+        assert_eq!(DriveLaw::<f64>::NEW.residue(), 0.0);
+        for wrong in [f64::NAN, f64::INFINITY] {
+            for law in [
+                DriveLaw {
+                    held: Some(wrong),
+                    ..DriveLaw::NEW
+                },
+                DriveLaw {
+                    added: wrong,
+                    ..DriveLaw::NEW
+                },
+                DriveLaw {
+                    added_rate: wrong,
+                    ..DriveLaw::NEW
+                },
+            ] {
+                assert!(law.residue().is_nan(), "{law:?}");
+            }
+        }
+    }
+
+    /// The heading that is held goes on by what was commanded, along a ramp of the turn rate too, and without what it added itself.
+    #[test]
+    fn a_held_heading_goes_on_along_a_ramp() {
+        let mut law = DriveLaw {
+            held: Some(0.3),
+            added: 0.05,
+            added_rate: -0.2,
+        };
+        let command = Command {
+            twist: Twist::new(0.3, 0.6),
+            rate: Accel::new(0.0, 3.0),
+        };
+        law.turn_on(&command, 0.1);
+        // 0.55 rad/s for 0.1 s, and 3.2 rad/s² of it.
+        let held = 0.3 + 0.1 * 0.55 + 0.5 * 0.01 * 3.2;
+        assert!((law.error(0.0) - held).abs() < 1e-15, "{law:?}");
+    }
+
+    /// What a held heading adds to the turn rate, and its rate, is that of k sin e while e goes as the robot turns less than it should.
+    #[test]
+    fn the_rate_of_what_a_heading_adds_is_its_derivative() {
+        let motion = motion();
+        let order = Twist::new(0.3, 0.4);
+        let law = |error: f64| {
+            let mut law = DriveLaw {
+                held: Some(0.0),
+                ..DriveLaw::NEW
+            };
+            let command = Command {
+                twist: order,
+                ..Command::default()
+            };
+            let now = Now {
+                order: &order,
+                hold_heading: true,
+                heading: -error,
+                turn_rate: -0.2,
+                error,
+                command: &command,
+                jumped: false,
+                dt: 0.01,
+            };
+            let setpoint = law.advance::<Libm>(&motion, &now);
+            (setpoint.twist.angular, setpoint.rate.angular)
+        };
+        let step = 1e-4;
+        for error in [-1.2, -0.3, 0.0, 0.6, 1.2] {
+            let (before, after) = (law(error - 0.6 * step).0, law(error + 0.6 * step).0);
+            assert!((before - (0.4 + motion.gains().heading * error.sin())).abs() < 1e-3);
+            // Of the difference k/6 (0.6 step)³/step is left, and roundings of 1e-16/step.
+            let rate = (after - before) / (2.0 * step);
+            assert!((law(error).1 - rate).abs() < 1e-7, "{error}: {rate}");
+        }
+    }
+}
