@@ -6,8 +6,10 @@ use controller_core::gyro::{
     ValidGyroParams,
 };
 use controller_core::hal::WheelCounts;
-use controller_core::localiser::{Fix, FusionParams, Localiser, LocaliserParams};
-use controller_core::maths::Single;
+use controller_core::localiser::{
+    Estimate, Fix, FixOutcome, FusionParams, Localiser, LocaliserParams,
+};
+use controller_core::maths::{Libm, Single};
 use controller_core::odometry::OdometryParams;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Pose};
@@ -383,4 +385,223 @@ fn single_precision_is_enough() {
     let (bias, expected) = (f64::from(a.report().bias), b.report().bias);
     // A tenth of what a second of rest leaves.
     assert!((bias - expected).abs() < 5e-6, "{bias} {expected}");
+}
+
+/// A base, and what its localiser makes of counts, readings and fixes.
+struct Carried {
+    localiser: Localiser<f64, 64>,
+    /// Travel of the right and the left wheel \[counts\].
+    travelled: (f64, f64),
+    random: Random,
+}
+
+impl Carried {
+    fn start(fusion: Option<FusionParams<f64>>, gyro: Option<GyroParams<f64>>) -> Self {
+        let params = LocaliserParams {
+            odometry: wheels(),
+            fusion,
+            gyro,
+        };
+        let localisation = params.validate_with::<Libm>().expect("valid");
+        let counts = WheelCounts::default();
+        Self {
+            localiser: Localiser::start(&localisation, Pose::default(), counts).expect("starts"),
+            travelled: (0.5, 0.5),
+            random: Random(17),
+        }
+    }
+
+    /// A tick in which the wheels have this speed and turn rate, and a gyro, if it speaks, this one.
+    fn advance(
+        &mut self,
+        (v, w): (f64, f64),
+        rate: Option<f64>,
+        fix: Option<&Pose<f64>>,
+    ) -> Estimate<f64> {
+        let wheels = wheels::<f64>();
+        let per_count = wheels.travel_per_count_m();
+        let rim = 0.5 * wheels.track_m() * w;
+        self.travelled.0 += (v + rim) * DT / per_count;
+        self.travelled.1 += (v - rim) * DT / per_count;
+        let counts = WheelCounts {
+            right: self.travelled.0.floor() as i32,
+            left: self.travelled.1.floor() as i32,
+        };
+        let reading = rate.map(|rate| reading(rate + noise(&mut self.random), 0.0));
+        let fix = fix.map(|&pose| Fix { pose, age_s: 0.0 });
+        let accel = Accel::default();
+        self.localiser
+            .update_with::<Libm>(counts, DT, &accel, fix.as_ref(), reading.as_ref())
+            .expect("a tick")
+    }
+
+    /// The last of some seconds of ticks without a fix.
+    fn drive(&mut self, twist: (f64, f64), rate: Option<f64>, seconds: f64) -> Estimate<f64> {
+        let mut last = Estimate::default();
+        for _ in 0..(seconds / DT).round() as usize {
+            last = self.advance(twist, rate, None);
+        }
+        last
+    }
+}
+
+fn camera() -> Option<FusionParams<f64>> {
+    Some(FusionParams::for_source(5e-3, 5e-3, 20.0))
+}
+
+fn sheet() -> Option<GyroParams<f64>> {
+    Some(GyroParams::icm_42688_p())
+}
+
+/// A base that turns evenly is not at rest, and what its gyro reads is no bias: on both wheels, and on either alone.
+#[test]
+fn a_base_that_turns_on_one_wheel_does_not_rest() {
+    let lever = 0.5 * wheels::<f64>().track_m();
+    for (v, w) in [(0.0, 0.5), (0.5 * lever, 0.5), (0.5 * lever, -0.5)] {
+        let mut base = Carried::start(camera(), sheet());
+        let estimate = base.drive((v, w), Some(w), 3.0);
+        assert_eq!(estimate.gyro.fault, None, "{v} {w}");
+        // A scale of 0.65 % of 1.5 rad would be 10 mrad; this one has none. The first reading only begins.
+        let off = estimate.measured.pose.theta - 3.0 * w;
+        assert!(off.abs() < 5e-3, "{v} {w}: {off}");
+    }
+}
+
+/// How long a base drives on without fixes counts from when its gyro ceased to carry the heading; and in full, once that was for longer
+/// than it may.
+#[test]
+fn time_alone_is_that_without_a_gyro() {
+    let gyro = GyroParams {
+        carry_s: 2.0,
+        ..GyroParams::icm_42688_p()
+    };
+    let mut base = Carried::start(camera(), Some(gyro));
+    let alone = |base: &Carried| (base.localiser.uncarried_s(), base.localiser.fix_age_s());
+    // Ticks are counted to a rounding.
+    let is = |(uncarried, age): (f64, f64), expected: (f64, f64)| {
+        let off = (uncarried - expected.0, age - expected.1);
+        let near = off.0.abs().max(off.1.abs()) < 1e-9;
+        assert!(near, "{uncarried} {age} for {expected:?}");
+    };
+    base.drive((0.1, 0.0), None, 0.05);
+    is(alone(&base), (0.05, 0.05));
+    base.drive((0.1, 0.0), Some(0.0), 0.95);
+    is(alone(&base), (0.0, 1.0));
+    // Silent after 0.1 s, to a tick.
+    base.drive((0.1, 0.0), None, 0.5);
+    let (uncarried, age) = alone(&base);
+    assert!((uncarried - 0.4).abs() < 1.1 * DT, "{uncarried}");
+    is((uncarried, age), (uncarried, 1.5));
+    // A fix is nearer than that.
+    let at = *base.localiser.pose();
+    base.advance((0.1, 0.0), None, Some(&at));
+    is(alone(&base), (0.0, 0.0));
+    base.drive((0.1, 0.0), Some(0.0), 1.9);
+    is(alone(&base), (0.0, 1.9));
+    base.drive((0.1, 0.0), Some(0.0), 0.2);
+    is(alone(&base), (2.1, 2.1));
+    // Without a gyro it is all of the time.
+    let mut base = Carried::start(camera(), None);
+    base.drive((0.1, 0.0), None, 0.5);
+    is(alone(&base), (0.5, 0.5));
+}
+
+/// Without fixes too the heading is the gyro's, wheels of unlike radii are learnt, and the estimate says so.
+#[test]
+fn a_gyro_is_told_of_without_fixes() {
+    let mut base = Carried::start(None, sheet());
+    base.drive((0.0, 0.0), Some(0.0), 1.0);
+    // The wheels' radii are apart by 1 %: of what is seen in 0.3 m three tenths are taken, and of ten times 3 % are left.
+    let bend = 0.01 / wheels::<f64>().track_m();
+    let mut last = Estimate::default();
+    for _ in 0..(12.0 / DT) as usize {
+        // Odometry adds what it has learnt to what the wheels say.
+        last = base.advance((0.3, 0.3 * bend), Some(0.0), None);
+    }
+    assert_eq!(last.gyro.outcome, GyroOutcome::Used);
+    assert_eq!(last.curvature_bias, base.localiser.curvature_bias());
+    let left = last.curvature_bias / -bend - 1.0;
+    assert!(left.abs() < 0.05, "{left}");
+    // Three of the bias that a second of rest leaves, for 12 s, and a count of 0.1 mm at either wheel.
+    assert!(last.measured.pose.theta.abs() < 4e-3, "{last:?}");
+}
+
+/// External headings that side with the wheels show a gyro that lies, and what it turned too much is taken back at once.
+#[test]
+fn fixes_tell_a_gyro_that_lies() {
+    for lie in [0.3, -0.3] {
+        let mut base = Carried::start(camera(), sheet());
+        base.drive((0.0, 0.0), Some(0.0), 1.0);
+        base.drive((0.2, 0.0), Some(0.0), 1.0);
+        let mut told = None;
+        for tick in 1..60 {
+            let x = 0.2 + 0.2 * DT * f64::from(tick);
+            let fix = Pose::new(x, 0.0, 0.0);
+            let fix = (tick % 10 == 0).then_some(&fix);
+            let before = base.localiser.pose().theta;
+            let estimate = base.advance((0.2, 0.0), Some(lie), fix);
+            if estimate.gyro.fault.is_some() {
+                told = Some((tick, before, estimate));
+                break;
+            }
+        }
+        let (tick, before, estimate) = told.expect("the lie is found");
+        assert_eq!(estimate.gyro.fault, Some(GyroFault::Disagrees));
+        assert_eq!(estimate.fix, FixOutcome::Fused);
+        // The stated heading and the fix are of 5 mrad each: four of both are 28, of which 0.3 rad/s has 15 more at each fix, and
+        // those before have taken up to half. By the third; until then the heading went with the gyro.
+        assert!(tick <= 30 && before / lie > 0.06, "{tick}: {before}");
+        // Noise, and rounding of the counts.
+        let theta = estimate.measured.pose.theta;
+        assert!(theta.abs() < 3e-3, "{lie}: {theta}");
+    }
+}
+
+/// While a gyro carries the heading the gate widens by what the gyro may be off, not by what the wheels may: a fix that the wheels
+/// would excuse is an outlier.
+#[test]
+fn a_carried_heading_is_not_excused_by_the_way() {
+    let mut outcomes = [None, sheet()].map(|gyro| {
+        let mut base = Carried::start(camera(), gyro);
+        base.drive((0.0, 0.0), Some(0.0), 2.0);
+        base.drive((0.3, 0.0), Some(0.0), 5.0);
+        let at = *base.localiser.pose();
+        let off = |theta: f64| Pose::new(at.x + 0.3 * DT, at.y, at.theta + theta);
+        // The gate is 25 mrad, and noise and bias of 4.9e-5 rad/√s and rad/s leave less than a milliradian after 5 s.
+        [0.02, 0.15].map(|theta| {
+            let mut base = Carried {
+                localiser: base.localiser,
+                travelled: base.travelled,
+                random: Random(18),
+            };
+            base.advance((0.3, 0.0), Some(0.0), Some(&off(theta))).fix
+        })
+    });
+    let [by_wheels, by_gyro] = &mut outcomes;
+    assert_eq!(by_wheels, &[FixOutcome::Fused, FixOutcome::Fused]);
+    assert_eq!(by_gyro, &[FixOutcome::Fused, FixOutcome::Rejected]);
+}
+
+/// A pose that is stated, at the start or later, has the heading of a fix: it may be off by three standard deviations of one.
+#[test]
+fn a_stated_heading_is_as_sure_as_a_fix() {
+    for set in [false, true] {
+        let mut base = Carried::start(camera(), sheet());
+        if set {
+            // Meanwhile fixes have made it surer.
+            for _ in 0..400 {
+                let at = Pose::default();
+                base.advance((0.0, 0.0), Some(0.0), Some(&at));
+            }
+            base.localiser.set_pose(Pose::new(1.0, 2.0, 0.5));
+        }
+        base.advance((0.0, 0.0), Some(0.0), None);
+        let at = *base.localiser.pose();
+        // 25 mrad of the gate, and 15.
+        for (theta, outcome) in [(0.043, FixOutcome::Rejected), (0.037, FixOutcome::Fused)] {
+            let fix = Pose::new(at.x, at.y, at.theta + theta);
+            let estimate = base.advance((0.0, 0.0), Some(0.0), Some(&fix));
+            assert_eq!(estimate.fix, outcome, "{set} {theta}");
+        }
+    }
 }
