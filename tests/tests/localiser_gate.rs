@@ -244,6 +244,7 @@ fn corrections_never_step_and_turn_the_robot_where_it_stands() {
     assert!(most.0 <= step_m * (1.0 + 1e-6) && most.1 <= step_rad * (1.0 + 1e-6));
     // The statement is not idle: half of it happens. 0.5 mm a tick in all.
     assert!(most.0 > 0.5 * step_m && step_m < 5e-4);
+    assert!(most.1 > 0.5 * step_rad && step_rad < 5e-4);
 }
 
 /// Odometry alone is odometry, bit for bit, and says that it takes no fixes.
@@ -262,6 +263,7 @@ fn without_fusion_it_is_odometry() {
         controller_core::odometry::Odometry::new(&odometry, Pose::default(), led.robot.counts())
             .expect("in range");
     let mut source = Source::exact();
+    let mut refused = 0;
     for k in 0..500 {
         if k == 250 {
             led.localiser.set_pose(Pose::new(1.0, 2.0, 3.0));
@@ -272,10 +274,14 @@ fn without_fusion_it_is_odometry() {
             estimate.measured,
             plain.update::<Libm>(led.robot.counts(), 0.01)
         );
+        assert_eq!(led.localiser.back_emf_speeds(), plain.back_emf_speeds());
         assert!(!estimate.stale && !estimate.jumped);
         if estimate.fix != FixOutcome::Absent {
             assert_eq!(estimate.fix, FixOutcome::Refused(Refusal::NoFusion));
+            refused += 1;
         }
     }
+    // 20 a second, for 5 s; the last may be under way.
+    assert!((99..=100).contains(&refused), "{refused}");
     assert_eq!(localisation.filtered_noise_m(), 0.0);
 }

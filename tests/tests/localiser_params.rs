@@ -3,8 +3,48 @@
 use controller_core::error::Field;
 use controller_core::localiser::{FusionParams, LocaliserParams};
 use controller_core::maths::Libm;
+use controller_core::motion::Arrival;
+use tests::check::assert_within;
 use tests::encoded::{bases, odometry};
 use tests::localised::SPEED;
+
+/// A robot has arrived where the noise of its pose and a count of its wheels leave nothing to tell; never closer than by an exact pose.
+#[test]
+fn arrival_is_what_noise_and_counts_leave() {
+    let (_, file) = bases()[1].clone();
+    let exact = Arrival::<f64>::exact();
+    for (noise, bandwidth, heading_bandwidth, counts) in [
+        (5e-3, 0.8, 0.4, 2048.0),
+        (5e-3, 0.4, 0.8, 64.0),
+        (1e-4, 0.05, 0.2, 2048.0),
+    ] {
+        let mut fusion = FusionParams::for_source(noise, noise, 20.0);
+        (fusion.bandwidth, fusion.heading_bandwidth) = (bandwidth, heading_bandwidth);
+        let mut params = LocaliserParams {
+            odometry: odometry(&file, SPEED),
+            fusion: Some(fusion),
+            gyro: None,
+        };
+        params.odometry.counts_per_turn = counts;
+        let localisation = params.validate_with::<Libm>().expect("valid");
+        let arrival = localisation.arrival();
+        let (filtered, count) = (
+            localisation.filtered_noise_m(),
+            params.odometry.travel_per_count_m(),
+        );
+        // Roundings.
+        let slack = 1e-15;
+        let pose_noise = f64::hypot(0.6 * filtered, 0.288_675 * count);
+        assert_within(localisation.pose_noise_m(), pose_noise, slack, "noise");
+        let distance = (5.0 * pose_noise + filtered).max(exact.distance_m);
+        assert_within(arrival.distance_m, distance, slack, "distance");
+        let heading = (8.0 * localisation.filtered_noise_rad()).max(exact.heading_rad);
+        let turn = count / params.odometry.track_m();
+        assert_within(arrival.heading_rad, heading + turn, slack, "heading");
+        let slower = f64::min(bandwidth, heading_bandwidth);
+        assert_within(arrival.dwell_s, (1.0 / slower).min(10.0), slack, "dwell");
+    }
+}
 
 /// Parameters out of range are named.
 #[test]
