@@ -131,6 +131,33 @@ const HOST: [&str; 2] = ["lib/host/libtwb.a", PORTABLE];
 /// The same functions in C.
 const PORTABLE: &str = "portable/twb.c";
 
+/// What a program is linked with for `functions`, below [`archives`]: C is compiled once for each compiler, since it is as long as
+/// a hundred of the programs here.
+fn linked(functions: &str, compiler: Command, compiled: &OnceLock<PathBuf>) -> PathBuf {
+    let source = archives().join(functions);
+    if functions != PORTABLE {
+        return source;
+    }
+    let compile = |mut compiler: Command| {
+        let name = Path::new(compiler.get_program()).display();
+        let object = scratch().join(format!("{name}-portable.o"));
+        succeed(compiler.arg("-c").arg(source).arg("-o").arg(&object));
+        object
+    };
+    compiled.get_or_init(|| compile(compiler)).clone()
+}
+
+/// The compiler of the host in a language standard.
+fn host_compiler(compiler: &str, standard: &str) -> Command {
+    let mut compiler = Command::new(compiler);
+    compiler
+        .args([standard, "-O1", "-ffp-contract=off"])
+        .args(STRICT)
+        .arg("-I")
+        .arg(here().join("include"));
+    compiler
+}
+
 /// Builds a program of the host from sources of `tests/c` with the archive, in a language standard.
 fn program(name: &str, compiler: &str, standard: &str, sources: &[&str]) -> PathBuf {
     program_with(HOST[0], name, compiler, standard, sources)
@@ -143,13 +170,15 @@ fn program_with(
     standard: &str,
     sources: &[&str],
 ) -> PathBuf {
+    static PORTABLE_OF_HOST: OnceLock<PathBuf> = OnceLock::new();
+    let functions_of_host = linked(
+        functions,
+        host_compiler("gcc", "-std=c99"),
+        &PORTABLE_OF_HOST,
+    );
     let to = scratch().join(format!("{name}-{}", functions.replace('/', "-")));
     succeed(
-        Command::new(compiler)
-            .args([standard, "-O1", "-ffp-contract=off"])
-            .args(STRICT)
-            .arg("-I")
-            .arg(here().join("include"))
+        host_compiler(compiler, standard)
             .arg("-I")
             .arg(robot_header())
             .args(
@@ -157,7 +186,7 @@ fn program_with(
                     .iter()
                     .map(|source| here().join("tests/c").join(source)),
             )
-            .arg(archives().join(functions))
+            .arg(functions_of_host)
             .arg("-o")
             .arg(&to),
     );
@@ -455,9 +484,11 @@ struct Board {
     machine: &'static [&'static str],
     map: &'static str,
     emulator: &'static [&'static str],
+    /// The portable C as its compiler makes it.
+    portable: OnceLock<PathBuf>,
 }
 
-const CORTEX_M4F: Board = Board {
+static CORTEX_M4F: Board = Board {
     core: "cortex-m4f",
     compiler: "arm-none-eabi-gcc",
     machine: &[
@@ -468,14 +499,16 @@ const CORTEX_M4F: Board = Board {
     ],
     map: "mps2-an386.ld",
     emulator: &["qemu-system-arm", "-M", "mps2-an386"],
+    portable: OnceLock::new(),
 };
 
-const RV32IMAFC: Board = Board {
+static RV32IMAFC: Board = Board {
     core: "rv32imafc",
     compiler: "riscv64-unknown-elf-gcc",
     machine: &["-march=rv32imafc", "-mabi=ilp32f"],
     map: "virt.ld",
     emulator: &["qemu-system-riscv32", "-M", "virt", "-bios", "none"],
+    portable: OnceLock::new(),
 };
 
 impl Board {
@@ -497,6 +530,11 @@ impl Board {
         compiler
     }
 
+    /// What a program of the board is linked with.
+    fn functions(&self, functions: &str) -> PathBuf {
+        linked(functions, self.compiler(), &self.portable)
+    }
+
     /// What a program in C prints on the emulated board.
     fn run(&self, functions: &str, program: &[&str]) -> String {
         let sources = here().join("tests/c");
@@ -513,7 +551,7 @@ impl Board {
                 .arg(sources.join(self.map))
                 .arg(sources.join("emulated.c"))
                 .args(program.iter().map(|source| sources.join(source)))
-                .arg(archives().join(functions))
+                .arg(self.functions(functions))
                 .args(["-lgcc", "-o"])
                 .arg(&image),
         );
@@ -600,6 +638,7 @@ impl Image<'_> {
              controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
              firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\", \"robots\"] }}\n\
              protocol = {{ path = \"{workspace}/protocol\", package = \"controller-core-protocol\" }}\n\
+             [profile.release]\ndebug = \"line-tables-only\"\n\
              [profile.chip]\ninherits = \"release\"\nopt-level = 3\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
         );
         let copy = |from: PathBuf, to: &str| {
@@ -620,32 +659,29 @@ impl Image<'_> {
             .chain([search.as_str()])
             .collect();
         if configuration == "through_portable" {
-            let source = archives().join(PORTABLE);
-            let mut compiler = self.board.compiler();
-            succeed(compiler.arg("-c").arg(source).arg("-o").arg(&object));
             // Beside those of Rust, which are in the image as well.
             let names = ["init", "arm", "tick"];
             succeed(
                 Command::new(self.board.compiler.replace("gcc", "objcopy"))
                     .args(names.map(|name| format!("--redefine-sym=twb_{name}=portable_{name}")))
                     .args(names.map(|name| format!("--keep-global-symbol=portable_{name}")))
+                    .arg(self.board.functions(PORTABLE))
                     .arg(&object),
             );
             flags.push(&linked);
         }
-        let flags: Vec<String> = flags
-            .iter()
-            .map(|flag| format!("-Clink-arg={flag}"))
-            .collect();
-        let target_dir = scratch().join("overhead-target");
+        let flags = flags.iter().map(|flag| format!("-Clink-arg={flag}"));
+        // Where all other images are built, since most of what they depend on is the same.
+        let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
         succeed(
             Command::new(env!("CARGO"))
                 .current_dir(&folder)
                 .env("CARGO_TARGET_DIR", &target_dir)
-                .env("RUSTFLAGS", flags.join(" "))
                 .args(["rustc", "--quiet", "--profile", "chip"])
                 .args(["--target", self.target, "--", "--cfg", configuration])
-                .args(["--check-cfg", "cfg(through_c, through_portable, in_rust)"]),
+                .args(["--check-cfg", "cfg(through_c, through_portable, in_rust)"])
+                // For the program alone: flags of all would build what it depends on anew for each configuration.
+                .args(flags),
         );
         let (program, arguments) = self.board.emulator.split_first().expect("a program");
         let output = succeed(
@@ -691,7 +727,7 @@ impl Image<'_> {
     }
 }
 
-const IMAGE_M4F: Image<'_> = Image {
+static IMAGE_M4F: Image<'_> = Image {
     board: &CORTEX_M4F,
     target: "thumbv7em-none-eabihf",
     run_time: "cortex-m-rt = \"0.7.5\"",
@@ -712,8 +748,8 @@ fn a_tick_from_c_takes_few_instructions_more() {
     };
     let mut page = Stated::of("docs/c.md");
     for (image, core) in [
-        (IMAGE_M4F, "the emulated Cortex-M4F"),
-        (riscv, "the RV32IMAFC"),
+        (&IMAGE_M4F, "the emulated Cortex-M4F"),
+        (&riscv, "the RV32IMAFC"),
     ] {
         let (most, mean) = image.more();
         let phrase = format!("# instructions more than in Rust on {core}, at most #");
