@@ -27,6 +27,7 @@ pub mod motion_tracking;
 pub mod motion_wheel_friction;
 pub mod oracle;
 pub mod plant;
+pub mod program;
 pub mod random;
 #[cfg(doctest)]
 pub mod readmes;

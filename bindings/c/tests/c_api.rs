@@ -13,6 +13,7 @@ use std::{env, fs};
 use controller_core::base::BaseParams;
 use firmware_demo::robots::LAB_10KG;
 use protocol::{CRC, MAX_ROBOT_BLOB, ROBOT_BLOB_VERSION, encode_robot};
+use tests::program::package;
 use tests::stated::{At, Stated};
 
 const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
@@ -628,27 +629,18 @@ impl Image<'_> {
 
     fn count(&self, configuration: &str) -> Vec<[u32; 3]> {
         let folder = scratch().join("overhead").join(self.board.core);
-        fs::create_dir_all(folder.join("src")).expect("a folder can be made");
-        let root = here().join("../..").canonicalize().expect("the workspace");
-        let workspace = root.display();
-        let run_time = self.run_time;
-        let manifest = format!(
-            "[package]\nname = \"overhead\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
-             [dependencies]\n{run_time}\ncapi = {{ path = \"{workspace}/bindings/c\" }}\n\
-             controller-core = {{ path = \"{workspace}/controller-core\" }}\n\
-             firmware-demo = {{ path = \"{workspace}/firmware-demo\", features = [\"panic-proof\", \"robots\"] }}\n\
-             protocol = {{ path = \"{workspace}/protocol\", package = \"controller-core-protocol\" }}\n\
-             [profile.release]\ndebug = \"line-tables-only\"\n\
-             [profile.chip]\ninherits = \"release\"\nopt-level = 3\nlto = \"fat\"\ncodegen-units = 1\npanic = \"abort\"\n"
+        let dependencies = format!(
+            "{}\ncapi = {{ path = \"bindings/c\" }}\ncontroller-core.workspace = true\nprotocol.workspace = true\n\
+             firmware-demo = {{ workspace = true, features = [\"panic-proof\", \"robots\"] }}",
+            self.run_time
         );
+        package(&folder, "overhead", &dependencies);
         let copy = |from: PathBuf, to: &str| {
             fs::copy(from, folder.join(to)).expect("a file can be copied");
         };
-        fs::write(folder.join("Cargo.toml"), manifest).expect("a file can be written");
         copy(here().join("tests/overhead/tick.rs"), "src/main.rs");
-        // The same versions, and no question to the registry.
-        copy(root.join("Cargo.lock"), "Cargo.lock");
-        copy(root.join("firmware-demo/memory").join(self.map), "memory.x");
+        let maps = here().join("../../firmware-demo/memory");
+        copy(maps.join(self.map), "memory.x");
         let search = format!("-L{}", folder.display());
         let object = self.object();
         let linked = format!("{}", object.display());
