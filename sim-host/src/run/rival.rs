@@ -20,8 +20,6 @@ use rivals::{Body, Job, Now, Path, Rival, Wanted};
 pub(crate) struct Driver {
     rival: Box<dyn Rival>,
     body: Body,
-    /// Of the filter behind the rates of demands \[1/s\].
-    decay: f32,
     samples: Vec<Reference<f32>>,
     t: Option<f64>,
     smoothed: Twist<f32>,
@@ -30,6 +28,10 @@ pub(crate) struct Driver {
     /// It had no answer to a job.
     refused: bool,
 }
+
+/// Decay of the filter behind the rates of demands \[1/s\]: a quicker one passes more of the poses' noise, a slower one comes late.
+/// The rivals' gains are searched with it.
+const RATES: f32 = 8.0;
 
 /// A robot that left its goal by this many tolerances drives on.
 const LEFT: f32 = 2.0;
@@ -41,7 +43,6 @@ impl Driver {
         Self {
             rival,
             body,
-            decay: mission.base.motion().gains.decay as f32,
             samples: samples
                 .iter()
                 .map(Reference::cast_with::<f32, Single>)
@@ -102,17 +103,17 @@ impl Driver {
             }
         };
         let twist = self.within_limits(wanted.twist);
-        // Rates that a law does not know are those of its demands, behind a filter as quick as the core's.
+        // Rates that a law does not know are those of its demands, behind a filter.
         let share = if since > 0.0 {
-            dt * self.decay / (1.0 + dt * self.decay)
+            dt * RATES / (1.0 + dt * RATES)
         } else {
             0.0
         };
         self.smoothed.linear += share * (twist.linear - self.smoothed.linear);
         self.smoothed.angular += share * (twist.angular - self.smoothed.angular);
         let accel = wanted.accel.unwrap_or(Accel {
-            linear: self.decay * (twist.linear - self.smoothed.linear),
-            angular: self.decay * (twist.angular - self.smoothed.angular),
+            linear: RATES * (twist.linear - self.smoothed.linear),
+            angular: RATES * (twist.angular - self.smoothed.angular),
         });
         Reference::new(seen.pose, twist, accel)
     }
