@@ -172,23 +172,11 @@ fn decay<T: Scalar>(limits: &Limits<T>) -> T {
 mod tests {
     use super::*;
     use crate::maths::Libm;
-    use crate::motion::{MotionParams, SaturationPolicy};
+    use crate::motion::MotionParams;
     use crate::robot::Robot;
 
     fn motion() -> ValidMotionParams<f64> {
-        let limits = Limits {
-            speed: 1.0,
-            turn_rate: 2.0,
-            rim_speed: 1.2,
-            accel: 0.8,
-            brake: 1.0,
-            turn_accel: 3.0,
-            jerk: 20.0,
-            turn_jerk: 40.0,
-            wheel_torque_nm: 8.0,
-            policy: SaturationPolicy::KeepCurvature,
-        };
-        let params = MotionParams::new(Robot::paper(), limits);
+        let params = MotionParams::new(Robot::paper(), Limits::PAPER);
         params.validate().expect("valid")
     }
 

@@ -63,6 +63,23 @@ pub enum SaturationPolicy {
     DriveFirst,
 }
 
+#[cfg(test)]
+impl Limits<f64> {
+    /// For tests: what suits the paper's robot with wheels of 15 N m.
+    pub(crate) const PAPER: Self = Self {
+        speed: 2.5,
+        turn_rate: 3.0,
+        rim_speed: 2.5,
+        accel: 1.5,
+        brake: 1.5,
+        turn_accel: 3.0,
+        jerk: 20.0,
+        turn_jerk: 40.0,
+        wheel_torque_nm: 15.0,
+        policy: SaturationPolicy::KeepCurvature,
+    };
+}
+
 impl<T: Scalar> Limits<T> {
     /// The rim speed that a largest speed and a largest turn rate need, one at a time, on a track of l \[m\]:
     /// max(v, l w/2) \[m/s\]. The [`rim_speed`](Self::rim_speed) of motors that are made for either and not for both.

@@ -198,21 +198,14 @@ pub fn controlled_stop_distance<T: Scalar, M: Maths<T>>(
 mod tests {
     use super::*;
     use crate::maths::Libm;
-    use crate::motion::{Limits, MotionParams, SaturationPolicy};
+    use crate::motion::{Limits, MotionParams};
     use crate::paper::params::Params;
 
     fn motion(wheel_torque_nm: f64) -> ValidMotionParams<f64> {
         let limits = Limits {
-            speed: 2.5,
-            turn_rate: 3.0,
-            rim_speed: 2.5,
-            accel: 1.5,
             brake: 1.2,
-            turn_accel: 3.0,
-            jerk: 20.0,
-            turn_jerk: 40.0,
             wheel_torque_nm,
-            policy: SaturationPolicy::KeepCurvature,
+            ..Limits::PAPER
         };
         let params = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
         params.validate().expect("valid")

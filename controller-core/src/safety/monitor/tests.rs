@@ -5,7 +5,7 @@ use crate::error::Field;
 use crate::hal::ErrorKind;
 use crate::hal::WheelCounts;
 use crate::maths::Libm;
-use crate::motion::{Limits, MotionParams, SaturationPolicy};
+use crate::motion::{Limits, MotionParams};
 use crate::paper::params::Params;
 use crate::safety::{Currents, DetectorParams, FaultKind, Timeout};
 use crate::types::WheelTorques;
@@ -15,19 +15,7 @@ mod turns;
 
 /// Ticks of 10 ms on the paper's robot with wheels of 15 N m and 4096 counts.
 fn params() -> DetectorParams<f64> {
-    let limits = Limits {
-        speed: 2.5,
-        turn_rate: 3.0,
-        rim_speed: 2.5,
-        accel: 1.5,
-        brake: 1.5,
-        turn_accel: 3.0,
-        jerk: 20.0,
-        turn_jerk: 40.0,
-        wheel_torque_nm: 15.0,
-        policy: SaturationPolicy::KeepCurvature,
-    };
-    let motion = MotionParams::new_with::<Libm>(Params::paper().robot, limits);
+    let motion = MotionParams::new_with::<Libm>(Params::paper().robot, Limits::PAPER);
     DetectorParams::for_base(&motion, 4096.0, 10_000)
 }
 
