@@ -31,7 +31,11 @@ fn class(track: Track, plant: Plant) -> Class {
     Class { track, plant }
 }
 
-fn settings(classes: &[Class], runs: usize) -> Result<Settings<'static>, Box<dyn Error>> {
+fn settings(
+    classes: &[Class],
+    runs: usize,
+    laws: &[LawKind],
+) -> Result<Settings<'static>, Box<dyn Error>> {
     let bases = BASES
         .iter()
         .map(|built_in| Ok((built_in.name.to_owned(), built_in.base()?)));
@@ -49,8 +53,14 @@ fn settings(classes: &[Class], runs: usize) -> Result<Settings<'static>, Box<dyn
         files: sim_host::bench::FILES.to_vec(),
         runs,
         seed: 1,
-        laws: LAWS.to_vec(),
+        laws: laws.to_vec(),
     })
+}
+
+/// The built-in bases with the default law and others.
+fn driven(classes: &[Class], runs: usize, laws: &[LawKind]) -> Result<Vec<Run>, Box<dyn Error>> {
+    let settings = settings(classes, runs, laws)?;
+    Ok(study(&settings, &Tuned::built_in(), || {})?)
 }
 
 /// The small set: parking, ideal and realistic.
@@ -58,8 +68,7 @@ fn small() -> &'static [Run] {
     static RUN: OnceLock<Vec<Run>> = OnceLock::new();
     RUN.get_or_init(|| {
         let classes = [Plant::Ideal, Plant::Realistic].map(|plant| class(Track::Parking, plant));
-        let settings = settings(&classes, RUNS).expect("the built-in bases are sound");
-        study(&settings, &Tuned::built_in(), || {}).expect("the built-in bases are sound")
+        driven(&classes, RUNS, &LAWS).expect("the built-in bases are sound")
     })
 }
 
@@ -99,9 +108,7 @@ const REAL: [Plant; 2] = [Plant::Realistic, Plant::BadFloor];
 #[test]
 fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
     let classes = REAL.map(|plant| class(Track::Parking, plant));
-    let mut settings = settings(&classes, 40)?;
-    settings.laws = vec![LawKind::TurnDriveTurn];
-    let runs = study(&settings, &Tuned::built_in(), || {})?;
+    let runs = driven(&classes, 40, &[LawKind::TurnDriveTurn])?;
     let rows = summaries(&runs);
     let mut page = Stated::of("docs/bench.md");
     for (base, name) in NAMES.into_iter().enumerate() {
@@ -128,10 +135,7 @@ fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
 #[test]
 fn the_page_states_files_on_real_hardware() -> Result<(), Box<dyn Error>> {
     let classes = REAL.map(|plant| class(Track::Files, plant));
-    let mut settings = settings(&classes, 32)?;
-    settings.laws = vec![LawKind::TurnDriveTurn];
-    let runs = study(&settings, &Tuned::built_in(), || {})?;
-    let rows = summaries(&runs);
+    let rows = summaries(&driven(&classes, 32, &[LawKind::TurnDriveTurn])?);
     let mut page = Stated::of("docs/bench.md");
     for kind in [LawKind::Default, LawKind::TurnDriveTurn] {
         let figures = classes.map(|of| {
@@ -153,9 +157,7 @@ fn the_page_states_files_on_real_hardware() -> Result<(), Box<dyn Error>> {
 fn the_page_states_velocity_orders() -> Result<(), Box<dyn Error>> {
     let classes = [Plant::Ideal, Plant::Realistic, Plant::BadFloor]
         .map(|plant| class(Track::Velocity, plant));
-    let mut settings = settings(&classes, 20)?;
-    settings.laws = vec![LawKind::HeadingHeld, LawKind::RateLimits];
-    let runs = study(&settings, &Tuned::built_in(), || {})?;
+    let runs = driven(&classes, 20, &[LawKind::HeadingHeld, LawKind::RateLimits])?;
     assert_eq!(runs.len(), 3 * 3 * (1 + 20 + 20));
     for Run { figures, .. } in &runs {
         assert_eq!(figures.stopped, None);
@@ -284,11 +286,11 @@ fn the_same_bytes_on_any_number_of_threads() -> Result<(), Box<dyn Error>> {
         class(Track::Paper, Plant::BadFloor),
         class(Track::Velocity, Plant::Realistic),
     ];
-    let mut settings = settings(&classes, 2)?;
+    let laws = [LawKind::Ltv, LawKind::Neural, LawKind::RateLimits];
+    let mut settings = settings(&classes, 2, &laws)?;
     // The base of 10 kg.
     settings.bases.rotate_left(1);
     settings.bases.truncate(1);
-    settings.laws = vec![LawKind::Ltv, LawKind::Neural, LawKind::RateLimits];
     let names: Vec<String> = settings
         .bases
         .iter()
