@@ -120,6 +120,12 @@ pub struct GyroHeading<T> {
     outcome: GyroOutcome,
 }
 
+/// What a sound gyro's bias is estimated to be, at most \[rad/s\]: an estimate that ended at the limit itself would take noise of
+/// one sign only from a bias just within.
+fn largest_bias<T: Scalar>(gyro: &ValidGyroParams<T>) -> T {
+    T::from_f64(BEYOND) * gyro.params.bias_limit
+}
+
 impl<T: Scalar> GyroHeading<T> {
     /// Nothing read yet; the bias anywhere within its limit.
     pub fn new(gyro: &ValidGyroParams<T>) -> Self {
@@ -324,7 +330,7 @@ impl<T: Scalar> GyroHeading<T> {
         self.steady_turn = T::ZERO;
         self.off = T::ZERO;
         self.stretch.2 -= turned.gyro + false_turn;
-        let within = self.steady.abs() <= T::from_f64(BEYOND) * gyro.params.bias_limit;
+        let within = self.steady.abs() <= largest_bias(gyro);
         if self.fault.is_none() && !within && !fused {
             return Some(-self.lies(GyroFault::Bias) - false_turn);
         }
@@ -362,7 +368,7 @@ impl<T: Scalar> GyroHeading<T> {
         if self.spread.bb > doubt && !self.disagreement.lasts() {
             let share = clamp(t * T::from_f64(1.0 / WHEELS_S), T::ONE);
             let share = share * (T::ONE - doubt / self.spread.bb);
-            self.bias = clamp(self.bias + share * apart / t, gyro.params.bias_limit);
+            self.bias = clamp(self.bias + share * apart / t, largest_bias(gyro));
             self.spread.narrow_bias(T::ONE - share);
         }
     }
@@ -412,9 +418,8 @@ impl<T: Scalar> GyroHeading<T> {
     }
 
     fn correct(&mut self, gyro: &ValidGyroParams<T>, gain: Gain<T>, off: T) {
-        let params = &gyro.params;
-        self.bias = clamp(self.bias + gain.bias * off, params.bias_limit);
-        self.scale = clamp(self.scale + gain.scale * off, params.scale_error);
+        self.bias = clamp(self.bias + gain.bias * off, largest_bias(gyro));
+        self.scale = clamp(self.scale + gain.scale * off, gyro.params.scale_error);
     }
 
     /// The pose was set to one whose heading has this variance.
