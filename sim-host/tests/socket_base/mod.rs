@@ -6,9 +6,10 @@ use firmware_demo::control_server::Queues;
 use protocol::{Command, MAX_FRAME, encode};
 use sim_host::closed_loop::Board;
 use sim_host::mission::BaseSpec;
+use sim_host::teleop::ORDER_PERIOD;
 use sim_host::world::WorldSetup;
 use std::io::{ErrorKind, Read as _, Write as _};
-use std::os::unix::net::UnixListener;
+use std::os::unix::net::{UnixListener, UnixStream};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -22,24 +23,36 @@ pub struct Served {
     pub fastest: f64,
 }
 
-/// Serves the first program that connects, until it is gone.
+/// How long a program that is connected may not run at all on a busy machine, and is not silent: less than it waits for a base.
+const PAUSED: Duration = Duration::from_millis(500);
+
+/// Serves the first program that connects, until it is gone. The base's time stands still while either end is not run by the
+/// machine: it does not make up for ticks that are late, and waits for a program whose next order is overdue.
 pub fn serve(listener: &UnixListener, base: &BaseSpec, world: &WorldSetup) -> Served {
     let (mut stream, _) = listener.accept().expect("the program connects");
     stream.set_nonblocking(true).expect("a socket");
     let mut queues = Queues::default();
     let mut board = Board::new(&mut queues, base, world, |_| {}).expect("a base in a world");
-    let (began, mut buffer, mut fastest) = (Instant::now(), [0; 1024], 0.0_f64);
+    let (mut began, mut buffer, mut fastest) = (Instant::now(), [0; 1024], 0.0_f64);
+    let mut heard: Option<Duration> = None;
     let mut frame = [0; MAX_FRAME];
     loop {
         board.advance().expect("a world takes what a base commands");
-        let due = Duration::from_micros(board.world().now_us());
-        thread::sleep(due.saturating_sub(began.elapsed()));
+        let now = Duration::from_micros(board.world().now_us());
+        let late = began.elapsed().checked_sub(now);
+        began += late.unwrap_or_default();
+        thread::sleep(now.saturating_sub(began.elapsed()));
         let mut answers = Vec::new();
-        match stream.read(&mut buffer) {
-            Ok(0) => break,
-            Ok(count) => answers.extend(buffer[..count].iter().filter_map(|b| board.receive(*b))),
-            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
-            Err(error) => panic!("{error}"),
+        let overdue = heard.is_some_and(|heard| now - heard > ORDER_PERIOD * 6 / 5);
+        match read(&mut stream, &mut buffer, overdue) {
+            Some(0) => break,
+            Some(count) => {
+                heard = Some(now);
+                answers.extend(buffer[..count].iter().filter_map(|b| board.receive(*b)));
+            }
+            // It means to be silent.
+            None if overdue => heard = None,
+            None => {}
         }
         if let Some((pose, age_s)) = board.world().fix() {
             // A camera that speaks to the base by itself.
@@ -61,5 +74,21 @@ pub fn serve(listener: &UnixListener, base: &BaseSpec, world: &WorldSetup) -> Se
         state: board.report().state,
         cause: board.report().cause,
         fastest,
+    }
+}
+
+/// Bytes that came: none, once the program is gone. Waits for them if told so.
+fn read(stream: &mut UnixStream, buffer: &mut [u8], wait: bool) -> Option<usize> {
+    let until = wait.then(|| Instant::now() + PAUSED);
+    loop {
+        match stream.read(buffer) {
+            Ok(count) => return Some(count),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(error) => panic!("{error}"),
+        }
+        if until.is_none_or(|until| Instant::now() >= until) {
+            return None;
+        }
+        thread::sleep(Duration::from_millis(1));
     }
 }
