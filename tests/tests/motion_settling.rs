@@ -81,7 +81,7 @@ fn no_speed_is_too_fast() {
 /// Below 0.1 m/s it takes longer, with a moment that no longer grows.
 #[test]
 fn crawling_is_slower_but_never_harder() {
-    let mut peak = 0.0_f64;
+    let driving = offset(Base::STANDARD, 0.2, 0.01, 10.0);
     for (v, end_s) in [(0.02, 40.0), (0.05, 20.0)] {
         let run = offset(Base::STANDARD, v, 0.01, end_s);
         println!(
@@ -89,16 +89,11 @@ fn crawling_is_slower_but_never_harder() {
             run.settled_s, run.moment, run.turn_rate
         );
         assert!(run.late < 5e-3, "{v} m/s leaves {}", run.late);
-        // The saturated channel peaks at 2.08 rad/s² with B = 1.3, and at most B/1.3 times that: this base has B = 1.6.
-        assert!(run.moment < 2.08 * (1.6 / 1.3) * 15.0);
+        // A tenth: both meet the limits of acceleration and jerk, not in the same ticks.
+        assert!(run.moment < 1.1 * driving.moment);
         state("time [s]", &[(v, run.settled_s)]);
         state("moment [N m]", &[(v, run.moment)]);
-        peak = peak.max(run.moment / Base::STANDARD.inertia);
     }
-    Stated::of("docs/motion.md").to_a_digit(
-        At::Phrase("saturates, with the gains below at # rad/s²"),
-        &[peak],
-    );
 }
 
 /// With 10 N and 5 N m gains follow from the limits: slower, not lost.

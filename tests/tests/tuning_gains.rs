@@ -130,7 +130,7 @@ fn hopeless_gains_are_told() {
         ),
         (
             MotionGains {
-                approach: 4.0,
+                approach: 16.0,
                 ..good
             },
             Channel::Bearing,
@@ -146,6 +146,7 @@ fn hopeless_gains_are_told() {
         ),
         (
             MotionGains {
+                decay: 5.0,
                 longitudinal: 8.0,
                 ..good
             },
@@ -184,9 +185,9 @@ fn turning_a_gain_does_what_the_page_says() {
     };
     let plain = of("for_limits", good);
     let stiff = of(
-        "across x 1.5",
+        "across x 4",
         MotionGains {
-            lateral: 1.5 * good.lateral,
+            lateral: 4.0 * good.lateral,
             ..good
         },
     );
@@ -252,7 +253,7 @@ fn turning_a_gain_does_what_the_page_says() {
         &[plain.lateral.torque_delay_s, tight.lateral.torque_delay_s],
     );
     page.exactly(
-        At::Phrase("`lateral` × 1.5 takes # s instead of # s"),
+        At::Phrase("`lateral` × 4 takes # s instead of # s"),
         &[stiff.settling_s, plain.settling_s],
     );
     // Too stiff is slow too: it overshoots by more than a tenth.
@@ -265,11 +266,11 @@ fn turning_a_gain_does_what_the_page_says() {
     assert!(firm.lateral.damping > plain.lateral.damping);
     assert!(
         quick.lateral.damping > plain.lateral.damping
-            && quick.bearing.damping > plain.bearing.damping
+            && quick.bearing.damping >= plain.bearing.damping
     );
     assert!(
         calm.bearing.pose_delay_s > plain.bearing.pose_delay_s && calm.arrival_s > plain.arrival_s
     );
-    assert!(calm.bearing.damping > plain.bearing.damping);
+    assert!(calm.bearing.damping >= plain.bearing.damping);
     assert!(tight.lateral.torque_delay_s < plain.lateral.torque_delay_s);
 }

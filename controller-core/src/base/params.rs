@@ -79,12 +79,13 @@ impl<T: Scalar> BaseParams<T> {
         period_us: u32,
     ) -> Result<Self, ParamError> {
         let localisation = localiser.validate_with::<M>()?;
+        let period_s = T::from_u32(period_us) * T::from_f64(1.0e-6);
         let rotor = motor.as_ref().map(MotorParams::rotor_at_wheel_kg_m2);
         let with_rotors = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
         let motion = MotionParams {
             pose_noise_m: localisation.pose_noise_m(),
             arrival: localisation.arrival(),
-            ..MotionParams::new_with::<M>(with_rotors, limits)
+            ..MotionParams::for_period::<M>(with_rotors, limits, period_s)
         };
         let counts_per_turn = localiser.odometry.counts_per_turn;
         let body = MotionParams { robot, ..motion };

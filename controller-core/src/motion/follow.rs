@@ -48,18 +48,18 @@ impl<T: Scalar> Follower<T> {
     ///
     /// ```text
     /// v_d = s₁ + v_r cos e_θ
-    /// w_d = w_r + k₃ (s₂ + sin e_θ + s₃)
+    /// w_d = w_r + w(s₂ + sin e_θ + s₃)            w(e) of [`TurnDemand`](super::turn_demand::TurnDemand): k₃ e, as far as the base can brake
     /// ```
     ///
     /// | neuron | demand | bound |
     /// | --- | --- | --- |
     /// | s₁ | k₁ e_x | `along_bound` |
-    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to B | B of [`MotionGains::lateral_bound`](super::gains::MotionGains::lateral_bound) |
+    /// | s₂ | g e_y/√(1 + (g e_x)²), g = (c/k₃) v_r/(v_r² + v_f²), limited to B | B = √2 |
     /// | s₃ | beyond \|e_θ\| = π/2: ±1 − sin e_θ, so that a robot that looks back turns as fast as one that looks aside | 1.5 |
     ///
     /// k₂ of the paper is c/(v_r² + v_f²): lateral poles that do not depend on v_r, no division by it,
     /// smooth through 0 and the same for v_r < 0. As it is part of an input, no derivative of it is
-    /// needed. The heading asked for by s₂ is at most asin B/2 for any offset, 0.7 to 0.93 rad.
+    /// needed. The heading asked for by s₂ is at most asin B/2 for any offset, 45°.
     #[inline(always)]
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
@@ -90,7 +90,7 @@ impl<T: Scalar> Follower<T> {
                 self.around = step(&motion.around, &self.around, demands.2);
             }
             None => {
-                let turned = (command.angular - reference.angular) / gains.heading - sine;
+                let turned = motion.turning.error_of(command.angular - reference.angular) - sine;
                 self.along = motion.along.reset(command.linear - v * cosine, demands.0);
                 self.across = motion.across.reset(turned, demands.1);
                 self.around = motion.around.reset(T::ZERO, demands.2);
@@ -101,15 +101,16 @@ impl<T: Scalar> Follower<T> {
         let turn_rate = motion.across.rate(&self.across, gains.decay)
             + motion.around.rate(&self.around, gains.decay)
             + cosine * heading_rate;
+        let (turn, slope) = motion.turning.at::<M>(turn);
         Setpoint {
             twist: Twist {
                 linear: self.along.value + v * cosine,
-                angular: reference.angular + gains.heading * turn,
+                angular: reference.angular + turn,
             },
             rate: Accel {
                 linear: motion.along.rate(&self.along, gains.decay) + accel.linear * cosine
                     - v * sine * heading_rate,
-                angular: accel.angular + gains.heading * turn_rate,
+                angular: accel.angular + slope * turn_rate,
             },
         }
     }

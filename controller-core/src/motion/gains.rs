@@ -61,35 +61,59 @@ const DISTURBANCE: f64 = 2.5;
 /// Force and moment at this share each take the quarter of a wheel's torque that commands leave.
 const DISTURBANCE_SHARE: f64 = 0.125;
 
+/// Of exact poses: a lateral error \[m\], and the heading that following may make of it at any speed \[rad\]. In single precision
+/// rounding, 1e-7 m, then asks for moments that nobody feels.
+const EXACT: (f64, f64) = (1.0e-3, 0.014);
+
 /// The heading that following may make of the noise of the position \[rad\].
 pub(crate) const NOISE_HEADING_RAD: f64 = 0.03;
 
 impl<T: Scalar> MotionGains<T> {
-    /// Gains whose demands suit the limits.
+    /// Gains that suit ticks of `period_s` \[s\] and these limits.
     ///
-    /// The turning channel's time scale is √(2 rad/s² / turn_accel), since its peak angular
-    /// acceleration saturates at about 2 k₃²/9 · 1 rad/s², whatever the offset; the driving
-    /// channel's is √(0.6 m/s² / accel). A weak base gets slow gains instead of saturated ones: with
-    /// 10 N and 5 N m on 30 kg stiff gains lose 193 of 300 random starts, these none. Found by
-    /// search over offsets, speeds and starts; `docs/motion.md` has the tables.
-    pub fn for_limits<M: Maths<T>>(limits: &Limits<T>) -> Self {
+    /// ```text
+    /// A = min(20/s, 1/(5 T))        k₃ = min(A/5, √(10 α_max))        c = min(c of k₃ and A by [`lateral_pair`], k₃ √(α_max/2))
+    /// ```
+    ///
+    /// | symbol | argument | unit |
+    /// | --- | --- | --- |
+    /// | T | `period_s` | s |
+    /// | α_max | `turn_accel` of the limits | rad/s² |
+    ///
+    /// * A neuron's lag is five ticks, and no less than the 50 ms between the poses of a camera at 20 Hz.
+    /// * A heading takes five such lags. With velocity loop and disturbance estimate that leaves ten ticks of torque delay at 10 ms. And of an
+    ///   error of 5 mrad, which a pose makes, it asks for no more than a manoeuvre leaves: k₃² · 5 mrad is a twentieth of α_max.
+    /// * Turning from the 45° of an approach into the path, in k₃/c, takes some 0.8 (c/k₃)². Whatever the gain, no heading is asked for
+    ///   that the base cannot stop at ([`TurnDemand`](super::turn_demand::TurnDemand)).
+    ///
+    /// The driving channel's time scale is √(0.6 m/s² / accel), that of an approach by feedback also √(2 rad/s² / turn_accel): a weak base
+    /// gets slow gains instead of saturated ones. `docs/motion.md` has the tables.
+    pub fn for_limits<M: Maths<T>>(limits: &Limits<T>, period_s: T) -> Self {
         let f = T::from_f64;
         let brake = smaller(limits.accel, limits.brake);
         let turn = smaller(M::sqrt(T::HALF * limits.turn_accel), T::ONE);
         let drive = smaller(M::sqrt(brake / f(0.6)), T::ONE);
-        Self {
-            decay: f(5.0),
+        let decay = smaller(f(20.0), f(0.2) / period_s);
+        let (stiffest, steepest) = turning_limits::<T, M>(limits.turn_accel);
+        let heading = smaller(f(0.2) * decay, stiffest);
+        let gains = Self {
+            decay,
             longitudinal: f(1.2) * larger(f(0.5), drive),
             longitudinal_bound: f(1.5) * drive,
-            heading: f(3.0) * turn,
-            lateral: f(2.5) * turn * turn,
-            slow: f(0.03) / larger(f(0.2), turn),
+            heading,
+            lateral: smaller(stiffness::<T, M>(heading, decay), heading * steepest),
+            slow: f(0.03),
             approach: f(1.2) * smaller(turn, drive),
             approach_brake: f(0.6) * limits.brake,
             speed_loop: f(3.0),
             turn_loop: f(5.0),
             disturbance: f(DISTURBANCE),
             disturbance_share: f(DISTURBANCE_SHARE),
+        };
+        let (aside, turned) = EXACT;
+        Self {
+            slow: larger(gains.slow, gains.slow_for(f(aside), f(turned))),
+            ..gains
         }
     }
 
@@ -106,26 +130,6 @@ impl<T: Scalar> MotionGains<T> {
     /// | e_θ | `heading_rad` | rad |
     pub fn slow_for(&self, lateral_m: T, heading_rad: T) -> T {
         T::HALF * self.lateral * lateral_m / (self.heading * heading_rad)
-    }
-
-    /// B, the bound of the following law's s₂ and of its input: the heading that a lateral error asks for is sin e_θ = −B/2 at most.
-    ///
-    /// ```text
-    /// B = 1.3 α_max/(2 k₃²/9),   1.3 ≤ B ≤ 1.6
-    /// ```
-    ///
-    /// | symbol | argument | unit |
-    /// | --- | --- | --- |
-    /// | α_max | `turn_accel` | rad/s² |
-    /// | k₃ | `heading` | 1/s |
-    ///
-    /// At 1.3 turning back out of that heading takes 2 k₃²/9, which is all that a weak base has by
-    /// [`for_limits`](Self::for_limits); what a base has beyond that serves a steeper approach. From B = 2 on the
-    /// heading would be a quarter turn, where the heading loop has no gain left; at 1.6 cos e_θ leaves it 0.6 of k₃.
-    pub(super) fn lateral_bound(&self, turn_accel: T) -> T {
-        let f = T::from_f64;
-        let share = f(4.5) * turn_accel / (self.heading * self.heading);
-        larger(smaller(f(1.3) * share, f(1.6)), f(1.3))
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
@@ -152,4 +156,43 @@ impl<T: Scalar> MotionGains<T> {
         }
         Ok(())
     }
+}
+
+/// The largest k₃ and c/k₃ \[1/s\] that suit a largest angular acceleration \[rad/s²\]: √(10 α_max) and √(α_max/2); see
+/// [`MotionGains::for_limits`].
+pub(crate) fn turning_limits<T: Scalar, M: Maths<T>>(turn_accel: T) -> (T, T) {
+    (
+        M::sqrt(T::from_f64(10.0) * turn_accel),
+        M::sqrt(T::HALF * turn_accel),
+    )
+}
+
+/// Damping of the lateral pair \[-\]: an overshoot of 1.5 %.
+const DAMPING: f64 = 0.8;
+
+/// k₃ and c whose lateral loop λ³ + (A + k₃)λ² + A k₃ λ + A c has the pair λ² + 2ζωλ + ω²:
+///
+/// ```text
+/// k₃ = 2ζω + ω²/(A − 2ζω)          c = ω² (1 + ω²/(A (A − 2ζω)))
+/// ```
+///
+/// | symbol | argument | unit |
+/// | --- | --- | --- |
+/// | ω | `omega` | 1/s |
+/// | ζ | `damping` | – |
+/// | A | `decay` | 1/s |
+pub(crate) fn lateral_pair<T: Scalar>(omega: T, damping: T, decay: T) -> (T, T) {
+    let sum = (damping + damping) * omega;
+    let square = omega * omega;
+    let third = square / (decay - sum);
+    (sum + third, square * (T::ONE + third / decay))
+}
+
+/// The c of [`lateral_pair`] that belongs to k₃, with [`DAMPING`]: (4ζ² − 1) ω² − 2ζ (A + k₃) ω + A k₃ = 0.
+fn stiffness<T: Scalar, M: Maths<T>>(heading: T, decay: T) -> T {
+    let damping = T::from_f64(DAMPING);
+    let square = T::from_f64(4.0 * DAMPING * DAMPING - 1.0);
+    let half = damping * (decay + heading);
+    let omega = (half - M::sqrt(half * half - square * decay * heading)) / square;
+    lateral_pair(omega, damping, decay).1
 }

@@ -47,13 +47,14 @@ mod saturation;
 mod setpoint;
 mod task;
 mod transition_offset;
+mod turn_demand;
 mod velocity_loop;
 
 pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
 pub use drive::check_order;
 pub use gains::MotionGains;
-pub(crate) use gains::NOISE_HEADING_RAD;
+pub(crate) use gains::{NOISE_HEADING_RAD, lateral_pair, turning_limits};
 pub use hand_over::Remaining;
 pub use limits::{Limits, SaturationPolicy};
 pub use load::Load;

@@ -7,6 +7,7 @@ use super::limits::{COMMAND_SHARE, Limits};
 use super::load;
 use super::manoeuvre::{AxisLimits, OffsetLimits, PlanLimits};
 use super::observer_limits::ObserverLimits;
+use super::turn_demand::TurnDemand;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
 use crate::range::{larger, smaller, within};
@@ -55,14 +56,20 @@ impl<T: Usual> MotionParams<T> {
 }
 
 impl<T: Scalar> MotionParams<T> {
-    /// Parameters for a base, with gains that suit its limits and exact poses.
+    /// Parameters for a base, with gains that suit its limits, exact poses and ticks of 10 ms;
+    /// [`for_period`](Self::for_period) has those for others.
     ///
     /// Where the wheels are too weak for the accelerations that the limits name, gains suit the wheels.
     pub fn new_with<M: Maths<T>>(robot: Robot<T>, limits: Limits<T>) -> Self {
+        Self::for_period::<M>(robot, limits, T::from_f64(0.01))
+    }
+
+    /// The same for ticks of `period_s` \[s\].
+    pub fn for_period<M: Maths<T>>(robot: Robot<T>, limits: Limits<T>, period_s: T) -> Self {
         Self {
             robot,
             limits,
-            gains: MotionGains::for_limits::<M>(&within_reach(&robot, &limits)),
+            gains: MotionGains::for_limits::<M>(&within_reach(&robot, &limits), period_s),
             pose_noise_m: T::ZERO,
             arrival: Arrival::exact(),
             jump: None,
@@ -137,14 +144,15 @@ impl<T: Scalar> MotionParams<T> {
             near: if noisy { noise_radius } else { least },
             noisy,
             along: Lag::new(gains.decay, gains.longitudinal_bound)?,
-            across: Lag::new(
-                gains.decay,
-                gains.lateral_bound(within_reach(&self.robot, &self.limits).turn_accel),
-            )?,
+            across: Lag::new(gains.decay, f(STEEPEST_APPROACH))?,
             around: Lag::new(gains.decay, f(1.5))?,
             approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,
             turn: Lag::new(gains.decay, f(4.0))?,
             plan: plan_limits(&self),
+            turning: TurnDemand::new(
+                gains.heading,
+                within_reach(&self.robot, &self.limits).turn_accel,
+            ),
         })
     }
 }
@@ -171,6 +179,10 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
         ..*limits
     }
 }
+
+/// B, the bound of the following law's s₂ and of its input \[rad\]: a lateral error asks for sin e_θ = −B/2 at most, 45°. There
+/// cos e_θ leaves the heading loop 0.7 of k₃; from 2 on the heading would be a quarter turn, and it had none left.
+const STEEPEST_APPROACH: f64 = core::f64::consts::SQRT_2;
 
 /// Share of the limits that a parking manoeuvre plans with; the rest is feedback's.
 pub(super) const PLAN_SHARE: f64 = 0.95;
@@ -244,6 +256,8 @@ pub struct ValidMotionParams<T = f32> {
     pub(crate) turn: Lag<T>,
     /// What a parking manoeuvre may use.
     pub(crate) plan: PlanLimits<T>,
+    /// Of the follower's heading.
+    pub(crate) turning: TurnDemand<T>,
 }
 
 impl<T: Scalar> ValidMotionParams<T> {

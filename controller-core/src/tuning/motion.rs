@@ -65,7 +65,7 @@ impl<T: Scalar> MotionMargins<T> {
 ///     speed: 1.0, turn_rate: 2.0, rim_speed: 1.2, accel: 0.8, brake: 1.0, turn_accel: 3.0,
 ///     jerk: 20.0, turn_jerk: 40.0, wheel_torque_nm: 8.0, policy: SaturationPolicy::KeepCurvature,
 /// };
-/// let good = MotionGains::<f64>::for_limits::<Libm>(&limits);
+/// let good = MotionGains::<f64>::for_limits::<Libm>(&limits, 0.01);
 /// assert_eq!(margins::<f64, Libm>(&good).warnings().count(), 0);
 ///
 /// // Ten times the stiffness across the path, for a robot that weaved once too slowly.

@@ -4,9 +4,12 @@ use crate::range::larger;
 use crate::scalar::Scalar;
 use crate::stability::Polynomial;
 
-/// Steps over the horizon. A rate of 30 times the slowest is integrated with 0.5 a step, one of 150
-/// times it still inside the stable region of the method, 2.78.
+/// Least steps over the horizon. A rate of 30 times the slowest is integrated with 0.5 a step.
 const STEPS: u32 = 800;
+/// Most steps, for loops whose fastest rate is 2,000 times the slowest.
+const MOST_STEPS: u32 = 16_000;
+/// The sum of all rates times a step: the fastest is inside the stable region of the method, 2.78.
+const STABLE: f64 = 2.5;
 
 /// Room for a loop of sixth order.
 const ORDER: usize = 6;
@@ -25,11 +28,17 @@ pub(crate) struct Response<T> {
 /// The error y of p(d/dt) y = 0 from y = 1, with all derivatives 0 but the highest, −`push`.
 ///
 /// That is how all loops of this crate start: at rest relative to the reference, with a command and
-/// a torque that go on smoothly. Runge-Kutta of fourth order, a fixed number of steps.
+/// a torque that go on smoothly. Runge-Kutta of fourth order, a bounded number of steps.
 pub(crate) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> Response<T> {
     let f = T::from_f64;
     let order = p.degree();
-    let h = horizon_s / f(f64::from(STEPS));
+    let rates = order.checked_sub(1).map_or(T::ZERO, |k| p.coefficient(k)) / p.leading();
+    let needed = horizon_s * rates / f(STABLE);
+    let mut steps = STEPS;
+    while steps < MOST_STEPS && f(f64::from(steps)) < needed {
+        steps *= 2;
+    }
+    let h = horizon_s / f(f64::from(steps));
     let (half, sixth) = (T::HALF * h, h / f(6.0));
     let mut state: [T; ORDER] = core::array::from_fn(|k| match k {
         0 => T::ONE,
@@ -43,7 +52,7 @@ pub(crate) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> R
     };
     let tenth = f(0.1);
     let mut t = T::ZERO;
-    for _ in 0..STEPS {
+    for _ in 0..steps {
         let k1 = slope(p, &state);
         let k2 = slope(p, &moved(&state, &k1, half));
         let k3 = slope(p, &moved(&state, &k2, half));

@@ -46,7 +46,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             policy: SaturationPolicy::KeepCurvature,
         },
         gains: MotionGains {
-            decay: 25.0,
+            decay: 20.0,
             longitudinal: 2.25,
             longitudinal_bound: 1.5,
             heading: 7.3,

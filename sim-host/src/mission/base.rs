@@ -81,7 +81,7 @@ const SHARE: Shares = Shares {
 impl BaseSpec {
     /// The controller's parameters on a source of torques without motors.
     pub fn motion(&self) -> MotionParams<f64> {
-        let params = MotionParams::new_with::<Libm>(self.robot, self.limits);
+        let params = MotionParams::for_period::<Libm>(self.robot, self.limits, self.period_s());
         MotionParams {
             gains: self.gains.unwrap_or(params.gains),
             ..params

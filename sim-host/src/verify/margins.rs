@@ -162,7 +162,7 @@ impl StabilityMap {
 const LONGEST_S: f64 = 120.0;
 
 /// Whether the law itself, on a robot as it is believed to be, gets from `start` at rest within 5 cm and 0.1 rad of a reference
-/// from the origin with these shares of the largest speed and turn rate, and is there 2 s later.
+/// from the origin with these shares of the largest speed and turn rate, and of the rims' speed at most 0.9, and is there 2 s later.
 fn converges(
     params: &MotionParams<f64>,
     period_s: f64,
@@ -172,12 +172,14 @@ fn converges(
     let Ok(motion) = params.validate() else {
         return false;
     };
+    let limits = &params.limits;
+    let (speed, turn_rate) = (shares.0 * limits.speed, shares.1 * limits.turn_rate);
+    // A base catches up with what leaves its rims a tenth of their speed.
+    let rim = speed.abs() + 0.5 * params.robot.wheels.track_m * turn_rate.abs();
+    let slower = (0.9 * limits.rim_speed / rim).min(1.0);
     let path = ConstantTwist {
         start: Pose::default(),
-        twist: Twist::new(
-            shares.0 * params.limits.speed,
-            shares.1 * params.limits.turn_rate,
-        ),
+        twist: Twist::new(slower * speed, slower * turn_rate),
     };
     let at = |t: f64| Task::Follow(path.at::<Libm>(t));
     let mut now = Measured {

@@ -3,7 +3,9 @@
 use super::loops::{lateral_start, longitudinal_start};
 use super::margins;
 use crate::maths::Maths;
-use crate::motion::{COMMAND_SHARE, MotionGains, MotionParams, NOISE_HEADING_RAD};
+use crate::motion::{
+    COMMAND_SHARE, MotionGains, MotionParams, NOISE_HEADING_RAD, lateral_pair, turning_limits,
+};
 use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::stability::edge;
@@ -67,9 +69,6 @@ impl<T: Scalar> MotionDesignSpec<T> {
     }
 }
 
-/// Decay of the neurons \[1/s\]: that of [`MotionGains::for_limits`].
-const DECAY: f64 = 5.0;
-
 /// Gains that meet the specification on this base. Gains that it does not determine stay as they are in `base`.
 ///
 /// With the pair λ² + 2ζωλ + ω² and A given, the lateral loop λ³ + (A + k₃)λ² + A k₃ λ + A c has
@@ -78,9 +77,9 @@ const DECAY: f64 = 5.0;
 /// k₃ = 2ζω + ω²/(A − 2ζω)      c = ω² (1 + ω²/(A (A − 2ζω)))
 /// ```
 ///
-/// exactly. ω, k₁ and k₄ are found by bisection such that the loop's response, the transition offset at its
+/// exactly; A is that of the base's gains. ω, k₁ and k₄ are found by bisection such that the loop's response, the transition offset at its
 /// start included, has a tenth left at the specified time. The limits are those that
-/// [`MotionGains::for_limits`] respects: 2 k₃²/9 · 1 rad/s² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
+/// [`MotionGains::for_limits`] respects: k₃² ≤ 10/rad turn_accel, (c/k₃)² ≤ turn_accel/2 rad; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
 /// both accelerations with three quarters of the wheels' torque;
 /// and k₁, k₄ ≤ A/4, beyond which the robot runs past its goal.
 ///
@@ -92,7 +91,7 @@ pub fn gains<T: Scalar, M: Maths<T>>(
 ) -> Result<MotionGains<T>, DesignError> {
     spec.check()?;
     let f = T::from_f64;
-    let a = f(DECAY);
+    let a = base.gains.decay;
     let damping = spec.damping;
     let limits = &base.limits;
     let (accel, turn_accel) = reach(base);
@@ -105,17 +104,18 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     };
     let most = smaller(fastest, a / f(4.0));
 
-    // Across the path. ω up to where k₃ reaches what the base can turn, or A − 2ζω gets so small
+    // Across the path. ω up to where k₃ or c/k₃ reaches what the base can turn, or A − 2ζω gets so small
     // that k₃ is no longer a heading gain but the mirror of A.
     let time = |omega: T| {
-        let (k3, c) = lateral(omega, damping, a);
+        let (k3, c) = lateral_pair(omega, damping, a);
         let (p, push) = lateral_start(k3, c, a);
         response(&p, push, f(9.0) / (damping * omega)).tenth_s
     };
-    let turn_limit = M::sqrt(f(4.5) * smaller(turn_accel, limits.turn_accel));
+    let (stiffest, steepest) = turning_limits::<T, M>(smaller(turn_accel, limits.turn_accel));
     let neurons = T::HALF * a / (damping + damping);
     let turning = edge(T::ZERO, neurons, |omega| {
-        lateral(omega, damping, a).0 <= turn_limit
+        let (k3, c) = lateral_pair(omega, damping, a);
+        k3 <= stiffest && c <= k3 * steepest
     });
     let omega = edge(T::ZERO, turning, |omega| time(omega) > spec.settling_s);
     if time(omega) > spec.settling_s * f(1.001) {
@@ -142,7 +142,7 @@ pub fn gains<T: Scalar, M: Maths<T>>(
             why,
         ));
     }
-    let (heading, lateral) = lateral(omega, damping, a);
+    let (heading, lateral) = lateral_pair(omega, damping, a);
 
     let solve = |parameter: DesignParameter, desired: T| {
         let gain = edge(T::ZERO, most, |gain| run(gain) > desired);
@@ -182,14 +182,6 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     };
     survive_delays::<T, M>(spec, &gains)?;
     Ok(gains)
-}
-
-/// k₃ and c of a lateral pair.
-fn lateral<T: Scalar>(omega: T, damping: T, a: T) -> (T, T) {
-    let sum = (damping + damping) * omega;
-    let square = omega * omega;
-    let third = square / (a - sum);
-    (sum + third, square * (T::ONE + third / a))
 }
 
 fn survive_delays<T: Scalar, M: Maths<T>>(

@@ -153,6 +153,22 @@ impl Law {
         };
     }
 
+    /// The law with either sign on each axis on which its command is at rest but for rounding; as it is if there is none.
+    pub fn signs_at_rest(&self) -> Vec<Self> {
+        let mut laws = vec![*self];
+        for axis in 0..2 {
+            if self.command.twist[axis].abs() < 1e-12 {
+                let mut other = laws.clone();
+                for (laws, sign) in [(&mut laws, 1.0), (&mut other, -1.0)] {
+                    laws.iter_mut()
+                        .for_each(|law| law.command.twist[axis] = sign * f64::MIN_POSITIVE);
+                }
+                laws.append(&mut other);
+            }
+        }
+        laws
+    }
+
     /// The pose will jump.
     pub fn declare_jump(&mut self) {
         self.declared = true;
