@@ -724,3 +724,65 @@ fn stops_there<T: Scalar>(
     let PoseError { x, y, .. } = *rest;
     at.asked <= arrival.stall_speed && x * x + y * y < arrival.distance_m * arrival.distance_m
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::error::{Input, StepFault};
+    use crate::maths::{Libm, Maths};
+    use crate::motion::{Limits, MotionController, MotionParams, Task};
+    use crate::robot::Robot;
+    use crate::types::{Measured, Pose, Twist};
+
+    /// At every instant of a manoeuvre a wild pose, goal or twist is refused, and nothing has changed.
+    #[test]
+    fn along_a_manoeuvre_what_is_not_finite_changes_nothing() {
+        let motion = MotionParams::new(Robot::paper(), Limits::PAPER);
+        let motion = motion.validate().expect("valid");
+        let goal = Pose::new(0.6, 0.3, 0.2);
+        let (task, dt) = (Task::Park(goal), 0.01);
+        let mut now = Measured::default();
+        let mut controller: MotionController<f64, Libm> =
+            MotionController::start(&motion, &task, &now).expect("finite");
+        let mut driven = 0;
+        for _ in 0..600 {
+            controller.step(dt, &task, &now).expect("finite");
+            driven += u32::from(controller.report().command != Twist::default());
+            // A robot that does what is commanded.
+            now.twist = controller.report().command;
+            let (sine, cosine) = Libm::sin_cos(now.pose.theta);
+            now.pose.x += dt * now.twist.linear * cosine;
+            now.pose.y += dt * now.twist.linear * sine;
+            now.pose.theta += dt * now.twist.angular;
+            let before = controller;
+            for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                for place in 0..8 {
+                    let (mut measured, mut other) = (now, goal);
+                    let (wild, input) = match place {
+                        0 => (&mut measured.pose.x, Input::Pose),
+                        1 => (&mut measured.pose.y, Input::Pose),
+                        2 => (&mut measured.pose.theta, Input::Pose),
+                        3 => (&mut measured.twist.linear, Input::Twist),
+                        4 => (&mut measured.twist.angular, Input::Twist),
+                        5 => (&mut other.x, Input::Goal),
+                        6 => (&mut other.y, Input::Goal),
+                        _ => (&mut other.theta, Input::Goal),
+                    };
+                    *wild = wrong;
+                    let result = controller.step(dt, &Task::Park(other), &measured).copied();
+                    assert_eq!(result, Err(StepFault::NotFinite(input)), "{place}");
+                    assert_eq!(controller, before, "{place}");
+                }
+            }
+            // So large that something overflows, if not here, then in the torque.
+            for wild in [1.0e20, 1.0e150, 1.0e308] {
+                let mut measured = now;
+                measured.pose.x = wild;
+                if controller.step(dt, &task, &measured).is_err() {
+                    assert_eq!(controller, before, "{wild}");
+                }
+                controller = before;
+            }
+        }
+        assert!(driven > 100, "{driven}");
+    }
+}
