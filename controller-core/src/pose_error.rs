@@ -45,13 +45,23 @@ impl<T: Scalar> PoseError<T> {
 /// from the origin; far away, subtract a common origin in double precision first.
 #[inline(always)]
 pub fn pose_error<T: Scalar, M: Maths<T>>(reference: &Pose<T>, pose: &Pose<T>) -> PoseError<T> {
+    pose_error_and_heading::<T, M>(reference, pose).0
+}
+
+/// [`pose_error`], and the (sin θ, cos θ) that it takes.
+#[inline(always)]
+pub(crate) fn pose_error_and_heading<T: Scalar, M: Maths<T>>(
+    reference: &Pose<T>,
+    pose: &Pose<T>,
+) -> (PoseError<T>, (T, T)) {
     let (sine, cosine) = M::sin_cos(pose.theta);
     let (dx, dy) = (reference.x - pose.x, reference.y - pose.y);
-    PoseError {
+    let error = PoseError {
         x: dx * cosine + dy * sine,
         y: dy * cosine - dx * sine,
         theta: wrap(reference.theta - pose.theta),
-    }
+    };
+    (error, (sine, cosine))
 }
 
 /// [`pose_error`] and the (sin e_θ, cos e_θ) that tracking needs, at the price of one sine and cosine.

@@ -4,14 +4,15 @@ use super::params::MotionParams;
 use super::task::Task;
 use crate::angle::wrap;
 use crate::maths::Maths;
-use crate::pose_error::{PoseError, pose_error, tracking_error};
+use crate::pose_error::{PoseError, pose_error_and_heading, tracking_error};
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
 /// The pose error of a task.
+#[derive(Clone, Copy)]
 pub(crate) struct ErrorView<T> {
     pub(crate) error: PoseError<T>,
-    /// (sin e_θ, cos e_θ) while following.
+    /// (sin e_θ, cos e_θ) while following, (sin θ, cos θ) of the robot while parking.
     pub(crate) heading: (T, T),
     /// How fast the reference moves \[m/s\]; 0 for a goal.
     reference_speed: T,
@@ -35,11 +36,14 @@ impl<T: Scalar> ErrorView<T> {
                     reference_speed,
                 }
             }
-            Task::Park(goal) => Self {
-                error: pose_error::<T, M>(goal, pose),
-                heading: (T::ZERO, T::ONE),
-                reference_speed: T::ZERO,
-            },
+            Task::Park(goal) => {
+                let (error, heading) = pose_error_and_heading::<T, M>(goal, pose);
+                Self {
+                    error,
+                    heading,
+                    reference_speed: T::ZERO,
+                }
+            }
             Task::Drive { .. } => Self {
                 error: PoseError {
                     theta: turned(),

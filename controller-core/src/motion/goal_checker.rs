@@ -1,10 +1,12 @@
 //! Parked, or stuck: whether a robot has arrived.
 
+use super::error_view::ErrorView;
+use super::governor::Command;
 use super::limits::rim_speed;
 use super::params::ValidMotionParams;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
-use crate::types::{Accel, Twist};
+use crate::types::Twist;
 
 /// Decay of the transition offset that stops a parked robot \[1/s\]: faster than the pose neurons' 5, since the
 /// speeds left are small, so that nothing moves a second after arrival.
@@ -22,13 +24,15 @@ pub(crate) struct GoalChecker<T> {
 }
 
 /// Where the robot is with respect to its goal, and how it moves.
-pub(crate) struct GoalView<T> {
-    pub(crate) error: PoseError<T>,
-    /// Distance to the goal.
-    pub(crate) distance: T,
-    pub(crate) twist: Twist<T>,
-    pub(crate) command: Twist<T>,
-    pub(crate) command_rate: Accel<T>,
+pub(crate) struct GoalView<'a, T> {
+    pub(crate) view: &'a ErrorView<T>,
+    /// Square of the distance to the goal: what is compared with it is squared instead of a root taken.
+    pub(crate) square: T,
+    pub(crate) twist: &'a Twist<T>,
+    pub(crate) command: &'a Command<T>,
+    /// Rim speeds that are commanded and measured.
+    pub(crate) asked: T,
+    pub(crate) done: T,
     /// The robot backs up to the goal.
     pub(crate) backing: bool,
 }
@@ -65,13 +69,18 @@ impl<T: Scalar> GoalChecker<T> {
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
     /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or [`HYSTERESIS`] times the heading, but not in
     /// the first second, while it still settles.
-    pub(crate) fn advance(&self, motion: &ValidMotionParams<T>, at: &GoalView<T>, dt: T) -> Self {
+    pub(crate) fn advance(
+        &self,
+        motion: &ValidMotionParams<T>,
+        at: &GoalView<'_, T>,
+        dt: T,
+    ) -> Self {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
-        let close = at.distance < motion.leave_distance();
+        let close = at.is_within(motion.leave_distance());
         let mut inside = true;
         let fit = if self.parked {
-            let turned = at.error.theta.abs() < leave_heading(motion);
+            let turned = at.view.error.theta.abs() < leave_heading(motion);
             (close && turned) || self.inside_s < T::ONE
         } else {
             let PoseError {
@@ -98,12 +107,26 @@ impl<T: Scalar> GoalChecker<T> {
     }
 }
 
-impl<T: Scalar> GoalView<T> {
+impl<T: Scalar> GoalView<'_, T> {
+    /// Nearer to the goal than that.
+    pub(crate) fn is_within(&self, distance: T) -> bool {
+        self.square < distance * distance
+    }
+
+    /// Further from it.
+    pub(crate) fn is_beyond(&self, distance: T) -> bool {
+        self.square > distance * distance
+    }
+
     /// The error where a stop that is begun now ends: a transition offset
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own.
     pub(crate) fn error_at_rest(&self, motion: &ValidMotionParams<T>, dt: T) -> PoseError<T> {
         let gains = motion.gains();
-        let (command, rate) = (&self.command, &self.command_rate);
+        let Command {
+            twist: command,
+            rate,
+        } = self.command;
+        let error = &self.view.error;
         let v = travel(
             command.linear,
             rate.linear,
@@ -119,9 +142,9 @@ impl<T: Scalar> GoalView<T> {
             gains.turn_loop,
         );
         PoseError {
-            x: self.error.x - v,
-            y: self.error.y,
-            theta: self.error.theta - w,
+            x: error.x - v,
+            y: error.y,
+            theta: error.theta - w,
         }
     }
 }

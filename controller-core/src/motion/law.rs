@@ -193,8 +193,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     ) -> Result<(), StepFault> {
         check_tick(dt, motion.params().max_tick_s)?;
         let task = asked.task;
-        // A reference comes with every tick, and all of it goes into error and setpoint: it is looked at if they are not finite.
-        if !matches!(task, Task::Follow(_)) {
+        // All of a reference and of a goal goes into error and setpoint: they are looked at if those are not finite.
+        if matches!(task, Task::Drive { .. }) {
             task.check()?;
         }
         let new = asked.is_new(report.mode);
@@ -323,18 +323,16 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
                 if let Some(renewed) = renewed {
                     self.parking.renew(renewed.goes_on, before);
                 }
+                // One of its own, that is lent: that of other tasks stays in registers.
+                let view = *view;
                 let mut lent = Lent {
                     follower: &mut self.follower,
                     before,
                 };
                 Desired {
-                    wanted: self.parking.advance::<U, M>(
-                        &mut lent,
-                        motion,
-                        &view.error,
-                        moving,
-                        step,
-                    ),
+                    wanted: self
+                        .parking
+                        .advance::<U, M>(&mut lent, motion, &view, moving, step),
                     resting: self.parking.is_resting(),
                     beyond: false,
                     residue: self.parking.residue(),

@@ -1,10 +1,11 @@
 //! The parking law: a manoeuvre, feedback, or rest at the goal.
 
 use super::arrival::Parking;
+use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::{Execution, Moment, Pace, Reference};
+use super::manoeuvre::{Execution, Pace, Reference};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::pose_law::{Moving, Step, Transition, Wanted};
@@ -51,6 +52,13 @@ enum Approach<T> {
 pub(crate) struct Before<T> {
     memory: KeptMemory<T>,
     approach: Kept<T>,
+}
+
+/// What came of a tick along a manoeuvre.
+enum Along<T> {
+    Wanted(Wanted<T>),
+    /// Too far from the reference: see [`DEPARTURE`].
+    Departed,
 }
 
 /// What was kept beside the approach.
@@ -232,14 +240,14 @@ impl<T: Scalar> ParkingLaw<T> {
         &mut self,
         lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
-        error: &PoseError<T>,
+        view: &ErrorView<T>,
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
         if self.is_driving() {
-            self.drive_on::<U, M>(lent, motion, error, moving, step)
+            self.drive_on::<U, M>(lent, motion, view, moving, step)
         } else {
-            self.advance_beside::<U, M>(lent, motion, error, moving, step)
+            self.advance_beside::<U, M>(lent, motion, view, moving, step)
         }
     }
 
@@ -249,14 +257,14 @@ impl<T: Scalar> ParkingLaw<T> {
         &mut self,
         lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
-        error: &PoseError<T>,
+        view: &ErrorView<T>,
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
         self.keep(lent.before);
         let Step { dt, two_per_dt } = step;
         let may_park = self.memory.retry.may_park();
-        if two_per_dt.is_some() && may_park && self.memory.checker.stays(motion, error) {
+        if two_per_dt.is_some() && may_park && self.memory.checker.stays(motion, &view.error) {
             self.memory.checker.stay(dt);
             self.memory.retry.rests(dt);
             self.memory.regulator.rest();
@@ -265,14 +273,15 @@ impl<T: Scalar> ParkingLaw<T> {
                 transition: Transition::Continue,
             };
         }
-        let distance = distance_of::<T, M>(error);
+        let PoseError { x, y, .. } = view.error;
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
         let at = GoalView {
-            error: *error,
-            distance,
-            twist: *moving.twist,
-            command: moving.command.twist,
-            command_rate: moving.command.rate,
+            view,
+            square: x * x + y * y,
+            twist: moving.twist,
+            command: moving.command,
+            asked: motion.rim_speed(&moving.command.twist),
+            done: motion.rim_speed(moving.twist),
             backing: self.is_backing(),
         };
         self.memory.checker = if !may_park {
@@ -292,8 +301,7 @@ impl<T: Scalar> ParkingLaw<T> {
             (false, false) if matches!(self.approach, Approach::Manoeuvre(_)) => Rest::Beside,
             (false, false) => Rest::Moving,
         };
-        let (retry, attempt) = self.memory.retry.advance::<M>(motion, &at, rest, dt);
-        self.memory.retry = retry;
+        let attempt = self.memory.retry.advance::<M>(motion, &at, rest, dt);
         let resting = self.is_resting();
         if resting {
             self.memory.regulator.rest();
@@ -319,7 +327,7 @@ impl<T: Scalar> ParkingLaw<T> {
                 Attempt::GoOn if was_resting => Attempt::Manoeuvre,
                 _ => attempt,
             };
-            self.approach::<U, M>(lent, motion, &at, &moving, step, attempt)
+            self.approach::<U, M>(lent, motion, &at, step, attempt)
         }
     }
 
@@ -328,11 +336,14 @@ impl<T: Scalar> ParkingLaw<T> {
         &mut self,
         lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
-        at: &GoalView<T>,
-        moving: &Moving<'_, T>,
+        at: &GoalView<'_, T>,
         step: Step<T>,
         attempt: Attempt,
     ) -> Wanted<T> {
+        let moving = &Moving {
+            twist: at.twist,
+            command: at.command,
+        };
         if step.dt == T::ZERO {
             // At the start: the first tick tells how long ticks are.
             lent.before.keep(&self.approach);
@@ -358,7 +369,7 @@ impl<T: Scalar> ParkingLaw<T> {
         let mut transition = Transition::after(step.two_per_dt);
         if begun {
             lent.before.keep(&self.approach);
-            transition = self.begin::<M>(motion, at, moving.command, attempt, step.dt);
+            transition = self.begin::<M>(motion, at, attempt, step.dt);
         }
         let mut two_per_dt = if begun || attempt == Attempt::Aim {
             None
@@ -367,7 +378,7 @@ impl<T: Scalar> ParkingLaw<T> {
         };
         let since = if begun { T::ZERO } else { step.dt };
         let way = (since, two_per_dt, transition);
-        if let Some(along) = self.along::<U, M>(lent, motion, &at.error, moving, step, way) {
+        if let Some(along) = self.along::<U, M>(lent, motion, at.view, moving, step, way) {
             return along;
         }
         if matches!(self.approach, Approach::Manoeuvre(_)) {
@@ -375,7 +386,7 @@ impl<T: Scalar> ParkingLaw<T> {
             self.approach = Approach::Regulate;
             two_per_dt = None;
         }
-        self.regulate::<U, M>(motion, &at.error, at.distance, moving, two_per_dt)
+        self.regulate::<U, M>(motion, &at.view.error, moving, two_per_dt)
     }
 
     /// Begins an approach, in a function of its own: what it needs of the stack a search does not need as well. How the
@@ -385,14 +396,13 @@ impl<T: Scalar> ParkingLaw<T> {
     fn begin<M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
-        at: &GoalView<T>,
-        from: &Command<T>,
+        at: &GoalView<'_, T>,
         attempt: Attempt,
         dt: T,
     ) -> Transition {
         let slower = self.memory.retry.has_failed_twice();
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
-        self.approach.begin::<M>(motion, slower, at, from, hold, dt)
+        self.approach.begin::<M>(motion, slower, at, hold, dt)
     }
 
     /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
@@ -407,7 +417,7 @@ impl<T: Scalar> ParkingLaw<T> {
         &mut self,
         lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
-        error: &PoseError<T>,
+        view: &ErrorView<T>,
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
@@ -420,10 +430,10 @@ impl<T: Scalar> ParkingLaw<T> {
         self.keep_under_way(lent.before);
         let transition = Transition::after(step.two_per_dt);
         let way = (step.dt, step.two_per_dt, transition);
-        let along = self.along::<U, M>(lent, motion, error, &moving, step, way);
+        let along = self.along::<U, M>(lent, motion, view, &moving, step, way);
         match along {
             Some(along) => along,
-            None => self.leave::<U, M>(lent, motion, error, &moving),
+            None => self.leave::<U, M>(lent, motion, &view.error, &moving),
         }
     }
 
@@ -440,41 +450,88 @@ impl<T: Scalar> ParkingLaw<T> {
         lent.before.keep(&self.approach);
         lent.before.keep_memory(&self.memory);
         self.approach = Approach::Regulate;
-        let distance = distance_of::<T, M>(error);
-        self.regulate::<U, M>(motion, error, distance, moving, None)
+        self.regulate::<U, M>(motion, error, moving, None)
     }
 
     /// The setpoint along a manoeuvre, and how it goes on from the command; `None` without one, or where none is to be had.
+    ///
+    /// A search, and what is done of a departure, are no part of [`follow`](Self::follow): their stack is not added to its.
+    #[inline(always)]
     fn along<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
         lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
-        error: &PoseError<T>,
+        view: &ErrorView<T>,
         moving: &Moving<'_, T>,
         step: Step<T>,
-        (since, mut two_per_dt, mut transition): (T, Option<T>, Transition),
+        way: (T, Option<T>, Transition),
     ) -> Option<Wanted<T>> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
+        if execution.is_searching() {
+            execution.search::<M>(&motion.plan, view, way.0, step.dt)?;
+        }
+        match self.follow::<U, M>(lent.follower, motion, view, moving, step.dt, way) {
+            Along::Wanted(wanted) => Some(wanted),
+            Along::Departed => self.return_from::<U, M>(lent, motion, view, moving, step.dt),
+        }
+    }
+
+    /// Another manoeuvre, slower, from where the robot is.
+    #[cold]
+    #[inline(never)]
+    fn return_from<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        lent: &mut Lent<'_, T>,
+        motion: &ValidMotionParams<T>,
+        view: &ErrorView<T>,
+        moving: &Moving<'_, T>,
+        dt: T,
+    ) -> Option<Wanted<T>> {
+        let Approach::Manoeuvre(execution) = &mut self.approach else {
+            return None;
+        };
+        if self.memory.departed {
+            // Whatever keeps it off would do so again: feedback needs no plan.
+            return None;
+        }
+        lent.before.keep_memory(&self.memory);
+        self.memory.departed = true;
+        lent.before.keep_manoeuvre(execution);
+        let Command { twist, rate } = moving.command;
+        execution.start::<M>(&motion.plan, true, &view.error, twist, rate, dt);
+        execution.search::<M>(&motion.plan, view, T::ZERO, dt)?;
+        let way = (T::ZERO, None, Transition::Seamless);
+        match self.follow::<U, M>(lent.follower, motion, view, moving, dt, way) {
+            Along::Wanted(wanted) => Some(wanted),
+            Along::Departed => None,
+        }
+    }
+
+    /// The same with a manoeuvre under way.
+    #[inline(never)]
+    fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
+        &mut self,
+        follower: &mut Follower<T>,
+        motion: &ValidMotionParams<T>,
+        view: &ErrorView<T>,
+        moving: &Moving<'_, T>,
+        dt: T,
+        (since, two_per_dt, transition): (T, Option<T>, Transition),
+    ) -> Along<T> {
+        let Approach::Manoeuvre(execution) = &mut self.approach else {
+            return Along::Departed;
+        };
         let limits = || motion.offset_limits();
-        let mut moment = execution.advance::<M>(&motion.plan, limits, error, since, step.dt)?;
+        let moment = execution.advance::<M>(limits, view, since, dt);
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
                 >= motion.rim_speed(&moving.command.twist)
         };
-        if has_departed::<T, M>(motion, &moment.error) && moves() && !execution.is_searching() {
-            two_per_dt = None;
-            if self.memory.departed {
-                // Whatever keeps it off would do so again: feedback needs no plan.
-                return None;
-            }
-            lent.before.keep_memory(&self.memory);
-            self.memory.departed = true;
-            transition = Transition::Seamless;
-            lent.before.keep_manoeuvre(execution);
-            moment = start_anew::<T, M>(execution, motion, error, moving.command, step.dt)?;
+        if has_departed(motion, &moment.error) && moves() && !execution.is_searching() {
+            return Along::Departed;
         }
         let now = Instant {
             twist: &moment.twist,
@@ -484,11 +541,8 @@ impl<T: Scalar> ParkingLaw<T> {
             turn_rate: moving.twist.angular,
         };
         let command = &moving.command.twist;
-        let setpoint = lent
-            .follower
-            .advance::<U, M>(motion, &now, command, two_per_dt);
-        Some(Wanted {
-            setpoint,
+        Along::Wanted(Wanted {
+            setpoint: follower.advance::<U, M>(motion, &now, command, two_per_dt),
             transition,
         })
     }
@@ -498,12 +552,12 @@ impl<T: Scalar> ParkingLaw<T> {
         &mut self,
         motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
-        distance: T,
         moving: &Moving<'_, T>,
         two_per_dt: Option<T>,
     ) -> Wanted<T> {
         let command = &moving.command.twist;
-        let (aim, distance) = self.aim::<M>(motion, error, distance);
+        let aim = self.aim::<M>(motion, error);
+        let distance = distance_of::<T, M>(&aim);
         let setpoint = self
             .memory
             .regulator
@@ -514,19 +568,16 @@ impl<T: Scalar> ParkingLaw<T> {
         }
     }
 
-    /// What to drive at by feedback, and how far it is: the goal, or the place that a retry drives out to.
+    /// What to drive at by feedback: the goal, or the place that a retry drives out to.
     fn aim<M: Maths<T>>(
         &self,
         motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
-        distance: T,
-    ) -> (PoseError<T>, T) {
+    ) -> PoseError<T> {
         if self.memory.retry.is_out() {
-            let aim = self.memory.retry.aim::<M>(motion, error);
-            let far = distance_of::<T, M>(&aim);
-            (aim, far)
+            self.memory.retry.aim::<M>(motion, error)
         } else {
-            (*error, distance)
+            *error
         }
     }
 
@@ -587,8 +638,7 @@ impl<T: Scalar> Approach<T> {
         &mut self,
         motion: &ValidMotionParams<T>,
         slower: bool,
-        at: &GoalView<T>,
-        from: &Command<T>,
+        at: &GoalView<'_, T>,
         hold: bool,
         dt: T,
     ) -> Transition {
@@ -612,16 +662,16 @@ impl<T: Scalar> Approach<T> {
         let (Command { twist, rate }, transition) = if rests {
             (&still, Transition::Offset)
         } else {
-            (from, Transition::Seamless)
+            (at.command, Transition::Seamless)
         };
-        let PoseError { x, y, theta } = at.error;
+        let PoseError { x, y, theta } = at.view.error;
         if !rests {
             let pace = Pace {
                 slower,
                 ..Pace::default()
             };
             let plan = motion.plan.at(pace);
-            let rolls_on = execution.roll_on::<M>(&plan, &at.error, twist, rate, dt);
+            let rolls_on = execution.roll_on::<M>(&plan, at.view, twist, rate, dt);
             if rolls_on.is_some() {
                 return Transition::Offset;
             }
@@ -636,59 +686,103 @@ impl<T: Scalar> Approach<T> {
     }
 }
 
-/// Another manoeuvre, slower, from where the robot is; apart from the tick for the sake of the stack.
-#[cold]
-#[inline(never)]
-fn start_anew<T: Scalar, M: Maths<T>>(
-    execution: &mut Execution<T>,
-    motion: &ValidMotionParams<T>,
-    error: &PoseError<T>,
-    Command { twist, rate }: &Command<T>,
-    dt: T,
-) -> Option<Moment<T>> {
-    execution.start::<M>(&motion.plan, true, error, twist, rate, dt);
-    execution.advance::<M>(&motion.plan, || motion.offset_limits(), error, T::ZERO, dt)
-}
-
 /// Further from the reference than [`DEPARTURE`].
-fn has_departed<T: Scalar, M: Maths<T>>(
-    motion: &ValidMotionParams<T>,
-    error: &PoseError<T>,
-) -> bool {
+fn has_departed<T: Scalar>(motion: &ValidMotionParams<T>, error: &PoseError<T>) -> bool {
     let (far, turned) = (T::from_f64(DEPARTURE.0), T::from_f64(DEPARTURE.1));
     let most = far + motion.near;
-    // What is within half of it in both directions together is so without a root.
-    let close = error.x.abs() + error.y.abs() <= T::HALF * most;
-    (!close && distance_of::<T, M>(error) > most) || error.theta.abs() > turned
+    let PoseError { x, y, theta } = *error;
+    x * x + y * y > most * most || theta.abs() > turned
 }
 
 /// Slow, and within tolerance: what holds the robot there brings it to rest.
-fn is_inside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+fn is_inside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> bool {
     let arrival = &motion.params().arrival;
-    motion.rim_speed(&at.command) <= arrival.stall_speed
-        && at.distance < arrival.distance_m
-        && at.error.theta.abs() < arrival.heading_rad
+    at.asked <= arrival.stall_speed
+        && at.is_within(arrival.distance_m)
+        && at.view.error.theta.abs() < arrival.heading_rad
 }
 
 /// What is left of its motion moves the robot by less than half of what is tolerated at the goal.
 fn is_nearly_still<T: Scalar>(
     motion: &ValidMotionParams<T>,
-    at: &GoalView<T>,
+    at: &GoalView<'_, T>,
     rest: &PoseError<T>,
 ) -> bool {
     let arrival = &motion.params().arrival;
-    (rest.x - at.error.x).abs() < T::HALF * arrival.distance_m
-        && (rest.theta - at.error.theta).abs() < arrival.heading_rad
+    let error = &at.view.error;
+    (rest.x - error.x).abs() < T::HALF * arrival.distance_m
+        && (rest.theta - error.theta).abs() < arrival.heading_rad
 }
 
 /// At the goal but for the heading, once it is at `rest`.
 fn stops_there<T: Scalar>(
     motion: &ValidMotionParams<T>,
-    at: &GoalView<T>,
+    at: &GoalView<'_, T>,
     rest: &PoseError<T>,
 ) -> bool {
     let arrival = &motion.params().arrival;
     let PoseError { x, y, .. } = *rest;
-    motion.rim_speed(&at.command) <= arrival.stall_speed
-        && x * x + y * y < arrival.distance_m * arrival.distance_m
+    at.asked <= arrival.stall_speed && x * x + y * y < arrival.distance_m * arrival.distance_m
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::error::{Input, StepFault};
+    use crate::maths::{Libm, Maths};
+    use crate::motion::{Limits, MotionController, MotionParams, Task};
+    use crate::robot::Robot;
+    use crate::types::{Measured, Pose, Twist};
+
+    /// At every instant of a manoeuvre a wild pose, goal or twist is refused, and nothing has changed.
+    #[test]
+    fn along_a_manoeuvre_what_is_not_finite_changes_nothing() {
+        let motion = MotionParams::new(Robot::paper(), Limits::PAPER);
+        let motion = motion.validate().expect("valid");
+        let goal = Pose::new(0.6, 0.3, 0.2);
+        let (task, dt) = (Task::Park(goal), 0.01);
+        let mut now = Measured::default();
+        let mut controller: MotionController<f64, Libm> =
+            MotionController::start(&motion, &task, &now).expect("finite");
+        let mut driven = 0;
+        for _ in 0..600 {
+            controller.step(dt, &task, &now).expect("finite");
+            driven += u32::from(controller.report().command != Twist::default());
+            // A robot that does what is commanded.
+            now.twist = controller.report().command;
+            let (sine, cosine) = Libm::sin_cos(now.pose.theta);
+            now.pose.x += dt * now.twist.linear * cosine;
+            now.pose.y += dt * now.twist.linear * sine;
+            now.pose.theta += dt * now.twist.angular;
+            let before = controller;
+            for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                for place in 0..8 {
+                    let (mut measured, mut other) = (now, goal);
+                    let (wild, input) = match place {
+                        0 => (&mut measured.pose.x, Input::Pose),
+                        1 => (&mut measured.pose.y, Input::Pose),
+                        2 => (&mut measured.pose.theta, Input::Pose),
+                        3 => (&mut measured.twist.linear, Input::Twist),
+                        4 => (&mut measured.twist.angular, Input::Twist),
+                        5 => (&mut other.x, Input::Goal),
+                        6 => (&mut other.y, Input::Goal),
+                        _ => (&mut other.theta, Input::Goal),
+                    };
+                    *wild = wrong;
+                    let result = controller.step(dt, &Task::Park(other), &measured).copied();
+                    assert_eq!(result, Err(StepFault::NotFinite(input)), "{place}");
+                    assert_eq!(controller, before, "{place}");
+                }
+            }
+            // So large that something overflows, if not here, then in the torque.
+            for wild in [1.0e20, 1.0e150, 1.0e308] {
+                let mut measured = now;
+                measured.pose.x = wild;
+                if controller.step(dt, &task, &measured).is_err() {
+                    assert_eq!(controller, before, "{wild}");
+                }
+                controller = before;
+            }
+        }
+        assert!(driven > 100, "{driven}");
+    }
 }

@@ -109,7 +109,7 @@ impl<T: Scalar> Retry<T> {
         self.since_s = T::ZERO;
     }
 
-    /// The attempts after a tick of `dt`, and what is to be done.
+    /// A tick of `dt`; what is to be done.
     ///
     /// After a manoeuvre that ended beside the goal up to [`MANOEUVRES`] more are had for nothing, and an approach by feedback. Then an attempt
     /// is spent: the robot drives out and comes back by feedback, which learns friction on the way.
@@ -118,73 +118,72 @@ impl<T: Scalar> Retry<T> {
     /// six times as long is closer than a retry drives out; beside the goal a quarter of the time is enough. A
     /// stall (a speed is asked for and not reached) is reported as one, and is no reason to try again.
     pub(crate) fn advance<M: Maths<T>>(
-        &self,
+        &mut self,
         motion: &ValidMotionParams<T>,
-        at: &GoalView<T>,
+        at: &GoalView<'_, T>,
         rest: Rest,
         dt: T,
-    ) -> (Self, Attempt) {
-        let mut next = *self;
+    ) -> Attempt {
         if self.given_up {
-            return (next, Attempt::GoOn);
+            return Attempt::GoOn;
         }
+        let error = &at.view.error;
         let way_out = motion.way_out();
         if self.is_out() {
-            next.since_s = self.since_s + dt;
+            self.since_s += dt;
             // A quarter of the way short: nobody needs the exact place.
-            let left = distance_of::<T, M>(&self.aim::<M>(motion, &at.error));
-            if left < T::from_f64(0.25) * way_out || next.since_s > motion.patience() {
-                next.out = T::ZERO;
-                next.since_s = T::ZERO;
+            let left = distance_of::<T, M>(&self.aim::<M>(motion, error));
+            if left < T::from_f64(0.25) * way_out || self.since_s > motion.patience() {
+                self.out = T::ZERO;
+                self.since_s = T::ZERO;
             }
-            let attempt = if next.is_out() {
+            return if self.is_out() {
                 Attempt::GoOn
             } else {
                 Attempt::Aim
             };
-            return (next, attempt);
         }
         let arrival = &motion.params().arrival;
         match rest {
             Rest::Parked => {
-                next.rests(dt);
-                return (next, Attempt::GoOn);
+                self.rests(dt);
+                return Attempt::GoOn;
             }
             Rest::Lost => {
                 // A push by hand does more, and comes when it likes.
                 let four = T::from_f64(4.0);
-                let slightly = at.distance <= motion.leave_distance()
-                    && at.error.theta.abs() <= four * arrival.heading_rad;
+                let slightly = !at.is_beyond(motion.leave_distance())
+                    && error.theta.abs() <= four * arrival.heading_rad;
                 let soon = self.parked_s < motion.patience();
-                next.parked_s = T::ZERO;
+                self.parked_s = T::ZERO;
                 let pushed = !(slightly || soon && is_near(motion, at));
                 if pushed {
-                    next.count = 0;
-                    next.losses = 0;
-                    next.manoeuvres = 0;
+                    self.count = 0;
+                    self.losses = 0;
+                    self.manoeuvres = 0;
                 } else if self.losses < LOSSES {
-                    next.losses = self.losses.saturating_add(1);
+                    self.losses = self.losses.saturating_add(1);
                 } else {
-                    next.losses = 0;
-                    next.spend(motion);
+                    self.losses = 0;
+                    self.spend(motion);
                 }
-                next.since_s = T::ZERO;
-                let attempt = if slightly {
+                self.since_s = T::ZERO;
+                return if slightly {
                     Attempt::Hold
                 } else {
                     Attempt::Manoeuvre
                 };
-                return (next, attempt);
             }
             // What was waited for until now counts on if this does not last.
-            Rest::Settling => return (next, Attempt::GoOn),
+            Rest::Settling => return Attempt::GoOn,
             Rest::Beside | Rest::Moving => {}
         }
-        if at.distance > way_out {
-            next.came = if at.backing { -T::ONE } else { T::ONE };
+        let came = self.came;
+        if at.is_beyond(way_out) {
+            self.came = if at.backing { -T::ONE } else { T::ONE };
         }
         if rest == Rest::Beside && (is_aside(motion, at) || is_held(motion, at)) {
-            next.since_s = self.since_s + motion.patience() / motion.aside_patience(at) * dt;
+            self.since_s += motion.patience() / motion.aside_patience(at) * dt;
         } else if is_stuck(motion, at) {
             let weight = if rest == Rest::Beside {
                 motion.patience() / motion.hold_patience()
@@ -193,36 +192,36 @@ impl<T: Scalar> Retry<T> {
             } else {
                 T::ONE
             };
-            next.since_s = self.since_s + weight * dt;
-        } else if at.distance < way_out {
+            self.since_s += weight * dt;
+        } else if at.is_within(way_out) {
             // Moving, and still not there after six times the patience: stick and slip about the goal.
-            next.since_s = self.since_s + dt * T::from_f64(1.0 / 6.0);
+            self.since_s += dt * T::from_f64(1.0 / 6.0);
         } else if self.since_s > dt {
             // Noise may say otherwise now and then.
-            next.since_s = self.since_s - dt;
+            self.since_s -= dt;
         } else {
-            next.since_s = T::ZERO;
+            self.since_s = T::ZERO;
         }
-        if next.since_s <= motion.patience() {
-            return (next, Attempt::GoOn);
+        if self.since_s <= motion.patience() {
+            return Attempt::GoOn;
         }
-        next.since_s = T::ZERO;
+        self.since_s = T::ZERO;
         if rest == Rest::Beside && self.manoeuvres < MANOEUVRES {
-            next.manoeuvres = self.manoeuvres.saturating_add(1);
-            return (next, Attempt::Manoeuvre);
+            self.manoeuvres = self.manoeuvres.saturating_add(1);
+            return Attempt::Manoeuvre;
         }
         // The first approach by feedback is no new one. It begins outside as well, where friction holds the robot, which would
         // hold it again near the goal and is learnt on the way, and where the robot would have to turn aside for millimetres.
         let first = rest == Rest::Beside && self.manoeuvres <= MANOEUVRES;
         if first {
-            next.manoeuvres = MANOEUVRES + 1;
+            self.manoeuvres = MANOEUVRES + 1;
         }
-        if (first && at.distance < way_out && (is_held(motion, at) || is_aside(motion, at)))
-            || (!first && next.spend(motion))
+        if (first && at.is_within(way_out) && (is_held(motion, at) || is_aside(motion, at)))
+            || (!first && self.spend(motion))
         {
-            next.out = if self.came < T::ZERO { -T::ONE } else { T::ONE };
+            self.out = if came < T::ZERO { -T::ONE } else { T::ONE };
         }
-        (next, Attempt::Aim)
+        Attempt::Aim
     }
 
     /// Takes one attempt, if there is one left; gives up if not.
@@ -259,42 +258,41 @@ pub(crate) fn distance_of<T: Scalar, M: Maths<T>>(error: &PoseError<T>) -> T {
 }
 
 /// Level with the goal, but too far to the side: wheels cannot go there.
-fn is_beside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+fn is_beside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> bool {
     let tolerance = motion.params().arrival.distance_m;
-    at.distance > tolerance && at.error.x.abs() < T::HALF * tolerance
+    at.is_beyond(tolerance) && at.view.error.x.abs() < T::HALF * tolerance
 }
 
 /// Slow, and too far to the side: wheels cannot go there, and waiting changes nothing but the pose. Twice too far need not be slow.
-fn is_aside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+fn is_aside<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> bool {
     let arrival = &motion.params().arrival;
-    let (aside, tolerance) = (at.error.y.abs(), arrival.distance_m);
-    let slow = motion.rim_speed(&at.command) <= arrival.stall_speed;
+    let (aside, tolerance) = (at.view.error.y.abs(), arrival.distance_m);
+    let slow = at.asked <= arrival.stall_speed;
     aside > tolerance && (slow || aside > tolerance + tolerance)
 }
 
 /// Within ten tolerances of its goal.
-fn is_near<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+fn is_near<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> bool {
     let ten = T::from_f64(10.0);
     let heading = motion.params().arrival.heading_rad;
-    at.distance < ten * motion.least() && at.error.theta.abs() < ten * heading
+    at.is_within(ten * motion.least()) && at.view.error.theta.abs() < ten * heading
 }
 
 /// Outside of the tolerance, and friction holds it there: what the integral of the following law needs seconds for, a
 /// manoeuvre's feed-forward does at once.
-fn is_held<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+fn is_held<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> bool {
     let arrival = &motion.params().arrival;
-    let outside = at.distance > arrival.distance_m || at.error.theta.abs() > arrival.heading_rad;
-    let (asked, done) = (motion.rim_speed(&at.command), motion.rim_speed(&at.twist));
-    outside && asked <= arrival.stall_speed && done <= T::from_f64(0.1) * asked
+    let outside =
+        at.is_beyond(arrival.distance_m) || at.view.error.theta.abs() > arrival.heading_rad;
+    outside && at.asked <= arrival.stall_speed && at.done <= T::from_f64(0.1) * at.asked
 }
 
-fn is_stuck<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<T>) -> bool {
+fn is_stuck<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> bool {
     let arrival = &motion.params().arrival;
-    let asked = motion.rim_speed(&at.command);
     // Slower than the approach is over four times the distance that counts as nothing.
     let four = T::from_f64(4.0);
-    let creeps = motion.rim_speed(&at.twist) < four * motion.gains().approach * motion.least();
-    is_near(motion, at) || (creeps && asked <= arrival.stall_speed)
+    let creeps = at.done < four * motion.gains().approach * motion.least();
+    is_near(motion, at) || (creeps && at.asked <= arrival.stall_speed)
 }
 
 impl<T: Scalar> ValidMotionParams<T> {
@@ -342,7 +340,7 @@ impl<T: Scalar> ValidMotionParams<T> {
     /// filtered pose, whose time constant the dwell is, has lost a fifth of what it drifted by while the robot moved: a quarter of the
     /// dwell. What the pose may still move by, a tolerance at most, adds to what the next
     /// manoeuvre misses by as squares do: a goal that is further away is not worth as long a wait.
-    fn aside_patience(&self, at: &GoalView<T>) -> T {
+    fn aside_patience(&self, at: &GoalView<'_, T>) -> T {
         let gains = self.gains();
         let slower = if gains.speed_loop < gains.turn_loop {
             gains.speed_loop
@@ -354,11 +352,11 @@ impl<T: Scalar> ValidMotionParams<T> {
             distance_m: tolerance,
             ..
         } = self.params().arrival;
-        let share = if at.distance > tolerance {
-            tolerance / at.distance
+        let share = if at.is_beyond(tolerance) {
+            tolerance * tolerance / at.square
         } else {
             T::ONE
         };
-        T::ONE / slower + T::from_f64(0.25) * share * share * dwell_s
+        T::ONE / slower + T::from_f64(0.25) * share * dwell_s
     }
 }

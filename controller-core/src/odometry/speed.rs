@@ -116,17 +116,17 @@ impl<T: Scalar> Wheel<T> {
             dt,
         } = turned;
         let first = self.count(counts, dt);
-        let most = if bandwidth * self.period > f(OFTEN) {
-            T::ZERO
+        // What counts allow is no less than the bandwidth unless they are rarer still.
+        let (most, omega) = if bandwidth * self.period > f(OFTEN) {
+            (T::ZERO, bandwidth_between(self.period, bandwidth))
         } else {
-            f(MOST) * bandwidth * self.speed.abs()
+            (f(MOST) * bandwidth * self.speed.abs(), bandwidth)
         };
         let unmodelled = match disturbance {
             None => self.unmodelled,
             Some(disturbance) => self.unmodelled + fed_forward(disturbance, most),
         };
         let accel = beyond_held(accel + unmodelled, self.held);
-        let omega = bandwidth_between(self.period, bandwidth);
         let a = omega * dt;
         let one_plus = T::ONE + a;
         let shrink = T::ONE / (one_plus * one_plus);

@@ -6,6 +6,7 @@ use super::path::{Courses, Path, Vector};
 use super::profile::AxisSample;
 use super::search::{Progress, Search, ready_s};
 use crate::maths::Maths;
+use crate::motion::error_view::ErrorView;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
@@ -34,8 +35,13 @@ pub(crate) struct Execution<T> {
 enum Stage<T> {
     /// The motion at its begin.
     Searching(Search<T>),
-    /// All of it, and where on it the reference is.
-    Driving(Courses<T>),
+    /// All of it.
+    Driving {
+        /// Where on it the reference is.
+        courses: Courses<T>,
+        /// (sin β, cos β) of the world's heading β of the robot at the begin.
+        begin: (T, T),
+    },
 }
 
 /// Where the reference is: what a tick changes of a manoeuvre under way, beside what follows from its time.
@@ -109,15 +115,19 @@ impl<T: Scalar> Execution<T> {
     ///
     /// `None`, and nothing is changed, where that is no quicker than what a search finds, or is not to be had within `limits`: too near, too
     /// far aside, or heading elsewhere. For a manoeuvre that stands at its goal.
+    ///
+    /// By a call: what it takes of the stack is not added to that of a search.
+    #[inline(never)]
     pub(crate) fn roll_on<M: Maths<T>>(
         &mut self,
         limits: &PlanLimits<T>,
-        error: &PoseError<T>,
+        view: &ErrorView<T>,
         last: &Twist<T>,
         rate: &Accel<T>,
         dt: T,
     ) -> Option<()> {
         let Begin { half, now, twist } = Begin::of(last, rate, dt);
+        let error = &view.error;
         let (sine, cosine) = M::sin_cos(error.theta);
         if cosine <= T::HALF {
             return None;
@@ -139,7 +149,10 @@ impl<T: Scalar> Execution<T> {
         };
         let curve = LateralOffset::of_robot(limits, left, &robot)?;
         self.path.stop_drive = stop_drive;
-        self.stage = Stage::Driving(Courses::of(&self.path, -half));
+        self.stage = Stage::Driving {
+            courses: Courses::of(&self.path, -half),
+            begin: turned_back(view.heading, (-sine, cosine)),
+        };
         self.duration = stop_drive.duration();
         self.end = ahead - half * twist.linear;
         self.reference = Reference {
@@ -227,7 +240,10 @@ impl<T: Scalar> Execution<T> {
     #[inline(always)]
     pub(crate) fn at_goal() -> Self {
         Self {
-            stage: Stage::Driving(Courses::STANDING),
+            stage: Stage::Driving {
+                courses: Courses::STANDING,
+                begin: (T::ZERO, T::ONE),
+            },
             path: Path::default(),
             duration: T::ZERO,
             end: T::ZERO,
@@ -238,57 +254,84 @@ impl<T: Scalar> Execution<T> {
         }
     }
 
-    /// A `step` on, 0 at the begin and then `dt`; `None` if no manoeuvre was found. `error` is the goal as the robot
-    /// sees it now; `plan` and `limits` are what the search and the last drive may use.
+    /// A tick of the search, before the reference [goes on](Self::advance) by `step`; `None` if no manoeuvre was found. `view` is the
+    /// goal as the robot sees it now; `plan` is what the manoeuvre may use.
+    ///
+    /// Apart from the tick along a manoeuvre, for the sake of the stack.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn search<M: Maths<T>>(
+        &mut self,
+        plan: &PlanLimits<T>,
+        view: &ErrorView<T>,
+        step: T,
+        dt: T,
+    ) -> Option<()> {
+        self.look::<M>(&view.error);
+        let Stage::Searching(search) = &mut self.stage else {
+            return Some(());
+        };
+        let moving = self.duration > T::ZERO;
+        // Ticks that became shorter may find it when it should have started.
+        let late = moving && self.reference.t > search.ready();
+        match search.advance::<M>(plan, &mut self.path, dt) {
+            Progress::Searching => {}
+            Progress::Found if late => return None,
+            Progress::Found => self.take_found::<M>(view, step),
+            Progress::Failed => return None,
+        }
+        Some(())
+    }
+
+    /// The search has laid out the path, on which the reference goes on by `step` next.
+    #[cold]
+    #[inline(never)]
+    fn take_found<M: Maths<T>>(&mut self, view: &ErrorView<T>, step: T) {
+        let path = &self.path;
+        self.duration = path.duration();
+        self.end = travel_at_end(path, self.duration);
+        if path.stop_drive.duration() == T::ZERO && path.stop_turn.duration() == T::ZERO {
+            // Nothing has moved: the clock starts now.
+            self.reference.t = -step;
+        }
+        let angle = self.goal - view.error.theta;
+        self.stage = Stage::Driving {
+            courses: Courses::of(path, self.reference.t),
+            begin: turned_back(view.heading, M::sin_cos_near(angle)),
+        };
+    }
+
+    /// A `step` on, 0 at the begin and then `dt`. `view` is the goal as the robot sees it now; `limits` are what the last drive may use.
     ///
     /// The position is integrated by the trapezoidal rule with its end correction, dt/2 (f₀ + f₁) +
     /// dt²/12 (f₀′ − f₁′): wrong by dt⁵. At the end of the manoeuvre the reference is the goal.
     #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
-        plan: &PlanLimits<T>,
         limits: impl FnOnce() -> OffsetLimits<T>,
-        error: &PoseError<T>,
+        view: &ErrorView<T>,
         step: T,
         dt: T,
-    ) -> Option<Moment<T>> {
-        self.look::<M>(error);
-        if let Stage::Searching(search) = &mut self.stage {
-            let moving = self.duration > T::ZERO;
-            // Ticks that became shorter may find it when it should have started.
-            let late = moving && self.reference.t > search.ready();
-            match search.advance::<M>(plan, &mut self.path, dt) {
-                Progress::Searching => {}
-                Progress::Found if late => return None,
-                Progress::Found => {
-                    let path = &self.path;
-                    self.duration = path.duration();
-                    self.end = travel_at_end(path, self.duration);
-                    if path.stop_drive.duration() == T::ZERO && path.stop_turn.duration() == T::ZERO
-                    {
-                        // Nothing has moved: the clock starts now.
-                        self.reference.t = -step;
-                    }
-                    self.stage = Stage::Driving(Courses::of(path, self.reference.t));
-                }
-                Progress::Failed => return None,
-            }
-        }
+    ) -> Moment<T> {
+        let error = &view.error;
         self.reference.t += step;
         if self.is_over() {
-            return Some(Moment {
+            return Moment {
                 twist: Twist::default(),
                 accel: Accel::default(),
                 error: *error,
                 heading: M::sin_cos_near(error.theta),
-            });
+            };
         }
         let (path, t) = (&self.path, self.reference.t);
         let ahead = t + T::HALF * dt;
-        let (turn, drive, accel) = match &mut self.stage {
-            Stage::Driving(courses) => {
+        // The robot's heading in the frame of the begin, and (sin, cos) of it.
+        let angle = self.goal - error.theta;
+        let (turn, drive, accel, robot) = match &mut self.stage {
+            Stage::Driving { courses, begin } => {
                 let (turn, drive) = courses.go_on_to(path, t);
-                (turn, drive, courses.accel_at(path, ahead))
+                let accel = courses.accel_at(path, ahead);
+                (turn, drive, accel, turned_back(view.heading, *begin))
             }
             Stage::Searching(_) => {
                 let (turn, drive) = (&path.stop_turn, &path.stop_drive);
@@ -296,10 +339,11 @@ impl<T: Scalar> Execution<T> {
                     linear: drive.at(ahead).accel,
                     angular: turn.at(ahead).accel,
                 };
-                (turn.at(t), drive.at(t), accel)
+                (turn.at(t), drive.at(t), accel, M::sin_cos_near(angle))
             }
         };
-        let (turn_sine, turn_cosine) = M::sin_cos_near(turn.position);
+        let looks = M::sin_cos_near(turn.position);
+        let (turn_sine, turn_cosine) = looks;
         let velocity = Vector {
             x: drive.rate * turn_cosine,
             y: drive.rate * turn_sine,
@@ -323,20 +367,13 @@ impl<T: Scalar> Execution<T> {
         if drive.rate != T::ZERO {
             self.reference.speed = drive.rate;
         }
-        // The robot's heading in the frame of the begin.
-        let heading = self.goal - error.theta;
-        let (sine, cosine) = M::sin_cos_near(heading);
+        let (sine, cosine) = robot;
         let Vector { x, y } = self.reference.remaining;
         let error = PoseError {
             x: error.x - (x * cosine + y * sine),
             y: error.y - (y * cosine - x * sine),
-            theta: (turn.position - heading).wrap_angle(),
+            theta: (turn.position - angle).wrap_angle(),
         };
-        // sin and cos of a difference whose own ones are known.
-        let heading = (
-            turn_sine * cosine - turn_cosine * sine,
-            turn_cosine * cosine + turn_sine * sine,
-        );
         let mut moment = Moment {
             twist: Twist {
                 linear: drive.rate,
@@ -344,17 +381,17 @@ impl<T: Scalar> Execution<T> {
             },
             accel,
             error,
-            heading,
+            heading: turned_back(looks, robot),
         };
         if self.is_last_drive() && drive.rate != T::ZERO {
-            self.join::<M>(limits, &drive, step, &mut moment);
+            self.join(limits, &drive, step, &mut moment);
         }
-        Some(moment)
+        moment
     }
 
     /// What is driven now is driven to the end.
     fn is_last_drive(&self) -> bool {
-        matches!(&self.stage, Stage::Driving(courses) if courses.is_last_drive(&self.path))
+        matches!(&self.stage, Stage::Driving { courses, .. } if courses.is_last_drive(&self.path))
     }
 
     /// Moves the reference aside, to where the robot is, and back to the planned one by the end of the drive ([`LateralOffset`]).
@@ -366,7 +403,7 @@ impl<T: Scalar> Execution<T> {
     /// ```
     ///
     /// to the third power of z′, of which there is no more than [`STEEPEST`](super::lateral_offset): what is left out is below a thousandth.
-    fn join<M: Maths<T>>(
+    fn join(
         &mut self,
         limits: impl FnOnce() -> OffsetLimits<T>,
         drive: &AxisSample<T>,
@@ -399,8 +436,9 @@ impl<T: Scalar> Execution<T> {
             let steep = now.first * (T::ONE - third * square);
             let passing = v * v.abs();
             let pulled = now.first * now.second;
-            moment.error.theta -= if v < T::ZERO { -steep } else { steep };
-            moment.heading = M::sin_cos_near(moment.error.theta);
+            let turned = if v < T::ZERO { -steep } else { steep };
+            moment.error.theta -= turned;
+            moment.heading = turned_back(moment.heading, sin_cos_of_little(turned));
             moment.twist.linear += longer * v - now.offset * moment.twist.angular;
             moment.twist.angular += v * less * now.second;
             moment.accel.linear += longer * drive.accel - passing * pulled;
@@ -451,7 +489,7 @@ impl<T: Scalar> Execution<T> {
         self.reference = *reference;
         // One that is over goes on no more.
         let over = self.is_over();
-        if let (Stage::Driving(courses), false) = (&mut self.stage, over) {
+        if let (Stage::Driving { courses, .. }, false) = (&mut self.stage, over) {
             *courses = Courses::of(&self.path, reference.t);
         }
     }
@@ -471,15 +509,37 @@ impl<T: Scalar> Execution<T> {
         self.reference.speed < T::ZERO
     }
 
+    /// Of a search. Under way, what a tick changes is the place of the reference and its offset, and all of that goes into the error
+    /// that the follower is given.
     pub(crate) fn residue(&self) -> T {
-        let Vector { x, y } = self.reference.remaining;
-        let search = match &self.stage {
-            Stage::Searching(search) => search.residue(),
-            Stage::Driving(_) => T::ZERO,
+        let Stage::Searching(search) = &self.stage else {
+            return T::ZERO;
         };
-        let offset = self.reference.offset.residue();
-        search + offset + residue([x, y, self.reference.t, self.goal])
+        let Vector { x, y } = self.reference.remaining;
+        search.residue() + residue([x, y, self.reference.t, self.goal])
     }
+}
+
+/// (sin, cos) of the difference of two angles whose own ones are known.
+fn turned_back<T: Scalar>(of: (T, T), by: (T, T)) -> (T, T) {
+    let ((sine, cosine), (by_sine, by_cosine)) = (of, by);
+    (
+        sine * by_cosine - cosine * by_sine,
+        cosine * by_cosine + sine * by_sine,
+    )
+}
+
+/// Sine and cosine of an angle as small as that of a curve aside, by the first terms of their series: up to 0.3 rad the next ones are
+/// below a rounding.
+fn sin_cos_of_little<T: Scalar>(angle: T) -> (T, T) {
+    let f = T::from_f64;
+    let square = angle * angle;
+    let third = f(1.0 / 6.0) - square * f(1.0 / 120.0);
+    let fourth = f(1.0 / 24.0) - square * f(1.0 / 720.0);
+    (
+        angle - angle * square * third,
+        T::ONE - square * (T::HALF - square * fourth),
+    )
 }
 
 /// Once a manoeuvre; apart from its ticks, which are quicker for it.

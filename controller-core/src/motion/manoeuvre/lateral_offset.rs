@@ -95,16 +95,23 @@ impl<T: Scalar> LateralOffset<T> {
 
     /// z, z′, z″/2 and z‴/6 by w.
     fn by_share(&self, w: T) -> [T; 4] {
-        let f = T::from_f64;
-        let (two, three, four, five) = (f(2.0), f(3.0), f(4.0), f(5.0));
-        let (six, ten) = (f(6.0), f(10.0));
-        let [a, b, c, d, e, h] = self.powers;
-        [
-            a + w * (b + w * (c + w * (d + w * (e + w * h)))),
-            b + w * (two * c + w * (three * d + w * (four * e + w * five * h))),
-            c + w * (three * d + w * (six * e + w * ten * h)),
-            d + w * (four * e + w * ten * h),
-        ]
+        // Horner's scheme divides by (x − w): the remainder is the value there, and that of the quotient the derivative.
+        let [mut a, mut b, mut c, mut d, mut e, h] = self.powers;
+        e += w * h;
+        d += w * e;
+        c += w * d;
+        b += w * c;
+        a += w * b;
+        e += w * h;
+        d += w * e;
+        c += w * d;
+        b += w * c;
+        e += w * h;
+        d += w * e;
+        c += w * d;
+        e += w * h;
+        d += w * e;
+        [a, b, c, d]
     }
 
     /// With `left` still to drive.
@@ -194,7 +201,7 @@ impl<T: Scalar> LateralOffset<T> {
         fits.then_some(curve)
     }
 
-    pub(crate) fn residue(&self) -> T {
+    fn residue(&self) -> T {
         let [a, b, c, _, _, h] = self.powers;
         crate::scalar::residue([a, b, c, h])
     }

@@ -316,20 +316,40 @@ impl<T: Scalar> Piece<T> {
 
     #[inline(always)]
     fn at(&self, t: T) -> AxisSample<T> {
+        // Horner's scheme, on its own quotients for the derivatives.
+        let Self {
+            mut position,
+            mut rate,
+            mut half_accel,
+            sixth_jerk,
+            ..
+        } = *self;
+        let t = t - self.from;
+        half_accel += t * sixth_jerk;
+        rate += t * half_accel;
+        position += t * rate;
+        half_accel += t * sixth_jerk;
+        rate += t * half_accel;
+        half_accel += t * sixth_jerk;
         AxisSample {
-            position: self.position(t),
-            rate: self.rate(t),
-            accel: self.accel(t),
+            position,
+            rate,
+            accel: half_accel + half_accel,
         }
     }
 
     /// The stretch that follows at `t`, with another jerk.
     fn onward(&self, t: T, sixth_jerk: T) -> Self {
+        let AxisSample {
+            position,
+            rate,
+            accel,
+        } = self.at(t);
         Self {
             from: t,
-            position: self.position(t),
-            rate: self.rate(t),
-            half_accel: T::HALF * self.accel(t),
+            position,
+            rate,
+            half_accel: T::HALF * accel,
             sixth_jerk,
         }
     }
@@ -431,11 +451,10 @@ impl<T: Scalar> Pieces<T> {
     /// matter.
     #[inline(always)]
     fn go_on_to(&mut self, profiles: &[Profile<T>; 2], t: T) {
-        for _ in 0..Self::MOST {
-            if t < self.until {
-                break;
-            }
+        let mut left = Self::MOST;
+        while t >= self.until && left > 0 {
             self.advance(profiles);
+            left -= 1;
         }
     }
 }
