@@ -1,7 +1,7 @@
 //! What every controller refuses of a tick's inputs, before it computes anything.
 
 use crate::error::{Input, StepFault};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, whole_microseconds};
 use crate::types::Measured;
 
 /// Refuses a measurement that is not finite.
@@ -36,8 +36,7 @@ pub(crate) fn check_tick<T: Scalar>(dt: T, max_tick: T) -> Result<(), StepFault>
 #[cold]
 fn tick_fault<T: Scalar>(dt: T, max_tick: T) -> StepFault {
     if dt > max_tick {
-        // At most 1e3 s, so it fits.
-        let max_tick_us = (max_tick.to_f64() * 1.0e6) as u32;
+        let max_tick_us = whole_microseconds(max_tick);
         StepFault::TickTooLong { max_tick_us }
     } else if dt <= T::ZERO {
         StepFault::TickNotPositive

@@ -3,7 +3,7 @@
 use crate::error::{Field, ParamError};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::range::within;
+use crate::range::check_ranges;
 use crate::reference::sinc;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, Twist, WheelSpeeds};
@@ -72,20 +72,15 @@ impl<T: Scalar> OdometryParams<T> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
-        let (wheels, calibration) = (&self.wheels, &self.calibration);
-        for (field, value, low, high) in [
-            (Field::RadiusRight, wheels.radius_right_m, 1.0e-3, 10.0),
-            (Field::RadiusLeft, wheels.radius_left_m, 1.0e-3, 10.0),
-            (Field::Track, wheels.track_m, 1.0e-2, 100.0),
+        let calibration = &self.calibration;
+        self.wheels.check()?;
+        check_ranges![
             (Field::CalibrationRight, calibration.right, 0.5, 2.0),
             (Field::CalibrationLeft, calibration.left, 0.5, 2.0),
             (Field::CalibrationTrack, calibration.track, 0.5, 2.0),
             (Field::CountsPerTurn, self.counts_per_turn, 1.0, 1.0e7),
             (Field::Bandwidth, self.bandwidth, 1.0, 1.0e4),
-        ] {
-            within(field, value, low, high)?;
-        }
-        Ok(())
+        ]
     }
 }
 

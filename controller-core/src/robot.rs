@@ -1,7 +1,9 @@
 //! The robot: its body and wheels, kinematics, rolling constraint, dynamics. Eqs. (1)-(3).
 
 use crate::cast::cast;
+use crate::error::{Field, ParamError};
 use crate::maths::Maths;
+use crate::range::check_ranges;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
 use crate::wheels::WheelGeometry;
@@ -68,6 +70,14 @@ impl<T: Scalar> Robot<T> {
             inertia_kg_m2: self.inertia_kg_m2 + lever * lever * mass,
             wheels: self.wheels,
         }
+    }
+
+    /// Mass and inertia; the wheels are checked where their map is made.
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        check_ranges![
+            (Field::Mass, self.mass_kg, 1.0e-3, 1.0e5),
+            (Field::Inertia, self.inertia_kg_m2, 1.0e-6, 1.0e6),
+        ]
     }
 }
 

@@ -10,9 +10,26 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
+    pub trait Sealed {
+        /// Of seconds from 1e-6 to 1e3, exactly, without the fraction.
+        fn whole_microseconds(self) -> u32;
+    }
+
+    impl Sealed for f32 {
+        /// In integers: 24 bits of the number and 20 of the factor, which a double holds as well, but in a kilobyte of software.
+        fn whole_microseconds(self) -> u32 {
+            let bits = self.to_bits();
+            let (exponent, fraction) = (bits >> 23, bits & 0x007f_ffff);
+            let product = u64::from(fraction | 0x0080_0000) * 1_000_000;
+            product.wrapping_shr(150_u32.wrapping_sub(exponent)) as u32
+        }
+    }
+
+    impl Sealed for f64 {
+        fn whole_microseconds(self) -> u32 {
+            (self * 1.0e6) as u32
+        }
+    }
 }
 
 /// `f32` or `f64`, with the few operations that the control law needs beside arithmetic.
@@ -193,6 +210,11 @@ pub(crate) fn residue<T: Scalar, const N: usize>(values: [T; N]) -> T {
         .fold(start, |sum, value| sum + value * T::ZERO)
 }
 
+/// Of seconds from 1e-6 to 1e3, without the fraction of the exact product.
+pub(crate) fn whole_microseconds<T: Scalar>(seconds: T) -> u32 {
+    sealed::Sealed::whole_microseconds(seconds)
+}
+
 /// Microseconds in seconds. In single precision exact to a rounding up to 16.7 s.
 #[inline]
 pub(crate) fn seconds<T: Scalar>(us: u32) -> T {
@@ -204,4 +226,20 @@ pub(crate) fn seconds<T: Scalar>(us: u32) -> T {
 pub(crate) fn microseconds<T: Scalar>(seconds: T) -> u32 {
     let us = seconds * T::from_f64(1.0e6);
     if us >= T::ZERO { us.to_u32() } else { u32::MAX }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole_microseconds;
+
+    #[test]
+    fn whole_microseconds_are_those_of_the_exact_product() {
+        let ends = [1.0e-6_f32, 1.0e3].map(f32::to_bits);
+        for bits in (ends[0]..=ends[1]).step_by(97).chain(ends) {
+            let seconds = f32::from_bits(bits);
+            let exact = (f64::from(seconds) * 1.0e6) as u32;
+            assert_eq!(whole_microseconds(seconds), exact, "{seconds}");
+            assert_eq!(whole_microseconds(f64::from(seconds)), exact);
+        }
+    }
 }

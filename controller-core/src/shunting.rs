@@ -3,7 +3,7 @@
 use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
-use crate::range::{clamp, within};
+use crate::range::{check_ranges, clamp};
 use crate::scalar::Scalar;
 
 /// Excitatory input. Eq. (5): S⁺(u) = max(0, u).
@@ -135,9 +135,16 @@ impl<T: Scalar> Shunting<T> {
     /// # Errors
     /// The first coefficient out of [1e-3, 1e4]. The range leaves the products of a tick finite.
     pub fn new(params: &NeuronParams<T>) -> Result<Self, ParamError> {
-        let decay = within(Field::DecayA, params.a, 1.0e-3, 1.0e4)?;
-        let upper = within(Field::UpperB, params.b, 1.0e-3, 1.0e4)?;
-        let lower = within(Field::LowerD, params.d, 1.0e-3, 1.0e4)?;
+        let NeuronParams {
+            a: decay,
+            b: upper,
+            d: lower,
+        } = *params;
+        check_ranges![
+            (Field::DecayA, decay, 1.0e-3, 1.0e4),
+            (Field::UpperB, upper, 1.0e-3, 1.0e4),
+            (Field::LowerD, lower, 1.0e-3, 1.0e4),
+        ]?;
         let shy = T::ONE - T::from_f64(5.0) * T::EPSILON;
         Ok(Self {
             decay,

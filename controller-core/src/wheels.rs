@@ -2,7 +2,7 @@
 
 use crate::cast::cast;
 use crate::error::{Field, ParamError, Problem};
-use crate::range::within;
+use crate::range::check_ranges;
 use crate::scalar::Scalar;
 use crate::types::{Twist, WheelSpeeds, WheelTorques, Wrench};
 
@@ -23,6 +23,16 @@ cast!(WheelGeometry {
     radius_left_m,
     track_m
 });
+
+impl<T: Scalar> WheelGeometry<T> {
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        check_ranges![
+            (Field::RadiusRight, self.radius_right_m, 1.0e-3, 10.0),
+            (Field::RadiusLeft, self.radius_left_m, 1.0e-3, 10.0),
+            (Field::Track, self.track_m, 1.0e-2, 100.0),
+        ]
+    }
+}
 
 /// An invertible linear map between a [`Wrench`] and [`WheelTorques`].
 ///
@@ -51,9 +61,12 @@ impl<T: Scalar> WheelMap<T> {
     /// # Errors
     /// A length that is not finite or out of its range.
     pub fn from_geometry(geometry: &WheelGeometry<T>) -> Result<Self, ParamError> {
-        let right = within(Field::RadiusRight, geometry.radius_right_m, 1.0e-3, 10.0)?;
-        let left = within(Field::RadiusLeft, geometry.radius_left_m, 1.0e-3, 10.0)?;
-        let track = within(Field::Track, geometry.track_m, 1.0e-2, 100.0)?;
+        geometry.check()?;
+        let WheelGeometry {
+            radius_right_m: right,
+            radius_left_m: left,
+            track_m: track,
+        } = *geometry;
         let half_track = T::HALF * track;
         Ok(Self {
             to_wrench: [

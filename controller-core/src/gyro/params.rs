@@ -2,7 +2,7 @@
 
 use crate::error::{Field, ParamError};
 use crate::odometry::OdometryParams;
-use crate::range::within;
+use crate::range::check_ranges;
 use crate::scalar::Scalar;
 
 /// A gyro, as its data sheet has it.
@@ -63,7 +63,7 @@ impl<T: Scalar> GyroParams<T> {
     /// # Errors
     /// The first field out of range, with the limit it passed.
     pub fn check(&self) -> Result<(), ParamError> {
-        for (field, value, low, high) in [
+        check_ranges![
             (Field::GyroNoise, self.noise_density, 1.0e-7, 1.0e-1),
             (Field::GyroBias, self.bias_limit, 1.0e-6, 1.0),
             (Field::GyroBiasWalk, self.bias_walk, 0.0, 1.0e-1),
@@ -74,10 +74,7 @@ impl<T: Scalar> GyroParams<T> {
             (Field::GyroLatency, self.latency_s, 0.0, 0.1),
             (Field::GyroRest, self.rest_s, 0.05, 10.0),
             (Field::GyroCarry, self.carry_s, 0.0, 60.0),
-        ] {
-            within(field, value, low, high)?;
-        }
-        Ok(())
+        ]
     }
 
     /// Checks every field and works out what follows from them on these wheels, whose radii may be wrong by the share `drift`.

@@ -6,7 +6,7 @@ use crate::error::{Field, ParamError};
 use crate::gyro::{GyroParams, ValidGyroParams};
 use crate::maths::{Maths, Usual};
 use crate::odometry::OdometryParams;
-use crate::range::within;
+use crate::range::check_ranges;
 use crate::scalar::Scalar;
 
 /// What is known of the external pose, and how far it is trusted.
@@ -66,7 +66,7 @@ impl<T: Scalar> FusionParams<T> {
     }
 
     fn check(&self) -> Result<(), ParamError> {
-        for (field, value, low, high) in [
+        check_ranges![
             (Field::FixNoise, self.noise_m, 1.0e-5, 10.0),
             (Field::FixHeadingNoise, self.noise_rad, 1.0e-5, 1.0),
             (Field::FixRate, self.rate_hz, 1.0e-2, 1.0e3),
@@ -87,10 +87,7 @@ impl<T: Scalar> FusionParams<T> {
             (Field::OdometryDrift, self.drift, 0.0, 0.5),
             (Field::SlideSpeed, self.slide_m_s, 0.0, 100.0),
             (Field::FixStale, self.stale_s, 1.0e-2, 1.0e4),
-        ] {
-            within(field, value, low, high)?;
-        }
-        Ok(())
+        ]
     }
 }
 

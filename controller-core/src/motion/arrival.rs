@@ -1,7 +1,7 @@
 //! What counts as arrived, and as stuck.
 
 use crate::error::{Field, ParamError};
-use crate::range::within;
+use crate::range::check_ranges;
 use crate::scalar::Scalar;
 
 /// What counts as arrived, and as stuck.
@@ -75,11 +75,12 @@ impl<T: Scalar> Arrival<T> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
-        within(Field::ArrivalDistance, self.distance_m, 1.0e-5, 10.0)?;
-        within(Field::ArrivalHeading, self.heading_rad, 1.0e-5, 3.0)?;
-        within(Field::ArrivalDwell, self.dwell_s, 0.0, 10.0)?;
-        within(Field::StallSpeed, self.stall_speed, 1.0e-4, 10.0)?;
-        within(Field::StallTime, self.stall_s, 1.0e-2, 1.0e3)?;
-        Ok(())
+        check_ranges![
+            (Field::ArrivalDistance, self.distance_m, 1.0e-5, 10.0),
+            (Field::ArrivalHeading, self.heading_rad, 1.0e-5, 3.0),
+            (Field::ArrivalDwell, self.dwell_s, 0.0, 10.0),
+            (Field::StallSpeed, self.stall_speed, 1.0e-4, 10.0),
+            (Field::StallTime, self.stall_s, 1.0e-2, 1.0e3),
+        ]
     }
 }

@@ -4,7 +4,7 @@ use super::limits::Limits;
 use crate::cast::cast;
 use crate::error::{Field, ParamError};
 use crate::maths::Maths;
-use crate::range::{larger, smaller, within};
+use crate::range::{check_ranges, larger, smaller};
 use crate::scalar::Scalar;
 
 /// Gains of following and parking. [`MotionGains::for_limits`] gives those that suit a base.
@@ -133,7 +133,7 @@ impl<T: Scalar> MotionGains<T> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
-        for (field, value, low, high) in [
+        check_ranges![
             (Field::DecayA, self.decay, 0.1, 100.0),
             (Field::K1, self.longitudinal, 1.0e-3, 100.0),
             (
@@ -151,10 +151,7 @@ impl<T: Scalar> MotionGains<T> {
             (Field::TurnLoop, self.turn_loop, 0.1, 1.0e3),
             (Field::DisturbanceBandwidth, self.disturbance, 0.0, 50.0),
             (Field::DisturbanceShare, self.disturbance_share, 0.0, 1.0),
-        ] {
-            within(field, value, low, high)?;
-        }
-        Ok(())
+        ]
     }
 }
 

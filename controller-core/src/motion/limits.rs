@@ -2,7 +2,7 @@
 
 use crate::cast::cast;
 use crate::error::{Field, ParamError};
-use crate::range::{clamp, larger, within};
+use crate::range::{check_ranges, clamp, larger};
 use crate::scalar::Scalar;
 use crate::types::Twist;
 
@@ -88,7 +88,7 @@ impl<T: Scalar> Limits<T> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {
-        for (field, value, low, high) in [
+        check_ranges![
             (Field::MaxSpeed, self.speed, 1.0e-3, 100.0),
             (Field::MaxTurnRate, self.turn_rate, 1.0e-3, 100.0),
             (Field::MaxRimSpeed, self.rim_speed, 1.0e-3, 1.0e3),
@@ -98,10 +98,7 @@ impl<T: Scalar> Limits<T> {
             (Field::MaxJerk, self.jerk, 1.0e-2, 1.0e6),
             (Field::MaxTurnJerk, self.turn_jerk, 1.0e-2, 1.0e6),
             (Field::MaxWheelTorque, self.wheel_torque_nm, 1.0e-6, 1.0e6),
-        ] {
-            within(field, value, low, high)?;
-        }
-        Ok(())
+        ]
     }
 
     /// A twist within the limits of a base with this track \[m\]: each axis by itself, then both by one factor, so that no rim is

@@ -10,7 +10,7 @@ use super::observer_limits::ObserverLimits;
 use super::turn_demand::TurnDemand;
 use crate::error::{Field, ParamError};
 use crate::maths::{Maths, Usual};
-use crate::range::{larger, smaller, within};
+use crate::range::{check_ranges, larger, smaller};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Twist, Wrench};
@@ -107,18 +107,19 @@ impl<T: Scalar> MotionParams<T> {
     /// The first field out of range, with the limit it passed.
     pub fn validate(self) -> Result<ValidMotionParams<T>, ParamError> {
         let f = T::from_f64;
-        within(Field::Mass, self.robot.mass_kg, 1.0e-3, 1.0e5)?;
-        within(Field::Inertia, self.robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
+        self.robot.check()?;
         let wheels = WheelMap::from_geometry(&self.robot.wheels)?;
         self.limits.check()?;
         self.gains.check()?;
         self.arrival.check()?;
-        within(Field::PoseNoise, self.pose_noise_m, 0.0, 1.0)?;
+        check_ranges![(Field::PoseNoise, self.pose_noise_m, 0.0, 1.0)]?;
         if let Some(jump) = &self.jump {
-            within(Field::JumpDistance, jump.distance_m, 1.0e-4, 100.0)?;
-            within(Field::JumpHeading, jump.heading_rad, 1.0e-4, 4.0)?;
+            check_ranges![
+                (Field::JumpDistance, jump.distance_m, 1.0e-4, 100.0),
+                (Field::JumpHeading, jump.heading_rad, 1.0e-4, 4.0),
+            ]?;
         }
-        within(Field::MaxTick, self.max_tick_s, 1.0e-6, 1.0e3)?;
+        check_ranges![(Field::MaxTick, self.max_tick_s, 1.0e-6, 1.0e3)]?;
         let gains = &self.gains;
         // At 5 standard deviations the direction to the goal is known to 0.2 rad; without noise
         // 0.3 mm keeps the direction out of the last rounding of single precision.

@@ -3,7 +3,7 @@
 use crate::error::{Field, ParamError, Problem};
 use crate::motor::dead_band::DeadBand;
 use crate::motor::gear::Gear;
-use crate::range::within;
+use crate::range::{check_ranges, within};
 use crate::scalar::Scalar;
 
 /// A measured supply below this share of the nominal one is not believed.
@@ -108,24 +108,31 @@ impl<T: Scalar> MotorParams<T> {
     /// The first one out of its range; [`Field::MaxCurrent`] also if the largest current does not
     /// overcome Coulomb friction.
     pub fn validate(self) -> Result<Motor<T>, ParamError> {
-        let ratio = within(Field::GearRatio, self.gear_ratio, 0.1, 1.0e4)?;
-        let efficiency = within(Field::GearEfficiency, self.gear_efficiency, 0.2, 1.0)?;
+        let (ratio, efficiency) = (self.gear_ratio, self.gear_efficiency);
         let constant = self.torque_constant_nm_per_a;
-        let constant = within(Field::TorqueConstant, constant, 1.0e-6, 100.0)?;
-        let resistance = within(Field::Resistance, self.resistance_ohm, 1.0e-4, 1.0e4)?;
-        let supply = within(Field::Supply, self.supply_v, 1.0, 1.0e3)?;
-        let max_current = within(Field::MaxCurrent, self.max_current_a, 1.0e-3, 1.0e3)?;
+        let (resistance, supply) = (self.resistance_ohm, self.supply_v);
         let friction = &self.friction;
-        let coulomb = within(Field::CoulombFriction, friction.coulomb_nm, 0.0, 1.0e6)?;
-        let stiction = within(Field::Stiction, friction.stiction_nm, 0.0, 1.0e6)?;
-        within(Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6)?;
+        let (coulomb, stiction) = (friction.coulomb_nm, friction.stiction_nm);
+        check_ranges![
+            (Field::GearRatio, ratio, 0.1, 1.0e4),
+            (Field::GearEfficiency, efficiency, 0.2, 1.0),
+            (Field::TorqueConstant, constant, 1.0e-6, 100.0),
+            (Field::Resistance, resistance, 1.0e-4, 1.0e4),
+            (Field::Supply, supply, 1.0, 1.0e3),
+            (Field::MaxCurrent, self.max_current_a, 1.0e-3, 1.0e3),
+            (Field::CoulombFriction, coulomb, 0.0, 1.0e6),
+            (Field::Stiction, stiction, 0.0, 1.0e6),
+            (Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6),
+        ]?;
         let blends = coulomb > T::ZERO || stiction > T::ZERO || efficiency < T::ONE;
         let least = if blends { 1.0e-3 } else { 0.0 };
         let blend = within(Field::FrictionBlend, friction.blend_rad_s, least, 1.0e3)?;
-        let dead_band = within(Field::DeadBand, self.dead_band, 0.0, 0.5)?;
-        within(Field::RotorInertia, self.rotor_inertia_kg_m2, 0.0, 10.0)?;
+        check_ranges![
+            (Field::DeadBand, self.dead_band, 0.0, 0.5),
+            (Field::RotorInertia, self.rotor_inertia_kg_m2, 0.0, 10.0),
+        ]?;
         let gear = Gear::new(ratio * constant, efficiency);
-        let max_torque = gear.driving_torque(max_current) - coulomb;
+        let max_torque = gear.driving_torque(self.max_current_a) - coulomb;
         if max_torque > T::ZERO {
             Ok(Motor {
                 params: self,
@@ -141,7 +148,7 @@ impl<T: Scalar> MotorParams<T> {
                 } else {
                     T::ZERO
                 },
-                dead_band: DeadBand::new(dead_band),
+                dead_band: DeadBand::new(self.dead_band),
                 max_torque,
             })
         } else {

@@ -35,9 +35,8 @@
 //! m v̇ = −b s v − τ_c (1/r_R + 1/r_L) sgn v        I ẇ = −b s (l/2)² w − τ_c (1/r_R + 1/r_L)(l/2) sgn w
 //! ```
 
-use crate::error::{Field, ParamError};
+use crate::error::ParamError;
 use crate::motor::Motor;
-use crate::range::within;
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::wheels::WheelMap;
@@ -104,8 +103,8 @@ pub fn coast<T: Scalar>(motor: &Motor<T>, robot: &Robot<T>) -> Result<Slowing<T>
 
 /// Both wheels with τ = −`viscous` ω − `coulomb` sgn ω.
 fn slowing<T: Scalar>(robot: &Robot<T>, viscous: T, coulomb: T) -> Result<Slowing<T>, ParamError> {
-    let mass = within(Field::Mass, robot.mass_kg, 1.0e-3, 1.0e5)?;
-    let inertia = within(Field::Inertia, robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
+    robot.check()?;
+    let (mass, inertia) = (robot.mass_kg, robot.inertia_kg_m2);
     let wheels = &robot.wheels;
     WheelMap::from_geometry(wheels)?;
     let (right, left) = (

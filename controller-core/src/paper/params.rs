@@ -132,8 +132,7 @@ impl<T: Scalar> Params<T> {
     pub fn validate(self) -> Result<ValidParams<T>, ParamError> {
         const GAIN: (f64, f64) = (1.0e-6, 1.0e6);
         let robot = &self.robot;
-        within(Field::Mass, robot.mass_kg, 1.0e-3, 1.0e5)?;
-        within(Field::Inertia, robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
+        robot.check()?;
         let wheels = WheelMap::from_geometry(&robot.wheels)?;
         for (field, gain) in [
             (Field::K1, self.tracking.k1),

@@ -1,7 +1,7 @@
 //! Thresholds and times of the detectors: plain data, checked once.
 
-use crate::error::{Field, ParamError};
-use crate::range::within;
+use crate::error::{Field, ParamError, Problem};
+use crate::range::{check_ranges, within};
 use crate::robot::{Robot, acceleration};
 use crate::scalar::Scalar;
 use crate::types::{Twist, WheelTorques, Wrench};
@@ -145,11 +145,10 @@ impl<T: Scalar> DetectorParams<T> {
     /// # Errors
     /// The first field out of range, with the limit it passed. Times are in µs.
     pub fn validate(self) -> Result<ValidDetectorParams<T>, ParamError> {
-        let period = f64::from(self.period_us);
-        whole(Field::TickPeriod, self.period_us, 100.0, 1.0e5)?;
+        let period = self.period_us;
+        whole(Field::TickPeriod, period, 100, 100_000)?;
         let robot = &self.robot;
-        within(Field::Mass, robot.mass_kg, 1.0e-3, 1.0e5)?;
-        within(Field::Inertia, robot.inertia_kg_m2, 1.0e-6, 1.0e6)?;
+        robot.check()?;
         let map = WheelMap::from_geometry(&robot.wheels)?;
         let Self { ticks, wheels, .. } = &self;
         let (stuck, slip) = (&wheels.stuck, &wheels.slip);
@@ -164,35 +163,32 @@ impl<T: Scalar> DetectorParams<T> {
             (Field::CurrentTime, self.current.after),
             (Field::SupplyTime, self.supply.after),
         ] {
-            time(field, timeout, 2.0 * period)?;
+            time(field, timeout, 2 * period)?;
         }
-        time(Field::LateTick, ticks.late, period + 1.0)?;
-        whole(Field::LateRow, ticks.row.into(), 1.0, 255.0)?;
-        whole(Field::LateShare, ticks.of_64.into(), 1.0, 64.0)?;
-        let turn = within(Field::CountsPerTurn, wheels.counts_per_turn, 1.0, 1.0e7)?;
-        let per_count = (T::PI + T::PI) / turn;
-        let least = match stuck.after {
-            Timeout::AfterUs(us) => 3.0e6 * per_count.to_f64() / f64::from(us),
-            Timeout::Off => 0.0,
-        };
-        let (low, current) = (&self.supply, &self.current);
-        for (field, value, low, high) in [
+        time(Field::LateTick, ticks.late, period + 1)?;
+        whole(Field::LateRow, ticks.row.into(), 1, 255)?;
+        whole(Field::LateShare, ticks.of_64.into(), 1, 64)?;
+        check_ranges![
+            (Field::CountsPerTurn, wheels.counts_per_turn, 1.0, 1.0e7),
             (Field::WheelLoad, wheels.load_nm, 1.0e-6, 1.0e6),
             (Field::StuckTorque, stuck.torque_nm, 1.0e-6, 1.0e6),
-            (Field::StuckSpeed, stuck.speed_rad_s, least, 1.0e3),
+        ]?;
+        let per_count = (T::PI + T::PI) / wheels.counts_per_turn;
+        let least = match stuck.after {
+            Timeout::AfterUs(us) => T::from_f64(3.0e6) * per_count / T::from_u32(us),
+            Timeout::Off => T::ZERO,
+        };
+        within(Field::StuckSpeed, stuck.speed_rad_s, least.to_f64(), 1.0e3)?;
+        let supply = &self.supply;
+        let low_v = supply.low_v;
+        check_ranges![
             (Field::SlipAccel, slip.accel_rad_s2, 1.0e-2, 1.0e6),
             (Field::SlipSpeed, slip.speed_m_s, 1.0e-3, 100.0),
-            (Field::CurrentLimit, current.limit_a, 1.0e-3, 1.0e4),
-            (Field::SupplyLow, low.low_v, 1.0e-1, 1.0e3),
-            (
-                Field::SupplyRecovered,
-                low.recovered_v,
-                low.low_v.to_f64(),
-                1.0e3,
-            ),
-        ] {
-            within(field, value, low, high)?;
-        }
+            (Field::CurrentLimit, self.current.limit_a, 1.0e-3, 1.0e4),
+            (Field::SupplyLow, low_v, 1.0e-1, 1.0e3),
+        ]?;
+        let recovered = Field::SupplyRecovered;
+        within(recovered, supply.recovered_v, low_v.to_f64(), 1.0e3)?;
         let accels = |right: T, left: T| {
             wheel_accels(robot, &map, &map.wrench(&WheelTorques { right, left }))
         };
@@ -242,14 +238,22 @@ fn wheel_accels<T: Scalar>(robot: &Robot<T>, map: &WheelMap<T>, wrench: &Wrench<
     (rates.right, rates.left)
 }
 
-fn whole(field: Field, value: u32, low: f64, high: f64) -> Result<(), ParamError> {
-    within(field, f64::from(value), low, high).map(|_| ())
+/// As [`within`].
+pub(super) fn whole(field: Field, value: u32, low: u32, high: u32) -> Result<(), ParamError> {
+    let problem = if value < low {
+        Problem::Below(low.into())
+    } else if value > high {
+        Problem::Above(high.into())
+    } else {
+        return Ok(());
+    };
+    Err(ParamError { field, problem })
 }
 
 /// At most a minute: longer is off, and has to say so.
-pub(super) fn time(field: Field, timeout: Timeout, least_us: f64) -> Result<(), ParamError> {
+pub(super) fn time(field: Field, timeout: Timeout, least_us: u32) -> Result<(), ParamError> {
     match timeout {
-        Timeout::AfterUs(us) => whole(field, us, least_us, 6.0e7),
+        Timeout::AfterUs(us) => whole(field, us, least_us, 60_000_000),
         Timeout::Off => Ok(()),
     }
 }

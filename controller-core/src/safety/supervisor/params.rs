@@ -2,8 +2,8 @@
 
 use crate::error::{Field, ParamError};
 use crate::motion::AtRest;
-use crate::range::within;
-use crate::safety::detector_params::{Timeout, time};
+use crate::range::check_ranges;
+use crate::safety::detector_params::{Timeout, time, whole};
 
 /// What an emergency stop does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -84,12 +84,14 @@ impl SupervisorParams {
     /// the dwell.
     pub fn validate(self) -> Result<ValidSupervisorParams, ParamError> {
         let rest = &self.rest;
-        within(Field::RestSpeed, rest.speed_m_s, 1.0e-4, 1.0)?;
-        within(Field::RestTurnRate, rest.turn_rad_s, 1.0e-4, 10.0)?;
-        let dwell = f64::from(rest.dwell_us);
-        within(Field::RestTime, dwell, 0.0, 1.0e7)?;
-        time(Field::StopLimit, self.stop_limit, dwell + 1.0)?;
-        time(Field::BrakeLimit, self.brake_limit, dwell + 1.0)?;
+        check_ranges![
+            (Field::RestSpeed, rest.speed_m_s, 1.0e-4, 1.0),
+            (Field::RestTurnRate, rest.turn_rad_s, 1.0e-4, 10.0),
+        ]?;
+        whole(Field::RestTime, rest.dwell_us, 0, 10_000_000)?;
+        let least = rest.dwell_us + 1;
+        time(Field::StopLimit, self.stop_limit, least)?;
+        time(Field::BrakeLimit, self.brake_limit, least)?;
         Ok(ValidSupervisorParams(self))
     }
 }
