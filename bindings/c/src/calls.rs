@@ -34,7 +34,7 @@ const fn code(result: Result<(), Status>) -> i32 {
 /// Of `base`, as the [module](self) says.
 unsafe fn with(base: *const Base, work: impl FnOnce(&mut Body) -> Result<(), Status>) -> i32 {
     // SAFETY: of the caller.
-    code(unsafe { Handle::new(base) }.and_then(|handle| handle.with(work, |_| ())))
+    code(unsafe { Handle::new(base) }.and_then(|handle| handle.with_apart(work)))
 }
 
 /// An event of the host.

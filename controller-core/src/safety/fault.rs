@@ -155,6 +155,7 @@ macro_rules! faults {
             };
 
             /// The response to a kind.
+            #[inline(never)]
             pub const fn get(&self, kind: FaultKind) -> Response {
                 match kind {
                     $(FaultKind::$kind => self.$name,)*

@@ -1,5 +1,7 @@
 //! Inputs of the detectors, and the faults that they find.
 
+use core::iter;
+
 use super::fault::{Details, Fault, FaultKind};
 use super::policy::ValidPolicyParams;
 use super::reaction::{Reaction, Response};
@@ -99,8 +101,15 @@ impl ActiveFaults {
     #[inline]
     pub fn add_all(&mut self, others: &Self) {
         if !others.is_empty() {
-            others.iter().for_each(|fault| self.add(fault));
+            self.add_each(others);
         }
+    }
+
+    /// Apart, so that a quiet tick does not carry it along.
+    #[cold]
+    #[inline(never)]
+    fn add_each(&mut self, others: &Self) {
+        others.iter().for_each(|fault| self.add(fault));
     }
 
     /// Nothing was found.
@@ -111,11 +120,16 @@ impl ActiveFaults {
 
     /// All faults, by the code of their kind.
     pub fn iter(&self) -> impl Iterator<Item = Fault> + '_ {
-        let kinds = FaultKind::ALL.into_iter();
-        kinds.filter_map(|kind| self.get(kind))
+        let mut left = self.kinds;
+        iter::from_fn(move || {
+            let kind = FaultKind::ALL.get(left.trailing_zeros() as usize)?;
+            left &= left.wrapping_sub(1);
+            self.get(*kind)
+        })
     }
 
     /// The fault of a kind.
+    #[inline(never)]
     pub fn get(&self, kind: FaultKind) -> Option<Fault> {
         if self.kinds & bit(kind) == 0 {
             None
@@ -127,17 +141,27 @@ impl ActiveFaults {
     /// The fault with the most severe response (of equal reactions one that latches; the lowest code among equals), and
     /// the response to all of them together. `None` if nothing is to be done.
     pub fn worst(&self, policy: &ValidPolicyParams) -> Option<(Fault, Response)> {
-        let acted = self
-            .iter()
-            .map(|fault| (fault, policy.response(fault)))
-            .filter(|(_, response)| response.reaction > Reaction::Ignore);
-        acted.reduce(|(worst, so_far), (fault, response)| {
-            // What latches is what somebody has to look for.
-            let more = response.reaction > so_far.reaction
-                || (response.reaction == so_far.reaction && response.latch && !so_far.latch);
-            let cause = if more { fault } else { worst };
-            (cause, so_far.and(response))
-        })
+        let mut worst = None;
+        for fault in self.iter() {
+            let response = policy.response(fault);
+            if response.reaction == Reaction::Ignore {
+                continue;
+            }
+            worst = Some(match worst {
+                None => (fault, response),
+                Some((worst, so_far)) => {
+                    let so_far: Response = so_far;
+                    // What latches is what somebody has to look for.
+                    let more = response.reaction > so_far.reaction
+                        || (response.reaction == so_far.reaction
+                            && response.latch
+                            && !so_far.latch);
+                    let cause = if more { fault } else { worst };
+                    (cause, so_far.and(response))
+                }
+            });
+        }
+        worst
     }
 
     /// Those that the policy ignores.
