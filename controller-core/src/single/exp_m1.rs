@@ -30,7 +30,6 @@ const E: [f32; 5] = [
 /// Within 1.2e-7 of the true value relative to it (all `x` tried). For `x` ≤ 0, where 1 − exp(−a)
 /// is −exp_m1(−a), within 9.1e-8 relative and 6e-8 absolute, and never below −1. +∞ from
 /// the overflow of exp on; −∞ gives −1, NaN gives NaN. A zero of either sign gives +0.
-#[inline]
 pub fn exp_m1(x: f32) -> f32 {
     // A tick times a decay rate: what is left out would change no bit.
     if x.abs() < NEAR {

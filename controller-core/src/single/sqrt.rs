@@ -50,7 +50,6 @@ fn inverse_guess(bits: u32, half: f32) -> f32 {
 }
 
 /// The root of a positive normal number.
-#[inline]
 fn root(bits: u32) -> f32 {
     let x = f32::from_bits(bits);
     let y = inverse_guess(bits, 0.5 * x);

@@ -515,7 +515,6 @@ impl<T: Scalar> Course<T> {
     }
 
     /// The acceleration alone, at a time that may lie a little ahead.
-    #[inline(always)]
     pub(crate) fn accel_at(&self, stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) -> T {
         let accel = if t < self.pieces.until {
             self.pieces.piece.accel(t)
