@@ -123,7 +123,7 @@ fn paths_end_without_overshoot() {
     let least = short.iter().copied().fold(f64::INFINITY, f64::min);
     let most = short.iter().copied().fold(0.0, f64::max);
     Stated::of("docs/motion.md").exactly(
-        At::Phrase("no overshoot (the robot stops # to # mm short"),
+        At::Phrase("no overshoot beyond the latch (the robot stops # to # mm short"),
         &[least, most],
     );
 }

@@ -1,5 +1,6 @@
 //! Where the reference or the goal is, as the robot sees it, and whether that jumped.
 
+use super::manoeuvre::GoalSeen;
 use super::params::MotionParams;
 use super::task::Task;
 use crate::angle::wrap;
@@ -52,6 +53,15 @@ impl<T: Scalar> ErrorView<T> {
                 heading: (T::ZERO, T::ONE),
                 reference_speed: T::ZERO,
             },
+        }
+    }
+
+    /// Of a goal, as a manoeuvre sees it.
+    #[inline(always)]
+    pub(crate) const fn goal(&self) -> GoalSeen<'_, T> {
+        GoalSeen {
+            error: &self.error,
+            heading: self.heading,
         }
     }
 

@@ -72,7 +72,7 @@ impl<T: Scalar> MotionGains<T> {
     /// Gains that suit ticks of `period_s` \[s\] and these limits.
     ///
     /// ```text
-    /// A = min(20/s, 1/(5 T))        k₃ = min(A/5, √(10 α_max))        c = min(c of k₃ and A by [`lateral_pair`], k₃ √(α_max/2))
+    /// A = min(20/s, 1/(5 T))        k₃ = min(A/5, √(10 α_max))        c = min(c of k₃ and A by [`lateral_pair`], k₃ √α_max)
     /// ```
     ///
     /// | symbol | argument | unit |
@@ -155,13 +155,10 @@ impl<T: Scalar> MotionGains<T> {
     }
 }
 
-/// The largest k₃ and c/k₃ \[1/s\] that suit a largest angular acceleration \[rad/s²\]: √(10 α_max) and √(α_max/2); see
+/// The largest k₃ and c/k₃ \[1/s\] that suit a largest angular acceleration \[rad/s²\]: √(10 α_max) and √α_max; see
 /// [`MotionGains::for_limits`].
 pub(crate) fn turning_limits<T: Scalar, M: Maths<T>>(turn_accel: T) -> (T, T) {
-    (
-        M::sqrt(T::from_f64(10.0) * turn_accel),
-        M::sqrt(T::HALF * turn_accel),
-    )
+    (M::sqrt(T::from_f64(10.0) * turn_accel), M::sqrt(turn_accel))
 }
 
 /// Damping of the lateral pair \[-\]: an overshoot of 1.5 %.

@@ -470,7 +470,7 @@ impl<T: Scalar> ParkingLaw<T> {
             return None;
         };
         if execution.is_searching() {
-            execution.search::<M>(&motion.plan, view, way.0, step.dt)?;
+            execution.search::<M>(&motion.plan, view.goal(), way.0, step.dt)?;
         }
         match self.follow::<U, M>(lent.follower, motion, view, moving, step.dt, way) {
             Along::Wanted(wanted) => Some(wanted),
@@ -501,7 +501,7 @@ impl<T: Scalar> ParkingLaw<T> {
         lent.before.keep_manoeuvre(execution);
         let Command { twist, rate } = moving.command;
         execution.start::<M>(&motion.plan, true, &view.error, twist, rate, dt);
-        execution.search::<M>(&motion.plan, view, T::ZERO, dt)?;
+        execution.search::<M>(&motion.plan, view.goal(), T::ZERO, dt)?;
         let way = (T::ZERO, None, Transition::Seamless);
         match self.follow::<U, M>(lent.follower, motion, view, moving, dt, way) {
             Along::Wanted(wanted) => Some(wanted),
@@ -524,7 +524,7 @@ impl<T: Scalar> ParkingLaw<T> {
             return Along::Departed;
         };
         let limits = || motion.offset_limits();
-        let moment = execution.advance::<M>(limits, view, since, dt);
+        let moment = execution.advance::<M>(limits, view.goal(), since, dt);
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
@@ -671,7 +671,7 @@ impl<T: Scalar> Approach<T> {
                 ..Pace::default()
             };
             let plan = motion.plan.at(pace);
-            let rolls_on = execution.roll_on::<M>(&plan, at.view, twist, rate, dt);
+            let rolls_on = execution.roll_on::<M>(&plan, at.view.goal(), twist, rate, dt);
             if rolls_on.is_some() {
                 return Transition::Offset;
             }

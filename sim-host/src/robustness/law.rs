@@ -107,7 +107,7 @@ pub(super) fn default_law(
     }
 }
 
-/// It knows what an owner knows, the noise of poses; nothing of latency, friction or wrong masses.
+/// It knows what an owner knows, the period and the noise of poses; nothing of latency, friction or wrong masses.
 fn with_pose_noise<T: Scalar, M: Maths<T> + 'static>(
     mission: &Mission,
     disturbance: &Disturbance,
@@ -115,6 +115,7 @@ fn with_pose_noise<T: Scalar, M: Maths<T> + 'static>(
     let robot = mission.base.robot.cast();
     let limits = mission.base.limits.cast();
     let sigma = T::from_f64(disturbance.position_noise_m);
-    let params = MotionParams::new_with::<M>(robot, limits).with_pose_noise(sigma);
+    let period_s = T::from_f64(disturbance.period_s);
+    let params = MotionParams::for_period::<M>(robot, limits, period_s).with_pose_noise(sigma);
     Ok(Box::new(MotionLaw::<T, M>::new(params.validate()?)))
 }

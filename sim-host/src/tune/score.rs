@@ -123,7 +123,7 @@ mod tests {
         let good = BaseSpec::default().motion().gains;
         assert_eq!(health(&good, 0.01), 0.0);
         let stiff = MotionGains {
-            lateral: 10.0 * good.lateral,
+            lateral: 40.0 * good.lateral,
             ..good
         };
         assert!(health(&stiff, 0.01) > 20.0);

@@ -6,11 +6,18 @@ use super::path::{Courses, Path, Vector};
 use super::profile::AxisSample;
 use super::search::{Progress, Search, ready_s};
 use crate::maths::Maths;
-use crate::motion::error_view::ErrorView;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::types::{Accel, Twist};
+
+/// The goal as the robot sees it.
+#[derive(Clone, Copy)]
+pub(crate) struct GoalSeen<'a, T> {
+    pub(crate) error: &'a PoseError<T>,
+    /// (sin θ, cos θ) of the robot.
+    pub(crate) heading: (T, T),
+}
 
 /// A manoeuvre under way, or being searched for while the robot comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,13 +128,13 @@ impl<T: Scalar> Execution<T> {
     pub(crate) fn roll_on<M: Maths<T>>(
         &mut self,
         limits: &PlanLimits<T>,
-        view: &ErrorView<T>,
+        view: GoalSeen<'_, T>,
         last: &Twist<T>,
         rate: &Accel<T>,
         dt: T,
     ) -> Option<()> {
         let Begin { half, now, twist } = Begin::of(last, rate, dt);
-        let error = &view.error;
+        let error = view.error;
         let (sine, cosine) = M::sin_cos(error.theta);
         if cosine <= T::HALF {
             return None;
@@ -263,11 +270,11 @@ impl<T: Scalar> Execution<T> {
     pub(crate) fn search<M: Maths<T>>(
         &mut self,
         plan: &PlanLimits<T>,
-        view: &ErrorView<T>,
+        view: GoalSeen<'_, T>,
         step: T,
         dt: T,
     ) -> Option<()> {
-        self.look::<M>(&view.error);
+        self.look::<M>(view.error);
         let Stage::Searching(search) = &mut self.stage else {
             return Some(());
         };
@@ -286,7 +293,7 @@ impl<T: Scalar> Execution<T> {
     /// The search has laid out the path, on which the reference goes on by `step` next.
     #[cold]
     #[inline(never)]
-    fn take_found<M: Maths<T>>(&mut self, view: &ErrorView<T>, step: T) {
+    fn take_found<M: Maths<T>>(&mut self, view: GoalSeen<'_, T>, step: T) {
         let path = &self.path;
         self.duration = path.duration();
         self.end = travel_at_end(path, self.duration);
@@ -309,11 +316,11 @@ impl<T: Scalar> Execution<T> {
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         limits: impl FnOnce() -> OffsetLimits<T>,
-        view: &ErrorView<T>,
+        view: GoalSeen<'_, T>,
         step: T,
         dt: T,
     ) -> Moment<T> {
-        let error = &view.error;
+        let error = view.error;
         self.reference.t += step;
         if self.is_over() {
             return Moment {

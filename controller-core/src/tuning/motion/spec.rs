@@ -79,7 +79,7 @@ impl<T: Scalar> MotionDesignSpec<T> {
 ///
 /// exactly; A is that of the base's gains. ω, k₁ and k₄ are found by bisection such that the loop's response, the transition offset at its
 /// start included, has a tenth left at the specified time. The limits are those that
-/// [`MotionGains::for_limits`] respects: k₃² ≤ 10/rad turn_accel, (c/k₃)² ≤ turn_accel/2 rad; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
+/// [`MotionGains::for_limits`] respects: k₃² ≤ 10/rad turn_accel, (c/k₃)² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
 /// both accelerations with three quarters of the wheels' torque;
 /// and k₁, k₄ ≤ A/4, beyond which the robot runs past its goal.
 ///
