@@ -267,12 +267,12 @@ fn the_default_law_parks_exactly_without_noise_and_unknown_forces() {
     }
 }
 
-/// On the paper's own cases the default law settles before the paper's law does, with any period up to a tenth of a second.
+/// On the paper's own cases the default law settles before the paper's law does, with any period up to 20 ms.
 #[test]
 fn the_default_law_settles_before_the_papers() {
     let conditions = some(|c| {
         c.name.starts_with("nominal")
-            || c.name.starts_with("period") && c.disturbance.period_s <= 0.1
+            || c.name.starts_with("period") && c.disturbance.period_s <= 0.02
     });
     let rows = all(&conditions);
     let settled = |law: ComparedLaw| {

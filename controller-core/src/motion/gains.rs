@@ -72,7 +72,7 @@ impl<T: Scalar> MotionGains<T> {
     /// Gains that suit ticks of `period_s` \[s\] and these limits.
     ///
     /// ```text
-    /// A = min(20/s, 1/(5 T))        k₃ = min(A/5, √(10 α_max))        c = min(c of k₃ and A by [`lateral_pair`], k₃ √α_max)
+    /// A = 2/(5 T), 5 to 20/s        k₃ = min(max(A/5, 3/s), √(10 α_max))        c = min(c of k₃ and A by [`lateral_pair`], k₃ √α_max)
     /// ```
     ///
     /// | symbol | argument | unit |
@@ -80,7 +80,8 @@ impl<T: Scalar> MotionGains<T> {
     /// | T | `period_s` | s |
     /// | α_max | `turn_accel` of the limits | rad/s² |
     ///
-    /// * A neuron's lag is five ticks, and no less than the 50 ms between the poses of a camera at 20 Hz.
+    /// * A neuron's lag is two and a half ticks, and no less than the 50 ms between the poses of a camera at 20 Hz. With 5/s and 3/s a base of ticks of
+    ///   a quarter of a second is still stable (`docs/robustness.md`).
     /// * A heading takes five such lags. With velocity loop and disturbance estimate that leaves ten ticks of torque delay at 10 ms. And of an
     ///   error of 5 mrad, which a pose makes, it asks for no more than a manoeuvre leaves: k₃² · 5 mrad is a twentieth of α_max.
     /// * Turning from the 45° of an approach into the path, in k₃/c, takes some 0.8 (c/k₃)². Whatever the gain, no heading is asked for
@@ -93,9 +94,9 @@ impl<T: Scalar> MotionGains<T> {
         let brake = smaller(limits.accel, limits.brake);
         let turn = smaller(M::sqrt(T::HALF * limits.turn_accel), T::ONE);
         let drive = smaller(M::sqrt(brake / f(0.6)), T::ONE);
-        let decay = smaller(f(20.0), f(0.2) / period_s);
+        let decay = larger(smaller(f(20.0), f(0.4) / period_s), f(5.0));
         let (stiffest, steepest) = turning_limits::<T, M>(limits.turn_accel);
-        let heading = smaller(f(0.2) * decay, stiffest);
+        let heading = smaller(larger(f(0.2) * decay, f(3.0)), stiffest);
         let gains = Self {
             decay,
             longitudinal: f(1.2) * larger(f(0.5), drive),
