@@ -72,7 +72,7 @@ impl<T: Scalar> MotionGains<T> {
     /// Gains that suit ticks of `period_s` \[s\] and these limits.
     ///
     /// ```text
-    /// A = 2/(5 T), 5 to 20/s        k₃ = min(max(A/5, 3/s), √(10 α_max))        c = min(c of k₃ and A by [`lateral_pair`], k₃ √α_max)
+    /// A = 2/(5 T), 5 to 20/s        k₃ = min(max(A/5, 3/s), √(10 α_max))        c = min(c of k₃ and A by the lateral pair, k₃ √α_max)
     /// ```
     ///
     /// | symbol | argument | unit |
@@ -85,7 +85,7 @@ impl<T: Scalar> MotionGains<T> {
     /// * A heading takes five such lags. With velocity loop and disturbance estimate that leaves ten ticks of torque delay at 10 ms. And of an
     ///   error of 5 mrad, which a pose makes, it asks for no more than a manoeuvre leaves: k₃² · 5 mrad is a twentieth of α_max.
     /// * Turning from the 45° of an approach into the path, in k₃/c, takes some 0.8 (c/k₃)². Whatever the gain, no heading is asked for
-    ///   that the base cannot stop at ([`TurnDemand`](super::turn_demand::TurnDemand)).
+    ///   that the base cannot stop at.
     ///
     /// The driving channel's time scale is √(0.6 m/s² / accel), that of an approach by feedback also √(2 rad/s² / turn_accel): a weak base
     /// gets slow gains instead of saturated ones. `docs/motion.md` has the tables.
