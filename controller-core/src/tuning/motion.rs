@@ -68,8 +68,8 @@ impl<T: Scalar> MotionMargins<T> {
 /// let good = MotionGains::<f64>::for_limits::<Libm>(&limits, 0.01);
 /// assert_eq!(margins::<f64, Libm>(&good).warnings().count(), 0);
 ///
-/// // Ten times the stiffness across the path, for a robot that weaved once too slowly.
-/// let hopeless = MotionGains { lateral: 10.0 * good.lateral, ..good };
+/// // Forty times the stiffness across the path, for a robot that weaved once too slowly.
+/// let hopeless = MotionGains { lateral: 40.0 * good.lateral, ..good };
 /// let warning = margins::<f64, Libm>(&hopeless).warnings().next().expect("one");
 /// assert_eq!(warning.to_string(), "across the path: the loop is unstable");
 /// ```
