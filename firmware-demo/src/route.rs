@@ -3,8 +3,7 @@
 use controller_core::error::{ParamError, StepFault};
 use controller_core::maths::Single;
 use controller_core::motion::{
-    Limits, MotionController, MotionParams, Outcome, Remaining, SaturationPolicy, Task,
-    ValidMotionParams,
+    Limits, MotionController, MotionParams, Outcome, Remaining, Task, ValidMotionParams,
 };
 use controller_core::paper::params::{Params, ValidParams};
 use controller_core::queue::{TimedReference, interpolate};
@@ -70,19 +69,8 @@ pub fn base() -> Result<(ValidMotionParams<f32>, ValidParams<f32>), ParamError> 
 }
 
 /// What that base can do.
-pub(crate) const fn limits() -> Limits<f32> {
-    Limits {
-        speed: 2.5,
-        turn_rate: 3.0,
-        rim_speed: 2.5,
-        accel: 1.5,
-        brake: 1.5,
-        turn_accel: 3.0,
-        jerk: 20.0,
-        turn_jerk: 40.0,
-        wheel_torque_nm: 15.0,
-        policy: SaturationPolicy::KeepCurvature,
-    }
+pub(crate) fn limits() -> Limits<f32> {
+    Limits::PAPER.cast()
 }
 
 /// What came of a drive.

@@ -267,7 +267,8 @@ fn the_default_law_parks_exactly_without_noise_and_unknown_forces() {
     }
 }
 
-/// On the paper's own cases the default law settles before the paper's law does, with any period up to 20 ms.
+/// On the paper's own cases the default law settles before the paper's law does, with any period up to 20 ms. With slower ticks
+/// its neurons are slower, 2/(5 T), and the paper's law, whose own have 4/s at any tick, is the quicker one.
 #[test]
 fn the_default_law_settles_before_the_papers() {
     let conditions = some(|c| {

@@ -38,18 +38,7 @@ impl Base {
         inertia: 15.0,
         radius: RADIUS,
         track: TRACK,
-        limits: Limits {
-            speed: 2.5,
-            turn_rate: 3.0,
-            rim_speed: 2.5,
-            accel: 1.5,
-            brake: 1.5,
-            turn_accel: 3.0,
-            jerk: 20.0,
-            turn_jerk: 40.0,
-            wheel_torque_nm: 15.0,
-            policy: SaturationPolicy::KeepCurvature,
-        },
+        limits: Limits::PAPER,
     };
 
     /// The same masses with 10 N and 5 N m at the same time: wheels of 1.5 N m.

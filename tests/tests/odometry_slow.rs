@@ -105,6 +105,7 @@ fn creeping_does_not_make_the_torque_rattle() {
                 // 30 kg turn with 15 kg m² on wheels 0.5 m apart: a loop of 5 rad/s with integral action
                 // that learns of its own torque at the next count, 0.2 s later, rings. A whole base tells
                 // its odometry (`base::BaseController`), and has none of this.
+                // Of 10 kg the heading's gain of 4/s answers what an odometry that is told nothing makes of the torque.
                 let most = match name {
                     "paper-30kg" if !informed => 0.06,
                     "lab-10kg" if !informed => 0.012,

@@ -129,6 +129,7 @@ fn hopeless_gains_are_told() {
             Concern::Unstable,
         ),
         (
+            // It is stable below 0.75 A, 15/s.
             MotionGains {
                 approach: 16.0,
                 ..good
@@ -145,6 +146,7 @@ fn hopeless_gains_are_told() {
             Concern::ShortOfTorqueDelay,
         ),
         (
+            // A damping of √(A/k₁)/2 = 0.395.
             MotionGains {
                 decay: 5.0,
                 longitudinal: 8.0,
@@ -184,6 +186,7 @@ fn turning_a_gain_does_what_the_page_says() {
         found
     };
     let plain = of("for_limits", good);
+    // So stiff that it overshoots by more than a tenth; (A + k₃) k₃/c = 18 times make it unstable.
     let stiff = of(
         "across x 4",
         MotionGains {

@@ -14,7 +14,7 @@ use crate::safety::{
     DetectorParams, PolicyError, PolicyParams, SupplyDetectorParams, Timeout, ValidDetectorParams,
     ValidPolicyParams,
 };
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, seconds};
 
 /// Parameters of all parts of a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,13 +79,12 @@ impl<T: Scalar> BaseParams<T> {
         period_us: u32,
     ) -> Result<Self, ParamError> {
         let localisation = localiser.validate_with::<M>()?;
-        let period_s = T::from_u32(period_us) * T::from_f64(1.0e-6);
         let rotor = motor.as_ref().map(MotorParams::rotor_at_wheel_kg_m2);
         let with_rotors = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
         let motion = MotionParams {
             pose_noise_m: localisation.pose_noise_m(),
             arrival: localisation.arrival(),
-            ..MotionParams::for_period::<M>(with_rotors, limits, period_s)
+            ..MotionParams::for_period::<M>(with_rotors, limits, seconds(period_us))
         };
         let counts_per_turn = localiser.odometry.counts_per_turn;
         let body = MotionParams { robot, ..motion };

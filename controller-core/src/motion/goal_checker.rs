@@ -8,8 +8,8 @@ use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::types::Twist;
 
-/// Decay of the transition offset that stops a parked robot \[1/s\]: faster than the pose neurons' 5, since the
-/// speeds left are small, so that nothing moves a second after arrival.
+/// Decay of the transition offset that stops a parked robot \[1/s\], whatever that of the pose neurons is: nothing moves a second after
+/// arrival.
 pub(crate) const STOPPING_DECAY: f64 = 12.0;
 
 /// What was inside for a moment may be this many tolerances off until the dwell has passed: with noise on it, an error near the

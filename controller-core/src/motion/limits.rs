@@ -63,10 +63,9 @@ pub enum SaturationPolicy {
     DriveFirst,
 }
 
-#[cfg(test)]
 impl Limits<f64> {
-    /// For tests: what suits the paper's robot with wheels of 15 N m.
-    pub(crate) const PAPER: Self = Self {
+    /// What suits the paper's robot with motors of 15 N m at each wheel, on wheels that never slip.
+    pub const PAPER: Self = Self {
         speed: 2.5,
         turn_rate: 3.0,
         rim_speed: 2.5,
@@ -103,7 +102,7 @@ impl<T: Scalar> Limits<T> {
 
     /// A twist within the limits of a base with this track \[m\]: each axis by itself, then both by one factor, so that no rim is
     /// faster than it may be and the curvature stays.
-    pub(crate) fn reachable(&self, twist: &Twist<T>, track_m: T) -> Twist<T> {
+    pub fn reachable(&self, twist: &Twist<T>, track_m: T) -> Twist<T> {
         let linear = clamp(twist.linear, self.speed);
         let angular = clamp(twist.angular, self.turn_rate);
         let rim = rim_speed(linear, angular, track_m);

@@ -154,7 +154,7 @@ macro_rules! faults {
                 $($name: $response,)*
             };
 
-            /// The response to a kind.
+            /// The response to a kind. By a call: it is asked for only where there is a fault, and takes much flash.
             #[inline(never)]
             pub const fn get(&self, kind: FaultKind) -> Response {
                 match kind {

@@ -128,7 +128,7 @@ impl ActiveFaults {
         })
     }
 
-    /// The fault of a kind.
+    /// The fault of a kind. By a call, for the same reason.
     #[inline(never)]
     pub fn get(&self, kind: FaultKind) -> Option<Fault> {
         if self.kinds & bit(kind) == 0 {
@@ -141,7 +141,7 @@ impl ActiveFaults {
     /// The fault with the most severe response (of equal reactions one that latches; the lowest code among equals), and
     /// the response to all of them together. `None` if nothing is to be done.
     pub fn worst(&self, policy: &ValidPolicyParams) -> Option<(Fault, Response)> {
-        let mut worst = None;
+        let mut worst: Option<(Fault, Response)> = None;
         for fault in self.iter() {
             let response = policy.response(fault);
             if response.reaction == Reaction::Ignore {
@@ -150,7 +150,6 @@ impl ActiveFaults {
             worst = Some(match worst {
                 None => (fault, response),
                 Some((worst, so_far)) => {
-                    let so_far: Response = so_far;
                     // What latches is what somebody has to look for.
                     let more = response.reaction > so_far.reaction
                         || (response.reaction == so_far.reaction

@@ -6,8 +6,8 @@ use crate::stability::Polynomial;
 
 /// Least steps over the horizon. A rate of 30 times the slowest is integrated with 0.5 a step.
 const STEPS: u32 = 800;
-/// Most steps, for loops whose fastest rate is 2,000 times the slowest.
-const MOST_STEPS: u32 = 16_000;
+/// They are doubled at most so often.
+const DOUBLINGS: u32 = 5;
 /// The sum of all rates times a step: the fastest is inside the stable region of the method, 2.78.
 const STABLE: f64 = 2.5;
 
@@ -34,10 +34,10 @@ pub(crate) fn response<T: Scalar>(p: &Polynomial<T>, push: T, horizon_s: T) -> R
     let order = p.degree();
     let rates = order.checked_sub(1).map_or(T::ZERO, |k| p.coefficient(k)) / p.leading();
     let needed = horizon_s * rates / f(STABLE);
-    let mut steps = STEPS;
-    while steps < MOST_STEPS && f(f64::from(steps)) < needed {
-        steps *= 2;
-    }
+    let steps = (0..DOUBLINGS)
+        .map(|doublings| STEPS << doublings)
+        .find(|steps| f(f64::from(*steps)) >= needed)
+        .unwrap_or(STEPS << DOUBLINGS);
     let h = horizon_s / f(f64::from(steps));
     let (half, sixth) = (T::HALF * h, h / f(6.0));
     let mut state: [T; ORDER] = core::array::from_fn(|k| match k {

@@ -4,7 +4,7 @@ use super::hardware::Hardware;
 use crate::import;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
-use controller_core::motion::{Limits, MotionGains, MotionParams, SaturationPolicy};
+use controller_core::motion::{Limits, MotionGains, MotionParams};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 
@@ -34,18 +34,7 @@ impl Default for BaseSpec {
         Self {
             name: "30 kg base".to_owned(),
             robot: Robot::paper(),
-            limits: Limits {
-                speed: 2.5,
-                turn_rate: 3.0,
-                rim_speed: 2.5,
-                accel: 1.5,
-                brake: 1.5,
-                turn_accel: 3.0,
-                jerk: 20.0,
-                turn_jerk: 40.0,
-                wheel_torque_nm: 15.0,
-                policy: SaturationPolicy::KeepCurvature,
-            },
+            limits: Limits::PAPER,
             gains: None,
             hardware: None,
             policy: PolicyParams::DEFAULT,

@@ -122,6 +122,7 @@ mod tests {
     fn gains_for_limits_are_healthy_and_stiffer_ones_are_not() {
         let good = BaseSpec::default().motion().gains;
         assert_eq!(health(&good, 0.01), 0.0);
+        // Unstable from (A + k₃) k₃/c = 18 times on.
         let stiff = MotionGains {
             lateral: 40.0 * good.lateral,
             ..good

@@ -2,7 +2,7 @@
 
 use controller_core::angle::wrap;
 use controller_core::maths::Libm;
-use controller_core::motion::{MotionController, MotionGains, MotionParams, Task};
+use controller_core::motion::{Limits, MotionController, MotionGains, MotionParams, Task};
 use controller_core::reference::ConstantTwist;
 use controller_core::shunting::RationalMean;
 use controller_core::types::{Measured, Pose, Twist};
@@ -173,13 +173,15 @@ fn converges(
         return false;
     };
     let limits = &params.limits;
-    let (speed, turn_rate) = (shares.0 * limits.speed, shares.1 * limits.turn_rate);
+    let twist = Twist::new(shares.0 * limits.speed, shares.1 * limits.turn_rate);
     // A base catches up with what leaves its rims a tenth of their speed.
-    let rim = speed.abs() + 0.5 * params.robot.wheels.track_m * turn_rate.abs();
-    let slower = (0.9 * limits.rim_speed / rim).min(1.0);
+    let leaving = Limits {
+        rim_speed: 0.9 * limits.rim_speed,
+        ..*limits
+    };
     let path = ConstantTwist {
         start: Pose::default(),
-        twist: Twist::new(slower * speed, slower * turn_rate),
+        twist: leaving.reachable(&twist, params.robot.wheels.track_m),
     };
     let at = |t: f64| Task::Follow(path.at::<Libm>(t));
     let mut now = Measured {

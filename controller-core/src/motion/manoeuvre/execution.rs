@@ -537,7 +537,7 @@ fn turned_back<T: Scalar>(of: (T, T), by: (T, T)) -> (T, T) {
 }
 
 /// Sine and cosine of an angle as small as that of a curve aside, by the first terms of their series: up to 0.3 rad the next ones are
-/// below a rounding.
+/// below a rounding of single precision.
 fn sin_cos_of_little<T: Scalar>(angle: T) -> (T, T) {
     let f = T::from_f64;
     let square = angle * angle;

@@ -10,7 +10,7 @@ use crate::range::{clamp, larger};
 use crate::scalar::Scalar;
 
 /// Time between two settings of the offset \[s\]: a fix or two, and no less than the follower's neurons need to answer the last one
-/// (1/A, 0.1 to 0.2 s). In every tick, it would answer its own corrections, and weave.
+/// (1/A, 0.05 to 0.2 s). In every tick, it would answer its own corrections, and weave.
 pub(crate) const SETTING_S: f64 = 0.1;
 
 /// The driven reference lies z to the left of the planned one:
