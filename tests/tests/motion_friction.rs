@@ -112,25 +112,24 @@ fn dry_friction_leaves_nothing_and_nothing_hunts() {
 
 /// Wheels that stand and slide each by itself, with a 60th of their force to break away (5 N in all on the large base),
 /// and a 20th on the small one, where sliding friction alone then turns it at 5 rad/s². One wheel may stand while the
-/// other creeps: many runs need a retry, and with a 20th a third ends out of tolerance: 32 of 89, and no more than 35. Nobody moves in the end. With neurons of 5/s
-/// instead of 20/s a fifth ended so, whatever the other gains are: a manoeuvre's end is then less often beside the goal.
+/// other creeps: many runs need a retry, and with a 20th 15 of 89 end out of tolerance, and no more than 16. Nobody moves in the end.
 #[test]
 fn dry_friction_of_each_wheel_is_parked_or_told() {
     let (large, small) = ((Base::STANDARD, 1.0 / 60.0), (Base::SMALL, 1.0 / 60.0));
     let mut sum = Sum::default();
-    on_wheels::<f64, Libm, ExactMean>("wheels, 30 kg", large, (13, 0.01), 0.02, &mut sum);
-    on_wheels::<f32, Single, RationalMean>("wheels, 30 kg", large, (17, 0.01), 0.02, &mut sum);
-    on_wheels::<f32, Single, RationalMean>("wheels, 30 kg", large, (29, 0.005), 0.02, &mut sum);
+    on_wheels::<f64, Libm, ExactMean>("wheels, 30 kg", large, (13, 0.01), 0.0, &mut sum);
+    on_wheels::<f32, Single, RationalMean>("wheels, 30 kg", large, (17, 0.01), 0.0, &mut sum);
+    on_wheels::<f32, Single, RationalMean>("wheels, 30 kg", large, (29, 0.005), 0.0, &mut sum);
     let mut latest = sum.0.hunting.1;
     sum.state("dry friction per wheel, 2.5 N to break away, 2 N sliding; held, the same periods and precisions", false);
     let mut sum = Sum::default();
-    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg", small, (13, 0.01), 0.15, &mut sum);
-    on_wheels::<f32, Single, RationalMean>("wheels, 1 kg", small, (17, 0.005), 0.15, &mut sum);
+    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg", small, (13, 0.01), 0.0, &mut sum);
+    on_wheels::<f32, Single, RationalMean>("wheels, 1 kg", small, (17, 0.005), 0.0, &mut sum);
     latest = latest.max(sum.0.hunting.1);
     sum.state("the same on 1 kg, 0.02 N to break away", true);
     let mut sum = Sum::default();
     let harder = (Base::SMALL, 0.05);
-    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg, 5 %", harder, (13, 0.01), 0.4, &mut sum);
+    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg, 5 %", harder, (13, 0.01), 0.18, &mut sum);
     latest = latest.max(sum.0.hunting.1);
     sum.state("0.06 N to break away", true);
     // Those with friction per axis are done sooner, and are held to 1 s.

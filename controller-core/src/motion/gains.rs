@@ -133,6 +133,22 @@ impl<T: Scalar> MotionGains<T> {
         T::HALF * self.lateral * lateral_m / (self.heading * heading_rad)
     }
 
+    /// Decay \[1/s\] of the neurons of parking by feedback.
+    ///
+    /// ```text
+    /// A₄ = min(A, 4 k₄)          s² + A₄ s + A₄ k₄ = 0 of a neuron and what it is to bring to 0: critically damped with 4 k₄
+    /// ```
+    ///
+    /// | symbol | argument | unit |
+    /// | --- | --- | --- |
+    /// | A, k₄ | `decay`, `approach` | 1/s |
+    ///
+    /// No quicker, though poses and ticks may allow it: a robot that friction holds gets no nearer, and a command that has fallen with the error
+    /// already leaves it further off than one that still has some of the last second's.
+    pub(crate) fn approach_decay(&self) -> T {
+        smaller(self.decay, T::from_f64(4.0) * self.approach)
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         check_ranges![
             (Field::DecayA, self.decay, 0.1, 100.0),

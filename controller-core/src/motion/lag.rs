@@ -8,7 +8,7 @@ use crate::scalar::residue;
 use crate::shunting::{self, NeuronParams, NeuronUpdate, Shunting};
 
 /// Eq. (4) with B = D and its input scaled by A/B: for a constant demand x the state goes to
-/// x/(1 + |x|/B), which is x where it is small and never beyond ±B. A is lent: all neurons of the law have the same.
+/// x/(1 + |x|/B), which is x where it is small and never beyond ±B. A is lent: all neurons of a pose law have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lag<T> {
     /// B, and the same as a long tick pulls the state to it.

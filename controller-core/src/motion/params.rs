@@ -128,6 +128,7 @@ impl<T: Scalar> MotionParams<T> {
         let noisy = noise_radius > least;
         let force = largest_force(&self);
         let bound = gains.disturbance_share * force;
+        let approach_decay = gains.approach_decay();
         Ok(ValidMotionParams {
             params: self,
             wheels,
@@ -147,8 +148,9 @@ impl<T: Scalar> MotionParams<T> {
             along: Lag::new(gains.decay, gains.longitudinal_bound)?,
             across: Lag::new(gains.decay, f(STEEPEST_APPROACH))?,
             around: Lag::new(gains.decay, f(1.5))?,
-            approach: Lag::new(gains.decay, f(4.0) * gains.approach)?,
-            turn: Lag::new(gains.decay, f(4.0))?,
+            approach_decay,
+            approach: Lag::new(approach_decay, f(4.0) * gains.approach)?,
+            turn: Lag::new(approach_decay, f(4.0))?,
             plan: plan_limits(&self),
             turning: TurnDemand::new(
                 gains.heading,
@@ -251,9 +253,11 @@ pub struct ValidMotionParams<T = f32> {
     pub(crate) across: Lag<T>,
     /// Neuron that turns a robot which looks back \[1\].
     pub(crate) around: Lag<T>,
-    /// Neuron of the distance while parking \[m/s\].
+    /// Decay of the two neurons of parking by feedback \[1/s\].
+    pub(crate) approach_decay: T,
+    /// Neuron of the distance while parking by feedback \[m/s\].
     pub(crate) approach: Lag<T>,
-    /// Neuron of the bearing while parking \[rad/s\].
+    /// Neuron of the bearing while parking by feedback \[rad/s\].
     pub(crate) turn: Lag<T>,
     /// What a parking manoeuvre may use.
     pub(crate) plan: PlanLimits<T>,

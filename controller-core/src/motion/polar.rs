@@ -100,13 +100,18 @@ impl<T: Scalar> PoseRegulator<T> {
         let ahead = gain * error.x;
         match two_per_dt {
             Some(two_per_dt) => {
-                self.approach =
-                    motion
-                        .approach
-                        .advance::<U, M>(&self.approach, ahead, gains.decay, two_per_dt);
-                self.turn = motion
-                    .turn
-                    .advance::<U, M>(&self.turn, turn, gains.decay, two_per_dt);
+                self.approach = motion.approach.advance::<U, M>(
+                    &self.approach,
+                    ahead,
+                    motion.approach_decay,
+                    two_per_dt,
+                );
+                self.turn = motion.turn.advance::<U, M>(
+                    &self.turn,
+                    turn,
+                    motion.approach_decay,
+                    two_per_dt,
+                );
             }
             None => {
                 self.approach = motion.approach.reset(command.linear, ahead);
@@ -119,8 +124,8 @@ impl<T: Scalar> PoseRegulator<T> {
                 angular: self.turn.value,
             },
             rate: Accel {
-                linear: motion.approach.rate(&self.approach, gains.decay),
-                angular: motion.turn.rate(&self.turn, gains.decay),
+                linear: motion.approach.rate(&self.approach, motion.approach_decay),
+                angular: motion.turn.rate(&self.turn, motion.approach_decay),
             },
         }
     }

@@ -68,19 +68,16 @@ impl Regulator {
             gain * alpha.cos().max(0.2) * (k_a * (alpha + phi) + (1.0 + phi_slope) * alpha.sin());
         let share = self.aim_share(k, rho);
         let wanted = [gain * e.x, share * bearing + (1.0 - share) * k.k4 * e.z];
-        let bounds = [4.0 * k.k4, TURN_BOUND];
+        let (a, bounds) = (k.a.min(4.0 * k.k4), [4.0 * k.k4, TURN_BOUND]);
         self.s = match dt {
             Some(dt) => {
-                std::array::from_fn(|i| self.s[i].after(wanted[i], k.a, bounds[i], dt, k.rule))
+                std::array::from_fn(|i| self.s[i].after(wanted[i], a, bounds[i], dt, k.rule))
             }
-            None => std::array::from_fn(|i| Neuron::at(command[i], wanted[i], k.a, bounds[i])),
+            None => std::array::from_fn(|i| Neuron::at(command[i], wanted[i], a, bounds[i])),
         };
         Desired {
             twist: Pair::new(self.s[0].xi, self.s[1].xi),
-            rate: Pair::new(
-                self.s[0].rate(k.a, bounds[0]),
-                self.s[1].rate(k.a, bounds[1]),
-            ),
+            rate: Pair::new(self.s[0].rate(a, bounds[0]), self.s[1].rate(a, bounds[1])),
         }
     }
 
