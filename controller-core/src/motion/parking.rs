@@ -54,13 +54,6 @@ pub(crate) struct Before<T> {
     approach: Kept<T>,
 }
 
-/// What came of a tick along a manoeuvre.
-enum Along<T> {
-    Wanted(Wanted<T>),
-    /// Too far from the reference: see [`DEPARTURE`].
-    Departed,
-}
-
 /// What was kept beside the approach.
 enum KeptMemory<T> {
     Nothing,
@@ -472,10 +465,8 @@ impl<T: Scalar> ParkingLaw<T> {
         if execution.is_searching() {
             execution.search::<M>(&motion.plan, view.goal(), way.0, step.dt)?;
         }
-        match self.follow::<U, M>(lent.follower, motion, view, moving, step.dt, way) {
-            Along::Wanted(wanted) => Some(wanted),
-            Along::Departed => self.return_from::<U, M>(lent, motion, view, moving, step.dt),
-        }
+        self.follow::<U, M>(lent.follower, motion, view, moving, step.dt, way)
+            .or_else(|| self.return_from::<U, M>(lent, motion, view, moving, step.dt))
     }
 
     /// Another manoeuvre, slower, from where the robot is.
@@ -503,13 +494,10 @@ impl<T: Scalar> ParkingLaw<T> {
         execution.start::<M>(&motion.plan, true, &view.error, twist, rate, dt);
         execution.search::<M>(&motion.plan, view.goal(), T::ZERO, dt)?;
         let way = (T::ZERO, None, Transition::Seamless);
-        match self.follow::<U, M>(lent.follower, motion, view, moving, dt, way) {
-            Along::Wanted(wanted) => Some(wanted),
-            Along::Departed => None,
-        }
+        self.follow::<U, M>(lent.follower, motion, view, moving, dt, way)
     }
 
-    /// The same with a manoeuvre under way.
+    /// The same with a manoeuvre under way; `None` too far from its reference, see [`DEPARTURE`].
     #[inline(never)]
     fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
@@ -519,9 +507,9 @@ impl<T: Scalar> ParkingLaw<T> {
         moving: &Moving<'_, T>,
         dt: T,
         (since, two_per_dt, transition): (T, Option<T>, Transition),
-    ) -> Along<T> {
+    ) -> Option<Wanted<T>> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
-            return Along::Departed;
+            return None;
         };
         let limits = || motion.offset_limits();
         let moment = execution.advance::<M>(limits, view.goal(), since, dt);
@@ -531,7 +519,7 @@ impl<T: Scalar> ParkingLaw<T> {
                 >= motion.rim_speed(&moving.command.twist)
         };
         if has_departed(motion, &moment.error) && moves() && !execution.is_searching() {
-            return Along::Departed;
+            return None;
         }
         let now = Instant {
             twist: &moment.twist,
@@ -541,7 +529,7 @@ impl<T: Scalar> ParkingLaw<T> {
             turn_rate: moving.twist.angular,
         };
         let command = &moving.command.twist;
-        Along::Wanted(Wanted {
+        Some(Wanted {
             setpoint: follower.advance::<U, M>(motion, &now, command, two_per_dt),
             transition,
         })
