@@ -3,8 +3,9 @@
 use sim_host::csv_out::Columns;
 use std::error::Error;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
+use tests::fixtures;
 
 fn sim_host(directory: &Path, arguments: &[&str]) -> Result<Output, Box<dyn Error>> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
@@ -12,10 +13,7 @@ fn sim_host(directory: &Path, arguments: &[&str]) -> Result<Output, Box<dyn Erro
 }
 
 fn fixture(name: &str) -> String {
-    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "tests/fixtures", name]
-        .iter()
-        .collect();
-    path.display().to_string()
+    fixtures::path(name).display().to_string()
 }
 
 #[test]

@@ -9,15 +9,11 @@ use sim_host::run::drive;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use tests::fixtures::{self, DRIVABLE};
 use tests::stated::{At, Stated};
 
-fn fixture(name: &str) -> Result<Vec<u8>, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-    Ok(fs::read(path.join(name))?)
-}
-
 fn metrics(name: &str, run: &FileRun, base: &BaseSpec) -> Result<DriveMetrics, Box<dyn Error>> {
-    let (mission, scaling) = run.mission(name, &fixture(name)?, base)?;
+    let (mission, scaling) = run.mission(name, &fixtures::read(name)?, base)?;
     assert!(scaling.load <= 1.0, "{name}: {scaling}");
     let trace = drive(&mission)?;
     Ok(DriveMetrics::of(&mission, &trace).ok_or("no rows")?)
@@ -34,23 +30,6 @@ fn assert_parked(name: &str, metrics: &DriveMetrics) {
     }
 }
 
-const DRIVABLE: [&str; 14] = [
-    "wpilib_dirty.json",
-    "wpilib_gaps.json",
-    "small_wpilib.json",
-    "wpilib_2027.json",
-    "choreo_v0.traj",
-    "choreo_v0_track.traj",
-    "choreo_v1.traj",
-    "choreo_shifted.traj",
-    "tum_planar.txt",
-    "small_tum.txt",
-    "table.csv",
-    "table_bare.csv",
-    "table_spin.csv",
-    "small_table.csv",
-];
-
 #[test]
 fn every_format_is_driven_to_parked() -> Result<(), Box<dyn Error>> {
     for name in DRIVABLE {
@@ -66,7 +45,7 @@ fn references_are_as_the_document_says() -> Result<(), Box<dyn Error>> {
     let mut page = Stated::of("docs/trajectories.md");
     let (mut planned, mut recorded) = ([0.0_f64; 2], [0.0_f64; 2]);
     for name in DRIVABLE {
-        let trajectory = import(&fixture(name)?, &Options::default())?;
+        let trajectory = import(&fixtures::read(name)?, &Options::default())?;
         let off = trajectory.closeness();
         let most = if name.contains("tum") {
             &mut recorded
@@ -108,7 +87,7 @@ fn files_take_the_time_that_the_document_says() -> Result<(), Box<dyn Error>> {
     let bases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bases");
     let mut most: f64 = 0.0;
     for name in ["wpilib_dirty.json", "choreo_v1.traj", "table.csv"] {
-        let bytes = fixture(name)?;
+        let bytes = fixtures::read(name)?;
         let mut figures = vec![trajectory(&bytes)?.duration()];
         for (pace, tolerance_m) in [(Pace::Own, 0.0), (Pace::Own, 0.01), (Pace::Fastest, 0.01)] {
             let retiming = Retiming { pace, tolerance_m };
@@ -212,7 +191,7 @@ fn far_from_the_origin_single_precision_parks_as_well() -> Result<(), Box<dyn Er
 
 #[test]
 fn options_out_of_range_are_named() -> Result<(), Box<dyn Error>> {
-    let bytes = fixture("table.csv")?;
+    let bytes = fixtures::read("table.csv")?;
     for (run, name) in [
         (
             FileRun {
@@ -281,7 +260,7 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
 fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
     let table = ChipTable::of(
         "table",
-        &fixture("table.csv")?,
+        &fixtures::read("table.csv")?,
         &BaseSpec::default(),
         &Retiming::default(),
     )?;

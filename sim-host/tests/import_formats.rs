@@ -2,41 +2,32 @@
 
 use sim_host::import::{FileVerdict, Fix, Format, Options, Trajectory, check, import};
 use std::error::Error;
-use std::fs;
-use std::path::Path;
+use tests::fixtures::{self, DRIVABLE};
 
 type Outcome = Result<(), Box<dyn Error>>;
 
 fn load(name: &str) -> Result<Trajectory, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-    Ok(import(&fs::read(path.join(name))?, &Options::default())?)
+    Ok(import(&fixtures::read(name)?, &Options::default())?)
 }
 
-const DRIVABLE: [(&str, Format); 14] = [
-    ("wpilib_dirty.json", Format::WpilibJson),
-    ("wpilib_gaps.json", Format::WpilibJson),
-    ("small_wpilib.json", Format::WpilibJson),
-    ("wpilib_2027.json", Format::WpilibJson),
-    ("choreo_v0.traj", Format::ChoreoTraj),
-    ("choreo_v0_track.traj", Format::ChoreoTraj),
-    ("choreo_v1.traj", Format::ChoreoTraj),
-    ("choreo_shifted.traj", Format::ChoreoTraj),
-    ("tum_planar.txt", Format::TumPoses),
-    ("small_tum.txt", Format::TumPoses),
-    ("table.csv", Format::Csv),
-    ("table_bare.csv", Format::Csv),
-    ("table_spin.csv", Format::Csv),
-    ("small_table.csv", Format::Csv),
-];
+/// What a drivable file is, by the end of its name.
+fn format_of(name: &str) -> Format {
+    match name.rsplit('.').next() {
+        Some("json") => Format::WpilibJson,
+        Some("traj") => Format::ChoreoTraj,
+        Some("txt") => Format::TumPoses,
+        _ => Format::Csv,
+    }
+}
 
 /// Midpoint steps of this size drift by less than 1e-6 m in these files.
 const STEP: f64 = 1e-4;
 
 #[test]
 fn pose_is_the_integral_of_twist_and_twist_of_acceleration() -> Outcome {
-    for (name, format) in DRIVABLE {
+    for name in DRIVABLE {
         let trajectory = load(name)?;
-        assert_eq!(trajectory.source(), format, "{name}");
+        assert_eq!(trajectory.source(), format_of(name), "{name}");
         let steps = (trajectory.duration() / STEP).round();
         let h = trajectory.duration() / steps;
         let start = trajectory.at(0.0);
@@ -65,7 +56,7 @@ fn pose_is_the_integral_of_twist_and_twist_of_acceleration() -> Outcome {
 
 #[test]
 fn samples_are_finite_and_strictly_later() -> Outcome {
-    for (name, _) in DRIVABLE {
+    for name in DRIVABLE {
         let trajectory = load(name)?;
         let mut last = -1.0;
         for s in trajectory.samples() {
@@ -81,7 +72,7 @@ fn samples_are_finite_and_strictly_later() -> Outcome {
 
 #[test]
 fn rest_at_both_ends_is_rest() -> Outcome {
-    for (name, _) in DRIVABLE {
+    for name in DRIVABLE {
         if ["tum_planar.txt", "small_tum.txt", "table_bare.csv"].contains(&name) {
             continue; // These do not say.
         }
@@ -188,8 +179,8 @@ fn samples_of_2027_are_the_same_reference() -> Outcome {
         assert!((a.x - b.x).hypot(a.y - b.y) < 1e-5, "{t}");
         assert!((a.v - b.v).abs() < 1e-3, "{t}: {} and {}", a.v, b.v);
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/wpilib_2027.json");
-    let doubled = fs::read_to_string(path)?.replace("\"leftVelocity\":", "\"leftVelocity\":3");
+    let doubled = String::from_utf8(fixtures::read("wpilib_2027.json")?)?
+        .replace("\"leftVelocity\":", "\"leftVelocity\":3");
     let doubled = import(doubled.as_bytes(), &Options::default())?;
     assert!(
         doubled

@@ -3,9 +3,8 @@
 use proptest::prelude::*;
 use sim_host::import::{Options, import};
 use std::error::Error;
-use std::fs;
-use std::path::Path;
 use std::time::{Duration, Instant};
+use tests::fixtures;
 
 const SMALL: [&str; 10] = [
     "small_wpilib.json",
@@ -22,11 +21,6 @@ const SMALL: [&str; 10] = [
 
 /// What a file of a few kilobytes may take, with room for a busy machine.
 const PATIENCE: Duration = Duration::from_secs(10);
-
-fn small(name: &str) -> std::io::Result<Vec<u8>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-    fs::read(path.join(name))
-}
 
 /// A finite reference, or a refusal that says something, in time.
 fn survives(bytes: &[u8]) {
@@ -48,7 +42,7 @@ fn survives(bytes: &[u8]) {
 #[test]
 fn every_truncation_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> {
     for name in SMALL {
-        let bytes = small(name)?;
+        let bytes = fixtures::read(name)?;
         for end in 0..=bytes.len() {
             survives(bytes.get(..end).unwrap_or_default());
         }
@@ -59,7 +53,7 @@ fn every_truncation_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> 
 #[test]
 fn every_byte_flip_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> {
     for name in SMALL {
-        let mut bytes = small(name)?;
+        let mut bytes = fixtures::read(name)?;
         for at in 0..bytes.len() {
             // Every other bit, and one of the characters that numbers and structure are made of.
             let flips = (at % 2..8).step_by(2).map(|bit| 1u8 << bit);

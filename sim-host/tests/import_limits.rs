@@ -8,13 +8,12 @@ use sim_host::import::{
 };
 use sim_host::mission::BaseSpec;
 use std::error::Error;
-use std::fs;
 use std::path::Path;
+use tests::fixtures;
 use tests::stated::{At, Stated};
 
 fn load(name: &str) -> Result<Trajectory, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-    Ok(import(&fs::read(path.join(name))?, &Options::default())?)
+    Ok(import(&fixtures::read(name)?, &Options::default())?)
 }
 
 const NAMES: [&str; 5] = [
@@ -610,7 +609,7 @@ fn files_take_the_least_time_but_for_what_the_document_says() -> Result<(), Box<
             other => return Err(other.into()),
         };
         let spec = BaseSpec::load(&folder.join(format!("../bases/{base}.toml")))?;
-        let file = trajectory(&fs::read(folder.join("tests/fixtures").join(name))?)?;
+        let file = trajectory(&fixtures::read(name)?)?;
         let retiming = Retiming {
             pace,
             ..Retiming::default()

@@ -2,8 +2,7 @@
 
 use sim_host::import::{MAX_SAMPLES, Options, Reason, Refusal, Untimed, import};
 use std::error::Error;
-use std::fs;
-use std::path::Path;
+use tests::fixtures;
 
 /// The refusal of a file; drivable files fail the test.
 fn refusal(bytes: &[u8]) -> Result<Refusal, String> {
@@ -14,8 +13,7 @@ fn refusal(bytes: &[u8]) -> Result<Refusal, String> {
 }
 
 fn fixture(name: &str) -> Result<Refusal, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-    Ok(refusal(&fs::read(path.join(name))?)?)
+    Ok(refusal(&fixtures::read(name)?)?)
 }
 
 /// Start of a CSV file and of a JSON state.

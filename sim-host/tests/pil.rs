@@ -235,7 +235,7 @@ fn files_and_laws_are_flown_together() {
     let here = tempfile::tempdir().expect("a directory");
     let mine = MINE.replace("duration = 1.0", "duration = 0.6");
     fs::write(here.path().join("mine.toml"), mine).expect("written");
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/small_wpilib.json");
+    let file = tests::fixtures::path("small_wpilib.json");
     let file = file.to_str().expect("a path");
     let output = pil(here.path(), &["mine.toml", file, "--base", "lab-10kg"]);
     let shown = text(&output.stdout);

@@ -11,6 +11,7 @@ pub mod core_loop;
 pub mod core_params;
 pub mod encoded;
 pub mod fixes;
+pub mod fixtures;
 pub mod fuzz;
 pub mod golden;
 pub mod host_cost;

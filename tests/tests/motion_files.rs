@@ -1,7 +1,5 @@
 //! Trajectory files to their planned end, and parked there, with the tolerance of most users.
 
-use std::path::Path;
-
 use controller_core::maths::Single;
 use controller_core::motion::{MotionParams, Outcome, Task};
 use controller_core::reference::Reference;
@@ -10,26 +8,12 @@ use controller_core::types::{Accel, Pose, Twist, Wrench};
 use sim_host::drive::{FileRun, Retiming, trajectory};
 use sim_host::import::Trajectory;
 use sim_host::mission::BaseSpec;
+use tests::fixtures::{self, DRIVABLE};
 use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Drive, Order};
 use tests::stated::{At, Stated};
 use tests::tuning_loop::{BASES, file};
-
-/// Those that end at rest: of the others no end is planned, the base leaves them to come to rest.
-const FILES: [&str; 11] = [
-    "wpilib_dirty.json",
-    "wpilib_gaps.json",
-    "small_wpilib.json",
-    "wpilib_2027.json",
-    "choreo_v0.traj",
-    "choreo_v0_track.traj",
-    "choreo_v1.traj",
-    "choreo_shifted.traj",
-    "table.csv",
-    "table_spin.csv",
-    "small_table.csv",
-];
 
 /// The run until its end, then its last pose.
 fn order(run: &Trajectory, t: f64) -> Order {
@@ -41,6 +25,12 @@ fn order(run: &Trajectory, t: f64) -> Order {
     } else {
         Task::Park(pose)
     }
+}
+
+/// Ends at rest.
+fn stops(path: &Trajectory) -> bool {
+    let end = path.at(path.duration());
+    end.v.abs() < 1e-6 && end.w.abs() < 1e-6
 }
 
 /// Drives a run from rest, beside its start where it is long enough; how long after its end the robot
@@ -82,23 +72,23 @@ fn parks_after(run: &Trajectory, spec: &BaseSpec, heavier: f64, nimbler: f64) ->
     parked_s - run.duration()
 }
 
-/// Every file on every base: with the mass and the inertia that the controller believes, and with others.
+/// Every file that ends at rest on every base, with the mass and the inertia that the controller believes, and with others. Of the other three
+/// files no end is planned: the base leaves them to come to rest.
 #[test]
 fn files_are_parked_soon_after_their_planned_end() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../sim-host/tests/fixtures");
-    let cases: Vec<_> = FILES
+    let cases: Vec<_> = DRIVABLE
         .into_iter()
-        .flat_map(|name| BASES.map(|base| (name, base)))
+        .map(|name| fixtures::read(name).expect("a fixture"))
+        .map(|bytes| trajectory(&bytes).expect("drivable"))
+        .filter(stops)
+        .flat_map(|path| BASES.map(|base| (path.clone(), base)))
         .collect();
-    let late = on_all_cores(&cases, |(name, base)| {
-        let bytes = std::fs::read(folder.join(name)).expect("a fixture");
-        let path = trajectory(&bytes).expect("drivable");
+    assert_eq!(cases.len(), 11 * BASES.len());
+    let late = on_all_cores(&cases, |(path, base)| {
         let spec = file(base);
         let (run, _) = Retiming::default()
-            .of(&path, &spec)
+            .of(path, &spec)
             .expect("a base's limits");
-        let end = run.at(run.duration());
-        assert!(end.v.abs() < 1e-6 && end.w.abs() < 1e-6, "{name}: {end:?}");
         [(1.0, 1.0), (1.3, 0.7)].map(|(mass, inertia)| parks_after(&run, &spec, mass, inertia))
     });
     let mut figures = [[0.0; 2]; 2];
