@@ -61,6 +61,13 @@ const DISTURBANCE: f64 = 2.5;
 /// Force and moment at this share each take the quarter of a wheel's torque that commands leave.
 const DISTURBANCE_SHARE: f64 = 0.125;
 
+/// k_a, parking by feedback: gain on the bearing error, per unit of the approach's gain. With [`COUPLING`] the best of a search
+/// over 90 hand-over states and 324 starts from rest at equal peak moment; `docs/motion.md`.
+pub(crate) const BEARING: f64 = 1.6;
+
+/// h, parking by feedback: how strongly the goal's heading bends the approach.
+pub(crate) const COUPLING: f64 = 0.4;
+
 /// Of exact poses: a lateral error \[m\], and the heading that following may make of it at any speed \[rad\]. In single precision
 /// rounding, 1e-7 m, then asks for moments that nobody feels.
 const EXACT: (f64, f64) = (1.0e-3, 0.014);
@@ -136,17 +143,19 @@ impl<T: Scalar> MotionGains<T> {
     /// Decay \[1/s\] of the neurons of parking by feedback.
     ///
     /// ```text
-    /// A₄ = min(A, 4 k₄)          s² + A₄ s + A₄ k₄ = 0 of a neuron and what it is to bring to 0: critically damped with 4 k₄
+    /// A₄ = min(A, 4 ζ² (k_a + 1 + h) k₄)          s² + A₄ s + A₄ (k_a + 1 + h) k₄ of a neuron and the bearing has damping ζ
     /// ```
     ///
     /// | symbol | argument | unit |
     /// | --- | --- | --- |
     /// | A, k₄ | `decay`, `approach` | 1/s |
+    /// | ζ | that of the lateral pair, 0.8 | – |
     ///
     /// No quicker, though poses and ticks may allow it: a robot that friction holds gets no nearer, and a command that has fallen with the error
     /// already leaves it further off than one that still has some of the last second's.
     pub(crate) fn approach_decay(&self) -> T {
-        smaller(self.decay, T::from_f64(4.0) * self.approach)
+        let share = 4.0 * DAMPING * DAMPING * (BEARING + 1.0 + COUPLING);
+        smaller(self.decay, T::from_f64(share) * self.approach)
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {

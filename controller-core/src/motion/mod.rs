@@ -54,7 +54,7 @@ pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
 pub use drive::check_order;
 pub use gains::MotionGains;
-pub(crate) use gains::{NOISE_HEADING_RAD, lateral_pair, turning_limits};
+pub(crate) use gains::{BEARING, COUPLING, NOISE_HEADING_RAD, lateral_pair, turning_limits};
 pub use hand_over::Remaining;
 pub use limits::{Limits, SaturationPolicy};
 pub use load::Load;
@@ -65,5 +65,4 @@ pub use task::Task;
 
 pub(crate) use law::MotionLaw;
 pub(crate) use limits::COMMAND_SHARE;
-pub(crate) use polar::{BEARING, COUPLING};
 pub(crate) use task::Asked;

@@ -1,5 +1,6 @@
 //! Parking at a pose, position and heading, forward or backward.
 
+use super::gains::{BEARING, COUPLING};
 use super::lag::LagState;
 use super::params::ValidMotionParams;
 use super::setpoint::Setpoint;
@@ -11,13 +12,6 @@ use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Accel, Twist};
-
-/// Gain on the bearing error, per unit of the approach's gain. With [`COUPLING`] the best of a search
-/// over 90 hand-over states and 324 starts from rest at equal peak moment; `docs/motion.md`.
-pub(crate) const BEARING: f64 = 1.6;
-
-/// h: how strongly the goal's heading bends the approach.
-pub(crate) const COUPLING: f64 = 0.4;
 
 /// Radii of the noise from the goal at which the robot stops to aim at it and aligns, and at which it aims
 /// again.

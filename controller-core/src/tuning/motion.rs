@@ -19,12 +19,12 @@ pub struct MotionMargins<T> {
     pub longitudinal: LoopMargins<T>,
     /// Following, e_y and e_θ: k₃, c, A, κ₂. Does not depend on the speed.
     pub lateral: LoopMargins<T>,
-    /// Parking, distance: k₄, A, κ₁.
+    /// Parking by feedback, distance: k₄, A₄, κ₁; A₄ is the decay of its neurons.
     pub approach: LoopMargins<T>,
-    /// Parking, bearing, while the distance decays with k₄: k₄, A, κ₂. Its delay margins take that
+    /// Parking by feedback, bearing, while the distance decays with k₄: k₄, A₄, κ₂. Its delay margins take that
     /// decay as undisturbed.
     pub bearing: LoopMargins<T>,
-    /// Parking, heading inside the noise radius: k₄, A, κ₂.
+    /// Parking by feedback, heading inside the noise radius: k₄, A₄, κ₂.
     pub heading: LoopMargins<T>,
     /// A small offset across the path has a tenth left \[s\].
     pub settling_s: T,
@@ -94,15 +94,16 @@ pub fn margins<T: Scalar, M: Maths<T>>(gains: &MotionGains<T>) -> MotionMargins<
         }
     };
     let lateral_margins = of(lateral(gains.heading, gains.lateral, a, turn_loop));
-    let approach_margins = of(longitudinal(approach, a, speed_loop));
+    let parking = gains.approach_decay();
+    let approach_margins = of(longitudinal(approach, parking, speed_loop));
     let (side, push) = loops::lateral_start(gains.heading, gains.lateral, a);
-    let (ahead, pull) = loops::longitudinal_start(approach, a);
+    let (ahead, pull) = loops::longitudinal_start(approach, parking, a);
     MotionMargins {
         longitudinal: of(longitudinal(gains.longitudinal, a, speed_loop)),
         lateral: lateral_margins,
         approach: approach_margins,
-        bearing: of(bearing(approach, a, turn_loop)),
-        heading: of(longitudinal(approach, a, turn_loop)),
+        bearing: of(bearing(approach, parking, turn_loop)),
+        heading: of(longitudinal(approach, parking, turn_loop)),
         settling_s: settle(side, push, lateral_margins.decay),
         arrival_s: settle(ahead, pull, approach_margins.decay),
     }

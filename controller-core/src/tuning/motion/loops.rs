@@ -96,9 +96,13 @@ pub(super) fn lateral_start<T: Scalar>(heading: T, stiffness: T, a: T) -> (Polyn
     (transition_offset.times(&pair), stiffness * a * a)
 }
 
-/// The same for [`longitudinal`].
-pub(super) fn longitudinal_start<T: Scalar>(gain: T, a: T) -> (Polynomial<T>, T) {
-    let transition_offset = lag(a).times(&lag(a));
+/// The same for [`longitudinal`], whose neuron may be slower than the offset: ë = −(ṡ + ḃ) starts at 0 and its rate with −k₁ A (2 A_b − A), A_b
+/// the `offset`'s decay.
+pub(super) fn longitudinal_start<T: Scalar>(gain: T, a: T, offset: T) -> (Polynomial<T>, T) {
+    let transition_offset = lag(offset).times(&lag(offset));
     let pair = Polynomial::new([gain * a, a, T::ONE]);
-    (transition_offset.times(&pair), gain * a * a)
+    (
+        transition_offset.times(&pair),
+        gain * a * (offset + offset - a),
+    )
 }

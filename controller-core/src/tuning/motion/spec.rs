@@ -78,7 +78,7 @@ impl<T: Scalar> MotionDesignSpec<T> {
 /// ```
 ///
 /// exactly; A is that of the base's gains. ω, k₁ and k₄ are found by bisection such that the loop's response, the transition offset at its
-/// start included, has a tenth left at the specified time. The limits are those that
+/// start included and for k₄ with the neurons of parking by feedback, has a tenth left at the specified time. The limits are those that
 /// [`MotionGains::for_limits`] respects: k₃² ≤ 10/rad turn_accel, (c/k₃)² ≤ turn_accel; k₁, k₄ ≤ 1.2/s √(a/0.6 m/s²),
 /// both accelerations with three quarters of the wheels' torque;
 /// and k₁, k₄ ≤ A/4, beyond which the robot runs past its goal.
@@ -98,9 +98,17 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let brake = smaller(limits.accel, limits.brake);
     let fastest = f(1.2) * M::sqrt(smaller(accel, brake) / f(0.6));
 
-    let run = |gain: T| {
-        let (p, push) = longitudinal_start(gain, a);
+    let settled = |gain: T, neuron: T| {
+        let (p, push) = longitudinal_start(gain, neuron, a);
         response(&p, push, f(7.0) / gain).tenth_s
+    };
+    let run = |gain: T| settled(gain, a);
+    let arrive = |approach: T| {
+        let gains = MotionGains {
+            approach,
+            ..base.gains
+        };
+        settled(approach, gains.approach_decay())
     };
     let most = smaller(fastest, a / f(4.0));
 
@@ -144,9 +152,9 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     }
     let (heading, lateral) = lateral_pair(omega, damping, a);
 
-    let solve = |parameter: DesignParameter, desired: T| {
-        let gain = edge(T::ZERO, most, |gain| run(gain) > desired);
-        if run(gain) > desired * f(1.001) {
+    let solve = |parameter: DesignParameter, time: &dyn Fn(T) -> T, desired: T| {
+        let gain = edge(T::ZERO, most, |gain| time(gain) > desired);
+        if time(gain) > desired * f(1.001) {
             let why = if fastest < a / f(4.0) {
                 if accel < brake {
                     Why::Torque
@@ -156,12 +164,12 @@ pub fn gains<T: Scalar, M: Maths<T>>(
             } else {
                 Why::Neurons
             };
-            return Err(refused(parameter, desired, run(gain), why));
+            return Err(refused(parameter, desired, time(gain), why));
         }
         Ok(gain)
     };
-    let longitudinal = solve(DesignParameter::Settling, spec.settling_s)?;
-    let approach = solve(DesignParameter::Arrival, spec.arrival_s)?;
+    let longitudinal = solve(DesignParameter::Settling, &run, spec.settling_s)?;
+    let approach = solve(DesignParameter::Arrival, &arrive, spec.arrival_s)?;
 
     let gains = MotionGains {
         decay: a,

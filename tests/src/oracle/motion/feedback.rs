@@ -68,7 +68,7 @@ impl Regulator {
             gain * alpha.cos().max(0.2) * (k_a * (alpha + phi) + (1.0 + phi_slope) * alpha.sin());
         let share = self.aim_share(k, rho);
         let wanted = [gain * e.x, share * bearing + (1.0 - share) * k.k4 * e.z];
-        let (a, bounds) = (k.a.min(4.0 * k.k4), [4.0 * k.k4, TURN_BOUND]);
+        let (a, bounds) = (k.a.min(7.68 * k.k4), [4.0 * k.k4, TURN_BOUND]);
         self.s = match dt {
             Some(dt) => {
                 std::array::from_fn(|i| self.s[i].after(wanted[i], a, bounds[i], dt, k.rule))
