@@ -1,9 +1,9 @@
 //! The trajectory files that tests import and drive.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Those that can be driven, of every format: from one that stops at its end to one that is cut off in motion.
+/// Those that can be driven, of every format that can.
 pub const DRIVABLE: [&str; 14] = [
     "wpilib_dirty.json",
     "wpilib_gaps.json",
@@ -23,8 +23,7 @@ pub const DRIVABLE: [&str; 14] = [
 
 /// Where a file is.
 pub fn path(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../sim-host/tests/fixtures");
-    folder.canonicalize().unwrap_or(folder).join(name)
+    crate::root().join("sim-host/tests/fixtures").join(name)
 }
 
 /// What is in it.

@@ -37,8 +37,13 @@ pub mod stated;
 pub mod tolerance;
 pub mod tuning_loop;
 
+/// The root of the workspace.
+pub fn root() -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    root.canonicalize().unwrap_or(root)
+}
+
 /// Where `sh tests/run` builds the images of boards, so that tests build only what differs.
 pub fn boards_target() -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    root.canonicalize().unwrap_or(root).join("target/boards")
+    root().join("target/boards")
 }

@@ -11,8 +11,7 @@ use std::path::Path;
 /// and builds them once for these programs and the images of `firmware-demo`. Otherwise each would be built twice for every target
 /// and opt level.
 pub fn package(folder: &Path, name: &str, dependencies: &str) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let root = root.canonicalize().expect("the workspace is there");
+    let root = crate::root();
     let read = |file: &str| fs::read_to_string(root.join(file)).expect("a file of the workspace");
     fs::create_dir_all(folder.join("src")).expect("a folder can be made");
     let workspace = read("Cargo.toml");

@@ -7,7 +7,7 @@
 
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Where figures stand in a document.
@@ -298,7 +298,7 @@ impl Stated {
     pub fn of(name: &str) -> Self {
         Self {
             name: name.to_owned(),
-            path: Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name),
+            path: crate::root().join(name),
             wrong: Vec::new(),
         }
     }

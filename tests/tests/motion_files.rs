@@ -89,6 +89,7 @@ fn files_are_parked_soon_after_their_planned_end() {
         let (run, _) = Retiming::default()
             .of(path, &spec)
             .expect("a base's limits");
+        assert!(stops(&run), "{base}: {:?}", run.at(run.duration()));
         [(1.0, 1.0), (1.3, 0.7)].map(|(mass, inertia)| parks_after(&run, &spec, mass, inertia))
     });
     let mut figures = [[0.0; 2]; 2];

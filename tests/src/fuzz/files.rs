@@ -1,7 +1,6 @@
 //! Files: trajectories of every format, scenarios, bases.
 
 use std::fs;
-use std::path::Path;
 
 use sim_host::import::{self, Options};
 use sim_host::mission::{BaseSpec, Mission};
@@ -11,7 +10,7 @@ use super::engine::{Met, Target};
 
 /// All files of a folder of the workspace that are no longer than so many bytes.
 fn folder(path: &str, longest: u64) -> Vec<Vec<u8>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
+    let path = crate::root().join(path);
     let mut files: Vec<_> = fs::read_dir(&path)
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
         .filter_map(|entry| Some(entry.ok()?.path()))

@@ -12,6 +12,8 @@ use super::neuron::Neuron;
 
 /// k_a and h.
 const GAINS: (f64, f64) = (1.6, 0.4);
+/// ζ of the bearing's pair.
+const DAMPING: f64 = 0.8;
 /// Bound of s₃ \[rad/s\].
 const TURN_BOUND: f64 = 4.0;
 
@@ -68,7 +70,8 @@ impl Regulator {
             gain * alpha.cos().max(0.2) * (k_a * (alpha + phi) + (1.0 + phi_slope) * alpha.sin());
         let share = self.aim_share(k, rho);
         let wanted = [gain * e.x, share * bearing + (1.0 - share) * k.k4 * e.z];
-        let (a, bounds) = (k.a.min(7.68 * k.k4), [4.0 * k.k4, TURN_BOUND]);
+        let a = k.a.min((2.0 * DAMPING).powi(2) * (k_a + 1.0 + h) * k.k4);
+        let bounds = [4.0 * k.k4, TURN_BOUND];
         self.s = match dt {
             Some(dt) => {
                 std::array::from_fn(|i| self.s[i].after(wanted[i], a, bounds[i], dt, k.rule))
