@@ -187,8 +187,9 @@ fn orders_of_any_size_change_the_wrench_by_at_most_l_dt() {
     );
 }
 
-/// Steps from rest to an order, to another and back to rest: within the limits the command does not overshoot, and in the end the
-/// robot has the ordered twist to the last digits.
+/// Steps from rest to an order, to another and back to rest: within the limits the command does not overshoot, but for the heading that a
+/// ramp's beginning loses, where what is fed forward is limited in its jerk, and that its end has half forgotten: 0.8 % of the largest turn rate
+/// at most. In the end the robot has the ordered twist to the last digits.
 #[test]
 fn the_ideal_robot_drives_exactly_as_ordered() {
     for (name, base) in BASES {
@@ -216,7 +217,7 @@ fn the_ideal_robot_drives_exactly_as_ordered() {
                     command.linear >= low - slack && command.linear <= high + slack,
                     "{name} {v} {command:?}"
                 );
-                let slack = MOTION_LIMIT * limits.turn_rate;
+                let slack = 0.8e-2 * limits.turn_rate;
                 assert!(
                     command.angular >= slow - slack && command.angular <= fast + slack,
                     "{name} {w} {command:?}"
@@ -328,7 +329,8 @@ fn orders_are_refused_typed_and_limited_orders_said() {
         assert!((twist.linear - to).abs() < 1e-6, "{v}: {twist:?}");
         assert!((twist.angular - turn).abs() < 1e-6, "{w}: {twist:?}");
     }
-    for (v, w) in [(2.5, 0.0), (0.0, -3.0), (1.75, 3.0)] {
+    // A heading that is remembered may be wrong by rounding, and asks for so much more.
+    for (v, w) in [(2.499, 0.0), (0.0, -2.999), (1.749, 2.999)] {
         // On the way there the accelerations may need a rim that is faster than it may be.
         for _ in 0..400 {
             robot.advance(|_| drive(v, w, false));
@@ -363,9 +365,10 @@ fn the_heading_is_held_against_pushes() {
                 }
                 (robot.body.pose.theta, peak, robot.report().error.theta)
             };
-            let (free, _, none) = off(false);
+            let (free, _, forgotten) = off(false);
             let (held, peak, error) = off(true);
-            assert_eq!(none, 0.0);
+            // T = 0.4 s, for ten seconds since the push: e^-25.
+            assert!(forgotten.abs() < 1e-9, "{name}: {forgotten}");
             // Undisturbed the arc turns by w t less the lag, w 2/12 s.
             let lag = 2.0 / 12.0;
             let meant = order.1 * (20.0 - lag);
@@ -384,7 +387,9 @@ fn the_heading_is_held_against_pushes() {
     }
 }
 
-/// Wheels of unlike radii, believed alike, turn a robot that is told to drive straight on; with the heading held it goes straight.
+/// Wheels of unlike radii, believed alike, turn a robot that is told to drive straight on; with the heading held it goes straight. One that is
+/// remembered for T = 0.4 s leaves (1 + k₃/κ)/(1 + k₃ T) of the 0.01 rad/s that odometry does not see: κ, since the rate that is fed forward
+/// believes it.
 #[test]
 fn the_heading_is_held_on_unlike_wheels() {
     let base = Base::STANDARD;
@@ -402,7 +407,10 @@ fn the_heading_is_held_on_unlike_wheels() {
     };
     let (free, held) = (run(false), run(true));
     println!("after 20 s {free:.3} rad, held {held:.4}");
-    assert!(free > 0.15 && held.abs() < 0.01, "{free} {held}");
+    let gains = base.exact().gains;
+    let left = (1.0 + gains.heading / gains.turn_loop) / (1.0 + 0.4 * gains.heading);
+    assert!((free / (20.0 * 0.01 * left) - 1.0).abs() < 0.02, "{free}");
+    assert!(held.abs() < 0.01, "{held}");
 }
 
 /// A jump of the map is none of the robot: it goes on straight, in the direction that it had. So with a threshold for jumps that

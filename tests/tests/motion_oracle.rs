@@ -313,12 +313,15 @@ fn mission<U: NeuronUpdate<f64>>(seed: u64, rule: Rule, met: &mut Met) {
 }
 
 /// A tick of the oracle. Of a command that is at rest but for rounding the sign says whether it brakes or accelerates, by limits that
-/// differ: the oracle goes on from the sign whose command is that of the core.
+/// differ; one whose rim is at its limit but for rounding may not gain. The oracle goes on from the answer whose command is that of the core.
 fn closest(oracle: &mut Law, report: &MotionReport<f64>, tick: impl Fn(&mut Law) -> Row) -> Row {
-    let command = pair(&report.command);
-    let all = oracle.signs_at_rest().into_iter().map(|mut law| {
+    let (twist, rate) = (&report.command, &report.command_rate);
+    let twist = Vector2::new(twist.linear, twist.angular);
+    let rate = Vector2::new(rate.linear, rate.angular);
+    let all = oracle.ties().into_iter().map(|mut law| {
         let row = tick(&mut law);
-        ((row.command.twist - command).norm(), law, row)
+        let off = (row.command.twist - twist).norm() + (row.command.rate - rate).norm();
+        (off, law, row)
     });
     let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
     let (_, law, row) = nearest.expect("one at least");

@@ -36,10 +36,14 @@ pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
 /// A robot that is ordered to stand does so below this speed and turn rate \[m/s, rad/s\].
 const STILL: f64 = 0.01;
 
-/// What driving by velocity remembers: the heading that it holds. Everything else is in the command.
+/// Time constant with which a heading that is not held is forgotten \[s\]: that of the disturbance estimate, 1/2.5. What turns the base as it sets
+/// off, until the estimate has learnt it, is turned back; to a push that lasts longer the base gives in.
+const MEMORY_S: f64 = 0.4;
+
+/// What driving by velocity remembers: the heading that it is to have. Everything else is in the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct DriveLaw<T> {
-    /// The heading ordered so far, while one is held \[rad\].
+    /// The heading ordered so far, while the robot moves \[rad\].
     held: Option<T>,
     /// What the heading adds to the turn rate, and the rate of that.
     added: T,
@@ -63,7 +67,7 @@ pub(crate) struct Now<'a, T> {
 }
 
 impl<T: Scalar> DriveLaw<T> {
-    /// No heading is held.
+    /// A robot at rest.
     pub(crate) const NEW: Self = Self {
         held: None,
         added: T::ZERO,
@@ -79,7 +83,7 @@ impl<T: Scalar> DriveLaw<T> {
         }
     }
 
-    /// The heading error of a robot that looks to `heading`; 0 while none is held.
+    /// The heading error of a robot that looks to `heading`; 0 at rest.
     pub(crate) fn error(&self, heading: T) -> T {
         self.held.map_or(T::ZERO, |held| wrap(held - heading))
     }
@@ -89,14 +93,16 @@ impl<T: Scalar> DriveLaw<T> {
     /// ```text
     /// v_d″ + 2 A v_d′ + A² (v_d − v) = 0        A = e min(j/a, j_w/α)
     /// w_d = w_s + k₃ sin e_θ                    w_s likewise towards w
+    /// e_θ′ = w_s − w − e_θ/T                    T = 0.4 s, or ∞ where the heading is held
     /// ```
     ///
     /// with the exact solution over a tick, from where the governor left the command: what it limited is not asked for again, and
     /// orders may change in every tick. The lag brakes from the largest acceleration a with a jerk of
     /// A a/e at most, so that the jerk limit j makes no command overshoot its order; no slower lag is needed for that.
     ///
-    /// The heading that is held is the integral of w_s. Its error is bounded to a quarter of a turn, where the sine is largest. A
-    /// robot that is ordered to stand holds it until it does, and none at rest: noise of the pose would turn it.
+    /// The heading that is held is the integral of w_s; one that is not is remembered for T. Its error is bounded to a quarter of a
+    /// turn, where the sine is largest. A robot that is ordered to stand holds it until it does, and none at rest: noise of the pose
+    /// would turn it.
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
@@ -126,9 +132,14 @@ impl<T: Scalar> DriveLaw<T> {
         );
         let still = T::from_f64(STILL);
         let moves = order != Twist::default() || linear.abs() > still || angular.abs() > still;
-        *self = if now.hold_heading && moves {
+        let forgets = if now.hold_heading {
+            T::ZERO
+        } else {
+            T::from_f64(1.0 / MEMORY_S)
+        };
+        *self = if moves {
             let error = if self.held.is_some() {
-                clamp(now.error, T::FRAC_PI_2)
+                clamp(now.error, T::FRAC_PI_2) / (T::ONE + forgets * now.dt)
             } else {
                 T::ZERO
             };
@@ -137,7 +148,7 @@ impl<T: Scalar> DriveLaw<T> {
             Self {
                 held: Some(now.heading + error),
                 added: gain * sine,
-                added_rate: gain * cosine * (angular - now.turn_rate),
+                added_rate: gain * cosine * (angular - now.turn_rate - forgets * error),
             }
         } else {
             Self::default()

@@ -22,8 +22,8 @@ pub enum Task<T = f32> {
     Drive {
         /// Ordered \[m/s, rad/s\]; see [`check_order`](super::check_order) for its range.
         twist: Twist<T>,
-        /// Keep the heading that the ordered turn rates lead to, against pushes and wheels that are not alike. A robot at
-        /// rest keeps none.
+        /// Keep the heading that the ordered turn rates lead to, against pushes and wheels that are not alike. Otherwise it is forgotten
+        /// within half a second: what turns the robot as it sets off is turned back, to what lasts it gives in. A robot at rest keeps none.
         hold_heading: bool,
     },
 }

@@ -89,10 +89,16 @@ impl Command {
         }
     }
 
-    /// Section 5.
-    pub fn after(&self, k: &Constants, to: &Desired, dt: f64) -> (Self, AtWork) {
+    /// Section 5. Whether the setpoint is `reduced` to what a rim may do is said where it is a tie.
+    pub fn after(
+        &self,
+        k: &Constants,
+        to: &Desired,
+        reduced: Option<bool>,
+        dt: f64,
+    ) -> (Self, AtWork) {
         // A setpoint that asks too much of a wheel keeps its arc; rates that add to it are 0.
-        let reduced = k.rim(&to.twist) > k.rim_speed;
+        let reduced = reduced.unwrap_or(k.rim(&to.twist) > k.rim_speed);
         let to = &if reduced {
             let share = k.rim_speed / k.rim(&to.twist);
             Desired {

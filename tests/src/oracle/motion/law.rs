@@ -69,6 +69,8 @@ pub struct Law {
     task: Task,
     follower: Follower,
     regulator: Regulator,
+    /// A setpoint is faster at a rim than it may be: of a tie, in the next tick.
+    beyond_rim: Option<bool>,
     /// Feedback has a plan of its own: none, until the first tick.
     parks: bool,
     latch: Latch,
@@ -98,6 +100,9 @@ fn same(a: &Task, b: &Task) -> bool {
     }
 }
 
+/// Speeds below this are at rest but for the roundings of some ticks, and rims nearer to their limit, as a share of it, at that.
+const TIE: f64 = 1e-12;
+
 impl Law {
     /// The first command is the measured twist.
     pub fn start(k: Constants, task: Task, now: &Inputs) -> (Self, Row) {
@@ -107,6 +112,7 @@ impl Law {
             task,
             follower: Follower::default(),
             regulator: Regulator::default(),
+            beyond_rim: None,
             parks: false,
             latch: Latch::default(),
             attempts: Attempts::default(),
@@ -153,11 +159,12 @@ impl Law {
         };
     }
 
-    /// The law with either sign on each axis on which its command is at rest but for rounding; as it is if there is none.
-    pub fn signs_at_rest(&self) -> Vec<Self> {
+    /// The law with either answer to what rounding says for it: the sign of an axis whose command is at rest, whether a wheel's rim that
+    /// goes on at its limit is beyond it. As it is if there is none.
+    pub fn ties(&self) -> Vec<Self> {
         let mut laws = vec![*self];
         for axis in 0..2 {
-            if self.command.twist[axis].abs() < 1e-12 {
+            if self.command.twist[axis].abs() < TIE {
                 let mut other = laws.clone();
                 for (laws, sign) in [(&mut laws, 1.0), (&mut other, -1.0)] {
                     laws.iter_mut()
@@ -165,6 +172,14 @@ impl Law {
                 }
                 laws.append(&mut other);
             }
+        }
+        if (self.k.rim(&self.command.twist) / self.k.rim_speed - 1.0).abs() < TIE {
+            let mut other = laws.clone();
+            for (laws, beyond) in [(&mut laws, false), (&mut other, true)] {
+                laws.iter_mut()
+                    .for_each(|law| law.beyond_rim = Some(beyond));
+            }
+            laws.append(&mut other);
         }
         laws
     }
@@ -221,6 +236,7 @@ impl Law {
             }
         };
         self.released &= rests;
+        let reduced = self.beyond_rim.take();
         let (command, [speed, accel, jerk]) = if self.released {
             (command, [false; 3])
         } else {
@@ -228,7 +244,7 @@ impl Law {
                 twist: desired.twist + self.offset.0,
                 rate: desired.rate + self.offset.1,
             };
-            command.after(&k, &to, dt)
+            command.after(&k, &to, reduced, dt)
         };
         let beyond = matches!(task, Task::Drive(order, _) if k.reachable(&order) != order);
         self.stalled = stalled_for(

@@ -7,7 +7,10 @@ use super::command::{Command, Desired, faded};
 use super::constants::Constants;
 use super::follow::wrapped;
 
-/// The heading that is held, what it adds to the turn rate, and the rate of that.
+/// T of a heading that is not held.
+const MEMORY: f64 = 0.4;
+
+/// The heading that is held, or remembered, what it adds to the turn rate, and the rate of that.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Heading {
     held: Option<f64>,
@@ -50,16 +53,18 @@ impl Heading {
         let (gap, rate) = faded(&(from - to), &from_rate, &decay, dt);
         let lagged = to + gap;
         let moves = to != Pair::zeros() || lagged.amax() > 0.01;
-        *self = if hold && moves {
+        // e′ = −e/T, implicit.
+        let fading = if hold { 0.0 } else { 1.0 / MEMORY };
+        *self = if moves {
             let e = if self.held.is_some() {
-                e.clamp(-FRAC_PI_2, FRAC_PI_2)
+                e.clamp(-FRAC_PI_2, FRAC_PI_2) / (1.0 + fading * dt)
             } else {
                 0.0
             };
             Self {
                 held: Some(theta + e),
                 added: k.k3 * e.sin(),
-                added_rate: k.k3 * e.cos() * (lagged.y - turn_rate),
+                added_rate: k.k3 * e.cos() * (lagged.y - turn_rate - fading * e),
             }
         } else {
             Self::default()
