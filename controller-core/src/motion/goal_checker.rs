@@ -4,6 +4,7 @@ use super::error_view::ErrorView;
 use super::governor::Command;
 use super::limits::rim_speed;
 use super::params::ValidMotionParams;
+use super::pose_law::Moving;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::types::Twist;
@@ -20,7 +21,7 @@ const HYSTERESIS: f64 = 1.3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct GoalChecker<T> {
     pub(crate) parked: bool,
-    pub(super) inside_s: T,
+    inside_s: T,
 }
 
 /// Where the robot is with respect to its goal, and how it moves.
@@ -107,7 +108,27 @@ impl<T: Scalar> GoalChecker<T> {
     }
 }
 
-impl<T: Scalar> GoalView<'_, T> {
+impl<'a, T: Scalar> GoalView<'a, T> {
+    /// Of a robot that backs up, or does not.
+    #[inline(always)]
+    pub(crate) fn of(
+        motion: &ValidMotionParams<T>,
+        view: &'a ErrorView<T>,
+        moving: Moving<'a, T>,
+        backing: bool,
+    ) -> Self {
+        let PoseError { x, y, .. } = view.error;
+        Self {
+            view,
+            square: x * x + y * y,
+            twist: moving.twist,
+            command: moving.command,
+            asked: motion.rim_speed(&moving.command.twist),
+            done: motion.rim_speed(moving.twist),
+            backing,
+        }
+    }
+
     /// Nearer to the goal than that.
     pub(crate) fn is_within(&self, distance: T) -> bool {
         self.square < distance * distance
@@ -172,11 +193,7 @@ impl<T: Scalar> ValidMotionParams<T> {
 
     /// Speed of the faster wheel \[m/s\].
     pub(crate) fn rim_speed(&self, twist: &Twist<T>) -> T {
-        rim_speed(
-            twist.linear,
-            twist.angular,
-            self.params().robot.wheels.track_m,
-        )
+        rim_speed(twist.linear, twist.angular, self.plan.half_track)
     }
 }
 

@@ -8,7 +8,7 @@ use super::follow::Follower;
 use super::goal_checker::{Pushing, STOPPING_DECAY, Stall};
 use super::governor::Command;
 use super::params::ValidMotionParams;
-use super::parking::{self, Lent, ParkingLaw};
+use super::parking::ParkingLaw;
 use super::pose_law::{Moving, Step, Transition, Wanted};
 use super::report::{Limited, Mode, MotionReport, Outcome};
 use super::saturation::share;
@@ -26,6 +26,10 @@ use crate::scalar::residue;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Measured, Twist, WheelTorques, Wrench};
 use core::marker::PhantomData;
+
+/// How far off a goal, and how fast a robot that parks, may be \[m, m/s, rad/s\]. Nothing that parking makes of less overflows, whatever
+/// the parameters are: such a tick is not refused after it has changed a manoeuvre, which so need not be kept to be brought back.
+const REACH: f64 = 1.0e9;
 
 /// What the law remembers from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,13 +90,14 @@ struct Found<'a, T> {
     jumped: bool,
     /// Nothing is asked for any more.
     resting: bool,
-    /// Of what its law remembers.
-    law: T,
+    /// Residue of what law and observer remember.
+    remembered: T,
     /// Parked without torque until now, and still.
     released: bool,
     offset: TransitionOffset<T>,
     command: Command<T>,
     stall: Stall<T>,
+    observer: &'a Observer<T>,
 }
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
@@ -147,21 +152,25 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         task.check()?;
         self.forget();
         let view = ErrorView::of::<M>(task, &measured.pose, || T::ZERO);
-        self.observer = Observer::start(&measured.twist);
+        let observer = Observer::start(&measured.twist);
+        let observed = observer.residue();
+        let parks = matches!(task, Task::Park(_));
+        if parks && !is_within_reach(&view.error, &measured.twist, observed) {
+            return Err(StepFault::Overflow);
+        }
         let command = Command::of_robot(motion, &measured.twist);
         let step = Step {
             dt: T::ZERO,
             two_per_dt: None,
         };
         let now = (measured, &command);
-        let mut parking = parking::Before::nothing();
         let renewed = Some(Renewed { goes_on: false });
         let Desired {
             wanted: desired,
             resting,
             residue,
             ..
-        } = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
+        } = self.pose_law(motion, (task, renewed), &view, now, step);
         let found = Found {
             task,
             error: view.error,
@@ -169,11 +178,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limited: Limited::default(),
             jumped: true,
             resting,
-            law: residue,
+            remembered: residue + observed,
             released: false,
             offset: TransitionOffset::between(&command, &desired.setpoint, T::ONE, T::ZERO),
             command,
             stall: Stall::NEW,
+            observer: &observer,
         };
         self.finish(motion, found, &measured.twist, T::ZERO, report)
     }
@@ -198,8 +208,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             task.check()?;
         }
         let new = asked.is_new(report.mode);
-        // What the laws change before it is known whether the tick is refused.
-        let (follower, drive, observer) = (self.follower, self.drive, self.observer);
+        // What changes before it is known whether the tick is refused.
+        let (follower, drive) = (self.follower, self.drive);
+        let mut observer = self.observer;
         let mut command = if self.released {
             Command::of_robot(motion, &measured.twist)
         } else {
@@ -211,7 +222,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         } else {
             Watch::Observe
         };
-        let bounded = self.observer.advance(
+        let bounded = observer.advance(
             motion,
             &measured.twist,
             &command.rate,
@@ -235,13 +246,18 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         };
         let now = (measured, &command);
         let renewed = new.then_some(Renewed { goes_on: parked });
-        let mut parking = parking::Before::nothing();
+        let observed = observer.residue();
+        let parks = matches!(task, Task::Park(_));
+        if parks && !is_within_reach(&view.error, &measured.twist, observed) {
+            task.check()?;
+            return Err(StepFault::Overflow);
+        }
         let Desired {
             wanted: desired,
             resting,
             beyond,
             residue,
-        } = self.pose_law(motion, (task, renewed), &view, now, step, &mut parking);
+        } = self.pose_law(motion, (task, renewed), &view, now, step);
         let offset = match desired.transition {
             Transition::Seamless => TransitionOffset::NONE,
             Transition::Offset => {
@@ -281,22 +297,26 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limited,
             jumped,
             resting,
-            law: residue,
+            remembered: residue + observed,
             released,
             offset,
             command,
             stall: self.stall.advance(motion, &pushing, dt),
+            observer: &observer,
         };
         let finished = self.finish(motion, found, &measured.twist, dt, report);
         if finished.is_err() {
-            (self.follower, self.drive, self.observer) = (follower, drive, observer);
-            self.parking.restore(&parking);
+            (self.follower, self.drive) = (follower, drive);
+            if parks {
+                // Within reach none is known. What is no number must not stay.
+                self.parking.forget();
+            }
             task.check()?;
         }
         finished
     }
 
-    /// The law of the task; `before` keeps what parking changes. A `renewed` goal is parked at anew.
+    /// The law of the task. A `renewed` goal is parked at anew.
     #[inline(always)]
     fn pose_law(
         &mut self,
@@ -305,7 +325,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         view: &ErrorView<T>,
         (measured, command): (&Measured<T>, &Command<T>),
         step: Step<T>,
-        before: &mut parking::Before<T>,
     ) -> Desired<T> {
         let moving = Moving {
             twist: &measured.twist,
@@ -321,18 +340,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             }
             Task::Park(_) => {
                 if let Some(renewed) = renewed {
-                    self.parking.renew(renewed.goes_on, before);
+                    self.parking.renew(renewed.goes_on);
                 }
                 // One of its own, that is lent: that of other tasks stays in registers.
                 let view = *view;
-                let mut lent = Lent {
-                    follower: &mut self.follower,
-                    before,
-                };
+                let follower = &mut self.follower;
                 Desired {
                     wanted: self
                         .parking
-                        .advance::<U, M>(&mut lent, motion, &view, moving, step),
+                        .advance::<U, M>(follower, motion, &view, moving, step),
                     resting: self.parking.is_resting(),
                     beyond: false,
                     residue: self.parking.residue(),
@@ -417,17 +433,12 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let limits = &motion.params().limits;
         let command = found.command;
         let velocity_error = twist.minus(&command.twist);
-        let disturbance = self.observer.estimate;
-        let load = self.observer.load();
+        let disturbance = found.observer.estimate;
+        let load = found.observer.load();
         let rate = load.compensated(&command.rate);
         let wrench = wrench(motion, &rate, &velocity_error, &disturbance);
         // What is not finite stays so in every sum: the disturbance in the wrench.
-        if found.law
-            + self.observer.residue()
-            + found.residue()
-            + residue([wrench.force, wrench.moment])
-            != T::ZERO
-        {
+        if found.remembered + found.residue() + residue([wrench.force, wrench.moment]) != T::ZERO {
             return Err(StepFault::Overflow);
         }
         let (applied, saturated) = share(
@@ -442,6 +453,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         }
         self.declared = false;
         self.stall = found.stall;
+        self.observer = *found.observer;
         self.offset = found.offset;
         self.command = command;
         if saturated {
@@ -506,6 +518,13 @@ impl<T: Scalar> ValidMotionParams<T> {
     fn releases(&self) -> bool {
         self.params().arrival.at_rest == AtRest::Release
     }
+}
+
+/// Goal and speed are below [`REACH`], and the observer remembers nothing that is no number: then its residue, `observed`, is 0.
+fn is_within_reach<T: Scalar>(error: &PoseError<T>, twist: &Twist<T>, observed: T) -> bool {
+    let PoseError { x, y, theta } = error;
+    let away = x.abs() + y.abs() + theta.abs();
+    away + twist.linear.abs() + twist.angular.abs() + observed < T::from_f64(REACH)
 }
 
 /// Clips the last bits that [`share`] may leave above the limit.

@@ -105,7 +105,7 @@ impl<T: Scalar> Limits<T> {
     pub fn reachable(&self, twist: &Twist<T>, track_m: T) -> Twist<T> {
         let linear = clamp(twist.linear, self.speed);
         let angular = clamp(twist.angular, self.turn_rate);
-        let rim = rim_speed(linear, angular, track_m);
+        let rim = rim_speed(linear, angular, T::HALF * track_m);
         if rim > self.rim_speed {
             let share = self.rim_speed / rim;
             Twist {
@@ -119,6 +119,6 @@ impl<T: Scalar> Limits<T> {
 }
 
 /// Speed of the faster wheel's rim \[m/s\]: |v| + l |w|/2.
-pub(crate) fn rim_speed<T: Scalar>(linear: T, angular: T, track_m: T) -> T {
-    linear.abs() + T::HALF * track_m * angular.abs()
+pub(crate) fn rim_speed<T: Scalar>(linear: T, angular: T, half_track_m: T) -> T {
+    linear.abs() + half_track_m * angular.abs()
 }

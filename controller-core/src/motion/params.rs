@@ -224,7 +224,7 @@ fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
             limits.turn_jerk,
         ),
         rim: share * limits.rim_speed,
-        track: wheels.track_m,
+        half_track: T::HALF * wheels.track_m,
     }
 }
 

@@ -5,17 +5,15 @@ use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
 use super::governor::Command;
-use super::manoeuvre::{Execution, Pace, Reference};
+use super::manoeuvre::{Execution, Pace};
 use super::params::ValidMotionParams;
 use super::polar::PoseRegulator;
 use super::pose_law::{Moving, Step, Transition, Wanted};
 use super::retry::{Attempt, Rest, Retry, distance_of};
-use super::setpoint::Setpoint;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::Accel;
 
 /// What parking remembers. It means something while the robot parks, and begins anew with every goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +22,7 @@ pub(crate) struct ParkingLaw<T> {
     approach: Approach<T>,
 }
 
-/// Beside the approach. Together, and no more than 64 bytes: so it is copied in a few instructions.
+/// Beside the approach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Memory<T> {
     regulator: PoseRegulator<T>,
@@ -48,101 +46,41 @@ enum Approach<T> {
     Regulate,
 }
 
-/// What a tick of parking changed, as it was before: a tick that is refused changes nothing.
-pub(crate) struct Before<T> {
-    memory: KeptMemory<T>,
-    approach: Kept<T>,
-}
-
-/// What was kept beside the approach.
-enum KeptMemory<T> {
-    Nothing,
-    /// All that a tick along a manoeuvre changes of it: for how long the robot has been inside of its tolerance, and near to be stuck.
-    Times {
-        inside_s: T,
-        since_s: T,
-    },
-    Whole(Memory<T>),
-}
-
-/// What was kept of an approach.
-enum Kept<T> {
-    Nothing,
-    /// Of a manoeuvre under way.
-    Reference(Reference<T>),
-    /// All of one that was searched for, or replaced: then it changed by more than its reference.
-    Whole(Approach<T>),
-}
-
 /// How far the robot may be from the reference of a manoeuvre before another one is planned \[m\], \[rad\]. The
 /// follower takes back what is less: at these errors its demands are at their bounds.
 const DEPARTURE: (f64, f64) = (0.1, 0.5);
 
-/// What parking borrows for a tick.
-pub(crate) struct Lent<'a, T> {
-    /// Drives along manoeuvres.
-    pub(crate) follower: &'a mut Follower<T>,
-    /// Where is kept what is about to change.
-    pub(crate) before: &'a mut Before<T>,
+/// How a tick goes on along an approach.
+struct Way<T> {
+    /// Since the last tick, 0 where the approach begins \[s\].
+    since: T,
+    /// As in [`Step`].
+    two_per_dt: Option<T>,
+    transition: Transition,
 }
 
-impl<T: Scalar> Memory<T> {
-    /// Back to these times, of [`KeptMemory::Times`].
-    fn return_to(&mut self, inside_s: T, since_s: T) {
-        self.checker.inside_s = inside_s;
-        self.retry.since_s = since_s;
-    }
-}
-
-impl<T: Scalar> Before<T> {
-    /// Nothing changed. No constant: that would be copied as a whole.
+impl<T: Scalar> Way<T> {
+    /// Along the same approach as in the last tick.
     #[inline(always)]
-    pub(crate) const fn nothing() -> Self {
+    fn on(Step { dt, two_per_dt }: Step<T>) -> Self {
         Self {
-            memory: KeptMemory::Nothing,
-            approach: Kept::Nothing,
+            since: dt,
+            two_per_dt,
+            transition: Transition::after(two_per_dt),
         }
     }
+}
 
-    /// Keeps all of a memory, of which the times may have changed already.
-    #[cold]
-    #[inline(never)]
-    fn keep_memory(&mut self, memory: &Memory<T>) {
-        let mut whole = *memory;
-        match self.memory {
-            KeptMemory::Nothing => {}
-            KeptMemory::Times { inside_s, since_s } => whole.return_to(inside_s, since_s),
-            KeptMemory::Whole(_) => return,
-        }
-        self.memory = KeptMemory::Whole(whole);
-    }
-
-    /// Keeps an approach that is about to be replaced, if it is the first of the tick.
-    fn keep(&mut self, approach: &Approach<T>) {
-        match approach {
-            Approach::Manoeuvre(execution) => self.keep_manoeuvre(execution),
-            Approach::Idle | Approach::Chase | Approach::Regulate => {
-                if let Kept::Nothing = self.approach {
-                    self.approach = Kept::Whole(*approach);
-                }
-            }
-        }
-    }
-
-    /// The same of a manoeuvre, of which the reference may have gone on already.
-    #[cold]
-    #[inline(never)]
-    fn keep_manoeuvre(&mut self, execution: &Execution<T>) {
-        let reference = match &self.approach {
-            Kept::Whole(_) => return,
-            Kept::Reference(reference) => *reference,
-            Kept::Nothing => execution.reference(),
-        };
-        self.approach = Kept::Whole(Approach::Manoeuvre(*execution));
-        if let Kept::Whole(Approach::Manoeuvre(kept)) = &mut self.approach {
-            kept.return_to(&reference);
-        }
-    }
+/// What is to be done in a tick without a manoeuvre under way.
+enum Next<T> {
+    /// Nothing is asked for: the robot is parked, or has given up.
+    Rest(Transition),
+    /// To keep the command until there is a tick.
+    Wait,
+    /// To go on as before.
+    GoOn(Way<T>),
+    /// To begin an approach.
+    Begin(Attempt),
 }
 
 impl<T: Scalar> ParkingLaw<T> {
@@ -163,51 +101,10 @@ impl<T: Scalar> ParkingLaw<T> {
         self.approach = Approach::Idle;
     }
 
-    /// Keeps what a tick changes that is not one along a manoeuvre, if it is not kept yet.
-    #[inline(always)]
-    fn keep(&self, before: &mut Before<T>) {
-        if !matches!(before.memory, KeptMemory::Nothing) {
-            return;
-        }
-        before.memory = KeptMemory::Whole(self.memory);
-        self.keep_under_way(before);
-    }
-
-    /// Keeps what every tick changes of a manoeuvre.
-    #[inline(always)]
-    fn keep_under_way(&self, before: &mut Before<T>) {
-        if let Approach::Manoeuvre(execution) = &self.approach {
-            if execution.is_searching() {
-                before.keep_manoeuvre(execution);
-            } else {
-                before.approach = Kept::Reference(execution.reference());
-            }
-        }
-    }
-
-    /// Back to what was before a tick.
-    #[cold]
-    pub(crate) fn restore(&mut self, before: &Before<T>) {
-        match before.memory {
-            KeptMemory::Nothing => {}
-            KeptMemory::Times { inside_s, since_s } => self.memory.return_to(inside_s, since_s),
-            KeptMemory::Whole(memory) => self.memory = memory,
-        }
-        match (&before.approach, &mut self.approach) {
-            (Kept::Whole(before), approach) => *approach = *before,
-            (Kept::Reference(reference), Approach::Manoeuvre(execution)) => {
-                execution.return_to(reference);
-            }
-            (Kept::Reference(_) | Kept::Nothing, _) => {}
-        }
-    }
-
     /// Another goal: all approaches are to be had again. `goes_on` if the robot was on its way to one.
     #[cold]
     #[inline(never)]
-    pub(crate) fn renew(&mut self, goes_on: bool, before: &mut Before<T>) {
-        self.keep(before);
-        before.keep(&self.approach);
+    pub(crate) fn renew(&mut self, goes_on: bool) {
         self.memory.retry = Retry::NEW;
         self.memory.departed = false;
         // A goal that moves again before the manoeuvre to it was found is chased.
@@ -228,66 +125,68 @@ impl<T: Scalar> ParkingLaw<T> {
     }
 
     /// A tick.
+    ///
+    /// What looks at the goal, what begins a manoeuvre and what searches for one are called one after the other: their stack does not
+    /// add up.
     #[inline(always)]
     pub(crate) fn advance<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        lent: &mut Lent<'_, T>,
+        follower: &mut Follower<T>,
         motion: &ValidMotionParams<T>,
         view: &ErrorView<T>,
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
-        if self.is_driving() {
-            self.drive_on::<U, M>(lent, motion, view, moving, step)
+        let way = if self.is_driving() {
+            self.memory.checker = GoalChecker::NEW;
+            self.memory.retry.drives();
+            Way::on(step)
+        } else if self.stays(motion, &view.error, step) {
+            self.memory.checker.stay(step.dt);
+            self.memory.retry.rests(step.dt);
+            self.memory.regulator.rest();
+            return Wanted::rest(Transition::Continue);
         } else {
-            self.advance_beside::<U, M>(lent, motion, view, moving, step)
+            match self.look::<M>(motion, view, moving, step) {
+                Next::Rest(transition) => return Wanted::rest(transition),
+                Next::Wait => return Wanted::as_commanded(moving.command),
+                Next::GoOn(way) => way,
+                Next::Begin(attempt) => self.begin::<M>(motion, view, moving, attempt, step.dt),
+            }
+        };
+        match self.along::<U, M>(follower, motion, view, &moving, step, &way) {
+            Some(along) => along,
+            None => self.by_feedback::<U, M>(motion, &view.error, &moving, way.two_per_dt),
         }
     }
 
-    /// A tick without a manoeuvre under way.
+    /// A parked robot is so near its goal that nothing else is to be asked about.
+    fn stays(&self, motion: &ValidMotionParams<T>, error: &PoseError<T>, step: Step<T>) -> bool {
+        let Memory { retry, checker, .. } = &self.memory;
+        step.two_per_dt.is_some() && retry.may_park() && checker.stays(motion, error)
+    }
+
+    /// Whether the robot has arrived, and what is to be done if not: without a manoeuvre under way.
     #[inline(never)]
-    fn advance_beside<U: NeuronUpdate<T>, M: Maths<T>>(
+    fn look<M: Maths<T>>(
         &mut self,
-        lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
         view: &ErrorView<T>,
         moving: Moving<'_, T>,
         step: Step<T>,
-    ) -> Wanted<T> {
-        self.keep(lent.before);
-        let Step { dt, two_per_dt } = step;
-        let may_park = self.memory.retry.may_park();
-        if two_per_dt.is_some() && may_park && self.memory.checker.stays(motion, &view.error) {
-            self.memory.checker.stay(dt);
-            self.memory.retry.rests(dt);
-            self.memory.regulator.rest();
-            return Wanted {
-                setpoint: Setpoint::default(),
-                transition: Transition::Continue,
-            };
-        }
-        let PoseError { x, y, .. } = view.error;
+    ) -> Next<T> {
+        let dt = step.dt;
+        let jumped = step.two_per_dt.is_none();
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
-        let at = GoalView {
-            view,
-            square: x * x + y * y,
-            twist: moving.twist,
-            command: moving.command,
-            asked: motion.rim_speed(&moving.command.twist),
-            done: motion.rim_speed(moving.twist),
-            backing: self.is_backing(),
-        };
-        self.memory.checker = if !may_park {
-            GoalChecker::default()
-        } else if two_per_dt.is_some() {
-            self.memory.checker.advance(motion, &at, dt)
+        let at = GoalView::of(motion, view, moving, self.is_backing());
+        self.memory.checker = if !self.memory.retry.may_park() {
+            GoalChecker::NEW
+        } else if jumped {
+            GoalChecker::NEW.advance(motion, &at, dt)
         } else {
-            GoalChecker::default().advance(motion, &at, dt)
+            self.memory.checker.advance(motion, &at, dt)
         };
-        let rest = match (
-            was_parked && two_per_dt.is_some(),
-            self.memory.checker.parked,
-        ) {
+        let rest = match (was_parked && !jumped, self.memory.checker.parked) {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
             (false, false) if self.memory.checker.is_settling(motion) => Rest::Settling,
@@ -295,63 +194,28 @@ impl<T: Scalar> ParkingLaw<T> {
             (false, false) => Rest::Moving,
         };
         let attempt = self.memory.retry.advance::<M>(motion, &at, rest, dt);
-        let resting = self.is_resting();
-        if resting {
+        if self.is_resting() {
             self.memory.regulator.rest();
-            let transition = if was_resting && two_per_dt.is_some() {
+            return Next::Rest(if was_resting && !jumped {
                 Transition::Continue
             } else {
                 Transition::Offset
-            };
-            Wanted {
-                setpoint: Setpoint::default(),
-                transition,
-            }
-        } else {
-            // Pushed off its goal, or beside it, the robot starts afresh.
-            match attempt {
-                Attempt::Aim => {
-                    lent.before.keep(&self.approach);
-                    self.approach = Approach::Regulate;
-                }
-                Attempt::GoOn | Attempt::Hold | Attempt::Manoeuvre => {}
-            }
-            let attempt = match attempt {
-                Attempt::GoOn if was_resting => Attempt::Manoeuvre,
-                _ => attempt,
-            };
-            self.approach::<U, M>(lent, motion, &at, step, attempt)
+            });
         }
-    }
-
-    /// The setpoint of an approach, and how it goes on from the command.
-    fn approach<U: NeuronUpdate<T>, M: Maths<T>>(
-        &mut self,
-        lent: &mut Lent<'_, T>,
-        motion: &ValidMotionParams<T>,
-        at: &GoalView<'_, T>,
-        step: Step<T>,
-        attempt: Attempt,
-    ) -> Wanted<T> {
-        let moving = &Moving {
-            twist: at.twist,
-            command: at.command,
-        };
-        if step.dt == T::ZERO {
+        if attempt == Attempt::Aim {
+            self.approach = Approach::Regulate;
+        }
+        if dt == T::ZERO {
             // At the start: the first tick tells how long ticks are.
-            lent.before.keep(&self.approach);
             self.approach = Approach::Idle;
-            let setpoint = Setpoint {
-                twist: moving.command.twist,
-                rate: Accel::default(),
-            };
-            return Wanted {
-                setpoint,
-                transition: Transition::Offset,
-            };
+            return Next::Wait;
         }
-        let jumped = step.two_per_dt.is_none();
-        let begun = match self.approach {
+        // Pushed off its goal, or beside it, the robot starts afresh.
+        let attempt = match attempt {
+            Attempt::GoOn if was_resting => Attempt::Manoeuvre,
+            _ => attempt,
+        };
+        let begins = match self.approach {
             Approach::Chase => !jumped,
             Approach::Idle => true,
             // A pose that jumped moves the robot against its reference. If that is far, it has departed.
@@ -359,43 +223,39 @@ impl<T: Scalar> ParkingLaw<T> {
                 matches!(attempt, Attempt::Manoeuvre | Attempt::Hold)
             }
         };
-        let mut transition = Transition::after(step.two_per_dt);
-        if begun {
-            lent.before.keep(&self.approach);
-            transition = self.begin::<M>(motion, at, attempt, step.dt);
+        if begins {
+            return Next::Begin(attempt);
         }
-        let mut two_per_dt = if begun || attempt == Attempt::Aim {
-            None
+        let way = Way::on(step);
+        Next::GoOn(if attempt == Attempt::Aim {
+            Way {
+                two_per_dt: None,
+                ..way
+            }
         } else {
-            step.two_per_dt
-        };
-        let since = if begun { T::ZERO } else { step.dt };
-        let way = (since, two_per_dt, transition);
-        if let Some(along) = self.along::<U, M>(lent, motion, at.view, moving, step, way) {
-            return along;
-        }
-        if matches!(self.approach, Approach::Manoeuvre(_)) {
-            lent.before.keep(&self.approach);
-            self.approach = Approach::Regulate;
-            two_per_dt = None;
-        }
-        self.regulate::<U, M>(motion, &at.view.error, moving, two_per_dt)
+            way
+        })
     }
 
-    /// Begins an approach, in a function of its own: what it needs of the stack a search does not need as well. How the
-    /// setpoint goes on from the command.
+    /// Begins an approach.
     #[cold]
     #[inline(never)]
     fn begin<M: Maths<T>>(
         &mut self,
         motion: &ValidMotionParams<T>,
-        at: &GoalView<'_, T>,
+        view: &ErrorView<T>,
+        moving: Moving<'_, T>,
         attempt: Attempt,
         dt: T,
-    ) -> Transition {
+    ) -> Way<T> {
         let slower = self.memory.retry.has_failed_twice();
+        let at = &GoalView::of(motion, view, moving, self.is_backing());
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
-        self.approach.begin::<M>(motion, slower, at, hold, dt)
+        Way {
+            since: T::ZERO,
+            two_per_dt: None,
+            transition: self.approach.begin::<M>(motion, slower, at, hold, dt),
+        }
     }
 
     /// With a manoeuvre under way, that nothing else is to be asked about: it ends at the goal by itself, sooner than a stop that
@@ -404,46 +264,21 @@ impl<T: Scalar> ParkingLaw<T> {
         self.approach.is_under_way() && !self.is_resting() && self.memory.retry.may_park()
     }
 
-    /// A tick along a manoeuvre under way; by feedback from where it fails.
-    #[inline(always)]
-    fn drive_on<U: NeuronUpdate<T>, M: Maths<T>>(
-        &mut self,
-        lent: &mut Lent<'_, T>,
-        motion: &ValidMotionParams<T>,
-        view: &ErrorView<T>,
-        moving: Moving<'_, T>,
-        step: Step<T>,
-    ) -> Wanted<T> {
-        lent.before.memory = KeptMemory::Times {
-            inside_s: self.memory.checker.inside_s,
-            since_s: self.memory.retry.since_s,
-        };
-        self.memory.checker = GoalChecker::NEW;
-        self.memory.retry.drives();
-        self.keep_under_way(lent.before);
-        let transition = Transition::after(step.two_per_dt);
-        let way = (step.dt, step.two_per_dt, transition);
-        let along = self.along::<U, M>(lent, motion, view, &moving, step, way);
-        match along {
-            Some(along) => along,
-            None => self.leave::<U, M>(lent, motion, &view.error, &moving),
-        }
-    }
-
-    /// By feedback, from where a manoeuvre failed.
-    #[cold]
+    /// By feedback: also from where a manoeuvre failed, which is given up.
     #[inline(never)]
-    fn leave<U: NeuronUpdate<T>, M: Maths<T>>(
+    fn by_feedback<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        lent: &mut Lent<'_, T>,
         motion: &ValidMotionParams<T>,
         error: &PoseError<T>,
         moving: &Moving<'_, T>,
+        two_per_dt: Option<T>,
     ) -> Wanted<T> {
-        lent.before.keep(&self.approach);
-        lent.before.keep_memory(&self.memory);
-        self.approach = Approach::Regulate;
-        self.regulate::<U, M>(motion, error, moving, None)
+        let fails = matches!(self.approach, Approach::Manoeuvre(_));
+        if fails {
+            self.approach = Approach::Regulate;
+        }
+        let two_per_dt = if fails { None } else { two_per_dt };
+        self.regulate::<U, M>(motion, error, moving, two_per_dt)
     }
 
     /// The setpoint along a manoeuvre, and how it goes on from the command; `None` without one, or where none is to be had.
@@ -452,21 +287,21 @@ impl<T: Scalar> ParkingLaw<T> {
     #[inline(always)]
     fn along<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        lent: &mut Lent<'_, T>,
+        follower: &mut Follower<T>,
         motion: &ValidMotionParams<T>,
         view: &ErrorView<T>,
         moving: &Moving<'_, T>,
         step: Step<T>,
-        way: (T, Option<T>, Transition),
+        way: &Way<T>,
     ) -> Option<Wanted<T>> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
         if execution.is_searching() {
-            execution.search::<M>(&motion.plan, view.goal(), way.0, step.dt)?;
+            execution.search::<M>(&motion.plan, view.goal(), way.since, step.dt)?;
         }
-        self.follow::<U, M>(lent.follower, motion, view, moving, step.dt, way)
-            .or_else(|| self.return_from::<U, M>(lent, motion, view, moving, step.dt))
+        self.follow::<U, M>(follower, motion, view, moving, step.dt, way)
+            .or_else(|| self.return_from::<U, M>(follower, motion, view, moving, step.dt))
     }
 
     /// Another manoeuvre, slower, from where the robot is.
@@ -474,7 +309,7 @@ impl<T: Scalar> ParkingLaw<T> {
     #[inline(never)]
     fn return_from<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
-        lent: &mut Lent<'_, T>,
+        follower: &mut Follower<T>,
         motion: &ValidMotionParams<T>,
         view: &ErrorView<T>,
         moving: &Moving<'_, T>,
@@ -487,14 +322,16 @@ impl<T: Scalar> ParkingLaw<T> {
             // Whatever keeps it off would do so again: feedback needs no plan.
             return None;
         }
-        lent.before.keep_memory(&self.memory);
         self.memory.departed = true;
-        lent.before.keep_manoeuvre(execution);
         let Command { twist, rate } = moving.command;
         execution.start::<M>(&motion.plan, true, &view.error, twist, rate, dt);
         execution.search::<M>(&motion.plan, view.goal(), T::ZERO, dt)?;
-        let way = (T::ZERO, None, Transition::Seamless);
-        self.follow::<U, M>(lent.follower, motion, view, moving, dt, way)
+        let way = Way {
+            since: T::ZERO,
+            two_per_dt: None,
+            transition: Transition::Seamless,
+        };
+        self.follow::<U, M>(follower, motion, view, moving, dt, &way)
     }
 
     /// The same with a manoeuvre under way; `None` too far from its reference, see [`DEPARTURE`].
@@ -506,13 +343,13 @@ impl<T: Scalar> ParkingLaw<T> {
         view: &ErrorView<T>,
         moving: &Moving<'_, T>,
         dt: T,
-        (since, two_per_dt, transition): (T, Option<T>, Transition),
+        way: &Way<T>,
     ) -> Option<Wanted<T>> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
         let limits = || motion.offset_limits();
-        let moment = execution.advance::<M>(limits, view.goal(), since, dt);
+        let moment = execution.advance::<M>(limits, view.goal(), way.since, dt);
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
@@ -530,8 +367,8 @@ impl<T: Scalar> ParkingLaw<T> {
         };
         let command = &moving.command.twist;
         Some(Wanted {
-            setpoint: follower.advance::<U, M>(motion, &now, command, two_per_dt),
-            transition,
+            setpoint: follower.advance::<U, M>(motion, &now, command, way.two_per_dt),
+            transition: way.transition,
         })
     }
 
@@ -720,6 +557,47 @@ mod tests {
     use crate::motion::{Limits, MotionController, MotionParams, Task};
     use crate::robot::Robot;
     use crate::types::{Measured, Pose, Twist};
+
+    /// Whatever the gains are, what is within reach is not refused, though it be far off or the robot fast; what is beyond is refused
+    /// before anything has changed.
+    #[test]
+    fn within_reach_no_tick_is_refused() {
+        let mut motion = MotionParams::<f32>::new(Robot::paper(), Limits::PAPER.cast());
+        for (heading, lateral, slow) in [
+            (2.0, 2.0, 0.1),
+            (1.0e-3, 100.0, 1.0e-4),
+            (100.0, 1.0e-3, 10.0),
+        ] {
+            motion.gains.heading = heading;
+            motion.gains.lateral = lateral;
+            motion.gains.slow = slow;
+            let motion = motion.validate().expect("valid");
+            for away in [0.0, 1.0, 1.0e4, 3.0e8] {
+                for speed in [0.0, 1.0, 1.0e8] {
+                    let task = Task::Park(Pose::new(away, -away, 2.0));
+                    let mut now = Measured::default();
+                    let mut controller: MotionController =
+                        MotionController::start(&motion, &task, &now).expect("within reach");
+                    for tick in 0..400 {
+                        // Fast now and then, as by a measurement that is wrong.
+                        let fast = if tick % 90 == 70 { speed } else { 0.0 };
+                        now.twist = controller.report().command;
+                        now.twist.linear += fast;
+                        let result = controller.step(0.01, &task, &now).copied();
+                        assert!(
+                            result.is_ok(),
+                            "{heading} {away} {speed} {tick}: {result:?}"
+                        );
+                    }
+                    let before = controller;
+                    now.twist.angular = 2.0e9;
+                    let result = controller.step(0.01, &task, &now).copied();
+                    assert_eq!(result, Err(StepFault::Overflow));
+                    assert_eq!(controller, before);
+                }
+            }
+        }
+    }
 
     /// At every instant of a manoeuvre a wild pose, goal or twist is refused, and nothing has changed.
     #[test]

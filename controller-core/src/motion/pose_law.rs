@@ -2,7 +2,8 @@
 
 use super::governor::Command;
 use super::setpoint::Setpoint;
-use crate::types::Twist;
+use crate::scalar::Scalar;
+use crate::types::{Accel, Twist};
 
 /// How the robot moves, measured and commanded.
 #[derive(Clone, Copy)]
@@ -26,6 +27,27 @@ pub(crate) struct Step<T> {
 pub(crate) struct Wanted<T> {
     pub(crate) setpoint: Setpoint<T>,
     pub(crate) transition: Transition,
+}
+
+impl<T: Scalar> Wanted<T> {
+    /// To stand.
+    pub(crate) fn rest(transition: Transition) -> Self {
+        Self {
+            setpoint: Setpoint::default(),
+            transition,
+        }
+    }
+
+    /// What is commanded already.
+    pub(crate) fn as_commanded(command: &Command<T>) -> Self {
+        Self {
+            setpoint: Setpoint {
+                twist: command.twist,
+                rate: Accel::default(),
+            },
+            transition: Transition::Offset,
+        }
+    }
 }
 
 /// How a setpoint goes on from the command.

@@ -33,7 +33,7 @@ pub(crate) struct Retry<T> {
     /// Driving out: 1 to behind the goal, −1 to in front of it; 0 towards the goal.
     out: T,
     /// How long the robot has been fit to be called stuck, or has been driving out.
-    pub(super) since_s: T,
+    since_s: T,
     /// How long it has been parked \[s\].
     parked_s: T,
     /// The last approach from afar: 1 forward, −1 backward.

@@ -14,8 +14,8 @@ pub(crate) struct PlanLimits<T> {
     pub(crate) turn: AxisLimits<T>,
     /// Largest speed of either wheel's rim \[m/s\].
     pub(crate) rim: T,
-    /// Distance between the wheels \[m\].
-    pub(crate) track: T,
+    /// Half of the distance between the wheels \[m\].
+    pub(crate) half_track: T,
 }
 
 /// How much of the limits a manoeuvre uses.
@@ -70,7 +70,7 @@ impl<T: Scalar> PlanLimits<T> {
     ///
     /// Each |rate| is a trapezoid but for its corners, so the sum is largest where one of them reaches or leaves its peak.
     fn fastest_beyond(&self, turns: &[Profile<T>; 2], drives: &[Profile<T>; 2]) -> Option<T> {
-        if rim_speed(peak(drives), peak(turns), self.track) <= self.rim {
+        if rim_speed(peak(drives), peak(turns), self.half_track) <= self.rim {
             return None;
         }
         let rate = |[a, b]: &[Profile<T>; 2], t: T| a.at(t).rate + b.at(t).rate;
@@ -79,7 +79,7 @@ impl<T: Scalar> PlanLimits<T> {
             let risen = profile.start + profile.rise;
             for t in [risen, risen + profile.hold] {
                 fastest = larger(
-                    rim_speed(rate(drives, t), rate(turns, t), self.track),
+                    rim_speed(rate(drives, t), rate(turns, t), self.half_track),
                     fastest,
                 );
             }

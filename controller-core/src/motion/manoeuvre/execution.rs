@@ -53,7 +53,7 @@ enum Stage<T> {
 
 /// Where the reference is: what a tick changes of a manoeuvre under way, beside what follows from its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Reference<T> {
+struct Reference<T> {
     /// Since the begin \[s\].
     t: T,
     /// From the reference to the goal, in the frame of the robot at the begin \[m\].
@@ -483,21 +483,6 @@ impl<T: Scalar> Execution<T> {
             self.goal += turned;
             search.correct(moved, turned);
             self.seen = Seen::default();
-        }
-    }
-
-    /// Where the reference is.
-    pub(crate) const fn reference(&self) -> Reference<T> {
-        self.reference
-    }
-
-    /// Back to where the reference was.
-    pub(crate) fn return_to(&mut self, reference: &Reference<T>) {
-        self.reference = *reference;
-        // One that is over goes on no more.
-        let over = self.is_over();
-        if let (Stage::Driving { courses, .. }, false) = (&mut self.stage, over) {
-            *courses = Courses::of(&self.path, reference.t);
         }
     }
 

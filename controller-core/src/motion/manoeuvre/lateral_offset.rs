@@ -197,7 +197,7 @@ impl<T: Scalar> LateralOffset<T> {
             && turn_accel <= limits.turn.up
             && limits.drive.down * bend <= limits.turn.up
             && turn_rate <= limits.turn.rate
-            && rim_speed(speed, turn_rate, limits.track) <= limits.rim;
+            && rim_speed(speed, turn_rate, limits.half_track) <= limits.rim;
         fits.then_some(curve)
     }
 
@@ -288,7 +288,7 @@ mod tests {
             drive: axis(1.0, 1.0),
             turn: axis(2.0, 2.0),
             rim: 1.2,
-            track: 0.4,
+            half_track: 0.2,
         }
     }
 

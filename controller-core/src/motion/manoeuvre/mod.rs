@@ -13,6 +13,6 @@ mod profile;
 mod search;
 
 pub(crate) use candidate::{Pace, PlanLimits};
-pub(crate) use execution::{Execution, GoalSeen, Reference};
+pub(crate) use execution::{Execution, GoalSeen};
 pub(crate) use lateral_offset::OffsetLimits;
 pub(crate) use profile::AxisLimits;

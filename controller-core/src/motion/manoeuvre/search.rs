@@ -196,12 +196,12 @@ impl<T: Scalar> Search<T> {
             }
             self.solver = self.next_guess::<M>(limits);
         }
-        let Some(solver) = self.solver else {
+        let Some(Solver { numbers, .. }) = self.solver else {
             return Progress::Searching;
         };
         self.evaluations += 1;
         let candidate = self.candidate::<M>(limits, self.index);
-        let ends = self.evaluate::<M>(limits, path, &candidate, &solver.numbers, Quality::Rough);
+        let ends = self.evaluate::<M>(limits, path, &candidate, &numbers, Quality::Rough);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         let enough = T::from_f64(5.0e-4) * self.target.distance;
@@ -210,24 +210,36 @@ impl<T: Scalar> Search<T> {
             if self.best.is_none_or(|best| duration < best.duration) {
                 self.best = Some(Best {
                     index: self.index,
-                    numbers: solver.numbers,
+                    numbers,
                     duration,
                 });
             }
             self.next_shape();
-        } else if let Some(next) = solver.next(
-            &candidate,
-            &ends.drives,
-            residual,
-            miss,
-            &self.target,
-            false,
-        ) {
-            self.solver = Some(next);
-        } else {
+        } else if !self.corrects(&candidate, &ends.drives, residual, miss) {
             self.next_shape();
         }
         Progress::Searching
+    }
+
+    /// The solver has another step to make.
+    fn corrects(
+        &mut self,
+        candidate: &Candidate<T>,
+        ends: &[Vector<T>; 2],
+        residual: Vector<T>,
+        miss: T,
+    ) -> bool {
+        let Some(solver) = &mut self.solver else {
+            return false;
+        };
+        solver.advance(
+            candidate,
+            ends,
+            residual,
+            miss,
+            &self.target,
+            self.polishing,
+        )
     }
 
     fn next_shape(&mut self) {
@@ -273,25 +285,21 @@ impl<T: Scalar> Search<T> {
 
     /// One fine evaluation of the best shape.
     fn polish<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, path: &mut Path<T>) -> Progress {
-        let Some(solver) = self.solver else {
+        let Some(Solver { numbers, step, .. }) = self.solver else {
             return Progress::Failed;
         };
         let candidate = self.candidate::<M>(limits, self.index);
-        let ends = self.evaluate::<M>(limits, path, &candidate, &solver.numbers, Quality::Fine);
+        let ends = self.evaluate::<M>(limits, path, &candidate, &numbers, Quality::Fine);
         let residual = self.residual(&ends);
         let miss = residual.norm::<M>();
         // Ten times the rounding of the sum in single precision.
         let f = T::from_f64;
         let enough = f(2.0e-6) * (T::ONE + self.target.distance);
-        if miss <= enough || solver.step >= POLISHING {
-            return Progress::Found;
-        }
-        match solver.next(&candidate, &ends.drives, residual, miss, &self.target, true) {
-            Some(next) => {
-                self.solver = Some(next);
-                Progress::Searching
-            }
-            None => Progress::Found,
+        let good = miss <= enough || step >= POLISHING;
+        if good || !self.corrects(&candidate, &ends.drives, residual, miss) {
+            Progress::Found
+        } else {
+            Progress::Searching
         }
     }
 
@@ -331,25 +339,25 @@ impl<T: Scalar> Solver<T> {
         }
     }
 
-    /// The next two numbers; `None` if this leads nowhere.
+    /// The next two numbers; false if this leads nowhere, and nothing is left of use.
     ///
     /// The slope is a guess from the ends at first, and then Broyden's: changed least so that it explains the last step.
-    fn next(
-        mut self,
+    fn advance(
+        &mut self,
         candidate: &Candidate<T>,
         ends: &[Vector<T>; 2],
         residual: Vector<T>,
         miss: T,
         target: &Target<T>,
         polishing: bool,
-    ) -> Option<Self> {
+    ) -> bool {
         let f = T::from_f64;
         let proportional = matches!(candidate, Candidate::TwoDrives { .. });
         if self.step == 0 {
             self.first = miss;
         } else if self.step >= STEPS || (!polishing && self.step == 3 && miss > f(0.3) * self.first)
         {
-            return None;
+            return false;
         }
         if self.step == 0 || (self.step == 1 && proportional) {
             self.slope = candidate.slope(&self.numbers, ends);
@@ -374,14 +382,14 @@ impl<T: Scalar> Solver<T> {
             (a.x * residual.y - a.y * residual.x) / determinant,
         ];
         if !(step[0].is_finite() && step[1].is_finite()) {
-            return None;
+            return false;
         }
         // No further than the guess may be wrong.
         let reach = f(0.3) + target.distance;
         let limits = [if proportional { reach } else { f(0.7) }, reach];
         self.moved = [clamp(step[0], limits[0]), clamp(step[1], limits[1])];
         if self.moved == [T::ZERO; 2] {
-            return None;
+            return false;
         }
         self.numbers = [
             self.numbers[0] + self.moved[0],
@@ -389,7 +397,7 @@ impl<T: Scalar> Solver<T> {
         ];
         self.residual = residual;
         self.step += 1;
-        Some(self)
+        true
     }
 }
 
@@ -427,7 +435,7 @@ mod tests {
                 jerk_s: f(turn_accel / turn_jerk),
             },
             rim: f(speed.max(0.2 * turn_rate)),
-            track: f(0.4),
+            half_track: f(0.2),
         }
     }
 
@@ -481,7 +489,7 @@ mod tests {
                     let (sine, cosine) = Libm::sin_cos(path.turn_at(t).position);
                     x += h * path.drive_at(t).rate * cosine;
                     y += h * path.drive_at(t).rate * sine;
-                    let turning = 0.5 * exact.track * path.turn_at(t).rate.abs();
+                    let turning = exact.half_track * path.turn_at(t).rate.abs();
                     rim = rim.max(path.drive_at(t).rate.abs() + turning);
                 }
                 let miss = (x - error.x).hypot(y - error.y);
