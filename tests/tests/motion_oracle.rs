@@ -315,8 +315,7 @@ fn mission<U: NeuronUpdate<f64>>(seed: u64, rule: Rule, met: &mut Met) {
 /// A tick of the oracle. Of a command that is at rest but for rounding the sign says whether it brakes or accelerates, by limits that
 /// differ; one whose rim is at its limit but for rounding may not gain. The oracle goes on from the answer whose command is that of the core.
 fn closest(oracle: &mut Law, report: &MotionReport<f64>, tick: impl Fn(&mut Law) -> Row) -> Row {
-    let (twist, rate) = (&report.command, &report.command_rate);
-    let twist = Vector2::new(twist.linear, twist.angular);
+    let (twist, rate) = (pair(&report.command), &report.command_rate);
     let rate = Vector2::new(rate.linear, rate.angular);
     let all = oracle.ties().into_iter().map(|mut law| {
         let row = tick(&mut law);
