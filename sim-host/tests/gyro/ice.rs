@@ -9,6 +9,10 @@ use sim_host::world::{PlantFault, Side};
 
 /// A wheel slides that goes faster over the floor \[m/s\].
 const SLIDES: f64 = 0.1;
+/// A wheel that goes faster over the floor slides at all \[m/s\]: three times what a radius that is off by a per cent makes of 1 m/s.
+const SLIDES_AT_ALL: f64 = 0.03;
+/// What is found began to slide at most so long ago \[s\].
+const LATELY_S: f64 = 0.5;
 /// Found within \[s\].
 const WITHIN_S: f64 = 0.3;
 /// Runs of each base.
@@ -18,6 +22,8 @@ const RUNS: u64 = 20;
 struct Outcome {
     /// For how long a wheel had slid without a break when the fault was found \[s\]; `None` where it was not.
     found_s: Option<f64>,
+    /// Found although neither wheel had slid lately.
+    false_alarm: bool,
     /// Longest slide of which the base did not know \[s\]: that had not turned its heading over to the gyro, nor stopped it.
     unseen_s: f64,
     /// A slide that lasted [`WITHIN_S`] and was not found.
@@ -49,6 +55,7 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
     };
     let (at_s, mu) = (draw.between(3.0, 6.0), draw.between(0.05, 0.2));
     let (mut outcome, mut sliding_s, mut unseen_s) = (Outcome::default(), 0.0, 0.0);
+    let mut still_s = f64::INFINITY;
     let mut frozen = !ice;
     while rig.t < 12.0 {
         if !frozen && rig.t > at_s {
@@ -58,8 +65,17 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
         }
         let order = wander.at(rig.t);
         let report = rig.tick(&order);
+        let fastest = slide(&rig, base, Side::Right)
+            .abs()
+            .max(slide(&rig, base, Side::Left).abs());
+        still_s = if fastest > SLIDES_AT_ALL {
+            0.0
+        } else {
+            still_s + rig.dt
+        };
         if report.active_faults.get(FaultKind::WheelSlip).is_some() {
             outcome.found_s = Some(sliding_s);
+            outcome.false_alarm = still_s > LATELY_S;
             return outcome;
         }
         if !report.state.is_live() {
@@ -76,7 +92,9 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
 }
 
 /// The same drives with a wheel on ice from a random moment on, with a gyro and without one, and with a gyro on the same bad floors
-/// without ice, where nothing may be found.
+/// without ice, where a wheel may be found that does slide, which tyres on the worst of them do, and no other.
+///
+/// `GYRO_SEED` and `GYRO_SEEDS` are another first seed and another number.
 #[test]
 fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
     for built_in in BASES {
@@ -98,21 +116,20 @@ fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
             .fold(0.0, f64::max);
         let unseen = gyro.iter().map(|run| run.unseen_s).fold(0.0, f64::max);
         println!(
-            "{}: {} of {RUNS} found, the latest after {latest:.3} s, unseen for {unseen:.3} s at most; without a gyro {} of {} slides missed",
+            "{}: {} of {} found, the latest after {latest:.3} s, unseen for {unseen:.3} s at most, {} missed; without a gyro {} of {} slides missed; without ice {} found, {} of them sliding",
             built_in.name,
             count(&gyro, |run| run.found_s.is_some()),
+            gyro.len(),
+            count(&gyro, |run| run.missed),
             count(&wheels, |run| run.missed),
             count(&wheels, |run| run.missed || run.found_s.is_some()),
+            count(&quiet, |run| run.found_s.is_some()),
+            count(&quiet, |run| run.found_s.is_some() && !run.false_alarm),
         );
         assert_eq!(count(&gyro, |run| run.missed), 0, "{}", built_in.name);
         assert!(latest <= WITHIN_S, "{}: {latest}", built_in.name);
         assert!(count(&gyro, |run| run.found_s.is_some()) > 0);
-        assert_eq!(
-            count(&quiet, |run| run.found_s.is_some()),
-            0,
-            "{}",
-            built_in.name
-        );
+        assert_eq!(count(&quiet, |run| run.false_alarm), 0, "{}", built_in.name);
         // The condition is not empty: today's bases slide on unaware.
         assert_eq!(count(&wheels, |run| run.found_s.is_some()), 0);
     }
