@@ -23,8 +23,9 @@ const RADII: f64 = 1.0 / 8.0;
 const CHANGES: f64 = 0.1;
 /// Share of the drift that a metre is wrong by, as a standard deviation: 1.2 mm of 2 %, of tyres that slip and joints of floors.
 const PER_METRE: f64 = 0.06;
-/// The same of a turn of a radian: 6.7 mrad of 2 %, wide tyres that roll about another point than is believed.
-const PER_RADIAN: f64 = 1.0 / 3.0;
+/// The same of a turn of a radian: 11.5 mrad of 2 %, a track that is wrong by up to the drift, evenly: wide tyres roll about another point than
+/// is believed. √(1/3).
+const PER_RADIAN: f64 = 0.577_350_269_189_625_8;
 /// Variances, over those of a fix, above which nothing is known: a fix is then taken whole. Single precision still keeps what
 /// remains of less, 1e5 × 6e-8 of a fix's variance.
 const LOST: f64 = 1.0e5;
@@ -264,10 +265,10 @@ mod tests {
             turn,
             ..Since::default()
         };
-        // The bound is 2.5 m² and 2.5 rad². A radian adds (0.02/3)² rad², a metre twice (0.06 · 0.02)² m²: 56,000 and 870,000 of them.
+        // The bound is 2.5 m² and 2.5 rad². A radian adds 0.02²/3 rad², a metre twice (0.06 · 0.02)² m²: 18,750 and 870,000 of them.
         for (since, carried, is_lost) in [
-            (since(0.0, 5.5e4), None, false),
-            (since(0.0, 5.7e4), None, true),
+            (since(0.0, 1.85e4), None, false),
+            (since(0.0, 1.9e4), None, true),
             (since(8.5e5, 0.0), Some(1e-6), false),
             (since(8.8e5, 0.0), Some(1e-6), true),
             (since(0.0, f64::NAN), None, true),

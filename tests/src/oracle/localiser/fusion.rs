@@ -240,7 +240,7 @@ impl Fusion {
         f[(2, 3)] = way;
         let rest = |gain: f64, sigma: f64| (gain * sigma).powi(2) / (1.0 - gain);
         let slid = rest(position, k.sigma.0) + (0.06 * k.drift).powi(2) * way.abs();
-        let turned = rest(heading, k.sigma.1) + (k.drift / 3.0).powi(2) * turn;
+        let turned = rest(heading, k.sigma.1) + k.drift.powi(2) / 3.0 * turn;
         let changed = 0.01 * unknown(k) * way.abs();
         let more = Matrix4::from_diagonal(&Vector4::new(slid, slid, turned, changed));
         let mut p = f * self.covariance * f.transpose() + more;
