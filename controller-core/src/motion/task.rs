@@ -24,6 +24,8 @@ pub enum Task<T = f32> {
         twist: Twist<T>,
         /// Keep the heading that the ordered turn rates lead to, against pushes and wheels that are not alike. Otherwise it is forgotten
         /// within half a second: what turns the robot as it sets off is turned back, to what lasts it gives in. A robot at rest keeps none.
+        /// Either way a jump of the measured heading that is neither declared nor beyond
+        /// [`MotionParams::jump`](super::MotionParams::jump) is turned back.
         hold_heading: bool,
     },
 }
