@@ -70,7 +70,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// One tick, `dt` \[s\] after the last.
     ///
     /// # Errors
-    /// Any [`StepFault`]; the state is then unchanged, and the wheels are the caller's to make safe. A goal 10⁹ m away is refused.
+    /// Any [`StepFault`]; the state is then unchanged, and the wheels are the caller's to make safe. Parking
+    /// refuses a goal 10⁹ m away, and such a speed, as an overflow.
     pub fn step(
         &mut self,
         dt: T,

@@ -1,5 +1,6 @@
 //! Driving by velocity: a speed and a turn rate as a host or an operator orders them.
 
+use super::gains::DISTURBANCE;
 use super::governor::Command;
 use super::limits::Limits;
 use super::params::ValidMotionParams;
@@ -36,9 +37,9 @@ pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
 /// A robot that is ordered to stand does so below this speed and turn rate \[m/s, rad/s\].
 const STILL: f64 = 0.01;
 
-/// Time constant with which a heading that is not held is forgotten \[s\]: that of the disturbance estimate, 1/2.5. What turns the base as it sets
+/// 1/T, the rate with which a heading that is not held is forgotten \[1/s\]: that of the disturbance estimate. What turns the base as it sets
 /// off, until the estimate has learnt it, is turned back; to a push that lasts longer the base gives in.
-const MEMORY_S: f64 = 0.4;
+const FORGETS: f64 = DISTURBANCE;
 
 /// What driving by velocity remembers: the heading that it is to have. Everything else is in the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -135,7 +136,7 @@ impl<T: Scalar> DriveLaw<T> {
         let forgets = if now.hold_heading {
             T::ZERO
         } else {
-            T::from_f64(1.0 / MEMORY_S)
+            T::from_f64(FORGETS)
         };
         *self = if moves {
             let error = if self.held.is_some() {

@@ -56,7 +56,7 @@ cast!(MotionGains {
 /// ω \[1/s\]. The velocity loops of 3 and 5/s then cross over at 5.7 and 7.7 rad/s with 59° and 54° of
 /// phase margin, and with half the mass, 20 ms of delay and a speed estimate of 50 rad/s, at 11 and
 /// 15 rad/s with 49° and 37°. See `docs/motion.md`.
-const DISTURBANCE: f64 = 2.5;
+pub(super) const DISTURBANCE: f64 = 2.5;
 
 /// Force and moment at this share each take the quarter of a wheel's torque that commands leave.
 const DISTURBANCE_SHARE: f64 = 0.125;

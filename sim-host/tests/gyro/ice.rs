@@ -65,10 +65,8 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
         }
         let order = wander.at(rig.t);
         let report = rig.tick(&order);
-        let fastest = slide(&rig, base, Side::Right)
-            .abs()
-            .max(slide(&rig, base, Side::Left).abs());
-        still_s = if fastest > SLIDES_AT_ALL {
+        let [right, left] = [Side::Right, Side::Left].map(|side| slide(&rig, base, side).abs());
+        still_s = if right.max(left) > SLIDES_AT_ALL {
             0.0
         } else {
             still_s + rig.dt
@@ -81,7 +79,10 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
         if !report.state.is_live() {
             return outcome;
         }
-        let slides = slide(&rig, base, side).abs() > SLIDES;
+        let slides = match side {
+            Side::Right => right,
+            Side::Left => left,
+        } > SLIDES;
         sliding_s = if slides { sliding_s + rig.dt } else { 0.0 };
         let unseen = slides && report.gyro.slid == 0.0;
         unseen_s = if unseen { unseen_s + rig.dt } else { 0.0 };
