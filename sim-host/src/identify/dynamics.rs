@@ -330,7 +330,6 @@ impl Model for Motion<'_> {
             moved[i] = global[i];
         }
         Linear {
-            residual: here - self.measured(stretch),
             global: by_global,
             local: by_start,
         }

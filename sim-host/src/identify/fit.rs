@@ -4,12 +4,11 @@
 //! Each Gauss-Newton step (damped: Levenberg, Marquardt) solves for l by an orthogonal
 //! factorisation in its window and for g by the normal equations of what is left.
 
-use super::correlation::information;
+use super::correlation::{gram, information};
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals of a window with their derivatives.
+/// Derivatives of a window's residuals.
 pub(super) struct Linear {
-    pub(super) residual: DVector<f64>,
     /// By global parameters.
     pub(super) global: DMatrix<f64>,
     /// By the window's start state.
@@ -34,7 +33,7 @@ pub(super) trait Model {
     fn start(&self, window: usize) -> DVector<f64>;
     /// Residuals.
     fn residual(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> DVector<f64>;
-    /// Residuals and derivatives.
+    /// Their derivatives.
     fn linear(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> Linear;
 }
 
@@ -61,13 +60,34 @@ const ENOUGH: f64 = 1.0e-9;
 /// Weights from residuals, twice: the first fit's weights are guesses.
 pub(super) const ROUNDS: usize = 3;
 
-/// A window whose start state is projected out.
+/// A step that lowers the sum of squares by less than this part leaves derivatives as they were: it moves 1e4 residuals by three
+/// standard errors, so that the next step, by the same derivatives, is right to some per cent. The last round begins with
+/// derivatives of its own.
+const NEAR: f64 = 1.0e-3;
+
+/// Derivatives of a window whose start state is projected out, weighted.
 struct Reduced {
-    residual: DVector<f64>,
-    global: DMatrix<f64>,
-    /// Start state = -(by_residual + by_global * step).
-    by_residual: DVector<f64>,
+    /// Start state = -(by_residual + by_global * step), with this and the weighted derivatives by the start state, Q R.
     by_global: DMatrix<f64>,
+    q: DMatrix<f64>,
+    r: DMatrix<f64>,
+    global: DMatrix<f64>,
+    /// Of `global`.
+    gram: DMatrix<f64>,
+}
+
+/// A fit under way.
+struct Descent<'a, M> {
+    model: &'a M,
+    scale: &'a DVector<f64>,
+    value: DVector<f64>,
+    /// Start states, by window.
+    local: Vec<DVector<f64>>,
+    residuals: Vec<DVector<f64>>,
+    /// Near there, or at it if they are `fresh`.
+    slopes: Vec<Linear>,
+    fresh: bool,
+    damping: f64,
 }
 
 /// Fits. `scale` holds typical sizes of the parameters, `sigma` first guesses of the noise, `lags`
@@ -80,28 +100,35 @@ pub(super) fn fit(
     lags: usize,
     rounds: usize,
 ) -> Option<Fit> {
-    let (mut value, mut damping) = (start, 1.0e-4);
-    let mut local: Vec<_> = (0..model.windows()).map(|w| model.start(w)).collect();
+    let mut descent = Descent::new(model, start, scale);
+    let mut reduced = Vec::new();
     for round in 0..rounds {
-        descend(model, &mut value, &mut local, scale, &sigma, &mut damping);
-        if round + 1 < rounds {
-            sigma = spread(model, &value, &local)?;
+        let last = round + 1 == rounds;
+        reduced = descent.descend(&sigma, round == 0 || last)?;
+        if !last {
+            sigma = descent.spread()?;
         }
     }
-    let windows: Vec<_> = (0..model.windows())
-        .map(|w| reduce(model, &value, w, &local[w], scale, &sigma))
-        .collect::<Option<_>>()?;
-    let scores: Vec<_> = windows
+    let Descent {
+        value, residuals, ..
+    } = descent;
+    let channels = model.kinds().len();
+    let scores: Vec<_> = reduced
         .iter()
-        .map(|w| scores(w, model.kinds().len()))
+        .zip(&residuals)
+        .map(|(window, residual)| {
+            let residual = whitened(model, residual, &sigma);
+            let of_start = &window.q * window.q.tr_mul(&residual);
+            scores(&window.global, &(residual - of_start), channels)
+        })
         .collect();
-    let h = windows
-        .iter()
-        .map(|w| gram(&w.global))
+    let count: usize = residuals.iter().map(|residual| residual.len()).sum();
+    let states: usize = reduced.iter().map(|window| window.r.ncols()).sum();
+    let h = reduced
+        .into_iter()
+        .map(|window| window.gram)
         .reduce(|a, b| a + b)?;
-    let residuals: usize = windows.iter().map(|w| w.residual.len()).sum();
-    let states: usize = local.iter().map(|l| l.len()).sum();
-    let freedom = residuals.saturating_sub(states + value.len()) as f64;
+    let freedom = count.saturating_sub(states + value.len()) as f64;
     let unit = DMatrix::from_diagonal(&scale.map(|s| 1.0 / s));
     let shown = &unit * information(&h, &scores, lags) * &unit;
     let information = shown + DMatrix::from_diagonal(&model.prior(value.len()));
@@ -119,158 +146,213 @@ pub(super) fn fit(
     })
 }
 
-fn descend(
-    model: &impl Model,
-    value: &mut DVector<f64>,
-    local: &mut Vec<DVector<f64>>,
-    scale: &DVector<f64>,
-    sigma: &[f64],
-    damping: &mut f64,
-) {
-    // Of a round that ended where no step was small enough.
-    *damping = damping.min(1.0e-4);
-    let mut cost = total(model, value, local, sigma);
-    for _ in 0..STEPS {
-        let windows: Option<Vec<_>> = (0..model.windows())
-            .map(|w| reduce(model, value, w, &local[w], scale, sigma))
-            .collect();
-        let Some(windows) = windows else { return };
-        let count = value.len();
-        let (mut h, mut b) = (DMatrix::zeros(count, count), DVector::zeros(count));
-        for window in &windows {
-            h += gram(&window.global);
-            b += window.global.tr_mul(&window.residual);
+impl<'a, M: Model> Descent<'a, M> {
+    fn new(model: &'a M, value: DVector<f64>, scale: &'a DVector<f64>) -> Self {
+        let local: Vec<_> = (0..model.windows()).map(|w| model.start(w)).collect();
+        Self {
+            model,
+            scale,
+            residuals: residuals(model, &value, &local),
+            value,
+            local,
+            slopes: Vec::new(),
+            fresh: false,
+            damping: 1.0e-4,
         }
-        for (i, weight) in model.prior(count).iter().enumerate() {
-            h[(i, i)] += weight * scale[i] * scale[i];
-            b[i] += weight * scale[i] * value[i];
+    }
+
+    /// Goes down with these weights; gives the reduced derivatives of where it ends, or of near it. They `renew` at the begin, or stay
+    /// until a step is not small. `None` without a start state that could be told.
+    fn descend(&mut self, sigma: &[f64], renew: bool) -> Option<Vec<Reduced>> {
+        // Of a round that ended where no step was small enough.
+        self.damping = self.damping.min(1.0e-4);
+        let mut cost = cost(self.model, &self.value, &self.residuals, sigma);
+        let mut reduced = Vec::new();
+        let mut stale = renew && !self.fresh;
+        for _ in 0..STEPS {
+            if stale {
+                self.look();
+                reduced.clear();
+            }
+            if reduced.is_empty() {
+                reduced = self.reduced(sigma)?;
+            }
+            let was_fresh = self.fresh;
+            match self.step(&reduced, sigma, cost) {
+                Some(lower) => {
+                    let gain = (cost - lower) / cost.max(f64::MIN_POSITIVE);
+                    if gain < ENOUGH {
+                        break;
+                    }
+                    (cost, stale) = (lower, gain > NEAR);
+                }
+                None if was_fresh => break,
+                // Derivatives of elsewhere need not lead down.
+                None => (self.damping, stale) = (1.0e-4, true),
+            }
+        }
+        Some(reduced)
+    }
+
+    /// Takes the derivatives of here.
+    fn look(&mut self) {
+        let (value, local) = (&self.value, &self.local);
+        self.slopes = (0..local.len())
+            .map(|w| self.model.linear(value, w, &local[w]))
+            .collect();
+        self.fresh = true;
+    }
+
+    fn reduced(&self, sigma: &[f64]) -> Option<Vec<Reduced>> {
+        self.slopes
+            .iter()
+            .map(|slope| reduce(self.model, slope, self.scale, sigma))
+            .collect()
+    }
+
+    /// A step down, with as much damping as it needs; the sum of squares after it.
+    fn step(&mut self, windows: &[Reduced], sigma: &[f64], cost_here: f64) -> Option<f64> {
+        let count = self.value.len();
+        let (mut h, mut b) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        let mut by_residual = Vec::with_capacity(windows.len());
+        for (window, residual) in windows.iter().zip(&self.residuals) {
+            let residual = whitened(self.model, residual, sigma);
+            h += &window.gram;
+            // What the start state takes of residuals is across to what is left of the derivatives.
+            b += window.global.tr_mul(&residual);
+            let of_start = window.q.tr_mul(&residual);
+            by_residual.push(window.r.solve_upper_triangular(&of_start)?);
+        }
+        for (i, weight) in self.model.prior(count).iter().enumerate() {
+            h[(i, i)] += weight * self.scale[i] * self.scale[i];
+            b[i] += weight * self.scale[i] * self.value[i];
         }
         // Far below what any parameter's own information is: only directions that nothing shows need it.
         let floor = 1.0e-12 * h.diagonal().amax();
-        let mut gain = None;
-        while *damping < 1.0e9 {
+        while self.damping < 1.0e9 {
             let mut damped = h.clone();
             for i in 0..count {
-                damped[(i, i)] += *damping * h[(i, i)] + floor;
+                damped[(i, i)] += self.damping * h[(i, i)] + floor;
             }
             let Some(step) = damped.cholesky().map(|c| -c.solve(&b)) else {
-                *damping *= 10.0;
+                self.damping *= 10.0;
                 continue;
             };
-            let tried = &*value + step.component_mul(scale);
+            let tried = &self.value + step.component_mul(self.scale);
             let states: Vec<_> = windows
                 .iter()
-                .zip(&*local)
-                .map(|(window, l)| l - (&window.by_residual + &window.by_global * &step))
+                .zip(by_residual.iter().zip(&self.local))
+                .map(|(window, (by_residual, l))| l - (by_residual + &window.by_global * &step))
                 .collect();
-            let new = total(model, &tried, &states, sigma);
-            if new <= cost {
-                gain = Some((cost - new) / cost.max(f64::MIN_POSITIVE));
-                (*value, *local, cost) = (tried, states, new);
-                *damping = (0.1 * *damping).max(1.0e-9);
-                break;
+            let left = residuals(self.model, &tried, &states);
+            let new = cost(self.model, &tried, &left, sigma);
+            if new <= cost_here {
+                (self.value, self.local, self.residuals) = (tried, states, left);
+                self.fresh = false;
+                self.damping = (0.1 * self.damping).max(1.0e-9);
+                return Some(new);
             }
-            *damping *= 10.0;
+            self.damping *= 10.0;
         }
-        if gain.is_none_or(|gain| gain < ENOUGH) {
-            return;
+        None
+    }
+
+    /// Standard deviations by kind of noise, each with its own start states taken off.
+    fn spread(&self) -> Option<Vec<f64>> {
+        let kinds = self.model.kinds();
+        let states = self.model.states_of_kind();
+        let mut sums = vec![(0.0, 0.0); states.len()];
+        for (i, r) in self.residuals.iter().flat_map(|r| r.iter().enumerate()) {
+            let sum = &mut sums[kinds[i % kinds.len()]];
+            *sum = (sum.0 + r * r, sum.1 + 1.0);
         }
+        let windows = self.local.len() as f64;
+        let parameters = self.value.len() as f64 / states.len() as f64;
+        sums.iter()
+            .zip(states)
+            .map(|((squares, count), &states): (&(f64, f64), _)| {
+                let freedom = count - windows * states as f64 - parameters;
+                // Residuals of nothing but rounding still need a weight.
+                (freedom >= 1.0).then(|| (squares / freedom).sqrt().max(1.0e-12))
+            })
+            .collect()
     }
 }
 
-fn total(model: &impl Model, value: &DVector<f64>, local: &[DVector<f64>], sigma: &[f64]) -> f64 {
+fn residuals(
+    model: &impl Model,
+    value: &DVector<f64>,
+    local: &[DVector<f64>],
+) -> Vec<DVector<f64>> {
+    let windows = local.iter().enumerate();
+    windows
+        .map(|(window, local)| model.residual(value, window, local))
+        .collect()
+}
+
+/// Sum of squares of weighted residuals, and of what is known before.
+fn cost(
+    model: &impl Model,
+    value: &DVector<f64>,
+    residuals: &[DVector<f64>],
+    sigma: &[f64],
+) -> f64 {
     let prior = model.prior(value.len());
-    let mut sum = prior.dot(&value.component_mul(value));
-    for (window, local) in local.iter().enumerate() {
-        let mut residual = model.residual(value, window, local);
-        whiten(model, &mut residual, sigma);
-        sum += residual.norm_squared();
-    }
+    let squares = |residual| whitened(model, residual, sigma).norm_squared();
     // A comparison with NaN is false: such a step is refused.
-    sum
+    prior.dot(&value.component_mul(value)) + residuals.iter().map(squares).sum::<f64>()
 }
 
-fn whiten(model: &impl Model, residual: &mut DVector<f64>, sigma: &[f64]) {
-    for (r, kind) in residual.iter_mut().zip(model.kinds().iter().cycle()) {
-        *r /= sigma[*kind];
+fn whitened(model: &impl Model, residual: &DVector<f64>, sigma: &[f64]) -> DVector<f64> {
+    let mut residual = residual.clone();
+    whiten(model, residual.as_mut_slice(), sigma);
+    residual
+}
+
+fn whiten(model: &impl Model, rows: &mut [f64], sigma: &[f64]) {
+    for (row, kind) in rows.iter_mut().zip(model.kinds().iter().cycle()) {
+        *row /= sigma[*kind];
     }
 }
 
 fn reduce(
     model: &impl Model,
-    value: &DVector<f64>,
-    window: usize,
-    local: &DVector<f64>,
+    slope: &Linear,
     scale: &DVector<f64>,
     sigma: &[f64],
 ) -> Option<Reduced> {
-    let mut linear = model.linear(value, window, local);
-    whiten(model, &mut linear.residual, sigma);
-    for mut column in linear
-        .global
-        .column_iter_mut()
-        .chain(linear.local.column_iter_mut())
-    {
-        for (entry, kind) in column.iter_mut().zip(model.kinds().iter().cycle()) {
-            *entry /= sigma[*kind];
-        }
-    }
-    for (mut column, scale) in linear.global.column_iter_mut().zip(scale.iter()) {
+    let Linear { global, local } = slope;
+    let (mut global, mut local) = (global.clone(), local.clone());
+    for (mut column, scale) in global.column_iter_mut().zip(scale.iter()) {
         column *= *scale;
     }
-    let (q, r) = linear.local.qr().unpack();
-    let (qr, qg) = (q.tr_mul(&linear.residual), q.tr_mul(&linear.global));
+    for matrix in [&mut global, &mut local] {
+        let rows = matrix.nrows().max(1);
+        for column in matrix.as_mut_slice().chunks_mut(rows) {
+            whiten(model, column, sigma);
+        }
+    }
+    let (q, r) = local.qr().unpack();
+    let of_start = q.tr_mul(&global);
+    let by_global = r.solve_upper_triangular(&of_start)?;
+    global -= &q * of_start;
     Some(Reduced {
-        by_residual: r.solve_upper_triangular(&qr)?,
-        by_global: r.solve_upper_triangular(&qg)?,
-        residual: linear.residual - &q * qr,
-        global: linear.global - &q * qg,
+        by_global,
+        q,
+        r,
+        gram: gram(&global),
+        global,
     })
 }
 
-/// M^T M, of which one half is the other.
-fn gram(m: &DMatrix<f64>) -> DMatrix<f64> {
-    let count = m.ncols();
-    let mut product = DMatrix::zeros(count, count);
-    for i in 0..count {
-        for j in 0..=i {
-            let entry = m.column(i).dot(&m.column(j));
-            (product[(i, j)], product[(j, i)]) = (entry, entry);
+/// Gradient of half the sum of squares, a row a sample.
+fn scores(global: &DMatrix<f64>, residual: &DVector<f64>, channels: usize) -> DMatrix<f64> {
+    let samples = residual.len() / channels;
+    let mut scores = DMatrix::zeros(samples, global.ncols());
+    for (mut scores, by) in scores.column_iter_mut().zip(global.column_iter()) {
+        for (row, (by, r)) in by.iter().zip(residual).enumerate() {
+            scores[row / channels] += by * r;
         }
-    }
-    product
-}
-
-/// Gradient of half the sum of squares, sample by sample.
-fn scores(window: &Reduced, channels: usize) -> DMatrix<f64> {
-    let samples = window.residual.len() / channels;
-    let mut scores = DMatrix::zeros(window.global.ncols(), samples);
-    for (row, r) in window.residual.iter().enumerate() {
-        let mut column = scores.column_mut(row / channels);
-        column += window.global.row(row).transpose() * *r;
     }
     scores
-}
-
-/// Standard deviations by kind of noise, each with its own start states taken off.
-fn spread(model: &impl Model, value: &DVector<f64>, local: &[DVector<f64>]) -> Option<Vec<f64>> {
-    let kinds = model.kinds();
-    let states = model.states_of_kind();
-    let mut sums = vec![(0.0, 0.0); states.len()];
-    for (window, local) in local.iter().enumerate() {
-        for (i, r) in model.residual(value, window, local).iter().enumerate() {
-            let sum = &mut sums[kinds[i % kinds.len()]];
-            *sum = (sum.0 + r * r, sum.1 + 1.0);
-        }
-    }
-    let windows = local.len() as f64;
-    let parameters = value.len() as f64 / states.len() as f64;
-    sums.iter()
-        .zip(states)
-        .map(|((squares, count), &states): (&(f64, f64), _)| {
-            let freedom = count - windows * states as f64 - parameters;
-            // Residuals of nothing but rounding still need a weight.
-            (freedom >= 1.0).then(|| (squares / freedom).sqrt().max(1.0e-12))
-        })
-        .collect()
 }

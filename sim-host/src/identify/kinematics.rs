@@ -215,8 +215,7 @@ impl Model for Poses<'_> {
     }
 
     fn linear(&self, global: &DVector<f64>, window: usize, local: &DVector<f64>) -> Linear {
-        let residual = self.residual(global, window, local);
-        let rows = residual.len();
+        let rows = 3 * self.windows[window].len();
         let mut by_global = DMatrix::zeros(rows, 3);
         for i in 0..3 {
             // Central differences: error of the third order, 1e-10 of the value.
@@ -238,7 +237,6 @@ impl Model for Poses<'_> {
             by_local[(3 * i + 1, 2)] = cos * p.x - sin * p.y;
         }
         Linear {
-            residual,
             global: by_global,
             local: by_local,
         }

@@ -41,18 +41,86 @@ pub(super) struct Course {
 
 /// A ride along the rows of a stretch, which keeps what rows have in common.
 pub(super) struct Ride<'a> {
+    turning: Turning<'a>,
+    modes: Modes,
+    steps: Steps,
+    course: &'a mut Vec<Course>,
+    at: usize,
+}
+
+/// Wheels that all turn their way.
+#[derive(Clone, Copy)]
+struct Turning<'a> {
     wheels: &'a Wheels,
     /// Directions of the wheels, and what Coulomb friction slows them by, E^-1 s sign.
     sign: Vector2<f64>,
     slowed: Vector2<f64>,
-    /// What modes and steps hold for.
+}
+
+/// Modes under one feed.
+#[derive(Default)]
+struct Modes {
+    share: [f64; 2],
+    known: [Option<Mode>; 4],
+}
+
+impl Modes {
+    /// What is solved under a feed. A stiff source lets modes be those of any.
+    fn under(wheels: &Wheels, feed: &Feed) -> [f64; 2] {
+        if wheels.source_ohm == 0.0 {
+            [0.0; 2]
+        } else {
+            feed.share
+        }
+    }
+
+    /// That of motors which drive their wheels, or brake.
+    fn of(
+        &mut self,
+        wheels: &Wheels,
+        feed: &Feed,
+        motors: &Motors,
+        drives: [bool; 2],
+    ) -> Option<&Mode> {
+        let share = Self::under(wheels, feed);
+        if self.share != share {
+            (self.share, self.known) = (share, [None; 4]);
+        }
+        let known = &mut self.known[index(drives)];
+        if known.is_none() {
+            *known = wheels.mode(motors, drives);
+        }
+        known.as_ref()
+    }
+}
+
+/// Steps of whole rows.
+#[derive(Default)]
+struct Steps {
     share: [f64; 2],
     h: f64,
     no_lag: [bool; 2],
-    modes: [Option<Mode>; 4],
-    steps: [Option<Step>; 4],
-    course: &'a mut Vec<Course>,
-    at: usize,
+    known: [Option<Step>; 4],
+}
+
+impl Steps {
+    /// That over what is left of a row of `h`, of a mode under this share of the source.
+    fn rest(&mut self, mode: &Mode, share: [f64; 2], course: &Course, rest: f64, h: f64) -> Step {
+        if rest != h {
+            return mode.step(rest, course.no_lag);
+        }
+        // Clocks written with six digits jitter by a microsecond's rounding only.
+        let same_clock = (self.h - h).abs() < 1.0e-9;
+        if self.share != share || !same_clock || self.no_lag != course.no_lag {
+            *self = Self {
+                share,
+                h,
+                no_lag: course.no_lag,
+                known: [None; 4],
+            };
+        }
+        *self.known[index(course.drives)].get_or_insert_with(|| mode.step(h, course.no_lag))
+    }
 }
 
 impl<'a> Ride<'a> {
@@ -60,63 +128,16 @@ impl<'a> Ride<'a> {
     pub(super) fn new(wheels: &'a Wheels, sign: [f64; 2], course: &'a mut Vec<Course>) -> Self {
         let sign = Vector2::from(sign);
         Self {
-            wheels,
-            sign,
-            slowed: wheels.per_inertia * wheels.coulomb.component_mul(&sign),
-            share: [0.0; 2],
-            h: 0.0,
-            no_lag: [false; 2],
-            modes: [None; 4],
-            steps: [None; 4],
+            turning: Turning {
+                wheels,
+                sign,
+                slowed: wheels.per_inertia * wheels.coulomb.component_mul(&sign),
+            },
+            modes: Modes::default(),
+            steps: Steps::default(),
             course,
             at: 0,
         }
-    }
-
-    /// Whether each motor drives its wheel.
-    fn drives(&self, v: &Vector2<f64>) -> [bool; 2] {
-        [0, 1].map(|i| v[i] * self.sign[i] >= 0.0)
-    }
-
-    fn mode(&mut self, feed: &Feed, motors: &Motors, drives: [bool; 2]) -> Option<Mode> {
-        // A stiff source lets modes be those of any feed.
-        if self.wheels.source_ohm != 0.0 && self.share != feed.share {
-            self.share = feed.share;
-            self.modes = [None; 4];
-            self.steps = [None; 4];
-        }
-        let at = index(drives);
-        if self.modes[at].is_none() {
-            self.modes[at] = self.wheels.mode(motors, drives);
-        }
-        self.modes[at]
-    }
-
-    /// The whole row's step.
-    fn step(&mut self, mode: &Mode, course: &Course, h: f64) -> Step {
-        // Clocks written with six digits jitter by a microsecond's rounding only.
-        if (self.h - h).abs() >= 1.0e-9 || self.no_lag != course.no_lag {
-            self.h = h;
-            self.no_lag = course.no_lag;
-            self.steps = [None; 4];
-        }
-        *self.steps[index(course.drives)].get_or_insert_with(|| mode.step(h, course.no_lag))
-    }
-
-    /// The step over what is left of a row.
-    fn rest(&mut self, mode: &Mode, course: &Course, rest: f64, h: f64) -> Step {
-        if rest == h {
-            self.step(mode, course, h)
-        } else {
-            mode.step(rest, course.no_lag)
-        }
-    }
-
-    /// Whether each motor drives its wheel once v follows, not as if tau were 0.
-    fn settles(&mut self, feed: &Feed, motors: &Motors, speed: &Vector2<f64>) -> Option<[bool; 2]> {
-        let drives = self.drives(&motors.settled(speed));
-        let mode = self.mode(feed, motors, drives)?;
-        Some(self.drives(&(mode.feedback * speed + mode.offset(motors, &self.slowed))))
     }
 
     /// What the row does, so far as it is known before it is solved.
@@ -132,11 +153,14 @@ impl<'a> Ride<'a> {
         if let Some(known) = self.course.get(self.at - 1) {
             return Some(*known);
         }
-        let no_lag = [0, 1].map(|i| self.wheels.lag[i] <= NO_LAG * h);
+        let lag = self.turning.wheels.lag;
+        let no_lag = [lag.x <= NO_LAG * h, lag.y <= NO_LAG * h];
         let mut drives = self.settles(feed, motors, speed)?;
         if let Some(torque) = torque {
-            let so_far = self.drives(torque);
-            drives = [0, 1].map(|i| if no_lag[i] { drives[i] } else { so_far[i] });
+            let so_far = self.turning.drives(torque);
+            for (i, drives) in drives.iter_mut().enumerate() {
+                *drives = if no_lag[i] { *drives } else { so_far[i] };
+            }
         }
         let course = Course {
             no_lag,
@@ -147,6 +171,14 @@ impl<'a> Ride<'a> {
         Some(course)
     }
 
+    /// Whether each motor drives its wheel once v follows, not as if tau were 0.
+    fn settles(&mut self, feed: &Feed, motors: &Motors, speed: &Vector2<f64>) -> Option<[bool; 2]> {
+        let turning = self.turning;
+        let drives = turning.drives(&motors.settled(speed));
+        let mode = self.modes.of(turning.wheels, feed, motors, drives)?;
+        Some(turning.drives(&(mode.feedback * speed + mode.offset(motors, &turning.slowed))))
+    }
+
     /// The state at `speed` under `feed` once v follows, with its derivative by that speed.
     pub(super) fn settled(
         &mut self,
@@ -154,10 +186,11 @@ impl<'a> Ride<'a> {
         speed: Vector2<f64>,
         feed: &Feed,
     ) -> Option<(State, Carried)> {
-        let motors = self.wheels.motors(feed);
+        let Turning { wheels, slowed, .. } = self.turning;
+        let motors = wheels.motors(feed);
         let course = self.course(feed, &motors, &speed, None, 0.0)?;
-        let mode = self.mode(feed, &motors, course.drives)?;
-        let torque = mode.feedback * speed + mode.offset(&motors, &self.slowed);
+        let mode = self.modes.of(wheels, feed, &motors, course.drives)?;
+        let torque = mode.feedback * speed + mode.offset(&motors, &slowed);
         let state = State {
             angle,
             speed,
@@ -179,13 +212,16 @@ impl<'a> Ride<'a> {
         feed: &Feed,
         h: f64,
     ) -> Option<(State, Carried)> {
-        let motors = self.wheels.motors(feed);
+        let turning = self.turning;
+        let Turning { wheels, slowed, .. } = turning;
+        let (motors, share) = (wheels.motors(feed), Modes::under(wheels, feed));
         let decided = self.at < self.course.len();
         let mut course = self.course(feed, &motors, &state.speed, Some(&state.torque), h)?;
         let mut now = course;
-        let mut mode = self.mode(feed, &motors, now.drives)?;
-        let mut offset = mode.offset(&motors, &self.slowed);
-        state.speed += self.turned_at_once(&mode, &offset, &course, &state);
+        let (modes, steps) = (&mut self.modes, &mut self.steps);
+        let mut mode = modes.of(wheels, feed, &motors, now.drives)?;
+        let mut offset = mode.offset(&motors, &slowed);
+        state.speed += turning.turned_at_once(mode, &offset, &course, &state);
         let mut carried = Carried {
             angle: Matrix2::zeros(),
             speed: Matrix2::identity(),
@@ -193,23 +229,23 @@ impl<'a> Ride<'a> {
         };
         let mut rest = h;
         for piece in 0..=PIECES {
-            let push = mode.pull * offset - self.slowed;
+            let push = mode.pull * offset - slowed;
             let parts = mode.parts(&offset, &state.speed, &state.torque);
             // Of a row that is decided only what it does is worked out.
             let mut whole = None;
             if let (false, Some(turn)) = (decided, course.turns.get_mut(piece)) {
                 let torque =
                     |step: &Step| mode.whole(&offset, &mode.stepped(step, &parts, &push)).1;
-                let to_end = self.rest(&mode, &now, rest, h);
+                let to_end = steps.rest(mode, share, &now, rest, h);
                 let ends = [state.torque - parts.fast, torque(&to_end)];
-                *turn = self.turn(&mode, &now, rest, ends, torque);
+                *turn = turning.turn(mode, &now, rest, ends, torque);
                 whole = Some(to_end);
             }
             let turn = course.turns.get(piece).copied().flatten();
             let step = match (turn, whole) {
                 (Some((_, part)), _) => mode.step(part * rest, course.no_lag),
                 (None, Some(whole)) => whole,
-                (None, None) => self.rest(&mode, &now, rest, h),
+                (None, None) => steps.rest(mode, share, &now, rest, h),
             };
             let after = mode.stepped(&step, &parts, &push);
             state.angle += step.once * parts.slow + step.twice * push
@@ -222,14 +258,22 @@ impl<'a> Ride<'a> {
             let Some((i, part)) = turn else { break };
             rest -= part * rest;
             now.drives[i] = !now.drives[i];
-            mode = self.mode(feed, &motors, now.drives)?;
-            offset = mode.offset(&motors, &self.slowed);
+            mode = modes.of(wheels, feed, &motors, now.drives)?;
+            offset = mode.offset(&motors, &slowed);
         }
-        self.course[self.at - 1] = course;
         if CARRIED {
             carried.torque = mode.feedback * carried.speed;
         }
+        self.course[self.at - 1] = course;
         Some((state, carried))
+    }
+}
+
+impl Turning<'_> {
+    /// Whether each motor drives its wheel.
+    fn drives(&self, v: &Vector2<f64>) -> [bool; 2] {
+        let ahead = v.component_mul(&self.sign);
+        [ahead.x >= 0.0, ahead.y >= 0.0]
     }
 
     /// By how much motors without lag change the speed that came from the other side of 0: to first order of a lag.
@@ -240,6 +284,9 @@ impl<'a> Ride<'a> {
         course: &Course,
         state: &State,
     ) -> Vector2<f64> {
+        if course.no_lag == [false; 2] {
+            return Vector2::zeros();
+        }
         let (wheels, new) = (self.wheels, mode.feedback * state.speed + offset);
         wheels.per_inertia
             * Vector2::from_fn(|i, _| {
@@ -321,6 +368,9 @@ fn index(drives: [bool; 2]) -> usize {
 /// over tau; 0 for one that goes no other way.
 fn other_way(old: f64, new: f64) -> f64 {
     let (old, new) = (old.max(0.0), new.max(0.0));
+    if old == 0.0 {
+        return 0.0;
+    }
     let until = if new > 0.0 { (old / new).ln_1p() } else { 0.0 };
     2.0 * (old - new * until)
 }

@@ -265,7 +265,7 @@ impl Mode {
             Matrix2::from_diagonal_element(p) + q * a
         };
         // Sums of a^n / (n + 2)!, of a^n / (n + 1)! and of a^n / n!.
-        let [twice, once, speed] = [(2, last), (1, 1), (0, 0)].map(|(to, from)| down_to(to, from));
+        let (twice, once, speed) = (down_to(2, last), down_to(1, 1), down_to(0, 0));
         Step {
             speed,
             once: once * h,
