@@ -51,6 +51,7 @@ macro_rules! numbers {
                 Arrival::<T>::exact, check_order::<T>, Limits::<T>::least_rim_speed, Limits::<T>::reachable, MotionGains::<T>::for_limits::<M>,
                 MotionGains::<T>::slow_for,
                 ValidMotionParams::<T>::hand_over_distance, ValidMotionParams::<T>::parking_is_due::<M>, Remaining::<T>::with_error,
+                PathEnd::<T>::new, PathEnd::<T>::lead::<M>,
                 MotionParams::<T>::new, MotionParams::<T>::new_with::<M>, MotionParams::<T>::for_period::<M>, MotionParams::<T>::with_pose_noise, MotionParams::<T>::validate,
                 ValidMotionParams::<T>::params, ValidMotionParams::<T>::gains, ValidMotionParams::<T>::wheels,
                 ValidMotionParams::<T>::force_rate_limit, ValidMotionParams::<T>::moment_rate_limit,

@@ -14,6 +14,7 @@ mod motion_margins;
 mod motion_minimum_time;
 mod motion_oracle;
 mod motion_parking;
+mod motion_path_end;
 mod motion_precision;
 mod motion_retries;
 mod motion_robustness;

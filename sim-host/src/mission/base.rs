@@ -4,7 +4,7 @@ use super::hardware::Hardware;
 use crate::import;
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
-use controller_core::motion::{Limits, MotionGains, MotionParams};
+use controller_core::motion::{Limits, MotionGains, MotionParams, REFERENCE_TURN_SHARE};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
 
@@ -62,7 +62,7 @@ struct Shares {
 const SHARE: Shares = Shares {
     speed: 0.95,
     accel: 0.85,
-    turn_accel: 0.6,
+    turn_accel: REFERENCE_TURN_SHARE,
     torque: 0.75,
     jerk: 0.75,
 };

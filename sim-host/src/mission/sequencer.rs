@@ -2,8 +2,8 @@
 
 use super::reference_sampler::{AccelerationAt, ReferenceSampler};
 use super::{Change, Course, Event, HandOverRule, Mission, VelocityOrder, When};
-use controller_core::maths::Libm;
-use controller_core::motion::{Remaining, Task};
+use controller_core::maths::{Libm, Single};
+use controller_core::motion::{PathEnd, Remaining, Task, ValidMotionParams};
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -18,6 +18,8 @@ pub(crate) struct Sequencer<'a> {
     now: Now,
     /// How far the localisation is still off: what is to be added to it.
     correction: Pose<f64>,
+    /// Of the route.
+    end: PathEnd,
 }
 
 /// What the robot is doing.
@@ -58,6 +60,7 @@ impl Sequencer<'static> {
             lever,
             now,
             correction: Pose::default(),
+            end: PathEnd::new(),
         }
     }
 
@@ -89,6 +92,7 @@ impl<'a> Sequencer<'a> {
             lever: 0.5 * mission.base.robot.wheels.track_m,
             now,
             correction,
+            end: PathEnd::new(),
         }
     }
 
@@ -178,5 +182,24 @@ impl<'a> Sequencer<'a> {
             jumped,
             measured,
         }
+    }
+
+    /// The task of a tick's `orders` for the default law: near the end of a route that comes to rest, the robot is led to it.
+    pub(crate) fn lead(
+        &mut self,
+        tick: usize,
+        orders: &Orders,
+        motion: &ValidMotionParams<f32>,
+        dt: f64,
+    ) -> Task<f64> {
+        let (Task::Follow(reference), Some(left)) = (orders.task, self.sampler.last_drive(tick))
+        else {
+            return orders.task;
+        };
+        let reference = reference.cast_with::<f32, Single>();
+        let at = orders.measured.pose.cast();
+        let end = &mut self.end;
+        let led = end.lead::<Single>(motion, &reference, &at, left as f32, dt as f32);
+        Task::Follow(led.cast_with::<f64, Libm>())
     }
 }

@@ -144,9 +144,8 @@ pub(super) fn tick(
         let order = order(&Task::Follow(left));
         (left, way, wrench(&closed_loop.would_say(&order)))
     });
-    let own = order(&orders.task);
     let given = match &mut driver {
-        None => own,
+        None => order(&sequencer.lead(tick, &orders, &motion, mission.period_s)),
         // What it sees is the pose of this very tick, as the default law does.
         Some(driver) => match closed_loop.would_say(&Order::None).measured {
             Some(seen) => driver.order(on_course, &seen, &orders.task),

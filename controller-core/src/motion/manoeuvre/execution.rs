@@ -402,14 +402,6 @@ impl<T: Scalar> Execution<T> {
     }
 
     /// Moves the reference aside, to where the robot is, and back to the planned one by the end of the drive ([`LateralOffset`]).
-    ///
-    /// With z, z′, z″, z‴ by the distance q that is left, q̇ = −|v|, beside a path of speed v and turn rate w:
-    ///
-    /// ```text
-    /// ψ = −sgn(v) atan z′        ψ̇ = v z″/(1 + z′²)        v ← v √(1 + z′²) − z w        d/dt of both
-    /// ```
-    ///
-    /// to the third power of z′, of which there is no more than [`STEEPEST`](super::lateral_offset): what is left out is below a thousandth.
     fn join(
         &mut self,
         limits: impl FnOnce() -> OffsetLimits<T>,
@@ -433,24 +425,19 @@ impl<T: Scalar> Execution<T> {
             reference.offset = reference.offset.set(&limits(), left, drive.rate, robot);
         }
         if reference.offset.is_set() {
-            let v = drive.rate;
-            let now = reference.offset.at(left);
-            moment.error.x -= sine * now.offset;
-            moment.error.y += cosine * now.offset;
-            let third = T::from_f64(1.0 / 3.0);
-            let square = now.first * now.first;
-            let (longer, less) = (T::HALF * square, T::ONE - square);
-            let steep = now.first * (T::ONE - third * square);
-            let passing = v * v.abs();
-            let pulled = now.first * now.second;
-            let turned = if v < T::ZERO { -steep } else { steep };
-            moment.error.theta -= turned;
-            moment.heading = turned_back(moment.heading, sin_cos_of_little(turned));
-            moment.twist.linear += longer * v - now.offset * moment.twist.angular;
-            moment.twist.angular += v * less * now.second;
-            moment.accel.linear += longer * drive.accel - passing * pulled;
-            moment.accel.angular += less * (drive.accel * now.second - passing * now.third)
-                + (passing + passing) * pulled * now.second;
+            let twist = Twist {
+                linear: drive.rate,
+                angular: moment.twist.angular,
+            };
+            let beside = reference.offset.beside(left, &twist, drive.accel);
+            moment.error.x -= sine * beside.offset;
+            moment.error.y += cosine * beside.offset;
+            moment.error.theta -= beside.turned;
+            moment.heading = turned_back(moment.heading, sin_cos_of_little(beside.turned));
+            moment.twist.linear += beside.twist.linear;
+            moment.twist.angular += beside.twist.angular;
+            moment.accel.linear += beside.accel.linear;
+            moment.accel.angular += beside.accel.angular;
         }
     }
 

@@ -8,6 +8,7 @@ use super::candidate::PlanLimits;
 use crate::motion::limits::rim_speed;
 use crate::range::{clamp, larger};
 use crate::scalar::Scalar;
+use crate::types::{Accel, Twist};
 
 /// Time between two settings of the offset \[s\]: a fix or two, and no less than the follower's neurons need to answer the last one
 /// (1/A, 0.05 to 0.2 s). In every tick, it would answer its own corrections, and weave.
@@ -49,6 +50,18 @@ pub(crate) struct Aside<T> {
     /// Speed along the path \[m/s\], and its rate \[m/s²\].
     pub(crate) speed: T,
     pub(crate) accel: T,
+}
+
+/// What a reference that is moved aside does, less what it would do otherwise.
+pub(crate) struct Beside<T> {
+    /// z \[m\].
+    pub(crate) offset: T,
+    /// z′.
+    pub(crate) slope: T,
+    /// It looks to the right of the path by this \[rad\].
+    pub(crate) turned: T,
+    pub(crate) twist: Twist<T>,
+    pub(crate) accel: Accel<T>,
 }
 
 /// The largest slope that a curve begins with: then its heading and its length are known to a thousandth from powers of the slope.
@@ -158,6 +171,41 @@ impl<T: Scalar> LateralOffset<T> {
         let rest = f(3.0) * first + f(2.0) * second - swell;
         let third = clamp(-(f(4.0) * offset + rest), most);
         Self::new(left, [f(-0.25) * (third + rest), first, second], swell)
+    }
+
+    /// What a reference of speed v, turn rate w and acceleration `accel` that is moved aside does otherwise, with `left` to drive.
+    ///
+    /// With z, z′, z″, z‴ by the distance q that is left, q̇ = −|v|:
+    ///
+    /// ```text
+    /// ψ = −sgn(v) atan z′        ψ̇ = v z″/(1 + z′²)        v ← v √(1 + z′²) − z w        d/dt of both
+    /// ```
+    ///
+    /// to the third power of z′, of which there is no more than [`STEEPEST`]: what is left out is below a thousandth.
+    #[inline(always)]
+    pub(crate) fn beside(&self, left: T, twist: &Twist<T>, accel: T) -> Beside<T> {
+        let v = twist.linear;
+        let now = self.at(left);
+        let third = T::from_f64(1.0 / 3.0);
+        let square = now.first * now.first;
+        let (longer, less) = (T::HALF * square, T::ONE - square);
+        let steep = now.first * (T::ONE - third * square);
+        let passing = v * v.abs();
+        let pulled = now.first * now.second;
+        Beside {
+            offset: now.offset,
+            slope: now.first,
+            turned: if v < T::ZERO { -steep } else { steep },
+            twist: Twist {
+                linear: longer * v - now.offset * twist.angular,
+                angular: v * less * now.second,
+            },
+            accel: Accel {
+                linear: longer * accel - passing * pulled,
+                angular: less * (accel * now.second - passing * now.third)
+                    + (passing + passing) * pulled * now.second,
+            },
+        }
     }
 
     /// The curve of a robot that drives towards its goal already, with `left` > 0 to drive: it goes on as the robot moves. `None` where

@@ -14,5 +14,5 @@ mod search;
 
 pub(crate) use candidate::{Pace, PlanLimits};
 pub(crate) use execution::{Execution, GoalSeen};
-pub(crate) use lateral_offset::OffsetLimits;
+pub(crate) use lateral_offset::{LateralOffset, OffsetLimits, SETTING_S};
 pub(crate) use profile::AxisLimits;
