@@ -3,8 +3,8 @@
 use controller_core::maths::Libm;
 use controller_core::motion::{PathEnd, REFERENCE_TURN_SHARE, Task};
 use controller_core::pose_error::PoseError;
-use controller_core::reference::Reference;
-use controller_core::types::{Accel, Pose, Twist};
+use controller_core::reference::{ConstantTwist, Reference};
+use controller_core::types::{Accel, Pose, Twist, Wrench};
 use tests::motion_base::{Base, Body};
 use tests::motion_tracking::Exact;
 
@@ -40,22 +40,27 @@ impl Arc {
         } else {
             0.0
         };
-        let theta = self.curvature * s;
-        let (x, y) = if self.curvature == 0.0 {
-            (s, 0.0)
-        } else {
-            (
-                theta.sin() / self.curvature,
-                (1.0 - theta.cos()) / self.curvature,
-            )
+        let path = ConstantTwist {
+            start: Pose::default(),
+            twist: Twist::new(1.0, self.curvature),
         };
-        let twist = Twist::new(v, self.curvature * v);
-        let accel = Accel::new(a, self.curvature * a);
-        let pose = Pose::new(x, y, theta);
-        (
-            Reference::new_with::<Libm>(pose, twist, accel),
-            whole - driven,
-        )
+        let pose = *path.at::<Libm>(s).pose();
+        let (twist, accel) = (
+            Twist::new(v, self.curvature * v),
+            Accel::new(a, self.curvature * a),
+        );
+        let reference = Reference::new_with::<Libm>(pose, twist, accel);
+        (reference, whole - driven)
+    }
+}
+
+/// A pose to the left of a reference.
+fn aside_of(reference: &Reference<f64>, aside: f64) -> Pose<f64> {
+    let (pose, heading) = (reference.pose(), reference.heading());
+    Pose {
+        x: pose.x - heading.sin * aside,
+        y: pose.y + heading.cos * aside,
+        ..*pose
     }
 }
 
@@ -72,17 +77,18 @@ fn left_at_the_end(arc: &Arc, aside: f64, leads: bool) -> PoseError<f64> {
     let mut end = PathEnd::new();
     while drive.t < arc.end_s() + 0.5 {
         let now = drive.t + dt;
-        let (mut reference, left) = arc.at(now);
+        let (reference, left) = arc.at(now);
         // The acceleration that is held meanwhile.
         let ahead = *arc.at(now + 0.5 * dt).0.accel();
-        reference = Reference::new_with::<Libm>(*reference.pose(), *reference.twist(), ahead);
-        let mut order = reference;
-        drive.coast(&controller_core::types::Wrench::default());
+        let reference = Reference::new_with::<Libm>(*reference.pose(), *reference.twist(), ahead);
+        drive.coast(&Wrench::default());
         let measured = drive.body.measured();
-        if leads {
-            order = end.lead::<Libm>(&motion, &reference, &measured.pose, left, dt);
-        }
-        drive.take(&Task::Follow(order), &measured);
+        let followed = if leads {
+            end.lead::<Libm>(&motion, &reference, &measured.pose, left, dt)
+        } else {
+            reference
+        };
+        drive.take(&Task::Follow(followed), &measured);
     }
     drive.error(&Task::Follow(arc.at(arc.end_s()).0))
 }
@@ -141,13 +147,7 @@ fn on_its_path_nothing_changes() {
         let mut end = PathEnd::new();
         for tick in 0..200 {
             let (reference, left) = arc.at(0.01 * f64::from(tick));
-            let (pose, heading) = (reference.pose(), reference.heading());
-            let aside = 0.99 * tolerated * f64::from(tick).sin();
-            let at = Pose::new(
-                pose.x - heading.sin * aside,
-                pose.y + heading.cos * aside,
-                pose.theta,
-            );
+            let at = aside_of(&reference, 0.99 * tolerated * f64::from(tick).sin());
             assert_eq!(
                 end.lead::<Libm>(&motion, &reference, &at, left, 0.01),
                 reference
@@ -183,12 +183,7 @@ fn what_leads_is_a_motion_within_what_references_leave() {
         let v = reference.twist().linear;
         let spare = (1.0 - REFERENCE_TURN_SHARE) * limit;
         let aside = 0.75 * spare * left.powi(3) / (24.0 * v * v);
-        let (pose, heading) = (reference.pose(), reference.heading());
-        let at = Pose::new(
-            pose.x - heading.sin * aside,
-            pose.y + heading.cos * aside,
-            pose.theta,
-        );
+        let at = aside_of(&reference, aside);
         let first = end.lead::<Libm>(&motion, &reference, &at, left, 0.01);
         assert!((first.pose().x - at.x).hypot(first.pose().y - at.y) < 1e-12);
         let mut led = |t: f64| {

@@ -46,7 +46,6 @@ pub struct PathEnd<T = f32> {
     offset: LateralOffset<T>,
     /// Time since the offset was set \[s\].
     set_s: T,
-    leads: bool,
 }
 
 impl<T: Scalar> PathEnd<T> {
@@ -55,7 +54,6 @@ impl<T: Scalar> PathEnd<T> {
         Self {
             offset: LateralOffset::default(),
             set_s: T::from_f64(SETTING_S),
-            leads: false,
         }
     }
 
@@ -93,8 +91,8 @@ impl<T: Scalar> PathEnd<T> {
             let rim = half_track * reference.twist().angular.abs();
             let tolerated = T::HALF * motion.params().arrival.distance_m * larger(v.abs(), rim);
             let asked = T::from_f64(24.0) * robot.abs() * v * v / (left * left * left);
-            self.leads |= robot.abs() * v.abs() > tolerated && asked > T::HALF * limits.turn_accel;
-            if self.leads {
+            let begins = robot.abs() * v.abs() > tolerated && asked > T::HALF * limits.turn_accel;
+            if self.offset.is_set() || begins {
                 self.set_s = T::ZERO;
                 self.offset = self.offset.set(&limits, left, v, robot);
             }

@@ -57,6 +57,8 @@ const STEPS: usize = 40;
 /// A step that lowers the sum of squares by less than this part is the last: a hundredth of a
 /// standard error of one parameter among 1e4 residuals lowers it by 1e-8.
 const ENOUGH: f64 = 1.0e-9;
+/// Damping that a descent begins with, and the most that one takes over from where no step was small enough.
+const DAMPING: f64 = 1.0e-4;
 /// Weights from residuals, twice: the first fit's weights are guesses.
 pub(super) const ROUNDS: usize = 3;
 
@@ -157,15 +159,14 @@ impl<'a, M: Model> Descent<'a, M> {
             local,
             slopes: Vec::new(),
             fresh: false,
-            damping: 1.0e-4,
+            damping: DAMPING,
         }
     }
 
     /// Goes down with these weights; gives the reduced derivatives of where it ends, or of near it. They `renew` at the begin, or stay
     /// until a step is not small. `None` without a start state that could be told.
     fn descend(&mut self, sigma: &[f64], renew: bool) -> Option<Vec<Reduced>> {
-        // Of a round that ended where no step was small enough.
-        self.damping = self.damping.min(1.0e-4);
+        self.damping = self.damping.min(DAMPING);
         let mut cost = cost(self.model, &self.value, &self.residuals, sigma);
         let mut reduced = Vec::new();
         let mut stale = renew && !self.fresh;
@@ -188,7 +189,7 @@ impl<'a, M: Model> Descent<'a, M> {
                 }
                 None if was_fresh => break,
                 // Derivatives of elsewhere need not lead down.
-                None => (self.damping, stale) = (1.0e-4, true),
+                None => (self.damping, stale) = (DAMPING, true),
             }
         }
         Some(reduced)

@@ -43,7 +43,6 @@ pub(super) struct Course {
 pub(super) struct Ride<'a> {
     turning: Turning<'a>,
     modes: Modes,
-    steps: Steps,
     course: &'a mut Vec<Course>,
     at: usize,
 }
@@ -57,23 +56,21 @@ struct Turning<'a> {
     slowed: Vector2<f64>,
 }
 
-/// Modes under one feed.
+/// What is solved under one feed.
 #[derive(Default)]
 struct Modes {
     share: [f64; 2],
-    known: [Option<Mode>; 4],
+    known: [Option<Solved>; 4],
+}
+
+/// A mode, and its last step of a whole row, with what that is for.
+#[derive(Clone, Copy)]
+struct Solved {
+    mode: Mode,
+    row: Option<(f64, [bool; 2], Step)>,
 }
 
 impl Modes {
-    /// What is solved under a feed. A stiff source lets modes be those of any.
-    fn under(wheels: &Wheels, feed: &Feed) -> [f64; 2] {
-        if wheels.source_ohm == 0.0 {
-            [0.0; 2]
-        } else {
-            feed.share
-        }
-    }
-
     /// That of motors which drive their wheels, or brake.
     fn of(
         &mut self,
@@ -81,45 +78,35 @@ impl Modes {
         feed: &Feed,
         motors: &Motors,
         drives: [bool; 2],
-    ) -> Option<&Mode> {
-        let share = Self::under(wheels, feed);
-        if self.share != share {
-            (self.share, self.known) = (share, [None; 4]);
+    ) -> Option<&mut Solved> {
+        // A stiff source lets modes be those of any feed.
+        if wheels.source_ohm != 0.0 && self.share != feed.share {
+            (self.share, self.known) = (feed.share, [None; 4]);
         }
         let known = &mut self.known[index(drives)];
         if known.is_none() {
-            *known = wheels.mode(motors, drives);
+            let mode = wheels.mode(motors, drives)?;
+            *known = Some(Solved { mode, row: None });
         }
-        known.as_ref()
+        known.as_mut()
     }
 }
 
-/// Steps of whole rows.
-#[derive(Default)]
-struct Steps {
-    share: [f64; 2],
-    h: f64,
-    no_lag: [bool; 2],
-    known: [Option<Step>; 4],
-}
-
-impl Steps {
-    /// That over what is left of a row of `h`, of a mode under this share of the source.
-    fn rest(&mut self, mode: &Mode, share: [f64; 2], course: &Course, rest: f64, h: f64) -> Step {
+impl Solved {
+    /// The step over what is left of a row of `h`.
+    fn rest(&mut self, no_lag: [bool; 2], rest: f64, h: f64) -> Step {
         if rest != h {
-            return mode.step(rest, course.no_lag);
+            return self.mode.step(rest, no_lag);
         }
-        // Clocks written with six digits jitter by a microsecond's rounding only.
-        let same_clock = (self.h - h).abs() < 1.0e-9;
-        if self.share != share || !same_clock || self.no_lag != course.no_lag {
-            *self = Self {
-                share,
-                h,
-                no_lag: course.no_lag,
-                known: [None; 4],
-            };
+        match self.row {
+            // Clocks written with six digits jitter by a microsecond's rounding only.
+            Some((known_h, known, step)) if (known_h - h).abs() < 1.0e-9 && known == no_lag => step,
+            _ => {
+                let step = self.mode.step(h, no_lag);
+                self.row = Some((h, no_lag, step));
+                step
+            }
         }
-        *self.known[index(course.drives)].get_or_insert_with(|| mode.step(h, course.no_lag))
     }
 }
 
@@ -134,7 +121,6 @@ impl<'a> Ride<'a> {
                 slowed: wheels.per_inertia * wheels.coulomb.component_mul(&sign),
             },
             modes: Modes::default(),
-            steps: Steps::default(),
             course,
             at: 0,
         }
@@ -175,7 +161,7 @@ impl<'a> Ride<'a> {
     fn settles(&mut self, feed: &Feed, motors: &Motors, speed: &Vector2<f64>) -> Option<[bool; 2]> {
         let turning = self.turning;
         let drives = turning.drives(&motors.settled(speed));
-        let mode = self.modes.of(turning.wheels, feed, motors, drives)?;
+        let mode = &self.modes.of(turning.wheels, feed, motors, drives)?.mode;
         Some(turning.drives(&(mode.feedback * speed + mode.offset(motors, &turning.slowed))))
     }
 
@@ -189,7 +175,7 @@ impl<'a> Ride<'a> {
         let Turning { wheels, slowed, .. } = self.turning;
         let motors = wheels.motors(feed);
         let course = self.course(feed, &motors, &speed, None, 0.0)?;
-        let mode = self.modes.of(wheels, feed, &motors, course.drives)?;
+        let mode = &self.modes.of(wheels, feed, &motors, course.drives)?.mode;
         let torque = mode.feedback * speed + mode.offset(&motors, &slowed);
         let state = State {
             angle,
@@ -214,14 +200,14 @@ impl<'a> Ride<'a> {
     ) -> Option<(State, Carried)> {
         let turning = self.turning;
         let Turning { wheels, slowed, .. } = turning;
-        let (motors, share) = (wheels.motors(feed), Modes::under(wheels, feed));
+        let motors = wheels.motors(feed);
         let decided = self.at < self.course.len();
         let mut course = self.course(feed, &motors, &state.speed, Some(&state.torque), h)?;
         let mut now = course;
-        let (modes, steps) = (&mut self.modes, &mut self.steps);
-        let mut mode = modes.of(wheels, feed, &motors, now.drives)?;
-        let mut offset = mode.offset(&motors, &slowed);
-        state.speed += turning.turned_at_once(mode, &offset, &course, &state);
+        let modes = &mut self.modes;
+        let mut solved = modes.of(wheels, feed, &motors, now.drives)?;
+        let mut offset = solved.mode.offset(&motors, &slowed);
+        state.speed += turning.turned_at_once(&solved.mode, &offset, &course, &state);
         let mut carried = Carried {
             angle: Matrix2::zeros(),
             speed: Matrix2::identity(),
@@ -229,24 +215,26 @@ impl<'a> Ride<'a> {
         };
         let mut rest = h;
         for piece in 0..=PIECES {
-            let push = mode.pull * offset - slowed;
-            let parts = mode.parts(&offset, &state.speed, &state.torque);
+            let push = solved.mode.pull * offset - slowed;
+            let parts = solved.mode.parts(&offset, &state.speed, &state.torque);
             // Of a row that is decided only what it does is worked out.
             let mut whole = None;
             if let (false, Some(turn)) = (decided, course.turns.get_mut(piece)) {
+                let to_end = solved.rest(now.no_lag, rest, h);
+                let mode = &solved.mode;
                 let torque =
                     |step: &Step| mode.whole(&offset, &mode.stepped(step, &parts, &push)).1;
-                let to_end = steps.rest(mode, share, &now, rest, h);
                 let ends = [state.torque - parts.fast, torque(&to_end)];
                 *turn = turning.turn(mode, &now, rest, ends, torque);
                 whole = Some(to_end);
             }
             let turn = course.turns.get(piece).copied().flatten();
             let step = match (turn, whole) {
-                (Some((_, part)), _) => mode.step(part * rest, course.no_lag),
+                (Some((_, part)), _) => solved.mode.step(part * rest, now.no_lag),
                 (None, Some(whole)) => whole,
-                (None, None) => steps.rest(mode, share, &now, rest, h),
+                (None, None) => solved.rest(now.no_lag, rest, h),
             };
+            let mode = &solved.mode;
             let after = mode.stepped(&step, &parts, &push);
             state.angle += step.once * parts.slow + step.twice * push
                 - mode.late * (mode.fading * (parts.fast - after.fast));
@@ -258,11 +246,11 @@ impl<'a> Ride<'a> {
             let Some((i, part)) = turn else { break };
             rest -= part * rest;
             now.drives[i] = !now.drives[i];
-            mode = modes.of(wheels, feed, &motors, now.drives)?;
-            offset = mode.offset(&motors, &slowed);
+            solved = modes.of(wheels, feed, &motors, now.drives)?;
+            offset = solved.mode.offset(&motors, &slowed);
         }
         if CARRIED {
-            carried.torque = mode.feedback * carried.speed;
+            carried.torque = solved.mode.feedback * carried.speed;
         }
         self.course[self.at - 1] = course;
         Some((state, carried))

@@ -2,6 +2,7 @@
 
 use super::reference_sampler::{AccelerationAt, ReferenceSampler};
 use super::{Change, Course, Event, HandOverRule, Mission, VelocityOrder, When};
+use controller_core::base::Order;
 use controller_core::maths::{Libm, Single};
 use controller_core::motion::{PathEnd, Remaining, Task, ValidMotionParams};
 use controller_core::pose_error::pose_error;
@@ -184,22 +185,22 @@ impl<'a> Sequencer<'a> {
         }
     }
 
-    /// The task of a tick's `orders` for the default law: near the end of a route that comes to rest, the robot is led to it.
+    /// The `order` of a tick for the default law, which is measured to be `at` a pose: near the end of a route that comes to rest, the
+    /// robot is led to it.
     pub(crate) fn lead(
         &mut self,
         tick: usize,
-        orders: &Orders,
+        order: Order<f32>,
+        at: &Pose<f32>,
         motion: &ValidMotionParams<f32>,
         dt: f64,
-    ) -> Task<f64> {
-        let (Task::Follow(reference), Some(left)) = (orders.task, self.sampler.last_drive(tick))
-        else {
-            return orders.task;
-        };
-        let reference = reference.cast_with::<f32, Single>();
-        let at = orders.measured.pose.cast();
-        let end = &mut self.end;
-        let led = end.lead::<Single>(motion, &reference, &at, left as f32, dt as f32);
-        Task::Follow(led.cast_with::<f64, Libm>())
+    ) -> Order<f32> {
+        match (order, self.sampler.last_drive(tick)) {
+            (Order::Follow(reference), Some(left)) => {
+                let (left, dt) = (left as f32, dt as f32);
+                Order::Follow(self.end.lead::<Single>(motion, &reference, at, left, dt))
+            }
+            (order, _) => order,
+        }
     }
 }
