@@ -234,9 +234,9 @@ impl<T: Scalar> ReferenceConsumer<'_, T> {
     }
 }
 
-/// The reference between two samples: cubic Hermite in x, y, θ, and in v, w.
+/// The reference between two samples: cubic Hermite in x, y, θ, in what is left of the path, and in v, w.
 ///
-/// Pose slopes are those of Eq. (6) at the ends, twist slopes the samples' accelerations, and the
+/// Slopes of pose and path are those of Eq. (6) at the ends, twist slopes the samples' accelerations, and the
 /// acceleration is the derivative of the interpolated twist; all three are continuous across
 /// samples if the samples are consistent. The error in pose is h⁴/384 times the fourth derivative:
 /// 2 µm for 0.1 s samples of an arc at 1 m/s and 2 rad/s (v w³ = 8 m/s⁴). Headings may be wrapped or
@@ -269,11 +269,19 @@ pub fn interpolate<T: Scalar, M: Maths<T>>(
         (v.angular, a.accel().angular),
         (w.angular, b.accel().angular),
     );
+    // Before a path's last drive nothing is said of its end, and what is left of it only falls.
+    let left = if a.left_m() > b.left_m() {
+        let falls = [v, w].map(|twist| -twist.linear.abs());
+        cubic((a.left_m(), falls[0]), (b.left_m(), falls[1])).0
+    } else {
+        T::ZERO
+    };
     Reference::new_with::<M>(
         Pose { x, y, theta },
         Twist::new(linear, angular),
         Accel::new(linear_rate, angular_rate),
     )
+    .with_left(left)
 }
 
 /// Value and slope at s in [0, 1] of the cubic through two (value, slope) pairs `h` apart.

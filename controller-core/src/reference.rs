@@ -1,7 +1,7 @@
 //! The moving reference of Eq. (6), and the virtual target point.
 
 use crate::maths::{Maths, Usual};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, residue};
 use crate::types::{Accel, Pose, Twist};
 
 /// A direction in the plane as a unit vector.
@@ -24,6 +24,7 @@ pub struct Reference<T = f32> {
     heading: Heading<T>,
     twist: Twist<T>,
     accel: Accel<T>,
+    left_m: T,
 }
 
 impl<T: Usual> Reference<T> {
@@ -50,7 +51,15 @@ impl<T: Scalar> Reference<T> {
             heading: Heading { cos, sin },
             twist,
             accel,
+            left_m: T::ZERO,
         }
+    }
+
+    /// The same with `left_m` to go until its path comes to rest \[m\]: see [`left_m`](Self::left_m).
+    #[inline]
+    #[must_use]
+    pub fn with_left(self, left_m: T) -> Self {
+        Self { left_m, ..self }
     }
 
     /// A reference that stands still at `pose`.
@@ -61,6 +70,7 @@ impl<T: Scalar> Reference<T> {
     /// The same in another precision, in which the unit vector is worked out anew.
     pub fn cast_with<S: Scalar, M: Maths<S>>(&self) -> Reference<S> {
         Reference::new_with::<M>(self.pose.cast(), self.twist.cast(), self.accel.cast())
+            .with_left(self.left_m.cast())
     }
 
     /// q_r = (x_r, y_r, θ_r).
@@ -93,9 +103,17 @@ impl<T: Scalar> Reference<T> {
         &self.accel
     }
 
+    /// What its path has to go until it comes to rest \[m\], all of it forward or all of it backward; 0, or less, where that is not so
+    /// or nobody knows. A base that is beside its path is led to its end by it ([`PathEnd`](crate::motion::PathEnd)).
+    #[inline]
+    pub fn left_m(&self) -> T {
+        self.left_m
+    }
+
     /// Everything finite.
     pub fn is_finite(&self) -> bool {
-        self.pose.residue() + self.twist.residue() + self.accel.residue() == T::ZERO
+        let motion = self.pose.residue() + self.twist.residue() + self.accel.residue();
+        motion + residue([self.left_m]) == T::ZERO
     }
 }
 

@@ -15,10 +15,10 @@ use crate::model::Model;
 #[path = "routes/bend.rs"]
 mod bend;
 
-/// Samples made by `sim-host compile`: t, x, y, θ, v, w, v̇, ẇ.
+/// Samples made by `sim-host compile`: t, x, y, θ, v, w, v̇, ẇ, what is left of the last drive.
 #[derive(Clone, Copy, Debug)]
 pub struct Route {
-    samples: &'static [[f32; 8]],
+    samples: &'static [[f32; 9]],
 }
 
 /// Ten seconds, four metres, half a turn; for a 30 kg base.
@@ -30,7 +30,7 @@ impl Route {
     /// The reference at `t` \[s\]: between samples by the core's interpolation, outside at rest at the
     /// ends. The work is bounded by the number of samples.
     pub fn at(&self, t: f32) -> Option<Reference<f32>> {
-        let mut before: Option<&[f32; 8]> = None;
+        let mut before: Option<&[f32; 9]> = None;
         for sample in self.samples {
             if sample[0] > t {
                 return Some(match before {
@@ -49,15 +49,16 @@ impl Route {
     }
 }
 
-fn pose(&[_, x, y, theta, ..]: &[f32; 8]) -> Pose<f32> {
+fn pose(&[_, x, y, theta, ..]: &[f32; 9]) -> Pose<f32> {
     Pose { x, y, theta }
 }
 
-fn timed(sample: &[f32; 8]) -> TimedReference<f32> {
-    let &[t, _, _, _, v, w, v_rate, w_rate] = sample;
+fn timed(sample: &[f32; 9]) -> TimedReference<f32> {
+    let &[t, _, _, _, v, w, v_rate, w_rate, left] = sample;
     TimedReference {
         t,
-        reference: Reference::new(pose(sample), Twist::new(v, w), Accel::new(v_rate, w_rate)),
+        reference: Reference::new(pose(sample), Twist::new(v, w), Accel::new(v_rate, w_rate))
+            .with_left(left),
     }
 }
 

@@ -3,10 +3,13 @@
 #[path = "support/rig.rs"]
 mod rig;
 
+use controller_core::maths::Single;
+use controller_core::queue::TimedReference;
+use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::safety::Fault;
 use controller_core::safety::Timeout;
 use controller_core::safety::supervisor::{Cause, State, Then};
-use controller_core::types::Pose;
+use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::control::{ControlTask, SettingError};
 use firmware_demo::drive::{Call, MockDrive};
 use protocol::{Command, RejectReason};
@@ -81,14 +84,14 @@ fn samples_that_come_late_are_followed_on() {
         State::Tracking,
         "50 ms without a reference"
     );
-    let line = controller_core::reference::ConstantTwist {
+    let line = ConstantTwist {
         start: Pose::default(),
-        twist: controller_core::types::Twist::new(0.4, 0.0),
+        twist: Twist::new(0.4, 0.0),
     };
     for number in 11..20_u8 {
         let t = f32::from(number) * 0.1;
-        let reference = line.at::<controller_core::maths::Single>(t);
-        let sample = controller_core::queue::TimedReference { t, reference };
+        let reference = line.at::<Single>(t);
+        let sample = TimedReference { t, reference };
         rig.references.push(sample).unwrap();
     }
     rig.run(700);
@@ -97,6 +100,45 @@ fn samples_that_come_late_are_followed_on() {
     // clock that had stood for the 50 ms would be another 2 cm behind.
     let error = rig.task.report().motion.unwrap().error;
     assert!(error.x.abs() < 0.04, "{error:?}");
+}
+
+/// Along x from rest to rest, a meter in four seconds, the robot 30 mm beside it all along.
+fn drive_beside_the_path(knows_its_end: bool) -> f32 {
+    let mut rig = Rig::at(Pose::new(0.0, 0.03, 0.0));
+    rig.command(Command::Arm).unwrap();
+    for number in 0..41_u8 {
+        let t = f32::from(number) * 0.1;
+        let rest = 4.0 - t;
+        let (x, v, a) = if t < 2.0 {
+            (0.125 * t * t, 0.25 * t, 0.25)
+        } else {
+            (1.0 - 0.125 * rest * rest, 0.25 * rest, -0.25)
+        };
+        let left = if knows_its_end { 1.0 - x } else { 0.0 };
+        let reference = Reference::new(
+            Pose::new(x, 0.0, 0.0),
+            Twist::new(v, 0.0),
+            Accel::new(a, 0.0),
+        );
+        let reference = reference.with_left(left);
+        rig.references
+            .push(TimedReference { t, reference })
+            .unwrap();
+    }
+    rig.run(3_990);
+    assert_eq!(rig.task.state(), State::Tracking);
+    rig.model.measured().pose.y
+}
+
+/// References that say what is left of their path bring a robot that is beside it to its end, and not 4 mm beside.
+#[test]
+fn references_that_know_their_end_lead_to_it() {
+    let [followed, led] = [false, true].map(drive_beside_the_path);
+    println!("{followed} {led}");
+    assert!(
+        led.abs() < 0.5e-3 && followed.abs() > 4.0 * led.abs(),
+        "{followed} {led}"
+    );
 }
 
 #[test]

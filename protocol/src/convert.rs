@@ -57,6 +57,7 @@ impl From<&Reference<f32>> for WireReference {
             pose: reference.pose().into(),
             twist: reference.twist().into(),
             accel: reference.accel().into(),
+            left: reference.left_m(),
         }
     }
 }
@@ -69,6 +70,7 @@ impl From<&WireReference> for Reference<f32> {
             (&wire.twist).into(),
             (&wire.accel).into(),
         )
+        .with_left(wire.left)
     }
 }
 

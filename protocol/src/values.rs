@@ -39,6 +39,9 @@ pub struct WireReference {
     pub twist: WireTwist,
     /// Rate of the reference velocity.
     pub accel: WireTwist,
+    /// What the path has to go until it comes to rest, m, all of it forward or all of it backward; 0 where that is not so or not known.
+    #[serde(deserialize_with = "real")]
+    pub left: f32,
 }
 
 /// One reference with the time it is for.

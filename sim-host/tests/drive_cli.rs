@@ -142,9 +142,9 @@ fn files_are_compiled_for_a_chip() -> Result<(), Box<dyn Error>> {
     let output = sim_host(here.path(), &["compile", &fixture("choreo_v1.traj")])?;
     assert!(output.status.success());
     let rust = fs::read_to_string(here.path().join("out/choreo_v1.rs"))?;
-    assert!(rust.contains("pub static CHOREO_V1: [[f32; 8];") && rust.contains("within 0."));
+    assert!(rust.contains("pub static CHOREO_V1: [[f32; 9];") && rust.contains("within 0."));
     assert_eq!(
-        fs::read(here.path().join("out/choreo_v1.bin"))?.len() % 32,
+        fs::read(here.path().join("out/choreo_v1.bin"))?.len() % 36,
         0
     );
     let output = sim_host(here.path(), &["compile", "paper-line"])?;

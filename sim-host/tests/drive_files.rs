@@ -268,13 +268,13 @@ fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
     assert!(table.compact.position_error_m < 1e-4 && samples.len() > 3);
     let rust = table.rust();
     assert!(
-        rust.contains(&format!("pub static TABLE: [[f32; 8]; {}]", samples.len())),
+        rust.contains(&format!("pub static TABLE: [[f32; 9]; {}]", samples.len())),
         "{rust}"
     );
     assert!(rust.contains(&table.accuracy()), "{rust}");
     let binary = table.binary();
-    assert_eq!(binary.len(), 32 * samples.len());
+    assert_eq!(binary.len(), 36 * samples.len());
     let x = samples.get(1).ok_or("one sample")?.x;
-    assert_eq!(binary.get(36..40), Some(&x.to_le_bytes()[..]));
+    assert_eq!(binary.get(40..44), Some(&x.to_le_bytes()[..]));
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! Fixture files of every format become references that are continuous and consistent.
 
+use sim_host::drive::{Retiming, fitted};
 use sim_host::import::{FileVerdict, Fix, Format, Options, Trajectory, check, import};
+use sim_host::mission::BaseSpec;
 use std::error::Error;
 use tests::fixtures::{self, DRIVABLE};
 
@@ -82,6 +84,48 @@ fn rest_at_both_ends_is_rest() -> Outcome {
             assert!(s.v.abs() < 1e-6 && s.w.abs() < 1e-6, "{name} at {t}: {s:?}");
         }
     }
+    Ok(())
+}
+
+/// From the end back to the last stand or change of direction it is the way that is driven, and before that 0; so it is at another pace.
+#[test]
+fn what_is_left_is_the_way_of_the_last_drive() -> Outcome {
+    let mut known = 0;
+    for name in DRIVABLE {
+        let file = load(name)?;
+        let (retimed, _) = fitted(
+            &fixtures::read(name)?,
+            &BaseSpec::default(),
+            &Retiming::default(),
+        )?;
+        for run in [file, retimed] {
+            let steps = (run.duration() / STEP).round();
+            let h = run.duration() / steps;
+            let end = run.at(run.duration());
+            let rests = end.v.abs() < 1e-3 && end.w.abs() < 1e-2;
+            assert!(end.left.abs() < 1e-9, "{name}: {end:?}");
+            let (mut way, mut drives) = (0.0_f64, rests);
+            for i in (0..steps as usize).rev() {
+                let (middle, from) = (run.at((i as f64 + 0.5) * h), run.at(i as f64 * h));
+                // What is left before a drive's first node, 25 ms of it at most, need not be known.
+                drives &= way.abs() < 1e-3 || from.left > 0.0;
+                if !drives {
+                    assert_eq!(from.left, 0.0, "{name} at {}: {from:?}", from.t);
+                    continue;
+                }
+                way += h * middle.v;
+                let off = from.left - way.abs();
+                assert!(off.abs() < 1e-6, "{name} at {}: {off:e}", from.t);
+                // About a stand a fitted path creeps.
+                let along = from.v * way.signum();
+                let creeps = way.abs() < 1.1e-3;
+                assert!(creeps || along > -1e-3, "{name} at {}: {from:?}", from.t);
+            }
+            known += usize::from(way.abs() > 0.01);
+        }
+    }
+    // Both paces of all but those that turn on the spot or do not rest at their end.
+    assert!(known > DRIVABLE.len(), "{known}");
     Ok(())
 }
 

@@ -203,6 +203,7 @@ pub fn parts(cost: &Rows) -> String {
         ("motor, one wheel", "motor/command"),
         ("motion law, following", "motion/follow"),
         ("motion law, parking", "motion/park"),
+        ("leading to a path's end, a tick of it", "motion/lead"),
         ("whole base, following", "base/follow"),
         ("whole base, searching for a manoeuvre", "base/plan"),
         ("whole base, parking", "base/park"),

@@ -66,7 +66,7 @@ fn measured() -> &'static [Measured] {
 }
 
 /// What has a budget, of one board at one opt level.
-fn entries(measured: &Measured) -> [(&'static str, u64); 26] {
+fn entries(measured: &Measured) -> [(&'static str, u64); 27] {
     let Measured {
         cost, pil, size, ..
     } = measured;
@@ -88,6 +88,7 @@ fn entries(measured: &Measured) -> [(&'static str, u64); 26] {
         ("hand-over", worst("hand-over")),
         ("monitor", worst("monitor")),
         ("motion-follow", cost.most("motion/follow")),
+        ("motion-lead", cost.most("motion/lead")),
         ("motion-park", cost.most("motion/park")),
         ("base-first", cost.most("base/first")),
         ("base-follow", cost.most("base/follow")),

@@ -25,8 +25,8 @@ impl Arc {
         self.even_s + self.speed.abs() / self.brake
     }
 
-    /// Reference at `t`, and what is left from there on \[m\].
-    fn at(&self, t: f64) -> (Reference<f64>, f64) {
+    /// Reference at `t`.
+    fn at(&self, t: f64) -> Reference<f64> {
         let way = self.speed.signum();
         let whole = self.speed.abs() * (self.even_s + 0.5 * self.speed.abs() / self.brake);
         let braked = (t - self.even_s).clamp(0.0, self.end_s() - self.even_s);
@@ -49,8 +49,7 @@ impl Arc {
             Twist::new(v, self.curvature * v),
             Accel::new(a, self.curvature * a),
         );
-        let reference = Reference::new_with::<Libm>(pose, twist, accel);
-        (reference, whole - driven)
+        Reference::new_with::<Libm>(pose, twist, accel).with_left(whole - driven)
     }
 }
 
@@ -70,27 +69,27 @@ fn left_at_the_end(arc: &Arc, aside: f64, leads: bool) -> PoseError<f64> {
     let base = Base::STANDARD;
     let motion = base.exact().validate().expect("valid");
     let body = Body {
-        twist: *arc.at(0.0).0.twist(),
+        twist: *arc.at(0.0).twist(),
         ..Body::at(0.0, aside, 0.0)
     };
-    let mut drive = Exact::start(&motion, base, body, &Task::Follow(arc.at(0.0).0), dt);
-    let mut end = PathEnd::new();
+    let mut drive = Exact::start(&motion, base, body, &Task::Follow(arc.at(0.0)), dt);
+    let mut end = PathEnd::NEW;
     while drive.t < arc.end_s() + 0.5 {
         let now = drive.t + dt;
-        let (reference, left) = arc.at(now);
+        let reference = arc.at(now);
         // The acceleration that is held meanwhile.
-        let ahead = *arc.at(now + 0.5 * dt).0.accel();
-        let reference = Reference::new_with::<Libm>(*reference.pose(), *reference.twist(), ahead);
+        let ahead = *arc.at(now + 0.5 * dt).accel();
+        let reference = Reference::new_with::<Libm>(*reference.pose(), *reference.twist(), ahead)
+            .with_left(reference.left_m());
         drive.coast(&Wrench::default());
         let measured = drive.body.measured();
-        let followed = if leads {
-            end.lead::<Libm>(&motion, &reference, &measured.pose, left, dt)
-        } else {
-            reference
-        };
+        let mut followed = reference;
+        if leads {
+            end.lead::<Libm>(&motion, &mut followed, &measured.pose, dt);
+        }
         drive.take(&Task::Follow(followed), &measured);
     }
-    drive.error(&Task::Follow(arc.at(arc.end_s()).0))
+    drive.error(&Task::Follow(arc.at(arc.end_s())))
 }
 
 const ARCS: [Arc; 4] = [
@@ -144,27 +143,23 @@ fn on_its_path_nothing_changes() {
     let motion = Base::STANDARD.exact().validate().expect("valid");
     let tolerated = 0.5 * motion.params().arrival.distance_m;
     for arc in ARCS {
-        let mut end = PathEnd::new();
+        let mut end = PathEnd::NEW;
         for tick in 0..200 {
-            let (reference, left) = arc.at(0.01 * f64::from(tick));
+            let reference = arc.at(0.01 * f64::from(tick));
             let at = aside_of(&reference, 0.99 * tolerated * f64::from(tick).sin());
-            assert_eq!(
-                end.lead::<Libm>(&motion, &reference, &at, left, 0.01),
-                reference
-            );
-            let before = end;
+            let mut led = |reference: &Reference<f64>, at: &Pose<f64>| {
+                let mut led = *reference;
+                end.lead::<Libm>(&motion, &mut led, at, 0.01);
+                assert_eq!(end, PathEnd::NEW);
+                led
+            };
+            assert_eq!(led(&reference, &at), reference);
             for wild in [f64::NAN, f64::INFINITY] {
-                let lost = Pose::new(wild, 0.0, 0.0);
-                assert_eq!(
-                    end.lead::<Libm>(&motion, &reference, &lost, left, 0.01),
-                    reference
-                );
-                assert_eq!(
-                    end.lead::<Libm>(&motion, &reference, &at, wild, 0.01),
-                    reference
-                );
+                assert_eq!(led(&reference, &Pose::new(wild, 0.0, 0.0)), reference);
+                let lost = led(&reference.with_left(wild), &at);
+                assert_eq!(lost.left_m().to_bits(), wild.to_bits());
+                assert_eq!(lost.with_left(0.0), reference.with_left(0.0));
             }
-            assert_eq!(end, before);
         }
     }
 }
@@ -177,20 +172,22 @@ fn what_leads_is_a_motion_within_what_references_leave() {
     let limit = motion.params().limits.turn_accel;
     let h = 1e-4;
     for arc in ARCS {
-        let mut end = PathEnd::new();
-        let (reference, left) = arc.at(arc.even_s);
+        let mut end = PathEnd::NEW;
+        let reference = arc.at(arc.even_s);
+        let left = reference.left_m();
         // As late as it begins, of an error that asks for three quarters of it.
         let v = reference.twist().linear;
         let spare = (1.0 - REFERENCE_TURN_SHARE) * limit;
         let aside = 0.75 * spare * left.powi(3) / (24.0 * v * v);
         let at = aside_of(&reference, aside);
-        let first = end.lead::<Libm>(&motion, &reference, &at, left, 0.01);
+        let mut first = reference;
+        end.lead::<Libm>(&motion, &mut first, &at, 0.01);
         assert!((first.pose().x - at.x).hypot(first.pose().y - at.y) < 1e-12);
         let mut led = |t: f64| {
-            let (reference, left) = arc.at(t);
             // A robot that is where it is led to needs no other curve.
-            let mut held = end;
-            held.lead::<Libm>(&motion, &reference, &at, left, 1e-9)
+            let (mut held, mut led) = (end, arc.at(t));
+            held.lead::<Libm>(&motion, &mut led, &at, 1e-9);
+            led
         };
         let mut most = 0.0_f64;
         for step in 1..95 {
@@ -210,7 +207,7 @@ fn what_leads_is_a_motion_within_what_references_leave() {
             ] {
                 assert!((is - expected).abs() < 2e-3, "{arc:?} {t}: {is} {expected}");
             }
-            let (reference, _) = arc.at(t);
+            let reference = arc.at(t);
             most = most.max((accel.angular - reference.accel().angular).abs());
         }
         println!("{arc:?}: {:.2} of the limit", most / limit);

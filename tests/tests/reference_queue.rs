@@ -113,6 +113,35 @@ proptest! {
     }
 }
 
+/// What is left of a path is that of an even braking, exactly; before it is known, or where a sample of another path follows, it is 0.
+#[test]
+fn what_is_left_is_interpolated_in_the_last_drive_only() {
+    let braking = |t: f64| {
+        let rest = 1.0 - t;
+        let twist = Twist::new(-0.5 * rest, 0.0);
+        let reference = Reference::new_with::<Libm>(Pose::default(), twist, Accel::new(0.5, 0.0));
+        (t, reference.with_left(0.25 * rest * rest))
+    };
+    let between = |(t, from): (f64, Reference<f64>), (u, to): (f64, Reference<f64>)| {
+        let [from, to] = [(t, from), (u, to)].map(|(t, reference)| TimedReference { t, reference });
+        let middle = 0.5 * (t + u);
+        (
+            middle,
+            interpolate::<f64, Libm>(&from, &to, middle).left_m(),
+        )
+    };
+    for t in [0.0, 0.3, 0.6, 0.9] {
+        let (middle, left) = between(braking(t), braking(t + 0.1));
+        let expected = braking(middle).1.left_m();
+        assert!((left - expected).abs() < 1e-15, "{t}: {left} {expected}");
+    }
+    let unknown = |(t, reference): (f64, Reference<f64>)| (t, reference.with_left(0.0));
+    assert_eq!(between(unknown(braking(0.2)), braking(0.3)).1, 0.0);
+    let other = (0.3, braking(0.0).1);
+    assert_eq!(between(braking(0.2), other).1, 0.0);
+    assert!(between(braking(0.8), unknown(braking(1.0))).1 > 0.0);
+}
+
 /// What does not fit, is no number or runs back is refused, and what was queued stays.
 #[test]
 fn producer_refuses_overflow_disorder_and_numbers_that_are_none() {
@@ -136,9 +165,10 @@ fn producer_refuses_overflow_disorder_and_numbers_that_are_none() {
         samples.extend(
             spoiled(&good.reference, bad)
                 .into_iter()
+                .chain([good.reference.with_left(bad)])
                 .map(|reference| TimedReference { reference, ..good }),
         );
-        assert_eq!(samples.len(), 8);
+        assert_eq!(samples.len(), 9);
         for sample in samples {
             assert_eq!(producer.push(sample), Err(PushError::NotFinite));
         }

@@ -21,7 +21,7 @@ extern "C" {
 #endif
 
 /* Version of what stands here; twb_api() is that of the archive. */
-#define TWB_API 1u
+#define TWB_API 2u
 
 /* What a call answers. */
 #define TWB_OK 0
@@ -77,6 +77,8 @@ typedef struct twb_order {
     twb_pose pose;
     twb_twist twist;
     twb_twist accel;
+    float left; /* follow: m until the path comes to rest, all forward or all backward; 0 where that is not so or not known. A base
+                 * that is beside its path is led to the end by it */
 } twb_order;
 
 /* What of twb_sensed is there beside the encoders. */
@@ -202,7 +204,7 @@ TWB_ASSERT_SIZE(twb_base, TWB_BASE_SIZE);
 TWB_ASSERT_SIZE(twb_pose, 12);
 TWB_ASSERT_SIZE(twb_twist, 8);
 TWB_ASSERT_SIZE(twb_wheels, 8);
-TWB_ASSERT_SIZE(twb_order, 36);
+TWB_ASSERT_SIZE(twb_order, 40);
 TWB_ASSERT_SIZE(twb_sensed, 60);
 TWB_ASSERT_SIZE(twb_action, 48);
 TWB_ASSERT_SIZE(twb_report, 128);

@@ -30,12 +30,12 @@ inline const char *text(Error error) { return twb_status_text(static_cast<std::i
 
 // Orders.
 inline twb_order none() { return {}; }
-inline twb_order follow(const twb_pose &pose, const twb_twist &twist, const twb_twist &accel) {
-    return {TWB_ORDER_FOLLOW, 0, pose, twist, accel};
+inline twb_order follow(const twb_pose &pose, const twb_twist &twist, const twb_twist &accel, float left = 0.0f) {
+    return {TWB_ORDER_FOLLOW, 0, pose, twist, accel, left};
 }
-inline twb_order park(const twb_pose &goal) { return {TWB_ORDER_PARK, 0, goal, {}, {}}; }
+inline twb_order park(const twb_pose &goal) { return {TWB_ORDER_PARK, 0, goal, {}, {}, 0.0f}; }
 inline twb_order velocity(const twb_twist &twist, bool hold_heading = false) {
-    return {TWB_ORDER_VELOCITY, hold_heading ? 1u : 0u, {}, twist, {}};
+    return {TWB_ORDER_VELOCITY, hold_heading ? 1u : 0u, {}, twist, {}, 0.0f};
 }
 
 // What both encoders counted, and nothing else.

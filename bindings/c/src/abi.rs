@@ -1,7 +1,7 @@
 //! The structs of the header. Every number is 32 bits wide, so that no compiler pads.
 
 /// Version of these structs and of the calls: the caller's header has the same one.
-pub const API: u32 = 1;
+pub const API: u32 = 2;
 
 /// What a call answers that did nothing. None is 0, which the call answers that did what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +81,8 @@ pub struct Order {
     pub twist: Twist,
     /// Of the reference.
     pub accel: Twist,
+    /// What the reference's path has to go until it rests \[m\].
+    pub left: f32,
 }
 
 /// Kinds of orders.
@@ -257,7 +259,7 @@ const _: () = {
     assert!(size_of::<Pose>() == 12);
     assert!(size_of::<Twist>() == 8);
     assert!(size_of::<Wheels>() == 8);
-    assert!(size_of::<Order>() == 36);
+    assert!(size_of::<Order>() == 40);
     assert!(size_of::<Sensed>() == 60);
     assert!(size_of::<Action>() == 48);
     assert!(size_of::<Report>() == 128);

@@ -80,11 +80,9 @@ pub(crate) fn order(order: &abi::Order, to: &mut base::Order<f32>) -> Result<(),
 /// A sample to follow. Apart, for the compiler would make one piece of the stores of all kinds, with addresses that it works out.
 #[inline(never)]
 fn follow(order: &abi::Order, to: &mut base::Order<f32>) {
-    *to = base::Order::Follow(Reference::new(
-        (&order.pose).into(),
-        (&order.twist).into(),
-        Accel::new(order.accel.v, order.accel.w),
-    ));
+    let accel = Accel::new(order.accel.v, order.accel.w);
+    let reference = Reference::new((&order.pose).into(), (&order.twist).into(), accel);
+    *to = base::Order::Follow(reference.with_left(order.left));
 }
 
 /// What is wrong with a device that is not well.

@@ -44,7 +44,7 @@ type Column = (&'static str, fn(&Sample) -> f64);
 /// An array for each column of samples.
 fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    let columns: [Column; 8] = [
+    let columns: [Column; 9] = [
         ("t", |s| s.t),
         ("x", |s| s.x),
         ("y", |s| s.y),
@@ -53,6 +53,7 @@ fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDi
         ("w", |s| s.w),
         ("a", |s| s.a),
         ("alpha", |s| s.alpha),
+        ("left", |s| s.left),
     ];
     for (name, value) in columns {
         dict.set_item(name, PyArray1::from_iter(py, samples.iter().map(value)))?;
@@ -129,7 +130,7 @@ impl Trajectory {
         self.verdict.to_string()
     }
 
-    /// An array for each of t, x, y, theta, v, w, a, alpha; at most 25 ms between samples.
+    /// An array for each of t, x, y, theta, v, w, a, alpha and left, what the last drive has to go until it rests; at most 25 ms between samples.
     #[getter]
     fn samples<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         columns(py, self.reference.samples())

@@ -134,6 +134,7 @@ impl Samples {
                 },
                 twist: wire(sample.v, sample.w),
                 accel: wire(sample.a, sample.alpha),
+                left: sample.left as f32,
             },
         })
     }
@@ -234,6 +235,11 @@ mod tests {
         assert_eq!(last.twist, WireTwist::default());
         assert!((last.pose.x - 1.0).abs() < 2.0e-3, "{last:?}");
         assert!(all.windows(2).all(|pair| pair[1].t > pair[0].t));
+        // The base knows how far it is to the end.
+        let left = |sample: &TimedSample| sample.reference.left;
+        assert!((left(&all[1]) - 1.0).abs() < 5.0e-3, "{:?}", all[1]);
+        assert!(all[1..].windows(2).all(|pair| left(&pair[1]) <= left(&pair[0])));
+        assert_eq!(last.left, 0.0);
         assert!(samples.is_over());
     }
 

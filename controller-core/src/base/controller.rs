@@ -4,7 +4,7 @@ use super::driving::{Driving, Tick};
 use super::host_watch::HostWatch;
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
-use super::orders;
+use super::orders::{self, Leading};
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use super::wheel_friction::Turning;
@@ -131,7 +131,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         active_faults.add_some(slid.map(Fault::WheelSlip));
         self.supervisor
             .on_active_faults(active_faults, &self.base.policy);
-        let taken = orders::take::<T, M>(order, &mut self.driving.task, &mut self.supervisor, dt);
+        let leading = Leading {
+            end: &mut self.driving.end,
+            motion: &self.base.motion,
+            measured: self.report.measured.as_ref(),
+        };
+        let task = &mut self.driving.task;
+        let taken = orders::take::<T, M>(order, task, &mut self.supervisor, leading, dt);
         // Whether that can be believed, the supervisor knows from the active faults.
         let rests = self.supervisor.state().ends_at_rest() && self.rests();
         self.supervisor.tick(dt_us, rests);

@@ -4,7 +4,7 @@ use super::io::{DriveCommand, WheelAction};
 use super::wheel_friction::{FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
-use crate::motion::{Asked, MotionLaw, MotionReport, Outcome, Task, ValidMotionParams};
+use crate::motion::{Asked, MotionLaw, MotionReport, Outcome, PathEnd, Task, ValidMotionParams};
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
@@ -15,6 +15,8 @@ use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques};
 pub(super) struct Driving<T, M, U> {
     /// What the orders amount to.
     pub(super) task: Option<Task<T>>,
+    /// Of the path that the task follows.
+    pub(super) end: PathEnd<T>,
     /// At work while there is a report of it.
     law: MotionLaw<T, M, U>,
     /// Of a controlled stop, and the time since its begin \[s\].
@@ -60,6 +62,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// Nothing to do, and no torque.
     pub(super) const IDLE: Self = Self {
         task: None,
+        end: PathEnd::NEW,
         law: MotionLaw::IDLE,
         stop: None,
         friction: None,

@@ -3,11 +3,11 @@
 use super::io::Order;
 use super::locate::coast;
 use crate::maths::Maths;
-use crate::motion::Task;
+use crate::motion::{PathEnd, Task, ValidMotionParams};
 use crate::reference::Reference;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::scalar::Scalar;
-use crate::types::{Accel, Measured};
+use crate::types::{Accel, Measured, Pose};
 
 /// What came of an order.
 pub(super) struct Taken {
@@ -24,12 +24,21 @@ impl Taken {
     };
 }
 
+/// What a reference is led to its path's end by.
+pub(super) struct Leading<'a, T> {
+    pub(super) end: &'a mut PathEnd<T>,
+    pub(super) motion: &'a ValidMotionParams<T>,
+    /// `None` before the first reading.
+    pub(super) measured: Option<&'a Measured<T>>,
+}
+
 /// Takes an order into the task, as far as the supervisor's state allows. Without
 /// an order a reference moves on by `dt`, at its twist, and a velocity order stays.
 pub(super) fn take<T: Scalar, M: Maths<T>>(
     order: &Order<T>,
     task: &mut Option<Task<T>>,
     supervisor: &mut Supervisor,
+    leading: Leading<'_, T>,
     dt: T,
 ) -> Taken {
     let (new, event) = match order {
@@ -64,11 +73,33 @@ pub(super) fn take<T: Scalar, M: Maths<T>>(
     };
     let refused = supervisor.on(event) == Action::Refuse;
     if !refused {
+        // Of one path what is left becomes less from tick to tick.
+        let before = match task {
+            Some(Task::Follow(last)) => last.left_m(),
+            _ => T::ZERO,
+        };
         *task = Some(new);
+        if let (Some(Task::Follow(reference)), Some(measured)) = (task, leading.measured)
+            && reference.left_m() > T::ZERO
+        {
+            let goes_on = before >= reference.left_m();
+            leading.lead::<M>(reference, &measured.pose, goes_on, dt);
+        }
     }
     Taken {
         refused,
         other_goal: other_goal && !refused,
+    }
+}
+
+impl<T: Scalar> Leading<'_, T> {
+    /// Only in a path's last drive, so apart from other ticks.
+    #[inline(never)]
+    fn lead<M: Maths<T>>(self, reference: &mut Reference<T>, at: &Pose<T>, goes_on: bool, dt: T) {
+        if !goes_on {
+            *self.end = PathEnd::NEW;
+        }
+        self.end.lead::<M>(self.motion, reference, at, dt);
     }
 }
 
@@ -79,5 +110,6 @@ fn onward<T: Scalar, M: Maths<T>>(reference: &Reference<T>, dt: T) -> Reference<
         twist: *reference.twist(),
     };
     let Measured { pose, twist } = coast::<T, M>(&from, dt);
-    Reference::new_with::<M>(pose, twist, Accel::default())
+    let left = reference.left_m() - dt * twist.linear.abs();
+    Reference::new_with::<M>(pose, twist, Accel::default()).with_left(left)
 }

@@ -87,6 +87,7 @@ fn run() {
     ramsete::measure::<Libm>(meter, "libm");
 
     base::motion(meter);
+    base::lead(meter);
     base::ticks(meter);
     base::bytes();
 

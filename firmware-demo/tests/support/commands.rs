@@ -21,7 +21,12 @@ pub fn twist() -> impl Strategy<Value = WireTwist> {
 }
 
 pub fn reference() -> impl Strategy<Value = WireReference> {
-    (pose(), twist(), twist()).prop_map(|(pose, twist, accel)| WireReference { pose, twist, accel })
+    (pose(), twist(), twist(), real()).prop_map(|(pose, twist, accel, left)| WireReference {
+        pose,
+        twist,
+        accel,
+        left,
+    })
 }
 
 fn timeout() -> impl Strategy<Value = Timeout> {

@@ -12,7 +12,7 @@ pub const TABLE_TOLERANCE: Tolerance = Tolerance {
 };
 
 /// Bytes of a sample in a binary table.
-pub const SAMPLE_BYTES: usize = 32;
+pub const SAMPLE_BYTES: usize = 36;
 
 /// A compiled file.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,10 +76,10 @@ impl ChipTable {
              // (`controller_core::queue::interpolate`, the core's queue) stays\n\
              // {}.\n\
              \n\
-             /// Time \\[s\\], x, y \\[m\\], heading \\[rad\\], speed \\[m/s\\], turn rate \\[rad/s\\] and the rates of the\n\
-             /// last two. {}.\n\
+             /// Time \\[s\\], x, y \\[m\\], heading \\[rad\\], speed \\[m/s\\], turn rate \\[rad/s\\], the rates of the\n\
+             /// last two, and what is left of the last drive \\[m\\]. {}.\n\
              #[rustfmt::skip]\n\
-             pub static {}: [[f32; 8]; {}] = [\n",
+             pub static {}: [[f32; 9]; {}] = [\n",
             self.origin,
             samples.len(),
             samples.last().map_or(0.0, |sample| sample.t),
@@ -97,7 +97,7 @@ impl ChipTable {
         text
     }
 
-    /// The same as little-endian `f32`, 32 bytes a sample: t, x, y, theta, v, w, a, alpha.
+    /// The same as little-endian `f32`, 36 bytes a sample: t, x, y, theta, v, w, a, alpha, left.
     pub fn binary(&self) -> Vec<u8> {
         let samples = self.compact.samples.iter();
         samples
@@ -107,8 +107,8 @@ impl ChipTable {
     }
 }
 
-fn fields(s: &CompactSample) -> [f32; 8] {
-    [s.t, s.x, s.y, s.theta, s.v, s.w, s.a, s.alpha]
+fn fields(s: &CompactSample) -> [f32; 9] {
+    [s.t, s.x, s.y, s.theta, s.v, s.w, s.a, s.alpha, s.left]
 }
 
 fn capital(text: &str) -> String {

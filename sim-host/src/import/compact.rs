@@ -7,7 +7,7 @@ use controller_core::queue::{TimedReference, interpolate};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
 
-/// A sample as it goes to flash or through the queue, 32 bytes. SI units, heading in (−π, π].
+/// A sample as it goes to flash or through the queue, 36 bytes. SI units, heading in (−π, π].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompactSample {
     /// Time from the start.
@@ -26,6 +26,8 @@ pub struct CompactSample {
     pub a: f32,
     /// Rate of `w`.
     pub alpha: f32,
+    /// See [`Sample::left`].
+    pub left: f32,
 }
 
 /// Samples, and how far the interpolation between them is from the trajectory they are taken of.
@@ -129,6 +131,7 @@ fn sample(trajectory: &Trajectory, t: f64) -> CompactSample {
         w: s.w as f32,
         a: s.a as f32,
         alpha: s.alpha as f32,
+        left: s.left as f32,
     }
 }
 
@@ -173,6 +176,7 @@ fn timed(s: &CompactSample) -> TimedReference<f64> {
             },
             Twist::new(f64::from(s.v), f64::from(s.w)),
             Accel::new(f64::from(s.a), f64::from(s.alpha)),
-        ),
+        )
+        .with_left(f64::from(s.left)),
     }
 }

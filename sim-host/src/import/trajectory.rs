@@ -1,6 +1,6 @@
 //! A reference that satisfies Eq. (6) at every instant.
 
-use super::fit::motion::{Jerk, advance};
+use super::fit::motion::{Jerk, advance, travel};
 use super::fit::{self, CLUSTER, Node, Rest, Target};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Reason, Refusal};
@@ -27,6 +27,9 @@ pub struct Sample {
     pub a: f64,
     /// Rate of `w`.
     pub alpha: f64,
+    /// Left of the way until it rests at its end, in the last drive, which goes forward only or backward only; before that, and of a
+    /// trajectory that does not rest at its end, 0.
+    pub left: f64,
 }
 
 /// How close a reference passes the poses of its file.
@@ -42,6 +45,7 @@ pub struct Closeness {
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     pub(super) nodes: Vec<Node>,
+    last_drive: LastDrive,
     pub(super) time_warp: Option<TimeWarp>,
     samples: Vec<Sample>,
     repairs: Vec<Repair>,
@@ -52,6 +56,8 @@ pub struct Trajectory {
 
 /// Speed \[m/s\] and turn rate \[rad/s\] below which a file means rest.
 const REST: [f64; 2] = [1e-3, 1e-2];
+/// A path that is fitted creeps by less than this about a stand \[m\].
+const CREEP: f64 = 1e-3;
 /// Implied angular accelerations from here on are reported when they are smoothed \[rad/s²\].
 const HARSH: f64 = 50.0;
 
@@ -105,6 +111,7 @@ impl Trajectory {
             node.z[1] += origin[1];
         }
         let mut trajectory = Self {
+            last_drive: LastDrive::of(&nodes),
             nodes,
             time_warp: None,
             samples: Vec::new(),
@@ -146,11 +153,13 @@ impl Trajectory {
             Some(time_warp) => time_warp.at(inside),
             None => (inside, 1.0, 0.0),
         };
-        let after = self.nodes.partition_point(|n| n.t <= s);
-        let Some(node) = self.nodes.get(after.saturating_sub(1)) else {
+        let number = self.nodes.partition_point(|n| n.t <= s).saturating_sub(1);
+        let Some(node) = self.nodes.get(number) else {
             return Sample::default();
         };
         let z = advance(&node.z, &node.u, s - node.t);
+        let way = travel(&node.z, &node.u, s - node.t);
+        let left = self.last_drive.from(number).map_or(0.0, |left| left - way);
         let moving = if t < 0.0 || t > end { 0.0 } else { 1.0 };
         Sample {
             t,
@@ -161,6 +170,7 @@ impl Trajectory {
             w: moving * z[4] * rate,
             a: moving * (z[5] * rate * rate + z[3] * rate_dot),
             alpha: moving * (z[6] * rate * rate + z[4] * rate_dot),
+            left: moving * left.abs(),
         }
     }
 
@@ -201,6 +211,7 @@ impl Trajectory {
     /// Another path, at its own pace.
     pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
         Self {
+            last_drive: LastDrive::of(&nodes),
             nodes,
             ..self.without_time_warp()
         }
@@ -236,6 +247,7 @@ impl Trajectory {
     pub(super) fn without_time_warp(&self) -> Self {
         Self {
             nodes: self.nodes.clone(),
+            last_drive: self.last_drive.clone(),
             time_warp: None,
             samples: Vec::new(),
             repairs: self.repairs.clone(),
@@ -256,6 +268,52 @@ impl Trajectory {
             .unwrap_or_default();
         trajectory.samples = times.into_iter().map(|t| trajectory.at(t)).collect();
         trajectory
+    }
+}
+
+/// The part of a path behind its last stand or change of direction, if it rests at its end.
+#[derive(Clone, Debug, Default)]
+struct LastDrive {
+    /// Number of its first node.
+    first: usize,
+    /// What is left at each of its nodes, below 0 backward \[m\]; empty if the path does not rest at its end.
+    left: Vec<f64>,
+}
+
+impl LastDrive {
+    fn of(nodes: &[Node]) -> Self {
+        let [.., end] = nodes else {
+            return Self::default();
+        };
+        if end.z[3].abs() >= REST[0] || end.z[4].abs() >= REST[1] {
+            return Self::default();
+        }
+        let mut left = vec![0.0];
+        let mut way = 0.0_f64;
+        for pair in nodes.windows(2).rev() {
+            let [from, to] = pair else { continue };
+            let v = from.z[3];
+            // The end is a stand as well.
+            let has_driven = way.abs() > CREEP;
+            if has_driven && v * way < 0.0 && v.abs() > REST[0] {
+                break;
+            }
+            way += travel(&from.z, &from.u, to.t - from.t);
+            left.push(way);
+            if has_driven && v.abs() < REST[0] {
+                break;
+            }
+        }
+        left.reverse();
+        Self {
+            first: nodes.len() - left.len(),
+            left,
+        }
+    }
+
+    /// What is left at a node, if it is of the last drive.
+    fn from(&self, node: usize) -> Option<f64> {
+        self.left.get(node.checked_sub(self.first)?).copied()
     }
 }
 

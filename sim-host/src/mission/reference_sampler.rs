@@ -20,8 +20,6 @@ pub(super) struct ReferenceSampler {
     references: Vec<Reference<f64>>,
     /// Metres and radians that the reference has moved since the start.
     travelled: Vec<(f64, f64)>,
-    /// The tick from which on it goes one way only, forward or backward.
-    last_drive: usize,
 }
 
 impl ReferenceSampler {
@@ -31,7 +29,6 @@ impl ReferenceSampler {
             return Self {
                 references: Vec::new(),
                 travelled: Vec::new(),
-                last_drive: 0,
             };
         };
         let dt = mission.period_s;
@@ -54,6 +51,7 @@ impl ReferenceSampler {
                         Twist::new(now.v, now.w),
                         Accel::new(ahead.a, ahead.alpha),
                     )
+                    .with_left(now.left)
                 })
                 .collect(),
             Route::Motion(motion) => {
@@ -76,18 +74,9 @@ impl ReferenceSampler {
             way.1 += 0.5 * dt * (a.angular.abs() + b.angular.abs());
             travelled.push(way);
         }
-        let ways = references.iter().map(|reference| reference.twist().linear);
-        let mut last = (0, 0.0);
-        // A stand between drives is made of numbers that round.
-        for (tick, way) in ways.enumerate().filter(|(_, way)| way.abs() > 1.0e-6) {
-            if way * last.1 <= 0.0 {
-                last = (tick, way);
-            }
-        }
         Self {
             references,
             travelled,
-            last_drive: last.0,
         }
     }
 
@@ -113,12 +102,6 @@ impl ReferenceSampler {
         let all = self.travelled.last().copied().unwrap_or_default();
         let done = self.travelled.get(tick).copied().unwrap_or(all);
         (all.0 - done.0, all.1 - done.1)
-    }
-
-    /// What is left of the route's last drive, if that has begun, and comes to rest at the route's end \[m\].
-    pub(super) fn last_drive(&self, tick: usize) -> Option<f64> {
-        let drives = self.rests_at_end() && tick >= self.last_drive;
-        drives.then(|| self.to_go(tick).0)
     }
 
     /// Whether the route has ended by a tick.

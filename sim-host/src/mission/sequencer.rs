@@ -2,9 +2,8 @@
 
 use super::reference_sampler::{AccelerationAt, ReferenceSampler};
 use super::{Change, Course, Event, HandOverRule, Mission, VelocityOrder, When};
-use controller_core::base::Order;
-use controller_core::maths::{Libm, Single};
-use controller_core::motion::{PathEnd, Remaining, Task, ValidMotionParams};
+use controller_core::maths::Libm;
+use controller_core::motion::{Remaining, Task};
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Measured, Pose, Twist};
@@ -19,8 +18,6 @@ pub(crate) struct Sequencer<'a> {
     now: Now,
     /// How far the localisation is still off: what is to be added to it.
     correction: Pose<f64>,
-    /// Of the route.
-    end: PathEnd,
 }
 
 /// What the robot is doing.
@@ -61,7 +58,6 @@ impl Sequencer<'static> {
             lever,
             now,
             correction: Pose::default(),
-            end: PathEnd::new(),
         }
     }
 
@@ -93,7 +89,6 @@ impl<'a> Sequencer<'a> {
             lever: 0.5 * mission.base.robot.wheels.track_m,
             now,
             correction,
-            end: PathEnd::new(),
         }
     }
 
@@ -182,25 +177,6 @@ impl<'a> Sequencer<'a> {
             left,
             jumped,
             measured,
-        }
-    }
-
-    /// The `order` of a tick for the default law, which is measured to be `at` a pose: near the end of a route that comes to rest, the
-    /// robot is led to it.
-    pub(crate) fn lead(
-        &mut self,
-        tick: usize,
-        order: Order<f32>,
-        at: &Pose<f32>,
-        motion: &ValidMotionParams<f32>,
-        dt: f64,
-    ) -> Order<f32> {
-        match (order, self.sampler.last_drive(tick)) {
-            (Order::Follow(reference), Some(left)) => {
-                let (left, dt) = (left as f32, dt as f32);
-                Order::Follow(self.end.lead::<Single>(motion, &reference, at, left, dt))
-            }
-            (order, _) => order,
         }
     }
 }

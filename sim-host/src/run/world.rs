@@ -145,10 +145,7 @@ pub(super) fn tick(
         (left, way, wrench(&closed_loop.would_say(&order)))
     });
     let given = match &mut driver {
-        None => {
-            let at = orders.measured.pose.cast();
-            sequencer.lead(tick, order(&orders.task), &at, &motion, mission.period_s)
-        }
+        None => order(&orders.task),
         // What it sees is the pose of this very tick, as the default law does.
         Some(driver) => match closed_loop.would_say(&Order::None).measured {
             Some(seen) => driver.order(on_course, &seen, &orders.task),

@@ -82,16 +82,21 @@ static void order_at(uint32_t cycle, uint32_t at, twb_order *order) {
     } else if (at < 4000u) {
         order->kind = TWB_ORDER_PARK;
     } else if (at < 5000u) {
-        float t = ((float)at - 4000.0f) * DT;
+        float t = ((float)at - 4000.0f) * DT, rest = 4.0f - t;
         order->kind = TWB_ORDER_FOLLOW;
+        order->pose.y = 0.03f;
         if (t < 2.0f) {
             order->pose.x = 0.125f * t * t;
             order->twist.v = 0.25f * t;
             order->accel.v = 0.25f;
+        } else if (t < 4.0f) {
+            order->pose.x = 1.0f - 0.125f * rest * rest;
+            order->twist.v = 0.25f * rest;
+            order->accel.v = -0.25f;
         } else {
-            order->pose.x = 0.5f + 0.5f * (t - 2.0f);
-            order->twist.v = 0.5f;
+            order->pose.x = 1.0f;
         }
+        order->left = 1.0f - order->pose.x;
     } else if (at < 5400u) {
         order->kind = TWB_ORDER_PARK;
         order->pose.x = 4.5f;

@@ -88,17 +88,17 @@ fn order_at(cycle: u32, at: u32) -> Order<f32> {
         2600..4000 => Order::Park(Pose::default()),
         4000..5000 => {
             let t = (at as f32 - 4000.0) * DT;
+            let rest = 4.0 - t;
             let (x, v, accel) = if t < 2.0 {
                 (0.125 * t * t, 0.25 * t, 0.25)
+            } else if t < 4.0 {
+                (1.0 - 0.125 * rest * rest, 0.25 * rest, -0.25)
             } else {
-                (0.5 + 0.5 * (t - 2.0), 0.5, 0.0)
+                (1.0, 0.0, 0.0)
             };
-            let pose = Pose::new(x, 0.0, 0.0);
-            Order::Follow(Reference::new(
-                pose,
-                Twist::new(v, 0.0),
-                Accel::new(accel, 0.0),
-            ))
+            let pose = Pose::new(x, 0.03, 0.0);
+            let reference = Reference::new(pose, Twist::new(v, 0.0), Accel::new(accel, 0.0));
+            Order::Follow(reference.with_left(1.0 - x))
         }
         5000..5400 => Order::Park(Pose::new(4.5, 0.0, 0.0)),
         5460..5800 => Order::Drive {

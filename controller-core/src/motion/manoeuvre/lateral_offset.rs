@@ -90,6 +90,12 @@ pub(crate) struct OffsetSample<T> {
 }
 
 impl<T: Scalar> LateralOffset<T> {
+    /// On the path itself.
+    pub(crate) const NONE: Self = Self {
+        from: T::ZERO,
+        powers: [T::ZERO; 6],
+    };
+
     /// From z₀, z₁, z₂ and h.
     fn new(from: T, [a, b, c]: [T; 3], swell: T) -> Self {
         let f = T::from_f64;
@@ -283,7 +289,7 @@ mod tests {
     /// It begins where it is set, in the direction of the planned path, and joins it at its end; derivatives are those of z.
     #[test]
     fn it_leads_back_to_the_path() {
-        let offset = LateralOffset::default().set(&LIMITS, 0.5, 0.4, 0.001);
+        let offset = LateralOffset::NONE.set(&LIMITS, 0.5, 0.4, 0.001);
         let begin = offset.at(0.5);
         assert!((begin.offset - 0.001).abs() < 1e-12 && begin.first.abs() < 1e-12);
         assert!(begin.second.abs() < 1e-12);
@@ -303,14 +309,14 @@ mod tests {
     /// Set anew on the way, its heading and turn rate go on; its place is what was asked for, or what acceleration there is for.
     #[test]
     fn another_setting_keeps_heading_and_turn_rate() {
-        let first = LateralOffset::default().set(&LIMITS, 0.5, 0.4, 0.001);
+        let first = LateralOffset::NONE.set(&LIMITS, 0.5, 0.4, 0.001);
         let before = first.at(0.3);
         let second = first.set(&LIMITS, 0.3, 0.3, 0.0005);
         let after = second.at(0.3);
         assert!((after.offset - 0.0005).abs() < 1e-12);
         assert!((after.first - before.first).abs() < 1e-12);
         assert!((after.second - before.second).abs() < 1e-12);
-        let far = LateralOffset::default().set(&LIMITS, 0.3, 0.6, 0.1);
+        let far = LateralOffset::NONE.set(&LIMITS, 0.3, 0.6, 0.1);
         let asked = 0.6 * 0.6 * far.at(0.3).third.abs();
         assert!((asked - LIMITS.turn_accel).abs() < 1e-9, "{asked}");
     }
@@ -318,7 +324,7 @@ mod tests {
     /// Where less than the heading's time constant is left nothing is set, nor for what is not worth it.
     #[test]
     fn it_may_be_too_late_or_too_little() {
-        let none = LateralOffset::default();
+        let none = LateralOffset::NONE;
         assert_eq!(none.set(&LIMITS, 0.5, 0.3, -0.0001), none);
         assert_eq!(none.set(&LIMITS, 0.049, 0.3, 0.001), none);
         assert!(none.set(&LIMITS, 0.051, 0.3, 0.001).is_set());

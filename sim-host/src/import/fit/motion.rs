@@ -35,6 +35,11 @@ pub(in super::super) fn advance(z: &State, u: &Jerk, h: f64) -> State {
     State::from([x, y, theta, v, w, a, alpha])
 }
 
+/// The way driven after `h` seconds, forward less backward \[m\].
+pub(in super::super) fn travel(z: &State, u: &Jerk, h: f64) -> f64 {
+    h * (z[3] + h * (z[5] / 2.0 + h * u[0] / 6.0))
+}
+
 /// θ, v and w after `s` seconds: polynomials.
 fn at(z: &State, u: &Jerk, s: f64) -> (f64, f64, f64) {
     let theta = z[2] + s * (z[4] + s * (z[6] / 2.0 + s * u[1] / 6.0));
