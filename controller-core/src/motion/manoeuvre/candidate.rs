@@ -142,7 +142,8 @@ const ONE: u8 = 8;
 pub(crate) const CANDIDATES: u8 = ONE + 20;
 
 impl<T: Scalar> Candidate<T> {
-    /// Shape `index` < [`CANDIDATES`]. `near`: the goal is a matter of turning, so two drives come first.
+    /// Shape `index` < [`CANDIDATES`]. `near`: the goal is a matter of turning, so two drives come first. Of a goal on the
+    /// robot's line that is none: two drives along one line lead nowhere else, however long they are.
     ///
     /// The unit of swings, √(d α/a): turning by it, and driving d, take the same time, and with s ∝ a T² and
     /// φ ∝ α T² a sideways shift of φ s takes the least.
