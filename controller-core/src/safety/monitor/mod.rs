@@ -45,10 +45,11 @@
 //! follows y, as if a constant acceleration explained it: nothing is said of the wheels, and when torques are
 //! known again both filters begin from what the wheels really did.
 //!
-//! A tick looks at both, but ticks of at most [`BRIEF_US`] in turns at one each: a look then spans two of them. It takes all that was
-//! exerted and counted since the last one of its wheel, so nothing is left out, and what it shows stands until the next. What lasts
-//! is timed by looks, so it is found one such tick later at most; the filters have 20 looks in their window at least, twice as many
-//! as in ticks of 10 ms.
+//! A tick looks at both. Ticks of at most [`BRIEF_US`] share that: a look has four parts, the two wheels take turns, and a tick takes
+//! one part, or two if it is longer than [`PART_US`]. Each look then is 10 ms after the last one of its wheel at most, as in ticks of
+//! that length. It takes all that was exerted and counted since then, so nothing is left out, and what it shows stands until the next.
+//! What lasts is timed by looks: it is found 10 ms and three ticks later at most, a twentieth of `stuck.after` as bases have it. The
+//! filters have ten looks in their window at least.
 //!
 //! A velocity loop of bandwidth κ on reversed encoders drives the speed up as v_c (e^(κt) − 1) and the force
 //! as m κ v_c e^(κt): when the latter has reached F the base has gone less than F/(m κ²), whatever the
@@ -71,7 +72,7 @@ pub(super) use debounce::Debounce;
 
 use electric::{OverCurrent, UnderVoltage};
 use ticks::Ticks;
-use wheel::{Effort, Wheel, WheelDetections, WheelInputs};
+use wheel::{Effort, Look, Wheel, WheelDetections};
 
 /// All detectors and what they remember. See the source's table of formulas and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,9 +103,22 @@ impl<T: Scalar> Monitor<T> {
     }
 }
 
-/// Longest tick in which only one wheel is looked at \[µs\]. A look then spans no more than 5 ms, and what it adds to the time in
-/// which something is found is a hundredth of `stuck.after` as bases have it.
-const BRIEF_US: u32 = 2_500;
+/// Longest tick that takes no more than a part of a look. Both looks have eight [parts](Part), which so take 10 ms at most, a
+/// tenth of the window.
+const PART_US: u32 = 1_250;
+/// Longest one that takes two of them. Longer ones take both looks whole.
+const BRIEF_US: u32 = 2 * PART_US;
+
+/// What a brief tick does of a look at a wheel, in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Part {
+    /// Takes what was exerted and counted since the last one.
+    #[default]
+    Take,
+    Push,
+    Filter,
+    Compare,
+}
 
 /// A time, and what the wheels exerted in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -151,10 +165,16 @@ impl<T: Scalar> Span<T> {
 pub(crate) struct Detectors<T> {
     ticks: Ticks,
     unread: Silence,
-    /// The next look is at the left wheel.
-    turn_is_left: bool,
-    /// Since that was looked at, but for the tick to come.
-    unseen: Span<T>,
+    /// What the next brief tick does of a look,
+    part: Part,
+    /// which is at the left wheel.
+    is_left: bool,
+    /// What the look under way has taken.
+    look: Look<T>,
+    /// Between the looks taken last, of the other wheel and of this one,
+    before: Span<T>,
+    /// and since the latter.
+    gathered: Span<T>,
     right: Wheel<T>,
     left: Wheel<T>,
     current: OverCurrent,
@@ -223,16 +243,14 @@ impl<T: Scalar> Detectors<T> {
             true => None,
             false => inputs.torques,
         };
-        let tick = Span::of(inputs.dt_us, torques);
-        let (is_left, brief) = (self.turn_is_left, inputs.dt_us <= BRIEF_US);
-        let (wheel, now) = self.look_at(settings, inputs, &self.unseen.and(&tick), is_left);
-        wheel.advance(settings, &now);
-        if brief {
-            (self.unseen, self.turn_is_left) = (tick, !is_left);
+        self.gathered = self.gathered.and(&Span::of(inputs.dt_us, torques));
+        if inputs.dt_us <= BRIEF_US {
+            self.take_part(settings, inputs);
+            if inputs.dt_us > PART_US {
+                self.take_another(settings, inputs);
+            }
         } else {
-            self.unseen = Span::default();
-            let (wheel, now) = self.look_at(settings, inputs, &tick, !is_left);
-            wheel.advance_too(settings, &now);
+            self.look_at_both(settings, inputs);
         }
         if !self.right.signs.and(self.left.signs).is_empty() {
             let outside = inputs
@@ -243,51 +261,64 @@ impl<T: Scalar> Detectors<T> {
         }
     }
 
-    /// A wheel, and what there is to be seen of it after a `span`.
+    /// A part of a look.
     #[inline(always)]
-    fn look_at(
-        &mut self,
-        settings: &ValidDetectorParams<T>,
-        inputs: &DetectorInputs<T>,
-        span: &Span<T>,
-        is_left: bool,
-    ) -> (&mut Wheel<T>, WheelInputs<T>) {
-        let (map, counts, command) = (&settings.map, &inputs.counts, &inputs.command);
-        let WheelTorques { right, left } = span.impulses;
-        let (own, other) = (&settings.own_accel, settings.other_accel);
-        let (wheel, count, command, impulse, gained) = if is_left {
-            let count = counts.as_ref().map(|counts| counts.left);
-            let gained = own.left * left + other * right;
-            (&mut self.left, count, map.left_speed(command), left, gained)
+    fn take_part(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
+        let wheel = if self.is_left {
+            &mut self.left
         } else {
-            let count = counts.as_ref().map(|counts| counts.right);
-            let gained = own.right * right + other * left;
-            (
-                &mut self.right,
-                count,
-                map.right_speed(command),
-                right,
-                gained,
-            )
+            &mut self.right
         };
-        let off = inputs.outside.map(|twist| {
-            let Twist { linear, angular } = inputs.measured.twist.minus(&twist);
-            let turning = T::HALF * settings.params.robot.wheels.track_m * angular;
-            if is_left {
-                linear - turning
-            } else {
-                linear + turning
+        self.part = match self.part {
+            Part::Take => {
+                let span = self.before.and(&self.gathered);
+                self.before = core::mem::take(&mut self.gathered);
+                self.look = wheel_seen(settings, inputs, &span, self.is_left, wheel);
+                Part::Push
             }
-        });
-        let now = WheelInputs {
-            us: span.us,
-            dt: seconds(span.us),
-            count,
-            effort: (!span.unknown).then_some(Effort { impulse, gained }),
-            command,
-            off,
+            Part::Push => {
+                wheel.push(settings, &self.look);
+                Part::Filter
+            }
+            Part::Filter => {
+                wheel.filter(settings, &self.look);
+                Part::Compare
+            }
+            Part::Compare => {
+                wheel.compare(settings, &self.look);
+                self.is_left = !self.is_left;
+                Part::Take
+            }
         };
-        (wheel, now)
+    }
+
+    /// The same by a call: the shortest ticks have it but once.
+    #[inline(never)]
+    fn take_another(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
+        self.take_part(settings, inputs);
+    }
+
+    /// Whole looks in a tick that is not brief.
+    #[inline(never)]
+    fn look_at_both(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
+        // What brief ticks have begun.
+        while self.part != Part::Take {
+            self.take_another(settings, inputs);
+        }
+        let gathered = core::mem::take(&mut self.gathered);
+        let longer = core::mem::take(&mut self.before).and(&gathered);
+        let (right, left) = if self.is_left {
+            (&gathered, &longer)
+        } else {
+            (&longer, &gathered)
+        };
+        for (wheel, span, is_left) in [
+            (&mut self.right, right, false),
+            (&mut self.left, left, true),
+        ] {
+            let now = wheel_seen(settings, inputs, span, is_left, wheel);
+            wheel.advance(settings, &now);
+        }
     }
 
     /// What the signs of the wheels come to.
@@ -309,6 +340,45 @@ impl<T: Scalar> Detectors<T> {
         found.add_some(of(|wheel| wheel.blocked).map(|_| Fault::Stalled));
         found.add_some(reversed.map(Fault::EncoderReversed));
         found.add_some(of(|wheel| wheel.slips).map(Fault::WheelSlip));
+    }
+}
+
+/// What there is to be seen of a `wheel` after a `span`.
+#[inline(always)]
+fn wheel_seen<T: Scalar>(
+    settings: &ValidDetectorParams<T>,
+    inputs: &DetectorInputs<T>,
+    span: &Span<T>,
+    is_left: bool,
+    wheel: &mut Wheel<T>,
+) -> Look<T> {
+    let (map, counts, command) = (&settings.map, &inputs.counts, &inputs.command);
+    let WheelTorques { right, left } = span.impulses;
+    let (own, other) = (&settings.own_accel, settings.other_accel);
+    let (count, command, impulse, gained) = if is_left {
+        let count = counts.as_ref().map(|counts| counts.left);
+        let gained = own.left * left + other * right;
+        (count, map.left_speed(command), left, gained)
+    } else {
+        let count = counts.as_ref().map(|counts| counts.right);
+        let gained = own.right * right + other * left;
+        (count, map.right_speed(command), right, gained)
+    };
+    let off = inputs.outside.map(|twist| {
+        let Twist { linear, angular } = inputs.measured.twist.minus(&twist);
+        let turning = T::HALF * settings.params.robot.wheels.track_m * angular;
+        if is_left {
+            linear - turning
+        } else {
+            linear + turning
+        }
+    });
+    Look {
+        us: span.us,
+        moved: wheel.moved(count),
+        effort: (!span.unknown).then_some(Effort { impulse, gained }),
+        command,
+        off,
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::debounce::Debounce;
 use crate::safety::detector_params::{LEAST_COUNTS, Timeout, ValidDetectorParams, WINDOW};
-use crate::scalar::{Scalar, residue};
+use crate::scalar::{Scalar, residue, seconds};
 
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
 /// [`LEAST_COUNTS`] in it has counted.
 const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
 
 /// What a wheel exerted since it was looked at last.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Effort<T> {
     /// Torque times time \[N m s\].
     pub(super) impulse: T,
@@ -18,12 +18,12 @@ pub(super) struct Effort<T> {
 }
 
 /// What a look knows of one wheel.
-pub(super) struct WheelInputs<T> {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Look<T> {
     /// Time since the last one.
     pub(super) us: u32,
-    pub(super) dt: T,
-    /// The encoder's; `None` without a reading.
-    pub(super) count: Option<i32>,
+    /// Counts since then; `None` without a reading now or ever before.
+    pub(super) moved: Option<i32>,
     /// `None` where torques are not known.
     pub(super) effort: Option<Effort<T>>,
     /// Speed commanded \[rad/s\].
@@ -59,6 +59,12 @@ impl Signs {
     /// Both of two wheels.
     pub(super) const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+
+    /// A sign is shown now, or is not.
+    #[inline(always)]
+    const fn show(&mut self, shown: bool, sign: u8) {
+        self.0 = if shown { self.0 | sign } else { self.0 & !sign };
     }
 
     const fn has(self, sign: u8) -> bool {
@@ -156,46 +162,55 @@ struct Pushed {
 }
 
 impl<T: Scalar> Wheel<T> {
-    /// A look at it: its signs are those of now.
+    /// Counts since the last look, of a wheel whose encoder now gives `count`.
     #[inline(always)]
-    pub(super) fn advance(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) {
-        let moved = match (now.count, self.count) {
+    pub(super) fn moved(&mut self, count: Option<i32>) -> Option<i32> {
+        let moved = match (count, self.count) {
             (Some(now), Some(last)) => Some(now.wrapping_sub(last)),
             _ => None,
         };
-        if now.count.is_some() {
-            self.count = now.count;
+        if count.is_some() {
+            self.count = count;
         }
-        self.filter(settings, moved, now);
+        moved
+    }
+
+    /// A look at it, whole: its signs are those of now.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, settings: &ValidDetectorParams<T>, now: &Look<T>) {
+        self.push(settings, now);
+        self.filter(settings, now);
+        self.compare(settings, now);
+    }
+
+    /// The first part of a look: whether it moves, and as it is pushed.
+    #[inline(always)]
+    pub(super) fn push(&mut self, settings: &ValidDetectorParams<T>, now: &Look<T>) {
         let stuck = &settings.params.wheels.stuck;
         let (stands, turned) = match now.effort {
             Some(effort)
                 if is_commanded(settings, now.command)
-                    && effort.impulse.abs() >= stuck.torque_nm * now.dt =>
+                    && effort.impulse.abs() >= stuck.torque_nm * seconds(now.us) =>
             {
-                self.pushed.advance(stuck.after, effort.impulse, moved, now)
+                self.pushed.advance(stuck.after, effort.impulse, now)
             }
             _ => self.pushed.not(),
         };
-        let still = moved.is_none_or(|counts| counts == 0);
+        let still = now.moved.is_none_or(|counts| counts == 0);
         self.silent.count(still, now.us);
-        let compared = self.compared();
-        // Counts that are missing are not counts that stand still.
-        let accelerated = self.moves_against(settings, compared, now.us) && moved.is_some();
-        let slips = self.moves_beyond(settings, compared, now);
-        let sign = |shown: bool, sign| if shown { sign } else { 0 };
-        self.signs = Signs(
-            sign(stands, Signs::STANDS)
-                | sign(accelerated, Signs::ACCELERATED)
-                | sign(turned, Signs::TURNED)
-                | sign(slips, Signs::SLIPS),
-        );
+        self.signs.show(stands, Signs::STANDS);
+        self.signs.show(turned, Signs::TURNED);
     }
 
-    /// [`advance`](Self::advance) for the second wheel of a tick: by a call, since no short tick has it.
-    #[inline(never)]
-    pub(super) fn advance_too(&mut self, settings: &ValidDetectorParams<T>, now: &WheelInputs<T>) {
-        self.advance(settings, now);
+    /// The last part: what is seen against what is expected.
+    #[inline(always)]
+    pub(super) fn compare(&mut self, settings: &ValidDetectorParams<T>, now: &Look<T>) {
+        let compared = self.compared();
+        // Counts that are missing are not counts that stand still.
+        let accelerated = self.moves_against(settings, compared, now.us) && now.moved.is_some();
+        let slips = self.moves_beyond(settings, compared, now);
+        self.signs.show(accelerated, Signs::ACCELERATED);
+        self.signs.show(slips, Signs::SLIPS);
     }
 
     /// What its signs mean, with what is remembered, where it is commanded to turn at `command` \[rad/s\] and turns at `outside` by
@@ -223,17 +238,12 @@ impl<T: Scalar> Wheel<T> {
         }
     }
 
-    /// What is seen, where it `moved` by so many counts, and what is expected.
+    /// The part in the middle: what is seen and what is expected.
     #[inline(always)]
-    fn filter(
-        &mut self,
-        settings: &ValidDetectorParams<T>,
-        moved: Option<i32>,
-        now: &WheelInputs<T>,
-    ) {
-        let dt = now.dt;
+    pub(super) fn filter(&mut self, settings: &ValidDetectorParams<T>, now: &Look<T>) {
+        let dt = seconds::<T>(now.us);
         let shrink = T::ONE / (T::ONE + T::from_f64(WINDOW) * dt);
-        let step = T::from_i32(moved.unwrap_or(0)) * settings.per_count;
+        let step = T::from_i32(now.moved.unwrap_or(0)) * settings.per_count;
         let seen = self.seen.high_pass(step, shrink);
         let expected = match now.effort {
             Some(effort) => self.expected.low_pass(effort.gained, dt, shrink),
@@ -283,7 +293,7 @@ impl<T: Scalar> Wheel<T> {
         &mut self,
         settings: &ValidDetectorParams<T>,
         (expected, along): (T, T),
-        now: &WheelInputs<T>,
+        now: &Look<T>,
     ) -> bool {
         let slip = &settings.params.wheels.slip;
         let pushed = expected >= T::HALF * settings.load_travel;
@@ -311,16 +321,10 @@ impl Pushed {
 
     /// Pushed hard enough; whether it stands, and whether it turns back.
     #[inline(always)]
-    fn advance<T: Scalar>(
-        &mut self,
-        after: Timeout,
-        impulse: T,
-        moved: Option<i32>,
-        now: &WheelInputs<T>,
-    ) -> (bool, bool) {
+    fn advance<T: Scalar>(&mut self, after: Timeout, impulse: T, now: &Look<T>) -> (bool, bool) {
         let forward = now.command > T::ZERO;
         // Without a reading the wheel is not known to stand or to turn; that is a fault of its own.
-        let moved = moved.filter(|_| forward == (impulse > T::ZERO));
+        let moved = now.moved.filter(|_| forward == (impulse > T::ZERO));
         let Some(moved) = moved else {
             return self.not();
         };
