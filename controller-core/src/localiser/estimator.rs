@@ -161,8 +161,9 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                     }
                     let carried = gyro.as_ref().filter(|gyro| gyro.carries());
                     let carried = carried.map(GyroHeading::heading_variance);
-                    let pose = &measured.pose;
-                    let outcome = correction.take::<M>(fusion, fix, &innovation, pose, carried);
+                    // What is lent to a call is made in memory: here and not in every tick.
+                    let pose = measured.pose;
+                    let outcome = correction.take::<M>(fusion, fix, &innovation, &pose, carried);
                     if let (FixOutcome::Fused, Some(heading), Some(gyro)) =
                         (&outcome, gyro, &localisation.gyro)
                     {

@@ -244,13 +244,12 @@ impl<T: Scalar> Detectors<T> {
             false => inputs.torques,
         };
         self.gathered = self.gathered.and(&Span::of(inputs.dt_us, torques));
-        if inputs.dt_us <= BRIEF_US {
+        if inputs.dt_us <= PART_US {
             self.take_part(settings, inputs);
-            if inputs.dt_us > PART_US {
-                self.take_another(settings, inputs);
-            }
         } else {
-            self.look_at_both(settings, inputs);
+            // What is lent to a call is made in memory: here and not in every tick.
+            let inputs = *inputs;
+            self.take_more(settings, &inputs);
         }
         if !self.right.signs.and(self.left.signs).is_empty() {
             let outside = inputs
@@ -292,18 +291,18 @@ impl<T: Scalar> Detectors<T> {
         };
     }
 
-    /// The same by a call: the shortest ticks have it but once.
+    /// Two parts, or whole looks in a tick that is not brief.
     #[inline(never)]
-    fn take_another(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
-        self.take_part(settings, inputs);
-    }
-
-    /// Whole looks in a tick that is not brief.
-    #[inline(never)]
-    fn look_at_both(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
-        // What brief ticks have begun.
-        while self.part != Part::Take {
-            self.take_another(settings, inputs);
+    fn take_more(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
+        let brief = inputs.dt_us <= BRIEF_US;
+        // Two, or the rest of what brief ticks have begun.
+        let mut taken = 0;
+        while (brief && taken < 2) || (!brief && self.part != Part::Take) {
+            self.take_part(settings, inputs);
+            taken += 1;
+        }
+        if brief {
+            return;
         }
         let gathered = core::mem::take(&mut self.gathered);
         let longer = core::mem::take(&mut self.before).and(&gathered);
