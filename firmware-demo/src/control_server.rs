@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! bytes -> CommandReceiver --requests--> ControlServer::tick -> wheels
-//!             |   --velocity orders--> |
+//!             |   -orders and poses-> |
 //!             |      ----stops---> |
 //!             |      --samples---> (control task)
 //!             v                        |
@@ -43,7 +43,7 @@ use crate::queue::{self, Receiver};
 use crate::recorder::{Recorder, Tick};
 use crate::storage::{Memory, NoMemory, NotLoaded, SaveError};
 use crate::telemetry::TelemetryQueue;
-use protocol::{Command, Frame, Origin, RejectReason, Telemetry, WireTwist};
+use protocol::{Command, Frame, Origin, RejectReason, Telemetry, WirePose, WireTwist};
 
 mod command_receiver;
 mod stops;
@@ -56,8 +56,9 @@ pub use command_receiver::CommandReceiver;
 pub const SAMPLES: usize = 64;
 /// Slots for commands under way to the tick.
 pub const REQUESTS: usize = 8;
-/// Slots for velocity orders under way to the tick: a queue of their own, so that other commands, however many, make none stale.
-pub const ORDERS: usize = 4;
+/// Slots for velocity orders and external poses under way to the tick: a queue of their own, so that other commands, however many, make
+/// none stale.
+pub const PERIODIC: usize = 4;
 /// Slots for telemetry under way to the line.
 pub const REPORTS: usize = 16;
 
@@ -67,24 +68,59 @@ struct Request {
     frame: Frame<Command>,
 }
 
-/// A velocity order, and its place among all that is on its way to the tick.
-struct VelocityOrder {
+/// A command that a host sends again and again, and its place among all that is on its way to the tick. Smaller than what a command may
+/// be.
+struct Periodic {
     number: u32,
     sequence: u16,
-    twist: WireTwist,
-    hold_heading: bool,
+    command: PeriodicCommand,
 }
 
-impl From<VelocityOrder> for Request {
-    fn from(order: VelocityOrder) -> Self {
+enum PeriodicCommand {
+    Drive {
+        twist: WireTwist,
+        hold_heading: bool,
+    },
+    Fix {
+        pose: WirePose,
+        age_s: f32,
+    },
+}
+
+impl PeriodicCommand {
+    /// `None` for a command that is none.
+    const fn of(command: &Command) -> Option<Self> {
+        match *command {
+            Command::Drive {
+                twist,
+                hold_heading,
+            } => Some(Self::Drive {
+                twist,
+                hold_heading,
+            }),
+            Command::Fix { pose, age_s } => Some(Self::Fix { pose, age_s }),
+            _ => None,
+        }
+    }
+}
+
+impl From<Periodic> for Request {
+    fn from(periodic: Periodic) -> Self {
+        let message = match periodic.command {
+            PeriodicCommand::Drive {
+                twist,
+                hold_heading,
+            } => Command::Drive {
+                twist,
+                hold_heading,
+            },
+            PeriodicCommand::Fix { pose, age_s } => Command::Fix { pose, age_s },
+        };
         Self {
-            number: order.number,
+            number: periodic.number,
             frame: Frame {
-                sequence: order.sequence,
-                message: Command::Drive {
-                    twist: order.twist,
-                    hold_heading: order.hold_heading,
-                },
+                sequence: periodic.sequence,
+                message,
             },
         }
     }
@@ -117,7 +153,7 @@ struct Shared {
 pub struct Queues {
     samples: ReferenceQueue<f32, SAMPLES>,
     requests: Queue<Request, REQUESTS>,
-    orders: Queue<VelocityOrder, ORDERS>,
+    periodic: Queue<Periodic, PERIODIC>,
     answers: Queue<Answer, REPORTS>,
     shared: Shared,
 }
@@ -125,9 +161,9 @@ pub struct Queues {
 /// Ends of the queues for the tick.
 pub struct TickEnds<'queue> {
     requests: Receiver<'queue, Request, REQUESTS>,
-    orders: Receiver<'queue, VelocityOrder, ORDERS>,
+    periodic: Receiver<'queue, Periodic, PERIODIC>,
     /// The first of each queue, which waits for the other's.
-    next: (Option<Request>, Option<VelocityOrder>),
+    next: (Option<Request>, Option<Periodic>),
     telemetry: TelemetryQueue<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
 }
@@ -145,13 +181,13 @@ impl Queues {
     ) {
         let (producer, consumer) = self.samples.split();
         let (sender, requests) = queue::split(&mut self.requests);
-        let (order_sender, orders) = queue::split(&mut self.orders);
+        let (periodic_sender, periodic) = queue::split(&mut self.periodic);
         let (telemetry, answers) = TelemetryQueue::split(&mut self.answers, decimate);
         let shared = &self.shared;
-        let receiver = CommandReceiver::new(producer, sender, order_sender, answers, shared);
+        let receiver = CommandReceiver::new(producer, sender, periodic_sender, answers, shared);
         let ends = TickEnds {
             requests,
-            orders,
+            periodic,
             next: (None, None),
             telemetry,
             shared,
@@ -161,21 +197,21 @@ impl Queues {
 }
 
 impl TickEnds<'_> {
-    /// The next command or velocity order, in the sequence in which they came.
+    /// The next command of both queues, in the sequence in which they came.
     fn receive(&mut self) -> Option<Request> {
-        let (request, order) = &mut self.next;
+        let (request, periodic) = &mut self.next;
         if request.is_none() {
             *request = self.requests.receive();
         }
-        if order.is_none() {
-            *order = self.orders.receive();
+        if periodic.is_none() {
+            *periodic = self.periodic.receive();
         }
-        let order_first = match (&*request, &*order) {
-            (Some(request), Some(order)) => stops::is_before(order.number, request.number),
+        let periodic_first = match (&*request, &*periodic) {
+            (Some(request), Some(periodic)) => stops::is_before(periodic.number, request.number),
             (request, _) => request.is_none(),
         };
-        if order_first {
-            order.take().map(Request::from)
+        if periodic_first {
+            periodic.take().map(Request::from)
         } else {
             request.take()
         }
@@ -264,7 +300,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
         let mut stops = self.stops.news(&self.ends.shared.stops);
         // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
         // queues by then, which hold less than there are rounds: the stop is obeyed within them.
-        for _ in 0..REQUESTS + ORDERS {
+        for _ in 0..REQUESTS + PERIODIC {
             let request = self.ends.receive();
             let number = request.as_ref().map(|request| request.number);
             while let Some(stop) = stops.next_before(number) {

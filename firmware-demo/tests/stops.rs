@@ -17,7 +17,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::{
     Command, Frame, MAX_FRAME, RejectReason, Telemetry, TimedSample, WirePose, WireReference,
-    encode,
+    WireTwist, encode,
 };
 
 const TORQUE: f32 = 3.0;
@@ -196,6 +196,26 @@ fn a_full_queue_refuses_no_stop() {
         rig.tick();
         rig.assert_stopped_by(stop);
     }
+}
+
+/// External poses and velocity orders have places of their own: what fills the queue makes none of them late.
+#[test]
+fn a_full_queue_refuses_no_pose_and_no_order() {
+    let mut rig = Rig::reached(State::Armed);
+    for _ in 0..7 {
+        assert_eq!(rig.say(&Command::GetParameters), None);
+    }
+    assert_eq!(refusal(rig.say(&AHEAD)), Some(RejectReason::Full));
+    let pose = WirePose::default();
+    let (twist, hold_heading) = (WireTwist::default(), false);
+    let order = Command::Drive {
+        twist,
+        hold_heading,
+    };
+    assert_eq!(rig.say(&Command::Fix { pose, age_s: 0.0 }), None);
+    assert_eq!(rig.say(&order), None);
+    rig.tick();
+    assert_eq!(rig.state(), State::Tracking);
 }
 
 /// In one tick: what came before the stop does not survive it.

@@ -4,7 +4,9 @@ use core::sync::atomic::Ordering;
 
 use controller_core::queue::{PushError, ReferenceProducer};
 
-use super::{Answer, ORDERS, REPORTS, REQUESTS, Request, Shared, VelocityOrder, outcome};
+use super::{
+    Answer, PERIODIC, Periodic, PeriodicCommand, REPORTS, REQUESTS, Request, Shared, outcome,
+};
 use crate::queue::{Receiver, Sender};
 use protocol::{
     Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
@@ -15,7 +17,7 @@ pub struct CommandReceiver<'queue> {
     decoder: Decoder<Command, MAX_CONTENT>,
     samples: ReferenceProducer<'queue, f32>,
     requests: Sender<'queue, Request, REQUESTS>,
-    orders: Sender<'queue, VelocityOrder, ORDERS>,
+    periodic: Sender<'queue, Periodic, PERIODIC>,
     answers: Receiver<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
     /// Of the last command on its way to the tick.
@@ -30,7 +32,7 @@ impl<'queue> CommandReceiver<'queue> {
     pub(super) const fn new(
         samples: ReferenceProducer<'queue, f32>,
         requests: Sender<'queue, Request, REQUESTS>,
-        orders: Sender<'queue, VelocityOrder, ORDERS>,
+        periodic: Sender<'queue, Periodic, PERIODIC>,
         answers: Receiver<'queue, Answer, REPORTS>,
         shared: &'queue Shared,
     ) -> Self {
@@ -38,7 +40,7 @@ impl<'queue> CommandReceiver<'queue> {
             decoder: Decoder::new(),
             samples,
             requests,
-            orders,
+            periodic,
             answers,
             shared,
             number: 0,
@@ -78,28 +80,12 @@ impl<'queue> CommandReceiver<'queue> {
                 stack_bytes: stack_bytes(),
             }),
             Command::Sample(sample) => outcome(self.sample(&sample)),
-            Command::Drive {
-                twist,
-                hold_heading,
-            } => {
-                self.number = self.number.wrapping_add(1);
-                let order = VelocityOrder {
-                    number: self.number,
-                    sequence,
-                    twist,
-                    hold_heading,
-                };
-                if self.orders.send(order) {
-                    return None;
-                }
-                Telemetry::Nack(RejectReason::Full)
-            }
             command => {
                 self.number = self.number.wrapping_add(1);
                 let number = self.number;
                 if self.shared.stops.take(&command, number) {
                     Telemetry::Ack
-                } else if self.requests.send(Request { number, frame }) {
+                } else if self.enqueue(number, frame) {
                     return None;
                 } else {
                     Telemetry::Nack(RejectReason::Full)
@@ -120,6 +106,18 @@ impl<'queue> CommandReceiver<'queue> {
     /// What the tick has to say, oldest first.
     pub fn pending(&mut self) -> Option<Answer> {
         self.answers.receive()
+    }
+
+    /// On its way to the tick, if there is room.
+    fn enqueue(&mut self, number: u32, frame: Frame<Command>) -> bool {
+        match PeriodicCommand::of(&frame.message) {
+            Some(command) => self.periodic.send(Periodic {
+                number,
+                sequence: frame.sequence,
+                command,
+            }),
+            None => self.requests.send(Request { number, frame }),
+        }
     }
 
     fn sample(&mut self, sample: &TimedSample) -> Result<(), RejectReason> {
