@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! bytes -> CommandReceiver --requests--> ControlServer::tick -> wheels
-//!             |   -orders and poses-> |
+//!             |   --orders, poses----> |
 //!             |      ----stops---> |
 //!             |      --samples---> (control task)
 //!             v                        |
