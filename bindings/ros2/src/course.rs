@@ -238,7 +238,11 @@ mod tests {
         // The base knows how far it is to the end.
         let left = |sample: &TimedSample| sample.reference.left;
         assert!((left(&all[1]) - 1.0).abs() < 5.0e-3, "{:?}", all[1]);
-        assert!(all[1..].windows(2).all(|pair| left(&pair[1]) <= left(&pair[0])));
+        assert!(
+            all[1..]
+                .windows(2)
+                .all(|pair| left(&pair[1]) <= left(&pair[0]))
+        );
         assert_eq!(last.left, 0.0);
         assert!(samples.is_over());
     }
