@@ -63,20 +63,13 @@ pub const PERIODIC: usize = 4;
 pub const REPORTS: usize = 16;
 
 /// A command, and its place among all that is on its way to the tick.
-struct Request {
+struct Request<M = Command> {
     number: u32,
-    frame: Frame<Command>,
+    frame: Frame<M>,
 }
 
-/// A command that a host sends again and again, and its place among all that is on its way to the tick. Smaller than what a command may
-/// be.
-struct Periodic {
-    number: u32,
-    sequence: u16,
-    command: PeriodicCommand,
-}
-
-enum PeriodicCommand {
+/// What a host sends again and again: smaller than what a command may be.
+enum Periodic {
     Drive {
         twist: WireTwist,
         hold_heading: bool,
@@ -87,7 +80,7 @@ enum PeriodicCommand {
     },
 }
 
-impl PeriodicCommand {
+impl Periodic {
     /// `None` for a command that is none.
     const fn of(command: &Command) -> Option<Self> {
         match *command {
@@ -104,24 +97,22 @@ impl PeriodicCommand {
     }
 }
 
-impl From<Periodic> for Request {
-    fn from(periodic: Periodic) -> Self {
-        let message = match periodic.command {
-            PeriodicCommand::Drive {
+impl From<Request<Periodic>> for Request {
+    fn from(Request { number, frame }: Request<Periodic>) -> Self {
+        let Frame { sequence, message } = frame;
+        let message = match message {
+            Periodic::Drive {
                 twist,
                 hold_heading,
             } => Command::Drive {
                 twist,
                 hold_heading,
             },
-            PeriodicCommand::Fix { pose, age_s } => Command::Fix { pose, age_s },
+            Periodic::Fix { pose, age_s } => Command::Fix { pose, age_s },
         };
         Self {
-            number: periodic.number,
-            frame: Frame {
-                sequence: periodic.sequence,
-                message,
-            },
+            number,
+            frame: Frame { sequence, message },
         }
     }
 }
@@ -153,7 +144,7 @@ struct Shared {
 pub struct Queues {
     samples: ReferenceQueue<f32, SAMPLES>,
     requests: Queue<Request, REQUESTS>,
-    periodic: Queue<Periodic, PERIODIC>,
+    periodic: Queue<Request<Periodic>, PERIODIC>,
     answers: Queue<Answer, REPORTS>,
     shared: Shared,
 }
@@ -161,9 +152,9 @@ pub struct Queues {
 /// Ends of the queues for the tick.
 pub struct TickEnds<'queue> {
     requests: Receiver<'queue, Request, REQUESTS>,
-    periodic: Receiver<'queue, Periodic, PERIODIC>,
+    periodic: Receiver<'queue, Request<Periodic>, PERIODIC>,
     /// The first of each queue, which waits for the other's.
-    next: (Option<Request>, Option<Periodic>),
+    next: (Option<Request>, Option<Request<Periodic>>),
     telemetry: TelemetryQueue<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
 }

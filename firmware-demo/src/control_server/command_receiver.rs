@@ -4,9 +4,7 @@ use core::sync::atomic::Ordering;
 
 use controller_core::queue::{PushError, ReferenceProducer};
 
-use super::{
-    Answer, PERIODIC, Periodic, PeriodicCommand, REPORTS, REQUESTS, Request, Shared, outcome,
-};
+use super::{Answer, PERIODIC, Periodic, REPORTS, REQUESTS, Request, Shared, outcome};
 use crate::queue::{Receiver, Sender};
 use protocol::{
     Command, Counters, Decoder, Frame, Hello, MAX_CONTENT, RejectReason, Telemetry, TimedSample,
@@ -17,7 +15,7 @@ pub struct CommandReceiver<'queue> {
     decoder: Decoder<Command, MAX_CONTENT>,
     samples: ReferenceProducer<'queue, f32>,
     requests: Sender<'queue, Request, REQUESTS>,
-    periodic: Sender<'queue, Periodic, PERIODIC>,
+    periodic: Sender<'queue, Request<Periodic>, PERIODIC>,
     answers: Receiver<'queue, Answer, REPORTS>,
     shared: &'queue Shared,
     /// Of the last command on its way to the tick.
@@ -32,7 +30,7 @@ impl<'queue> CommandReceiver<'queue> {
     pub(super) const fn new(
         samples: ReferenceProducer<'queue, f32>,
         requests: Sender<'queue, Request, REQUESTS>,
-        periodic: Sender<'queue, Periodic, PERIODIC>,
+        periodic: Sender<'queue, Request<Periodic>, PERIODIC>,
         answers: Receiver<'queue, Answer, REPORTS>,
         shared: &'queue Shared,
     ) -> Self {
@@ -110,11 +108,11 @@ impl<'queue> CommandReceiver<'queue> {
 
     /// On its way to the tick, if there is room.
     fn enqueue(&mut self, number: u32, frame: Frame<Command>) -> bool {
-        match PeriodicCommand::of(&frame.message) {
-            Some(command) => self.periodic.send(Periodic {
+        let sequence = frame.sequence;
+        match Periodic::of(&frame.message) {
+            Some(message) => self.periodic.send(Request {
                 number,
-                sequence: frame.sequence,
-                command,
+                frame: Frame { sequence, message },
             }),
             None => self.requests.send(Request { number, frame }),
         }

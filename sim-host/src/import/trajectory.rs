@@ -45,7 +45,8 @@ pub struct Closeness {
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     pub(super) nodes: Vec<Node>,
-    last_drive: LastDrive,
+    /// What the last drive has to go, by [`last_drive`].
+    left: Vec<f64>,
     pub(super) time_warp: Option<TimeWarp>,
     samples: Vec<Sample>,
     repairs: Vec<Repair>,
@@ -111,7 +112,7 @@ impl Trajectory {
             node.z[1] += origin[1];
         }
         let mut trajectory = Self {
-            last_drive: LastDrive::of(&nodes),
+            left: last_drive(&nodes),
             nodes,
             time_warp: None,
             samples: Vec::new(),
@@ -159,7 +160,8 @@ impl Trajectory {
         };
         let z = advance(&node.z, &node.u, s - node.t);
         let way = travel(&node.z, &node.u, s - node.t);
-        let left = self.last_drive.from(number).map_or(0.0, |left| left - way);
+        let left = self.left.get(self.nodes.len() - 1 - number);
+        let left = left.map_or(0.0, |left| left - way);
         let moving = if t < 0.0 || t > end { 0.0 } else { 1.0 };
         Sample {
             t,
@@ -211,7 +213,7 @@ impl Trajectory {
     /// Another path, at its own pace.
     pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
         Self {
-            last_drive: LastDrive::of(&nodes),
+            left: last_drive(&nodes),
             nodes,
             ..self.without_time_warp()
         }
@@ -247,7 +249,7 @@ impl Trajectory {
     pub(super) fn without_time_warp(&self) -> Self {
         Self {
             nodes: self.nodes.clone(),
-            last_drive: self.last_drive.clone(),
+            left: self.left.clone(),
             time_warp: None,
             samples: Vec::new(),
             repairs: self.repairs.clone(),
@@ -271,50 +273,30 @@ impl Trajectory {
     }
 }
 
-/// The part of a path behind its last stand or change of direction, if it rests at its end.
-#[derive(Clone, Debug, Default)]
-struct LastDrive {
-    /// Number of its first node.
-    first: usize,
-    /// What is left at each of its nodes, below 0 backward \[m\]; empty if the path does not rest at its end.
-    left: Vec<f64>,
-}
-
-impl LastDrive {
-    fn of(nodes: &[Node]) -> Self {
-        let [.., end] = nodes else {
-            return Self::default();
-        };
-        if end.z[3].abs() >= REST[0] || end.z[4].abs() >= REST[1] {
-            return Self::default();
+/// The way to the end from each node behind the last stand or change of direction, from the end backward; below 0 where it is driven
+/// backward \[m\]. Empty if the path does not rest at its end.
+fn last_drive(nodes: &[Node]) -> Vec<f64> {
+    let rests = |end: &Node| end.z[3].abs() < REST[0] && end.z[4].abs() < REST[1];
+    if !nodes.last().is_some_and(rests) {
+        return Vec::new();
+    }
+    let mut way = 0.0_f64;
+    let mut left = vec![way];
+    for pair in nodes.windows(2).rev() {
+        let [from, to] = pair else { continue };
+        let v = from.z[3];
+        // The end is a stand as well.
+        let has_driven = way.abs() > CREEP;
+        if has_driven && v * way < 0.0 && v.abs() > REST[0] {
+            break;
         }
-        let mut left = vec![0.0];
-        let mut way = 0.0_f64;
-        for pair in nodes.windows(2).rev() {
-            let [from, to] = pair else { continue };
-            let v = from.z[3];
-            // The end is a stand as well.
-            let has_driven = way.abs() > CREEP;
-            if has_driven && v * way < 0.0 && v.abs() > REST[0] {
-                break;
-            }
-            way += travel(&from.z, &from.u, to.t - from.t);
-            left.push(way);
-            if has_driven && v.abs() < REST[0] {
-                break;
-            }
-        }
-        left.reverse();
-        Self {
-            first: nodes.len() - left.len(),
-            left,
+        way += travel(&from.z, &from.u, to.t - from.t);
+        left.push(way);
+        if has_driven && v.abs() < REST[0] {
+            break;
         }
     }
-
-    /// What is left at a node, if it is of the last drive.
-    fn from(&self, node: usize) -> Option<f64> {
-        self.left.get(node.checked_sub(self.first)?).copied()
-    }
+    left
 }
 
 /// The refusal of poses that no wheeled base passes: where it moves across its heading by more

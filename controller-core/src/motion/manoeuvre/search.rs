@@ -125,15 +125,13 @@ impl<T: Scalar> Search<T> {
         };
         let straight = limits.drive.profile::<M>(target.distance).duration();
         let aside = limits.turn.profile::<M>(turn).duration();
-        let across = limits
-            .turn
-            .profile::<M>(off_line(target.bearing))
-            .duration();
+        let off_line = off_line(target.bearing);
+        let into_line = limits.turn.profile::<M>(off_line).duration();
         Self {
             pace,
             target,
             ready: if moving { ready_s(dt) } else { T::ZERO },
-            near: straight < across,
+            near: straight < into_line,
             least: if straight > aside { straight } else { aside },
             index: 0,
             evaluations: 0,

@@ -37,12 +37,17 @@ pub(in super::super) fn advance(z: &State, u: &Jerk, h: f64) -> State {
 
 /// The way driven after `h` seconds, forward less backward \[m\].
 pub(in super::super) fn travel(z: &State, u: &Jerk, h: f64) -> f64 {
-    h * (z[3] + h * (z[5] / 2.0 + h * u[0] / 6.0))
+    gained(z[3], z[5], u[0], h)
+}
+
+/// The integral of a rate over `s` seconds.
+fn gained(rate: f64, accel: f64, jerk: f64, s: f64) -> f64 {
+    s * (rate + s * (accel / 2.0 + s * jerk / 6.0))
 }
 
 /// θ, v and w after `s` seconds: polynomials.
 fn at(z: &State, u: &Jerk, s: f64) -> (f64, f64, f64) {
-    let theta = z[2] + s * (z[4] + s * (z[6] / 2.0 + s * u[1] / 6.0));
+    let theta = z[2] + gained(z[4], z[6], u[1], s);
     let v = z[3] + s * (z[5] + s * u[0] / 2.0);
     let w = z[4] + s * (z[6] + s * u[1] / 2.0);
     (theta, v, w)

@@ -63,7 +63,8 @@ fn a_look_takes_all_that_was_exerted_since_the_last() {
     let quiet = found_in(&mut every_ms(), 2000, kind, |k| shaken(k, 0.0));
     assert_eq!(quiet, None);
     let pushed = found_in(&mut every_ms(), 2000, kind, |k| shaken(k, 4.0));
-    assert!(pushed.is_some_and(|tick| tick <= 262), "{pushed:?}");
+    // In the look of the right wheel that shows 250 ms, as above.
+    assert!(pushed.is_some_and(|tick| tick <= 258), "{pushed:?}");
 }
 
 /// Ticks of any length one after the other: neither counts nor torques nor time are lost or taken twice.
