@@ -130,7 +130,7 @@ fn drive_beside_the_path(knows_its_end: bool) -> f32 {
     rig.model.measured().pose.y
 }
 
-/// References that say what is left of their path bring a robot that is beside it to its end, and not 4 mm beside.
+/// References that say what is left of their path bring a robot that is beside it to its end: to 0.01 mm, where feedback leaves 0.24.
 #[test]
 fn references_that_know_their_end_lead_to_it() {
     let [followed, led] = [false, true].map(drive_beside_the_path);

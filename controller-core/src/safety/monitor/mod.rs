@@ -120,6 +120,18 @@ enum Part {
     Compare,
 }
 
+impl Part {
+    /// Of a look that has begun, this part and those behind it.
+    const fn to_come(self) -> u8 {
+        match self {
+            Self::Take => 0,
+            Self::Push => 3,
+            Self::Filter => 2,
+            Self::Compare => 1,
+        }
+    }
+}
+
 /// A time, and what the wheels exerted in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Span<T> {
@@ -295,11 +307,8 @@ impl<T: Scalar> Detectors<T> {
     #[inline(never)]
     fn take_more(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
         let brief = inputs.dt_us <= BRIEF_US;
-        // Two, or the rest of what brief ticks have begun.
-        let mut taken = 0;
-        while (brief && taken < 2) || (!brief && self.part != Part::Take) {
+        for _ in 0..if brief { 2 } else { self.part.to_come() } {
             self.take_part(settings, inputs);
-            taken += 1;
         }
         if brief {
             return;
