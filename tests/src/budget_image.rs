@@ -61,6 +61,8 @@ pub fn cargo(folder: &Path, level: &str) -> Command {
     command
         .current_dir(folder)
         .env("CARGO_TARGET_DIR", target_dir(level))
+        // What is the same at all levels, macros and build scripts, is built once.
+        .env("CARGO_BUILD_BUILD_DIR", target_dir(LEVELS[0]))
         .env("CARGO_PROFILE_CHIP_OPT_LEVEL", level);
     command
 }

@@ -403,14 +403,11 @@ fn rivals_cost_what_the_benchmark_says(peers: &Rows) {
 /// The peers are a workspace of their own, for their dependencies burden nobody.
 fn peers() -> Rows {
     let mut command = cargo(&root().join("boards/cost-peers"), "3");
-    command.env("CARGO_TARGET_DIR", boards_target()).args([
-        "build",
-        "--quiet",
-        "--locked",
-        "--release",
-        "--features",
-        "panic-proof",
-    ]);
+    command
+        .env("CARGO_TARGET_DIR", boards_target())
+        .env("CARGO_BUILD_BUILD_DIR", boards_target())
+        .args(["build", "--quiet", "--locked", "--release"])
+        .args(["--features", "panic-proof"]);
     budget_image::succeed(&mut command);
     let image = boards_target()
         .join(BOARDS[0].target)

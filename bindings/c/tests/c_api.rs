@@ -54,6 +54,11 @@ fn built() -> &'static (PathBuf, String) {
         let output = succeed(
             Command::new(env!("CARGO_BIN_EXE_archives"))
                 .env("CARGO_TARGET_DIR", scratch())
+                // Where other tests build: macros and build scripts are the same.
+                .env(
+                    "CARGO_BUILD_BUILD_DIR",
+                    Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."),
+                )
                 .arg("--out")
                 .arg(&out)
                 .args(["host", "cortex-m4f", "rv32imafc", "portable"]),

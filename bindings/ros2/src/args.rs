@@ -34,7 +34,7 @@ pub struct Args {
     /// The frame of the base
     #[arg(long, value_name = "FRAME", default_value = sim_host::datalog::messages::BASE_FRAME)]
     pub base_frame: String,
-    /// Repeat a velocity for so long after it came [s]; then it is stale after the base's own timeout
+    /// Repeat a velocity for so many seconds after it came; then it is stale after the base's own timeout
     #[arg(long, value_name = "S", default_value = "0", value_parser = seconds)]
     pub hold: f64,
     /// Velocities come with a stamp, as TwistStamped
