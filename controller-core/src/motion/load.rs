@@ -140,10 +140,15 @@ impl<T: Scalar> LoadAxis<T> {
         if x.abs() <= limits.idle {
             return;
         }
-        let beyond = x - clamp(x, limits.idle);
-        // What overflows at speeds that no robot has does so in a denominator.
-        let trust = T::ONE / (T::ONE + limits.belief / (dt * beyond * x));
-        let change = trust * (self.missing / x - self.share);
+        let beyond = if x > T::ZERO {
+            x - limits.idle
+        } else {
+            x + limits.idle
+        };
+        let weight = dt * beyond;
+        // The quotient first: what overflows at speeds that no robot has does so in its denominator.
+        let gain = weight / (limits.belief + weight * x);
+        let change = gain * (self.missing - self.share * x);
         let change = clamp(change, limits.rate * dt);
         self.share = clamp(self.share + change, T::from_f64(LARGEST));
     }
