@@ -10,8 +10,8 @@
 //! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a [look](self#wheels) |
 //! | reversed | turns against its torque, ever faster | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
 //! | reversed | commanded to turn, turns the other way | `stuck.after` and a look, and as long for a wheel to come round |
-//! | stuck, on the way | the same, but its counts, or the other wheel's, ceased | as reversed |
-//! | slip | moves more than its torque explains, or than the robot does | 0.1 s and `slip.after` |
+//! | stuck, on the way | the same, but its counts ceased, or the other wheel's 0.15 s ago | as reversed |
+//! | slip | moves more than its torque explains, the way that it is commanded, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |
 //!
 //! # Wheels
@@ -401,7 +401,7 @@ fn reversed(right: &WheelDetections, left: &WheelDetections) -> Option<Side> {
 /// other one, whose motor is then driven at a speed that it does not have.
 fn dead(right: &WheelDetections, left: &WheelDetections) -> Option<Side> {
     let is = |own: &WheelDetections, other: &WheelDetections| {
-        (own.against && own.silent) || (other.against && !other.silent && own.dead)
+        (own.against && own.silent) || (other.against && !other.silent && own.ceased)
     };
     Side::of(is(right, left), is(left, right))
 }

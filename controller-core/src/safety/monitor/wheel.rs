@@ -7,6 +7,9 @@ use crate::scalar::{Scalar, residue, seconds};
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
 /// [`LEAST_COUNTS`] in it has counted.
 const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
+/// Without a count for so long its encoder may be what turns the other wheel against its torque: a window more, in which that shows.
+/// A wheel that only changes its direction counts again before.
+const CEASED_BEFORE: Timeout = Timeout::AfterUs(150_000);
 
 /// What a wheel exerted since it was looked at last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,6 +33,18 @@ pub(super) struct Look<T> {
     pub(super) command: T,
     /// Its speed by the encoders less that by an outside twist, where there is one \[m/s\].
     pub(super) off: Option<T>,
+}
+
+impl<T: Scalar> Look<T> {
+    /// It counts the other way than it is commanded to turn.
+    fn runs_back(&self) -> bool {
+        let moved = self.moved.unwrap_or(0);
+        if self.command > T::ZERO {
+            moved < 0
+        } else {
+            self.command < T::ZERO && moved > 0
+        }
+    }
 }
 
 /// Commanded to turn at some speed.
@@ -83,8 +98,10 @@ pub(super) struct WheelDetections {
     pub(super) reversed: bool,
     /// It has not counted for half a window,
     pub(super) silent: bool,
-    /// though it is commanded to turn.
+    /// though it is commanded to turn,
     pub(super) dead: bool,
+    /// and has not since before what the other wheel does now.
+    pub(super) ceased: bool,
     pub(super) slips: bool,
 }
 
@@ -234,6 +251,7 @@ impl<T: Scalar> Wheel<T> {
             reversed: (accelerated && self.turns_against()) || turned,
             silent,
             dead: silent && is_commanded(settings, command),
+            ceased: self.silent.has_lasted(CEASED_BEFORE) && is_commanded(settings, command),
             slips,
         }
     }
@@ -287,7 +305,8 @@ impl<T: Scalar> Wheel<T> {
     /// is a push from outside), or the outside twist says so.
     ///
     /// A wheel with grip moves the whole robot, as x expects; one without moves only itself, and a wheel is
-    /// lighter than half a robot by far. Twice |x| forgives a robot that is half as heavy as stated.
+    /// lighter than half a robot by far. Twice |x| forgives a robot that is half as heavy as stated. A wheel that slips is driven at
+    /// its command all the same, and counts: an encoder that dies, or whose sign changes, while its wheel brakes is another fault's.
     #[inline(always)]
     fn moves_beyond(
         &mut self,
@@ -299,7 +318,8 @@ impl<T: Scalar> Wheel<T> {
         let pushed = expected >= T::HALF * settings.load_travel;
         let most = expected + expected + settings.slip_travel;
         let slid = |off: T| off.abs() > slip.speed_m_s;
-        let beyond = (pushed && along > most) || now.off.is_some_and(slid);
+        let runs = !self.silent.has_lasted(MOVED_WITHIN) && !now.runs_back();
+        let beyond = (pushed && along > most && runs) || now.off.is_some_and(slid);
         self.beyond.holds(beyond, now.us, slip.after)
     }
 

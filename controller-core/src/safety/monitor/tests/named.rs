@@ -115,6 +115,50 @@ fn an_encoder_that_dies_on_the_way_is_stuck() {
     }
 }
 
+/// Driven up with 4 N m for a second, left alone for half of one, then braked with 2 N m while still commanded to go on: what is found
+/// if from 0.15 s later on, for 0.3 s, both encoders show this share of the way.
+fn braked(share: f64) -> ActiveFaults {
+    let mut monitor = monitor(params());
+    let (mut speed, mut turned) = (0.0, 0.0);
+    let mut all = ActiveFaults::NONE;
+    for tick in 1..=195 {
+        let torque = match tick {
+            ..=100 => 4.0,
+            101..=150 => 0.0,
+            _ => -2.0,
+        };
+        // Both wheels on 30 kg, with a radius of 0.1 m.
+        speed += 0.01 * 2.0 * torque / (30.0 * 0.1 * 0.1);
+        turned += 0.01 * speed * if tick > 165 { share } else { 1.0 };
+        let count = (turned * 4096.0 / TAU) as i32;
+        let inputs = DetectorInputs {
+            counts: Some(WheelCounts {
+                right: count,
+                left: count,
+            }),
+            torques: Some(WheelTorques {
+                right: torque,
+                left: torque,
+            }),
+            ..pushing(0, 0, 0)
+        };
+        for fault in monitor.check(&inputs).iter() {
+            all.add(fault);
+        }
+    }
+    all
+}
+
+/// A wheel that slips as it brakes is slowed by more than the base, and goes on counting the way that it is driven.
+#[test]
+fn an_encoder_that_fails_while_its_wheel_brakes_does_not_slip() {
+    let slips = |share: f64| braked(share).get(FaultKind::WheelSlip).is_some();
+    assert!(!slips(1.0), "in order");
+    assert!(slips(0.2), "slowed to a fifth");
+    assert!(!slips(0.0), "dead");
+    assert!(!slips(-1.0), "reversed");
+}
+
 /// The motor of a dead encoder pulls the other wheel back: its back-EMF is not made up for.
 #[test]
 fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
@@ -133,6 +177,38 @@ fn a_wheel_that_a_dead_one_pulls_back_is_not_reversed() {
     // Where it is not commanded to turn it may well stand, and the other one is what it seems.
     let reversed = Some(Fault::EncoderReversed(Side::Left));
     assert_eq!(pulled(0.0).get(FaultKind::EncoderReversed), reversed);
+}
+
+/// One wheel is against its torque, ever faster; the other one counted last so long ago.
+#[test]
+fn a_wheel_that_rests_for_a_moment_is_not_dead() {
+    let against = WheelDetections {
+        against: true,
+        reversed: true,
+        ..WheelDetections::default()
+    };
+    let silent_for = |us: u32| {
+        let mut wheel = Wheel::<f64>::default();
+        let settings = params().validate().expect("valid");
+        let still = Look {
+            us,
+            moved: Some(0),
+            ..Look::default()
+        };
+        wheel.push(&settings, &still);
+        wheel.detections(&settings, 5.0, None)
+    };
+    for (us, stuck, backwards) in [
+        (49_999, None, Some(Side::Left)),
+        // It may be about to turn the other way: nothing is said.
+        (50_000, None, None),
+        (149_999, None, None),
+        (150_000, Some(Side::Right), None),
+    ] {
+        let right = silent_for(us);
+        assert_eq!(dead(&right, &against), stuck, "{us} us");
+        assert_eq!(reversed(&right, &against), backwards, "{us} us");
+    }
 }
 
 /// At a steady speed no acceleration shows it; that it turns the other way than it is commanded and pushed, all the while, does.
