@@ -1,5 +1,7 @@
 //! A bridge between a base at the end of a serial line and ROS 2; `docs/ros2.md` has topics, services and safety.
 
+#![forbid(unsafe_code)]
+
 mod args;
 mod bridge;
 mod clock;
