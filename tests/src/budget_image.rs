@@ -55,12 +55,19 @@ pub fn target_dir(level: &str) -> PathBuf {
     }
 }
 
-/// Cargo in `folder`, for images of an opt level.
-pub fn cargo(folder: &Path, level: &str) -> Command {
+/// Cargo in `folder`, building into another one.
+pub fn cargo_into(folder: &Path, target_dir: &Path) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command
         .current_dir(folder)
-        .env("CARGO_TARGET_DIR", target_dir(level))
+        .env("CARGO_TARGET_DIR", target_dir);
+    command
+}
+
+/// The same for images of an opt level.
+pub fn cargo(folder: &Path, level: &str) -> Command {
+    let mut command = cargo_into(folder, &target_dir(level));
+    command
         // What is the same at all levels, macros and build scripts, is built once.
         .env("CARGO_BUILD_BUILD_DIR", target_dir(LEVELS[0]))
         .env("CARGO_PROFILE_CHIP_OPT_LEVEL", level);

@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 
 use budget::Table;
 use budget_image::{
-    BOARDS, Board, Elf, LEVELS, Rows, build, cargo, footprint, root, run, target_dir,
+    BOARDS, Board, Elf, LEVELS, Rows, build, cargo_into, footprint, root, run, target_dir,
 };
 use sim_host::bench::{LawKind, instructions};
 use sim_host::pil::Footprint;
@@ -402,10 +402,8 @@ fn rivals_cost_what_the_benchmark_says(peers: &Rows) {
 
 /// The peers are a workspace of their own, for their dependencies burden nobody.
 fn peers() -> Rows {
-    let mut command = cargo(&root().join("boards/cost-peers"), "3");
+    let mut command = cargo_into(&root().join("boards/cost-peers"), &boards_target());
     command
-        .env("CARGO_TARGET_DIR", boards_target())
-        .env("CARGO_BUILD_BUILD_DIR", boards_target())
         .args(["build", "--quiet", "--locked", "--release"])
         .args(["--features", "panic-proof"]);
     budget_image::succeed(&mut command);

@@ -36,14 +36,18 @@ pub(super) struct Look<T> {
 }
 
 impl<T: Scalar> Look<T> {
+    /// Counts `moved`, the way that it is commanded to turn.
+    fn along(&self, moved: i32) -> i32 {
+        if self.command > T::ZERO {
+            moved
+        } else {
+            moved.saturating_neg()
+        }
+    }
+
     /// It counts the other way than it is commanded to turn.
     fn runs_back(&self) -> bool {
-        let moved = self.moved.unwrap_or(0);
-        if self.command > T::ZERO {
-            moved < 0
-        } else {
-            self.command < T::ZERO && moved > 0
-        }
+        self.command.abs() > T::ZERO && self.moved.is_some_and(|moved| self.along(moved) < 0)
     }
 }
 
@@ -244,14 +248,15 @@ impl<T: Scalar> Wheel<T> {
         let slow = T::HALF * settings.params.wheels.stuck.speed_rad_s;
         let blocked = stands && outside.is_some_and(|speed| speed.abs() < slow);
         let silent = self.silent.has_lasted(MOVED_WITHIN);
+        let commanded = is_commanded(settings, command);
         WheelDetections {
             stuck: stands && !blocked,
             blocked,
             against: accelerated || turned,
             reversed: (accelerated && self.turns_against()) || turned,
             silent,
-            dead: silent && is_commanded(settings, command),
-            ceased: self.silent.has_lasted(CEASED_BEFORE) && is_commanded(settings, command),
+            dead: silent && commanded,
+            ceased: commanded && self.silent.has_lasted(CEASED_BEFORE),
             slips,
         }
     }
@@ -318,8 +323,8 @@ impl<T: Scalar> Wheel<T> {
         let pushed = expected >= T::HALF * settings.load_travel;
         let most = expected + expected + settings.slip_travel;
         let slid = |off: T| off.abs() > slip.speed_m_s;
-        let runs = !self.silent.has_lasted(MOVED_WITHIN) && !now.runs_back();
-        let beyond = (pushed && along > most && runs) || now.off.is_some_and(slid);
+        let runs = || !self.silent.has_lasted(MOVED_WITHIN) && !now.runs_back();
+        let beyond = (pushed && along > most && runs()) || now.off.is_some_and(slid);
         self.beyond.holds(beyond, now.us, slip.after)
     }
 
@@ -348,13 +353,8 @@ impl Pushed {
         let Some(moved) = moved else {
             return self.not();
         };
-        let along = if forward {
-            moved
-        } else {
-            moved.saturating_neg()
-        };
         let stands = self.stands_still(moved, now.us, after);
-        (stands, self.turns_back(along, now.us, after))
+        (stands, self.turns_back(now.along(moved), now.us, after))
     }
 
     /// No more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel
