@@ -84,6 +84,24 @@ impl<T: Scalar> OdometryParams<T> {
     }
 }
 
+/// What odometry has to add to the turn that wheels count, as a localiser has learnt it: they are not as large, or not as far apart, as
+/// stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TurnBias<T> {
+    /// Per way \[rad/m\].
+    pub(crate) per_way: T,
+    /// Per turn \[rad/rad\].
+    pub(crate) per_turn: T,
+}
+
+impl<T: Scalar> TurnBias<T> {
+    /// Nothing learnt.
+    pub(crate) const NONE: Self = Self {
+        per_way: T::ZERO,
+        per_turn: T::ZERO,
+    };
+}
+
 /// What the wheels did between two calls.
 pub(crate) struct Moved<T> {
     /// Counts, right and left.
@@ -143,7 +161,9 @@ pub struct Odometry<T> {
     right: Wheel<T>,
     left: Wheel<T>,
     pose: Pose<T>,
-    /// Turn to add per way \[rad/m\], as a localiser has learnt it.
+    /// Turn per way that the right wheel is ahead of the left one \[rad/m\], learnt bias included.
+    turn_per_lead: T,
+    /// Turn to add per way \[rad/m\].
     curvature_bias: T,
     /// Angle that a wheel turns per travel of its rim \[rad/m\]: right, left.
     per_metre: (T, T),
@@ -173,11 +193,13 @@ impl<T: Scalar> Odometry<T> {
         let radians_per_count = (T::PI + T::PI) / params.counts_per_turn;
         let right_m = wheels.radius_right_m * calibration.right;
         let left_m = wheels.radius_left_m * calibration.left;
+        let track = params.track_m();
         Self {
             right_per_count: right_m * radians_per_count,
             left_per_count: left_m * radians_per_count,
             per_metre: (T::ONE / right_m, T::ONE / left_m),
-            track: params.track_m(),
+            track,
+            turn_per_lead: T::ONE / track,
             bandwidth: params.bandwidth,
             counts,
             right: Wheel::default(),
@@ -218,7 +240,7 @@ impl<T: Scalar> Odometry<T> {
         self.integrate::<M>(&rolled, turn, dt, &accelerations).0
     }
 
-    /// What the wheels did since the last call, their learnt curvature bias included.
+    /// What the wheels did since the last call, their learnt bias included.
     pub(crate) fn roll(&mut self, counts: WheelCounts) -> Moved<T> {
         let moved = (
             counts.right.wrapping_sub(self.counts.right),
@@ -228,7 +250,7 @@ impl<T: Scalar> Odometry<T> {
         let right = T::from_i32(moved.0) * self.right_per_count;
         let left = T::from_i32(moved.1) * self.left_per_count;
         let travel = T::HALF * (right + left);
-        let turn = (right - left) / self.track + self.curvature_bias * travel;
+        let turn = self.turn_per_lead * (right - left) + self.curvature_bias * travel;
         Moved {
             counts: moved,
             travel,
@@ -283,19 +305,20 @@ impl<T: Scalar> Odometry<T> {
             pose: self.pose,
             twist: Twist {
                 linear,
-                angular: (right - left) / self.track + self.curvature_bias * linear,
+                angular: self.turn_per_lead * (right - left) + self.curvature_bias * linear,
             },
         };
         (measured, chord)
     }
 
-    /// From now on adds this turn per distance \[rad/m\].
-    pub(crate) const fn set_curvature_bias(&mut self, curvature_bias: T) {
-        self.curvature_bias = curvature_bias;
+    /// From now on adds this turn.
+    pub(crate) fn set_turn_bias(&mut self, bias: &TurnBias<T>) {
+        self.curvature_bias = bias.per_way;
+        self.turn_per_lead = (T::ONE + bias.per_turn) / self.track;
     }
 
     /// Speeds of the wheels for which a motor layer is to make up the back-EMF \[rad/s\]: as the encoders have them (what a learnt
-    /// curvature bias adds to the turn rate is no turning of a motor), without what the wheels have just lost to unmodelled
+    /// bias adds to the turn rate is no turning of a motor), without what the wheels have just lost to unmodelled
     /// forces. A wheel that friction slows gets more voltage by it, one whose motor is stronger than stated less.
     pub fn back_emf_speeds(&self) -> WheelSpeeds<T> {
         WheelSpeeds {

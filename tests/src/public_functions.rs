@@ -43,7 +43,7 @@ macro_rules! numbers {
                 filtered_share::<T>,
                 Localiser::<T, 4>::start, Localiser::<T, 4>::update::<M>, Localiser::<T, 4>::update_with_accel::<M>, Localiser::<T, 4>::update_with::<M>, Localiser::<T, 4>::uncarried_s,
                 Localiser::<T, 4>::set_pose, Localiser::<T, 4>::back_emf_speeds, Localiser::<T, 4>::pose, Localiser::<T, 4>::fix_age_s,
-                Localiser::<T, 4>::curvature_bias, Localiser::<T, 4>::localisation,
+                Localiser::<T, 4>::curvature_bias, Localiser::<T, 4>::turn_bias, Localiser::<T, 4>::localisation,
                 gyro::GyroParams::<T>::icm_42688_p, gyro::GyroParams::<T>::check, gyro::GyroParams::<T>::validate,
                 gyro::ValidGyroParams::<T>::params, gyro::GyroHeading::<T>::new, gyro::GyroHeading::<T>::advance,
                 gyro::GyroHeading::<T>::carries, gyro::GyroHeading::<T>::slides_now, gyro::GyroHeading::<T>::heading_variance,

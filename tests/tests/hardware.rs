@@ -3,7 +3,7 @@
 mod base;
 mod faults;
 mod gyro;
-mod localiser_curvature_bias;
+mod localiser_biases;
 mod localiser_fusion;
 mod localiser_gate;
 mod localiser_oracle;

@@ -213,7 +213,8 @@ fn compare(at: (u64, usize), found: &Estimate<f64>, expected: &oracle::Estimate,
         ("theta", pose.theta, expected.q.z),
         ("v", twist.linear, expected.twist.x),
         ("w", twist.angular, expected.twist.y),
-        ("bias", found.curvature_bias, expected.bias),
+        ("curvature bias", found.curvature_bias, expected.bias.x),
+        ("turn bias", found.turn_bias, expected.bias.y),
         ("age", found.fix_age_s, expected.age),
     ] {
         let off = (a - b).abs();
@@ -236,7 +237,7 @@ fn compare(at: (u64, usize), found: &Estimate<f64>, expected: &oracle::Estimate,
     met.rests += u32::from(twist.linear == 0.0 && twist.angular == 0.0);
 }
 
-/// Pose, twist, curvature bias, age and judgement of every fix, in every tick of random drives.
+/// Pose, twist, biases, age and judgement of every fix, in every tick of random drives.
 #[test]
 fn the_localiser_is_the_oracle_in_every_tick() {
     let mut met = Met::default();

@@ -443,6 +443,7 @@ fn of(body: &Body) -> Report {
             left: tick.tau_left,
         },
         curvature_bias: report.curvature_bias,
+        turn_bias: report.turn_bias,
         gyro_bias: report.gyro.bias,
         gyro_slid: report.gyro.slid,
     }

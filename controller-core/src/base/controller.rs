@@ -93,6 +93,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 measured: None,
                 blind: false,
                 curvature_bias: T::ZERO,
+                turn_bias: T::ZERO,
                 fix: FixOutcome::Absent,
                 gyro: GyroReport::default(),
                 active_faults: ActiveFaults::NONE,

@@ -148,12 +148,14 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         self.set = false;
         let Some(localiser) = &self.localiser else {
             report.curvature_bias = T::ZERO;
+            report.turn_bias = T::ZERO;
             return Located {
                 fix_age_us: 0,
                 jumped,
             };
         };
         report.curvature_bias = localiser.curvature_bias();
+        report.turn_bias = localiser.turn_bias();
         let fuses = localisation.params().fusion.is_some();
         Located {
             fix_age_us: if fuses {

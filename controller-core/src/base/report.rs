@@ -24,6 +24,9 @@ pub struct BaseReport<T = f32> {
     /// Turn that odometry adds per way, as external poses taught it \[rad/m\]: wheels of other radii than stated. See
     /// [`Estimate::curvature_bias`](crate::localiser::Estimate::curvature_bias).
     pub curvature_bias: T,
+    /// Turn that odometry adds per turn, as external poses taught it: wheels that are not as far apart as stated. See
+    /// [`Estimate::turn_bias`](crate::localiser::Estimate::turn_bias).
+    pub turn_bias: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
     /// What is known of the gyro, where there is one.

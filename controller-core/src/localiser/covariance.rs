@@ -1,17 +1,19 @@
-//! How far the believed pose may be off, and so what of a fix is to be taken: a Kalman filter of four states.
+//! How far the believed pose may be off, and so what of a fix is to be taken: a Kalman filter of five states.
 //!
-//! True less believed are x, y, the heading θ and the curvature bias b, the turn that odometry has to add per way: wheels that
-//! are not as large as stated. Over a chord (Δx, Δy) of the way s
+//! True less believed are x, y, the heading θ, the curvature bias b, the turn that odometry has to add per way: wheels that
+//! are not as large as stated, and the turn bias e, what it has to add per turn: wheels that are not as far apart. Over a chord (Δx, Δy)
+//! of the way s, on which the heading turned by φ,
 //!
 //! ```text
-//! δx⁺ = δx − Δy (δθ + ½ s δb)      δθ⁺ = δθ + s δb
-//! δy⁺ = δy + Δx (δθ + ½ s δb)      δb⁺ = δb
+//! u = s δb + φ δe          δx⁺ = δx − Δy (δθ + ½ u)      δθ⁺ = δθ + u      δb⁺ = δb
+//!                          δy⁺ = δy + Δx (δθ + ½ u)                        δe⁺ = δe
 //! ```
 //!
 //! so that a fix beside the way tells of the heading, and a heading that is off of what it has led aside and of the wheels. What
 //! comes to the errors is in [`Growth`]. A base that rests takes of each fix the share that its bandwidth states; one that
 //! drives is less sure of where it is, and takes more.
 
+use crate::odometry::TurnBias;
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
@@ -19,12 +21,14 @@ use crate::types::Pose;
 /// its way, as a standard deviation: 0.25 % of 2 %. Tyres that wear by up to a per cent, evenly spread and not the same on both
 /// sides, have 1 %/√12 = 0.29 % each. The rest of the drift is for floors.
 const RADII: f64 = 1.0 / 8.0;
-/// What the curvature bias changes by, as a share of that, over a metre: a load that moves, a tyre that warms. A third in 10 m.
+/// What either bias changes by, as a share of that, over a metre or a radian: a load that moves, a tyre that warms, another floor. A third
+/// in 10 m or 10 rad.
 const CHANGES: f64 = 0.1;
 /// Share of the drift that a metre is wrong by, as a standard deviation: 1.2 mm of 2 %, of tyres that slip and joints of floors.
 const PER_METRE: f64 = 0.06;
-/// The same of a turn of a radian: 11.5 mrad of 2 %, a track that is wrong by up to the drift, evenly: wide tyres roll about another point than
-/// is believed. √(1/3).
+/// Share of the drift that a turn of a radian is wrong by, as a standard deviation: 11.5 mrad of 2 %, a track that is wrong by up to the drift,
+/// evenly: wide tyres roll about another point than is believed. √(1/3). So much is the same in every turn, the turn bias, and so much
+/// is not: tyres that slip under the torque that turns a heavy base.
 const PER_RADIAN: f64 = 0.577_350_269_189_625_8;
 /// Variances, over those of a fix, above which nothing is known: a fix is then taken whole. Single precision still keeps what
 /// remains of less, 1e5 × 6e-8 of a fix's variance.
@@ -43,9 +47,15 @@ pub(super) struct Growth<T> {
     per_way: T,
     /// Added per turn \[rad²/rad\].
     per_turn: T,
-    /// Of the curvature bias of wheels of which nothing is learnt yet \[rad²/m²\], and added to it per way.
-    bias: T,
-    bias_per_way: T,
+    /// Of the curvature bias \[rad²/m²\] and the turn bias of wheels of which nothing is learnt yet.
+    bias: Wheels<T>,
+}
+
+/// Variances of the curvature bias \[rad²/m²\] and of the turn bias.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wheels<T> {
+    per_way: T,
+    per_turn: T,
 }
 
 /// What odometry did since the last fix.
@@ -56,7 +66,7 @@ pub(super) struct Since<T> {
     pub(super) y: T,
     /// Backward negative \[m\].
     pub(super) way: T,
-    /// To either side \[rad\].
+    /// Counter-clockwise positive \[rad\].
     pub(super) turn: T,
 }
 
@@ -73,13 +83,17 @@ pub(super) struct Covariance<T> {
     yb: T,
     tb: T,
     bb: T,
+    xe: T,
+    ye: T,
+    te: T,
+    be: T,
+    ee: T,
 }
 
 /// What a fix corrects.
 pub(super) struct Taken<T> {
     pub(super) pose: Pose<T>,
-    /// \[rad/m\].
-    pub(super) bias: T,
+    pub(super) bias: TurnBias<T>,
 }
 
 impl<T: Scalar> Growth<T> {
@@ -91,15 +105,17 @@ impl<T: Scalar> Growth<T> {
         let f = T::from_f64;
         let square = |value: T| value * value;
         let rest = |gain: T, noise: T| square(gain * noise) / (T::ONE - gain);
-        let bias = square(f(RADII) * drift * two_per_track);
+        let per_turn = square(f(PER_RADIAN) * drift);
         Self {
             fix: (square(fix.0), square(fix.1)),
             rested: (gain.0 * square(fix.0), gain.1 * square(fix.1)),
             rest: (rest(gain.0, fix.0), rest(gain.1, fix.1)),
             per_way: square(f(PER_METRE) * drift),
-            per_turn: square(f(PER_RADIAN) * drift),
-            bias,
-            bias_per_way: square(f(CHANGES)) * bias,
+            per_turn,
+            bias: Wheels {
+                per_way: square(f(RADII) * drift * two_per_track),
+                per_turn,
+            },
         }
     }
 
@@ -122,6 +138,11 @@ impl<T: Scalar> Covariance<T> {
         yb: T::ZERO,
         tb: T::ZERO,
         bb: T::ZERO,
+        xe: T::ZERO,
+        ye: T::ZERO,
+        te: T::ZERO,
+        be: T::ZERO,
+        ee: T::ZERO,
     };
 
     /// Of a pose that is stated, of a base whose wheels nothing is known of.
@@ -131,27 +152,35 @@ impl<T: Scalar> Covariance<T> {
 
     /// Of a pose that a fix set. What is known of the wheels stays.
     pub(super) fn set(&mut self, growth: &Growth<T>) {
-        *self = Self::of(growth.fix, self.bb);
+        self.restart(growth.fix);
     }
 
     /// The same of a pose that is stated.
     pub(super) fn state(&mut self, growth: &Growth<T>) {
-        *self = Self::of(growth.rested, self.bb);
+        self.restart(growth.rested);
     }
 
-    fn of((position, heading): (T, T), bias: T) -> Self {
-        let zero = T::ZERO;
+    /// With these variances of the place and the heading. What is known of the wheels stays.
+    fn restart(&mut self, pose: (T, T)) {
+        let Self { bb, be, ee, .. } = *self;
+        let wheels = Wheels {
+            per_way: bb,
+            per_turn: ee,
+        };
+        *self = Self {
+            be,
+            ..Self::of(pose, wheels)
+        };
+    }
+
+    fn of((position, heading): (T, T), bias: Wheels<T>) -> Self {
         Self {
             xx: position,
-            xy: zero,
             yy: position,
-            xt: zero,
-            yt: zero,
             tt: heading,
-            xb: zero,
-            yb: zero,
-            tb: zero,
-            bb: bias,
+            bb: bias.per_way,
+            ee: bias.per_turn,
+            ..Self::NONE
         }
     }
 
@@ -165,36 +194,60 @@ impl<T: Scalar> Covariance<T> {
                 xb: zero,
                 yb: zero,
                 tb: zero,
+                xe: zero,
+                ye: zero,
+                te: zero,
                 ..*self
             },
         };
-        let s = if carried.is_some() { zero } else { since.way };
+        let (s, turn) = match carried {
+            None => (since.way, since.turn),
+            Some(_) => (zero, zero),
+        };
         let Self { xt, yt, tt, .. } = before;
         let Self { xb, yb, tb, bb, .. } = before;
-        let half = T::HALF * s;
-        // Of the heading in the middle of the way, with x, y, the heading at its end, the bias, and itself.
-        let (mx, my, mb) = (xt + half * xb, yt + half * yb, tb + half * bb);
-        let next_tb = tb + s * bb;
-        let mt = tt + s * tb + half * next_tb;
-        let mm = tt + half * (tb + mb);
+        let Self {
+            xe, ye, te, be, ee, ..
+        } = before;
+        // Of u with x, y, the heading, the biases, and itself.
+        let of_turn = |bias: T, per_turn: T| s * bias + turn * per_turn;
+        let (ux, uy, ut) = (of_turn(xb, xe), of_turn(yb, ye), of_turn(tb, te));
+        let (ub, ue) = (of_turn(bb, be), of_turn(be, ee));
+        let uu = of_turn(ub, ue);
+        // Of the heading in the middle of the way with x, y, the biases, itself, and the heading at the end.
+        let half = T::HALF;
+        let (mx, my) = (xt + half * ux, yt + half * uy);
+        let (mb, me) = (tb + half * ub, te + half * ue);
+        let mm = tt + ut + half * (half * uu);
+        let mt = mm + half * (ut + half * uu);
         let (ax, ay) = (-since.y, since.x);
         let way = since.way.abs();
         let slid = growth.rest.0 + growth.per_way * way;
-        let (bias, most) = (bb + growth.bias_per_way * way, growth.bias);
+        let turned = since.turn.abs();
+        let changes = T::from_f64(CHANGES * CHANGES);
+        let changed = |variance: T, most: T, over: T| {
+            let more = variance + changes * most * over;
+            if more < most { more } else { most }
+        };
         *self = Self {
             xx: before.xx + ax * (mx + mx + ax * mm) + slid,
             xy: before.xy + ax * my + ay * mx + ax * ay * mm,
             yy: before.yy + ay * (my + my + ay * mm) + slid,
-            xt: xt + s * xb + ax * mt,
-            yt: yt + s * yb + ay * mt,
+            xt: xt + ux + ax * mt,
+            yt: yt + uy + ay * mt,
             tt: match carried {
-                None => tt + s * (tb + next_tb) + growth.rest.1 + growth.per_turn * since.turn,
+                None => tt + ut + ut + uu + growth.rest.1 + growth.per_turn * turned,
                 Some(heading) => heading,
             },
             xb: xb + ax * mb,
             yb: yb + ay * mb,
-            tb: next_tb,
-            bb: if bias < most { bias } else { most },
+            tb: tb + ub,
+            bb: changed(bb, growth.bias.per_way, way),
+            xe: xe + ax * me,
+            ye: ye + ay * me,
+            te: te + ue,
+            be,
+            ee: changed(ee, growth.bias.per_turn, turned),
         };
         let (lost_m, lost_rad) = (
             T::from_f64(LOST) * growth.fix.0,
@@ -202,7 +255,7 @@ impl<T: Scalar> Covariance<T> {
         );
         // Written so that what is not a number is lost.
         if !(self.xx + self.yy <= lost_m && self.tt <= lost_rad) {
-            *self = Self::of((lost_m, lost_rad), self.bb);
+            self.restart((lost_m, lost_rad));
         }
     }
 
@@ -211,28 +264,30 @@ impl<T: Scalar> Covariance<T> {
         let (position, heading) = growth.fix;
         let mut taken = Taken {
             pose: Pose::default(),
-            bias: T::ZERO,
+            bias: TurnBias::NONE,
         };
-        let row = (self.xt, self.yt, self.tt, self.tb);
+        let row = [self.xt, self.yt, self.tt, self.tb, self.te];
         self.see(&mut taken, row, self.tt + heading, off.theta);
-        let row = (self.xx, self.xy, self.xt, self.xb);
+        let row = [self.xx, self.xy, self.xt, self.xb, self.xe];
         let left = off.x - taken.pose.x;
         self.see(&mut taken, row, self.xx + position, left);
-        let row = (self.xy, self.yy, self.yt, self.yb);
+        let row = [self.xy, self.yy, self.yt, self.yb, self.ye];
         let left = off.y - taken.pose.y;
         self.see(&mut taken, row, self.yy + position, left);
         taken
     }
 
-    /// K = P Hᵀ/(H P Hᵀ + r), P ← P − K H P, for a coordinate with the row (x, y, t, b) = H P, and `off` less than before by K off.
+    /// K = P Hᵀ/(H P Hᵀ + r), P ← P − K H P, for a coordinate with the row (x, y, t, b, e) = H P, and `off` less than before by K off.
     #[inline(always)]
-    fn see(&mut self, taken: &mut Taken<T>, (x, y, t, b): (T, T, T, T), sum: T, off: T) {
+    fn see(&mut self, taken: &mut Taken<T>, row: [T; 5], sum: T, off: T) {
         let per = T::ONE / sum;
-        let (kx, ky, kt, kb) = (x * per, y * per, t * per, b * per);
+        let [x, y, t, b, e] = row;
+        let [kx, ky, kt, kb, ke] = row.map(|covariance| covariance * per);
         taken.pose.x += kx * off;
         taken.pose.y += ky * off;
         taken.pose.theta += kt * off;
-        taken.bias += kb * off;
+        taken.bias.per_way += kb * off;
+        taken.bias.per_turn += ke * off;
         self.xx -= kx * x;
         self.xy -= kx * y;
         self.yy -= ky * y;
@@ -243,6 +298,11 @@ impl<T: Scalar> Covariance<T> {
         self.yb -= ky * b;
         self.tb -= kt * b;
         self.bb -= kb * b;
+        self.xe -= kx * e;
+        self.ye -= ky * e;
+        self.te -= kt * e;
+        self.be -= kb * e;
+        self.ee -= ke * e;
     }
 }
 
@@ -265,10 +325,10 @@ mod tests {
             turn,
             ..Since::default()
         };
-        // The bound is 2.5 m² and 2.5 rad². A radian adds 0.02²/3 rad², a metre twice (0.06 · 0.02)² m²: 18,750 and 870,000 of them.
+        // The bound is 2.5 m² and 2.5 rad². φ radians add 0.02²/3 (φ + φ²) rad², a metre twice (0.06 · 0.02)² m²: 136.4 and 870,000 of them.
         for (since, carried, is_lost) in [
-            (since(0.0, 1.85e4), None, false),
-            (since(0.0, 1.9e4), None, true),
+            (since(0.0, 136.0), None, false),
+            (since(0.0, -137.0), None, true),
             (since(8.5e5, 0.0), Some(1e-6), false),
             (since(8.8e5, 0.0), Some(1e-6), true),
             (since(0.0, f64::NAN), None, true),
@@ -289,14 +349,16 @@ mod tests {
     fn a_carried_heading_is_the_gyros() {
         let growth = growth();
         let mut covariance = Covariance::stated(&growth);
-        // A metre along x, after some way by the wheels alone.
+        // A metre along x, on which the heading turns by half a radian, after the same by the wheels alone.
         let since = Since {
             x: 1.0,
             way: 1.0,
+            turn: 0.5,
             ..Since::default()
         };
         covariance.pass(&growth, &since, None);
-        assert!(covariance.yb > 0.0 && covariance.tb > 0.0);
+        let learnt = [covariance.yb, covariance.tb, covariance.ye, covariance.te];
+        assert!(learnt.iter().all(|&with| with > 0.0), "{learnt:?}");
         let (before, heading) = (covariance, 1e-6);
         covariance.pass(&growth, &since, Some(heading));
         let slid = growth.rest.0 + growth.per_way;
@@ -308,6 +370,8 @@ mod tests {
             (covariance.tt, heading),
             (covariance.yb, 0.0),
             (covariance.tb, 0.0),
+            (covariance.ye, 0.0),
+            (covariance.te, 0.0),
         ] {
             // Roundings of some sums.
             assert!((is - expected).abs() < 1e-15, "{is:e} {expected:e}");

@@ -89,8 +89,6 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
-        self.odometry
-            .set_curvature_bias(self.correction.curvature_bias);
         let rolled = self.odometry.roll(counts);
         let turn = match (&mut self.gyro, &localisation.gyro) {
             (Some(heading), Some(gyro)) => {
@@ -102,7 +100,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                 };
                 let turn = heading.advance(gyro, &rolled, reading);
                 if let Some(more) = heading.curvature(gyro) {
-                    self.correction.correct_bias(gyro.most_per_way(), more);
+                    self.correction.correct_curvature(gyro.most_per_way(), more);
+                    self.odometry.set_turn_bias(&self.correction.bias);
                 }
                 self.alone_s = if heading.carries() {
                     T::ZERO
@@ -122,7 +121,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                 fix: fix.map_or(FixOutcome::Absent, |_| {
                     FixOutcome::Refused(Refusal::NoFusion)
                 }),
-                curvature_bias: self.correction.curvature_bias,
+                curvature_bias: self.correction.bias.per_way,
                 gyro: self.gyro_report(reading),
                 ..Estimate::default()
             });
@@ -164,6 +163,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                     // What is lent to a call is made in memory: here and not in every tick.
                     let pose = measured.pose;
                     let outcome = correction.take::<M>(fusion, fix, &innovation, &pose, carried);
+                    self.odometry.set_turn_bias(&correction.bias);
                     if let (FixOutcome::Fused, Some(heading), Some(gyro)) =
                         (&outcome, gyro, &localisation.gyro)
                     {
@@ -185,7 +185,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             },
             fix: outcome,
             jumped,
-            curvature_bias: self.correction.curvature_bias,
+            curvature_bias: self.correction.bias.per_way,
+            turn_bias: self.correction.bias.per_turn,
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
             gyro: self.gyro_report(reading),
@@ -263,6 +264,10 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     pub(crate) const fn curvature_bias(&self) -> T {
-        self.correction.curvature_bias
+        self.correction.bias.per_way
+    }
+
+    pub(crate) const fn turn_bias(&self) -> T {
+        self.correction.bias.per_turn
     }
 }

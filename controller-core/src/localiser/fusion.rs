@@ -5,6 +5,7 @@ use super::params::Fusion;
 use super::{Fix, FixOutcome};
 use crate::angle::wrap;
 use crate::maths::Maths;
+use crate::odometry::TurnBias;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::types::Pose;
@@ -56,8 +57,8 @@ pub(super) struct Correction<T> {
     covariance: Covariance<T>,
     /// What odometry did since the last fix.
     since: Since<T>,
-    /// Turn that odometry has to add per way \[rad/m\].
-    pub(super) curvature_bias: T,
+    /// Turn that odometry has to add.
+    pub(super) bias: TurnBias<T>,
     pub(super) fix_age_s: T,
 }
 
@@ -87,7 +88,7 @@ impl<T: Scalar> Correction<T> {
                 Covariance::stated(&fusion.growth)
             }),
             since: Since::default(),
-            curvature_bias: T::ZERO,
+            bias: TurnBias::NONE,
             fix_age_s: T::ZERO,
         }
     }
@@ -114,8 +115,8 @@ impl<T: Scalar> Correction<T> {
     }
 
     /// A gyro turned by `more` per way than the wheels; at most `most` is believed \[rad/m\].
-    pub(super) fn correct_bias(&mut self, most: T, more: T) {
-        self.curvature_bias = clamp(self.curvature_bias + more, most);
+    pub(super) fn correct_curvature(&mut self, most: T, more: T) {
+        self.bias.per_way = clamp(self.bias.per_way + more, most);
     }
 
     /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise
@@ -133,7 +134,7 @@ impl<T: Scalar> Correction<T> {
         self.since.x += self.pose.x - before.x;
         self.since.y += self.pose.y - before.y;
         self.since.way += moved.travel;
-        self.since.turn += moved.turn().abs();
+        self.since.turn += moved.turn();
         let share = -M::exp_m1(-(fusion.spread * dt));
         let (most, turn) = (dt * fusion.position.rate, dt * fusion.heading.rate);
         let step = Pose {
@@ -189,7 +190,8 @@ impl<T: Scalar> Correction<T> {
         if gate.allows(off) {
             let taken = self.covariance.take(&fusion.growth, off);
             self.pending = sum(&self.pending, &taken.pose, T::ONE);
-            self.correct_bias(fusion.most_bias(), taken.bias);
+            self.correct_curvature(fusion.most_curvature(), taken.bias.per_way);
+            self.bias.per_turn = clamp(self.bias.per_turn + taken.bias.per_turn, fusion.drift);
             self.slack.m = self.slack.m * (T::ONE - position.gain);
             self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
             self.candidate = None;
@@ -290,7 +292,7 @@ struct Driven<T> {
 
 impl<T: Scalar> Fusion<T> {
     /// The largest curvature bias \[rad/m\]: that of radii which are wrong by the whole drift, each its way.
-    fn most_bias(&self) -> T {
+    fn most_curvature(&self) -> T {
         self.drift * self.two_per_track
     }
 

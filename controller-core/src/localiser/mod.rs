@@ -11,7 +11,8 @@
 //!   stated bandwidth, on the way more, since odometry's errors grow with way and turn. A heading correction turns the
 //!   robot where it stands, and not the world about its origin.
 //! * Headings and places that are off on the way, always to the same side, show that the wheels are not as large as
-//!   stated: odometry learns this curvature bias with the pose, and keeps it where no fix comes.
+//!   stated, and headings that are off after turns, always by the same share, that they are not as far apart: odometry learns this curvature
+//!   bias and this turn bias with the pose, and keeps them where no fix comes.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -118,6 +119,9 @@ pub struct Estimate<T> {
     /// Turn that odometry adds per way, learnt from the headings of fixes \[rad/m\]: wheels of other radii than
     /// stated. At most 2 `drift`/track, where it stays if odometry is worse than that; 0 without fusion.
     pub curvature_bias: T,
+    /// Turn that odometry adds per turn, learnt likewise \[rad/rad\]: wheels that are not as far apart as stated. At most `drift`; 0 without
+    /// fusion, and while a gyro carries the heading nothing is learnt.
+    pub turn_bias: T,
     /// The pose was set: the caller has to `declare_jump` to the controller.
     pub jumped: bool,
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
@@ -131,7 +135,7 @@ pub struct Estimate<T> {
 /// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks.
 ///
 /// A tick costs odometry, one sine and cosine and an exponential; a fix adds two of the former, three
-/// updates of ten covariances and a walk through at most N poses.
+/// updates of fifteen covariances and a walk through at most N poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Localiser<T, const N: usize> {
     localisation: ValidLocaliserParams<T>,
@@ -236,6 +240,11 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     /// Turn that odometry adds per way \[rad/m\]; see [`Estimate::curvature_bias`].
     pub const fn curvature_bias(&self) -> T {
         self.estimator.curvature_bias()
+    }
+
+    /// Turn that odometry adds per turn \[rad/rad\]; see [`Estimate::turn_bias`].
+    pub const fn turn_bias(&self) -> T {
+        self.estimator.turn_bias()
     }
 
     /// The parameters in use.

@@ -217,6 +217,7 @@ pub fn run(params: &BaseParams<f32>, ticks: u32) -> String {
             words.tau_right,
             words.tau_left,
             report.curvature_bias,
+            report.turn_bias,
             0.0,
             0.0,
         ]);

@@ -1,6 +1,6 @@
 //! The correction of odometry by fixes.
 
-use nalgebra::{Matrix3, Matrix4, SMatrix, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix2, Matrix3, Matrix5, SMatrix, Vector2, Vector3, Vector5};
 
 use super::{Constants, Fix, carried};
 use crate::oracle::motion::follow::wrapped;
@@ -41,11 +41,11 @@ pub struct Fusion {
     slack: Slack,
     candidate: Option<Candidate>,
     slides: f64,
-    /// Turn per way \[rad/m\].
-    pub bias: f64,
-    /// Covariance of the errors of x, y, θ and bias.
-    covariance: Matrix4<f64>,
-    /// Of odometry since the last fix: way in the world, way along it, turn to either side.
+    /// Turn per way \[rad/m\] and per turn.
+    pub bias: Vector2<f64>,
+    /// Covariance of the errors of x, y, θ and the biases.
+    covariance: Matrix5<f64>,
+    /// Of odometry since the last fix: way in the world, way along it, turn.
     since: (Vector2<f64>, f64, f64),
     /// Of the last fix that was taken \[s\].
     pub age: f64,
@@ -85,18 +85,27 @@ fn difference(of: &Vector3<f64>, from: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(off.x, off.y, wrapped(off.z))
 }
 
-/// Variances of the errors of a pose that is stated, or that a fix has set, and of the bias.
-fn errors(k: &Constants, stated: bool, bias: f64) -> Matrix4<f64> {
+/// Covariance of the errors of a pose that is stated, or that a fix has set, and of the biases.
+fn errors(k: &Constants, stated: bool, bias: &Matrix2<f64>) -> Matrix5<f64> {
     let [position, heading] = channels(k);
     let share = |gain: f64| if stated { gain } else { 1.0 };
     let position = share(position.gain) * k.sigma.0.powi(2);
     let heading = share(heading.gain) * k.sigma.1.powi(2);
-    Matrix4::from_diagonal(&Vector4::new(position, position, heading, bias))
+    beside(&Vector3::new(position, position, heading), bias)
 }
 
-/// Variance of the bias of unknown wheels: radii that are wrong by an eighth of the drift.
-fn unknown(k: &Constants) -> f64 {
-    (k.drift / 8.0 * 2.0 / k.track).powi(2)
+/// Errors of the pose with these variances that have nothing to do with each other, or with those of the biases.
+fn beside(pose: &Vector3<f64>, bias: &Matrix2<f64>) -> Matrix5<f64> {
+    let mut all = Matrix5::zeros();
+    all.fixed_view_mut::<3, 3>(0, 0).set_diagonal(pose);
+    all.fixed_view_mut::<2, 2>(3, 3).copy_from(bias);
+    all
+}
+
+/// Variances of the biases of unknown wheels: radii that are wrong by an eighth of the drift, and a track that is wrong by up to all of it.
+fn unknown(k: &Constants) -> Vector2<f64> {
+    let radii = (k.drift / 8.0 * 2.0 / k.track).powi(2);
+    Vector2::new(radii, k.drift.powi(2) / 3.0)
 }
 
 impl Fusion {
@@ -108,8 +117,8 @@ impl Fusion {
             slack: Slack::zeros(),
             candidate: None,
             slides: 0.0,
-            bias: 0.0,
-            covariance: errors(k, true, unknown(k)),
+            bias: Vector2::zeros(),
+            covariance: errors(k, true, &Matrix2::from_diagonal(&unknown(k))),
             since: (Vector2::zeros(), 0.0, 0.0),
             age: 0.0,
         }
@@ -120,7 +129,7 @@ impl Fusion {
         *self = Self {
             slides: self.slides,
             bias: self.bias,
-            covariance: errors(k, stated, self.covariance[(3, 3)]),
+            covariance: errors(k, stated, &self.covariance.fixed_view::<2, 2>(3, 3).into()),
             age: self.age,
             ..Self::start(k, q)
         };
@@ -139,7 +148,7 @@ impl Fusion {
         self.q = carried(&self.q, from, to);
         self.since.0 += (self.q - before).xy();
         self.since.1 += way;
-        self.since.2 += (self.q.z - before.z).abs();
+        self.since.2 += to.z - from.z;
         let [position, heading] = channels(k);
         let most = dt * Vector3::new(position.rate, position.rate, heading.rate);
         let spread = 1.0 - (-k.rate * dt).exp();
@@ -231,23 +240,29 @@ impl Fusion {
     /// The errors since the last fix: those that odometry carries along, and those that come to them.
     fn pass(&mut self, k: &Constants, position: f64, heading: f64) {
         let (moved, way, turn) = std::mem::take(&mut self.since);
-        // What a turn of the whole way does, and one that grows along it.
+        // What a turn of the whole way does, and one that grows along it: by the way, and by the turn.
         let aside = Vector2::new(-moved.y, moved.x);
-        let mut f = Matrix4::identity();
+        let mut f = Matrix5::identity();
         f.fixed_view_mut::<2, 1>(0, 2).copy_from(&aside);
-        f.fixed_view_mut::<2, 1>(0, 3)
-            .copy_from(&(aside * (way / 2.0)));
-        f[(2, 3)] = way;
+        for (column, turned) in [(3, way), (4, turn)] {
+            let grows = aside * (turned / 2.0);
+            f.fixed_view_mut::<2, 1>(0, column).copy_from(&grows);
+            f[(2, column)] = turned;
+        }
         let rest = |gain: f64, sigma: f64| (gain * sigma).powi(2) / (1.0 - gain);
         let slid = rest(position, k.sigma.0) + (0.06 * k.drift).powi(2) * way.abs();
-        let turned = rest(heading, k.sigma.1) + k.drift.powi(2) / 3.0 * turn;
-        let changed = 0.01 * unknown(k) * way.abs();
-        let more = Matrix4::from_diagonal(&Vector4::new(slid, slid, turned, changed));
-        let mut p = f * self.covariance * f.transpose() + more;
-        p[(3, 3)] = p[(3, 3)].min(unknown(k));
+        let turned = rest(heading, k.sigma.1) + k.drift.powi(2) / 3.0 * turn.abs();
+        let unknown = unknown(k);
+        let changed = 0.01 * unknown.component_mul(&Vector2::new(way.abs(), turn.abs()));
+        let more = Vector5::new(slid, slid, turned, changed.x, changed.y);
+        let mut p = f * self.covariance * f.transpose() + Matrix5::from_diagonal(&more);
+        for (i, most) in [(3, unknown.x), (4, unknown.y)] {
+            p[(i, i)] = p[(i, i)].min(most);
+        }
         let most = (1e5 * k.sigma.0.powi(2), 1e5 * k.sigma.1.powi(2));
         if p[(0, 0)] + p[(1, 1)] > most.0 || p[(2, 2)] > most.1 {
-            p = Matrix4::from_diagonal(&Vector4::new(most.0, most.0, most.1, p[(3, 3)]));
+            let biases = p.fixed_view::<2, 2>(3, 3).into();
+            p = beside(&Vector3::new(most.0, most.0, most.1), &biases);
         }
         self.covariance = p;
     }
@@ -256,15 +271,16 @@ impl Fusion {
     fn correct(&mut self, k: &Constants, off: &Vector3<f64>) {
         let (m, rad) = (k.sigma.0.powi(2), k.sigma.1.powi(2));
         let r = Matrix3::from_diagonal(&Vector3::new(m, m, rad));
-        let h = SMatrix::<f64, 3, 4>::identity();
+        let h = SMatrix::<f64, 3, 5>::identity();
         let p = self.covariance;
         let sum = h * p * h.transpose() + r;
         let gain = p * h.transpose() * sum.try_inverse().expect("positive definite");
-        let left = Matrix4::identity() - gain * h;
+        let left = Matrix5::identity() - gain * h;
         self.covariance = left * p * left.transpose() + gain * r * gain.transpose();
         let step = gain * off;
         self.pending += step.xyz();
-        let most = 2.0 * k.drift / k.track;
-        self.bias = (self.bias + step.w).clamp(-most, most);
+        let most = Vector2::new(2.0 * k.drift / k.track, k.drift);
+        let learnt = self.bias + step.fixed_rows::<2>(3);
+        self.bias = learnt.inf(&most).sup(&-most);
     }
 }

@@ -70,8 +70,8 @@ pub struct Estimate {
     pub twist: Vector2<f64>,
     /// Of the fix.
     pub outcome: Outcome,
-    /// Turn per way \[rad/m\].
-    pub bias: f64,
+    /// Turn per way \[rad/m\] and per turn.
+    pub bias: Vector2<f64>,
     /// Of the last fix that was taken \[s\].
     pub age: f64,
     /// The pose is stale.
@@ -117,7 +117,7 @@ impl Localiser {
     ) -> Estimate {
         let before = self.odometry.q;
         let bias = self.fusion.bias;
-        let (twist, way) = self.odometry.advance(&self.k, counts, dt, accel, bias);
+        let (twist, way) = self.odometry.advance(&self.k, counts, dt, accel, &bias);
         let q = self.odometry.q;
         self.now += dt;
         self.past.push((self.now, q));

@@ -68,14 +68,17 @@ impl Odometry {
         counts: [i32; 2],
         dt: f64,
         accel: &Vector2<f64>,
-        bias: f64,
+        bias: &Vector2<f64>,
     ) -> (Vector2<f64>, f64) {
         let moved: [i32; 2] = std::array::from_fn(|i| counts[i].wrapping_sub(self.counts[i]));
         self.counts = counts;
         let per_count = k.radius * (2.0 * PI / k.counts_per_turn);
         let ways: [f64; 2] = std::array::from_fn(|i| f64::from(moved[i]) * per_count[i]);
         let way = (ways[0] + ways[1]) / 2.0;
-        let turn = (ways[0] - ways[1]) / k.track + bias * way;
+        // Of travel of the middle and of what the right wheel is ahead: the learnt part is per way and per turn.
+        let turned =
+            |ahead: f64, way: f64| bias.dot(&Vector2::new(way, ahead / k.track)) + ahead / k.track;
+        let turn = turned(ways[0] - ways[1], way);
         // The heading turns evenly along the way.
         let middle = self.q.z + turn / 2.0;
         let (mut along, mut aside) = (0.0, 0.0);
@@ -93,7 +96,7 @@ impl Odometry {
         }
         let [right, left] = self.wheels.map(|wheel| wheel.speed);
         let v = (right + left) / 2.0;
-        (Vector2::new(v, (right - left) / k.track + bias * v), way)
+        (Vector2::new(v, turned(right - left, v)), way)
     }
 }
 
