@@ -266,12 +266,12 @@ impl<T: Scalar> Covariance<T> {
             pose: Pose::default(),
             bias: TurnBias::NONE,
         };
-        let row = [self.xt, self.yt, self.tt, self.tb, self.te];
+        let row = (self.xt, self.yt, self.tt, self.tb, self.te);
         self.see(&mut taken, row, self.tt + heading, off.theta);
-        let row = [self.xx, self.xy, self.xt, self.xb, self.xe];
+        let row = (self.xx, self.xy, self.xt, self.xb, self.xe);
         let left = off.x - taken.pose.x;
         self.see(&mut taken, row, self.xx + position, left);
-        let row = [self.xy, self.yy, self.yt, self.yb, self.ye];
+        let row = (self.xy, self.yy, self.yt, self.yb, self.ye);
         let left = off.y - taken.pose.y;
         self.see(&mut taken, row, self.yy + position, left);
         taken
@@ -279,10 +279,9 @@ impl<T: Scalar> Covariance<T> {
 
     /// K = P Hᵀ/(H P Hᵀ + r), P ← P − K H P, for a coordinate with the row (x, y, t, b, e) = H P, and `off` less than before by K off.
     #[inline(always)]
-    fn see(&mut self, taken: &mut Taken<T>, row: [T; 5], sum: T, off: T) {
+    fn see(&mut self, taken: &mut Taken<T>, (x, y, t, b, e): (T, T, T, T, T), sum: T, off: T) {
         let per = T::ONE / sum;
-        let [x, y, t, b, e] = row;
-        let [kx, ky, kt, kb, ke] = row.map(|covariance| covariance * per);
+        let (kx, ky, kt, kb, ke) = (x * per, y * per, t * per, b * per, e * per);
         taken.pose.x += kx * off;
         taken.pose.y += ky * off;
         taken.pose.theta += kt * off;
