@@ -48,14 +48,7 @@ pub(super) struct Growth<T> {
     /// Added per turn \[rad²/rad\].
     per_turn: T,
     /// Of the curvature bias \[rad²/m²\] and the turn bias of wheels of which nothing is learnt yet.
-    bias: Wheels<T>,
-}
-
-/// Variances of the curvature bias \[rad²/m²\] and of the turn bias.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Wheels<T> {
-    per_way: T,
-    per_turn: T,
+    bias: (T, T),
 }
 
 /// What odometry did since the last fix.
@@ -112,10 +105,7 @@ impl<T: Scalar> Growth<T> {
             rest: (rest(gain.0, fix.0), rest(gain.1, fix.1)),
             per_way: square(f(PER_METRE) * drift),
             per_turn,
-            bias: Wheels {
-                per_way: square(f(RADII) * drift * two_per_track),
-                per_turn,
-            },
+            bias: (square(f(RADII) * drift * two_per_track), per_turn),
         }
     }
 
@@ -160,26 +150,19 @@ impl<T: Scalar> Covariance<T> {
         self.restart(growth.rested);
     }
 
-    /// With these variances of the place and the heading. What is known of the wheels stays.
+    /// With these variances of the place and the heading. How well the wheels are known stays; that the two biases have to do with each other
+    /// is forgotten, so that all of the rest can be relied on whatever was there.
     fn restart(&mut self, pose: (T, T)) {
-        let Self { bb, be, ee, .. } = *self;
-        let wheels = Wheels {
-            per_way: bb,
-            per_turn: ee,
-        };
-        *self = Self {
-            be,
-            ..Self::of(pose, wheels)
-        };
+        *self = Self::of(pose, (self.bb, self.ee));
     }
 
-    fn of((position, heading): (T, T), bias: Wheels<T>) -> Self {
+    fn of((position, heading): (T, T), (curvature, turn): (T, T)) -> Self {
         Self {
             xx: position,
             yy: position,
             tt: heading,
-            bb: bias.per_way,
-            ee: bias.per_turn,
+            bb: curvature,
+            ee: turn,
             ..Self::NONE
         }
     }
@@ -242,12 +225,12 @@ impl<T: Scalar> Covariance<T> {
             xb: xb + ax * mb,
             yb: yb + ay * mb,
             tb: tb + ub,
-            bb: changed(bb, growth.bias.per_way, way),
+            bb: changed(bb, growth.bias.0, way),
             xe: xe + ax * me,
             ye: ye + ay * me,
             te: te + ue,
             be,
-            ee: changed(ee, growth.bias.per_turn, turned),
+            ee: changed(ee, growth.bias.1, turned),
         };
         let (lost_m, lost_rad) = (
             T::from_f64(LOST) * growth.fix.0,

@@ -1,6 +1,6 @@
 //! The correction of odometry by fixes.
 
-use nalgebra::{Matrix2, Matrix3, Matrix5, SMatrix, Vector2, Vector3, Vector5};
+use nalgebra::{Matrix3, Matrix5, SMatrix, Vector2, Vector3, Vector5};
 
 use super::{Constants, Fix, carried};
 use crate::oracle::motion::follow::wrapped;
@@ -85,21 +85,13 @@ fn difference(of: &Vector3<f64>, from: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(off.x, off.y, wrapped(off.z))
 }
 
-/// Covariance of the errors of a pose that is stated, or that a fix has set, and of the biases.
-fn errors(k: &Constants, stated: bool, bias: &Matrix2<f64>) -> Matrix5<f64> {
+/// Variances of the errors of a pose that is stated, or that a fix has set, and of the biases.
+fn errors(k: &Constants, stated: bool, bias: &Vector2<f64>) -> Matrix5<f64> {
     let [position, heading] = channels(k);
     let share = |gain: f64| if stated { gain } else { 1.0 };
     let position = share(position.gain) * k.sigma.0.powi(2);
     let heading = share(heading.gain) * k.sigma.1.powi(2);
-    beside(&Vector3::new(position, position, heading), bias)
-}
-
-/// Errors of the pose with these variances that have nothing to do with each other, or with those of the biases.
-fn beside(pose: &Vector3<f64>, bias: &Matrix2<f64>) -> Matrix5<f64> {
-    let mut all = Matrix5::zeros();
-    all.fixed_view_mut::<3, 3>(0, 0).set_diagonal(pose);
-    all.fixed_view_mut::<2, 2>(3, 3).copy_from(bias);
-    all
+    Matrix5::from_diagonal(&Vector5::new(position, position, heading, bias.x, bias.y))
 }
 
 /// Variances of the biases of unknown wheels: radii that are wrong by an eighth of the drift, and a track that is wrong by up to all of it.
@@ -118,7 +110,7 @@ impl Fusion {
             candidate: None,
             slides: 0.0,
             bias: Vector2::zeros(),
-            covariance: errors(k, true, &Matrix2::from_diagonal(&unknown(k))),
+            covariance: errors(k, true, &unknown(k)),
             since: (Vector2::zeros(), 0.0, 0.0),
             age: 0.0,
         }
@@ -129,7 +121,11 @@ impl Fusion {
         *self = Self {
             slides: self.slides,
             bias: self.bias,
-            covariance: errors(k, stated, &self.covariance.fixed_view::<2, 2>(3, 3).into()),
+            covariance: errors(
+                k,
+                stated,
+                &self.covariance.diagonal().fixed_rows::<2>(3).into(),
+            ),
             age: self.age,
             ..Self::start(k, q)
         };
@@ -261,8 +257,8 @@ impl Fusion {
         }
         let most = (1e5 * k.sigma.0.powi(2), 1e5 * k.sigma.1.powi(2));
         if p[(0, 0)] + p[(1, 1)] > most.0 || p[(2, 2)] > most.1 {
-            let biases = p.fixed_view::<2, 2>(3, 3).into();
-            p = beside(&Vector3::new(most.0, most.0, most.1), &biases);
+            let [b, e] = [p[(3, 3)], p[(4, 4)]];
+            p = Matrix5::from_diagonal(&Vector5::new(most.0, most.0, most.1, b, e));
         }
         self.covariance = p;
     }
