@@ -28,6 +28,11 @@ fn scratch() -> PathBuf {
     folder
 }
 
+/// Where the workspace and all images are built, since most of what they depend on is the same.
+fn target() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("..")
+}
+
 fn succeed(command: &mut Command) -> Output {
     let output = command
         .output()
@@ -54,11 +59,7 @@ fn built() -> &'static (PathBuf, String) {
         let output = succeed(
             Command::new(env!("CARGO_BIN_EXE_archives"))
                 .env("CARGO_TARGET_DIR", scratch())
-                // Where other tests build: macros and build scripts are the same.
-                .env(
-                    "CARGO_BUILD_BUILD_DIR",
-                    Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."),
-                )
+                .env("CARGO_BUILD_BUILD_DIR", target())
                 .arg("--out")
                 .arg(&out)
                 .args(["host", "cortex-m4f", "rv32imafc", "portable"]),
@@ -668,12 +669,10 @@ impl Image<'_> {
             flags.push(&linked);
         }
         let flags = flags.iter().map(|flag| format!("-Clink-arg={flag}"));
-        // Where all other images are built, since most of what they depend on is the same.
-        let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
         succeed(
             Command::new(env!("CARGO"))
                 .current_dir(&folder)
-                .env("CARGO_TARGET_DIR", &target_dir)
+                .env("CARGO_TARGET_DIR", target())
                 .args(["rustc", "--quiet", "--profile", "chip"])
                 .args(["--target", self.target, "--", "--cfg", configuration])
                 .args(["--check-cfg", "cfg(through_c, through_portable, in_rust)"])
@@ -687,7 +686,7 @@ impl Image<'_> {
                 .args(arguments)
                 .args(["-nographic", "-semihosting-config"])
                 .args(["enable=on,target=native", "-icount", self.icount, "-kernel"])
-                .arg(target_dir.join(self.target).join("chip/overhead")),
+                .arg(target().join(self.target).join("chip/overhead")),
         );
         let printed = [output.stdout, output.stderr].concat();
         let printed = String::from_utf8_lossy(&printed);

@@ -45,10 +45,10 @@ pub(super) struct Growth<T> {
     rest: (T, T),
     /// Added per way \[m²/m\].
     per_way: T,
-    /// Added per turn \[rad²/rad\].
+    /// Added per turn \[rad²/rad\], and of the turn bias of wheels of which nothing is learnt yet.
     per_turn: T,
-    /// Of the curvature bias \[rad²/m²\] and the turn bias of wheels of which nothing is learnt yet.
-    bias: (T, T),
+    /// Of the curvature bias of these \[rad²/m²\].
+    curvature: T,
 }
 
 /// What odometry did since the last fix.
@@ -98,20 +98,24 @@ impl<T: Scalar> Growth<T> {
         let f = T::from_f64;
         let square = |value: T| value * value;
         let rest = |gain: T, noise: T| square(gain * noise) / (T::ONE - gain);
-        let per_turn = square(f(PER_RADIAN) * drift);
         Self {
             fix: (square(fix.0), square(fix.1)),
             rested: (gain.0 * square(fix.0), gain.1 * square(fix.1)),
             rest: (rest(gain.0, fix.0), rest(gain.1, fix.1)),
             per_way: square(f(PER_METRE) * drift),
-            per_turn,
-            bias: (square(f(RADII) * drift * two_per_track), per_turn),
+            per_turn: square(f(PER_RADIAN) * drift),
+            curvature: square(f(RADII) * drift * two_per_track),
         }
     }
 
     /// Variance of a fix's heading \[rad²\].
     pub(super) const fn fix_heading(&self) -> T {
         self.fix.1
+    }
+
+    /// Variances of the curvature bias and of the turn bias of wheels of which nothing is learnt yet.
+    const fn unknown(&self) -> (T, T) {
+        (self.curvature, self.per_turn)
     }
 }
 
@@ -137,7 +141,7 @@ impl<T: Scalar> Covariance<T> {
 
     /// Of a pose that is stated, of a base whose wheels nothing is known of.
     pub(super) fn stated(growth: &Growth<T>) -> Self {
-        Self::of(growth.rested, growth.bias)
+        Self::of(growth.rested, growth.unknown())
     }
 
     /// Of a pose that a fix set. What is known of the wheels stays.
@@ -225,12 +229,12 @@ impl<T: Scalar> Covariance<T> {
             xb: xb + ax * mb,
             yb: yb + ay * mb,
             tb: tb + ub,
-            bb: changed(bb, growth.bias.0, way),
+            bb: changed(bb, growth.curvature, way),
             xe: xe + ax * me,
             ye: ye + ay * me,
             te: te + ue,
             be,
-            ee: changed(ee, growth.bias.1, turned),
+            ee: changed(ee, growth.per_turn, turned),
         };
         let (lost_m, lost_rad) = (
             T::from_f64(LOST) * growth.fix.0,
@@ -301,7 +305,7 @@ mod tests {
     #[test]
     fn what_is_lost_is_taken_from_a_fix() {
         let growth = growth();
-        let lost = Covariance::of((LOST * growth.fix.0, LOST * growth.fix.1), growth.bias);
+        let lost = Covariance::of((LOST * growth.fix.0, LOST * growth.fix.1), growth.unknown());
         let since = |way, turn| Since {
             way,
             turn,
