@@ -9,7 +9,9 @@ use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, Twist, WheelSpeeds};
 use crate::wheels::WheelGeometry;
 
+mod slip;
 mod speed;
+pub(crate) use slip::{drift_angle, strain};
 use speed::{Turned, Wheel};
 
 /// What a calibration run found, as factors on the nominal lengths; 1 where it found nothing.
@@ -84,21 +86,24 @@ impl<T: Scalar> OdometryParams<T> {
     }
 }
 
-/// What odometry has to add to the turn that wheels count, as a localiser has learnt it: they are not as large, or not as far apart, as
-/// stated.
+/// What odometry has to add to what wheels count, as a localiser has learnt it: they are not as large, or not as far apart, as
+/// stated, or their tyres slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TurnBias<T> {
-    /// Per way \[rad/m\].
+pub(crate) struct Biases<T> {
+    /// Turn per way \[rad/m\].
     pub(crate) per_way: T,
-    /// Per turn \[rad/rad\].
+    /// Turn per turn \[rad/rad\].
     pub(crate) per_turn: T,
+    /// κ, the tyres' slip per acceleration \[s²/m\], at least 0; see [`slip`].
+    pub(crate) slip: T,
 }
 
-impl<T: Scalar> TurnBias<T> {
+impl<T: Scalar> Biases<T> {
     /// Nothing learnt.
     pub(crate) const NONE: Self = Self {
         per_way: T::ZERO,
         per_turn: T::ZERO,
+        slip: T::ZERO,
     };
 }
 
@@ -110,6 +115,8 @@ pub(crate) struct Moved<T> {
     pub(crate) travel: T,
     /// \[rad\].
     pub(crate) turn: T,
+    /// What tyres that slip by 1 s²/m lose of that turn \[rad m/s²\].
+    pub(crate) turn_lost: T,
 }
 
 /// Accelerations of the robot since the last call.
@@ -165,6 +172,8 @@ pub struct Odometry<T> {
     turn_per_lead: T,
     /// Turn to add per way \[rad/m\].
     curvature_bias: T,
+    /// κ of [`slip`] \[s²/m\].
+    slip: T,
     /// Angle that a wheel turns per travel of its rim \[rad/m\]: right, left.
     per_metre: (T, T),
 }
@@ -206,6 +215,7 @@ impl<T: Scalar> Odometry<T> {
             left: Wheel::default(),
             pose,
             curvature_bias: T::ZERO,
+            slip: T::ZERO,
         }
     }
 
@@ -234,14 +244,17 @@ impl<T: Scalar> Odometry<T> {
         dt: T,
         accel: &Accel<T>,
     ) -> Measured<T> {
-        let rolled = self.roll(counts);
+        // Of rigid tyres: nobody has learnt anything of them.
+        let strain = Accel::default();
+        let rolled = self.roll(counts, &strain);
         let turn = rolled.turn;
         let accelerations = Accelerations::exerted(*accel);
-        self.integrate::<M>(&rolled, turn, dt, &accelerations).0
+        self.integrate::<M>(&rolled, turn, dt, &accelerations, &strain)
+            .0
     }
 
-    /// What the wheels did since the last call, their learnt bias included.
-    pub(crate) fn roll(&mut self, counts: WheelCounts) -> Moved<T> {
+    /// What the wheels did since the last call, what is learnt of them included; `strain` is that of their tyres.
+    pub(crate) fn roll(&mut self, counts: WheelCounts, strain: &Accel<T>) -> Moved<T> {
         let moved = (
             counts.right.wrapping_sub(self.counts.right),
             counts.left.wrapping_sub(self.counts.left),
@@ -251,10 +264,13 @@ impl<T: Scalar> Odometry<T> {
         let left = T::from_i32(moved.1) * self.left_per_count;
         let travel = T::HALF * (right + left);
         let turn = self.turn_per_lead * (right - left) + self.curvature_bias * travel;
+        let way = travel.abs();
+        let turn_lost = way * strain.angular;
         Moved {
             counts: moved,
-            travel,
-            turn,
+            travel: travel - self.slip * (way * strain.linear),
+            turn: turn - self.slip * turn_lost,
+            turn_lost,
         }
     }
 
@@ -267,16 +283,9 @@ impl<T: Scalar> Odometry<T> {
         turn: T,
         dt: T,
         accelerations: &Accelerations<T>,
+        strain: &Accel<T>,
     ) -> (Measured<T>, T) {
         let (moved, travel) = (rolled.counts, rolled.travel);
-        let half_turn = T::HALF * turn;
-        let (sine, cosine) = M::sin_cos(self.pose.theta + half_turn);
-        let chord = travel * sinc::<T, M>(half_turn);
-        self.pose = Pose {
-            x: self.pose.x + chord * cosine,
-            y: self.pose.y + chord * sine,
-            theta: self.pose.theta + turn,
-        };
         let lever = T::HALF * self.track;
         let rims = |accel: &Accel<T>| {
             let rim = lever * accel.angular;
@@ -301,20 +310,33 @@ impl<T: Scalar> Odometry<T> {
         let right = self.right.track(&right, self.bandwidth);
         let left = self.left.track(&left, self.bandwidth);
         let linear = T::HALF * (right + left);
+        let slips = self.slip * linear.abs();
+        let twist = Twist {
+            linear: linear - slips * strain.linear,
+            angular: self.turn_per_lead * (right - left) + self.curvature_bias * linear
+                - slips * strain.angular,
+        };
+        let half_turn = T::HALF * turn;
+        let course = self.pose.theta + half_turn + drift_angle(self.slip, &twist);
+        let (sine, cosine) = M::sin_cos(course);
+        let chord = travel * sinc::<T, M>(half_turn);
+        self.pose = Pose {
+            x: self.pose.x + chord * cosine,
+            y: self.pose.y + chord * sine,
+            theta: self.pose.theta + turn,
+        };
         let measured = Measured {
             pose: self.pose,
-            twist: Twist {
-                linear,
-                angular: self.turn_per_lead * (right - left) + self.curvature_bias * linear,
-            },
+            twist,
         };
         (measured, chord)
     }
 
-    /// From now on adds this turn.
-    pub(crate) fn set_turn_bias(&mut self, bias: &TurnBias<T>) {
-        self.curvature_bias = bias.per_way;
-        self.turn_per_lead = (T::ONE + bias.per_turn) / self.track;
+    /// From now on adds this.
+    pub(crate) fn set_biases(&mut self, biases: &Biases<T>) {
+        self.curvature_bias = biases.per_way;
+        self.turn_per_lead = (T::ONE + biases.per_turn) / self.track;
+        self.slip = biases.slip;
     }
 
     /// Speeds of the wheels for which a motor layer is to make up the back-EMF \[rad/s\]: as the encoders have them (what a learnt

@@ -72,6 +72,15 @@ impl<T: Scalar> Robot<T> {
         }
     }
 
+    /// How hard the tyres push to turn the base, beside how hard they push to move it, rim for rim and acceleration for acceleration: 4I/(m l²).
+    ///
+    /// The rims' forces are m a/2 ± I α/l; those of a rim's own acceleration a ± α l/2 are as large where this is 1. The base of the paper
+    /// has 8.
+    pub(crate) fn turning_load(&self) -> T {
+        let lever = T::HALF * self.wheels.track_m;
+        self.inertia_kg_m2 / (self.mass_kg * lever * lever)
+    }
+
     /// Mass and inertia; the wheels are checked where their map is made.
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         check_ranges![

@@ -3,7 +3,7 @@
 use controller_core::localiser::{Estimate, Localiser, ValidLocaliserParams};
 use controller_core::maths::Maths;
 use controller_core::scalar::Scalar;
-use controller_core::types::{Pose, Twist, WheelTorques};
+use controller_core::types::{Accel, Pose, Twist, WheelTorques};
 
 use crate::encoded::Encoded;
 use crate::fixes::{Source, fix};
@@ -39,6 +39,17 @@ impl<T: Scalar, const N: usize> Led<T, N> {
         dt: f64,
         source: &mut Source,
     ) -> Estimate<T> {
+        self.advance_told::<M>(twist, &Accel::default(), dt, source)
+    }
+
+    /// The same where the localiser is told an acceleration.
+    pub fn advance_told<M: Maths<T>>(
+        &mut self,
+        twist: Twist<f64>,
+        accel: &Accel<f64>,
+        dt: f64,
+        source: &mut Source,
+    ) -> Estimate<T> {
         self.robot.body.twist = twist;
         self.robot = self
             .robot
@@ -47,7 +58,12 @@ impl<T: Scalar, const N: usize> Led<T, N> {
         let fixed = source.poll(self.t, &self.robot.body.pose);
         let fixed = fixed.as_ref().map(fix);
         self.localiser
-            .update::<M>(self.robot.counts(), T::from_f64(dt), fixed.as_ref())
+            .update_with_accel::<M>(
+                self.robot.counts(),
+                T::from_f64(dt),
+                &accel.cast(),
+                fixed.as_ref(),
+            )
             .expect("the tick is accepted")
     }
 

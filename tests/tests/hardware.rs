@@ -10,6 +10,7 @@ mod localiser_oracle;
 mod localiser_params;
 mod localiser_parking;
 mod localiser_slide;
+mod localiser_slip;
 mod motor;
 mod motor_params;
 mod motor_speed;

@@ -6,6 +6,7 @@ use controller_core::localiser::{
 };
 use controller_core::maths::Libm;
 use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::robot::Robot;
 use controller_core::types::{Accel, Pose};
 use controller_core::wheels::WheelGeometry;
 use nalgebra::{Vector2, Vector3};
@@ -87,7 +88,19 @@ fn constants(params: &LocaliserParams<f64>) -> Constants {
         drift: fusion.drift,
         slide: fusion.slide_m_s,
         stale: fusion.stale_s,
+        robot: None,
     }
+}
+
+/// Two of three robots have tyres, and bodies from light to hard to turn.
+fn draw_robot(params: &LocaliserParams<f64>, random: &mut Random) -> Option<Robot<f64>> {
+    let (mass_kg, spread) = (10.0 * factor(random, 10.0), factor(random, 8.0));
+    let wheels = params.odometry.wheels;
+    (!one_in(3, random)).then_some(Robot {
+        mass_kg,
+        inertia_kg_m2: spread * mass_kg * (wheels.track_m / 2.0).powi(2),
+        wheels,
+    })
 }
 
 /// How often a drive met what.
@@ -99,14 +112,19 @@ struct Met {
     too_old: u32,
     stale: u32,
     rests: u32,
+    slipping: u32,
     worst: (f64, &'static str, f64),
 }
 
 fn drive(seed: u64, met: &mut Met) {
     let mut random = Random(seed);
     let params = draw(&mut random);
-    let k = constants(&params);
-    let valid = params.validate_with::<Libm>().expect("within the ranges");
+    let mut k = constants(&params);
+    let mut valid = params.validate_with::<Libm>().expect("within the ranges");
+    if let Some(robot) = draw_robot(&params, &mut random) {
+        valid = valid.with_robot(&robot);
+        k.robot = Some((robot.mass_kg, robot.inertia_kg_m2, robot.wheels.track_m));
+    }
     let start = Pose::new(random.within(3.0), random.within(3.0), random.within(6.0));
     // Near the wrap-around, which is met.
     let mut counts = WheelCounts {
@@ -215,6 +233,7 @@ fn compare(at: (u64, usize), found: &Estimate<f64>, expected: &oracle::Estimate,
         ("w", twist.angular, expected.twist.y),
         ("curvature bias", found.curvature_bias, expected.bias.x),
         ("turn bias", found.turn_bias, expected.bias.y),
+        ("tyre slip", found.tyre_slip, expected.bias.z),
         ("age", found.fix_age_s, expected.age),
     ] {
         let off = (a - b).abs();
@@ -234,6 +253,7 @@ fn compare(at: (u64, usize), found: &Estimate<f64>, expected: &oracle::Estimate,
         FixOutcome::Absent => {}
     }
     met.stale += u32::from(found.stale);
+    met.slipping += u32::from(found.tyre_slip > 0.0);
     met.rests += u32::from(twist.linear == 0.0 && twist.angular == 0.0);
 }
 
@@ -252,6 +272,7 @@ fn the_localiser_is_the_oracle_in_every_tick() {
         met.too_old,
         met.stale,
         met.rests,
+        met.slipping,
     ] {
         assert!(count > 100, "{met:?}");
     }

@@ -21,7 +21,7 @@ extern "C" {
 #endif
 
 /* Version of what stands here; twb_api() is that of the archive. */
-#define TWB_API 3u
+#define TWB_API 4u
 
 /* What a call answers. */
 #define TWB_OK 0
@@ -195,6 +195,7 @@ typedef struct twb_report {
     twb_wheels torque;        /* N m */
     float curvature_bias;     /* rad/m that odometry adds, as external poses taught it */
     float turn_bias;          /* rad/rad, likewise */
+    float tyre_slip;          /* s^2/m that the tyres slip per acceleration, likewise */
     float gyro_bias;          /* rad/s; 0 without a gyro */
     float gyro_slid;          /* rad; 0 without a gyro */
 } twb_report;
@@ -208,7 +209,7 @@ TWB_ASSERT_SIZE(twb_wheels, 8);
 TWB_ASSERT_SIZE(twb_order, 40);
 TWB_ASSERT_SIZE(twb_sensed, 60);
 TWB_ASSERT_SIZE(twb_action, 48);
-TWB_ASSERT_SIZE(twb_report, 132);
+TWB_ASSERT_SIZE(twb_report, 136);
 #undef TWB_ASSERT_SIZE
 
 /* TWB_API of the archive. */

@@ -94,6 +94,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 blind: false,
                 curvature_bias: T::ZERO,
                 turn_bias: T::ZERO,
+                tyre_slip: T::ZERO,
                 fix: FixOutcome::Absent,
                 gyro: GyroReport::default(),
                 active_faults: ActiveFaults::NONE,
@@ -264,10 +265,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             (Some(Task::Drive { .. }), Some(motor)) => Some(self.turning(motor, dt, sensed)),
             _ => None,
         };
+        let course = self.report.course();
         let tick = Tick {
             motion: &self.base.motion,
             mode: self.supervisor.output(),
-            measured: self.report.measured.as_ref(),
+            measured: course.as_ref(),
             jumped: located.jumped,
             other_goal,
             speeds: self.locator.back_emf_speeds(),

@@ -149,6 +149,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         let Some(localiser) = &self.localiser else {
             report.curvature_bias = T::ZERO;
             report.turn_bias = T::ZERO;
+            report.tyre_slip = T::ZERO;
             return Located {
                 fix_age_us: 0,
                 jumped,
@@ -156,6 +157,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         };
         report.curvature_bias = localiser.curvature_bias();
         report.turn_bias = localiser.turn_bias();
+        report.tyre_slip = localiser.tyre_slip();
         let fuses = localisation.params().fusion.is_some();
         Located {
             fix_age_us: if fuses {

@@ -171,7 +171,10 @@ impl<T: Scalar> BaseParams<T> {
         }
         Ok(ValidBaseParams {
             motion: self.motion.validate()?,
-            localisation: self.localiser.validate_with::<M>()?,
+            localisation: self
+                .localiser
+                .validate_with::<M>()?
+                .with_robot(&self.motion.robot),
             motor,
             detectors: self.detectors.validate()?,
             policy: self.policy.validate()?,

@@ -4,8 +4,10 @@ use super::io::WheelAction;
 use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::motion::MotionReport;
+use crate::odometry::drift_angle;
 use crate::safety::ActiveFaults;
 use crate::safety::supervisor::{Cause, State};
+use crate::scalar::Scalar;
 use crate::types::Measured;
 
 /// The report of one tick.
@@ -27,6 +29,9 @@ pub struct BaseReport<T = f32> {
     /// Turn that odometry adds per turn, as external poses taught it: wheels that are not as far apart as stated. See
     /// [`Estimate::turn_bias`](crate::localiser::Estimate::turn_bias).
     pub turn_bias: T,
+    /// What the tyres slip per acceleration, as external poses taught it \[s²/m\]. See
+    /// [`Estimate::tyre_slip`](crate::localiser::Estimate::tyre_slip).
+    pub tyre_slip: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
     /// What is known of the gyro, where there is one.
@@ -37,4 +42,14 @@ pub struct BaseReport<T = f32> {
     pub refused: bool,
     /// The motion law's report, while its torque flows.
     pub motion: Option<MotionReport<T>>,
+}
+
+impl<T: Scalar> BaseReport<T> {
+    /// What is measured, for a law that reckons with a base that moves where it heads: its course in place of its heading, since tyres slip aside.
+    pub(super) fn course(&self) -> Option<Measured<T>> {
+        self.measured.map(|mut measured| {
+            measured.pose.theta += drift_angle(self.tyre_slip, &measured.twist);
+            measured
+        })
+    }
 }

@@ -1,19 +1,20 @@
-//! How far the believed pose may be off, and so what of a fix is to be taken: a Kalman filter of five states.
+//! How far the believed pose may be off, and so what of a fix is to be taken: a Kalman filter of six states.
 //!
 //! True less believed are x, y, the heading θ, the curvature bias b, the turn that odometry has to add per way: wheels that
-//! are not as large as stated, and the turn bias e, what it has to add per turn: wheels that are not as far apart. Over a chord (Δx, Δy)
-//! of the way s, on which the heading turned by φ,
+//! are not as large as stated, the turn bias e, what it has to add per turn: wheels that are not as far apart, and the tyres' slip κ, what they
+//! slip per way and acceleration ([`slip`](crate::odometry::slip)). Over a chord (Δx, Δy) of the way s, on which the heading turned
+//! by φ, and tyres that slip by 1 s²/m led the base aside by (a, b) and turned it by ψ,
 //!
 //! ```text
-//! u = s δb + φ δe          δx⁺ = δx − Δy (δθ + ½ u)      δθ⁺ = δθ + u      δb⁺ = δb
-//!                          δy⁺ = δy + Δx (δθ + ½ u)                        δe⁺ = δe
+//! u = s δb + φ δe + ψ δκ          δx⁺ = δx − Δy (δθ + ½ u) + a δκ      δθ⁺ = δθ + u      δb⁺ = δb      δe⁺ = δe
+//!                                 δy⁺ = δy + Δx (δθ + ½ u) + b δκ                        δκ⁺ = δκ
 //! ```
 //!
-//! so that a fix beside the way tells of the heading, and a heading that is off of what it has led aside and of the wheels. What
+//! so that a fix beside the way tells of the heading, and a heading that is off of what it has led aside, of the wheels and of the tyres. What
 //! comes to the errors is in [`Growth`]. A base that rests takes of each fix the share that its bandwidth states; one that
 //! drives is less sure of where it is, and takes more.
 
-use crate::odometry::TurnBias;
+use crate::odometry::Biases;
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
@@ -21,7 +22,7 @@ use crate::types::Pose;
 /// its way, as a standard deviation: 0.25 % of 2 %. Tyres that wear by up to a per cent, evenly spread and not the same on both
 /// sides, have 1 %/√12 = 0.29 % each. The rest of the drift is for floors.
 const RADII: f64 = 1.0 / 8.0;
-/// What either bias changes by, as a share of that, over a metre or a radian: a load that moves, a tyre that warms, another floor. A third
+/// What a bias changes by, as a share of that, over a metre or a radian: a load that moves, a tyre that warms, another floor. A third
 /// in 10 m or 10 rad.
 const CHANGES: f64 = 0.1;
 /// Share of the drift that a metre is wrong by, as a standard deviation: 1.2 mm of 2 %, of tyres that slip and joints of floors.
@@ -30,6 +31,12 @@ const PER_METRE: f64 = 0.06;
 /// evenly: wide tyres roll about another point than is believed. √(1/3). So much is the same in every turn, the turn bias, and so much
 /// is not: tyres that slip under the torque that turns a heavy base.
 const PER_RADIAN: f64 = 0.577_350_269_189_625_8;
+/// What the softest tyres slip per acceleration, over the drift \[s²/m\]: they lose all of it where they push with a fifth of what
+/// they carry. At 2 % that is a stiffness of 10 times the load per unit of slip; tyres of cars have 10 to 30, hard wheels more.
+pub(super) const SOFTEST: f64 = 1.0 / (0.2 * 9.81);
+/// Share of that as a standard deviation, of what is evenly spread from rigid to the softest: √(1/12). It begins with rigid, which most
+/// small wheels nearly are.
+const SLIP: f64 = 0.288_675_134_594_812_9;
 /// Variances, over those of a fix, above which nothing is known: a fix is then taken whole. Single precision still keeps what
 /// remains of less, 1e5 × 6e-8 of a fix's variance.
 const LOST: f64 = 1.0e5;
@@ -49,6 +56,8 @@ pub(super) struct Growth<T> {
     per_turn: T,
     /// Of the curvature bias of these \[rad²/m²\].
     curvature: T,
+    /// Of the slip of their tyres \[s⁴/m²\]; 0 where nothing is learnt of it.
+    slip: T,
 }
 
 /// What odometry did since the last fix.
@@ -61,6 +70,8 @@ pub(super) struct Since<T> {
     pub(super) way: T,
     /// Counter-clockwise positive \[rad\].
     pub(super) turn: T,
+    /// What tyres that slip by 1 s²/m did to that, beside what is corrected: in the world \[m²/s²\], and the turn \[rad m/s²\].
+    pub(super) slip: Pose<T>,
 }
 
 /// Covariance of the errors.
@@ -72,21 +83,31 @@ pub(super) struct Covariance<T> {
     xt: T,
     yt: T,
     tt: T,
-    xb: T,
-    yb: T,
-    tb: T,
+    /// Of the curvature bias, the turn bias and the slip with the pose.
+    b: WithPose<T>,
+    e: WithPose<T>,
+    k: WithPose<T>,
+    /// And with each other.
     bb: T,
-    xe: T,
-    ye: T,
-    te: T,
     be: T,
+    bk: T,
     ee: T,
+    ek: T,
+    kk: T,
+}
+
+/// Covariances of an error with those of x, y and the heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct WithPose<T> {
+    x: T,
+    y: T,
+    t: T,
 }
 
 /// What a fix corrects.
 pub(super) struct Taken<T> {
     pub(super) pose: Pose<T>,
-    pub(super) bias: TurnBias<T>,
+    pub(super) biases: Biases<T>,
 }
 
 impl<T: Scalar> Growth<T> {
@@ -105,7 +126,14 @@ impl<T: Scalar> Growth<T> {
             per_way: square(f(PER_METRE) * drift),
             per_turn: square(f(PER_RADIAN) * drift),
             curvature: square(f(RADII) * drift * two_per_track),
+            slip: T::ZERO,
         }
+    }
+
+    /// Tyres slip, of a base whose odometry may be wrong by the share `drift`.
+    pub(super) fn learn_slip(&mut self, drift: T) {
+        let slip = T::from_f64(SLIP * SOFTEST) * drift;
+        self.slip = slip * slip;
     }
 
     /// Variance of a fix's heading \[rad²\].
@@ -113,9 +141,41 @@ impl<T: Scalar> Growth<T> {
         self.fix.1
     }
 
-    /// Variances of the curvature bias and of the turn bias of wheels of which nothing is learnt yet.
-    const fn unknown(&self) -> (T, T) {
-        (self.curvature, self.per_turn)
+    /// Variances of the curvature bias, the turn bias and the slip of wheels of which nothing is learnt yet.
+    const fn unknown(&self) -> (T, T, T) {
+        (self.curvature, self.per_turn, self.slip)
+    }
+}
+
+impl<T: Scalar> WithPose<T> {
+    const NONE: Self = Self {
+        x: T::ZERO,
+        y: T::ZERO,
+        t: T::ZERO,
+    };
+
+    /// Beside a way aside of `(x, y)`, in whose middle the error has the covariance `middle` with the heading, and with the turn `turn`.
+    fn passed(&self, (x, y): (T, T), middle: T, turn: T) -> Self {
+        Self {
+            x: self.x + x * middle,
+            y: self.y + y * middle,
+            t: self.t + turn,
+        }
+    }
+
+    /// Led aside by `(x, y)` times an error with which this one has the covariance `with`.
+    fn led(&self, (x, y): (T, T), with: T) -> Self {
+        Self {
+            x: self.x + x * with,
+            y: self.y + y * with,
+            t: self.t,
+        }
+    }
+
+    fn subtract(&mut self, (x, y, t): (T, T, T), times: T) {
+        self.x -= x * times;
+        self.y -= y * times;
+        self.t -= t * times;
     }
 }
 
@@ -128,15 +188,15 @@ impl<T: Scalar> Covariance<T> {
         xt: T::ZERO,
         yt: T::ZERO,
         tt: T::ZERO,
-        xb: T::ZERO,
-        yb: T::ZERO,
-        tb: T::ZERO,
+        b: WithPose::NONE,
+        e: WithPose::NONE,
+        k: WithPose::NONE,
         bb: T::ZERO,
-        xe: T::ZERO,
-        ye: T::ZERO,
-        te: T::ZERO,
         be: T::ZERO,
+        bk: T::ZERO,
         ee: T::ZERO,
+        ek: T::ZERO,
+        kk: T::ZERO,
     };
 
     /// Of a pose that is stated, of a base whose wheels nothing is known of.
@@ -154,62 +214,87 @@ impl<T: Scalar> Covariance<T> {
         self.restart(growth.rested);
     }
 
-    /// With these variances of the place and the heading. How well the wheels are known stays; that the two biases have to do with each other
+    /// With these variances of the place and the heading. How well the wheels are known stays; that the biases have to do with each other
     /// is forgotten, so that all of the rest can be relied on whatever was there.
     fn restart(&mut self, pose: (T, T)) {
-        *self = Self::of(pose, (self.bb, self.ee));
+        *self = Self::of(pose, (self.bb, self.ee, self.kk));
     }
 
-    fn of((position, heading): (T, T), (curvature, turn): (T, T)) -> Self {
+    fn of((position, heading): (T, T), (curvature, turn, slip): (T, T, T)) -> Self {
         Self {
             xx: position,
             yy: position,
             tt: heading,
             bb: curvature,
             ee: turn,
+            kk: slip,
             ..Self::NONE
         }
     }
 
-    /// P ← F P Fᵀ + Q. A heading that a gyro carries has the variance `carried`, and nothing to do with the wheels.
+    /// P ← F P Fᵀ + Q. A heading that a gyro carries has the variance `carried`, and nothing to do with the wheels; where tyres slip to, it
+    /// tells all the same.
     pub(super) fn pass(&mut self, growth: &Growth<T>, since: &Since<T>, carried: Option<T>) {
         let zero = T::ZERO;
-        let before = match carried {
-            None => *self,
-            Some(heading) => Self {
-                tt: heading,
-                xb: zero,
-                yb: zero,
-                tb: zero,
-                xe: zero,
-                ye: zero,
-                te: zero,
-                ..*self
-            },
+        let (before, s, turn, slip) = match carried {
+            None => (*self, since.way, since.turn, since.slip.theta),
+            Some(heading) => {
+                let before = Self {
+                    tt: heading,
+                    b: WithPose::NONE,
+                    e: WithPose::NONE,
+                    k: WithPose { t: zero, ..self.k },
+                    ..*self
+                };
+                (before, zero, zero, zero)
+            }
         };
-        let (s, turn) = match carried {
-            None => (since.way, since.turn),
-            Some(_) => (zero, zero),
-        };
-        let Self { xt, yt, tt, .. } = before;
-        let Self { xb, yb, tb, bb, .. } = before;
         let Self {
-            xe, ye, te, be, ee, ..
+            xt,
+            yt,
+            tt,
+            b,
+            e,
+            k,
+            ..
+        } = before;
+        let Self {
+            bb,
+            be,
+            bk,
+            ee,
+            ek,
+            kk,
+            ..
         } = before;
         // Of u with x, y, the heading, the biases, and itself.
-        let of_turn = |bias: T, per_turn: T| s * bias + turn * per_turn;
-        let (ux, uy, ut) = (of_turn(xb, xe), of_turn(yb, ye), of_turn(tb, te));
-        let (ub, ue) = (of_turn(bb, be), of_turn(be, ee));
-        let uu = of_turn(ub, ue);
+        let of_turn = |b: T, e: T, k: T| s * b + turn * e + slip * k;
+        let (ux, uy, ut) = (
+            of_turn(b.x, e.x, k.x),
+            of_turn(b.y, e.y, k.y),
+            of_turn(b.t, e.t, k.t),
+        );
+        let (ub, ue, uk) = (
+            of_turn(bb, be, bk),
+            of_turn(be, ee, ek),
+            of_turn(bk, ek, kk),
+        );
+        let uu = of_turn(ub, ue, uk);
         // Of the heading in the middle of the way with x, y, the biases, itself, and the heading at the end.
         let half = T::HALF;
         let (mx, my) = (xt + half * ux, yt + half * uy);
-        let (mb, me) = (tb + half * ub, te + half * ue);
+        let (mb, me, mk) = (b.t + half * ub, e.t + half * ue, k.t + half * uk);
         let mm = tt + ut + half * (half * uu);
         let mt = mm + half * (ut + half * uu);
-        let (ax, ay) = (-since.y, since.x);
+        let aside = (-since.y, since.x);
+        let (ax, ay) = aside;
+        let (sx, sy) = (since.slip.x, since.slip.y);
+        let slid = (sx, sy);
+        // Of the slip before and after what it leads aside.
+        let led = k.passed(aside, mk, uk);
+        let k = led.led(slid, kk);
         let way = since.way.abs();
-        let slid = growth.rest.0 + growth.per_way * way;
+        let chance = growth.rest.0 + growth.per_way * way;
         let turned = since.turn.abs();
         let changes = T::from_f64(CHANGES * CHANGES);
         let changed = |variance: T, most: T, over: T| {
@@ -217,24 +302,24 @@ impl<T: Scalar> Covariance<T> {
             if more < most { more } else { most }
         };
         *self = Self {
-            xx: before.xx + ax * (mx + mx + ax * mm) + slid,
-            xy: before.xy + ax * my + ay * mx + ax * ay * mm,
-            yy: before.yy + ay * (my + my + ay * mm) + slid,
-            xt: xt + ux + ax * mt,
-            yt: yt + uy + ay * mt,
+            xx: before.xx + ax * (mx + mx + ax * mm) + sx * (led.x + k.x) + chance,
+            xy: before.xy + ax * my + ay * mx + ax * ay * mm + sx * k.y + sy * led.x,
+            yy: before.yy + ay * (my + my + ay * mm) + sy * (led.y + k.y) + chance,
+            xt: xt + ux + ax * mt + sx * k.t,
+            yt: yt + uy + ay * mt + sy * k.t,
             tt: match carried {
                 None => tt + ut + ut + uu + growth.rest.1 + growth.per_turn * turned,
                 Some(heading) => heading,
             },
-            xb: xb + ax * mb,
-            yb: yb + ay * mb,
-            tb: tb + ub,
+            b: b.passed(aside, mb, ub).led(slid, bk),
+            e: e.passed(aside, me, ue).led(slid, ek),
+            k,
             bb: changed(bb, growth.curvature, way),
-            xe: xe + ax * me,
-            ye: ye + ay * me,
-            te: te + ue,
             be,
+            bk,
             ee: changed(ee, growth.per_turn, turned),
+            ek,
+            kk: changed(kk, growth.slip, way),
         };
         let (lost_m, lost_rad) = (
             T::from_f64(LOST) * growth.fix.0,
@@ -251,44 +336,57 @@ impl<T: Scalar> Covariance<T> {
         let (position, heading) = growth.fix;
         let mut taken = Taken {
             pose: Pose::default(),
-            bias: TurnBias::NONE,
+            biases: Biases::NONE,
         };
-        let row = (self.xt, self.yt, self.tt, self.tb, self.te);
-        self.see(&mut taken, row, self.tt + heading, off.theta);
-        let row = (self.xx, self.xy, self.xt, self.xb, self.xe);
+        let pose = (self.xt, self.yt, self.tt);
+        let biases = (self.b.t, self.e.t, self.k.t);
+        self.see(&mut taken, pose, biases, self.tt + heading, off.theta);
+        let pose = (self.xx, self.xy, self.xt);
+        let biases = (self.b.x, self.e.x, self.k.x);
         let left = off.x - taken.pose.x;
-        self.see(&mut taken, row, self.xx + position, left);
-        let row = (self.xy, self.yy, self.yt, self.yb, self.ye);
+        self.see(&mut taken, pose, biases, self.xx + position, left);
+        let pose = (self.xy, self.yy, self.yt);
+        let biases = (self.b.y, self.e.y, self.k.y);
         let left = off.y - taken.pose.y;
-        self.see(&mut taken, row, self.yy + position, left);
+        self.see(&mut taken, pose, biases, self.yy + position, left);
         taken
     }
 
-    /// K = P Hᵀ/(H P Hᵀ + r), P ← P − K H P, for a coordinate with the row (x, y, t, b, e) = H P, and `off` less than before by K off.
+    /// K = P Hᵀ/(H P Hᵀ + r), P ← P − K H P, for a coordinate with the row (x, y, t), (b, e, k) = H P, and `off` less than before by K off.
     #[inline(always)]
-    fn see(&mut self, taken: &mut Taken<T>, (x, y, t, b, e): (T, T, T, T, T), sum: T, off: T) {
+    fn see(
+        &mut self,
+        taken: &mut Taken<T>,
+        (x, y, t): (T, T, T),
+        (b, e, k): (T, T, T),
+        sum: T,
+        off: T,
+    ) {
         let per = T::ONE / sum;
-        let (kx, ky, kt, kb, ke) = (x * per, y * per, t * per, b * per, e * per);
-        taken.pose.x += kx * off;
-        taken.pose.y += ky * off;
-        taken.pose.theta += kt * off;
-        taken.bias.per_way += kb * off;
-        taken.bias.per_turn += ke * off;
-        self.xx -= kx * x;
-        self.xy -= kx * y;
-        self.yy -= ky * y;
-        self.xt -= kx * t;
-        self.yt -= ky * t;
-        self.tt -= kt * t;
-        self.xb -= kx * b;
-        self.yb -= ky * b;
-        self.tb -= kt * b;
-        self.bb -= kb * b;
-        self.xe -= kx * e;
-        self.ye -= ky * e;
-        self.te -= kt * e;
-        self.be -= kb * e;
-        self.ee -= ke * e;
+        let gain = (x * per, y * per, t * per);
+        let (gx, gy, gt) = gain;
+        let (gb, ge, gk) = (b * per, e * per, k * per);
+        taken.pose.x += gx * off;
+        taken.pose.y += gy * off;
+        taken.pose.theta += gt * off;
+        taken.biases.per_way += gb * off;
+        taken.biases.per_turn += ge * off;
+        taken.biases.slip += gk * off;
+        self.xx -= gx * x;
+        self.xy -= gx * y;
+        self.yy -= gy * y;
+        self.xt -= gx * t;
+        self.yt -= gy * t;
+        self.tt -= gt * t;
+        self.b.subtract(gain, b);
+        self.e.subtract(gain, e);
+        self.k.subtract(gain, k);
+        self.bb -= gb * b;
+        self.be -= gb * e;
+        self.bk -= gb * k;
+        self.ee -= ge * e;
+        self.ek -= ge * k;
+        self.kk -= gk * k;
     }
 }
 
@@ -330,34 +428,48 @@ mod tests {
         }
     }
 
-    /// A heading that a gyro carries is as sure as the gyro says: that leads the place aside on the way, and tells nothing of the wheels.
+    /// A heading that a gyro carries is as sure as the gyro says: that leads the place aside on the way, and tells nothing of the wheels. What
+    /// tyres lead aside is told by the place all the same.
     #[test]
     fn a_carried_heading_is_the_gyros() {
-        let growth = growth();
+        let mut growth = growth();
+        growth.learn_slip(0.02);
         let mut covariance = Covariance::stated(&growth);
         // A metre along x, on which the heading turns by half a radian, after the same by the wheels alone.
         let since = Since {
             x: 1.0,
             way: 1.0,
             turn: 0.5,
+            slip: Pose::new(0.0, -0.1, 0.2),
             ..Since::default()
         };
         covariance.pass(&growth, &since, None);
-        let learnt = [covariance.yb, covariance.tb, covariance.ye, covariance.te];
+        let learnt = [
+            covariance.b.y,
+            covariance.b.t,
+            covariance.e.y,
+            covariance.e.t,
+            covariance.k.t,
+        ];
         assert!(learnt.iter().all(|&with| with > 0.0), "{learnt:?}");
         let (before, heading) = (covariance, 1e-6);
         covariance.pass(&growth, &since, Some(heading));
         let slid = growth.rest.0 + growth.per_way;
-        let yy = before.yy + 2.0 * before.yt + heading + slid;
+        // A tenth of the slip comes aside, to the right, with what was aside before.
+        let (kk, ky) = (before.kk, before.k.y);
+        let led = 0.01 * kk - 2.0 * 0.1 * ky;
+        let yy = before.yy + 2.0 * before.yt + heading + slid + led;
         for (is, expected) in [
             (covariance.xx, before.xx + slid),
             (covariance.yy, yy),
             (covariance.yt, before.yt + heading),
+            (covariance.k.y, ky - 0.1 * kk),
+            (covariance.k.t, 0.0),
             (covariance.tt, heading),
-            (covariance.yb, 0.0),
-            (covariance.tb, 0.0),
-            (covariance.ye, 0.0),
-            (covariance.te, 0.0),
+            (covariance.b.y, 0.0),
+            (covariance.b.t, 0.0),
+            (covariance.e.y, 0.0),
+            (covariance.e.t, 0.0),
         ] {
             // Roundings of some sums.
             assert!((is - expected).abs() < 1e-15, "{is:e} {expected:e}");

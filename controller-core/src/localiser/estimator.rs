@@ -1,6 +1,6 @@
 //! One tick of a localiser, with parameters that are lent.
 
-use super::fusion::{Carried, Correction, Moved};
+use super::fusion::{Carried, Correction, Moved, Sideways};
 use super::history::History;
 use super::{Estimate, Fix, FixOutcome, Refusal, SURE, ValidLocaliserParams};
 use crate::error::{Input, StepFault};
@@ -9,7 +9,7 @@ use crate::gyro::{
 };
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::odometry::{Accelerations, Odometry};
+use crate::odometry::{Accelerations, Odometry, strain};
 use crate::scalar::Scalar;
 use crate::types::{Measured, Pose, WheelSpeeds};
 
@@ -89,7 +89,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
-        let rolled = self.odometry.roll(counts);
+        let strain = strain(&accelerations.exerted, localisation.turning_load);
+        let rolled = self.odometry.roll(counts, &strain);
         let turn = match (&mut self.gyro, &localisation.gyro) {
             (Some(heading), Some(gyro)) => {
                 let rolled = Rolled {
@@ -101,7 +102,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                 let turn = heading.advance(gyro, &rolled, reading);
                 if let Some(more) = heading.curvature(gyro) {
                     self.correction.correct_curvature(gyro.most_per_way(), more);
-                    self.odometry.set_turn_bias(&self.correction.bias);
+                    self.odometry.set_biases(&self.correction.biases);
                 }
                 self.alone_s = if heading.carries() {
                     T::ZERO
@@ -112,16 +113,16 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             }
             _ => rolled.turn,
         };
-        let (measured, chord) = self
-            .odometry
-            .integrate::<M>(&rolled, turn, dt, accelerations);
+        let (measured, chord) =
+            self.odometry
+                .integrate::<M>(&rolled, turn, dt, accelerations, &strain);
         let Some(fusion) = &localisation.fusion else {
             return Ok(Estimate {
                 measured,
                 fix: fix.map_or(FixOutcome::Absent, |_| {
                     FixOutcome::Refused(Refusal::NoFusion)
                 }),
-                curvature_bias: self.correction.bias.per_way,
+                curvature_bias: self.correction.biases.per_way,
                 gyro: self.gyro_report(reading),
                 ..Estimate::default()
             });
@@ -137,6 +138,11 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             to: &measured.pose,
             chord,
             travel: rolled.travel,
+            accel: Sideways {
+                along: strain.linear,
+                aside: measured.twist.linear * measured.twist.angular,
+            },
+            turn_lost: rolled.turn_lost,
         };
         self.correction
             .advance::<M>(fusion, &moved, carried.as_ref(), dt);
@@ -163,7 +169,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                     // What is lent to a call is made in memory: here and not in every tick.
                     let pose = measured.pose;
                     let outcome = correction.take::<M>(fusion, fix, &innovation, &pose, carried);
-                    self.odometry.set_turn_bias(&correction.bias);
+                    self.odometry.set_biases(&correction.biases);
                     if let (FixOutcome::Fused, Some(heading), Some(gyro)) =
                         (&outcome, gyro, &localisation.gyro)
                     {
@@ -185,8 +191,9 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             },
             fix: outcome,
             jumped,
-            curvature_bias: self.correction.bias.per_way,
-            turn_bias: self.correction.bias.per_turn,
+            curvature_bias: self.correction.biases.per_way,
+            turn_bias: self.correction.biases.per_turn,
+            tyre_slip: self.correction.biases.slip,
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
             gyro: self.gyro_report(reading),
@@ -264,10 +271,14 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     pub(crate) const fn curvature_bias(&self) -> T {
-        self.correction.bias.per_way
+        self.correction.biases.per_way
+    }
+
+    pub(crate) const fn tyre_slip(&self) -> T {
+        self.correction.biases.slip
     }
 
     pub(crate) const fn turn_bias(&self) -> T {
-        self.correction.bias.per_turn
+        self.correction.biases.per_turn
     }
 }

@@ -1,12 +1,12 @@
 //! The map from odometry's frame to the world's, and its correction.
 
-use super::covariance::{Covariance, Since};
+use super::covariance::{Covariance, SOFTEST, Since};
 use super::params::Fusion;
 use super::{Fix, FixOutcome};
 use crate::angle::wrap;
 use crate::maths::Maths;
-use crate::odometry::TurnBias;
-use crate::range::clamp;
+use crate::odometry::Biases;
+use crate::range::{clamp, larger};
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
@@ -57,8 +57,8 @@ pub(super) struct Correction<T> {
     covariance: Covariance<T>,
     /// What odometry did since the last fix.
     since: Since<T>,
-    /// Turn that odometry has to add.
-    pub(super) bias: TurnBias<T>,
+    /// What odometry has to add.
+    pub(super) biases: Biases<T>,
     pub(super) fix_age_s: T,
 }
 
@@ -88,7 +88,7 @@ impl<T: Scalar> Correction<T> {
                 Covariance::stated(&fusion.growth)
             }),
             since: Since::default(),
-            bias: TurnBias::NONE,
+            biases: Biases::NONE,
             fix_age_s: T::ZERO,
         }
     }
@@ -116,7 +116,7 @@ impl<T: Scalar> Correction<T> {
 
     /// A gyro turned by `more` per way than the wheels; at most `most` is believed \[rad/m\].
     pub(super) fn correct_curvature(&mut self, most: T, more: T) {
-        self.bias.per_way = clamp(self.bias.per_way + more, most);
+        self.biases.per_way = clamp(self.biases.per_way + more, most);
     }
 
     /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise
@@ -131,10 +131,22 @@ impl<T: Scalar> Correction<T> {
     ) {
         let before = self.pose;
         self.pose = moved_along::<T, M>(&self.pose, moved.from, moved.to);
-        self.since.x += self.pose.x - before.x;
-        self.since.y += self.pose.y - before.y;
-        self.since.way += moved.travel;
-        self.since.turn += moved.turn();
+        let (dx, dy) = (self.pose.x - before.x, self.pose.y - before.y);
+        let since = &mut self.since;
+        since.x += dx;
+        since.y += dy;
+        since.way += moved.travel;
+        since.turn += moved.turn();
+        // Of the way forward tyres lose what accelerates the base, of that backward likewise.
+        let Sideways { along, aside } = moved.accel;
+        let (along, aside) = if moved.travel < T::ZERO {
+            (along, aside)
+        } else {
+            (-along, -aside)
+        };
+        since.slip.x += along * dx - aside * dy;
+        since.slip.y += along * dy + aside * dx;
+        since.slip.theta -= moved.turn_lost;
         let share = -M::exp_m1(-(fusion.spread * dt));
         let (most, turn) = (dt * fusion.position.rate, dt * fusion.heading.rate);
         let step = Pose {
@@ -190,8 +202,13 @@ impl<T: Scalar> Correction<T> {
         if gate.allows(off) {
             let taken = self.covariance.take(&fusion.growth, off);
             self.pending = sum(&self.pending, &taken.pose, T::ONE);
-            self.correct_curvature(fusion.most_curvature(), taken.bias.per_way);
-            self.bias.per_turn = clamp(self.bias.per_turn + taken.bias.per_turn, fusion.drift);
+            let learnt = &taken.biases;
+            self.correct_curvature(fusion.most_curvature(), learnt.per_way);
+            let biases = &mut self.biases;
+            biases.per_turn = clamp(biases.per_turn + learnt.per_turn, fusion.drift);
+            // No tyre turns less than it rolls by what it pushes.
+            let slip = clamp(biases.slip + learnt.slip, fusion.most_slip());
+            biases.slip = larger(slip, T::ZERO);
             self.slack.m = self.slack.m * (T::ONE - position.gain);
             self.slack.rad = self.slack.rad * (T::ONE - heading.gain);
             self.candidate = None;
@@ -266,6 +283,15 @@ pub(super) struct Moved<'a, T> {
     pub(super) chord: T,
     /// Way of the middle \[m\], backward negative.
     pub(super) travel: T,
+    pub(super) accel: Sideways<T>,
+    /// Of [`Moved`](crate::odometry::Moved).
+    pub(super) turn_lost: T,
+}
+
+/// Acceleration of a base by its tyres \[m/s²\]: forward and to the left.
+pub(super) struct Sideways<T> {
+    pub(super) along: T,
+    pub(super) aside: T,
 }
 
 /// A heading that a gyro carries.
@@ -294,6 +320,11 @@ impl<T: Scalar> Fusion<T> {
     /// The largest curvature bias \[rad/m\]: that of radii which are wrong by the whole drift, each its way.
     fn most_curvature(&self) -> T {
         self.drift * self.two_per_track
+    }
+
+    /// The largest slip of tyres \[s²/m\].
+    fn most_slip(&self) -> T {
+        self.drift * T::from_f64(SOFTEST)
     }
 
     /// Errors of the radii of opposite sign turn a straight run by twice their share of travel over

@@ -12,7 +12,8 @@
 //!   robot where it stands, and not the world about its origin.
 //! * Headings and places that are off on the way, always to the same side, show that the wheels are not as large as
 //!   stated, and headings that are off after turns, always by the same share, that they are not as far apart: odometry learns this curvature
-//!   bias and this turn bias with the pose, and keeps them where no fix comes.
+//!   bias and this turn bias with the pose, and keeps them where no fix comes. So it learns what tyres slip under what they transmit, of a
+//!   robot whose mass and inertia it knows.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -122,6 +123,10 @@ pub struct Estimate<T> {
     /// Turn that odometry adds per turn, learnt likewise \[rad/rad\]: wheels that are not as far apart as stated. At most `drift`; 0 without
     /// fusion, and while a gyro carries the heading nothing is learnt.
     pub turn_bias: T,
+    /// What tyres slip per acceleration, learnt likewise \[s²/m\]: 1/(C g) of tyres that are C times as stiff, per unit of slip, as they are
+    /// loaded. Odometry takes off what they lose of way and turn by the accelerations that it is told.
+    /// 0, rigid, to `drift`/(0.2 g); 0 without [a robot](ValidLocaliserParams::with_robot).
+    pub tyre_slip: T,
     /// The pose was set: the caller has to `declare_jump` to the controller.
     pub jumped: bool,
     /// How long ago the last fix that was fused was valid \[s\]; without any, time since the start.
@@ -135,7 +140,7 @@ pub struct Estimate<T> {
 /// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks.
 ///
 /// A tick costs odometry, one sine and cosine and an exponential; a fix adds two of the former, three
-/// updates of fifteen covariances and a walk through at most N poses.
+/// updates of twenty-one covariances and a walk through at most N poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Localiser<T, const N: usize> {
     localisation: ValidLocaliserParams<T>,
@@ -245,6 +250,11 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
     /// Turn that odometry adds per turn \[rad/rad\]; see [`Estimate::turn_bias`].
     pub const fn turn_bias(&self) -> T {
         self.estimator.turn_bias()
+    }
+
+    /// What tyres slip per acceleration \[s²/m\]; see [`Estimate::tyre_slip`].
+    pub const fn tyre_slip(&self) -> T {
+        self.estimator.tyre_slip()
     }
 
     /// The parameters in use.

@@ -7,6 +7,7 @@ use crate::gyro::{GyroParams, ValidGyroParams};
 use crate::maths::{Maths, Usual};
 use crate::odometry::OdometryParams;
 use crate::range::check_ranges;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 
 /// What is known of the external pose, and how far it is trusted.
@@ -142,6 +143,7 @@ impl<T: Scalar> LocaliserParams<T> {
             .map_or(T::ZERO, |fusion: &Fusion<T>| fusion.position.filtered);
         Ok(ValidLocaliserParams {
             pose_noise: pose_noise::<T, M>(&self.odometry, filtered),
+            turning_load: T::ZERO,
             params: self,
             fusion,
             gyro,
@@ -156,9 +158,23 @@ pub struct ValidLocaliserParams<T = f32> {
     pub(super) fusion: Option<Fusion<T>>,
     pub(super) gyro: Option<ValidGyroParams<T>>,
     pub(super) pose_noise: T,
+    /// [`Robot::turning_load`].
+    pub(super) turning_load: T,
 }
 
 impl<T: Scalar> ValidLocaliserParams<T> {
+    /// For a robot of this mass and inertia, which are valid: what its tyres slip is learnt, [`Estimate::tyre_slip`](super::Estimate::tyre_slip).
+    ///
+    /// The localiser has to be told what accelerates it, as [`BaseController`](crate::base::BaseController) does.
+    #[must_use]
+    pub fn with_robot(mut self, robot: &Robot<T>) -> Self {
+        self.turning_load = robot.turning_load();
+        if let (Some(fusion), Some(params)) = (&mut self.fusion, &self.params.fusion) {
+            fusion.growth.learn_slip(params.drift);
+        }
+        self
+    }
+
     /// The parameters as they were given.
     pub fn params(&self) -> &LocaliserParams<T> {
         &self.params

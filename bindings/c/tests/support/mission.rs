@@ -218,6 +218,7 @@ pub fn run(params: &BaseParams<f32>, ticks: u32) -> String {
             words.tau_left,
             report.curvature_bias,
             report.turn_bias,
+            report.tyre_slip,
             0.0,
             0.0,
         ]);

@@ -1,7 +1,8 @@
 //! The correction of odometry by fixes.
 
-use nalgebra::{Matrix3, Matrix5, SMatrix, Vector2, Vector3, Vector5};
+use nalgebra::{Matrix3, Matrix6, SMatrix, Vector2, Vector3, Vector6};
 
+use super::odometry::Moved;
 use super::{Constants, Fix, carried};
 use crate::oracle::motion::follow::wrapped;
 
@@ -41,12 +42,12 @@ pub struct Fusion {
     slack: Slack,
     candidate: Option<Candidate>,
     slides: f64,
-    /// Turn per way \[rad/m\] and per turn.
-    pub bias: Vector2<f64>,
-    /// Covariance of the errors of x, y, θ and the biases.
-    covariance: Matrix5<f64>,
-    /// Of odometry since the last fix: way in the world, way along it, turn.
-    since: (Vector2<f64>, f64, f64),
+    /// Turn per way \[rad/m\] and per turn, slip of tyres per acceleration \[s²/m\].
+    pub bias: Vector3<f64>,
+    /// Covariance of the errors of x, y, θ and these.
+    covariance: Matrix6<f64>,
+    /// Of odometry since the last fix: way in the world, way along it, turn; and what tyres of 1 s²/m did to way and turn.
+    since: (Vector2<f64>, f64, f64, Vector3<f64>),
     /// Of the last fix that was taken \[s\].
     pub age: f64,
 }
@@ -86,18 +87,31 @@ fn difference(of: &Vector3<f64>, from: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Variances of the errors of a pose that is stated, or that a fix has set, and of the biases.
-fn errors(k: &Constants, stated: bool, bias: &Vector2<f64>) -> Matrix5<f64> {
+fn errors(k: &Constants, stated: bool, bias: &Vector3<f64>) -> Matrix6<f64> {
     let [position, heading] = channels(k);
     let share = |gain: f64| if stated { gain } else { 1.0 };
     let position = share(position.gain) * k.sigma.0.powi(2);
     let heading = share(heading.gain) * k.sigma.1.powi(2);
-    Matrix5::from_diagonal(&Vector5::new(position, position, heading, bias.x, bias.y))
+    let pose = Vector3::new(position, position, heading);
+    Matrix6::from_diagonal(&stacked(&pose, bias))
 }
 
-/// Variances of the biases of unknown wheels: radii that are wrong by an eighth of the drift, and a track that is wrong by up to all of it.
-fn unknown(k: &Constants) -> Vector2<f64> {
-    let radii = (k.drift / 8.0 * 2.0 / k.track).powi(2);
-    Vector2::new(radii, k.drift.powi(2) / 3.0)
+fn stacked(pose: &Vector3<f64>, bias: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(pose.x, pose.y, pose.z, bias.x, bias.y, bias.z)
+}
+
+/// Largest biases: radii that are wrong by the whole drift, each its way, a track that is wrong by it, tyres that lose it where they push with a
+/// fifth of what they carry.
+fn most(k: &Constants) -> Vector3<f64> {
+    k.drift * Vector3::new(2.0 / k.track, 1.0, 1.0 / (0.2 * 9.81))
+}
+
+/// Variances of the biases of unknown wheels: radii that are wrong by an eighth of the drift, a track that is wrong by up to all of it, and tyres
+/// that are anything from rigid to the softest.
+fn unknown(k: &Constants) -> Vector3<f64> {
+    let slips = if k.robot.is_some() { 1.0 } else { 0.0 };
+    let shares = Vector3::new(1.0 / 64.0, 1.0 / 3.0, slips / 12.0);
+    most(k).component_mul(&most(k)).component_mul(&shares)
 }
 
 impl Fusion {
@@ -109,9 +123,9 @@ impl Fusion {
             slack: Slack::zeros(),
             candidate: None,
             slides: 0.0,
-            bias: Vector2::zeros(),
+            bias: Vector3::zeros(),
             covariance: errors(k, true, &unknown(k)),
-            since: (Vector2::zeros(), 0.0, 0.0),
+            since: Default::default(),
             age: 0.0,
         }
     }
@@ -124,7 +138,7 @@ impl Fusion {
             covariance: errors(
                 k,
                 stated,
-                &self.covariance.diagonal().fixed_rows::<2>(3).into(),
+                &self.covariance.diagonal().fixed_rows::<3>(3).into(),
             ),
             age: self.age,
             ..Self::start(k, q)
@@ -135,16 +149,20 @@ impl Fusion {
     pub fn advance(
         &mut self,
         k: &Constants,
-        from: &Vector3<f64>,
-        to: &Vector3<f64>,
-        way: f64,
+        (from, to): (&Vector3<f64>, &Vector3<f64>),
+        moved: &Moved,
         dt: f64,
     ) {
         let before = self.q;
         self.q = carried(&self.q, from, to);
-        self.since.0 += (self.q - before).xy();
-        self.since.1 += way;
+        let step = (self.q - before).xy();
+        self.since.0 += step;
+        self.since.1 += moved.way;
         self.since.2 += to.z - from.z;
+        let forward = if moved.way < 0.0 { -1.0 } else { 1.0 };
+        let left = Vector2::new(-step.y, step.x);
+        let lost = forward * (moved.pushed.x * step + moved.pushed.y * left);
+        self.since.3 -= Vector3::new(lost.x, lost.y, moved.turn_lost);
         let [position, heading] = channels(k);
         let most = dt * Vector3::new(position.rate, position.rate, heading.rate);
         let spread = 1.0 - (-k.rate * dt).exp();
@@ -235,13 +253,17 @@ impl Fusion {
 
     /// The errors since the last fix: those that odometry carries along, and those that come to them.
     fn pass(&mut self, k: &Constants, position: f64, heading: f64) {
-        let (moved, way, turn) = std::mem::take(&mut self.since);
+        let (moved, way, turn, slipped) = std::mem::take(&mut self.since);
         // What a turn of the whole way does, and one that grows along it: by the way, and by the turn.
         let aside = Vector2::new(-moved.y, moved.x);
-        let mut f = Matrix5::identity();
+        let mut f = Matrix6::identity();
         f.fixed_view_mut::<2, 1>(0, 2).copy_from(&aside);
-        for (column, turned) in [(3, way), (4, turn)] {
-            let grows = aside * (turned / 2.0);
+        for (column, turned, led) in [
+            (3, way, Vector2::zeros()),
+            (4, turn, Vector2::zeros()),
+            (5, slipped.z, slipped.xy()),
+        ] {
+            let grows = aside * (turned / 2.0) + led;
             f.fixed_view_mut::<2, 1>(0, column).copy_from(&grows);
             f[(2, column)] = turned;
         }
@@ -249,16 +271,18 @@ impl Fusion {
         let slid = rest(position, k.sigma.0) + (0.06 * k.drift).powi(2) * way.abs();
         let turned = rest(heading, k.sigma.1) + k.drift.powi(2) / 3.0 * turn.abs();
         let unknown = unknown(k);
-        let changed = 0.01 * unknown.component_mul(&Vector2::new(way.abs(), turn.abs()));
-        let more = Vector5::new(slid, slid, turned, changed.x, changed.y);
-        let mut p = f * self.covariance * f.transpose() + Matrix5::from_diagonal(&more);
-        for (i, most) in [(3, unknown.x), (4, unknown.y)] {
-            p[(i, i)] = p[(i, i)].min(most);
+        let (way, turn) = (way.abs(), turn.abs());
+        let changed = 0.01 * unknown.component_mul(&Vector3::new(way, turn, way));
+        let more = stacked(&Vector3::new(slid, slid, turned), &changed);
+        let mut p = f * self.covariance * f.transpose() + Matrix6::from_diagonal(&more);
+        for i in 0..3 {
+            p[(3 + i, 3 + i)] = p[(3 + i, 3 + i)].min(unknown[i]);
         }
         let most = (1e5 * k.sigma.0.powi(2), 1e5 * k.sigma.1.powi(2));
         if p[(0, 0)] + p[(1, 1)] > most.0 || p[(2, 2)] > most.1 {
-            let [b, e] = [p[(3, 3)], p[(4, 4)]];
-            p = Matrix5::from_diagonal(&Vector5::new(most.0, most.0, most.1, b, e));
+            let bias = p.diagonal().fixed_rows::<3>(3).into();
+            let pose = Vector3::new(most.0, most.0, most.1);
+            p = Matrix6::from_diagonal(&stacked(&pose, &bias));
         }
         self.covariance = p;
     }
@@ -267,16 +291,17 @@ impl Fusion {
     fn correct(&mut self, k: &Constants, off: &Vector3<f64>) {
         let (m, rad) = (k.sigma.0.powi(2), k.sigma.1.powi(2));
         let r = Matrix3::from_diagonal(&Vector3::new(m, m, rad));
-        let h = SMatrix::<f64, 3, 5>::identity();
+        let h = SMatrix::<f64, 3, 6>::identity();
         let p = self.covariance;
         let sum = h * p * h.transpose() + r;
         let gain = p * h.transpose() * sum.try_inverse().expect("positive definite");
-        let left = Matrix5::identity() - gain * h;
+        let left = Matrix6::identity() - gain * h;
         self.covariance = left * p * left.transpose() + gain * r * gain.transpose();
         let step = gain * off;
         self.pending += step.xyz();
-        let most = Vector2::new(2.0 * k.drift / k.track, k.drift);
-        let learnt = self.bias + step.fixed_rows::<2>(3);
-        self.bias = learnt.inf(&most).sup(&-most);
+        let most = most(k);
+        let least = Vector3::new(-most.x, -most.y, 0.0);
+        let learnt = self.bias + step.fixed_rows::<3>(3);
+        self.bias = learnt.inf(&most).sup(&least);
     }
 }

@@ -39,6 +39,8 @@ pub struct Constants {
     pub slide: f64,
     /// Without a fix for longer the pose is stale \[s\].
     pub stale: f64,
+    /// Mass \[kg\], inertia \[kg m²\] and track \[m\] of a robot whose tyres slip.
+    pub robot: Option<(f64, f64, f64)>,
 }
 
 /// An external pose, and how long ago it was valid.
@@ -70,8 +72,8 @@ pub struct Estimate {
     pub twist: Vector2<f64>,
     /// Of the fix.
     pub outcome: Outcome,
-    /// Turn per way \[rad/m\] and per turn.
-    pub bias: Vector2<f64>,
+    /// Turn per way \[rad/m\] and per turn, slip of tyres per acceleration \[s²/m\].
+    pub bias: Vector3<f64>,
     /// Of the last fix that was taken \[s\].
     pub age: f64,
     /// The pose is stale.
@@ -117,13 +119,13 @@ impl Localiser {
     ) -> Estimate {
         let before = self.odometry.q;
         let bias = self.fusion.bias;
-        let (twist, way) = self.odometry.advance(&self.k, counts, dt, accel, &bias);
+        let moved = self.odometry.advance(&self.k, counts, dt, accel, &bias);
         let q = self.odometry.q;
         self.now += dt;
         self.past.push((self.now, q));
         let too_many = self.past.len().saturating_sub(self.k.remembered);
         self.past.drain(..too_many);
-        self.fusion.advance(&self.k, &before, &q, way, dt);
+        self.fusion.advance(&self.k, (&before, &q), &moved, dt);
         let outcome = match fix {
             None => Outcome::Absent,
             Some(fix) => match self.then(fix.age) {
@@ -133,7 +135,7 @@ impl Localiser {
         };
         Estimate {
             q: self.fusion.q,
-            twist,
+            twist: moved.twist,
             outcome,
             bias: self.fusion.bias,
             age: self.fusion.age,

@@ -51,6 +51,32 @@ pub struct Odometry {
     wheels: [Wheel; 2],
 }
 
+/// What odometry did in a tick.
+pub struct Moved {
+    /// (v, w).
+    pub twist: Vector2<f64>,
+    /// Of the middle \[m\].
+    pub way: f64,
+    /// Acceleration by the tyres, forward and to the left \[m/s²\].
+    pub pushed: Vector2<f64>,
+    /// Turn that tyres of 1 s²/m lose \[rad m/s²\].
+    pub turn_lost: f64,
+}
+
+/// Accelerations that each rim would give to half of the mass \[m/s²\], and what a difference of 1 m/s between rims turns \[1/m\]; nothing
+/// for tyres of which nothing is to be learnt.
+fn pushes(k: &Constants, accel: &Vector2<f64>) -> ([f64; 2], f64) {
+    let Some((mass, inertia, track)) = k.robot else {
+        return ([0.0; 2], 0.0);
+    };
+    let turning = inertia * accel.y / track;
+    let force = [
+        0.5 * mass * accel.x + turning,
+        0.5 * mass * accel.x - turning,
+    ];
+    (force.map(|force| force / (0.5 * mass)), 1.0 / track)
+}
+
 impl Odometry {
     /// At rest.
     pub fn start(q: Vector3<f64>, counts: [i32; 2]) -> Self {
@@ -61,26 +87,44 @@ impl Odometry {
         }
     }
 
-    /// The twist, and the way of the tick.
+    /// A tick.
     pub fn advance(
         &mut self,
         k: &Constants,
         counts: [i32; 2],
         dt: f64,
         accel: &Vector2<f64>,
-        bias: &Vector2<f64>,
-    ) -> (Vector2<f64>, f64) {
+        bias: &Vector3<f64>,
+    ) -> Moved {
         let moved: [i32; 2] = std::array::from_fn(|i| counts[i].wrapping_sub(self.counts[i]));
         self.counts = counts;
         let per_count = k.radius * (2.0 * PI / k.counts_per_turn);
         let ways: [f64; 2] = std::array::from_fn(|i| f64::from(moved[i]) * per_count[i]);
-        let way = (ways[0] + ways[1]) / 2.0;
+        let (push, per_track) = pushes(k, accel);
+        // Of rims that roll so far or so fast: what tyres of 1 s²/m lose, of the middle and of the turn.
+        let lost = |rolled: f64| {
+            let rims = push.map(|push| rolled.abs() * push);
+            Vector2::new((rims[0] + rims[1]) / 2.0, (rims[0] - rims[1]) * per_track)
+        };
+        let rolled = (ways[0] + ways[1]) / 2.0;
         // Of travel of the middle and of what the right wheel is ahead: the learnt part is per way and per turn.
-        let turned =
-            |ahead: f64, way: f64| bias.dot(&Vector2::new(way, ahead / k.track)) + ahead / k.track;
-        let turn = turned(ways[0] - ways[1], way);
+        let turned = |ahead: f64, way: f64| {
+            bias.xy().dot(&Vector2::new(way, ahead / k.track)) + ahead / k.track
+        };
+        let lost_now = lost(rolled);
+        let way = rolled - bias.z * lost_now.x;
+        let turn = turned(ways[0] - ways[1], rolled) - bias.z * lost_now.y;
+        let rim = [1.0, -1.0].map(|side| accel.x + side * k.track / 2.0 * accel.y);
+        for i in 0..2 {
+            self.wheels[i].advance(k.omega, moved[i], per_count[i], rim[i], dt);
+        }
+        let [right, left] = self.wheels.map(|wheel| wheel.speed);
+        let v = (right + left) / 2.0;
+        let twist = Vector2::new(v, turned(right - left, v)) - bias.z * lost(v);
+        // What keeps the base on its bend comes of tyres that slip outward.
+        let outward = bias.z * twist.x.abs() * twist.y;
         // The heading turns evenly along the way.
-        let middle = self.q.z + turn / 2.0;
+        let middle = self.q.z + turn / 2.0 - outward;
         let (mut along, mut aside) = (0.0, 0.0);
         for (node, weight) in GAUSS {
             for side in [-1.0, 1.0] {
@@ -90,13 +134,12 @@ impl Odometry {
             }
         }
         self.q += Vector3::new(way * along, way * aside, turn);
-        let rim = [1.0, -1.0].map(|side| accel.x + side * k.track / 2.0 * accel.y);
-        for i in 0..2 {
-            self.wheels[i].advance(k.omega, moved[i], per_count[i], rim[i], dt);
+        Moved {
+            twist,
+            way,
+            pushed: Vector2::new((push[0] + push[1]) / 2.0, twist.x * twist.y),
+            turn_lost: lost_now.y,
         }
-        let [right, left] = self.wheels.map(|wheel| wheel.speed);
-        let v = (right + left) / 2.0;
-        (Vector2::new(v, turned(right - left, v)), way)
     }
 }
 
