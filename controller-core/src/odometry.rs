@@ -3,7 +3,7 @@
 use crate::error::{Field, ParamError};
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::range::check_ranges;
+use crate::range::{check_ranges, smaller};
 use crate::reference::sinc;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Measured, Pose, Twist, WheelSpeeds};
@@ -11,7 +11,7 @@ use crate::wheels::WheelGeometry;
 
 mod slip;
 mod speed;
-pub(crate) use slip::{drift_angle, strain};
+pub(crate) use slip::{Tyres, drift_angle};
 use speed::{Turned, Wheel};
 
 /// What a calibration run found, as factors on the nominal lengths; 1 where it found nothing.
@@ -244,12 +244,12 @@ impl<T: Scalar> Odometry<T> {
         dt: T,
         accel: &Accel<T>,
     ) -> Measured<T> {
-        // Of rigid tyres: nobody has learnt anything of them.
-        let strain = Accel::default();
+        // Nobody has learnt anything of them.
+        let (strain, most_s) = (Accel::default(), Tyres::RIGID.most_s);
         let rolled = self.roll(counts, &strain);
         let turn = rolled.turn;
         let accelerations = Accelerations::exerted(*accel);
-        self.integrate::<M>(&rolled, turn, dt, &accelerations, &strain)
+        self.integrate::<M>(&rolled, turn, dt, &accelerations, (&strain, most_s))
             .0
     }
 
@@ -274,7 +274,8 @@ impl<T: Scalar> Odometry<T> {
         }
     }
 
-    /// Moves the pose by what the wheels did, with the turn `turn` \[rad\]: theirs, or one that is known better. The chord of that
+    /// Moves the pose by what the wheels did, with the turn `turn` \[rad\]: theirs, or one that is known better. Of the twist tyres under
+    /// this strain lose no more than the other says. The chord of that
     /// \[m\], backward negative, comes with it.
     #[inline(always)]
     pub(crate) fn integrate<M: Maths<T>>(
@@ -283,7 +284,7 @@ impl<T: Scalar> Odometry<T> {
         turn: T,
         dt: T,
         accelerations: &Accelerations<T>,
-        strain: &Accel<T>,
+        (strain, most_s): (&Accel<T>, T),
     ) -> (Measured<T>, T) {
         let (moved, travel) = (rolled.counts, rolled.travel);
         let lever = T::HALF * self.track;
@@ -310,7 +311,7 @@ impl<T: Scalar> Odometry<T> {
         let right = self.right.track(&right, self.bandwidth);
         let left = self.left.track(&left, self.bandwidth);
         let linear = T::HALF * (right + left);
-        let slips = self.slip * linear.abs();
+        let slips = smaller(self.slip * linear.abs(), most_s);
         let twist = Twist {
             linear: linear - slips * strain.linear,
             angular: self.turn_per_lead * (right - left) + self.curvature_bias * linear

@@ -50,6 +50,14 @@ impl Source {
         }
     }
 
+    /// No fix ever comes.
+    pub fn silent() -> Self {
+        Self {
+            latency_s: f64::INFINITY,
+            ..Self::exact()
+        }
+    }
+
     /// At a tick: takes a fix of the true pose when it is time, and gives the one that arrives now.
     pub fn poll(&mut self, t: f64, truth: &Pose<f64>) -> Option<Fix<f64>> {
         // A tick's time is a product; 1 ns keeps it from being a tick late.

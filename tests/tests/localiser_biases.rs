@@ -27,14 +27,6 @@ fn wide(localisation: &ValidLocaliserParams<f64>, wrong: f64) -> Led<f64, 64> {
     led
 }
 
-/// No fix ever comes.
-fn silent() -> Source {
-    Source {
-        latency_s: f64::INFINITY,
-        ..Source::exact()
-    }
-}
-
 /// With fixes of 5 mm and 5 mrad, and odometry that may be wrong by the share `drift`.
 fn fused(drift: f64) -> ValidLocaliserParams<f64> {
     let mut params = *localisation(&bases()[1].1, 5e-3, 5e-3).params();
@@ -117,7 +109,9 @@ fn what_was_learnt_outlasts_the_fixes() {
     let ahead = Twist::new(0.4, 0.0);
     lead(&mut led, ahead, 15.0, &mut Source::camera(1), |_, _| {});
     let mut last = Pose::default();
-    lead(&mut led, ahead, 10.0, &mut silent(), |_, off| last = *off);
+    lead(&mut led, ahead, 10.0, &mut Source::silent(), |_, off| {
+        last = *off
+    });
     // 0.23 rad without; noise of the heading at the last fix comes to it, five times 0.7 mrad.
     assert!(last.theta.abs() < 0.05 * 0.23 + 3.5e-3, "{last:?}");
 }
@@ -225,7 +219,7 @@ fn a_wrong_track_is_learnt_in_turns() {
         // 6 rad without fixes: 0.12 rad without what was learnt.
         let before = led.off(&last).theta;
         let mut off = 0.0;
-        lead(&mut led, twist, 10.0, &mut silent(), |_, now| {
+        lead(&mut led, twist, 10.0, &mut Source::silent(), |_, now| {
             off = now.theta
         });
         assert!((off - before).abs() < 6.0 * LEARNT, "{off} {before}");

@@ -15,14 +15,6 @@ fn lab() -> File {
     bases()[1].1.clone()
 }
 
-/// A source that never delivers.
-fn silent() -> Source {
-    Source {
-        latency_s: f64::INFINITY,
-        ..Source::exact()
-    }
-}
-
 /// The base with a right wheel that is 2 % larger than believed.
 fn worn(file: &File) -> Encoded {
     let mut robot = Encoded::new(file, Pose::default());
@@ -49,7 +41,7 @@ fn drift_of_a_wrong_radius_is_bounded_by_fixes() {
         (last, worst)
     };
     let fused = localisation(&file, 5e-3, 5e-3);
-    let (alone, _) = run(&fused, &mut silent());
+    let (alone, _) = run(&fused, &mut Source::silent());
     // 2 % of a radius turn by 0.02 · 4 m / 0.35 m, less than the larger wheel's own share, and that
     // turn over half the way takes the robot aside by 0.45 m.
     assert_within(alone.theta.abs(), 0.02 * 4.0 / 0.35, 5e-3, "turn");
@@ -61,7 +53,7 @@ fn drift_of_a_wrong_radius_is_bounded_by_fixes() {
     let mut params = *fused.params();
     params.odometry.calibration.right = 1.02;
     let calibrated = params.validate_with::<Libm>().expect("valid");
-    let (alone, _) = run(&calibrated, &mut silent());
+    let (alone, _) = run(&calibrated, &mut Source::silent());
     // Counts: a wheel's of 0.23 mm.
     assert!(
         alone.x.hypot(alone.y) < 2e-3 && alone.theta.abs() < 1e-3,
@@ -158,7 +150,7 @@ fn lost_fixes_do_no_harm_and_long_gaps_are_told() {
     let file = lab();
     let localisation = localisation(&file, 5e-3, 5e-3);
     let mut led = Led::<f64, 64>::start(&localisation, Encoded::new(&file, Pose::default()));
-    let (mut camera, mut nobody) = (Source::camera(11), silent());
+    let (mut camera, mut nobody) = (Source::camera(11), Source::silent());
     let mut random = Random(12);
     let (mut sum, mut n) = (0.0, 0.0);
     for k in 0..20_000 {

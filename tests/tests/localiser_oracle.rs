@@ -11,7 +11,7 @@ use controller_core::types::{Accel, Pose};
 use controller_core::wheels::WheelGeometry;
 use nalgebra::{Vector2, Vector3};
 use tests::oracle::localiser::fusion::Taken;
-use tests::oracle::localiser::{self as oracle, Constants};
+use tests::oracle::localiser::{self as oracle, Body, Constants};
 use tests::random::Random;
 use tests::tolerance::LOCALISER_ORACLE;
 
@@ -122,8 +122,14 @@ fn drive(seed: u64, met: &mut Met) {
     let mut k = constants(&params);
     let mut valid = params.validate_with::<Libm>().expect("within the ranges");
     if let Some(robot) = draw_robot(&params, &mut random) {
-        valid = valid.with_robot(&robot);
-        k.robot = Some((robot.mass_kg, robot.inertia_kg_m2, robot.wheels.track_m));
+        let bandwidth = 6.0 * factor(&mut random, 3.0);
+        valid = valid.with_robot(&robot, bandwidth);
+        k.robot = Some(Body {
+            mass: robot.mass_kg,
+            inertia: robot.inertia_kg_m2,
+            track: robot.wheels.track_m,
+            bandwidth,
+        });
     }
     let start = Pose::new(random.within(3.0), random.within(3.0), random.within(6.0));
     // Near the wrap-around, which is met.

@@ -171,10 +171,10 @@ impl<T: Scalar> BaseParams<T> {
         }
         Ok(ValidBaseParams {
             motion: self.motion.validate()?,
-            localisation: self
-                .localiser
-                .validate_with::<M>()?
-                .with_robot(&self.motion.robot),
+            localisation: self.localiser.validate_with::<M>()?.with_robot(
+                &self.motion.robot,
+                larger(self.motion.gains.turn_loop, self.motion.gains.speed_loop),
+            ),
             motor,
             detectors: self.detectors.validate()?,
             policy: self.policy.validate()?,

@@ -9,7 +9,7 @@ use crate::gyro::{
 };
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::odometry::{Accelerations, Odometry, strain};
+use crate::odometry::{Accelerations, Odometry};
 use crate::scalar::Scalar;
 use crate::types::{Measured, Pose, WheelSpeeds};
 
@@ -89,7 +89,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             return Err(StepFault::NotFinite(Input::Accel));
         }
         let before = *self.odometry.pose();
-        let strain = strain(&accelerations.exerted, localisation.turning_load);
+        let tyres = &localisation.tyres;
+        let strain = tyres.strain(&accelerations.exerted);
         let rolled = self.odometry.roll(counts, &strain);
         let turn = match (&mut self.gyro, &localisation.gyro) {
             (Some(heading), Some(gyro)) => {
@@ -115,7 +116,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         };
         let (measured, chord) =
             self.odometry
-                .integrate::<M>(&rolled, turn, dt, accelerations, &strain);
+                .integrate::<M>(&rolled, turn, dt, accelerations, (&strain, tyres.most_s));
         let Some(fusion) = &localisation.fusion else {
             return Ok(Estimate {
                 measured,

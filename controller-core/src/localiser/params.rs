@@ -5,7 +5,7 @@ use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::gyro::{GyroParams, ValidGyroParams};
 use crate::maths::{Maths, Usual};
-use crate::odometry::OdometryParams;
+use crate::odometry::{OdometryParams, Tyres};
 use crate::range::check_ranges;
 use crate::robot::Robot;
 use crate::scalar::Scalar;
@@ -143,7 +143,7 @@ impl<T: Scalar> LocaliserParams<T> {
             .map_or(T::ZERO, |fusion: &Fusion<T>| fusion.position.filtered);
         Ok(ValidLocaliserParams {
             pose_noise: pose_noise::<T, M>(&self.odometry, filtered),
-            turning_load: T::ZERO,
+            tyres: Tyres::RIGID,
             params: self,
             fusion,
             gyro,
@@ -158,17 +158,18 @@ pub struct ValidLocaliserParams<T = f32> {
     pub(super) fusion: Option<Fusion<T>>,
     pub(super) gyro: Option<ValidGyroParams<T>>,
     pub(super) pose_noise: T,
-    /// [`Robot::turning_load`].
-    pub(super) turning_load: T,
+    pub(super) tyres: Tyres<T>,
 }
 
 impl<T: Scalar> ValidLocaliserParams<T> {
     /// For a robot of this mass and inertia, which are valid: what its tyres slip is learnt, [`Estimate::tyre_slip`](super::Estimate::tyre_slip).
     ///
-    /// The localiser has to be told what accelerates it, as [`BaseController`](crate::base::BaseController) does.
+    /// The localiser has to be told what accelerates it, as [`BaseController`](crate::base::BaseController) does. `bandwidth` is that of the
+    /// loop which makes torques of the twist \[rad/s\]: of a twist no more is taken off than would delay that loop by a fifth of
+    /// its time constant on tyres that are rigid after all.
     #[must_use]
-    pub fn with_robot(mut self, robot: &Robot<T>) -> Self {
-        self.turning_load = robot.turning_load();
+    pub fn with_robot(mut self, robot: &Robot<T>, bandwidth: T) -> Self {
+        self.tyres = Tyres::new(robot, bandwidth);
         if let (Some(fusion), Some(params)) = (&mut self.fusion, &self.params.fusion) {
             fusion.growth.learn_slip(params.drift);
         }

@@ -26,9 +26,9 @@ impl Ticks {
         } else {
             self.row = 0;
         }
-        let many = self.recent.count_ones() >= settings.of_64 as u32;
-        // A good tick ends it: what is over is not found again.
-        let jitter = late && (self.row >= settings.row || many);
+        // A good tick ends it: what is over is not found again. Nor does it count the others.
+        let jitter =
+            late && (self.row >= settings.row || self.recent.count_ones() >= settings.of_64 as u32);
         (jitter, settings.long.passed(dt_us))
     }
 }

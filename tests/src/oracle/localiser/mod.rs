@@ -39,8 +39,21 @@ pub struct Constants {
     pub slide: f64,
     /// Without a fix for longer the pose is stale \[s\].
     pub stale: f64,
-    /// Mass \[kg\], inertia \[kg m²\] and track \[m\] of a robot whose tyres slip.
-    pub robot: Option<(f64, f64, f64)>,
+    /// A robot whose tyres slip.
+    pub robot: Option<Body>,
+}
+
+/// What tyres have to move, and what follows its twist.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// \[kg\].
+    pub mass: f64,
+    /// \[kg m²\].
+    pub inertia: f64,
+    /// \[m\].
+    pub track: f64,
+    /// Bandwidth of the velocity loop \[rad/s\].
+    pub bandwidth: f64,
 }
 
 /// An external pose, and how long ago it was valid.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Vector2, Vector3};
 
-use super::Constants;
+use super::{Body, Constants};
 
 /// Nodes of Gauss' rule with eight points on \[−1, 1\], one of each pair, and their weights.
 const GAUSS: [(f64, f64); 4] = [
@@ -63,18 +63,27 @@ pub struct Moved {
     pub turn_lost: f64,
 }
 
-/// Accelerations that each rim would give to half of the mass \[m/s²\], and what a difference of 1 m/s between rims turns \[1/m\]; nothing
-/// for tyres of which nothing is to be learnt.
-fn pushes(k: &Constants, accel: &Vector2<f64>) -> ([f64; 2], f64) {
-    let Some((mass, inertia, track)) = k.robot else {
-        return ([0.0; 2], 0.0);
+/// Accelerations that each rim would give to half of the mass \[m/s²\], what a difference of 1 m/s between rims turns \[1/m\], and the most
+/// that is taken off a twist \[s\]; nothing for tyres of which nothing is to be learnt.
+fn pushes(k: &Constants, accel: &Vector2<f64>) -> ([f64; 2], f64, f64) {
+    let Some(Body {
+        mass,
+        inertia,
+        track,
+        bandwidth,
+    }) = k.robot
+    else {
+        return ([0.0; 2], 0.0, 0.0);
     };
+    // A loop that may be late by a fifth of its time constant, in which a turn counts `hard` times as much.
+    let hard = 4.0 * inertia / (mass * track.powi(2));
+    let most = 0.2 / bandwidth / hard.max(1.0);
     let turning = inertia * accel.y / track;
     let force = [
         0.5 * mass * accel.x + turning,
         0.5 * mass * accel.x - turning,
     ];
-    (force.map(|force| force / (0.5 * mass)), 1.0 / track)
+    (force.map(|force| force / (0.5 * mass)), 1.0 / track, most)
 }
 
 impl Odometry {
@@ -100,7 +109,7 @@ impl Odometry {
         self.counts = counts;
         let per_count = k.radius * (2.0 * PI / k.counts_per_turn);
         let ways: [f64; 2] = std::array::from_fn(|i| f64::from(moved[i]) * per_count[i]);
-        let (push, per_track) = pushes(k, accel);
+        let (push, per_track, most) = pushes(k, accel);
         // Of rims that roll so far or so fast: what tyres of 1 s²/m lose, of the middle and of the turn.
         let lost = |rolled: f64| {
             let rims = push.map(|push| rolled.abs() * push);
@@ -120,7 +129,8 @@ impl Odometry {
         }
         let [right, left] = self.wheels.map(|wheel| wheel.speed);
         let v = (right + left) / 2.0;
-        let twist = Vector2::new(v, turned(right - left, v)) - bias.z * lost(v);
+        let slips = (bias.z * v.abs()).min(most);
+        let twist = Vector2::new(v, turned(right - left, v)) - slips * lost(1.0);
         // What keeps the base on its bend comes of tyres that slip outward.
         let outward = bias.z * twist.x.abs() * twist.y;
         // The heading turns evenly along the way.
