@@ -244,7 +244,7 @@ impl<T: Scalar> Odometry<T> {
         dt: T,
         accel: &Accel<T>,
     ) -> Measured<T> {
-        // Nobody has learnt anything of them.
+        // Of its tyres nobody has learnt anything.
         let (strain, most_s) = (Accel::default(), Tyres::RIGID.most_s);
         let rolled = self.roll(counts, &strain);
         let turn = rolled.turn;

@@ -123,7 +123,9 @@ fn drive(seed: u64, met: &mut Met) {
     let mut valid = params.validate_with::<Libm>().expect("within the ranges");
     if let Some(robot) = draw_robot(&params, &mut random) {
         let bandwidth = 6.0 * factor(&mut random, 3.0);
-        valid = valid.with_robot(&robot, bandwidth);
+        valid = valid
+            .with_robot(&robot, bandwidth)
+            .expect("within the ranges");
         k.robot = Some(Body {
             mass: robot.mass_kg,
             inertia: robot.inertia_kg_m2,

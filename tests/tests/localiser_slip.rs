@@ -1,9 +1,11 @@
 //! Tyres that slip under what they transmit: the localiser learns by how much, and takes it off.
 
+use controller_core::error::Field;
 use controller_core::localiser::{Estimate, ValidLocaliserParams};
 use controller_core::maths::Libm;
 use controller_core::motion::Task;
 use controller_core::reference::ConstantTwist;
+use controller_core::robot::Robot;
 use controller_core::types::{Accel, Pose, Twist};
 use tests::check::assert_within;
 use tests::encoded::{Encoded, bases};
@@ -70,7 +72,9 @@ fn heavy() -> ValidLocaliserParams<f64> {
 fn with_robot(localisation: ValidLocaliserParams<f64>) -> ValidLocaliserParams<f64> {
     let file = &bases()[2].1;
     let gains = file.motion().gains;
-    localisation.with_robot(&file.robot, gains.turn_loop.max(gains.speed_loop))
+    localisation
+        .with_robot(&file.robot, gains.turn_loop.max(gains.speed_loop))
+        .expect("a valid base")
 }
 
 /// Bends to both sides at a speed that comes and goes: every second turns by up to 1 rad.
@@ -220,4 +224,28 @@ fn what_was_learnt_elsewhere_does_not_shake_the_base() {
     println!("{rigid:.2e} {soft:.2e}");
     // Counts, which the fine ones of each run meet in another order.
     assert!(soft < 1.25 * rigid, "{soft} {rigid}");
+}
+
+/// A robot that cannot be, or a velocity loop that is none, is named.
+#[test]
+fn a_robot_that_cannot_be_is_refused() {
+    let file = &bases()[2].1;
+    let refused = |change: &dyn Fn(&mut Robot<f64>), bandwidth| {
+        let mut robot = file.robot;
+        change(&mut robot);
+        let known = localisation(file, 5e-3, 5e-3).with_robot(&robot, bandwidth);
+        known.expect_err("out of range").field
+    };
+    assert_eq!(refused(&|robot| robot.mass_kg = 0.0, 7.0), Field::Mass);
+    assert_eq!(
+        refused(&|robot| robot.inertia_kg_m2 = f64::NAN, 7.0),
+        Field::Inertia
+    );
+    assert_eq!(
+        refused(&|robot| robot.wheels.track_m = 0.0, 7.0),
+        Field::Track
+    );
+    for bandwidth in [0.0, -7.0, 1e4, f64::NAN] {
+        assert_eq!(refused(&|_| {}, bandwidth), Field::TurnLoop);
+    }
 }

@@ -174,7 +174,7 @@ impl<T: Scalar> BaseParams<T> {
             localisation: self.localiser.validate_with::<M>()?.with_robot(
                 &self.motion.robot,
                 larger(self.motion.gains.turn_loop, self.motion.gains.speed_loop),
-            ),
+            )?,
             motor,
             detectors: self.detectors.validate()?,
             policy: self.policy.validate()?,

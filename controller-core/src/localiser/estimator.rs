@@ -1,6 +1,6 @@
 //! One tick of a localiser, with parameters that are lent.
 
-use super::fusion::{Carried, Correction, Moved, Sideways};
+use super::fusion::{BodyAccel, Carried, Correction, Moved};
 use super::history::History;
 use super::{Estimate, Fix, FixOutcome, Refusal, SURE, ValidLocaliserParams};
 use crate::error::{Input, StepFault};
@@ -139,7 +139,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             to: &measured.pose,
             chord,
             travel: rolled.travel,
-            accel: Sideways {
+            accel: BodyAccel {
                 along: strain.linear,
                 aside: measured.twist.linear * measured.twist.angular,
             },

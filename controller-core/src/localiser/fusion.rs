@@ -138,7 +138,7 @@ impl<T: Scalar> Correction<T> {
         since.way += moved.travel;
         since.turn += moved.turn();
         // Of the way forward tyres lose what accelerates the base, of that backward likewise.
-        let Sideways { along, aside } = moved.accel;
+        let BodyAccel { along, aside } = moved.accel;
         let (along, aside) = if moved.travel < T::ZERO {
             (along, aside)
         } else {
@@ -283,13 +283,13 @@ pub(super) struct Moved<'a, T> {
     pub(super) chord: T,
     /// Way of the middle \[m\], backward negative.
     pub(super) travel: T,
-    pub(super) accel: Sideways<T>,
+    pub(super) accel: BodyAccel<T>,
     /// Of [`Moved`](crate::odometry::Moved).
     pub(super) turn_lost: T,
 }
 
 /// Acceleration of a base by its tyres \[m/s²\]: forward and to the left.
-pub(super) struct Sideways<T> {
+pub(super) struct BodyAccel<T> {
     pub(super) along: T,
     pub(super) aside: T,
 }

@@ -162,18 +162,23 @@ pub struct ValidLocaliserParams<T = f32> {
 }
 
 impl<T: Scalar> ValidLocaliserParams<T> {
-    /// For a robot of this mass and inertia, which are valid: what its tyres slip is learnt, [`Estimate::tyre_slip`](super::Estimate::tyre_slip).
+    /// For a robot of this mass and inertia: what its tyres slip is learnt, [`Estimate::tyre_slip`](super::Estimate::tyre_slip).
     ///
     /// The localiser has to be told what accelerates it, as [`BaseController`](crate::base::BaseController) does. `bandwidth` is that of the
-    /// loop which makes torques of the twist \[rad/s\]: of a twist no more is taken off than would delay that loop by a fifth of
+    /// loop which makes torques of the twist \[rad/s\], 0.1 to 1e3: of a twist no more is taken off than would delay that loop by a fifth of
     /// its time constant on tyres that are rigid after all.
-    #[must_use]
-    pub fn with_robot(mut self, robot: &Robot<T>, bandwidth: T) -> Self {
+    ///
+    /// # Errors
+    /// The first field of the robot out of range; [`Field::TurnLoop`] for the bandwidth.
+    pub fn with_robot(mut self, robot: &Robot<T>, bandwidth: T) -> Result<Self, ParamError> {
+        robot.check()?;
+        robot.wheels.check()?;
+        check_ranges![(Field::TurnLoop, bandwidth, 0.1, 1.0e3)]?;
         self.tyres = Tyres::new(robot, bandwidth);
         if let (Some(fusion), Some(params)) = (&mut self.fusion, &self.params.fusion) {
             fusion.growth.learn_slip(params.drift);
         }
-        self
+        Ok(self)
     }
 
     /// The parameters as they were given.
