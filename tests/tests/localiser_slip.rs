@@ -7,6 +7,7 @@ use controller_core::motion::Task;
 use controller_core::reference::ConstantTwist;
 use controller_core::robot::Robot;
 use controller_core::types::{Accel, Pose, Twist};
+use sim_host::mission::BaseSpec as File;
 use tests::check::assert_within;
 use tests::encoded::{Encoded, bases};
 use tests::fixes::Source;
@@ -19,7 +20,12 @@ const SLIP: f64 = 1.0 / (20.0 * 0.8 * 9.81);
 /// That of 10 times, with nothing on a caster, to which odometry that may be wrong by 2 % learns \[s²/m\].
 const MOST: f64 = 0.02 * (1.0 / (0.2 * 9.81));
 
-/// A heavy base on tyres.
+/// The heavy base.
+fn file() -> File {
+    bases()[2].1.clone()
+}
+
+/// It, on tyres.
 struct Slipping {
     led: Led<f64, 64>,
     /// 4I/(m l²).
@@ -30,11 +36,11 @@ struct Slipping {
 
 impl Slipping {
     fn new(localisation: &ValidLocaliserParams<f64>, slip: f64) -> Self {
-        let file = &bases()[2].1;
+        let file = file();
         let robot = &file.robot;
         let lever = robot.wheels.track_m / 2.0;
         Self {
-            led: Led::start(localisation, Encoded::new(file, Pose::default())),
+            led: Led::start(localisation, Encoded::new(&file, Pose::default())),
             turning: robot.inertia_kg_m2 / (robot.mass_kg * lever * lever),
             slip,
             before: Twist::default(),
@@ -64,13 +70,13 @@ impl Slipping {
 
 /// The heavy base, with fixes of 5 mm and 5 mrad.
 fn heavy() -> ValidLocaliserParams<f64> {
-    let file = &bases()[2].1;
-    with_robot(localisation(file, 5e-3, 5e-3))
+    let file = file();
+    with_robot(localisation(&file, 5e-3, 5e-3))
 }
 
 /// Of the heavy base, with its velocity loop.
 fn with_robot(localisation: ValidLocaliserParams<f64>) -> ValidLocaliserParams<f64> {
-    let file = &bases()[2].1;
+    let file = file();
     let gains = file.motion().gains;
     localisation
         .with_robot(&file.robot, gains.turn_loop.max(gains.speed_loop))
@@ -145,8 +151,8 @@ fn the_slip_is_bounded() {
 /// A localiser that knows no robot, or whose odometry is said to be exact, learns nothing of tyres.
 #[test]
 fn nothing_is_learnt_of_tyres_that_nothing_is_known_of() {
-    let file = &bases()[2].1;
-    let alone = localisation(file, 5e-3, 5e-3);
+    let file = file();
+    let alone = localisation(&file, 5e-3, 5e-3);
     let mut exact = *alone.params();
     if let Some(fusion) = &mut exact.fusion {
         fusion.drift = 0.0;
@@ -176,10 +182,10 @@ fn errors(localisation: &ValidLocaliserParams<f64>, seed: u64) -> (f64, f64) {
 /// fixes: of 5 mm and 5 mrad a seventh each at rest, and on the way, where the filter doubts odometry, more.
 #[test]
 fn what_is_learnt_of_tyres_is_taken_off() {
-    let file = &bases()[2].1;
+    let file = file();
     for seed in 1..=8 {
         let (aside, heading) = errors(&heavy(), seed);
-        let without = errors(&localisation(file, 5e-3, 5e-3), seed);
+        let without = errors(&localisation(&file, 5e-3, 5e-3), seed);
         println!(
             "{seed}: {aside:.5} m of {:.5}, {heading:.5} rad of {:.5}",
             without.0, without.1
@@ -192,7 +198,7 @@ fn what_is_learnt_of_tyres_is_taken_off() {
 /// Root mean square step of a wheel's torque from tick to tick, over its limit, of the heavy base on rigid tyres in a circle at its top speed,
 /// without fixes: what it learnt on tyres that slip by `slip` it goes on believing.
 fn shaking(slip: f64) -> f64 {
-    let file = &bases()[2].1;
+    let file = file();
     let motion = file.motion().validate().expect("valid");
     let valid = heavy();
     let mut taught = Slipping::new(&valid, slip);
@@ -202,7 +208,7 @@ fn shaking(slip: f64) -> f64 {
         twist: Twist::new(motion.params().limits.speed, 0.3),
     };
     let order = |t: f64| Task::Follow(circle.at::<Libm>(t));
-    let mut run = Localised::start(&motion, &valid, (file, taught.led.robot), &order(0.0), DT);
+    let mut run = Localised::start(&motion, &valid, (&file, taught.led.robot), &order(0.0), DT);
     run.localiser = taught.led.localiser;
     let mut torques = Vec::new();
     while run.drive.t < 15.0 {
@@ -229,11 +235,11 @@ fn what_was_learnt_elsewhere_does_not_shake_the_base() {
 /// A robot that cannot be, or a velocity loop that is none, is named.
 #[test]
 fn a_robot_that_cannot_be_is_refused() {
-    let file = &bases()[2].1;
+    let file = file();
     let refused = |change: &dyn Fn(&mut Robot<f64>), bandwidth| {
         let mut robot = file.robot;
         change(&mut robot);
-        let known = localisation(file, 5e-3, 5e-3).with_robot(&robot, bandwidth);
+        let known = localisation(&file, 5e-3, 5e-3).with_robot(&robot, bandwidth);
         known.expect_err("out of range").field
     };
     assert_eq!(refused(&|robot| robot.mass_kg = 0.0, 7.0), Field::Mass);

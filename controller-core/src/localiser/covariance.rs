@@ -155,11 +155,10 @@ impl<T: Scalar> WithPose<T> {
     };
 
     /// Beside a way aside of `(x, y)`, in whose middle the error has the covariance `middle` with the heading, and with the turn `turn`.
-    fn passed(&self, (x, y): (T, T), middle: T, turn: T) -> Self {
+    fn passed(&self, way: (T, T), middle: T, turn: T) -> Self {
         Self {
-            x: self.x + x * middle,
-            y: self.y + y * middle,
             t: self.t + turn,
+            ..self.led(way, middle)
         }
     }
 
@@ -288,8 +287,8 @@ impl<T: Scalar> Covariance<T> {
         let mt = mm + half * (ut + half * uu);
         let aside = (-since.y, since.x);
         let (ax, ay) = aside;
-        let (sx, sy) = (since.slip.x, since.slip.y);
-        let slid = (sx, sy);
+        let slid = (since.slip.x, since.slip.y);
+        let (sx, sy) = slid;
         // Of the slip before and after what it leads aside.
         let led = k.passed(aside, mk, uk);
         let k = led.led(slid, kk);
