@@ -342,12 +342,23 @@ impl<T: Scalar> Odometry<T> {
 
     /// Speeds of the wheels for which a motor layer is to make up the back-EMF \[rad/s\]: as the encoders have them (what a learnt
     /// bias adds to the turn rate is no turning of a motor), without what the wheels have just lost to unmodelled
-    /// forces. A wheel that friction slows gets more voltage by it, one whose motor is stronger than stated less.
+    /// forces. A wheel that friction slows gets more voltage by it.
     pub fn back_emf_speeds(&self) -> WheelSpeeds<T> {
+        self.back_emf_speeds_of(T::ZERO)
+    }
+
+    /// The same where the motor constant of the right wheel is above what is stated by the share `unlike`, that of the left one below it.
+    pub(crate) fn back_emf_speeds_of(&self, unlike: T) -> WheelSpeeds<T> {
+        let (right, left) = (T::ONE + unlike, T::ONE - unlike);
         WheelSpeeds {
-            right: self.right.back_emf_speed(self.bandwidth) * self.per_metre.0,
-            left: self.left.back_emf_speed(self.bandwidth) * self.per_metre.1,
+            right: self.right.back_emf_speed(right, self.bandwidth) * self.per_metre.0,
+            left: self.left.back_emf_speed(left, self.bandwidth) * self.per_metre.1,
         }
+    }
+
+    /// By how much more than the mean of both the right wheel is made up in that \[m/s\].
+    pub(crate) fn made_up_right(&self) -> T {
+        T::HALF * (self.right.made_up(self.bandwidth) - self.left.made_up(self.bandwidth))
     }
 
     /// Puts the robot elsewhere on the map. Speeds, and with them the torques' damping, carry on.

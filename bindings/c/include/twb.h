@@ -21,7 +21,7 @@ extern "C" {
 #endif
 
 /* Version of what stands here; twb_api() is that of the archive. */
-#define TWB_API 4u
+#define TWB_API 5u
 
 /* What a call answers. */
 #define TWB_OK 0
@@ -196,6 +196,7 @@ typedef struct twb_report {
     float curvature_bias;     /* rad/m that odometry adds, as external poses taught it */
     float turn_bias;          /* rad/rad, likewise */
     float tyre_slip;          /* s^2/m that the tyres slip per acceleration, likewise */
+    float motor_bias;         /* share by which the right motor's constant is above, the left one's below what is stated */
     float gyro_bias;          /* rad/s; 0 without a gyro */
     float gyro_slid;          /* rad; 0 without a gyro */
 } twb_report;
@@ -209,7 +210,7 @@ TWB_ASSERT_SIZE(twb_wheels, 8);
 TWB_ASSERT_SIZE(twb_order, 40);
 TWB_ASSERT_SIZE(twb_sensed, 60);
 TWB_ASSERT_SIZE(twb_action, 48);
-TWB_ASSERT_SIZE(twb_report, 136);
+TWB_ASSERT_SIZE(twb_report, 140);
 #undef TWB_ASSERT_SIZE
 
 /* TWB_API of the archive. */

@@ -1,7 +1,7 @@
 //! The structs of the header. Every number is 32 bits wide, so that no compiler pads.
 
 /// Version of these structs and of the calls: the caller's header has the same one.
-pub const API: u32 = 4;
+pub const API: u32 = 5;
 
 /// What a call answers that did nothing. None is 0, which the call answers that did what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -247,6 +247,8 @@ pub struct Report {
     pub turn_bias: f32,
     /// What the tyres slip per acceleration \[s²/m\].
     pub tyre_slip: f32,
+    /// Share by which the right motor's constant is above what is stated, and the left one's below it.
+    pub motor_bias: f32,
     /// Bias of the gyro \[rad/s\], 0 without one.
     pub gyro_bias: f32,
     /// Turn by which gyro and wheels disagree \[rad\], 0 without one.
@@ -266,5 +268,5 @@ const _: () = {
     assert!(size_of::<Order>() == 40);
     assert!(size_of::<Sensed>() == 60);
     assert!(size_of::<Action>() == 48);
-    assert!(size_of::<Report>() == 136);
+    assert!(size_of::<Report>() == 140);
 };

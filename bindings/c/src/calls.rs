@@ -445,6 +445,7 @@ fn of(body: &Body) -> Report {
         curvature_bias: report.curvature_bias,
         turn_bias: report.turn_bias,
         tyre_slip: report.tyre_slip,
+        motor_bias: report.motor_bias,
         gyro_bias: report.gyro.bias,
         gyro_slid: report.gyro.slid,
     }

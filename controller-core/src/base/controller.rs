@@ -4,6 +4,7 @@ use super::driving::{Driving, Tick};
 use super::host_watch::HostWatch;
 use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
+use super::motor_bias::MotorBias;
 use super::orders::{self, Leading};
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
@@ -20,7 +21,7 @@ use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
 use crate::scalar::{Scalar, seconds};
 use crate::shunting::{NeuronUpdate, RationalMean};
-use crate::types::{Accel, Pose, Twist, WheelTorques, Wrench};
+use crate::types::{Accel, Pose, Twist, WheelSpeeds, WheelTorques, Wrench};
 
 /// Poses remembered for late fixes, unless stated otherwise: 0.3 s at 10 ms.
 pub const REMEMBERED: usize = 32;
@@ -72,6 +73,7 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
     supervisor: Supervisor,
     base: ValidBaseParams<T>,
     locator: Locator<T, N>,
+    motors: MotorBias<T>,
     driving: Driving<T, M, U>,
 }
 
@@ -84,6 +86,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             locator: Locator::new(start),
             detectors: Detectors::default(),
             driving: Driving::IDLE,
+            motors: MotorBias::default(),
             exerted: WheelTorques::default(),
             host: HostWatch::NEW,
             report: BaseReport {
@@ -95,6 +98,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
                 curvature_bias: T::ZERO,
                 turn_bias: T::ZERO,
                 tyre_slip: T::ZERO,
+                motor_bias: T::ZERO,
                 fix: FixOutcome::Absent,
                 gyro: GyroReport::default(),
                 active_faults: ActiveFaults::NONE,
@@ -261,6 +265,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         other_goal: bool,
         sensed: &Sensed<T>,
     ) -> WheelAction<T> {
+        let speeds = self.back_emf_speeds(dt);
         let turning = match (&self.driving.task, &self.base.motor) {
             (Some(Task::Drive { .. }), Some(motor)) => Some(self.turning(motor, dt, sensed)),
             _ => None,
@@ -272,7 +277,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             measured: course.as_ref(),
             jumped: located.jumped,
             other_goal,
-            speeds: self.locator.back_emf_speeds(),
+            speeds,
             turning,
             dt,
         };
@@ -291,6 +296,22 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             _ => {}
         }
         driven.action
+    }
+
+    /// Speeds of the wheels for which their back-EMF is to be made up, by motors that are not quite alike. How much they are not is learnt while
+    /// torque flows.
+    fn back_emf_speeds(&mut self, dt: T) -> WheelSpeeds<T> {
+        let Some(odometry) = self.locator.odometry() else {
+            return WheelSpeeds::default();
+        };
+        if let (Some(_), Some(_), Some(measured)) =
+            (&self.base.motor, &self.report.motion, &self.report.measured)
+        {
+            self.motors
+                .advance(measured.twist.linear, odometry.made_up_right(), dt);
+            self.report.motor_bias = self.motors.share;
+        }
+        odometry.back_emf_speeds_of(self.motors.share)
     }
 
     /// The reaction to a step that the motion law refused. Nothing that a policy allows for it steps the law again.
@@ -382,7 +403,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         Ok(())
     }
 
-    /// Takes other parameters: where the base is and what latched stays, what the localiser and the monitor have learnt begins
+    /// Takes other parameters: where the base is and what latched stays, what the localiser, the monitor and the wheels have learnt begins
     /// anew.
     ///
     /// # Errors
@@ -395,6 +416,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
         self.base = *base;
         self.locator.begin_anew(self.report.measured.as_ref());
+        self.motors = MotorBias::default();
         self.detectors = Detectors::default();
         self.supervisor.reconfigure(&base.supervisor);
         self.idle();

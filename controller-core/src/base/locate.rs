@@ -6,10 +6,10 @@ use crate::error::StepFault;
 use crate::gyro::GyroReport;
 use crate::localiser::{Estimator, FixOutcome, ValidLocaliserParams};
 use crate::maths::Maths;
-use crate::odometry::Accelerations;
+use crate::odometry::{Accelerations, Odometry};
 use crate::reference::sinc;
 use crate::scalar::{Scalar, microseconds};
-use crate::types::{Measured, Pose, WheelSpeeds};
+use crate::types::{Measured, Pose};
 
 /// The localiser, and what it needs across ticks without a reading beside the report of the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +50,9 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// See [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds); of the last reading where there is no new one.
-    pub(super) fn back_emf_speeds(&self) -> WheelSpeeds<T> {
-        let localiser = self.localiser.as_ref();
-        localiser.map_or_else(WheelSpeeds::default, Estimator::back_emf_speeds)
+    /// That of the last reading.
+    pub(super) fn odometry(&self) -> Option<&Odometry<T>> {
+        self.localiser.as_ref().map(Estimator::odometry)
     }
 
     /// For other parameters: begins anew, where it was by the last report.

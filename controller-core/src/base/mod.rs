@@ -22,6 +22,7 @@ mod driving;
 mod host_watch;
 mod io;
 mod locate;
+mod motor_bias;
 mod orders;
 mod params;
 mod report;

@@ -32,6 +32,9 @@ pub struct BaseReport<T = f32> {
     /// What the tyres slip per acceleration, as external poses taught it \[s²/m\]. See
     /// [`Estimate::tyre_slip`](crate::localiser::Estimate::tyre_slip).
     pub tyre_slip: T,
+    /// By what share the motor constant of the right wheel is above what is stated, and that of the left one below it: motors that are not
+    /// alike. Learnt while torque flows, within ± 0.1; 0 of a base without motors.
+    pub motor_bias: T,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
     /// What is known of the gyro, where there is one.

@@ -11,7 +11,7 @@ use crate::hal::WheelCounts;
 use crate::maths::Maths;
 use crate::odometry::{Accelerations, Odometry};
 use crate::scalar::Scalar;
-use crate::types::{Measured, Pose, WheelSpeeds};
+use crate::types::{Measured, Pose};
 
 /// What a localiser remembers; its parameters are lent: they exist once, wherever it is built in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -236,8 +236,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
-    pub(crate) fn back_emf_speeds(&self) -> WheelSpeeds<T> {
-        self.odometry.back_emf_speeds()
+    pub(crate) const fn odometry(&self) -> &Odometry<T> {
+        &self.odometry
     }
 
     pub(super) fn pose(&self, localisation: &ValidLocaliserParams<T>) -> &Pose<T> {

@@ -223,7 +223,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
 
     /// See [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds).
     pub fn back_emf_speeds(&self) -> WheelSpeeds<T> {
-        self.estimator.back_emf_speeds()
+        self.estimator.odometry().back_emf_speeds()
     }
 
     /// The pose of the last update.

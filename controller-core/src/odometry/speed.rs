@@ -98,10 +98,15 @@ pub(super) struct Turned<T> {
 }
 
 impl<T: Scalar> Wheel<T> {
-    /// The speed for which the back-EMF is to be made up \[m/s\]: without what the wheel lost, in [`MADE_UP`]/ω, to unmodelled
-    /// accelerations; a quarter of its own at most, as [`MOST`] has it.
-    pub(super) fn back_emf_speed(&self, bandwidth: T) -> T {
-        self.speed - T::from_f64(MADE_UP) * self.unmodelled / bandwidth
+    /// The speed for which the back-EMF of a motor of this constant, over what is stated, is to be made up \[m/s\]: with what is
+    /// [`made_up`](Self::made_up).
+    pub(super) fn back_emf_speed(&self, constant: T, bandwidth: T) -> T {
+        constant * self.speed + self.made_up(bandwidth)
+    }
+
+    /// What the wheel lost, in [`MADE_UP`]/ω, to unmodelled accelerations \[m/s\]; a quarter of its speed at most, as [`MOST`] has it.
+    pub(super) fn made_up(&self, bandwidth: T) -> T {
+        -(T::from_f64(MADE_UP) * self.unmodelled) / bandwidth
     }
 
     /// The speed at the end of the tick \[m/s\]. The loop is solved implicitly: stable for every ω dt.

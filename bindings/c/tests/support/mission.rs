@@ -219,6 +219,7 @@ pub fn run(params: &BaseParams<f32>, ticks: u32) -> String {
             report.curvature_bias,
             report.turn_bias,
             report.tyre_slip,
+            report.motor_bias,
             0.0,
             0.0,
         ]);
