@@ -80,6 +80,8 @@ impl<T: Scalar> Follower<T> {
             motion.across.clip(across),
             self.turn_around(now.error.theta, sine),
         );
+        // Hardly a robot looks back. One that does not, and has not done so lately, has nothing of the third neuron, and does not work it out.
+        let looks_back = demands.2 != T::ZERO || self.around.is_felt();
         match two_per_dt {
             Some(two_per_dt) => {
                 let step = |lag: &super::lag::Lag<T>, state: &LagState<T>, demand| {
@@ -87,7 +89,9 @@ impl<T: Scalar> Follower<T> {
                 };
                 self.along = step(&motion.along, &self.along, demands.0);
                 self.across = step(&motion.across, &self.across, demands.1);
-                self.around = step(&motion.around, &self.around, demands.2);
+                if looks_back {
+                    self.around = step(&motion.around, &self.around, demands.2);
+                }
             }
             None => {
                 let turned = motion.turning.error_of(command.angular - reference.angular) - sine;
@@ -97,10 +101,12 @@ impl<T: Scalar> Follower<T> {
             }
         }
         let heading_rate = reference.angular - now.turn_rate;
-        let turn = self.across.value + sine + self.around.value;
-        let turn_rate = motion.across.rate(&self.across, gains.decay)
-            + motion.around.rate(&self.around, gains.decay)
-            + cosine * heading_rate;
+        let mut turn = self.across.value + sine;
+        let mut turn_rate = motion.across.rate(&self.across, gains.decay) + cosine * heading_rate;
+        if looks_back {
+            turn += self.around.value;
+            turn_rate += motion.around.rate(&self.around, gains.decay);
+        }
         let (turn, slope) = motion.turning.at::<M>(turn);
         Setpoint {
             twist: Twist {

@@ -32,6 +32,12 @@ impl<T: Scalar> LagState<T> {
         input: T::ZERO,
     };
 
+    /// More than a rounding of 1 is left of what was demanded. A decay alone ends in numbers that rounding keeps from zero.
+    #[inline(always)]
+    pub(crate) fn is_felt(&self) -> bool {
+        self.value.abs() > T::EPSILON
+    }
+
     pub(crate) fn residue(&self) -> T {
         residue([self.value, self.input])
     }
