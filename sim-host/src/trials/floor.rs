@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
+use std::mem::swap;
 
 /// What of a world is not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -74,8 +75,9 @@ impl Condition {
 /// [`presets::bad_floor`] has what does not depend on the size of a base: grip, slope, tyres, wheels that
 /// are not quite as believed, glitches, supply and current noise, late ticks. Motors, battery, bearings,
 /// encoders and pose source are the base's own; drawn on top are mass and inertia (±30 %), where the slope
-/// goes down, friction (±30 %), battery (80 to 100 %) and the pose source's age (up to half more), of which
-/// one pose in twenty is lost. The same seed draws the same for every condition but for what it fixes.
+/// goes down, friction (±30 %), battery (80 to 100 %), the pose source's age (up to half more), of which
+/// one pose in twenty is lost, and which side has the larger wheel, the stronger motor and more of the weight: what they do to a base adds up
+/// or cancels. The same seed draws the same for every condition but for what it fixes.
 pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut draw = |(low, high): (f64, f64)| -> f64 {
@@ -86,6 +88,7 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     let drawn = (draw(spread), draw(spread));
     let (downhill, friction) = (draw((-3.1, 3.1)), draw(FRICTION));
     let (battery, latency) = (draw(BATTERY), draw(LATENCY));
+    let [larger, stronger, heavier] = [(); 3].map(|()| draw((-1.0, 1.0)) < 0.0);
     let bad = presets::bad_floor();
     let mut world = WorldKeys {
         motor: None,
@@ -93,6 +96,13 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
         ..bad.clone()
     };
     (world.body.mass_factor, world.body.inertia_factor) = condition.body().unwrap_or(drawn);
+    let body = &mut world.body;
+    if larger {
+        swap(&mut body.radius_right_factor, &mut body.radius_left_factor);
+    }
+    if heavier {
+        body.load_right = 1.0 - body.load_right;
+    }
     world.floor.downhill_rad = downhill;
     // Off the axle by no more than a tenth of the track, where a small base has little room.
     let track_m = base.robot.wheels.track_m;
@@ -103,7 +113,7 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
             && motor.strength == [1.0, 1.0]
         {
             // Brushed motors of one lot differ by 5 to 10 %.
-            motor.strength = [1.03, 0.97];
+            motor.strength = if stronger { [0.97, 1.03] } else { [1.03, 0.97] };
         }
         world.battery = hardware.battery;
         let share = match condition {

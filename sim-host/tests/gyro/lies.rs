@@ -11,6 +11,8 @@ use sim_host::world::PlantFault;
 
 /// Runs of each base and lie.
 const RUNS: u64 = 10;
+/// Of a bias, so many that one name in fifty is counted and not met by chance.
+const RUNS_BIASED: u64 = 100;
 
 /// What came of a run.
 struct Outcome {
@@ -87,7 +89,11 @@ fn gyros_that_lie_are_found() {
         for built_in in BASES {
             let base = built_in.with_gyro().expect("valid");
             let (mut found, mut slips, mut latest, mut worst) = (0, 0, 0.0_f64, 0.0_f64);
-            for seed in seeds(RUNS) {
+            let runs = match fault {
+                PlantFault::GyroBias { .. } => RUNS_BIASED,
+                _ => RUNS,
+            };
+            for seed in seeds(runs) {
                 let outcome = run(&base, seed, Some(fault));
                 let what = format!("{name} {} {seed}", built_in.name);
                 // What stops it stops it without a lie, too, but for slips.
@@ -113,7 +119,7 @@ fn gyros_that_lie_are_found() {
                 worst = worst.max(outcome.worst);
             }
             println!(
-                "{name} {}: {found} found, the latest after {latest:.2} s; heading within {worst:.3} rad; {slips} of {RUNS} stopped for a slip",
+                "{name} {}: {found} found, the latest after {latest:.2} s; heading within {worst:.3} rad; {slips} of {runs} stopped for a slip",
                 built_in.name
             );
             assert!(found > 0, "{name} {}", built_in.name);
@@ -123,7 +129,7 @@ fn gyros_that_lie_are_found() {
                 built_in.name
             );
             assert!(
-                slips <= RUNS as usize / 4,
+                slips <= runs as usize / 4,
                 "{name} {}: {slips}",
                 built_in.name
             );
@@ -131,6 +137,6 @@ fn gyros_that_lie_are_found() {
             assert!(worst < 0.35, "{name} {}: {worst}", built_in.name);
         }
     }
-    // docs/gyro.md: 1 of 30.
-    assert!(mirrored <= 1, "{mirrored}");
+    // docs/gyro.md: 5 of 300.
+    assert!(mirrored <= 5, "{mirrored}");
 }
