@@ -17,7 +17,7 @@ const BELIEF_S: f64 = 1.0;
 /// v₀ \[m/s\]: below it friction, which is not of the motors, says more. At 0.1 m/s 3 % of the back-EMF of the three example bases' motors are a fourth, a fourth and a
 /// tenth of their wheels' Coulomb friction (30, 10 and 1 kg).
 const SLOW_M_S: f64 = 0.1;
-/// T \[s\]: what was seen is forgotten after so long a drive: copper and magnets get warm within minutes.
+/// T \[s\]: what was seen is forgotten in so long a time, driving or at rest: copper and magnets get warm within minutes.
 const MEMORY_S: f64 = 10.0;
 
 /// By what share the motor constant of the right wheel is above what is stated, and that of the left one below it.

@@ -88,7 +88,7 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     let drawn = (draw(spread), draw(spread));
     let (downhill, friction) = (draw((-3.1, 3.1)), draw(FRICTION));
     let (battery, latency) = (draw(BATTERY), draw(LATENCY));
-    let [larger, stronger, heavier] = [(); 3].map(|()| draw((-1.0, 1.0)) < 0.0);
+    let [left_larger, left_stronger, left_heavier] = [(); 3].map(|()| draw((-1.0, 1.0)) < 0.0);
     let bad = presets::bad_floor();
     let mut world = WorldKeys {
         motor: None,
@@ -97,10 +97,10 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     };
     (world.body.mass_factor, world.body.inertia_factor) = condition.body().unwrap_or(drawn);
     let body = &mut world.body;
-    if larger {
+    if left_larger {
         swap(&mut body.radius_right_factor, &mut body.radius_left_factor);
     }
-    if heavier {
+    if left_heavier {
         body.load_right = 1.0 - body.load_right;
     }
     world.floor.downhill_rad = downhill;
@@ -113,7 +113,7 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
             && motor.strength == [1.0, 1.0]
         {
             // Brushed motors of one lot differ by 5 to 10 %.
-            motor.strength = if stronger { [0.97, 1.03] } else { [1.03, 0.97] };
+            motor.strength = if left_stronger { [0.97, 1.03] } else { [1.03, 0.97] };
         }
         world.battery = hardware.battery;
         let share = match condition {
