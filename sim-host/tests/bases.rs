@@ -63,12 +63,12 @@ fn ripple(trace: &Trace, parked_s: f64, limit_nm: f64) -> f64 {
 
 #[test]
 fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
-    let mut readme = Stated::of("README.md");
+    let mut page = Stated::of("docs/your-robot.md");
     let rows = ["1 kg", "10 kg", "30 kg, line / curve"];
     let names = ["hobby-1kg", "lab-10kg", "paper-30kg"];
     for base in BASES {
         let row = names.iter().zip(rows).find(|(name, _)| **name == base.name);
-        let (_, row) = row.ok_or("a base that README does not have")?;
+        let (_, row) = row.ok_or("a base that the page does not have")?;
         let (mut ends, mut times, mut ripples) = (Vec::new(), Vec::new(), Vec::new());
         let limit_nm = base.base()?.limits.wheel_torque_nm;
         for turn_rate in [0.0, 0.15] {
@@ -111,14 +111,11 @@ fn both_cases_park_on_every_base() -> Result<(), Box<dyn Error>> {
             times.push(latest);
             ripples.push(100.0 * rattle);
         }
-        readme.exactly(
-            At::Row("From a robot's file to flash", row),
-            &[ends, times, ripples].concat(),
-        );
+        page.exactly(At::Row("3. Verify", row), &[ends, times, ripples].concat());
     }
     let runs = BODIES.len() as f64 * SEEDS as f64;
-    readme.exactly(
-        At::Phrase("Worst of # runs each (`sim-host/tests/bases.rs`)"),
+    page.exactly(
+        At::Phrase("Of line and curve, worst of # runs each (`sim-host/tests/bases.rs`)"),
         &[runs],
     );
     Ok(())

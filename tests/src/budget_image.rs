@@ -124,7 +124,7 @@ pub struct Rows(BTreeMap<String, (u64, f64, u64)>);
 
 impl Rows {
     /// Lines `name min mean max` or `name number`.
-    fn parse(text: &str) -> Self {
+    pub fn parse(text: &str) -> Self {
         let complaints: Vec<&str> = text.lines().filter(|line| line.starts_with('!')).collect();
         assert!(complaints.is_empty(), "{complaints:?}:\n{text}");
         let rows = text.lines().map(|line| {
@@ -146,6 +146,11 @@ impl Rows {
             }
         });
         Self(rows.collect())
+    }
+
+    /// With the rows of another image.
+    pub fn extend(&mut self, other: Self) {
+        self.0.extend(other.0);
     }
 
     /// Least, mean and most.

@@ -241,12 +241,8 @@ pub fn peers(cost: &Rows, peers: &Rows) -> String {
             peers.show("peer/biquad-df1-clamped-pair"),
         ),
         (
-            "Ramsete (kinematic) on our maths",
-            cost.show("peer/ramsete/single"),
-        ),
-        (
-            "Ramsete (kinematic) on libm",
-            cost.show("peer/ramsete/libm"),
+            "odometry, Ramsete, two PIDs with feed-forward",
+            peers.show("peer/stack"),
         ),
     ] {
         let _ = writeln!(text, "| {name} | {value} |");

@@ -11,6 +11,8 @@ mod budget;
 mod budget_image;
 #[path = "../src/budget_report.rs"]
 mod budget_report;
+#[path = "../src/cycles.rs"]
+mod cycles;
 #[path = "../src/panic_link.rs"]
 mod panic_link;
 
@@ -23,6 +25,7 @@ use budget::Table;
 use budget_image::{
     BOARDS, Board, Elf, LEVELS, Rows, build, cargo_into, footprint, root, run, target_dir,
 };
+use cycles::Traced;
 use sim_host::bench::{LawKind, instructions};
 use sim_host::pil::Footprint;
 use tests::boards_target;
@@ -41,6 +44,14 @@ struct Measured {
     cost: Rows,
     pil: Rows,
     size: Footprint,
+    /// Of the image that has the whole base and drives it along a route, nothing else.
+    base: Footprint,
+}
+
+impl Measured {
+    fn is_traced(&self) -> bool {
+        self.board == BOARDS[0] && self.level == LEVELS[0]
+    }
 }
 
 /// Everything, measured once.
@@ -52,12 +63,14 @@ fn measured() -> &'static [Measured] {
             for level in LEVELS {
                 let cost = build(board, level, "cost");
                 let pil = build(board, level, "pil");
+                let base = build(board, level, "base");
                 all.push(Measured {
                     board,
                     level,
                     cost: run(board, "cost", &cost),
                     pil: run(board, "pil", &pil),
                     size: footprint(&pil),
+                    base: footprint(&base),
                 });
             }
         }
@@ -65,10 +78,33 @@ fn measured() -> &'static [Measured] {
     })
 }
 
+/// Cycles that are modelled for ticks of the whole base on the Cortex-M4F at opt level 3, following and parking, traced once.
+fn modelled() -> &'static [Traced; 2] {
+    static TRACED: OnceLock<[Traced; 2]> = OnceLock::new();
+    TRACED.get_or_init(|| {
+        let (traced, console) = cycles::traced(&build(BOARDS[0], LEVELS[0], "trace"));
+        let rows = Rows::parse(&console);
+        // Of what is counted two calls, and the return from the first, are beside what is traced.
+        for (traced, row) in traced.iter().zip(["base/follow", "base/park"]) {
+            let mean = traced.instructions as f64 / traced.ticks as f64;
+            assert!(
+                (rows.row(row).1 - mean - 4.0).abs() < 0.01,
+                "{row}: {:?}, traced {mean}",
+                rows.row(row)
+            );
+        }
+        traced
+    })
+}
+
 /// What has a budget, of one board at one opt level.
-fn entries(measured: &Measured) -> [(&'static str, u64); 27] {
+fn entries(measured: &Measured) -> Vec<(&'static str, u64)> {
     let Measured {
-        cost, pil, size, ..
+        cost,
+        pil,
+        size,
+        base,
+        ..
     } = measured;
     let tick = |part: &str| cost.most(&format!("tick/single+rational/{part}/ordinary"));
     let worst = |part: &str| {
@@ -78,7 +114,7 @@ fn entries(measured: &Measured) -> [(&'static str, u64); 27] {
             .fold(0, u64::max)
     };
     let stack = |part: &str| cost.most(&format!("stack/single+rational/{part}"));
-    [
+    let mut entries = vec![
         ("track", tick("track")),
         ("track-worst", worst("track")),
         ("track-with-reference", tick("track-with-reference")),
@@ -99,6 +135,7 @@ fn entries(measured: &Measured) -> [(&'static str, u64); 27] {
         ("base-fix", cost.most("base/with-fix")),
         ("localiser", cost.most("localiser/without-fix")),
         ("motor", cost.most("motor/command")),
+        ("base-flash", base.flash()),
         ("base-ram", cost.most("ram/base")),
         ("base-stack", cost.most("stack/base")),
         ("tick-stack", stack("track").max(stack("park"))),
@@ -106,7 +143,13 @@ fn entries(measured: &Measured) -> [(&'static str, u64); 27] {
         ("pil-stack", pil.most("stack/pil")),
         ("pil-flash", size.flash()),
         ("pil-ram", size.ram()),
-    ]
+    ];
+    if measured.is_traced() {
+        let names = ["base-follow-cycles", "base-park-cycles"];
+        let most = modelled().map(|traced| traced.per_tick().most);
+        entries.extend(names.into_iter().zip(most));
+    }
+    entries
 }
 
 fn table() -> Table {
@@ -114,8 +157,13 @@ fn table() -> Table {
         .iter()
         .map(|measured| {
             let section = format!("{}.{}", measured.board.name, measured.level);
-            let entries = entries(measured).map(|(key, value)| (key.to_owned(), value));
-            (section, entries.into())
+            let entries = entries(measured).into_iter();
+            (
+                section,
+                entries
+                    .map(|(key, value)| (key.to_owned(), value))
+                    .collect(),
+            )
         })
         .collect()
 }
@@ -274,7 +322,6 @@ fn assert_does_not_link(board: Board, level: &str, program: &str) {
     );
 }
 
-/// Back ends, parts and peers as tables for the README.
 /// What was measured on a board at opt level 3.
 fn fastest(board: Board) -> &'static Measured {
     let mut all = measured().iter();
@@ -290,7 +337,7 @@ fn the_document_states_what_is_measured() {
     let columns = ["Cortex-M4F", "RISC-V (rv32imafc)"];
     for (board, column) in BOARDS.into_iter().zip(columns) {
         let measured = fastest(board);
-        let figures = BTreeMap::from(entries(measured));
+        let figures = BTreeMap::from_iter(entries(measured));
         for (row, keys) in [
             (
                 "paper's law, one tick tracking / parking",
@@ -318,8 +365,8 @@ fn the_document_states_what_is_measured() {
                 &["base-plan"],
             ),
             (
-                "RAM and stack of the whole base [bytes]",
-                &["base-ram", "base-stack"],
+                "flash of the whole base with a route, RAM and stack [bytes]",
+                &["base-flash", "base-ram", "base-stack"],
             ),
             ("localiser; motor layer, a wheel", &["localiser", "motor"]),
             (
@@ -332,7 +379,13 @@ fn the_document_states_what_is_measured() {
         }
     }
     let arm = fastest(BOARDS[0]);
-    let figures = BTreeMap::from(entries(arm));
+    let figures = BTreeMap::from_iter(entries(arm));
+    let [follow, park] = modelled().map(|traced| traced.per_tick());
+    let cycles = [follow.least, follow.most, park.least, park.most];
+    page.exactly(
+        At::Row("On a chip", "cycles that the processor's manual has for ticks of the whole base that accelerate, following / parking, mean"),
+        &cycles.map(|cycles| cycles as f64),
+    );
     page.exactly(
         At::Phrase("limited torques cost up to #;"),
         &[figures["park-worst"].max(figures["track-worst"]) as f64],
@@ -350,20 +403,13 @@ fn the_document_states_what_is_measured() {
     rivals_cost_what_the_benchmark_says(&peers);
     let tick = |path: &str, part: &str| arm.cost.row(&format!("tick/{path}/{part}/ordinary")).1;
     page.exactly(
-        At::Phrase("two `pid` PIDs #, the Ramsete law # on our maths"),
-        &[
-            peers.row("peer/pid-pair").1,
-            arm.cost.row("peer/ramsete/single").1,
-        ],
+        At::Phrase("two `pid` PIDs #"),
+        &[peers.row("peer/pid-pair").1],
     );
     // Means, for their cost depends on the numbers.
     page.exactly(
-        At::Phrase("and # on `libm`, the paper's tick on `libm` # / #"),
-        &[
-            arm.cost.row("peer/ramsete/libm").1,
-            tick("libm+exact", "track"),
-            tick("libm+exact", "park"),
-        ],
+        At::Phrase("the paper's tick on `libm` # / #"),
+        &[tick("libm+exact", "track"), tick("libm+exact", "park")],
     );
     page.about(
         At::Phrase("and in `f64` # / #."),
@@ -372,6 +418,56 @@ fn the_document_states_what_is_measured() {
             tick("f64-libm+exact", "park"),
         ],
     );
+}
+
+/// The README's table: the whole base beside the least that drives such a robot, on the same maths.
+#[test]
+fn the_readme_says_what_a_tick_costs() {
+    let arm = fastest(BOARDS[0]);
+    let figures = BTreeMap::from_iter(entries(arm));
+    let peers = peers();
+    // The stack follows its circle, so what is counted is what it does.
+    let off_mm = peers.most("peer/stack-off-mm");
+    assert!(off_mm <= 5, "{off_mm} mm");
+    let mut page = Stated::of("README.md");
+    let stack = peers.row("peer/stack");
+    let follow = figures["base-follow-mean"] as f64;
+    let traced = &modelled()[0];
+    let per_instruction = [traced.cycles.least, traced.cycles.most]
+        .map(|cycles| cycles as f64 / traced.instructions as f64);
+    page.to_a_digit(At::Phrase("one takes # to # cycles"), &per_instruction);
+    // Cycles a tick over those of a millisecond at 100 MHz [%].
+    let shares =
+        per_instruction.map(|cycles| 100.0 * cycles * figures["base-follow"] as f64 / 1.0e5);
+    page.to_a_digit(At::Phrase("the base takes # to # % of the time"), &shares);
+    page.exactly(
+        At::Phrase("Flash # bytes, RAM #, stack #."),
+        &["base-flash", "base-ram", "base-stack"].map(|key| figures[key] as f64),
+    );
+    for (row, cells) in [
+        (
+            "whole base to torques, following",
+            &[follow, figures["base-follow"] as f64][..],
+        ),
+        (
+            "whole base to torques, parking",
+            &["base-park-mean", "base-park"].map(|key| figures[key] as f64),
+        ),
+        (
+            "the same with an external pose",
+            &[figures["base-fix"] as f64],
+        ),
+        (
+            "the same while it searches for a manoeuvre, 0.35 s at most",
+            &[figures["base-plan"] as f64],
+        ),
+        (
+            "odometry, Ramsete, a PID with feed-forward for each wheel, to duties; nothing else",
+            &[stack.1, stack.2 as f64],
+        ),
+    ] {
+        page.exactly(At::Row("What a tick costs", row), cells);
+    }
 }
 
 /// `sim-host bench` prints the most instructions of a rival's tick; a board counted them.
@@ -407,8 +503,8 @@ fn peers() -> Rows {
         .args(["build", "--quiet", "--locked", "--release"])
         .args(["--features", "panic-proof"]);
     budget_image::succeed(&mut command);
-    let image = boards_target()
-        .join(BOARDS[0].target)
-        .join("release/cost-peers");
-    run(BOARDS[0], "cost", &image)
+    let images = boards_target().join(BOARDS[0].target).join("release");
+    let mut rows = run(BOARDS[0], "cost", &images.join("cost-peers"));
+    rows.extend(run(BOARDS[0], "cost", &images.join("cost-stack")));
+    rows
 }

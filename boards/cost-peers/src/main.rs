@@ -1,8 +1,7 @@
 //! Peers of the controller in the same harness: what two common filters and the laws of `sim-host bench` cost on the same
 //! emulated chip.
 //!
-//! `cargo run --release` prints lines `name min mean max` of executed instructions. The third peer, Ramsete, needs no
-//! dependency and is counted in `firmware-demo/src/bin/cost/ramsete.rs`.
+//! `cargo run --release` prints lines `name min mean max` of executed instructions; `--bin cost-stack` those of a whole stack.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -32,10 +32,6 @@ mod kinds;
 mod print;
 
 #[cfg(target_os = "none")]
-#[path = "cost/ramsete.rs"]
-mod ramsete;
-
-#[cfg(target_os = "none")]
 #[path = "cost/stack.rs"]
 mod stack;
 
@@ -83,8 +79,6 @@ fn run() {
     wheels::odometry(meter);
     wheels::localiser(meter);
     wheels::motor(meter);
-    ramsete::measure::<Single>(meter, "single");
-    ramsete::measure::<Libm>(meter, "libm");
 
     base::motion(meter);
     base::lead(meter);

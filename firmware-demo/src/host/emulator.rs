@@ -3,7 +3,7 @@
 use std::boxed::Box;
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
-use std::io::{self, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::string::{String, ToString};
@@ -222,6 +222,67 @@ impl Drop for Emulator {
         // A directory that cannot be removed is left to the system's cleaning of its temporary store.
         let _ = fs::remove_dir_all(&self.directory);
     }
+}
+
+/// Runs an image to its end and gives the address of every instruction that it executes to `each`; of an instruction that jumps to
+/// itself, once.
+///
+/// # Errors
+///
+/// [`EmulatorError::Start`] when the emulator does not start, or its trace cannot be read.
+pub fn trace(
+    image: &Path,
+    options: &Options,
+    mut each: impl FnMut(u32),
+) -> Result<EmulatorOutcome, EmulatorError> {
+    let program = options.machine.emulator();
+    let failed = |error| EmulatorError::Start(program, error);
+    let help = Command::new(program)
+        .arg("-help")
+        .output()
+        .map_err(failed)?;
+    // Which of the two an emulator knows depends on its age.
+    let newer = String::from_utf8_lossy(&help.stdout).contains("one-insn-per-tb");
+    let single: &[&str] = if newer {
+        &["-accel", "tcg,one-insn-per-tb=on"]
+    } else {
+        &["-singlestep"]
+    };
+    let mut command = command_line(image, options);
+    command.args(single).args(["-d", "exec,nochain"]);
+    let mut child = command.spawn().map_err(failed)?;
+    let (mut console, mut last) = (String::new(), None);
+    // The trace goes where the firmware prints.
+    for line in child
+        .stderr
+        .take()
+        .map(BufReader::new)
+        .into_iter()
+        .flat_map(BufRead::lines)
+    {
+        let line = line.map_err(failed)?;
+        // `Trace 0: 0x7f5d8c000100 [00400000/00000458/00000110/ff021000] name`: the second of four is where it is.
+        let traced = line
+            .strip_prefix("Trace ")
+            .and_then(|rest| rest.split('/').nth(1));
+        match traced.map(|address| u32::from_str_radix(address, 16)) {
+            // Where its count of instructions runs out it begins one anew.
+            Some(Ok(address)) if last == Some(address) => {}
+            Some(Ok(address)) => {
+                last = Some(address);
+                each(address);
+            }
+            // About blocks of which it executes a part only, to count exactly.
+            _ if line.starts_with("cpu_io_recompile:") || line.starts_with("Stopped execution") => {
+            }
+            _ => {
+                console.push_str(&line);
+                console.push('\n');
+            }
+        }
+    }
+    let code = child.wait().map_err(failed)?.code();
+    Ok(EmulatorOutcome { code, console })
 }
 
 fn command_line(image: &Path, options: &Options) -> Command {

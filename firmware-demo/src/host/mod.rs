@@ -10,7 +10,7 @@ mod session;
 mod uart;
 
 pub use chip::{BaseChip, BoardChip, Chip, ChipError, ChipLink};
-pub use emulator::{Emulator, EmulatorError, EmulatorOutcome, LinkKind, Machine, Options};
+pub use emulator::{Emulator, EmulatorError, EmulatorOutcome, LinkKind, Machine, Options, trace};
 pub use fifo::FifoLink;
 pub use image::{BuildError, Image, build_image};
 pub use session::{Session, SessionError};

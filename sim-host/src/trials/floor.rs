@@ -113,7 +113,11 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
             && motor.strength == [1.0, 1.0]
         {
             // Brushed motors of one lot differ by 5 to 10 %.
-            motor.strength = if left_stronger { [0.97, 1.03] } else { [1.03, 0.97] };
+            motor.strength = if left_stronger {
+                [0.97, 1.03]
+            } else {
+                [1.03, 0.97]
+            };
         }
         world.battery = hardware.battery;
         let share = match condition {
