@@ -60,7 +60,7 @@ impl<T: Scalar> MotorBias<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST, MotorBias};
+    use super::{MEMORY_S, MOST, MotorBias};
 
     /// A base whose right motor is stronger by `share` and whose free wheels settle in `tau` \[s\] as it turns, driven at these speeds for a
     /// second each: what is learnt after each of them. Odometry (50 rad/s) knows what holds a wheel back at once.
@@ -96,6 +96,32 @@ mod tests {
         }
     }
 
+    /// A motor that gets warm: what was seen fades in 10 s, driving or at rest, so that half of the change is learnt within 3 s of
+    /// driving even after a day.
+    #[test]
+    fn what_changes_is_learnt_anew() {
+        let mut bias = MotorBias::<f64>::default();
+        let mut drive = |share: f64, seconds: u32| {
+            for _ in 0..100 * seconds {
+                bias.advance(1.0, share - bias.share, 0.01);
+            }
+            bias
+        };
+        let cold = drive(0.03, 86_400);
+        // S → v² T.
+        assert!((cold.seen - MEMORY_S).abs() < 1e-6, "{cold:?}");
+        assert!((cold.share - 0.03).abs() < 1e-6, "{cold:?}");
+        let warm = drive(-0.03, 3);
+        assert!(warm.share < 0.0 && warm.share > -0.03, "{warm:?}");
+        let mut rested = warm;
+        for _ in 0..1000 {
+            rested.advance(0.0, 0.0, 0.01);
+        }
+        assert_eq!(rested.share, warm.share);
+        let left = (-10.0 / MEMORY_S).exp();
+        assert!((rested.seen / warm.seen - left).abs() < 1e-3, "{rested:?}");
+    }
+
     /// At rest nothing, creeping little; never more than motors differ.
     #[test]
     fn what_is_no_motor_is_not_learnt() {
@@ -105,7 +131,7 @@ mod tests {
         for _ in 0..100 {
             bias.advance(0.01, 1.0e-3, 0.01);
         }
-        assert!(bias.share.abs() < 0.01, "{bias:?}");
+        assert!(bias.share > 0.0 && bias.share < 0.01, "{bias:?}");
         for _ in 0..1000 {
             bias.advance(1.0, 1.0, 0.01);
         }
