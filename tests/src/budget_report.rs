@@ -202,6 +202,7 @@ pub fn parts(cost: &Rows) -> String {
         ("localiser with a fix", "localiser/with-fix"),
         ("motor, one wheel", "motor/command"),
         ("motion law, following", "motion/follow"),
+        ("motion law, searching for a manoeuvre", "motion/plan"),
         ("motion law, parking", "motion/park"),
         ("leading to a path's end, a tick of it", "motion/lead"),
         ("whole base, following", "base/follow"),

@@ -125,7 +125,9 @@ fn entries(measured: &Measured) -> Vec<(&'static str, u64)> {
         ("monitor", worst("monitor")),
         ("motion-follow", cost.most("motion/follow")),
         ("motion-lead", cost.most("motion/lead")),
+        ("motion-plan", cost.most("motion/plan")),
         ("motion-park", cost.most("motion/park")),
+        ("motion-park-mean", cost.mean("motion/park")),
         ("base-first", cost.most("base/first")),
         ("base-follow", cost.most("base/follow")),
         ("base-follow-mean", cost.mean("base/follow")),
@@ -349,8 +351,8 @@ fn the_document_states_what_is_measured() {
             ),
             ("start / hand-over, once", &["start", "hand-over"]),
             (
-                "default law, one tick following / parking, most",
-                &["motion-follow", "motion-park"],
+                "default law, one tick following / parking / while a manoeuvre is searched for, most",
+                &["motion-follow", "motion-park", "motion-plan"],
             ),
             (
                 "whole base, one tick from encoder counts to wheels, first / following / parking / with a pose, most",

@@ -14,7 +14,7 @@ const SECTION: &str = "[cortex-m4f.3]";
 pub fn instructions(kind: LawKind) -> Option<[u32; 2]> {
     match kind {
         LawKind::Default | LawKind::HeadingHeld => {
-            Some([budget("motion-follow")?, budget("motion-park")?])
+            Some([budget("motion-follow")?, budget("motion-plan")?])
         }
         LawKind::Neural => Some([budget("track")?, budget("park")?]),
         _ => COUNTED.lines().find_map(|line| {

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use controller_core::base::{BaseController, Order};
 use controller_core::maths::Single;
-use controller_core::motion::{Outcome, PathEnd, Task};
+use controller_core::motion::{MotionReport, Outcome, PathEnd, Task};
 use controller_core::reference::Reference;
 use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::board::Meter;
@@ -37,10 +37,9 @@ struct Phases {
 }
 
 impl Phases {
-    /// Of the tick that `controller` has made. A search begins with parking, or from rest beside the goal.
-    fn next(&mut self, order: &Order, controller: &BaseController) -> Phase {
-        let parks = matches!(order, Order::Park(_));
-        let stands = controller.report().motion.is_some_and(|motion| {
+    /// Of a tick that parks or not, and what the law reported of it. A search begins with parking, or from rest beside the goal.
+    fn next(&mut self, parks: bool, motion: Option<&MotionReport>) -> Phase {
+        let stands = motion.is_some_and(|motion| {
             motion.outcome == Outcome::Driving
                 && motion.command.linear.abs() < 0.005
                 && motion.command.angular.abs() < 0.02
@@ -72,7 +71,9 @@ pub fn ticks(meter: &mut Meter) {
                     controller.tick(tick.dt_us, &tick.order, &tick.sensed);
                 })
                 .1;
-            match (phases.next(&tick.order, controller), &tick.sensed.fix) {
+            let parks = matches!(tick.order, Order::Park(_));
+            let phase = phases.next(parks, controller.report().motion.as_ref());
+            match (phase, &tick.sensed.fix) {
                 (Phase::First, _) => first.add(cost),
                 (Phase::Search, _) => plan.add(cost),
                 (_, Some(_)) => with_fix.add(cost),
@@ -131,19 +132,21 @@ pub fn motion(meter: &mut Meter) {
     let Ok(base) = route::base() else {
         return complain(&["motion"], "params", 1);
     };
-    let (mut follow, mut park) = (Row::new(), Row::new());
+    let (mut follow, mut plan, mut park) = (Row::new(), Row::new(), Row::new());
+    let mut phases = Phases::default();
     let driven = route::drive(&BEND, &base, TICKS, |controller, dt, task, measured| {
         let (result, cost) = meter.measure(|| controller.step(dt, task, measured).map(|_| ()));
-        match task {
-            Task::Follow(_) => follow.add(cost),
-            Task::Park(_) => park.add(cost),
-            // On no route.
-            Task::Drive { .. } => {}
+        let parks = matches!(task, Task::Park(_));
+        match phases.next(parks, Some(controller.report())) {
+            Phase::First | Phase::Follow => follow.add(cost),
+            Phase::Search => plan.add(cost),
+            Phase::Park => park.add(cost),
         }
         result
     });
     complain(&["motion"], "faults", u32::from(driven.is_err()));
     follow.print(&["motion", "follow"]);
+    plan.print(&["motion", "plan"]);
     park.print(&["motion", "park"]);
 }
 
