@@ -128,7 +128,7 @@ impl<T: Scalar> Path<T> {
         let rule = rule.get(..pairs).unwrap_or_default();
         let (mut turn, mut drive) = (Pieces::of(&self.turns), Pieces::of(&self.drives));
         let mut ends = Ends::default();
-        let turned = self.stop_turn.at(self.stop_turn.duration()).position;
+        let turned = self.stop_turn.distance();
         let mut from = T::ZERO;
         for _ in 0..STRETCHES {
             let mut to = if turn.until < drive.until {
@@ -207,10 +207,7 @@ impl<T: Scalar> Courses<T> {
     pub(crate) fn go_on_to(&mut self, path: &Path<T>, t: T) -> (AxisSample<T>, AxisSample<T>) {
         self.turn.go_on_to(&path.stop_turn, &path.turns, t);
         self.drive.go_on_to(&path.stop_drive, &path.drives, t);
-        (
-            self.turn.at(&path.stop_turn, t),
-            self.drive.at(&path.stop_drive, t),
-        )
+        (self.turn.at(t), self.drive.at(t))
     }
 
     /// At a time that may lie a little ahead.

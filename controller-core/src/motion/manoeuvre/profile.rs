@@ -459,31 +459,108 @@ impl<T: Scalar> Pieces<T> {
     }
 }
 
-/// An axis of a manoeuvre under way: what its stop and its profiles say of a time, from tick to tick with a cubic instead of three
+/// The motion at the begin, as stretches of constant jerk. It is lent: the same one to every call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct StopPieces<T> {
+    /// Stretches that have begun.
+    begun: u8,
+    /// The present one,
+    piece: Piece<T>,
+    /// and when it ends; [`Scalar::MAX`] once it stands.
+    until: T,
+}
+
+impl<T: Scalar> StopPieces<T> {
+    /// Stretches behind the first: so often is there a next one.
+    const MOST: u8 = 6;
+
+    /// Of an axis without motion at the begin.
+    const STANDING: Self = Self {
+        begun: Self::MOST,
+        piece: Piece::rest(T::ZERO, T::ZERO),
+        until: T::MAX,
+    };
+
+    /// Until time 0 the acceleration is that of the begin.
+    fn of(stop: &Stop<T>) -> Self {
+        if stop.is_over() {
+            return Self::STANDING;
+        }
+        Self {
+            begun: 0,
+            piece: Piece {
+                rate: stop.rate,
+                half_accel: T::HALF * stop.accel,
+                ..Piece::rest(T::ZERO, T::ZERO)
+            },
+            until: T::ZERO,
+        }
+    }
+
+    fn stands(&self) -> bool {
+        self.until >= T::MAX
+    }
+
+    /// The next stretch: the acceleration fades, the rate is kept, and a ramp ends it.
+    fn advance(&mut self, stop: &Stop<T>) {
+        let Ramp { duration, jerk_s } = stop.ramp;
+        let (from, last) = (self.until, self.piece);
+        let brakes = stop.fade + stop.hold;
+        let sixth = |accel: T, over: T| T::from_f64(1.0 / 6.0) * accel / over;
+        self.begun += 1;
+        let ramp = || sixth(stop.faded / (duration - jerk_s), jerk_s);
+        let (piece, until) = match self.begun {
+            1 if stop.fade > T::ZERO => {
+                (last.onward(from, -sixth(stop.accel, stop.fade)), stop.fade)
+            }
+            1 | 2 => {
+                let kept = Piece {
+                    rate: stop.faded,
+                    ..Piece::rest(stop.fade, stop.faded_at())
+                };
+                self.begun = 2;
+                (kept, brakes)
+            }
+            3 if stop.faded != T::ZERO => (last.onward(from, -ramp()), brakes + jerk_s),
+            4 => (last.onward(from, T::ZERO), brakes + (duration - jerk_s)),
+            5 => (last.onward(from, ramp()), stop.duration()),
+            _ => (Piece::rest(from, stop.distance()), T::MAX),
+        };
+        self.piece = piece;
+        self.until = until;
+    }
+
+    /// On to time `t`, as [`Pieces::go_on_to`].
+    #[inline(always)]
+    fn go_on_to(&mut self, stop: &Stop<T>, t: T) {
+        let mut left = Self::MOST;
+        while t >= self.until && left > 0 {
+            self.advance(stop);
+            left -= 1;
+        }
+    }
+}
+
+/// An axis of a manoeuvre under way: what its stop and its profiles say of a time, from tick to tick with cubics instead of
 /// closed forms. They are lent: the same ones to every call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Course<T> {
     pieces: Pieces<T>,
-    /// The motion at the begin is not over.
-    stopping: bool,
-    /// How far it went, once it is.
-    stopped: T,
+    stop: StopPieces<T>,
 }
 
 impl<T: Scalar> Course<T> {
     /// Of an axis that does not move.
     pub(crate) const STANDING: Self = Self {
         pieces: Pieces::NONE,
-        stopping: false,
-        stopped: T::ZERO,
+        stop: StopPieces::STANDING,
     };
 
     /// Up to time `t`.
     pub(crate) fn of(stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) -> Self {
         let mut course = Self {
             pieces: Pieces::of(profiles),
-            stopping: !stop.is_over(),
-            stopped: T::ZERO,
+            stop: StopPieces::of(stop),
         };
         course.go_on_to(stop, profiles, t);
         course
@@ -492,24 +569,21 @@ impl<T: Scalar> Course<T> {
     /// On to time `t`, no earlier than that of the last call.
     #[inline(always)]
     pub(crate) fn go_on_to(&mut self, stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) {
-        if self.stopping && t >= stop.duration() {
-            self.stopping = false;
-            self.stopped = stop.at(stop.duration()).position;
-        }
+        self.stop.go_on_to(stop, t);
         self.pieces.go_on_to(profiles, t);
     }
 
     /// At the time that it has gone on to.
     #[inline(always)]
-    pub(crate) fn at(&self, stop: &Stop<T>, t: T) -> AxisSample<T> {
+    pub(crate) fn at(&self, t: T) -> AxisSample<T> {
         let mut sample = self.pieces.piece.at(t);
-        if self.stopping {
-            let stop = stop.at(t);
+        if self.stop.stands() {
+            sample.position += self.stop.piece.position;
+        } else {
+            let stop = self.stop.piece.at(t);
             sample.position += stop.position;
             sample.rate += stop.rate;
             sample.accel += stop.accel;
-        } else {
-            sample.position += self.stopped;
         }
         sample
     }
@@ -521,16 +595,18 @@ impl<T: Scalar> Course<T> {
         } else {
             accel_beyond(profiles, t)
         };
-        if self.stopping {
-            accel + stop.at(t).accel
-        } else {
+        if self.stop.stands() {
             accel
+        } else if t < self.stop.until {
+            accel + self.stop.piece.accel(t)
+        } else {
+            accel + stop_accel_beyond(stop, t)
         }
     }
 
     /// The motion at the begin is over, and so is the first of two profiles.
     pub(crate) fn is_at_last(&self, [_, last]: &[Profile<T>; 2]) -> bool {
-        !self.stopping && (self.pieces.number > 0 || last.is_empty())
+        self.stop.stands() && (self.pieces.number > 0 || last.is_empty())
     }
 }
 
@@ -539,6 +615,13 @@ impl<T: Scalar> Course<T> {
 #[inline(never)]
 fn accel_beyond<T: Scalar>([a, b]: &[Profile<T>; 2], t: T) -> T {
     a.at(t).accel + b.at(t).accel
+}
+
+/// The same of a stop.
+#[cold]
+#[inline(never)]
+fn stop_accel_beyond<T: Scalar>(stop: &Stop<T>, t: T) -> T {
+    stop.at(t).accel
 }
 
 /// From a rate and an acceleration at time 0 to rest.
@@ -557,14 +640,17 @@ pub(crate) struct Stop<T> {
 }
 
 impl<T: Scalar> Stop<T> {
+    /// Where it stands: a ramp covers half of what its rate would in its time.
+    pub(crate) fn distance(&self) -> T {
+        self.faded_at() + self.faded * (self.hold + T::HALF * self.ramp.duration)
+    }
+
     /// The same, braking so late that it stands after `distance`; `None` where it cannot stop within that.
-    ///
-    /// A ramp covers half of what its rate would in its time.
     pub(crate) fn standing_at(self, distance: T) -> Option<Self> {
         if self.faded * distance <= T::ZERO {
             return None;
         }
-        let hold = (distance - self.faded_at()) / self.faded - T::HALF * self.ramp.duration;
+        let hold = (distance - self.distance()) / self.faded + self.hold;
         (hold >= T::ZERO).then_some(Self { hold, ..self })
     }
 
@@ -714,7 +800,9 @@ mod tests {
                     let stop = axis.stop(rate, accel);
                     let start = stop.at(0.0);
                     assert!((start.rate, start.accel, start.position) == (rate, accel, 0.0));
-                    assert!(stop.at(stop.duration()).rate.abs() < 1e-12);
+                    let end = stop.at(stop.duration());
+                    assert!(end.rate.abs() < 1e-12);
+                    assert!((end.position - stop.distance()).abs() < 1e-12);
                     if stop.duration() > 0.0 {
                         check(|t| stop.at(t), 0.0, stop.duration(), &axis);
                     }
@@ -727,8 +815,17 @@ mod tests {
     #[test]
     fn a_course_is_what_the_closed_forms_say() {
         for axis in AXES {
-            for (one, other) in [(0.8, -0.3), (0.02, 1.5), (0.0, 0.4), (-0.6, 0.0)] {
-                let (stop, first) = (axis.stop(-0.3, 0.2), axis.profile::<Libm>(one));
+            // Braking at once, later, without an acceleration that fades, by an acceleration alone, and not at all.
+            let late = axis.stop(0.3, -0.2).standing_at(1.7);
+            let stops = [
+                axis.stop(-0.3, 0.2),
+                late.expect("far enough"),
+                axis.stop(0.3, 0.0),
+                axis.stop(-0.5 * 0.2 * 0.2 * axis.jerk_s / axis.up.max(axis.down), 0.2),
+            ];
+            let courses = [(0.8, -0.3), (0.02, 1.5), (0.0, 0.4), (-0.6, 0.0)];
+            for (stop, (one, other)) in stops.into_iter().zip(courses) {
+                let first = axis.profile::<Libm>(one);
                 let first = Profile {
                     start: 0.11,
                     ..first
@@ -754,7 +851,7 @@ mod tests {
                     for tick in 0..(6.0 / dt) as u32 {
                         let t = dt * (f64::from(tick) - 0.5);
                         course.go_on_to(&stop, &profiles, t);
-                        assert!(!differs(&course.at(&stop, t), exact(t)), "{axis:?} {t}");
+                        assert!(!differs(&course.at(t), exact(t)), "{axis:?} {t}");
                         assert_eq!(course, Course::of(&stop, &profiles, t), "{t}");
                         let ahead = t + 0.5 * dt;
                         let accel = course.accel_at(&stop, &profiles, ahead);
