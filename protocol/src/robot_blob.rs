@@ -14,8 +14,7 @@ use core::error::Error;
 use core::fmt::{self, Display, Formatter};
 
 use controller_core::base::BaseParams;
-
-use crate::CRC;
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 /// How every blob begins.
 const MAGIC: [u8; 4] = *b"BASE";
@@ -23,6 +22,8 @@ const MAGIC: [u8; 4] = *b"BASE";
 pub const ROBOT_BLOB_VERSION: u16 = 3;
 /// Most bytes of a blob.
 pub const MAX_ROBOT_BLOB: usize = 1024;
+/// That of frames without its table, which takes a kB of flash: a blob is checked once.
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 const HEADER: usize = 8;
 const CHECK: usize = 4;
 
