@@ -68,14 +68,14 @@ mod chip {
                 meter.measure(work).1
             };
             match number {
-                1 => {
+                ..2 => {
                     base.tick(*dt_us, order, sensed);
                 }
-                ..=FOLLOWED => follow.add(marked(follow_begins, order)),
-                ..SEARCHED => {
+                2..=FOLLOWED => follow.add(marked(follow_begins, order)),
+                SEARCHED.. => park.add(marked(park_begins, &PARK)),
+                _ => {
                     base.tick(*dt_us, &PARK, sensed);
                 }
-                _ => park.add(marked(park_begins, &PARK)),
             }
         });
         if driven.is_err() {
