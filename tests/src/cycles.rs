@@ -72,8 +72,8 @@ pub fn traced(image: &Path) -> ([Traced; 2], String) {
     let [follow, park, ends] =
         ["follow_begins", "park_begins", "tick_ends"].map(|mark| code.marks[mark]);
     let mut all = [Traced::default(); 2];
-    let mut of = None;
-    let mut last: Option<u32> = None;
+    // Of which kind the tick under way is, and its last instruction.
+    let mut under_way: Option<(usize, Option<u32>)> = None;
     let options = Options {
         machine: Machine::CortexM4F,
         link: LinkKind::None,
@@ -82,18 +82,17 @@ pub fn traced(image: &Path) -> ([Traced; 2], String) {
         silence: Duration::from_secs(120),
     };
     let outcome = trace(image, &options, |address| {
-        let kind = [follow, park].iter().position(|mark| *mark == address);
-        if kind.is_some() {
-            (of, last) = (kind, None);
-            all[kind.unwrap_or_default()].ticks += 1;
+        if let Some((kind, Some(last))) = under_way {
+            all[kind].cycles += code.cycles(last, address);
+        }
+        if let Some(kind) = [follow, park].iter().position(|mark| *mark == address) {
+            all[kind].ticks += 1;
+            under_way = Some((kind, None));
         } else if address == ends {
-            (of, last) = (None, None);
-        } else if let Some(kind) = of {
-            all[kind].instructions += 1;
-            if let Some(last) = last {
-                all[kind].cycles += code.cycles(last, address);
-            }
-            last = Some(address);
+            under_way = None;
+        } else if let Some((kind, last)) = &mut under_way {
+            all[*kind].instructions += 1;
+            *last = Some(address);
         }
     })
     .expect("the emulator runs");

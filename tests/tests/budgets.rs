@@ -396,13 +396,13 @@ fn the_document_states_what_is_measured() {
     println!("{}", budget_report::back_ends(&arm.cost));
     println!("{}", budget_report::inputs(&arm.cost));
     println!("{}", budget_report::parts(&arm.cost));
-    println!("{}", budget_report::peers(&arm.cost, &peers));
+    println!("{}", budget_report::peers(&arm.cost, peers));
     let all: Vec<_> = measured()
         .iter()
         .map(|m| (m.board.name, m.level, &m.cost, &m.pil, m.size))
         .collect();
     println!("{}", budget_report::images(&all));
-    rivals_cost_what_the_benchmark_says(&peers);
+    rivals_cost_what_the_benchmark_says(peers);
     let tick = |path: &str, part: &str| arm.cost.row(&format!("tick/{path}/{part}/ordinary")).1;
     page.exactly(
         At::Phrase("two `pid` PIDs #"),
@@ -498,15 +498,18 @@ fn rivals_cost_what_the_benchmark_says(peers: &Rows) {
     }
 }
 
-/// The peers are a workspace of their own, for their dependencies burden nobody.
-fn peers() -> Rows {
-    let mut command = cargo_into(&root().join("boards/cost-peers"), &boards_target());
-    command
-        .args(["build", "--quiet", "--locked", "--release"])
-        .args(["--features", "panic-proof"]);
-    budget_image::succeed(&mut command);
-    let images = boards_target().join(BOARDS[0].target).join("release");
-    let mut rows = run(BOARDS[0], "cost", &images.join("cost-peers"));
-    rows.extend(run(BOARDS[0], "cost", &images.join("cost-stack")));
-    rows
+/// The peers are a workspace of their own, for their dependencies burden nobody. Counted once.
+fn peers() -> &'static Rows {
+    static PEERS: OnceLock<Rows> = OnceLock::new();
+    PEERS.get_or_init(|| {
+        let mut command = cargo_into(&root().join("boards/cost-peers"), &boards_target());
+        command
+            .args(["build", "--quiet", "--locked", "--release"])
+            .args(["--features", "panic-proof"]);
+        budget_image::succeed(&mut command);
+        let images = boards_target().join(BOARDS[0].target).join("release");
+        let mut rows = run(BOARDS[0], "cost", &images.join("cost-peers"));
+        rows.extend(run(BOARDS[0], "cost", &images.join("cost-stack")));
+        rows
+    })
 }

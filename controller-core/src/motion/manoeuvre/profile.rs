@@ -815,7 +815,7 @@ mod tests {
     #[test]
     fn a_course_is_what_the_closed_forms_say() {
         for axis in AXES {
-            // Braking at once, later, without an acceleration that fades, by an acceleration alone, and not at all.
+            // Braking at once, later, without an acceleration that fades, and where it stands once that has faded.
             let late = axis.stop(0.3, -0.2).standing_at(1.7);
             let stops = [
                 axis.stop(-0.3, 0.2),
