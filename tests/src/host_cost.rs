@@ -37,7 +37,7 @@ pub const CASES: [Case; 3] = [
     },
     Case {
         name: "law-10-ms",
-        row: "the same at 10 ms: the plant takes 40 steps a tick, at most 0.25 ms each",
+        row: "the same at 10 ms: the plant takes two steps a tick, at most 5 ms each",
         period_s: 0.01,
         whole_base: false,
     },

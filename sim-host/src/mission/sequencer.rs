@@ -24,8 +24,15 @@ pub(crate) struct Sequencer<'a> {
 #[derive(Clone, Copy)]
 enum Now {
     Follows,
-    Parks(Pose<f64>),
+    /// At rest there.
+    Parks(Reference<f64>),
     Drives(VelocityOrder),
+}
+
+impl Now {
+    fn parks(goal: Pose<f64>) -> Self {
+        Self::Parks(Reference::at_rest_with::<Libm>(goal))
+    }
 }
 
 /// A tick's orders.
@@ -70,7 +77,7 @@ impl Sequencer<'static> {
 impl<'a> Sequencer<'a> {
     pub(crate) fn new(mission: &'a Mission, acceleration: AccelerationAt) -> Self {
         let (rule, now) = match &mission.course {
-            Course::Park(goal) => (None, Now::Parks(*goal)),
+            Course::Park(goal) => (None, Now::parks(*goal)),
             Course::Drive => (None, Now::Drives(VelocityOrder::default())),
             Course::Follow { hand_over, .. } => (*hand_over, Now::Follows),
         };
@@ -111,7 +118,7 @@ impl<'a> Sequencer<'a> {
         {
             self.events = rest;
             match event.change {
-                Change::Goal(goal) => self.now = Now::Parks(goal),
+                Change::Goal(goal) => self.now = Now::parks(goal),
                 Change::Follow => self.now = Now::Follows,
                 Change::Drive(order) => self.now = Now::Drives(order),
                 Change::Jump(jump) => {
@@ -147,12 +154,12 @@ impl<'a> Sequencer<'a> {
             };
             // Tick 0 starts, so it cannot hand over.
             if due && tick > 0 {
-                self.now = Now::Parks(rule.goal);
+                self.now = Now::parks(rule.goal);
                 left = Some((reference, remaining.path_m));
             }
         }
         let (target, task) = match self.now {
-            Now::Parks(goal) => (Reference::at_rest_with::<Libm>(goal), Task::Park(goal)),
+            Now::Parks(rest) => (rest, Task::Park(*rest.pose())),
             Now::Follows => {
                 let target = self.sampler.at(tick);
                 let target =

@@ -127,12 +127,12 @@ fn close(
         let command = law.command();
         let distance = |speed| law.hand_over_distance(speed);
         let orders = sequencer.at(tick, t, &body.measure(), &command, distance);
-        let Ok(computed) = law.tick(dt, &orders) else {
+        let Ok(acted) = law.tick(dt, &orders) else {
             observer.run.verdict = RunVerdict::Refused;
             break;
         };
         let error = pose_error::<f64, Libm>(orders.target.pose(), &truth.pose);
-        let exerted = body.advance(&computed.report.torques)?;
+        let exerted = body.advance(&acted.torques)?;
         observer.position_m = Libm::sqrt(error.x * error.x + error.y * error.y);
         observer.heading_rad = error.theta.abs();
         let parking = matches!(orders.task, Task::Park(_));

@@ -12,6 +12,7 @@ mod rival;
 mod watch;
 mod world;
 
+use law::Computed;
 pub(crate) use law::{Law, PaperLaw};
 pub use live::{Live, LiveLaw};
 pub(crate) use motion::motion_law;
@@ -30,6 +31,7 @@ use crate::scenario::Scenario;
 use crate::trace::{HandOver, Trace, TraceRow};
 use controller_core::error::ParamError;
 use controller_core::maths::Libm;
+use controller_core::motion::Outcome;
 use controller_core::pose_error::pose_error;
 use recorder::{Keep, Recorder};
 
@@ -206,34 +208,40 @@ fn recorded<'w>(
         let command = law.command();
         let distance = |speed| law.hand_over_distance(speed);
         let orders = sequencer.at(tick, t, &truth, &command, distance);
-        let computed = law.tick(dt, &orders);
-        let computed = computed.map_err(|cause| RunError::ControllerPort {
+        let acted = law.tick(dt, &orders);
+        let acted = acted.map_err(|cause| RunError::ControllerPort {
             name: mission.name.clone(),
             time_s: t,
             cause,
         })?;
-        let hand_over = orders.left.map(|(left, distance_m)| HandOver {
-            row: tick,
-            left,
-            goal: *orders.target.pose(),
-            distance_m,
-            error_before: pose_error::<f64, Libm>(left.pose(), &orders.measured.pose),
-            torque_step: computed.hand_over_step.unwrap_or_default(),
-        });
-        let row = TraceRow {
-            t,
-            truth,
-            measured: orders.measured.pose,
-            reference: orders.target,
-            error: pose_error::<f64, Libm>(orders.target.pose(), &truth.pose),
-            report: computed.report,
-            paper: computed.paper,
-            base: None,
-        };
-        if recorder.ends_with(row, hand_over, orders.measured, || None) {
+        let parked = acted.outcome == Outcome::Parked;
+        let is_last = recorder.ends_at(t, parked) || tick == ticks;
+        if recorder.wants(is_last) {
+            let hand_over = orders.left.map(|(left, distance_m)| HandOver {
+                row: tick,
+                left,
+                goal: *orders.target.pose(),
+                distance_m,
+                error_before: pose_error::<f64, Libm>(left.pose(), &orders.measured.pose),
+                torque_step: acted.hand_over_step.unwrap_or_default(),
+            });
+            let Computed { report, paper } = law.computed();
+            let row = TraceRow {
+                t,
+                truth,
+                measured: orders.measured.pose,
+                reference: orders.target,
+                error: pose_error::<f64, Libm>(orders.target.pose(), &truth.pose),
+                report,
+                paper,
+                base: None,
+            };
+            recorder.take(row, hand_over, orders.measured, || None);
+        }
+        if is_last {
             break;
         }
-        plant.advance(&computed.report.torques, dt);
+        plant.advance(&acted.torques, dt);
     }
     Ok(recorder)
 }

@@ -1,6 +1,6 @@
 //! The default law in the loop, in the precision of a mission.
 
-use super::law::{Computed, Law};
+use super::law::{Acted, Computed, Law};
 use crate::controller_port::ControllerPortError;
 use crate::mission::{BaseSpec, Orders};
 use crate::precision::Precision;
@@ -48,7 +48,7 @@ impl<T: Scalar, M: Maths<T>> MotionLaw<T, M> {
 }
 
 impl<T: Scalar, M: Maths<T>> Law for MotionLaw<T, M> {
-    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Computed, ControllerPortError> {
+    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Acted, ControllerPortError> {
         let origin = *self.origin.get_or_insert_with(|| {
             let pose = match &orders.task {
                 Task::Follow(reference) => *reference.pose(),
@@ -66,7 +66,7 @@ impl<T: Scalar, M: Maths<T>> Law for MotionLaw<T, M> {
         let report = match &mut self.controller {
             None => {
                 let started = MotionController::start(&self.motion, &task, &measured)?;
-                *self.controller.insert(started).report()
+                self.controller.insert(started).report()
             }
             Some(controller) => {
                 if orders.jumped {
@@ -75,7 +75,7 @@ impl<T: Scalar, M: Maths<T>> Law for MotionLaw<T, M> {
                 let dt = T::from_f64(dt);
                 // The controller of the last tick, to ask what it would have done.
                 let before = orders.left.map(|(left, _)| (left, *controller));
-                let report = *controller.step(dt, &task, &measured)?;
+                let report = controller.step(dt, &task, &measured)?;
                 if let Some((left, mut before)) = before {
                     let left = near_task::<T, M>(&Task::Follow(left), origin);
                     let followed: Wrench<f64> = before.step(dt, &left, &measured)?.wrench.cast();
@@ -88,10 +88,18 @@ impl<T: Scalar, M: Maths<T>> Law for MotionLaw<T, M> {
                 report
             }
         };
-        Ok(Computed {
-            report: report.cast(),
-            paper: None,
+        Ok(Acted {
+            torques: report.torques.cast(),
+            outcome: report.outcome,
             hand_over_step,
+        })
+    }
+
+    fn computed(&self) -> Computed {
+        let controller = self.controller.as_ref();
+        controller.map_or_else(Computed::default, |controller| Computed {
+            report: controller.report().cast(),
+            paper: None,
         })
     }
 

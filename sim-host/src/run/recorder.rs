@@ -4,8 +4,6 @@ use super::watch::{Seen, Watch};
 use crate::csv_out::Line;
 use crate::mission::Mission;
 use crate::trace::{HandOver, Trace, TraceRow};
-use controller_core::motion::Outcome;
-use controller_core::safety::supervisor::State;
 use controller_core::types::Measured;
 
 pub(super) struct Recorder<'w> {
@@ -15,7 +13,7 @@ pub(super) struct Recorder<'w> {
     last_event_s: f64,
     pub(super) parked_since: Option<f64>,
     keep: Keep<'w>,
-    /// Rows taken.
+    /// Ticks seen.
     pub(super) ticks: usize,
 }
 
@@ -42,31 +40,34 @@ impl<'w> Recorder<'w> {
         }
     }
 
-    /// Takes a row. The run ends with it if the base stopped or failed for good, or has been parked for long enough.
-    ///
-    /// `measured` and `wheels` are for who watches.
-    pub(super) fn ends_with(
+    /// Whether the run ends with the tick at `t` \[s\]: the base has been parked for long enough.
+    pub(super) fn ends_at(&mut self, t: f64, parked: bool) -> bool {
+        self.ticks += 1;
+        self.parked_since = parked.then(|| self.parked_since.unwrap_or(t));
+        let observed = |since: f64| t >= since.max(self.last_event_s) + self.observe_s;
+        self.parked_since.is_some_and(observed)
+    }
+
+    /// Whether the row of a tick is to be taken; `is_last`: none comes after it.
+    pub(super) const fn wants(&self, is_last: bool) -> bool {
+        is_last || matches!(self.keep, Keep::All(_))
+    }
+
+    /// Takes the row of the present tick. `measured` and `wheels` are for who watches.
+    pub(super) fn take(
         &mut self,
         row: TraceRow,
         hand_over: Option<HandOver>,
         measured: Measured<f64>,
         wheels: impl FnOnce() -> Option<super::WheelStates>,
-    ) -> bool {
-        let (parked, stopped) = match row.base.map(|base| base.state) {
-            Some(state) => (
-                state == State::Parked,
-                matches!(state, State::Stopped | State::Fault),
-            ),
-            None => (row.report.outcome == Outcome::Parked, false),
-        };
-        self.parked_since = parked.then(|| self.parked_since.unwrap_or(row.t));
+    ) {
         self.trace.hand_over = hand_over.or(self.trace.hand_over);
         match &mut self.keep {
             Keep::Last => self.trace.rows.clear(),
             Keep::All(None) => {}
             Keep::All(Some(watch)) => watch(&Seen {
                 line: Line {
-                    tick: self.ticks,
+                    tick: self.ticks - 1,
                     row: &row,
                     handed_over: hand_over.is_some(),
                 },
@@ -75,8 +76,5 @@ impl<'w> Recorder<'w> {
             }),
         }
         self.trace.rows.push(row);
-        self.ticks += 1;
-        let observed = |since: f64| row.t >= since.max(self.last_event_s) + self.observe_s;
-        stopped || self.parked_since.is_some_and(observed)
     }
 }

@@ -3,13 +3,15 @@
 //! The core is told to follow a reference that is where the robot is and moves as the rival wants it: its pose feedback
 //! has nothing to do, and all the rest works as for the default law.
 
-use super::law::{Computed, Law};
+use super::law::{Acted, Computed, Law};
 use crate::controller_port::ControllerPortError;
 use crate::mission::{Mission, Orders};
 use controller_core::base::Order;
 use controller_core::error::StepFault;
 use controller_core::maths::Single;
-use controller_core::motion::{Mode, MotionController, Outcome, Task, ValidMotionParams};
+use controller_core::motion::{
+    Mode, MotionController, MotionReport, Outcome, Task, ValidMotionParams,
+};
 use controller_core::pose_error::pose_error;
 use controller_core::reference::Reference;
 use controller_core::shunting::RationalMean;
@@ -180,6 +182,8 @@ pub(crate) struct RivalLaw<'a> {
     driver: &'a mut Driver,
     motion: ValidMotionParams<f32>,
     controller: Option<MotionController<f32, Single, RationalMean>>,
+    /// What the core reported last, as of a law that parks.
+    report: MotionReport<f32>,
     t: f64,
 }
 
@@ -190,13 +194,14 @@ impl<'a> RivalLaw<'a> {
             driver,
             motion,
             controller: None,
+            report: MotionReport::default(),
             t: 0.0,
         }
     }
 }
 
 impl Law for RivalLaw<'_> {
-    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Computed, ControllerPortError> {
+    fn tick(&mut self, dt: f64, orders: &Orders) -> Result<Acted, ControllerPortError> {
         let mut measured: Measured<f32> = orders.measured.cast();
         measured.pose.theta = controller_core::angle::wrap(orders.measured.pose.theta) as f32;
         if self.controller.is_some() {
@@ -220,16 +225,23 @@ impl Law for RivalLaw<'_> {
                 report.outcome = Outcome::Parked;
             }
         }
-        Ok(Computed {
-            report: report.cast(),
-            paper: None,
+        self.report = report;
+        Ok(Acted {
+            torques: report.torques.cast(),
+            outcome: report.outcome,
             hand_over_step: None,
         })
     }
 
+    fn computed(&self) -> Computed {
+        Computed {
+            report: self.report.cast(),
+            paper: None,
+        }
+    }
+
     fn command(&self) -> Twist<f64> {
-        let controller = self.controller.as_ref();
-        controller.map_or(Twist::default(), |c| c.report().command.cast())
+        self.report.command.cast()
     }
 
     fn hand_over_distance(&self, speed: f64) -> f64 {

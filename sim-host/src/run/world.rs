@@ -102,6 +102,7 @@ pub(super) fn run<'w>(
                 (_, None) => Outcome::default(),
             };
         }
+        let state = row.base.map(|base| base.state);
         let hand_over = hand_over.map(|hand_over| HandOver {
             row: recorder.ticks,
             ..hand_over
@@ -109,7 +110,9 @@ pub(super) fn run<'w>(
         let measured = closed_loop.report().measured;
         let measured = measured.map_or(mission.start, |measured| measured.cast());
         let wheels = || WheelStates::of(closed_loop.world());
-        if recorder.ends_with(row, hand_over, measured, wheels) {
+        let observed = recorder.ends_at(t, state == Some(State::Parked));
+        recorder.take(row, hand_over, measured, wheels);
+        if observed || matches!(state, Some(State::Stopped | State::Fault)) {
             break;
         }
     }
