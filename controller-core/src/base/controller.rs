@@ -10,8 +10,6 @@ use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use super::wheel_friction::Turning;
 use crate::error::{Input, StepFault};
-use crate::gyro::GyroReport;
-use crate::localiser::FixOutcome;
 use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome, Task};
 use crate::motor::Motor;
@@ -89,22 +87,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             motors: MotorBias::default(),
             exerted: WheelTorques::default(),
             host: HostWatch::NEW,
-            report: BaseReport {
-                action: WheelAction::Release,
-                state: supervisor.state(),
-                cause: supervisor.cause(),
-                measured: None,
-                blind: false,
-                curvature_bias: T::ZERO,
-                turn_bias: T::ZERO,
-                tyre_slip: T::ZERO,
-                motor_bias: T::ZERO,
-                fix: FixOutcome::Absent,
-                gyro: GyroReport::default(),
-                active_faults: ActiveFaults::NONE,
-                refused: false,
-                motion: None,
-            },
+            report: BaseReport::new(supervisor.state(), supervisor.cause()),
             supervisor,
         }
     }

@@ -242,3 +242,267 @@ fn drive<T: Scalar>(
         beyond_coulomb,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Driven, Driving, Tick};
+    use crate::base::wheel_friction::{FrictionWatch, Turning};
+    use crate::base::{DriveCommand, WheelAction};
+    use crate::error::{Input, StepFault};
+    use crate::hal::WheelCounts;
+    use crate::maths::Libm;
+    use crate::motion::{Limits, MotionParams, MotionReport, Task, ValidMotionParams};
+    use crate::motor::WheelFriction;
+    use crate::reference::Reference;
+    use crate::robot::Robot;
+    use crate::safety::OutputMode;
+    use crate::shunting::RationalMean;
+    use crate::types::{Accel, Measured, Pose, Twist, WheelSpeeds, WheelTorques};
+
+    const DT: f64 = 0.01;
+    const SPEEDS: WheelSpeeds<f64> = WheelSpeeds {
+        right: 3.0,
+        left: 5.0,
+    };
+    /// Driving an arc.
+    const ARC: Twist<f64> = Twist {
+        linear: 0.5,
+        angular: 0.4,
+    };
+
+    /// The paper's robot, on the spot.
+    struct Bench {
+        motion: ValidMotionParams<f64>,
+        driving: Driving<f64, Libm, RationalMean>,
+        report: Option<MotionReport<f64>>,
+        measured: Option<Measured<f64>>,
+    }
+
+    impl Bench {
+        fn with(task: Option<Task<f64>>) -> Self {
+            let motion = MotionParams::new(Robot::paper(), Limits::PAPER).validate();
+            Self {
+                motion: motion.expect("valid"),
+                driving: Driving {
+                    task,
+                    ..Driving::IDLE
+                },
+                report: None,
+                measured: Some(Measured::default()),
+            }
+        }
+
+        /// Following an arc that it is beside of, moving as it is to.
+        fn following() -> Self {
+            let pose = Pose::new(0.02, 0.05, 0.1);
+            let arc = Reference::new_with::<Libm>(pose, ARC, Accel::default());
+            let mut bench = Self::with(Some(Task::Follow(arc)));
+            bench.measured = Some(Measured {
+                pose: Pose::default(),
+                twist: ARC,
+            });
+            bench
+        }
+
+        fn act(&mut self, mode: OutputMode) -> Driven<f64> {
+            self.turning(mode, None).expect("a sound tick")
+        }
+
+        fn turning(
+            &mut self,
+            mode: OutputMode,
+            turning: Option<Turning<'_, f64>>,
+        ) -> Result<Driven<f64>, StepFault> {
+            let tick = Tick {
+                motion: &self.motion,
+                mode,
+                measured: self.measured.as_ref(),
+                jumped: false,
+                other_goal: false,
+                speeds: SPEEDS,
+                turning,
+                dt: DT,
+            };
+            self.driving.act(&tick, &mut self.report)
+        }
+
+        fn drive(driven: &Driven<f64>) -> DriveCommand<f64> {
+            match driven.action {
+                WheelAction::Drive(drive) => drive,
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    /// Torques of the law, wheel speeds of its command, and measured ones that went on with its acceleration for half a tick: wheels of 0.1 m,
+    /// half a metre apart.
+    #[test]
+    fn wheels_get_what_the_law_says() {
+        let mut bench = Bench::following();
+        for mode in [OutputMode::Drive, OutputMode::Hold, OutputMode::Drive] {
+            let driven = bench.act(mode);
+            let (drive, report) = (Bench::drive(&driven), bench.report.expect("at work"));
+            assert_eq!(drive.torques, report.torques);
+            assert_eq!((drive.beyond_coulomb, driven.at_goal), (None, None));
+            let wheels = |Twist { linear, angular }| {
+                [1.0, -1.0].map(|side| (linear + side * 0.25 * angular) / 0.1)
+            };
+            let rate = report.command_rate;
+            let gained = wheels(Twist::new(rate.linear, rate.angular)).map(|rate| 0.5 * DT * rate);
+            let [right, left] = wheels(report.command);
+            let found = [
+                drive.desired.right,
+                drive.desired.left,
+                drive.speeds.right,
+                drive.speeds.left,
+            ];
+            let expected = [right, left, 3.0 + gained[0], 5.0 + gained[1]];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "{mode:?}: {found} {expected}"
+                );
+            }
+        }
+        let rate = bench.report.expect("at work").command_rate;
+        assert!(rate.linear != 0.0 && rate.angular != 0.0, "{rate:?}");
+    }
+
+    /// Whether it stands there is said of a goal, and of nothing else.
+    #[test]
+    fn a_base_at_its_goal_says_so() {
+        let mut bench = Bench::with(Some(Task::Park(Pose::default())));
+        assert_eq!(bench.act(OutputMode::Drive).at_goal, Some(false));
+        let stands = (0..200).find(|_| bench.act(OutputMode::Drive).at_goal == Some(true));
+        assert!(stands.is_some(), "{:?}", bench.report);
+        assert_eq!(bench.act(OutputMode::Hold).at_goal, Some(true));
+    }
+
+    /// Outputs are enabled, and no law is at work: without a task, and before the first reading.
+    #[test]
+    fn without_a_task_or_a_reading_nothing_is_exerted() {
+        let early = || {
+            let mut bench = Bench::following();
+            bench.measured = None;
+            bench
+        };
+        let mut driven = Bench::following();
+        driven.act(OutputMode::Drive);
+        for (mut bench, mode) in [
+            (Bench::with(None), OutputMode::Drive),
+            (early(), OutputMode::Drive),
+            (early(), OutputMode::ControlledStop),
+            (driven, OutputMode::ZeroTorque),
+        ] {
+            let task = bench.driving.task;
+            let driven = bench.act(mode);
+            assert_eq!(Bench::drive(&driven), DriveCommand::default());
+            assert_eq!((driven.at_goal, bench.report), (None, None));
+            assert_eq!(bench.driving.task, task);
+        }
+    }
+
+    /// A stop has a clock of its own, from its first tick on; who drives on in between begins the next one anew.
+    #[test]
+    fn each_stop_begins_anew() {
+        let mut bench = Bench::following();
+        bench.act(OutputMode::Drive);
+        for round in 0..2 {
+            for tick in 0..5 {
+                let driven = bench.act(OutputMode::ControlledStop);
+                assert_eq!(driven.at_goal, None);
+                let report = bench.report.expect("at work");
+                assert_eq!(Bench::drive(&driven).torques, report.torques);
+                let (_, t) = bench.driving.stop.expect("a stop");
+                assert!(
+                    (t - DT * f64::from(tick)).abs() < 1e-15,
+                    "{round} {tick}: {t}"
+                );
+            }
+            bench.act(OutputMode::Drive);
+            assert!(bench.driving.stop.is_none());
+        }
+    }
+
+    /// The task is over as well.
+    #[test]
+    fn wheels_are_let_go() {
+        for (mode, action) in [
+            (OutputMode::Brake, WheelAction::Brake),
+            (OutputMode::Release, WheelAction::Release),
+        ] {
+            let mut bench = Bench::following();
+            bench.act(OutputMode::Drive);
+            let driven = bench.act(mode);
+            assert_eq!((driven.action, driven.at_goal), (action, None));
+            assert_eq!((bench.report, bench.driving.task), (None, None));
+        }
+    }
+
+    /// Wheels that are told to creep and stand; for a base that drives otherwise nothing is compensated, and nothing is remembered.
+    #[test]
+    fn friction_is_found_while_driving_by_velocity() {
+        let friction = WheelFriction {
+            coulomb_nm: 0.04,
+            stiction_nm: 0.04,
+            viscous_nm_s: 0.0,
+            blend_rad_s: 0.02,
+        };
+        let turning = || Turning {
+            friction: &friction,
+            per_count: 0.003,
+            counts: Some(WheelCounts::default()),
+            commanded: WheelSpeeds {
+                right: 0.1,
+                left: 0.2,
+            },
+            torques: WheelTorques::default(),
+            dt: DT,
+        };
+        let mut bench = Bench::following();
+        for _ in 0..2 {
+            let mut alone = FrictionWatch::default();
+            let mut last = None;
+            for _ in 0..20 {
+                let driven = bench.turning(OutputMode::Drive, Some(turning()));
+                last = Bench::drive(&driven.expect("a sound tick")).beyond_coulomb;
+                assert_eq!(last, Some(alone.advance(&turning())));
+            }
+            let last = last.expect("beyond");
+            assert!(last.right > 0.0 && last.left > last.right, "{last:?}");
+            let otherwise = bench.act(OutputMode::Drive);
+            assert_eq!(Bench::drive(&otherwise).beyond_coulomb, None);
+        }
+    }
+
+    /// Neither what was measured nor what was exerted; a law that did not start is not at work.
+    #[test]
+    fn what_is_no_number_is_refused() {
+        let mut bench = Bench::following();
+        let sound = bench.measured;
+        let lost = Pose {
+            y: f64::NAN,
+            ..Pose::default()
+        };
+        for started in [false, true] {
+            bench.measured = Some(Measured {
+                pose: lost,
+                twist: ARC,
+            });
+            assert!(bench.turning(OutputMode::Drive, None).is_err());
+            assert_eq!(bench.report.is_some(), started);
+            bench.measured = sound;
+            bench.act(OutputMode::Drive);
+        }
+        let torques = WheelTorques {
+            right: f64::NAN,
+            left: 0.0,
+        };
+        let noted = bench.driving.note_exerted(&bench.motion, &torques);
+        assert_eq!(noted, Err(StepFault::NotFinite(Input::Applied)));
+        let noted = bench
+            .driving
+            .note_exerted(&bench.motion, &WheelTorques::default());
+        assert_eq!(noted, Ok(()));
+    }
+}

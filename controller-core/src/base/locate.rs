@@ -201,3 +201,225 @@ pub(super) fn coast<T: Scalar, M: Maths<T>>(from: &Measured<T>, dt: T) -> Measur
         twist: *twist,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Located, Locator};
+    use crate::base::{BaseReport, Sensed};
+    use crate::hal::{ErrorKind, WheelCounts};
+    use crate::localiser::{Fix, FixOutcome, FusionParams, LocaliserParams, ValidLocaliserParams};
+    use crate::maths::Libm;
+    use crate::odometry::{Accelerations, Calibration, OdometryParams};
+    use crate::safety::FaultKind;
+    use crate::safety::supervisor::{Cause, State};
+    use crate::types::{Accel, Measured, Pose, Twist};
+    use crate::wheels::WheelGeometry;
+
+    const DT: f64 = 0.01;
+    /// Of a wheel in a tick, for half a metre per second.
+    const COUNTS: i32 = 16;
+    /// Way of a count \[m\]: 2 pi 0.1 m / 2048.
+    const COUNT_M: f64 = core::f64::consts::TAU * 0.1 / 2048.0;
+    const START: Pose<f64> = Pose {
+        x: 1.0,
+        y: -2.0,
+        theta: 0.0,
+    };
+    const ELSEWHERE: Pose<f64> = Pose {
+        x: 7.0,
+        y: 3.0,
+        theta: 0.0,
+    };
+
+    /// A base that drives along x.
+    struct Bench {
+        localisation: ValidLocaliserParams<f64>,
+        locator: Locator<f64, 16>,
+        report: BaseReport<f64>,
+        counts: i32,
+    }
+
+    impl Bench {
+        fn at(start: Pose<f64>) -> Self {
+            let params = LocaliserParams {
+                odometry: OdometryParams {
+                    wheels: WheelGeometry {
+                        radius_right_m: 0.1,
+                        radius_left_m: 0.1,
+                        track_m: 0.5,
+                    },
+                    calibration: Calibration::NOMINAL,
+                    counts_per_turn: 2048.0,
+                    bandwidth: 50.0,
+                },
+                fusion: Some(FusionParams::for_source(5e-3, 5e-3, 20.0)),
+                gyro: None,
+            };
+            Self {
+                localisation: params.validate().expect("valid"),
+                locator: Locator::new(start),
+                report: BaseReport::new(State::Idle, Cause::PowerOn),
+                counts: 4711,
+            }
+        }
+
+        /// At rest at a first reading.
+        fn started() -> Self {
+            let mut bench = Self::at(START);
+            let located = bench.tick(0, true, None);
+            assert!(!located.jumped);
+            bench
+        }
+
+        /// A tick in which both wheels roll on by `counts`, which the encoders give or not.
+        fn tick(&mut self, counts: i32, given: bool, fix: Option<Pose<f64>>) -> Located {
+            self.counts += counts;
+            let mut sensed = Sensed::of_counts(WheelCounts {
+                right: self.counts,
+                left: self.counts,
+            });
+            if !given {
+                sensed.counts = Err(ErrorKind::Bus);
+            }
+            sensed.fix = fix.map(|pose| Fix { pose, age_s: 0.0 });
+            let accelerations = Accelerations::exerted(Accel::default());
+            self.locator.advance::<Libm>(
+                &self.localisation,
+                DT,
+                &accelerations,
+                &sensed,
+                &mut self.report,
+            )
+        }
+
+        fn measured(&self) -> Measured<f64> {
+            self.report.measured.expect("a reading")
+        }
+
+        fn is_at(&self, x: f64, y: f64) -> bool {
+            let Pose { x: a, y: b, theta } = self.measured().pose;
+            (a - x).abs() < 1e-9 && (b - y).abs() < 1e-9 && theta.abs() < 1e-9
+        }
+    }
+
+    #[test]
+    fn a_base_is_where_it_starts_at_its_first_reading() {
+        let mut bench = Bench::at(START);
+        bench.tick(COUNTS, false, None);
+        assert_eq!((bench.report.measured, bench.report.blind), (None, true));
+        assert!(bench.locator.odometry().is_none());
+        bench.tick(COUNTS, true, None);
+        let at_rest = Measured {
+            pose: START,
+            twist: Twist::default(),
+        };
+        assert_eq!((bench.measured(), bench.report.blind), (at_rest, false));
+        assert!(bench.locator.odometry().is_some());
+    }
+
+    /// It goes on as it moved, and says that it is blind and for how long it has had no pose. What the wheels have turned meanwhile was in all of
+    /// that time: neither the way nor the speed is wrong afterwards.
+    #[test]
+    fn a_base_without_counts_goes_on_as_it_moved() {
+        let mut bench = Bench::started();
+        for tick in 1..=200 {
+            let located = bench.tick(COUNTS, true, None);
+            assert!(
+                located.fix_age_us.abs_diff(10_000 * tick) <= 1,
+                "{located:?}"
+            );
+        }
+        let before = bench.measured();
+        // What is left of a start that nothing told odometry of.
+        assert!((before.twist.linear * DT / (16.0 * COUNT_M) - 1.0).abs() < 1e-3);
+        for gap in 1..=3 {
+            let located = bench.tick(COUNTS, false, None);
+            assert!(located.fix_age_us.abs_diff(10_000 * (200 + gap)) <= 1);
+            let on = before.pose.x + f64::from(gap) * DT * before.twist.linear;
+            assert!(bench.is_at(on, START.y) && bench.report.blind);
+            assert_eq!(bench.measured().twist, before.twist);
+        }
+        let located = bench.tick(COUNTS, true, None);
+        assert!(located.fix_age_us.abs_diff(2_040_000) <= 1, "{located:?}");
+        assert!(bench.is_at(START.x + 204.0 * 16.0 * COUNT_M, START.y));
+        assert!((bench.measured().twist.linear / before.twist.linear - 1.0).abs() < 1e-3);
+    }
+
+    /// What became of a pose is said of the tick in which it came.
+    #[test]
+    fn a_tick_without_counts_has_no_pose() {
+        let mut bench = Bench::started();
+        let located = bench.tick(0, true, Some(START));
+        assert_eq!(bench.report.fix, FixOutcome::Fused);
+        assert_eq!(located.fix_age_us, 0);
+        bench.tick(0, false, Some(START));
+        assert_eq!(bench.report.fix, FixOutcome::Absent);
+    }
+
+    /// It jumps there in the next tick, whether that has counts or not, and drives on from there.
+    #[test]
+    fn a_base_is_where_it_is_set() {
+        let mut bench = Bench::started();
+        for _ in 0..200 {
+            bench.tick(COUNTS, true, None);
+        }
+        let Bench {
+            locator,
+            localisation,
+            ..
+        } = &mut bench;
+        locator.set_pose(localisation, ELSEWHERE);
+        let twist = bench.measured().twist;
+        assert!(bench.tick(COUNTS, false, None).jumped);
+        assert!(bench.is_at(ELSEWHERE.x + DT * twist.linear, ELSEWHERE.y));
+        assert_eq!(bench.measured().twist, twist);
+        assert!(!bench.tick(COUNTS, true, None).jumped);
+        assert!(bench.is_at(ELSEWHERE.x + 32.0 * COUNT_M, ELSEWHERE.y));
+    }
+
+    /// At its last pose, or where it was set since, and without a jump.
+    #[test]
+    fn a_base_of_other_parameters_begins_anew_where_it_is() {
+        for set in [false, true] {
+            let mut bench = Bench::started();
+            for _ in 0..200 {
+                bench.tick(COUNTS, true, None);
+            }
+            bench.tick(COUNTS, false, None);
+            let last = bench.measured();
+            if set {
+                bench.locator.set_pose(&bench.localisation, ELSEWHERE);
+            }
+            bench.locator.begin_anew(Some(&last));
+            assert!(bench.locator.odometry().is_none());
+            let located = bench.tick(COUNTS, true, None);
+            let expected = if set { ELSEWHERE } else { last.pose };
+            assert_eq!(
+                (bench.measured().pose, located.jumped, located.fix_age_us),
+                (expected, false, 0)
+            );
+        }
+        let mut bench = Bench::at(START);
+        bench.locator.begin_anew(None);
+        bench.tick(COUNTS, true, None);
+        assert_eq!(bench.measured().pose, START);
+    }
+
+    /// A place that is no number is a fault, and nothing is known of the pose.
+    #[test]
+    fn a_place_that_is_no_number_is_refused() {
+        let mut bench = Bench::at(Pose {
+            x: f64::NAN,
+            ..START
+        });
+        bench.tick(COUNTS, true, None);
+        assert!(
+            bench
+                .report
+                .active_faults
+                .get(FaultKind::NotFinite)
+                .is_some()
+        );
+        assert_eq!((bench.report.measured, bench.report.blind), (None, true));
+    }
+}

@@ -48,6 +48,26 @@ pub struct BaseReport<T = f32> {
 }
 
 impl<T: Scalar> BaseReport<T> {
+    /// Before the first tick.
+    pub(super) fn new(state: State, cause: Cause) -> Self {
+        Self {
+            action: WheelAction::Release,
+            state,
+            cause,
+            measured: None,
+            blind: false,
+            curvature_bias: T::ZERO,
+            turn_bias: T::ZERO,
+            tyre_slip: T::ZERO,
+            motor_bias: T::ZERO,
+            fix: FixOutcome::Absent,
+            gyro: GyroReport::default(),
+            active_faults: ActiveFaults::NONE,
+            refused: false,
+            motion: None,
+        }
+    }
+
     /// What is measured, for a law that reckons with a base that moves where it heads: its course in place of its heading, since tyres slip aside.
     pub(super) fn course(&self) -> Option<Measured<T>> {
         self.measured.map(|mut measured| {
