@@ -398,6 +398,246 @@ mod tests {
         Growth::new((5e-3, 5e-3), (0.04, 0.04), 0.02, 4.0)
     }
 
+    /// x, y, heading, curvature bias, turn bias, slip.
+    type Matrix = [[f64; 6]; 6];
+
+    /// Of every pair of errors.
+    fn whole(p: &Covariance<f64>) -> Matrix {
+        let Covariance { b, e, k, .. } = p;
+        [
+            [p.xx, p.xy, p.xt, b.x, e.x, k.x],
+            [p.xy, p.yy, p.yt, b.y, e.y, k.y],
+            [p.xt, p.yt, p.tt, b.t, e.t, k.t],
+            [b.x, b.y, b.t, p.bb, p.be, p.bk],
+            [e.x, e.y, e.t, p.be, p.ee, p.ek],
+            [k.x, k.y, k.t, p.bk, p.ek, p.kk],
+        ]
+    }
+
+    /// Some covariance in which all errors have to do with each other: A Aᵀ, a tenth of the largest variances that biases may have.
+    fn some(growth: &Growth<f64>, seed: u32) -> Covariance<f64> {
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state) / f64::from(u32::MAX) - 0.5
+        };
+        let a: Matrix = core::array::from_fn(|_| core::array::from_fn(|_| random()));
+        let (curvature, turn, slip) = growth.unknown();
+        let sizes =
+            [1e-4, 1e-4, 1e-4, curvature, turn, slip].map(|variance| (0.1 * variance).sqrt());
+        let p = |i: usize, j: usize| {
+            let product: f64 = (0..6).map(|n| a[i][n] * a[j][n]).sum();
+            sizes[i] * sizes[j] * product
+        };
+        let with_pose = |i: usize| WithPose {
+            x: p(0, i),
+            y: p(1, i),
+            t: p(2, i),
+        };
+        Covariance {
+            xx: p(0, 0),
+            xy: p(0, 1),
+            yy: p(1, 1),
+            xt: p(0, 2),
+            yt: p(1, 2),
+            tt: p(2, 2),
+            b: with_pose(3),
+            e: with_pose(4),
+            k: with_pose(5),
+            bb: p(3, 3),
+            be: p(3, 4),
+            bk: p(3, 5),
+            ee: p(4, 4),
+            ek: p(4, 5),
+            kk: p(5, 5),
+        }
+    }
+
+    fn assert_close(is: &Covariance<f64>, expected: &Matrix) {
+        let is = whole(is);
+        for (i, row) in expected.iter().enumerate() {
+            for (j, expected) in row.iter().enumerate() {
+                // Roundings of some sums, of the size of the errors themselves.
+                let size = (is[i][i] * is[j][j]).sqrt();
+                assert!((is[i][j] - expected).abs() <= 1e-13 * size, "{i} {j}");
+            }
+        }
+    }
+
+    /// The table of the head of this file, as a matrix: P ← F P Fᵀ + Q.
+    #[test]
+    fn errors_pass_as_the_table_says() {
+        let mut growth = growth();
+        growth.learn_slip(0.02);
+        for seed in 0..40 {
+            let before = some(&growth, seed);
+            let back = if seed % 2 == 0 { 1.0 } else { -1.0 };
+            let since = Since {
+                x: 0.7,
+                y: -0.4,
+                way: 0.9 * back,
+                turn: -0.6 * back,
+                slip: Pose::new(-0.3, 0.5, 0.8),
+            };
+            for carried in [None, Some(3e-5)] {
+                let mut p = whole(&before);
+                let mut u = [0.0, 0.0, 0.0, since.way, since.turn, since.slip.theta];
+                if let Some(heading) = carried {
+                    // Neither the heading nor what turns it has to do with the wheels.
+                    u = [0.0; 6];
+                    p[2][2] = heading;
+                    for (a, b) in [(0, 3), (1, 3), (2, 3), (0, 4), (1, 4), (2, 4), (2, 5)] {
+                        (p[a][b], p[b][a]) = (0.0, 0.0);
+                    }
+                }
+                let mut f: Matrix =
+                    core::array::from_fn(|i| core::array::from_fn(|j| f64::from(u8::from(i == j))));
+                for j in 0..6 {
+                    let middle = f[2][j] + 0.5 * u[j];
+                    f[0][j] -= since.y * middle;
+                    f[1][j] += since.x * middle;
+                }
+                for j in 0..6 {
+                    f[2][j] += u[j];
+                }
+                f[0][5] += since.slip.x;
+                f[1][5] += since.slip.y;
+                let fp: Matrix = core::array::from_fn(|i| {
+                    core::array::from_fn(|j| (0..6).map(|n| f[i][n] * p[n][j]).sum())
+                });
+                let mut after: Matrix = core::array::from_fn(|i| {
+                    core::array::from_fn(|j| (0..6).map(|n| fp[i][n] * f[j][n]).sum())
+                });
+                let (curvature, turn, slip) = growth.unknown();
+                for place in [0, 1] {
+                    after[place][place] += growth.rest.0 + 0.9 * growth.per_way;
+                }
+                if carried.is_none() {
+                    after[2][2] += growth.rest.1 + 0.6 * growth.per_turn;
+                }
+                // A hundredth over a metre or a radian.
+                after[3][3] += 0.01 * 0.9 * curvature;
+                after[4][4] += 0.01 * 0.6 * turn;
+                after[5][5] += 0.01 * 0.9 * slip;
+                let mut covariance = before;
+                covariance.pass(&growth, &since, carried);
+                assert_close(&covariance, &after);
+            }
+        }
+    }
+
+    /// No bias is less known than that of wheels of which nothing is learnt.
+    #[test]
+    fn biases_change_up_to_what_is_unknown() {
+        let mut growth = growth();
+        growth.learn_slip(0.02);
+        let mut covariance = some(&growth, 1);
+        let since = Since {
+            way: -200.0,
+            turn: -200.0,
+            ..Since::default()
+        };
+        covariance.pass(&growth, &since, None);
+        let found = (covariance.bb, covariance.ee, covariance.kk);
+        assert_eq!(found, growth.unknown());
+        // An eighth of 2 % on either side of half a metre; the square root of a third; twelfth of what the softest slip.
+        let stated = [found.0, found.1, found.2].map(f64::sqrt);
+        let expected = [
+            0.01,
+            0.02 / 3.0_f64.sqrt(),
+            0.02 / (0.2 * 9.81) / 12.0_f64.sqrt(),
+        ];
+        for (stated, expected) in stated.iter().zip(expected) {
+            assert!(
+                (stated / expected - 1.0).abs() < 1e-12,
+                "{stated} {expected}"
+            );
+        }
+    }
+
+    /// Kalman's formula, of a heading, an x and a y in turn, each of what the ones before have left.
+    #[test]
+    fn a_fix_is_taken_as_kalman_says() {
+        let mut growth = Growth::new((5e-3, 8e-3), (0.04, 0.04), 0.02, 4.0);
+        growth.learn_slip(0.02);
+        let (position, heading) = growth.fix;
+        assert_eq!(growth.fix_heading(), 8e-3 * 8e-3);
+        for seed in 0..40 {
+            let mut covariance = some(&growth, seed);
+            let off = Pose::new(0.02, -0.03, 0.01);
+            let (mut p, mut expected) = (whole(&covariance), [0.0; 6]);
+            for (n, off, noise) in [
+                (2, off.theta, heading),
+                (0, off.x, position),
+                (1, off.y, position),
+            ] {
+                let gain = p[n].map(|with| with / (p[n][n] + noise));
+                let left = off - expected[n];
+                let seen = p[n];
+                for i in 0..6 {
+                    expected[i] += gain[i] * left;
+                    for j in 0..6 {
+                        p[i][j] -= gain[i] * seen[j];
+                    }
+                }
+            }
+            let Taken { pose, biases } = covariance.take(&growth, &off);
+            let taken = [
+                pose.x,
+                pose.y,
+                pose.theta,
+                biases.per_way,
+                biases.per_turn,
+                biases.slip,
+            ];
+            for (taken, expected) in taken.iter().zip(expected) {
+                assert!(
+                    (taken - expected).abs() < 1e-15,
+                    "{seed}: {taken:e} {expected:e}"
+                );
+            }
+            assert_close(&covariance, &p);
+        }
+    }
+
+    /// At rest as much of each fix is taken as is stated, and what is left is what a stated pose has.
+    #[test]
+    fn a_base_at_rest_takes_the_stated_share() {
+        let growth = Growth::new((5e-3, 8e-3), (0.04, 0.1), 0.02, 4.0);
+        let stated = Covariance::stated(&growth);
+        let mut covariance = stated;
+        covariance.pass(&growth, &Since::default(), None);
+        let taken = covariance.take(&growth, &Pose::new(1.0, -1.0, 1.0)).pose;
+        let shares = [taken.x - 0.04, taken.y + 0.04, taken.theta - 0.1];
+        assert!(shares.iter().all(|off| off.abs() < 1e-12), "{shares:?}");
+        assert_close(&covariance, &whole(&stated));
+    }
+
+    /// What is known of the wheels stays, and that it has to do with the pose is forgotten.
+    #[test]
+    fn a_pose_that_is_set_forgets_the_pose_alone() {
+        let mut growth = Growth::new((5e-3, 8e-3), (0.04, 0.1), 0.02, 4.0);
+        growth.learn_slip(0.02);
+        let before = some(&growth, 3);
+        let (mut set, mut stated) = (before, before);
+        set.set(&growth);
+        stated.state(&growth);
+        let square = |value: f64| value * value;
+        for (covariance, place, heading) in [
+            (set, square(5e-3), square(8e-3)),
+            (stated, 0.04 * square(5e-3), 0.1 * square(8e-3)),
+        ] {
+            let mut expected = [[0.0; 6]; 6];
+            for (n, variance) in [place, place, heading, before.bb, before.ee, before.kk]
+                .into_iter()
+                .enumerate()
+            {
+                expected[n][n] = variance;
+            }
+            assert_eq!(whole(&covariance), expected);
+        }
+    }
+
     /// A heading or a place of which nothing is known any more: no error has to do with another, and the next fix is taken whole.
     #[test]
     fn what_is_lost_is_taken_from_a_fix() {
