@@ -60,3 +60,36 @@ impl<T: Scalar> Tyres<T> {
 pub(crate) fn drift_angle<T: Scalar>(slip: T, twist: &Twist<T>) -> T {
     -(slip * twist.linear.abs() * twist.angular)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Tyres, drift_angle};
+    use crate::robot::Robot;
+    use crate::types::{Accel, Twist};
+
+    /// 4 · 15 kg m²/(30 kg · (0.5 m)²) = 8: a turn strains the tyres eight times as much, and a fifth of a loop of 7 rad/s is left to it an eighth
+    /// each. A body that is easy to turn takes the fifth for its way.
+    #[test]
+    fn what_a_turn_strains() {
+        let accel = Accel::new(-0.3, 0.25);
+        let heavy = Robot::<f64>::paper();
+        let light = Robot {
+            inertia_kg_m2: 0.9375,
+            ..heavy
+        };
+        for (robot, load, most_s) in [(heavy, 8.0, 0.2 / 56.0), (light, 0.5, 0.2 / 7.0)] {
+            let tyres = Tyres::new(&robot, 7.0);
+            assert_eq!(tyres.strain(&accel), Accel::new(-0.3, 0.25 * load));
+            assert!((tyres.most_s - most_s).abs() < 1e-15, "{tyres:?}");
+        }
+    }
+
+    /// Out of the bend, forward and backward.
+    #[test]
+    fn a_base_drifts_outwards() {
+        for (v, w, angle) in [(0.5, 2.0, -0.03), (-0.5, 2.0, -0.03), (0.5, -2.0, 0.03)] {
+            let found: f64 = drift_angle(0.03, &Twist::new(v, w));
+            assert!((found - angle).abs() < 1e-15, "{v} {w}: {found}");
+        }
+    }
+}
