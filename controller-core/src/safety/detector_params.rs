@@ -39,7 +39,7 @@ impl Timeout {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TickDetectorParams {
-    /// A tick longer than this came late; above the period. `Off` watches no jitter.
+    /// A tick of this length came late, and every longer one; above the period. `Off` watches no jitter.
     pub late: Timeout,
     /// So many late ticks in a row are a fault; 1 to 255.
     pub row: u8,

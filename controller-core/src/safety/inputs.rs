@@ -205,6 +205,32 @@ mod tests {
         assert_eq!(active_faults.worst(&policy), Some((driver, release)));
     }
 
+    /// Those of another tick are added by the same rule, in the order of their codes, and nothing is left once they are forgotten.
+    #[test]
+    fn faults_are_added_and_forgotten() {
+        let mut one = ActiveFaults::NONE;
+        one.add(Fault::WheelSlip(Side::Right));
+        one.add(Fault::PoseJump);
+        let mut other = ActiveFaults::NONE;
+        other.add_some(Some(Fault::WheelSlip(Side::Left)));
+        other.add_some(None);
+        other.add(Fault::TickJitter);
+        let before = one;
+        one.add_all(&ActiveFaults::NONE);
+        assert_eq!(one, before);
+        one.add_all(&other);
+        let mut expected = [
+            Fault::WheelSlip(Side::Right),
+            Fault::PoseJump,
+            Fault::TickJitter,
+        ];
+        expected.sort_by_key(|fault| fault.kind().code());
+        assert!(one.iter().eq(expected), "{one:?}");
+        one.clear();
+        assert_eq!(one, ActiveFaults::NONE);
+        assert!(one.is_empty() && one.iter().next().is_none());
+    }
+
     #[test]
     fn the_first_of_a_kind_stays() {
         let mut active_faults = ActiveFaults::NONE;

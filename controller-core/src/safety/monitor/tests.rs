@@ -105,6 +105,86 @@ fn late_ticks_in_a_row_and_among_many() {
     assert_eq!(found.get(FaultKind::TickTooLong), Some(Fault::TickTooLong));
 }
 
+/// All there were, in a row or not.
+#[test]
+fn late_ticks_are_counted() {
+    let mut monitor = monitor(params());
+    assert_eq!(monitor.late_ticks(), 0);
+    for late in [true, false, true, true, false] {
+        let mut inputs = quiet();
+        inputs.dt_us = if late { 15_000 } else { 14_999 };
+        monitor.check(&inputs);
+    }
+    assert_eq!(monitor.late_ticks(), 3);
+}
+
+/// Looks come in parts: one in a tick of up to 1.25 ms, two in one of up to 2.5 ms, and both wheels whole in a longer one, which takes all that
+/// was exerted.
+#[test]
+fn longer_ticks_take_more_of_a_look() {
+    for (dt_us, part) in [
+        (1_250, Part::Push),
+        (1_251, Part::Filter),
+        (2_500, Part::Filter),
+        (2_501, Part::Take),
+    ] {
+        let mut monitor = monitor(params());
+        let mut inputs = pushing(1, 0, 0);
+        inputs.dt_us = dt_us;
+        monitor.check(&inputs);
+        let found = (monitor.detectors.part, monitor.detectors.gathered);
+        assert_eq!(found, (part, Span::default()), "{dt_us}");
+    }
+}
+
+/// Times and impulses add up; torques that were not known for a while are not known.
+#[test]
+fn spans_add_up() {
+    let torques = WheelTorques {
+        right: 2.0,
+        left: -3.0,
+    };
+    let known = Span::<f64>::of(1_000, Some(torques));
+    let unknown = Span::of(2_000, None);
+    for (one, other, us, share, is_unknown) in [
+        (known, known, 2_000, 2.0, false),
+        (known, unknown, 3_000, 1.0, true),
+        (unknown, known, 3_000, 1.0, true),
+        (unknown, unknown, 4_000, 0.0, true),
+    ] {
+        let WheelTorques { right, left } = one.and(&other).impulses;
+        assert_eq!(
+            (one.and(&other).us, one.and(&other).unknown),
+            (us, is_unknown)
+        );
+        assert_eq!((right, left), (share * 2e-3, share * -3e-3));
+    }
+}
+
+/// A wheel half a track beside the middle moves by that much of a turn, the right one forward: where both together would slip by less than is
+/// allowed, one of them slips by more.
+#[test]
+fn a_turn_that_wheels_do_not_make_is_slip() {
+    let slip = params().wheels.slip.speed_m_s;
+    for (linear, angular, side) in [
+        (0.0, 0.98 * slip / 0.25, None),
+        (0.0, 1.02 * slip / 0.25, Some(Side::Both)),
+        (0.98 * slip, 0.04 * slip / 0.25, Some(Side::Right)),
+        (0.98 * slip, -0.04 * slip / 0.25, Some(Side::Left)),
+    ] {
+        let mut monitor = monitor(params());
+        let off = |_| DetectorInputs {
+            outside: Some(Twist::new(linear, angular)),
+            ..quiet()
+        };
+        let kind = FaultKind::WheelSlip;
+        let found = found_in(&mut monitor, 1000, kind, off);
+        assert_eq!(found.is_some(), side.is_some(), "{linear} {angular}");
+        let found = monitor.check(&off(0)).get(kind);
+        assert_eq!(found, side.map(Fault::WheelSlip));
+    }
+}
+
 #[test]
 fn what_others_tell_is_passed_on() {
     let mut reported = quiet();
