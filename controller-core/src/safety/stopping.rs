@@ -253,6 +253,52 @@ mod tests {
         }
     }
 
+    /// The twist of now, and the acceleration of the middle of the tick but in the first one.
+    #[test]
+    fn a_tick_of_the_plan_has_the_acceleration_of_its_middle() {
+        let plan = StopPlan::new::<Libm>(&motion(15.0), &Twist::new(1.0, -2.0));
+        let pose = Pose::new(0.3, -0.7, 2.0);
+        for (t, dt, middle) in [(0.0, 0.02, 0.0), (0.1, 0.02, 0.11), (0.4, 0.1, 0.45)] {
+            let Task::Follow(reference) = plan.task::<Libm>(t, dt, &pose) else {
+                panic!("a stop is followed");
+            };
+            let ((twist, _), (_, accel)) = (plan.at(t), plan.at(middle));
+            assert_eq!((reference.twist(), reference.accel()), (&twist, &accel));
+            assert_eq!(reference.pose(), &pose);
+        }
+        assert!(plan.at(0.11).1 != plan.at(0.1).1 && plan.at(0.45).1.linear != 0.0);
+    }
+
+    /// The sums of the document, whichever loop is the slower one.
+    #[test]
+    fn bounds_are_the_sums_of_their_terms() {
+        let mut params = *motion(15.0).params();
+        let fast = params.gains.speed_loop;
+        for (speed_loop, turn_loop) in [(fast, 0.8 * fast), (0.8 * fast, fast)] {
+            (params.gains.speed_loop, params.gains.turn_loop) = (speed_loop, turn_loop);
+            let motion = params.validate().expect("valid");
+            let decay = motion.gains().decay;
+            let command = Twist::new(-1.5, 2.0);
+            let (rate, error) = (Accel::new(0.7, -1.1), Twist::new(-0.05, 0.08));
+            let found = controlled_stop::<_, Libm>(&motion, &command, &rate, &error);
+            let duration = StopPlan::new::<Libm>(&motion, &command).duration_s();
+            let square = decay * decay;
+            let expected = [
+                0.5 * 1.5 * duration + 0.7 / square + 0.05 / speed_loop,
+                0.5 * 2.0 * duration + 1.1 / square + 0.08 / turn_loop,
+                duration + 7.0 / decay + 4.6 / (0.8 * fast),
+            ];
+            let found = [found.distance_m, found.angle_rad, found.time_s];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            }
+            // Straight on from a speed, with the larger of both accelerations, 1.5 m/s².
+            let straight = StopPlan::new::<Libm>(&motion, &Twist::new(2.0, 0.0));
+            let distance = controlled_stop_distance::<_, Libm>(&motion, 2.0);
+            assert!((distance - (straight.duration_s() + 1.5 / square)).abs() < 1e-12);
+        }
+    }
+
     #[test]
     fn a_plan_for_nothing_or_nonsense_is_at_rest() {
         let motion = motion(15.0);
