@@ -182,8 +182,8 @@ pub(crate) struct RivalLaw<'a> {
     driver: &'a mut Driver,
     motion: ValidMotionParams<f32>,
     controller: Option<MotionController<f32, Single, RationalMean>>,
-    /// What the core reported last, as of a law that parks.
-    report: MotionReport<f32>,
+    /// The last order was to park.
+    parks: bool,
     t: f64,
 }
 
@@ -194,9 +194,22 @@ impl<'a> RivalLaw<'a> {
             driver,
             motion,
             controller: None,
-            report: MotionReport::default(),
+            parks: false,
             t: 0.0,
         }
+    }
+
+    /// What the core reported last, as of a law that parks: it is told to follow.
+    fn report(&self) -> MotionReport<f32> {
+        let controller = self.controller.as_ref();
+        let mut report = controller.map_or_else(MotionReport::default, |c| *c.report());
+        if self.parks {
+            report.mode = Mode::Parking;
+            if self.driver.has_arrived() {
+                report.outcome = Outcome::Parked;
+            }
+        }
+        report
     }
 }
 
@@ -212,20 +225,17 @@ impl Law for RivalLaw<'_> {
             return Err(ControllerPortError::Fault(StepFault::WrongPhase));
         }
         let task = Task::Follow(reference);
-        let mut report = match &mut self.controller {
+        match &mut self.controller {
             None => {
                 let started = MotionController::start(&self.motion, &task, &measured)?;
-                *self.controller.insert(started).report()
+                self.controller = Some(started);
             }
-            Some(controller) => *controller.step(dt as f32, &task, &measured)?,
-        };
-        if matches!(orders.task, Task::Park(_)) {
-            report.mode = Mode::Parking;
-            if self.driver.has_arrived() {
-                report.outcome = Outcome::Parked;
+            Some(controller) => {
+                controller.step(dt as f32, &task, &measured)?;
             }
         }
-        self.report = report;
+        self.parks = matches!(orders.task, Task::Park(_));
+        let report = self.report();
         Ok(Acted {
             torques: report.torques.cast(),
             outcome: report.outcome,
@@ -235,13 +245,13 @@ impl Law for RivalLaw<'_> {
 
     fn computed(&self) -> Computed {
         Computed {
-            report: self.report.cast(),
+            report: self.report().cast(),
             paper: None,
         }
     }
 
     fn command(&self) -> Twist<f64> {
-        self.report.command.cast()
+        self.report().command.cast()
     }
 
     fn hand_over_distance(&self, speed: f64) -> f64 {
