@@ -207,13 +207,12 @@ mod tests {
     use super::{Located, Locator};
     use crate::base::{BaseReport, Sensed};
     use crate::hal::{ErrorKind, WheelCounts};
-    use crate::localiser::{Fix, FixOutcome, FusionParams, LocaliserParams, ValidLocaliserParams};
+    use crate::localiser::{Fix, FixOutcome, LocaliserParams, ValidLocaliserParams};
     use crate::maths::Libm;
-    use crate::odometry::{Accelerations, Calibration, OdometryParams};
+    use crate::odometry::Accelerations;
     use crate::safety::FaultKind;
     use crate::safety::supervisor::{Cause, State};
     use crate::types::{Accel, Measured, Pose, Twist};
-    use crate::wheels::WheelGeometry;
 
     const DT: f64 = 0.01;
     /// Of a wheel in a tick, for half a metre per second.
@@ -241,22 +240,8 @@ mod tests {
 
     impl Bench {
         fn at(start: Pose<f64>) -> Self {
-            let params = LocaliserParams {
-                odometry: OdometryParams {
-                    wheels: WheelGeometry {
-                        radius_right_m: 0.1,
-                        radius_left_m: 0.1,
-                        track_m: 0.5,
-                    },
-                    calibration: Calibration::NOMINAL,
-                    counts_per_turn: 2048.0,
-                    bandwidth: 50.0,
-                },
-                fusion: Some(FusionParams::for_source(5e-3, 5e-3, 20.0)),
-                gyro: None,
-            };
             Self {
-                localisation: params.validate().expect("valid"),
+                localisation: LocaliserParams::for_test().validate().expect("valid"),
                 locator: Locator::new(start),
                 report: BaseReport::new(State::Idle, Cause::PowerOn),
                 counts: 4711,

@@ -406,28 +406,13 @@ fn difference<T: Scalar>(of: &Pose<T>, from: &Pose<T>) -> Pose<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::localiser::{FusionParams, LocaliserParams};
-    use crate::odometry::{Calibration, OdometryParams};
-    use crate::wheels::WheelGeometry;
+    use crate::localiser::LocaliserParams;
 
     /// A heading that a gyro carries may be off by what the gyro says, and no more with the way; the place by the drift, by where that
     /// heading has led, and by what a wheel slides while the two disagree.
     #[test]
     fn a_carried_heading_bounds_the_slack() {
-        let params = LocaliserParams {
-            odometry: OdometryParams {
-                wheels: WheelGeometry {
-                    radius_right_m: 0.1,
-                    radius_left_m: 0.1,
-                    track_m: 0.5,
-                },
-                calibration: Calibration::NOMINAL,
-                counts_per_turn: 2048.0,
-                bandwidth: 50.0,
-            },
-            fusion: Some(FusionParams::for_source(5e-3_f64, 5e-3, 20.0)),
-            gyro: None,
-        };
+        let params = LocaliserParams::for_test();
         let fusion = params.validate().expect("valid").fusion.expect("fixes");
         let driven = Driven {
             travel: 0.3,

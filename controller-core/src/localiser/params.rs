@@ -5,6 +5,8 @@ use super::noise::pose_noise;
 use crate::error::{Field, ParamError};
 use crate::gyro::{GyroParams, ValidGyroParams};
 use crate::maths::{Maths, Usual};
+#[cfg(test)]
+use crate::odometry::Calibration;
 use crate::odometry::{OdometryParams, Tyres};
 use crate::range::check_ranges;
 use crate::robot::Robot;
@@ -102,6 +104,23 @@ pub struct LocaliserParams<T = f32> {
     pub fusion: Option<FusionParams<T>>,
     /// The gyro, if there is one.
     pub gyro: Option<GyroParams<T>>,
+}
+
+#[cfg(test)]
+impl LocaliserParams<f64> {
+    /// Wheels of 0.1 m, half a metre apart, with 2048 counts a turn; poses that are good to 5 mm and 5 mrad at 20 Hz.
+    pub(crate) fn for_test() -> Self {
+        Self {
+            odometry: OdometryParams {
+                wheels: Robot::paper().wheels,
+                calibration: Calibration::NOMINAL,
+                counts_per_turn: 2048.0,
+                bandwidth: 50.0,
+            },
+            fusion: Some(FusionParams::for_source(5e-3, 5e-3, 20.0)),
+            gyro: None,
+        }
+    }
 }
 
 /// What odometry may be wrong by, as a share of the travel of a wheel, where no fusion states it: a calibrated base is within 2 %.
