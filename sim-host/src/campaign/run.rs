@@ -151,13 +151,15 @@ impl<'a, 'queue> Runner<'a, 'queue> {
     fn whole(&mut self, watch: &mut impl FnMut(&Tick<'_, '_>)) -> Checked<End> {
         self.reach(watch)?;
         let mut since = self.t;
-        while self.t < since + self.plan.wait_s && self.t < LONGEST_S.0 {
+        while self.t < LONGEST_S.0 {
             if Target::of(self.state()) != self.plan.target {
-                // A parked base may go back to a goal that better poses show to be elsewhere.
+                // A parked base may go back to a goal that better poses show to be elsewhere, in the last tick of the time as well.
                 if !(self.plan.target == Target::Parked && self.state() == State::Parking) {
                     break;
                 }
                 since = self.t;
+            } else if self.t >= since + self.plan.wait_s {
+                break;
             }
             self.tick(watch)?;
         }
