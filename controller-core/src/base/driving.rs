@@ -439,7 +439,7 @@ mod tests {
         }
     }
 
-    /// Wheels that are told to creep and stand; for a base that drives otherwise nothing is compensated, and nothing is remembered.
+    /// Wheels that are commanded to creep and stand; for a base that drives otherwise nothing is compensated, and nothing is remembered.
     #[test]
     fn friction_is_found_while_driving_by_velocity() {
         let friction = WheelFriction {

@@ -315,7 +315,7 @@ mod tests {
             );
         }
         let before = bench.measured();
-        // What is left of a start that nothing told odometry of.
+        // What is left of a start by an acceleration that odometry did not know of.
         assert!((before.twist.linear * DT / (16.0 * COUNT_M) - 1.0).abs() < 1e-3);
         for gap in 1..=3 {
             let located = bench.tick(COUNTS, false, None);

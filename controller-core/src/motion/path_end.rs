@@ -254,7 +254,7 @@ mod tests {
     }
 
     /// From where the robot is, which the limits allow, to the end of the path; its heading is that of its way, its twist the rate of its pose, and its acceleration
-    /// that of its twist. A robot that stays as far aside is told nothing new for a tenth of a second.
+    /// that of its twist. For a robot that stays as far aside the curve is not set anew for a tenth of a second.
     #[test]
     fn what_is_led_is_a_path() {
         let h = 1.0e-4;

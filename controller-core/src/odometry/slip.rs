@@ -84,7 +84,7 @@ mod tests {
         }
     }
 
-    /// Out of the bend, forward and backward.
+    /// Away from the centre of the turn, forward and backward.
     #[test]
     fn a_base_drifts_outwards() {
         for (v, w, angle) in [(0.5, 2.0, -0.03), (-0.5, 2.0, -0.03), (0.5, -2.0, 0.03)] {

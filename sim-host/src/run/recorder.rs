@@ -67,7 +67,7 @@ impl<'w> Recorder<'w> {
             Keep::All(None) => {}
             Keep::All(Some(watch)) => watch(&Seen {
                 line: Line {
-                    tick: self.ticks - 1,
+                    tick: self.trace.rows.len(),
                     row: &row,
                     handed_over: hand_over.is_some(),
                 },

@@ -199,7 +199,7 @@ impl<'a> RivalLaw<'a> {
         }
     }
 
-    /// What the core reported last, as of a law that parks: it is told to follow.
+    /// What the core reported last, as of a law that parks: what it follows is the rival.
     fn report(&self) -> MotionReport<f32> {
         let controller = self.controller.as_ref();
         let mut report = controller.map_or_else(MotionReport::default, |c| *c.report());
@@ -251,7 +251,8 @@ impl Law for RivalLaw<'_> {
     }
 
     fn command(&self) -> Twist<f64> {
-        self.report().command.cast()
+        let controller = self.controller.as_ref();
+        controller.map_or(Twist::default(), |c| c.report().command.cast())
     }
 
     fn hand_over_distance(&self, speed: f64) -> f64 {
