@@ -203,6 +203,8 @@ pub fn parts(cost: &Rows) -> String {
         ("motor, one wheel", "motor/command"),
         ("motion law, following", "motion/follow"),
         ("motion law, searching for a manoeuvre", "motion/plan"),
+        ("motion law, searches every 1 ms", "motion/search-1ms"),
+        ("motion law, searches every 10 ms", "motion/search-10ms"),
         ("motion law, parking", "motion/park"),
         ("leading to a path's end, a tick of it", "motion/lead"),
         ("whole base, following", "base/follow"),

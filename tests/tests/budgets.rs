@@ -126,6 +126,8 @@ fn entries(measured: &Measured) -> Vec<(&'static str, u64)> {
         ("motion-follow", cost.most("motion/follow")),
         ("motion-lead", cost.most("motion/lead")),
         ("motion-plan", cost.most("motion/plan")),
+        ("motion-search-1ms", cost.most("motion/search-1ms")),
+        ("motion-search-10ms", cost.most("motion/search-10ms")),
         ("motion-park", cost.most("motion/park")),
         ("motion-park-mean", cost.mean("motion/park")),
         ("base-first", cost.most("base/first")),
@@ -355,6 +357,10 @@ fn the_document_states_what_is_measured() {
                 &["motion-follow", "motion-park", "motion-plan"],
             ),
             (
+                "the same in searches to goals all around, from rest and from motion, every 1 ms / every 10 ms, most",
+                &["motion-search-1ms", "motion-search-10ms"],
+            ),
+            (
                 "whole base, one tick from encoder counts to wheels, first / following / parking / with a pose, most",
                 &["base-first", "base-follow", "base-park", "base-fix"],
             ),
@@ -460,8 +466,8 @@ fn the_readme_says_what_a_tick_costs() {
             &[figures["base-fix"] as f64],
         ),
         (
-            "the same while it searches for a manoeuvre, 0.35 s at most",
-            &[figures["base-plan"] as f64],
+            "the same while it searches for a manoeuvre, 0.35 s at most; the law alone, every 10 ms",
+            &["base-plan", "motion-search-10ms"].map(|key| figures[key] as f64),
         ),
         (
             "odometry, Ramsete, a PID with feed-forward for each wheel, to duties; nothing else",

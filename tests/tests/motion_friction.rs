@@ -110,10 +110,11 @@ fn dry_friction_leaves_nothing_and_nothing_hunts() {
     sums[1].state("the same, released", false);
 }
 
-/// Wheels that stand and slide each by itself, with a 60th of their force to break away (5 N in all on the large base),
-/// and a 20th on the small one, where sliding friction alone then turns it at 5 rad/s². One wheel may stand while the
-/// other creeps: many runs need a retry, and with a 20th 29 of 89 end out of tolerance, and no more than 31
-/// (15 with neurons of 4 k₄ in place of 7.68 k₄, whose bearing is damped too little: `docs/motion.md`, section 11). Nobody moves in the end.
+/// Wheels that stand and slide each by itself, with a 60th of their force to break away (5 N in all on the large base), and a 20th on the
+/// small one, where sliding friction alone then turns it at 5 rad/s². One wheel may stand while the other creeps: many runs need a retry.
+/// Of 1,728 starts of the small base 2 end out of tolerance with a 60th, which of them is chance: one of those here may. With a 20th 31
+/// of 89 end out of tolerance, and no more (15 with neurons of 4 k₄ in place of 7.68 k₄, whose bearing is damped too little:
+/// `docs/motion.md`, section 11). Nobody moves in the end.
 #[test]
 fn dry_friction_of_each_wheel_is_parked_or_told() {
     let (large, small) = ((Base::STANDARD, 1.0 / 60.0), (Base::SMALL, 1.0 / 60.0));
@@ -124,8 +125,8 @@ fn dry_friction_of_each_wheel_is_parked_or_told() {
     let mut latest = sum.0.hunting.1;
     sum.state("dry friction per wheel, 2.5 N to break away, 2 N sliding; held, the same periods and precisions", false);
     let mut sum = Sum::default();
-    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg", small, (13, 0.01), 0.0, &mut sum);
-    on_wheels::<f32, Single, RationalMean>("wheels, 1 kg", small, (17, 0.005), 0.0, &mut sum);
+    on_wheels::<f64, Libm, ExactMean>("wheels, 1 kg", small, (13, 0.01), 0.02, &mut sum);
+    on_wheels::<f32, Single, RationalMean>("wheels, 1 kg", small, (17, 0.005), 0.02, &mut sum);
     latest = latest.max(sum.0.hunting.1);
     sum.state("the same on 1 kg, 0.02 N to break away", true);
     let mut sum = Sum::default();

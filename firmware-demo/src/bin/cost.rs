@@ -81,6 +81,7 @@ fn run() {
     wheels::motor(meter);
 
     base::motion(meter);
+    base::searches(meter);
     base::lead(meter);
     base::ticks(meter);
     base::bytes();

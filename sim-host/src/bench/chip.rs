@@ -14,7 +14,8 @@ const SECTION: &str = "[cortex-m4f.3]";
 pub fn instructions(kind: LawKind) -> Option<[u32; 2]> {
     match kind {
         LawKind::Default | LawKind::HeadingHeld => {
-            Some([budget("motion-follow")?, budget("motion-plan")?])
+            // Parking, most is a tick that searches for a manoeuvre; at the 10 ms of a base it does more of that than at 1 ms.
+            Some([budget("motion-follow")?, budget("motion-search-10ms")?])
         }
         LawKind::Neural => Some([budget("track")?, budget("park")?]),
         _ => COUNTED.lines().find_map(|line| {

@@ -89,7 +89,7 @@ impl<T: Scalar> PlanLimits<T> {
 }
 
 /// The larger peak of both.
-fn peak<T: Scalar>([a, b]: &[Profile<T>; 2]) -> T {
+pub(crate) fn peak<T: Scalar>([a, b]: &[Profile<T>; 2]) -> T {
     larger(a.peak.abs(), b.peak.abs())
 }
 
@@ -101,8 +101,10 @@ pub(crate) struct Target<T> {
     pub(crate) turn: T,
     /// Bearing from there, for the first guess \[rad\].
     pub(crate) bearing: T,
-    /// Distance from there \[m\].
+    /// Distance from there \[m\],
     pub(crate) distance: T,
+    /// and how long driving it takes, from rest to rest \[s\].
+    pub(crate) straight: T,
 }
 
 /// The shape of a manoeuvre. Two numbers are left, which the end position determines.
@@ -128,8 +130,9 @@ pub(crate) enum Candidate<T> {
     },
 }
 
-/// Overlaps of turn, drive, turn: all at once where turns are short against the drive, less where they are long.
-const ONE_DRIVE: [(f64, f64); 4] = [(1.0, 1.0), (0.75, 1.0), (0.5, 1.0), (0.5, 0.75)];
+/// Overlaps of turn, drive, turn: all at once where turns are short against the drive, less where they are long. Without any it leads
+/// everywhere.
+const ONE_DRIVE: [(f64, f64); 5] = [(1.0, 1.0), (0.75, 1.0), (0.5, 1.0), (0.5, 0.75), (0.0, 0.0)];
 
 /// Gaps of two drives: early, late, in the middle, apart.
 const TWO_DRIVES: [(f64, f64); 4] = [(0.0, 0.0), (1.0, 0.0), (0.25, 0.25), (0.0, 0.5)];
@@ -137,12 +140,35 @@ const TWO_DRIVES: [(f64, f64); 4] = [(0.0, 0.0), (1.0, 0.0), (0.25, 0.25), (0.0,
 /// Swings, in units of the angle whose turn takes as long as the drive ([`Candidate::numbered`]).
 const SWINGS: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
 
-const ONE: u8 = 8;
-/// Number of shapes.
-pub(crate) const CANDIDATES: u8 = ONE + 20;
+/// Gaps for each swing.
+const GAPS: u8 = TWO_DRIVES.len() as u8;
+
+/// Shapes with one drive: of each overlap one forward and one backward.
+const ONE: u8 = 2 * ONE_DRIVE.len() as u8;
+
+/// Number of shapes: below [`ONE`] with one drive, then two for each swing and gap.
+pub(crate) const CANDIDATES: u8 = ONE + SWINGS.len() as u8 * GAPS;
+
+/// Shapes to a goal that is a matter of driving, in the order in which they are tried.
+const FAR: [u8; CANDIDATES as usize] = [
+    0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 14, 15, 18, 19, 22, 23, 26, 27, // likely
+    8, 9, 16, 17, 20, 21, 24, 25, 28, 29,
+];
+
+/// The same to a goal that is a matter of turning: two drives come first.
+const NEAR: [u8; CANDIDATES as usize] = [
+    10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 26, 4, 5, // likely
+    8, 9, 6, 7, 23, 24, 25, 27, 28, 29, 0, 1, 2, 3,
+];
+
+/// So many shapes may be the quickest; the others are, if any, in one of a hundred searches, and then by little. They are for goals to
+/// which none of these leads.
+pub(crate) fn likely(near: bool) -> u8 {
+    if near { 16 } else { 20 }
+}
 
 impl<T: Scalar> Candidate<T> {
-    /// Shape `index` < [`CANDIDATES`]. `near`: the goal is a matter of turning, so two drives come first. Of a goal on the
+    /// Shape number `index`; `None` behind the last. `near`: the goal is a matter of turning. Of a goal on the
     /// robot's line that is none: two drives along one line lead nowhere else, however long they are.
     ///
     /// The unit of swings, √(d α/a): turning by it, and driving d, take the same time, and with s ∝ a T² and
@@ -152,33 +178,28 @@ impl<T: Scalar> Candidate<T> {
         near: bool,
         limits: &PlanLimits<T>,
         target: &Target<T>,
-    ) -> Self {
+    ) -> Option<Self> {
         let f = T::from_f64;
-        let two = CANDIDATES - ONE;
-        let (one_drive, index) = match (near, index) {
-            (false, i) if i < ONE => (true, i),
-            (false, i) => (false, i - ONE),
-            (true, i) if i < two => (false, i),
-            (true, i) => (true, i - two),
-        };
-        if one_drive {
-            let (first, last) = ONE_DRIVE[usize::from(index / 2) % ONE_DRIVE.len()];
-            Self::OneDrive {
-                backward: index % 2 == 1,
-                first: f(first),
-                last: f(last),
-            }
-        } else {
+        let shapes = if near { &NEAR } else { &FAR };
+        let shape = *shapes.get(usize::from(index))?;
+        Some(if let Some(index) = shape.checked_sub(ONE) {
             let unit = M::sqrt(target.distance * limits.turn.up / limits.drive.up);
             let most = T::FRAC_PI_2;
             let unit = if unit > most { most } else { unit };
             let (before, between) = TWO_DRIVES[usize::from(index) % TWO_DRIVES.len()];
             Self::TwoDrives {
-                swing: unit * f(SWINGS[usize::from(index / 4) % SWINGS.len()]),
+                swing: unit * f(SWINGS[usize::from(index / GAPS) % SWINGS.len()]),
                 before: f(before),
                 between: f(between),
             }
-        }
+        } else {
+            let (first, last) = ONE_DRIVE[usize::from(shape / 2) % ONE_DRIVE.len()];
+            Self::OneDrive {
+                backward: shape % 2 == 1,
+                first: f(first),
+                last: f(last),
+            }
+        })
     }
 
     /// The first guess of the two numbers; `None` if this shape cannot take less than `best` \[s\].
@@ -189,7 +210,7 @@ impl<T: Scalar> Candidate<T> {
         best: T,
     ) -> Option<[T; 2]> {
         let f = T::from_f64;
-        let straight = limits.drive.profile::<M>(target.distance).duration();
+        let straight = target.straight;
         let turning = |angle| limits.turn.profile::<M>(angle).duration();
         match *self {
             Self::OneDrive {

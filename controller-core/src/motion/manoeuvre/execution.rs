@@ -281,7 +281,7 @@ impl<T: Scalar> Execution<T> {
         let moving = self.duration > T::ZERO;
         // Ticks that became shorter may find it when it should have started.
         let late = moving && self.reference.t > search.ready();
-        match search.advance::<M>(plan, &mut self.path, dt) {
+        match search.advance::<M>(plan, &mut self.path, dt, step == T::ZERO) {
             Progress::Searching => {}
             Progress::Found if late => return None,
             Progress::Found => self.take_found::<M>(view, step),

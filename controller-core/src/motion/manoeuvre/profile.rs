@@ -16,6 +16,16 @@ pub(crate) struct AxisLimits<T> {
     pub(crate) jerk_s: T,
 }
 
+/// How exactly a motion is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quality {
+    /// To choose among manoeuvres: a ramp is a step of the acceleration up and one down again, each where half of its jerk time is over.
+    /// It leads as far, and the place is off by τ²/24 of the acceleration meanwhile.
+    Rough,
+    /// To drive one.
+    Fine,
+}
+
 /// Position, rate and acceleration of an axis at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct AxisSample<T> {
@@ -293,11 +303,6 @@ impl<T: Scalar> Piece<T> {
         }
     }
 
-    /// Nothing moves.
-    pub(crate) fn rests(&self) -> bool {
-        self.rate == T::ZERO && self.half_accel == T::ZERO && self.sixth_jerk == T::ZERO
-    }
-
     pub(crate) fn position(&self, t: T) -> T {
         let t = t - self.from;
         self.position + t * (self.rate + t * (self.half_accel + t * self.sixth_jerk))
@@ -307,6 +312,12 @@ impl<T: Scalar> Piece<T> {
         let t = t - self.from;
         let (b, c) = (self.half_accel, self.sixth_jerk);
         self.rate + t * (b + b + t * (c + c + c))
+    }
+
+    /// The way from h before `middle` to h behind it, which one stretch covers: 2 h (v + j h²/6), v the rate in the middle.
+    pub(crate) fn way(&self, middle: T, half: T) -> T {
+        let way = half * (self.rate(middle) + self.sixth_jerk * half * half);
+        way + way
     }
 
     fn accel(&self, t: T) -> T {
@@ -335,6 +346,26 @@ impl<T: Scalar> Piece<T> {
             position,
             rate,
             accel: half_accel + half_accel,
+        }
+    }
+
+    /// The stretch that follows at `t`, with this rate.
+    fn held(&self, t: T, rate: T) -> Self {
+        Self {
+            rate,
+            ..Self::rest(t, self.position(t))
+        }
+    }
+
+    /// The stretch that follows at `t`, in which the rate changes by `by` over `ramp` \[s\], with one acceleration.
+    fn leaning(&self, t: T, by: T, ramp: T) -> Self {
+        let last = self.at(t);
+        Self {
+            from: t,
+            position: last.position,
+            rate: last.rate,
+            half_accel: T::HALF * by / ramp,
+            sixth_jerk: T::ZERO,
         }
     }
 
@@ -374,7 +405,7 @@ pub(crate) struct Pieces<T> {
 
 impl<T: Scalar> Pieces<T> {
     /// Stretches of two profiles and what lies between them: so often is there a next one.
-    const MOST: u8 = 2 * 8 + 1;
+    pub(crate) const MOST: u8 = 2 * 8 + 1;
 
     /// Of two empty profiles.
     const NONE: Self = Self {
@@ -385,12 +416,15 @@ impl<T: Scalar> Pieces<T> {
     };
 
     /// From time 0 on.
-    pub(crate) fn of(profiles: &[Profile<T>; 2]) -> Self {
+    pub(crate) fn of(profiles: &[Profile<T>; 2], quality: Quality) -> Self {
         let mut pieces = Self {
             number: 0,
             ..Self::NONE
         };
         pieces.wait(profiles);
+        if quality == Quality::Rough {
+            pieces.cut(profiles);
+        }
         pieces
     }
 
@@ -407,11 +441,16 @@ impl<T: Scalar> Pieces<T> {
         }
     }
 
+    /// What moves now; `None` between and behind the profiles.
+    pub(crate) fn moving(&self) -> Option<&Piece<T>> {
+        (self.begun > 0).then_some(&self.piece)
+    }
+
     /// The next stretch: where the last ended.
     ///
     /// A ramp of duration R and jerk time τ changes the rate by v with the jerk ±v/((R − τ) τ), for τ at its begin and at its end.
     /// Where it ends the rate is known, and no rounding is carried on.
-    pub(crate) fn advance(&mut self, profiles: &[Profile<T>; 2]) {
+    fn advance(&mut self, profiles: &[Profile<T>; 2]) {
         let Some(profile) = profiles.get(usize::from(self.number)) else {
             return;
         };
@@ -424,13 +463,7 @@ impl<T: Scalar> Pieces<T> {
             1 => (last.onward(from, jerk(profile.rise)), from + tau),
             2 => (last.onward(from, T::ZERO), risen - tau),
             3 => (last.onward(from, -jerk(profile.rise)), risen),
-            4 => {
-                let held = Piece {
-                    rate: peak,
-                    ..Piece::rest(from, last.position(from))
-                };
-                (held, risen + profile.hold)
-            }
+            4 => (last.held(from, peak), risen + profile.hold),
             5 => (last.onward(from, -jerk(profile.fall)), from + tau),
             6 => (last.onward(from, T::ZERO), profile.end() - tau),
             7 => (last.onward(from, jerk(profile.fall)), profile.end()),
@@ -443,6 +476,50 @@ impl<T: Scalar> Pieces<T> {
         };
         self.piece = piece;
         self.until = until;
+    }
+
+    /// The next stretch of this quality, that of all before.
+    pub(crate) fn go_on(&mut self, profiles: &[Profile<T>; 2], quality: Quality) {
+        match quality {
+            Quality::Rough => self.advance_roughly(profiles),
+            Quality::Fine => self.advance(profiles),
+        }
+    }
+
+    /// The next stretch, with steps of the acceleration.
+    fn advance_roughly(&mut self, profiles: &[Profile<T>; 2]) {
+        let Some(profile) = profiles.get(usize::from(self.number)) else {
+            return;
+        };
+        let (from, tau, peak) = (self.until, profile.jerk_s, profile.peak);
+        let cut = T::HALF * tau;
+        let last = self.piece;
+        self.begun += 1;
+        let risen = profile.start + profile.rise;
+        let (piece, until) = match self.begun {
+            1 => (last.leaning(from, peak, profile.rise - tau), risen - cut),
+            2 => (last.held(from, peak), risen + profile.hold + cut),
+            3 => {
+                let fall = last.leaning(from, -peak, profile.fall - tau);
+                (fall, profile.end() - cut)
+            }
+            _ => {
+                self.piece = Piece::rest(from, last.position(from));
+                self.number += 1;
+                self.wait(profiles);
+                self.cut(profiles);
+                return;
+            }
+        };
+        self.piece = piece;
+        self.until = until;
+    }
+
+    /// The next profile starts as late as its first step of the acceleration.
+    fn cut(&mut self, profiles: &[Profile<T>; 2]) {
+        if let Some(profile) = profiles.get(usize::from(self.number)) {
+            self.until += T::HALF * profile.jerk_s;
+        }
     }
 
     /// On to the stretch of the time `t`, which may lie several ahead.
@@ -461,18 +538,18 @@ impl<T: Scalar> Pieces<T> {
 
 /// The motion at the begin, as stretches of constant jerk. It is lent: the same one to every call.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct StopPieces<T> {
+pub(crate) struct StopPieces<T> {
     /// Stretches that have begun.
     begun: u8,
     /// The present one,
-    piece: Piece<T>,
+    pub(crate) piece: Piece<T>,
     /// and when it ends; [`Scalar::MAX`] once it stands.
-    until: T,
+    pub(crate) until: T,
 }
 
 impl<T: Scalar> StopPieces<T> {
     /// Stretches behind the first: so often is there a next one.
-    const MOST: u8 = 6;
+    pub(crate) const MOST: u8 = 6;
 
     /// Of an axis without motion at the begin.
     const STANDING: Self = Self {
@@ -482,7 +559,7 @@ impl<T: Scalar> StopPieces<T> {
     };
 
     /// Until time 0 the acceleration is that of the begin.
-    fn of(stop: &Stop<T>) -> Self {
+    pub(crate) fn of(stop: &Stop<T>) -> Self {
         if stop.is_over() {
             return Self::STANDING;
         }
@@ -499,6 +576,11 @@ impl<T: Scalar> StopPieces<T> {
 
     fn stands(&self) -> bool {
         self.until >= T::MAX
+    }
+
+    /// What moves now; `None` once it stands.
+    pub(crate) fn moving(&self) -> Option<&Piece<T>> {
+        (self.begun < Self::MOST).then_some(&self.piece)
     }
 
     /// The next stretch: the acceleration fades, the rate is kept, and a ramp ends it.
@@ -524,10 +606,32 @@ impl<T: Scalar> StopPieces<T> {
             3 if stop.faded != T::ZERO => (last.onward(from, -ramp()), brakes + jerk_s),
             4 => (last.onward(from, T::ZERO), brakes + (duration - jerk_s)),
             5 => (last.onward(from, ramp()), stop.duration()),
-            _ => (Piece::rest(from, stop.distance()), T::MAX),
+            _ => {
+                self.begun = Self::MOST;
+                (Piece::rest(from, stop.distance()), T::MAX)
+            }
         };
         self.piece = piece;
         self.until = until;
+    }
+
+    /// As [`Pieces::go_on`]. What fades is no rougher than it is.
+    pub(crate) fn go_on(&mut self, stop: &Stop<T>, quality: Quality) {
+        let Ramp { duration, jerk_s } = stop.ramp;
+        let (from, cut) = (self.until, T::HALF * jerk_s);
+        self.advance(stop);
+        if quality == Quality::Fine || stop.faded == T::ZERO {
+            return;
+        }
+        match self.begun {
+            2 => self.until += cut,
+            3 => {
+                self.begun = 5;
+                self.piece = self.piece.leaning(from, -stop.faded, duration - jerk_s);
+                self.until = stop.duration() - cut;
+            }
+            _ => {}
+        }
     }
 
     /// On to time `t`, as [`Pieces::go_on_to`].
@@ -559,7 +663,7 @@ impl<T: Scalar> Course<T> {
     /// Up to time `t`.
     pub(crate) fn of(stop: &Stop<T>, profiles: &[Profile<T>; 2], t: T) -> Self {
         let mut course = Self {
-            pieces: Pieces::of(profiles),
+            pieces: Pieces::of(profiles, Quality::Fine),
             stop: StopPieces::of(stop),
         };
         course.go_on_to(stop, profiles, t);
@@ -662,18 +766,6 @@ impl<T: Scalar> Stop<T> {
     /// When it stands \[s\].
     pub(crate) fn duration(&self) -> T {
         self.fade + self.hold + self.ramp.duration
-    }
-
-    /// Where the acceleration has faded, and the deceleration is reached, left, and over \[s\], of a stop that brakes at once.
-    pub(crate) fn jerks(&self) -> [T; 4] {
-        let Ramp { duration, jerk_s } = self.ramp;
-        let ramp = if duration > T::ZERO {
-            [jerk_s, duration - jerk_s]
-        } else {
-            [T::ZERO; 2]
-        };
-        let end = self.duration();
-        [self.fade, self.fade + ramp[0], self.fade + ramp[1], end]
     }
 
     /// The rate that it brakes from.

@@ -1,25 +1,26 @@
 //! The quickest manoeuvre to a pose, by a bounded number of steps.
 
-use super::candidate::{CANDIDATES, Candidate, Pace, PlanLimits, Target};
-use super::path::{Ends, Path, Quality, Vector};
+use super::candidate::{CANDIDATES, Candidate, Pace, PlanLimits, Target, likely, peak};
+use super::path::{Ends, Path, Vector};
+use super::profile::Quality;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 
-/// Evaluations of a path's end in a second of ticks. One of 4,500 instructions every 2.5 ms is 2 % of a chip of
+/// Evaluations of a path's end in a second of ticks. One of 5,000 instructions every 2.5 ms is 2 % of a chip of
 /// 100 MHz, and a search takes 0.3 s at most.
 const PER_SECOND: f64 = 400.0;
 
 /// The most evaluations in a tick, however long it is; one is the least.
 const MOST_PER_TICK: u8 = 16;
 
-/// Evaluations that a polishing one counts as: it has twice their nodes.
+/// Evaluations that an exact one counts as: it has twice their stretches.
 const FINE: u8 = 2;
 
 /// Evaluations in a search; then the best so far is polished.
-const EVALUATIONS: u8 = 120;
+const EVALUATIONS: u8 = 90;
 
 /// Shapes that may be ruled out instead of an evaluation.
 const GUESSES: u8 = 4;
@@ -27,7 +28,7 @@ const GUESSES: u8 = 4;
 /// Quasi-Newton steps for one shape.
 const STEPS: u8 = 8;
 
-/// Polishing steps.
+/// The same from where it leads there roughly.
 const POLISHING: u8 = 5;
 
 /// A search under way.
@@ -41,8 +42,11 @@ pub(crate) struct Search<T> {
     near: bool,
     /// No manoeuvre is quicker than this \[s\].
     least: T,
+    /// Of the shape that is being tried.
     index: u8,
+    /// So far, and those that belong to the ticks so far and were not made.
     evaluations: u8,
+    left: u8,
     polishing: bool,
     solver: Option<Solver<T>>,
     best: Option<Best<T>>,
@@ -52,19 +56,31 @@ pub(crate) struct Search<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Best<T> {
     index: u8,
-    numbers: [T; 2],
     duration: T,
+    numbers: [T; 2],
+    slope: Option<[Vector<T>; 2]>,
 }
 
 /// Broyden's method for two numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Solver<T> {
     numbers: [T; 2],
-    slope: [Vector<T>; 2],
+    /// Derivative of the end by the numbers, once it is known.
+    slope: Option<[Vector<T>; 2]>,
     moved: [T; 2],
     residual: Vector<T>,
     first: T,
     step: u8,
+    quality: Quality,
+}
+
+/// Where a manoeuvre leads.
+struct Evaluation<T> {
+    ends: Ends<T>,
+    /// From there to the goal,
+    residual: Vector<T>,
+    /// and how far that is \[m\].
+    miss: T,
 }
 
 /// What came of a tick of searching.
@@ -89,8 +105,11 @@ fn per_tick<T: Scalar>(dt: T) -> u8 {
 }
 
 /// When a robot that moves may start the manoeuvre that is searched for in ticks of `dt` \[s\].
+///
+/// The most that a search takes: its evaluations, the last shape's to its end if no other led there, what shapes were ruled out in, and
+/// polishing; one each to start and to begin to polish.
 pub(crate) fn ready_s<T: Scalar>(dt: T) -> T {
-    let all = EVALUATIONS + STEPS + CANDIDATES / GUESSES + FINE * (POLISHING + 1);
+    let all = EVALUATIONS + STEPS + CANDIDATES.div_ceil(GUESSES) + FINE * (POLISHING + 1) + 2;
     // Never divided by 0, which a compiler that saves space does not see.
     let ticks = all.checked_div(per_tick(dt)).unwrap_or(all) + 3;
     T::from_i32(i32::from(ticks)) * dt
@@ -117,13 +136,15 @@ impl<T: Scalar> Search<T> {
             position
         };
         let turn = (error.theta - turned).wrap_angle();
+        let distance = left.norm::<M>();
+        let straight = limits.drive.profile::<M>(distance).duration();
         let target = Target {
             position,
             turn,
             bearing: M::atan2(left.y, left.x) - turned,
-            distance: left.norm::<M>(),
+            distance,
+            straight,
         };
-        let straight = limits.drive.profile::<M>(target.distance).duration();
         let aside = limits.turn.profile::<M>(turn).duration();
         let off_line = off_line(target.bearing);
         let into_line = limits.turn.profile::<M>(off_line).duration();
@@ -135,6 +156,7 @@ impl<T: Scalar> Search<T> {
             least: if straight > aside { straight } else { aside },
             index: 0,
             evaluations: 0,
+            left: 0,
             polishing: false,
             solver: None,
             best: None,
@@ -162,26 +184,30 @@ impl<T: Scalar> Search<T> {
         self.ready
     }
 
-    /// A tick of `dt` on: as many evaluations as belong to it. `plan` is what a manoeuvre at full pace may use. `path` has the motion
-    /// at the begin, gets what is found, and is where manoeuvres are tried: a copy of each would be most of what a search needs of
-    /// the stack.
+    /// A tick of `dt` on: as many evaluations as belong to it, one less in the tick that [starts](Self::start) the search. `plan` is what a
+    /// manoeuvre at full pace may use. `path` has the motion at the begin, gets what is found, and is where manoeuvres are tried: a copy
+    /// of each would be most of what a search needs of the stack.
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         plan: &PlanLimits<T>,
         path: &mut Path<T>,
         dt: T,
+        starts: bool,
     ) -> Progress {
         let limits = &plan.at(self.pace);
-        let mut left = per_tick(dt);
+        self.left += per_tick(dt) - u8::from(starts);
         let mut progress = Progress::Searching;
-        while left > 0 && progress == Progress::Searching {
-            let work;
-            (progress, work) = if self.polishing {
-                (self.polish::<M>(limits, path), FINE)
-            } else {
-                (self.compare::<M>(limits, path), 1)
+        while progress == Progress::Searching {
+            let work = self.next_work();
+            let Some(left) = self.left.checked_sub(work) else {
+                break;
             };
-            left = left.saturating_sub(work);
+            self.left = left;
+            progress = if self.polishing {
+                self.polish::<M>(limits, path)
+            } else {
+                self.compare::<M>(limits, path)
+            };
         }
         if progress != Progress::Found {
             path.forget_manoeuvre();
@@ -189,37 +215,76 @@ impl<T: Scalar> Search<T> {
         progress
     }
 
-    /// One rough evaluation of the shape that is being tried.
+    /// What the next evaluation counts as.
+    fn next_work(&self) -> u8 {
+        match self.solver {
+            Some(solver) if solver.quality == Quality::Fine => FINE,
+            _ => 1,
+        }
+    }
+
+    /// One evaluation of the shape that is being tried: rough ones until it leads there, then, if it may be the quickest, exact ones.
+    /// What leads there roughly need not lead there.
     fn compare<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, path: &mut Path<T>) -> Progress {
+        let is_late = self.best.is_some() && self.evaluations >= EVALUATIONS;
+        if is_late || (self.solver.is_none() && self.is_done()) {
+            return self.begin_polishing();
+        }
         if self.solver.is_none() {
-            if self.is_done() {
-                return self.begin_polishing();
-            }
             self.solver = self.next_guess::<M>(limits);
         }
-        let Some(Solver { numbers, .. }) = self.solver else {
+        let Some((solver, candidate)) = self.tried::<M>(limits) else {
             return Progress::Searching;
         };
-        self.evaluations += 1;
-        let candidate = self.candidate::<M>(limits, self.index);
-        let ends = self.evaluate::<M>(limits, path, &candidate, &numbers, Quality::Rough);
-        let residual = self.residual(&ends);
-        let miss = residual.norm::<M>();
-        let enough = T::from_f64(5.0e-4) * self.target.distance;
-        if miss <= enough {
-            let duration = path.duration();
-            if self.best.is_none_or(|best| duration < best.duration) {
+        self.evaluations = self.evaluations.saturating_add(self.next_work());
+        let Evaluation {
+            ends,
+            residual,
+            miss,
+        } = self.evaluate::<M>(limits, path, &solver, &candidate);
+        let duration = path.duration();
+        let f = T::from_f64;
+        let enough = match solver.quality {
+            Quality::Rough => f(5.0e-4) * self.target.distance,
+            // The rest is polished.
+            Quality::Fine => f(1.0e-4) * (T::ONE + self.target.distance),
+        };
+        if miss > enough {
+            if self.is_hopeless(path, duration, miss)
+                || !self.corrects(&candidate, &ends.drives, residual, miss)
+            {
+                self.next_shape();
+            }
+        } else if self.best.is_some_and(|best| duration >= best.duration) {
+            self.next_shape();
+        } else {
+            let exact = solver.quality == Quality::Fine;
+            if exact || self.best.is_none() {
                 self.best = Some(Best {
                     index: self.index,
-                    numbers,
-                    duration,
+                    // One that leads there roughly is better than none.
+                    duration: if exact { duration } else { T::MAX },
+                    numbers: solver.numbers,
+                    slope: solver.slope,
                 });
             }
-            self.next_shape();
-        } else if !self.corrects(&candidate, &ends.drives, residual, miss) {
-            self.next_shape();
+            if exact {
+                self.next_shape();
+            } else {
+                self.solver = Some(Solver::refine(solver.numbers, solver.slope));
+            }
         }
         Progress::Searching
+    }
+
+    /// This shape will not be the quickest, although it does not lead there yet: at the speed and turn rate that it has, what it
+    /// misses takes less time than it is slower by.
+    fn is_hopeless(&self, path: &Path<T>, duration: T, miss: T) -> bool {
+        self.best.is_some_and(|best| {
+            let turned = miss / self.target.distance;
+            let more = miss / peak(&path.drives) + turned / peak(&path.turns);
+            duration > best.duration + more
+        })
     }
 
     /// The solver has another step to make.
@@ -233,14 +298,7 @@ impl<T: Scalar> Search<T> {
         let Some(solver) = &mut self.solver else {
             return false;
         };
-        solver.advance(
-            candidate,
-            ends,
-            residual,
-            miss,
-            &self.target,
-            self.polishing,
-        )
+        solver.advance(candidate, ends, residual, miss, &self.target)
     }
 
     fn next_shape(&mut self) {
@@ -248,22 +306,20 @@ impl<T: Scalar> Search<T> {
         self.index += 1;
     }
 
-    /// There is no shape left that could be quicker by much, or time is up.
+    /// There is no shape left that could be quicker by much, or time is up, which is longer for a robot that stands and knows no way.
     fn is_done(&self) -> bool {
         let good = T::from_f64(1.03) * self.least + self.ready;
-        self.best.is_some_and(|best| best.duration < good)
-            || self.evaluations >= EVALUATIONS
-            || self.index >= CANDIDATES
+        let is_enough = |best: Best<T>| best.duration < good || self.index >= likely(self.near);
+        let stands = self.ready == T::ZERO;
+        let most = if stands { 2 * EVALUATIONS } else { EVALUATIONS };
+        self.best.is_some_and(is_enough) || self.evaluations >= most || self.index >= CANDIDATES
     }
 
     /// The first guess for the next shape that may be quicker; `None` if none of the next [`GUESSES`] may.
     fn next_guess<M: Maths<T>>(&mut self, limits: &PlanLimits<T>) -> Option<Solver<T>> {
         let bound = self.best.map_or(T::MAX, |best| best.duration);
         for _ in 0..GUESSES {
-            if self.index >= CANDIDATES {
-                return None;
-            }
-            let candidate = self.candidate::<M>(limits, self.index);
+            let candidate = self.candidate::<M>(limits, self.index)?;
             if let Some(numbers) = candidate.guess::<M>(limits, &self.target, bound) {
                 return Some(Solver::start(numbers));
             }
@@ -277,54 +333,59 @@ impl<T: Scalar> Search<T> {
             Some(best) => {
                 self.index = best.index;
                 self.polishing = true;
-                self.solver = Some(Solver::start(best.numbers));
+                self.solver = Some(Solver::refine(best.numbers, best.slope));
                 Progress::Searching
             }
             None => Progress::Failed,
         }
     }
 
-    /// One fine evaluation of the best shape.
+    /// One exact evaluation of the best shape.
     fn polish<M: Maths<T>>(&mut self, limits: &PlanLimits<T>, path: &mut Path<T>) -> Progress {
-        let Some(Solver { numbers, step, .. }) = self.solver else {
+        let Some((solver, candidate)) = self.tried::<M>(limits) else {
             return Progress::Failed;
         };
-        let candidate = self.candidate::<M>(limits, self.index);
-        let ends = self.evaluate::<M>(limits, path, &candidate, &numbers, Quality::Fine);
-        let residual = self.residual(&ends);
-        let miss = residual.norm::<M>();
+        let Evaluation {
+            ends,
+            residual,
+            miss,
+        } = self.evaluate::<M>(limits, path, &solver, &candidate);
         // Ten times the rounding of the sum in single precision.
-        let f = T::from_f64;
-        let enough = f(2.0e-6) * (T::ONE + self.target.distance);
-        let good = miss <= enough || step >= POLISHING;
-        if good || !self.corrects(&candidate, &ends.drives, residual, miss) {
+        let enough = T::from_f64(2.0e-6) * (T::ONE + self.target.distance);
+        if miss <= enough || !self.corrects(&candidate, &ends.drives, residual, miss) {
             Progress::Found
         } else {
             Progress::Searching
         }
     }
 
-    fn candidate<M: Maths<T>>(&self, limits: &PlanLimits<T>, index: u8) -> Candidate<T> {
-        Candidate::numbered::<M>(index, self.near, limits, &self.target)
-    }
-
-    /// Tries the candidate in `path`.
+    /// Tries what the solver says of the shape in `path`.
     fn evaluate<M: Maths<T>>(
         &self,
         limits: &PlanLimits<T>,
         path: &mut Path<T>,
+        solver: &Solver<T>,
         candidate: &Candidate<T>,
-        numbers: &[T; 2],
-        quality: Quality,
-    ) -> Ends<T> {
-        candidate.lay_out::<M>(limits, &self.target, numbers, self.ready, path);
-        path.ends::<M>(quality)
-    }
-
-    fn residual(&self, ends: &Ends<T>) -> Vector<T> {
+    ) -> Evaluation<T> {
+        candidate.lay_out::<M>(limits, &self.target, &solver.numbers, self.ready, path);
+        let ends = path.ends::<M>(solver.quality);
         let [a, b] = ends.drives;
         let reached = ends.stopping.plus(a.plus(b));
-        self.target.position.minus(reached)
+        let residual = self.target.position.minus(reached);
+        Evaluation {
+            ends,
+            residual,
+            miss: residual.norm::<M>(),
+        }
+    }
+
+    /// The shape that is being tried.
+    fn tried<M: Maths<T>>(&self, limits: &PlanLimits<T>) -> Option<(Solver<T>, Candidate<T>)> {
+        self.solver.zip(self.candidate::<M>(limits, self.index))
+    }
+
+    fn candidate<M: Maths<T>>(&self, limits: &PlanLimits<T>, index: u8) -> Option<Candidate<T>> {
+        Candidate::numbered::<M>(index, self.near, limits, &self.target)
     }
 }
 
@@ -339,14 +400,25 @@ fn off_line<T: Scalar>(bearing: T) -> T {
 }
 
 impl<T: Scalar> Solver<T> {
+    /// From a guess on, roughly.
     fn start(numbers: [T; 2]) -> Self {
         Self {
             numbers,
-            slope: [Vector::default(); 2],
+            slope: None,
             moved: [T::ZERO; 2],
             residual: Vector::default(),
             first: T::ZERO,
             step: 0,
+            quality: Quality::Rough,
+        }
+    }
+
+    /// From numbers that are about right on, exactly.
+    fn refine(numbers: [T; 2], slope: Option<[Vector<T>; 2]>) -> Self {
+        Self {
+            slope,
+            quality: Quality::Fine,
+            ..Self::start(numbers)
         }
     }
 
@@ -360,33 +432,35 @@ impl<T: Scalar> Solver<T> {
         residual: Vector<T>,
         miss: T,
         target: &Target<T>,
-        polishing: bool,
     ) -> bool {
         let f = T::from_f64;
+        let rough = self.quality == Quality::Rough;
         let proportional = matches!(candidate, Candidate::TwoDrives { .. });
         if self.step == 0 {
             self.first = miss;
-        } else if self.step >= STEPS || (!polishing && self.step == 3 && miss > f(0.3) * self.first)
-        {
+        }
+        let most = if rough { STEPS } else { POLISHING };
+        if self.step >= most || (rough && self.step == 4 && miss > f(0.3) * self.first) {
             return false;
         }
-        if self.step == 0 || (self.step == 1 && proportional) {
-            self.slope = candidate.slope(&self.numbers, ends);
-        } else {
-            let [u, v] = self.moved;
-            let length = u * u + v * v;
-            let [a, b] = self.slope;
-            let unexplained = self
-                .residual
-                .minus(residual)
-                .minus(a.scaled(u))
-                .minus(b.scaled(v));
-            self.slope = [
-                a.plus(unexplained.scaled(u / length)),
-                b.plus(unexplained.scaled(v / length)),
-            ];
-        }
-        let [a, b] = self.slope;
+        let [a, b] = match self.slope {
+            Some(slope) if self.step == 0 => slope,
+            Some([a, b]) if !rough || self.step > 1 || !proportional => {
+                let [u, v] = self.moved;
+                let length = u * u + v * v;
+                let unexplained = self
+                    .residual
+                    .minus(residual)
+                    .minus(a.scaled(u))
+                    .minus(b.scaled(v));
+                [
+                    a.plus(unexplained.scaled(u / length)),
+                    b.plus(unexplained.scaled(v / length)),
+                ]
+            }
+            _ => candidate.slope(&self.numbers, ends),
+        };
+        self.slope = Some([a, b]);
         let determinant = a.x * b.y - b.x * a.y;
         let step = [
             (residual.x * b.y - residual.y * b.x) / determinant,
@@ -415,7 +489,7 @@ impl<T: Scalar> Solver<T> {
 #[cfg(test)]
 mod tests {
     use super::super::profile::{AxisLimits, Profile};
-    use super::{Pace, PlanLimits, Progress, Search};
+    use super::{Pace, PlanLimits, Progress, Search, ready_s};
     use crate::maths::{Libm, Maths, Single};
     use crate::motion::manoeuvre::path::Path;
     use crate::motion::params::PLAN_SHARE;
@@ -480,7 +554,7 @@ mod tests {
                 let mut search =
                     Search::start::<M>((&limits, Pace::default()), &error.cast(), &path, dt);
                 let mut ticks = 1;
-                while search.advance::<M>(&limits, &mut path, dt) == Progress::Searching {
+                while search.advance::<M>(&limits, &mut path, dt, false) == Progress::Searching {
                     ticks += 1;
                 }
                 assert_ne!(path.drives, [Profile::default(); 2], "{error:?}");
@@ -548,7 +622,7 @@ mod tests {
                 };
                 let mut search = Search::start::<Libm>((&limits, pace), &error, &path, 0.01);
                 let progress = loop {
-                    match search.advance::<Libm>(&limits, &mut path, 0.01) {
+                    match search.advance::<Libm>(&limits, &mut path, 0.01, false) {
                         Progress::Searching => {}
                         progress => break progress,
                     }
@@ -556,6 +630,36 @@ mod tests {
                 failed += u32::from(progress == Progress::Failed);
             }
             assert_eq!(failed, 0);
+        }
+    }
+
+    /// A robot that moves is never late for its manoeuvre, whatever the period: half of the starts here move, and so do those that are
+    /// planned for with half the jerk.
+    #[test]
+    fn a_search_ends_before_the_manoeuvre_may_start() {
+        for base in BASES {
+            let limits = limits::<f32>(&base);
+            for dt in [0.0005_f32, 0.001, 0.0025, 0.005, 0.01, 0.02, 0.1] {
+                for (error, v, w) in goals() {
+                    let mut path = Path {
+                        stop_drive: limits.drive.stop(v as f32, 0.0),
+                        stop_turn: limits.turn.stop(w as f32, 0.0),
+                        ..Path::default()
+                    };
+                    let pace = Pace::default();
+                    let mut search =
+                        Search::start::<Single>((&limits, pace), &error.cast(), &path, dt);
+                    let mut ticks = 1_u16;
+                    let mut starts = true;
+                    while search.advance::<Single>(&limits, &mut path, dt, starts)
+                        == Progress::Searching
+                    {
+                        ticks += 1;
+                        starts = false;
+                    }
+                    assert!(f32::from(ticks) * dt <= ready_s(dt), "{ticks} of {dt} s");
+                }
+            }
         }
     }
 

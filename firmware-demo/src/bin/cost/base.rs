@@ -3,12 +3,13 @@
 use core::hint::black_box;
 
 use controller_core::base::{BaseController, Order};
-use controller_core::maths::Single;
-use controller_core::motion::{MotionReport, Outcome, PathEnd, Task};
+use controller_core::maths::{Maths, Single};
+use controller_core::motion::{MotionController, MotionReport, Outcome, PathEnd, Task};
 use controller_core::reference::Reference;
-use controller_core::types::{Accel, Pose, Twist};
+use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;
 use firmware_demo::mission;
+use firmware_demo::model::Model;
 use firmware_demo::route::{self, BEND};
 
 use crate::print::{Row, complain, line};
@@ -17,8 +18,11 @@ use crate::stack::mark;
 /// The route, and time to park.
 const TICKS: u32 = 14_000;
 
-/// A search for a manoeuvre: 0.35 s at most.
-const SEARCH_TICKS: u32 = 350_000 / mission::PERIOD_US;
+/// A search for a manoeuvre takes no longer \[s\].
+const SEARCH_S: f32 = 0.35;
+
+/// The same in ticks of a mission.
+const SEARCH_TICKS: u32 = (1.0e6 * SEARCH_S) as u32 / mission::PERIOD_US;
 
 /// Where a mission is.
 enum Phase {
@@ -148,6 +152,49 @@ pub fn motion(meter: &mut Meter) {
     follow.print(&["motion", "follow"]);
     plan.print(&["motion", "plan"]);
     park.print(&["motion", "park"]);
+}
+
+/// Ticks of the motion law in which a manoeuvre may be searched for: to goals of 5 mm to 2 m all around, from rest and from motion, every
+/// 1 and 10 ms. The longer a tick, the more of a search belongs to it.
+#[inline(never)]
+pub fn searches(meter: &mut Meter) {
+    let Ok((base, robot)) = route::base() else {
+        return complain(&["motion"], "params", 1);
+    };
+    let mut faults = 0;
+    for (dt, name) in [(1.0e-3_f32, "search-1ms"), (1.0e-2, "search-10ms")] {
+        let mut row = Row::new();
+        let mut distance = 0.005_f32;
+        for goal in 0..24_u8 {
+            let angle = f32::from(goal);
+            let moving = f32::from(goal % 3) - 1.0;
+            let (sine, cosine) = Single::sin_cos(2.4 * angle);
+            let goal = Pose::new(distance * cosine, distance * sine, 1.6 * angle);
+            distance *= 1.3;
+            let start = Measured {
+                pose: Pose::default(),
+                twist: Twist::new(0.5 * moving, 0.3 * moving),
+            };
+            let task = Task::Park(goal);
+            let mut model = Model::new(robot, start);
+            let Ok(mut controller) = MotionController::<f32>::start(&base, &task, &start) else {
+                faults += 1;
+                continue;
+            };
+            let mut t = 0.0;
+            while t < SEARCH_S {
+                t += dt;
+                model.advance(dt, Some(controller.report().torques));
+                let measured = *model.measured();
+                let (result, cost) =
+                    meter.measure(|| controller.step(dt, &task, &measured).map(|_| ()));
+                faults += u32::from(result.is_err());
+                row.add(cost);
+            }
+        }
+        row.print(&["motion", name]);
+    }
+    complain(&["motion", "search"], "faults", faults);
 }
 
 /// A robot beside its path, braked from 0.6 m/s at 0.5 m/s² to its end: what leading it there adds to ticks.
