@@ -199,9 +199,87 @@ impl<T: Scalar> ParkingPlan<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{ConstantTwist, Reference};
-    use crate::maths::Libm;
-    use crate::types::{Pose, Twist};
+    use super::{ConstantTwist, ParkingPlan, Reference, sinc};
+    use crate::maths::{Libm, Maths};
+    use crate::types::{Accel, Pose, Twist};
+
+    /// x' = v cos θ, y' = v sin θ, θ' = w, from the start on: central differences err by h²/6 of a third derivative below 0.1.
+    #[test]
+    fn a_constant_twist_drives_as_eq_6_says() {
+        for (v, w) in [
+            (0.4, 0.15),
+            (-0.3, 0.8),
+            (0.5, 0.0),
+            (0.2, 1e-5),
+            (0.0, -0.7),
+        ] {
+            let motion = ConstantTwist {
+                start: Pose::new(1.2, -0.7, 0.3),
+                twist: Twist::new(v, w),
+            };
+            assert_eq!(*motion.at::<Libm>(0.0).pose(), motion.start);
+            let h = 1e-4;
+            for t in [0.5, 4.0, 11.0] {
+                let pose = |t| *motion.at::<Libm>(t).pose();
+                let (before, now, after) = (pose(t - h), pose(t), pose(t + h));
+                let rate = |a: f64, b: f64| (b - a) / (2.0 * h);
+                let (sine, cosine) = Libm::sin_cos(now.theta);
+                assert!(
+                    (rate(before.x, after.x) - v * cosine).abs() < 1e-8,
+                    "{v} {w} {t}"
+                );
+                assert!(
+                    (rate(before.y, after.y) - v * sine).abs() < 1e-8,
+                    "{v} {w} {t}"
+                );
+                assert!((rate(before.theta, after.theta) - w).abs() < 1e-10);
+                assert_eq!(*motion.at::<Libm>(t).twist(), motion.twist);
+            }
+        }
+    }
+
+    /// Both branches, and where they meet.
+    #[test]
+    fn sinc_is_the_quotient() {
+        assert_eq!(sinc::<f64, Libm>(0.0), 1.0);
+        for x in [1e-6_f64, 5e-3, 0.009_999_9, 0.010_000_1, 0.7, 3.0] {
+            for x in [x, -x] {
+                let quotient = Libm::sin_cos(x).0 / x;
+                assert!((sinc::<f64, Libm>(x) - quotient).abs() < 3e-16, "{x}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_plan_is_due_from_its_time_on() {
+        let path = ConstantTwist {
+            start: Pose::new(0.0, 0.0, 0.0),
+            twist: Twist::new(0.4, 0.0),
+        };
+        let plan = ParkingPlan::along::<Libm>(&path, 3.0_f64, 5.0);
+        assert!((plan.goal.x - 2.0).abs() < 1e-12);
+        assert!(plan.is_due(3.0) && plan.is_due(9.0) && plan.is_due(3.0 - 0.9e-9));
+        assert!(!plan.is_due(3.0 - 2e-9) && !plan.is_due(0.0));
+    }
+
+    /// Whatever of it is not a number, one number or two of opposite sign.
+    #[test]
+    fn a_reference_is_finite_if_all_of_it_is() {
+        let with = |pose, v, a, left| {
+            let twist = Twist::new(v, 0.0);
+            Reference::new(pose, twist, Accel::new(a, 0.0)).with_left(left)
+        };
+        let (here, wild) = (Pose::new(1.0, 2.0, 3.0), Pose::new(f32::NAN, 0.0, 0.0));
+        assert!(with(here, 1.0, -1.0, 0.5).is_finite());
+        assert_eq!(with(here, 1.0, -1.0, 0.5).left_m(), 0.5);
+        for wrong in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert!(!with(here, wrong, 0.0, 0.0).is_finite());
+            assert!(!with(here, 0.0, wrong, 0.0).is_finite());
+            assert!(!with(here, 0.0, 0.0, wrong).is_finite());
+            assert!(!with(wild, wrong, wrong, wrong).is_finite());
+        }
+        assert!(!with(wild, 0.0, 0.0, 0.0).is_finite());
+    }
 
     /// What a retimed file ends with in single precision is rest; the slowest order that a base holds is not.
     #[test]

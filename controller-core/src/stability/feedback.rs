@@ -166,6 +166,58 @@ mod tests {
         assert!((single.pose_delay_s.to_f64() - expected).abs() < 1e-5);
     }
 
+    /// λ² + λ + 1: an inertia with damping and a spring. Where |λ² + λ| = 1, at ω² = (√5 − 1)/2, 51.8° are left for a late pose, and where
+    /// |λ²| = |λ + 1|, at ω² = (√5 + 1)/2, the same for a late torque.
+    #[test]
+    fn a_damped_spring_has_the_margins_of_the_golden_ratio() {
+        let golden = 0.5 * (1.0 + Libm::sqrt(5.0_f64));
+        let root = Libm::sqrt(golden);
+        let left = Libm::atan2(root, 1.0);
+        // Faster by a factor, and heavier: the margins are those of the same loop on another clock.
+        for (rate, inertia) in [(1.0, 1.0), (40.0, 1.0), (0.02, 7.0)] {
+            let of_rate = Feedback {
+                mass: Polynomial::new([0.0, 0.0, inertia]),
+                rest: Polynomial::new([0.0, inertia * rate]),
+                pose: Polynomial::new([inertia * rate * rate]),
+            };
+            let margins = of_rate.margins::<Libm>();
+            let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+            assert!(
+                near(margins.pose_delay_s * rate, left * root),
+                "{margins:?}"
+            );
+            assert!(near(margins.torque_delay_s * rate, left / root));
+            assert!(near(margins.decay / rate, 0.5) && near(margins.damping, 0.5));
+            assert!(margins.is_stable() && of_rate.is_stable());
+            assert_eq!(
+                (margins.gain, margins.heavier),
+                (LARGEST_FACTOR, LARGEST_FACTOR)
+            );
+        }
+    }
+
+    /// μ λ³ + 2 λ² + 2 λ + g grows from μ g = 4 on.
+    #[test]
+    fn a_lagging_loop_grows_when_it_is_four_times_as_heavy() {
+        let feedback = |mu: f64| Feedback {
+            mass: Polynomial::new([0.0, 0.0, 0.0, mu]),
+            rest: Polynomial::new([0.0, 2.0, 2.0]),
+            pose: Polynomial::new([1.0]),
+        };
+        let margins = feedback(1.0).margins::<Libm>();
+        assert!((margins.heavier - 4.0).abs() < 1e-9 && (margins.gain - 4.0).abs() < 1e-9);
+        assert!(feedback(3.99).is_stable() && !feedback(4.01).is_stable());
+        // Each field of two is the worse one's, and a loop that does not decay is not stable.
+        let heavy = feedback(2.0).margins::<Libm>();
+        let (one, other) = (margins.worse(&heavy), heavy.worse(&margins));
+        assert_eq!((one, other), (heavy, heavy));
+        let still = LoopMargins {
+            decay: 0.0,
+            ..heavy
+        };
+        assert!(!still.is_stable() && heavy.is_stable());
+    }
+
     #[test]
     fn gain_margin_of_three_equal_lags_is_eight() {
         // (λ + 1)³ + g: stable up to g = 8, and then grows.

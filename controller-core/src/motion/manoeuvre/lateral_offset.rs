@@ -278,6 +278,7 @@ mod tests {
     use super::{Aside, LateralOffset, OffsetLimits};
     use crate::motion::manoeuvre::candidate::PlanLimits;
     use crate::motion::manoeuvre::profile::AxisLimits;
+    use crate::types::Twist;
 
     const LIMITS: OffsetLimits<f64> = OffsetLimits {
         turn_accel: 0.3,
@@ -319,6 +320,87 @@ mod tests {
         let far = LateralOffset::NONE.set(&LIMITS, 0.3, 0.6, 0.1);
         let asked = 0.6 * 0.6 * far.at(0.3).third.abs();
         assert!((asked - LIMITS.turn_accel).abs() < 1e-9, "{asked}");
+        // What is already as good as asked for stays, and so does one on which the robot is.
+        let offset = before.offset + 0.9 * LIMITS.least;
+        assert_eq!(first.set(&LIMITS, 0.3, 0.3, offset), first);
+        let offset = before.offset - 1.1 * LIMITS.least;
+        assert_ne!(first.set(&LIMITS, 0.3, 0.3, offset), first);
+    }
+
+    /// Set anew where it is, however often, a curve with a swell is the same one to its end.
+    #[test]
+    fn a_curve_that_is_set_where_it_is_stays() {
+        let limits = OffsetLimits {
+            least: -1.0,
+            ..LIMITS
+        };
+        let robot = Aside {
+            offset: 0.004,
+            slope: -0.02,
+            turn_rate: 0.05,
+            turn_accel: 0.4,
+            speed: 0.5,
+            accel: 0.1,
+        };
+        let curve = LateralOffset::of_robot(&plan(), 0.4, &robot).expect("possible");
+        let mut again = curve;
+        for left in [0.35, 0.3, 0.24] {
+            again = again.set(&limits, left, 0.5, again.at(left).offset);
+        }
+        for q in [0.24, 0.15, 0.05, 0.0] {
+            let (there, here) = (again.at(q), curve.at(q));
+            assert!((there.offset - here.offset).abs() < 1e-14, "{q}");
+            assert!((there.second - here.second).abs() < 1e-12, "{q}");
+        }
+    }
+
+    /// What a reference aside does is what its place does: its heading is that of its way, its twist and acceleration are the rates of
+    /// both, forward and backward, speeding up and braking.
+    #[test]
+    fn what_is_done_aside_is_how_the_place_moves() {
+        let limits = OffsetLimits {
+            turn_accel: 100.0,
+            ..LIMITS
+        };
+        let curve = LateralOffset::NONE.set(&limits, 0.5, 0.4, 0.04);
+        for v in [0.4_f64, -0.4] {
+            for accel in [0.5, -0.5] {
+                for left in [0.4, 0.3, 0.2] {
+                    // Speed, heading and speed along the curve at a time t from now.
+                    let at = |t: f64| {
+                        let (speed, way) = (v + accel * t, v * t + 0.5 * accel * t * t);
+                        let slope = curve.at(left - way * v.signum()).first;
+                        let heading = -v.signum() * slope.atan();
+                        (heading, speed * (slope * slope).sqrt().hypot(1.0))
+                    };
+                    let h = 1e-4;
+                    let (before, now, after) = (at(-h), at(0.0), at(h));
+                    let of = |get: fn((f64, f64)) -> f64| {
+                        let [before, now, after] = [before, now, after].map(get);
+                        [
+                            now,
+                            (after - before) / (2.0 * h),
+                            (after - now - (now - before)) / (h * h),
+                        ]
+                    };
+                    let [heading, turn_rate, turn_accel] = of(|(heading, _)| heading);
+                    let [longer, faster, _] = of(|(_, speed)| speed);
+                    let beside = curve.beside(left, &Twist::new(v, 0.0), accel);
+                    // Of 0.13, the slope at most, the fifth power is 4e-5 and the fourth 3e-4: what is left out, of rates of some 1.
+                    let near = |a: f64, b: f64| (a - b).abs() < 4e-4 * (1.0 + b.abs());
+                    assert!((beside.turned + heading).abs() < 4e-5, "{heading}");
+                    assert!(near(beside.twist.angular, turn_rate), "{turn_rate}");
+                    assert!(near(beside.accel.angular, turn_accel), "{turn_accel}");
+                    assert!((v + beside.twist.linear - longer).abs() < 4e-5, "{longer}");
+                    assert!(near(accel + beside.accel.linear, faster), "{faster}");
+                    // To the left of a reference that turns left it is on the inside, and slower.
+                    let turning = curve.beside(left, &Twist::new(v, 0.7), accel);
+                    let inside = turning.twist.linear - beside.twist.linear;
+                    assert!((inside + 0.7 * beside.offset).abs() < 1e-15);
+                    assert_eq!(beside.slope, curve.at(left).first);
+                }
+            }
+        }
     }
 
     /// Where less than the heading's time constant is left nothing is set, nor for what is not worth it.
@@ -438,5 +520,58 @@ mod tests {
             }
         }
         assert!(taken > 50, "{taken}");
+    }
+
+    /// The curve is taken where everything that it asks for is there, and not where anything is not, whatever the speed and its rate. A
+    /// coefficient of Bernstein's is at most 3 times the most of a parabola, and 5 times that of a cubic (Chebyshev's have those).
+    #[test]
+    fn a_curve_of_a_robot_is_taken_where_it_fits() {
+        let (mut taken, mut refused) = (0, 0);
+        for i in 0..4000 {
+            let part = |of: f64| 2.0 * (of * f64::from(i)).rem_euclid(1.0) - 1.0;
+            let left = 0.3 + 0.2 * part(0.618_034);
+            let speed = 0.6 * part(0.754_878) + 0.1 * part(0.754_878).signum();
+            let robot = Aside {
+                offset: 0.004 * part(0.569_840),
+                slope: 0.03 * part(0.819_173),
+                turn_rate: 0.1 * part(0.671_044),
+                turn_accel: 0.5 * part(0.549_700),
+                speed,
+                accel: 0.5 * part(0.856_675),
+            };
+            let mut wide = plan();
+            wide.turn.up = 1e6;
+            wide.turn.rate = 1e6;
+            wide.rim = 1e6;
+            let curve = LateralOffset::of_robot(&wide, left, &robot).expect("wide");
+            let brakes = 0.5 * speed * speed / wide.drive.down;
+            let (mut swing, mut bend) = (0.0_f64, 0.0_f64);
+            for step in 0..=200 {
+                let q = left * f64::from(step) / 200.0;
+                let now = curve.at(q);
+                bend = bend.max(now.second.abs());
+                if q >= brakes.min(left) {
+                    swing = swing.max(speed * speed * now.third.abs());
+                }
+            }
+            let braking = wide.drive.down * bend;
+            let (least, most) = (swing.max(braking), (3.0 * swing).max(5.0 * braking));
+            for (limit, fits) in [(0.999 * least, false), (1.001 * most, true)] {
+                let mut plan = wide;
+                plan.turn.up = limit;
+                let curve = LateralOffset::of_robot(&plan, left, &robot);
+                assert_eq!(
+                    curve.is_some(),
+                    fits,
+                    "{i}: {robot:?} {left} {swing} {bend}"
+                );
+            }
+            let mut plan = wide;
+            plan.turn.rate = 0.999 * speed.abs() * bend;
+            refused += u32::from(LateralOffset::of_robot(&plan, left, &robot).is_none());
+            plan.turn.rate = 5.0 * speed.abs() * bend;
+            taken += u32::from(LateralOffset::of_robot(&plan, left, &robot).is_some());
+        }
+        assert_eq!((taken, refused), (4000, 4000));
     }
 }

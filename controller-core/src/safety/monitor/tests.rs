@@ -14,7 +14,7 @@ mod named;
 mod turns;
 
 /// Ticks of 10 ms on the paper's robot with wheels of 15 N m and 4096 counts.
-fn params() -> DetectorParams<f64> {
+pub(super) fn params() -> DetectorParams<f64> {
     let motion = MotionParams::new_with::<Libm>(Params::paper().robot, Limits::PAPER);
     DetectorParams::for_base(&motion, 4096.0, 10_000)
 }

@@ -399,7 +399,190 @@ impl<T: Scalar> Wheel<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::Twice;
+    use super::{Debounce, Effort, Look, MOVED_WITHIN, Pushed, Signs, Twice, Wheel};
+    use crate::safety::detector_params::{Timeout, ValidDetectorParams};
+    use crate::safety::monitor::tests::params;
+
+    /// Longer than any timeout.
+    const LONG_US: u32 = 10_000_000;
+
+    /// With travels that are told apart.
+    fn settings() -> ValidDetectorParams<f64> {
+        let mut settings = params().validate().expect("valid");
+        settings.load_travel = 0.3;
+        settings.least_travel = 0.1;
+        settings.slip_travel = 0.2;
+        settings
+    }
+
+    /// A wheel that moved by `seen` where `expected` was.
+    fn wheel(expected: f64, seen: f64) -> Wheel<f64> {
+        let second = |second| Twice { first: 0.0, second };
+        Wheel {
+            expected: second(expected),
+            seen: second(seen),
+            ..Wheel::default()
+        }
+    }
+
+    fn look() -> Look<f64> {
+        Look {
+            us: LONG_US,
+            moved: Some(0),
+            ..Look::default()
+        }
+    }
+
+    /// Against its torque by half of what is expected, where that is twice what the load accounts for and no less than the least.
+    #[test]
+    fn a_wheel_is_accelerated_against_its_torque_from_half_of_what_is_expected_on() {
+        let mut settings = settings();
+        for (least, most) in [(0.1, 0.6), (0.7, 0.7)] {
+            settings.least_travel = least;
+            let against = |expected: f64, seen: f64| {
+                let mut wheel = wheel(expected, seen);
+                let compared = wheel.compared();
+                wheel.moves_against(&settings, compared, LONG_US)
+            };
+            for sign in [1.0, -1.0] {
+                let (more, less) = (1.001 * sign * most, 0.999 * sign * most);
+                assert!(against(more, -0.501 * more), "{least} {sign}");
+                assert!(!against(more, -0.499 * more) && !against(more, 0.501 * more));
+                assert!(!against(less, -less), "{least} {sign}");
+            }
+        }
+        // While it may be found stuck this waits.
+        let mut wheel = wheel(1.0, -1.0);
+        let compared = wheel.compared();
+        wheel.pushed.stands.count(true, 1);
+        assert!(!wheel.moves_against(&settings, compared, LONG_US));
+    }
+
+    #[test]
+    fn a_wheel_turns_against_its_torque_by_its_counts_of_the_window() {
+        for (expected, speed, against) in [
+            (1.0, -0.1, true),
+            (1.0, 0.1, false),
+            (-1.0, 0.1, true),
+            (-1.0, -0.1, false),
+            (-1.0, 0.0, false),
+            (1.0, 0.0, false),
+        ] {
+            let mut wheel = wheel(expected, 0.0);
+            wheel.seen.first = speed;
+            assert_eq!(wheel.turns_against(), against, "{expected} {speed}");
+        }
+    }
+
+    /// Beyond twice what is expected and the slip's own way, pushed by half the load at least, counting, and not run back; or faster than
+    /// an outside twist says.
+    #[test]
+    fn a_wheel_slips_beyond_what_its_torque_explains() {
+        let settings = settings();
+        let beyond = |expected: f64, seen: f64, silent_us: u32, now: &Look<f64>| {
+            let mut wheel = wheel(expected, seen);
+            wheel.silent.count(true, silent_us);
+            let compared = wheel.compared();
+            wheel.moves_beyond(&settings, compared, now)
+        };
+        let now = look();
+        for sign in [1.0, -1.0] {
+            assert!(beyond(0.151 * sign, 0.503 * sign, 0, &now));
+            assert!(!beyond(0.151 * sign, 0.501 * sign, 0, &now), "too little");
+            assert!(!beyond(0.149 * sign, 0.9 * sign, 0, &now), "not pushed");
+            assert!(!beyond(0.151 * sign, -0.9 * sign, 0, &now), "the other way");
+        }
+        let Timeout::AfterUs(silent) = MOVED_WITHIN else {
+            panic!("a time");
+        };
+        assert!(beyond(0.2, 1.0, silent - 1, &now) && !beyond(0.2, 1.0, silent, &now));
+        let back = Look {
+            command: 1.0,
+            moved: Some(-1),
+            ..now
+        };
+        assert!(!beyond(0.2, 1.0, 0, &back));
+        let most = settings.params.wheels.slip.speed_m_s;
+        for off in [most, -most] {
+            let off = |share: f64| Look {
+                off: Some(share * off),
+                ..now
+            };
+            assert!(beyond(0.0, 0.0, 0, &off(1.001)) && !beyond(0.0, 0.0, 0, &off(0.999)));
+        }
+    }
+
+    /// A wheel that stands though it is pushed is blocked where an outside twist says that it does stand, by half of the speed that it is
+    /// commanded.
+    #[test]
+    fn a_wheel_that_stands_is_blocked_where_the_robot_does() {
+        let settings = settings();
+        let mut wheel = wheel(0.0, 0.0);
+        wheel.signs.show(true, Signs::STANDS);
+        let half = 0.5 * settings.params.wheels.stuck.speed_rad_s;
+        for (outside, blocked) in [
+            (Some(0.99 * half), true),
+            (Some(-0.99 * half), true),
+            (Some(1.01 * half), false),
+            (Some(-1.01 * half), false),
+            (None, false),
+        ] {
+            let found = wheel.detections(&settings, 1.0, outside);
+            assert_eq!(
+                (found.blocked, found.stuck),
+                (blocked, !blocked),
+                "{outside:?}"
+            );
+        }
+    }
+
+    /// What is pushed, not pushed for a look, and pushed again stands from then on.
+    #[test]
+    fn a_wheel_that_was_not_pushed_meanwhile_begins_anew() {
+        let mut pushed = Pushed::default();
+        let now = Look {
+            us: 600,
+            moved: Some(0),
+            command: 1.0,
+            ..Look::default()
+        };
+        let after = Timeout::AfterUs(1000);
+        assert_eq!(pushed.advance(after, 1.0, &now), (false, false));
+        assert_eq!(pushed.not(), (false, false));
+        assert_eq!(pushed.stands, Debounce::NONE);
+        assert_eq!(pushed.advance(after, 1.0, &now), (false, false));
+        assert_eq!(pushed.advance(after, 1.0, &now), (true, false));
+        // Nor by an effort against the command.
+        assert_eq!(pushed.advance(after, -1.0, &now), (false, false));
+        assert_eq!(pushed.stands, Debounce::NONE);
+    }
+
+    /// Without torques what is expected is what is seen, for as long; with them it is what they explain.
+    #[test]
+    fn without_torques_what_is_seen_is_expected() {
+        let settings = settings();
+        let mut wheel = Wheel::default();
+        let now = Look {
+            us: 10_000,
+            moved: Some(100),
+            ..Look::default()
+        };
+        wheel.filter(&settings, &now);
+        let (seen, expected) = wheel.seen_and_expected();
+        assert!(seen > 0.1 && seen == expected, "{seen} {expected}");
+        let driven = Look {
+            effort: Some(Effort {
+                impulse: 1.0,
+                gained: 0.5,
+            }),
+            ..now
+        };
+        let mut driven_wheel = wheel;
+        driven_wheel.filter(&settings, &driven);
+        wheel.filter(&settings, &now);
+        assert_eq!(driven_wheel.seen, wheel.seen);
+        assert_ne!(driven_wheel.expected, wheel.expected);
+    }
 
     /// 1/(s + a)² of a² y is y: with any tick a filter that settled at y stays there.
     #[test]

@@ -203,3 +203,27 @@ fn rest_is_not_believed_from_a_broken_measurement() {
     assert_eq!(supervisor.tick(10_000, true), Action::Release);
     assert_eq!(supervisor.state(), State::Fault);
 }
+
+/// Rest is slower than both limits, whichever way; parameters for what is to come change it, and neither state nor cause; changes of
+/// state are counted.
+#[test]
+fn rest_is_within_both_limits() {
+    let mut supervisor = supervisor_in(State::Idle, SupervisorParams::DEFAULT);
+    assert!(supervisor.rests(0.009, -0.019) && supervisor.rests(-0.009, 0.019));
+    for (speed, turn) in [(0.01, 0.0), (-0.011, 0.0), (0.0, 0.02), (0.0, -0.021)] {
+        assert!(!supervisor.rests(speed, turn), "{speed} {turn}");
+    }
+    let mut params = SupervisorParams::DEFAULT;
+    params.rest.speed_m_s = 0.1;
+    supervisor.reconfigure(&params.validate().expect("valid"));
+    assert!(supervisor.rests(0.09, 0.0) && !supervisor.rests(0.09, 0.021));
+    let before = supervisor.changes();
+    supervisor.on(Event::Arm);
+    supervisor.on(Event::Arm);
+    assert_eq!(supervisor.changes(), before + 1);
+    assert_eq!(supervisor.state(), State::Armed);
+    for state in State::ALL {
+        let stops = matches!(state, State::Stopping(_) | State::Braking(_));
+        assert_eq!(state.ends_at_rest(), stops, "{state:?}");
+    }
+}
