@@ -12,9 +12,6 @@ use tests::motion_tracking::Exact;
 use tests::stated::{At, Stated};
 use tests::tolerance::{MOTION_PLANT, MOTION_SINGLE_POSE};
 
-/// Where the largest difference is stated, that of the first test.
-const SINGLE: At = At::Phrase("f32 against f64 in closed loop, until parked: # m or rad");
-
 /// Robot poses every tick.
 fn poses<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     body: Body,
@@ -59,7 +56,7 @@ fn single_precision_follows_double_precision() {
     );
     let most = exact.max(largest(&rational, &both));
     assert!(most < MOTION_SINGLE_POSE);
-    Stated::of("docs/motion.md").at_most(SINGLE, &[most]);
+    Stated::of("docs/motion.md").exactly(At::Phrase("along case 2 # m or rad"), &[most]);
 }
 
 /// All hand-over states.
@@ -74,7 +71,7 @@ fn single_precision_parks_like_double_precision() {
     }
     println!("parking: f32 differs by {all:.1e}");
     assert!(all < MOTION_SINGLE_POSE);
-    Stated::of("docs/motion.md").exactly(SINGLE, &[all]);
+    Stated::of("docs/motion.md").exactly(At::Phrase("from the hand-over states #."), &[all]);
 }
 
 /// The same inputs give the same bits.
