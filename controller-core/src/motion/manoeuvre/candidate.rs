@@ -161,8 +161,7 @@ const NEAR: [u8; CANDIDATES as usize] = [
     8, 9, 6, 7, 23, 24, 25, 27, 28, 29, 0, 1, 2, 3,
 ];
 
-/// So many shapes may be the quickest; the others are, if any, in one of a hundred searches, and then by little. They are for goals to
-/// which none of these leads.
+/// So many shapes are tried, and the others where none of these leads to the goal: where one does, they are rarely quicker.
 pub(crate) fn likely(near: bool) -> u8 {
     if near { 16 } else { 20 }
 }
@@ -360,6 +359,20 @@ impl<T: Scalar> Candidate<T> {
                 [turning, per(ends[0], numbers[1])]
             }
             Self::TwoDrives { .. } => [per(ends[0], numbers[0]), per(ends[1], numbers[1])],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CANDIDATES, FAR, NEAR};
+
+    #[test]
+    fn every_shape_is_tried_once() {
+        for shapes in [FAR, NEAR] {
+            let mut sorted = shapes;
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..CANDIDATES), "{shapes:?}");
         }
     }
 }

@@ -287,8 +287,8 @@ fn sum<T: Scalar>(a: AxisSample<T>, b: AxisSample<T>) -> AxisSample<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::profile::{AxisLimits, Profile, Quality, Stop};
-    use super::{Path, Vector};
+    use super::super::profile::{AxisLimits, AxisSample, Profile, Quality, Stop};
+    use super::{Courses, Path, Vector};
     use crate::maths::{Libm, Maths};
 
     const DRIVE: AxisLimits<f64> = AxisLimits {
@@ -318,7 +318,7 @@ mod tests {
             stop_drive: DRIVE.stop(0.5, -0.4),
             stop_turn: TURN.stop(-0.8, 0.7),
             turns: [starting(0.1, turns[0]), starting(1.6, turns[1])],
-            drives: [starting(0.4, drives[0]), starting(3.4, drives[1])],
+            drives: [starting(0.4, drives[0]), starting(3.6, drives[1])],
         }
     }
 
@@ -353,10 +353,61 @@ mod tests {
         let exact = in_small_steps(&path);
         for (quality, tolerance) in [(Quality::Fine, 1.0e-5), (Quality::Rough, 1.0e-3)] {
             for (end, exact) in ends(&path, quality).iter().zip(&exact) {
-                let off = end.minus(*exact).norm::<Libm>();
+                let off = Libm::sqrt((end.x - exact.x).powi(2) + (end.y - exact.y).powi(2));
                 assert!(off < tolerance, "{quality:?}: {off} of {exact:?}");
             }
         }
+    }
+
+    /// Both axes are sums of the stop and of both profiles, and all of it is over with the last of them. Tick by tick as well.
+    #[test]
+    fn an_axis_is_the_sum_of_its_motions() {
+        let mut path = curved();
+        assert_eq!(path.duration(), path.drives[1].end());
+        assert!(path.duration() > path.turns[1].end());
+        let mut courses = Courses::of(&path, 0.0);
+        for tick in 0..500_u16 {
+            let t = 0.01 * f64::from(tick);
+            let sum = |[stop, a, b]: [AxisSample<f64>; 3]| {
+                let of = |get: fn(&AxisSample<f64>) -> f64| get(&stop) + get(&a) + get(&b);
+                [of(|s| s.position), of(|s| s.rate), of(|s| s.accel)]
+            };
+            let [a, b] = path.turns.map(|turn| turn.at(t));
+            let turn = sum([path.stop_turn.at(t), a, b]);
+            let [a, b] = path.drives.map(|drive| drive.at(t));
+            let drive = sum([path.stop_drive.at(t), a, b]);
+            let near = |sample: &AxisSample<f64>, exact: [f64; 3]| {
+                let sample = [sample.position, sample.rate, sample.accel];
+                sample
+                    .iter()
+                    .zip(exact)
+                    .all(|(a, b)| (a - b).abs() < 1.0e-12)
+            };
+            assert!(
+                near(&path.turn_at(t), turn) && near(&path.drive_at(t), drive),
+                "{t}"
+            );
+            let (turned, driven) = courses.go_on_to(&path, t);
+            assert!(near(&turned, turn) && near(&driven, drive), "{t}");
+            let accel = courses.accel_at(&path, t);
+            assert!((accel.linear - drive[2]).abs() < 1.0e-12, "{t}");
+            assert!((accel.angular - turn[2]).abs() < 1.0e-12, "{t}");
+            assert_eq!(
+                courses.is_last_drive(&path),
+                t >= path.drives[0].end(),
+                "{t}"
+            );
+        }
+        // Without the second drive the first is the last, once the robot has come to rest; without any nothing else is to come.
+        path.drives[1] = Profile::default();
+        assert!(!Courses::of(&path, 0.1).is_last_drive(&path));
+        let rests = path.stop_drive.duration() + 0.01;
+        assert!(Courses::of(&path, rests).is_last_drive(&path));
+        path.forget_manoeuvre();
+        assert_eq!((path.turns, path.drives), Default::default());
+        assert!(Courses::of(&path, 0.1).is_last_drive(&path));
+        let last = f64::max(path.stop_drive.duration(), path.stop_turn.duration());
+        assert_eq!(path.duration(), last);
     }
 
     /// Straight on, or on the spot, nothing has to be summed, however roughly: the ways are those of the profiles and of the stop.

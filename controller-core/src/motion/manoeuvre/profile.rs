@@ -358,7 +358,7 @@ impl<T: Scalar> Piece<T> {
     }
 
     /// The stretch that follows at `t`, in which the rate changes by `by` over `ramp` \[s\], with one acceleration.
-    fn leaning(&self, t: T, by: T, ramp: T) -> Self {
+    fn accelerating(&self, t: T, by: T, ramp: T) -> Self {
         let last = self.at(t);
         Self {
             from: t,
@@ -423,7 +423,7 @@ impl<T: Scalar> Pieces<T> {
         };
         pieces.wait(profiles);
         if quality == Quality::Rough {
-            pieces.cut(profiles);
+            pieces.delay(profiles);
         }
         pieces
     }
@@ -492,22 +492,25 @@ impl<T: Scalar> Pieces<T> {
             return;
         };
         let (from, tau, peak) = (self.until, profile.jerk_s, profile.peak);
-        let cut = T::HALF * tau;
+        let corner = T::HALF * tau;
         let last = self.piece;
         self.begun += 1;
         let risen = profile.start + profile.rise;
         let (piece, until) = match self.begun {
-            1 => (last.leaning(from, peak, profile.rise - tau), risen - cut),
-            2 => (last.held(from, peak), risen + profile.hold + cut),
+            1 => (
+                last.accelerating(from, peak, profile.rise - tau),
+                risen - corner,
+            ),
+            2 => (last.held(from, peak), risen + profile.hold + corner),
             3 => {
-                let fall = last.leaning(from, -peak, profile.fall - tau);
-                (fall, profile.end() - cut)
+                let fall = last.accelerating(from, -peak, profile.fall - tau);
+                (fall, profile.end() - corner)
             }
             _ => {
                 self.piece = Piece::rest(from, last.position(from));
                 self.number += 1;
                 self.wait(profiles);
-                self.cut(profiles);
+                self.delay(profiles);
                 return;
             }
         };
@@ -515,8 +518,8 @@ impl<T: Scalar> Pieces<T> {
         self.until = until;
     }
 
-    /// The next profile starts as late as its first step of the acceleration.
-    fn cut(&mut self, profiles: &[Profile<T>; 2]) {
+    /// The next profile starts at its first step of the acceleration.
+    fn delay(&mut self, profiles: &[Profile<T>; 2]) {
         if let Some(profile) = profiles.get(usize::from(self.number)) {
             self.until += T::HALF * profile.jerk_s;
         }
@@ -615,20 +618,22 @@ impl<T: Scalar> StopPieces<T> {
         self.until = until;
     }
 
-    /// As [`Pieces::go_on`]. What fades is no rougher than it is.
+    /// As [`Pieces::go_on`]. While the acceleration fades both are the same.
     pub(crate) fn go_on(&mut self, stop: &Stop<T>, quality: Quality) {
         let Ramp { duration, jerk_s } = stop.ramp;
-        let (from, cut) = (self.until, T::HALF * jerk_s);
+        let (from, corner) = (self.until, T::HALF * jerk_s);
         self.advance(stop);
         if quality == Quality::Fine || stop.faded == T::ZERO {
             return;
         }
         match self.begun {
-            2 => self.until += cut,
+            2 => self.until += corner,
             3 => {
                 self.begun = 5;
-                self.piece = self.piece.leaning(from, -stop.faded, duration - jerk_s);
-                self.until = stop.duration() - cut;
+                self.piece = self
+                    .piece
+                    .accelerating(from, -stop.faded, duration - jerk_s);
+                self.until = stop.duration() - corner;
             }
             _ => {}
         }
