@@ -126,13 +126,13 @@ impl<T: Scalar> Path<T> {
                 };
                 match (drive.moving(), stop_drive.moving()) {
                     (None, None) => {}
-                    (Some(piece), None) => stretch.add::<M, 1>(quality, [(piece, driven)]),
+                    (Some(piece), None) => stretch.add::<M>(quality, &mut [(piece, driven)]),
                     (None, Some(stop)) => {
-                        stretch.add::<M, 1>(quality, [(stop, &mut ends.stopping)]);
+                        stretch.add::<M>(quality, &mut [(stop, &mut ends.stopping)]);
                     }
                     (Some(piece), Some(stop)) => {
-                        let both = [(piece, driven), (stop, &mut ends.stopping)];
-                        stretch.add::<M, 2>(quality, both);
+                        let both = &mut [(piece, driven), (stop, &mut ends.stopping)];
+                        stretch.add::<M>(quality, both);
                     }
                 }
                 from = to;
@@ -212,12 +212,10 @@ struct Stretch<'a, T> {
 
 impl<T: Scalar> Stretch<'_, T> {
     /// Adds ∫ v (cos θ, sin θ) dt of each of what is driven to its end.
-    #[inline(always)]
-    fn add<M: Maths<T>, const N: usize>(
-        &self,
-        quality: Quality,
-        mut driven: [(&Piece<T>, &mut Vector<T>); N],
-    ) {
+    ///
+    /// By a call: once in an image, not once for each of what may be driven.
+    #[inline(never)]
+    fn add<M: Maths<T>>(&self, quality: Quality, driven: &mut [(&Piece<T>, &mut Vector<T>)]) {
         let Self { middle, half, .. } = *self;
         if !self.turning {
             let (sine, cosine) = M::sin_cos_near(self.heading(middle));
@@ -233,7 +231,7 @@ impl<T: Scalar> Stretch<'_, T> {
             let (offset, weight) = (half * node, half * weight);
             for t in [middle - offset, middle + offset] {
                 let (sine, cosine) = M::sin_cos_near(self.heading(t));
-                for (piece, end) in &mut driven {
+                for (piece, end) in driven.iter_mut() {
                     let way = weight * piece.rate(t);
                     end.x += way * cosine;
                     end.y += way * sine;
