@@ -633,8 +633,7 @@ mod tests {
         }
     }
 
-    /// A robot that moves is never late for its manoeuvre, whatever the period: half of the starts here move, and so do those that are
-    /// planned for with half the jerk.
+    /// A robot that moves is never late for its manoeuvre, whatever the period; two of three starts here move.
     #[test]
     fn a_search_ends_before_the_manoeuvre_may_start() {
         for base in BASES {
