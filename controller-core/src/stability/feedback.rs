@@ -196,6 +196,50 @@ mod tests {
         }
     }
 
+    /// λ² + λ/5 + 1 with a pose that pushes by half: |D| = ½ at ω² = (1.96 ± √0.8416)/2, where −N/D looks back by arg D. So a late pose
+    /// has the rest of a whole turn left, the least at the upper frequency.
+    #[test]
+    fn what_leads_is_late_by_the_rest_of_a_turn() {
+        let pushed = Feedback {
+            mass: Polynomial::new([0.0, 0.0, 1.0]),
+            rest: Polynomial::new([1.0, 0.2]),
+            pose: Polynomial::new([-0.5]),
+        };
+        let square = 0.5 * (1.96 + Libm::sqrt(0.8416_f64));
+        let frequency = Libm::sqrt(square);
+        let behind = Libm::atan2(0.2 * frequency, 1.0 - square);
+        let expected = (core::f64::consts::TAU - behind) / frequency;
+        let margins = pushed.margins::<Libm>();
+        assert!((margins.pose_delay_s / expected - 1.0).abs() < 1e-9);
+    }
+
+    /// A loop as fast, or as slow, as its coefficients can tell in single precision: their squares are beyond it, its margins are not.
+    #[test]
+    fn margins_of_extreme_rates_do_not_overflow() {
+        for rate in [1.0e7_f32, 1.0e-7] {
+            let loop_of = Feedback {
+                mass: Polynomial::new([0.0, 0.0, 0.0, 1.0]),
+                rest: Polynomial::new([0.0, 2.0 * rate * rate, 2.0 * rate]),
+                pose: Polynomial::new([rate * rate * rate]),
+            };
+            let margins = loop_of.margins::<Single>();
+            assert!((margins.heavier - 4.0).abs() < 1e-4, "{margins:?}");
+            // (λ + 1)(λ² + λ + 1).
+            assert!((margins.decay / rate - 0.5).abs() < 1e-4, "{margins:?}");
+            assert!(margins.pose_delay_s * rate > 0.5 && margins.torque_delay_s * rate > 0.5);
+        }
+    }
+
+    /// The first end counts, not a later one, and what lies below the largest factor by less than a doubling is found.
+    #[test]
+    fn factor_is_the_first_at_which_a_loop_grows() {
+        for end in [3.0, 700.0] {
+            let factor = largest_factor(|x: f64| x < end || x > 1.5 * end);
+            assert!((factor - end).abs() < 1e-9, "{factor}");
+        }
+        assert_eq!(largest_factor(|x: f64| x < 1001.0), LARGEST_FACTOR);
+    }
+
     /// μ λ³ + 2 λ² + 2 λ + g grows from μ g = 4 on.
     #[test]
     fn a_lagging_loop_grows_when_it_is_four_times_as_heavy() {

@@ -75,7 +75,8 @@ impl<T: Scalar> Polynomial<T> {
     pub(crate) fn in_units_of(&self, rate: T) -> Self {
         let mut power = T::ONE;
         let mut coefficients = self.coefficients;
-        for coefficient in &mut coefficients {
+        // Not beyond the degree, where a power that is no number would make one of 0.
+        for coefficient in coefficients.iter_mut().take(self.degree + 1) {
             *coefficient = *coefficient * power;
             power = power * rate;
         }

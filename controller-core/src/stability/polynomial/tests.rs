@@ -22,6 +22,25 @@ fn routh_finds_decay_and_damping_of_known_roots() {
     assert!((damping - 0.6).abs() < 1e-9, "{damping}");
 }
 
+/// A factor moves no root, not even one below 0.
+#[test]
+fn a_sign_does_not_make_a_polynomial_grow() {
+    assert!(known().scaled(-1.0).is_hurwitz());
+    assert!(!Polynomial::new([1.5, -2.5, -1.0]).is_hurwitz());
+}
+
+/// At a complex number, the product of its factors there.
+#[test]
+fn a_complex_value_is_the_product_of_the_factors() {
+    let z = (0.3, 1.7);
+    let times = |(a, b): (f64, f64), (c, d): (f64, f64)| (a * c - b * d, a * d + b * c);
+    let square = times(z, z);
+    let quadratic = (square.0 + 3.6 * z.0 + 9.0, square.1 + 3.6 * z.1);
+    let expected = times(times((z.0 + 1.0, z.1), (z.0 + 2.0, z.1)), quadratic);
+    let (re, im) = known().value_at(z);
+    assert!((re - expected.0).abs() < 1e-12 && (im - expected.1).abs() < 1e-12);
+}
+
 #[test]
 fn growing_roots_are_told() {
     // Roots 0.5 and −3: decay −0.5, no damping.

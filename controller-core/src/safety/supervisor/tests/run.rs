@@ -84,6 +84,25 @@ fn a_fault_during_a_stop_latches_and_does_not_prolong_it() {
     );
 }
 
+/// What is released after a fault is braked again, as an idle base is, once it is reset; and once it was armed.
+#[test]
+fn a_reset_and_arming_forget_what_was_released() {
+    let params = SupervisorParams {
+        idle_output: IdleOutput::Brake,
+        ..SupervisorParams::DEFAULT
+    };
+    let mut supervisor = supervisor_in(State::Tracking, params);
+    supervisor.on(Event::EmergencyStop { brake: false });
+    assert_eq!(supervisor.output(), OutputMode::Release);
+    supervisor.on(Event::Reset);
+    assert_eq!(supervisor.state(), State::Idle);
+    assert_eq!(supervisor.output(), OutputMode::Brake);
+    supervisor.on(Event::Arm);
+    supervisor.on(Event::Stop);
+    assert_eq!(supervisor.state(), State::Stopped);
+    assert_eq!(supervisor.output(), OutputMode::Brake);
+}
+
 #[test]
 fn ignored_faults_are_counted_and_reported() {
     let policy = ValidPolicyParams::default();
