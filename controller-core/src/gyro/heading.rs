@@ -491,3 +491,6 @@ impl<T: Scalar> GyroHeading<T> {
         if right < left { right } else { left }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! What the gyro's estimate keeps of the way: sums over the window, doubt while it was not believed, stretches.
+
+use super::*;
+use crate::gyro::GyroParams;
+use crate::odometry::{Calibration, OdometryParams};
+use crate::wheels::WheelGeometry;
+
+const DT: f64 = 0.005;
+/// Backward, and turning right, so that a lost sign shows.
+const SPEED: f64 = -0.4;
+const TURN_RATE: f64 = -0.3;
+
+fn sensor() -> ValidGyroParams<f64> {
+    let wheels = OdometryParams {
+        wheels: WheelGeometry {
+            radius_right_m: 0.035,
+            radius_left_m: 0.035,
+            track_m: 0.14,
+        },
+        calibration: Calibration::NOMINAL,
+        counts_per_turn: 2048.0,
+        bandwidth: 50.0,
+    };
+    let valid = GyroParams::icm_42688_p().validate(&wheels, 0.02);
+    valid.expect("in range")
+}
+
+fn rolled(speed: f64, turn_rate: f64) -> Rolled<f64> {
+    Rolled {
+        travel: speed * DT,
+        turn: turn_rate * DT,
+        counted: (true, true),
+        dt: DT,
+    }
+}
+
+/// A gyro that fuses a heading: no bias is learnt on the way.
+fn fused(heading: f64) -> GyroReading<f64> {
+    GyroReading {
+        rate: TURN_RATE,
+        heading: Some(heading),
+        age_s: 0.0,
+    }
+}
+
+/// Of a steady speed the leaky sums hold what passes in the window, whichever way it is.
+#[test]
+fn sums_hold_the_way_of_a_window() {
+    let gyro = sensor();
+    let mut heading = GyroHeading::new(&gyro);
+    for _ in 0..1000 {
+        heading.advance(&gyro, &rolled(SPEED, TURN_RATE), None);
+    }
+    let way = gyro.per_way * SPEED.abs() * WINDOW_S;
+    let turn = gyro.per_turn * TURN_RATE.abs() * WINDOW_S;
+    let expected = way + turn + gyro.rounding;
+    assert!((heading.geometry(&gyro) - expected).abs() < 1e-12);
+}
+
+/// While the gyro is silent wheels carry the heading, and what radii and track may be wrong by on that way is in doubt once it speaks.
+#[test]
+fn the_way_without_a_gyro_adds_to_the_doubt() {
+    let gyro = sensor();
+    let mut heading = GyroHeading::new(&gyro);
+    let reading = fused(0.0);
+    heading.advance(&gyro, &rolled(0.0, 0.0), Some(&reading));
+    while heading.report().fault.is_none() {
+        heading.advance(&gyro, &rolled(SPEED, TURN_RATE), None);
+    }
+    assert_eq!(heading.report().fault, Some(GyroFault::Silent));
+    let before = heading.heading_variance();
+    let ticks = 400;
+    for _ in 1..ticks {
+        heading.advance(&gyro, &rolled(SPEED, TURN_RATE), None);
+    }
+    // The tick of the reading is one of them.
+    heading.advance(&gyro, &rolled(SPEED, TURN_RATE), Some(&reading));
+    assert!(heading.carries());
+    let time = f64::from(ticks) * DT;
+    let alone = gyro.per_way * SPEED.abs() * time + gyro.per_turn * TURN_RATE.abs() * time;
+    let added = heading.heading_variance() - before;
+    assert!((added / (alone * alone) - 1.0).abs() < 1e-9, "{added}");
+}
+
+/// Wheels that say straight on while the gyro turns: after some decimetres three tenths of the curvature between them is taken, and then
+/// the next stretch begins. A curve tells nothing of it.
+#[test]
+fn curvature_is_learnt_on_straight_stretches() {
+    let gyro = sensor();
+    let per_way = 0.02;
+    for (speed, turn_rate) in [(0.4, 0.0), (-0.4, 0.0), (0.4, 0.8)] {
+        let mut heading = GyroHeading::new(&gyro);
+        let mut now = 0.0;
+        heading.advance(&gyro, &rolled(0.0, 0.0), Some(&fused(now)));
+        let mut learnt = None;
+        let mut ticks = 0;
+        while ticks < 300 && learnt.is_none() {
+            now += (turn_rate + per_way * speed) * DT;
+            heading.advance(&gyro, &rolled(speed, turn_rate), Some(&fused(now)));
+            learnt = heading.curvature(&gyro);
+            ticks += 1;
+        }
+        if turn_rate != 0.0 {
+            assert_eq!(learnt, None);
+            continue;
+        }
+        let learnt = learnt.expect("after a stretch");
+        assert!((learnt - TAKEN * per_way).abs() < 1e-9, "{learnt}");
+        assert_eq!(f64::from(ticks), STRETCH_M / (0.4 * DT));
+        assert_eq!(heading.curvature(&gyro), None);
+    }
+}
