@@ -93,6 +93,10 @@ fn limits() -> impl Strategy<Value = ReferenceLimits> {
     })
 }
 
+/// Steps by which accelerations are summed from a sample to the next. They jump at samples, by up to twice their limit: in 20,000 equal steps
+/// of 3 ms that alone was 0.0216 rad/s once, and fell with the step. In half of these steps 120 draws are off by 0.6 mm/s and 3 mrad/s at most.
+const SUMMED: u32 = 16;
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
 
@@ -103,17 +107,19 @@ proptest! {
         let (run, scaling) = file.time_scaled(&limits, Pace::Own).map_err(|e| TestCaseError::fail(e.to_string()))?;
         prop_assert!(scaling.factor >= 1.0 - 1e-9 && scaling.load <= 1.0);
         prop_assert_eq!(scaling.places.is_empty(), run.duration() == file.duration());
-        let steps = 20_000;
-        let h = run.duration() / f64::from(steps);
-        let (mut v, mut w) = (run.at(0.0).v, run.at(0.0).w);
         let mut before = run.at(0.0);
-        for i in 1..=steps {
-            let s = run.at((h * f64::from(i)).min(run.duration()));
-            prop_assert!(excess(&s, &limits) < BETWEEN, "{}: {:?}", name, s);
-            v += 0.5 * h * (before.a + s.a);
-            w += 0.5 * h * (before.alpha + s.alpha);
-            prop_assert!((s.v - v).abs() < 1e-3 && (s.w - w).abs() < 0.02, "{}: {:?} {} {}", name, s, v, w);
-            before = s;
+        let (mut v, mut w) = (before.v, before.w);
+        for pair in run.samples().windows(2) {
+            let [from, to] = [pair[0].t, pair[1].t];
+            let h = (to - from) / f64::from(SUMMED);
+            for i in 1..=SUMMED {
+                let s = run.at((from + h * f64::from(i)).min(run.duration()));
+                prop_assert!(excess(&s, &limits) < BETWEEN, "{}: {:?}", name, s);
+                v += 0.5 * h * (before.a + s.a);
+                w += 0.5 * h * (before.alpha + s.alpha);
+                prop_assert!((s.v - v).abs() < 1e-3 && (s.w - w).abs() < 0.02, "{}: {:?} {} {}", name, s, v, w);
+                before = s;
+            }
         }
         let (a, b) = (file.at(file.duration()), run.at(run.duration()));
         prop_assert!((a.x - b.x).hypot(a.y - b.y) < 1e-9 && (a.theta - b.theta).abs() < 1e-9);
