@@ -213,7 +213,7 @@ mod tests {
         assert!((margins.pose_delay_s / expected - 1.0).abs() < 1e-9);
     }
 
-    /// A loop as fast, or as slow, as its coefficients can tell in single precision: their squares are beyond it, its margins are not.
+    /// A loop whose coefficients are within single precision, and their squares beyond it: its margins are finite all the same.
     #[test]
     fn margins_of_extreme_rates_do_not_overflow() {
         for rate in [1.0e7_f32, 1.0e-7] {

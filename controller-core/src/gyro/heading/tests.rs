@@ -83,7 +83,7 @@ fn the_way_without_a_gyro_adds_to_the_doubt() {
 }
 
 /// Wheels that say straight on while the gyro turns: after some decimetres three tenths of the curvature between them is taken, and then
-/// the next stretch begins. A curve tells nothing of it.
+/// the next stretch begins. In a curve nothing is learnt.
 #[test]
 fn curvature_is_learnt_on_straight_stretches() {
     let gyro = sensor();
