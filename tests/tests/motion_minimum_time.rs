@@ -169,29 +169,57 @@ fn parking_takes_little_more_than_the_least_time() {
     );
 }
 
-/// 0.3 to 20 mm aside of the goal: no driving about, no turning round.
+/// Base, start (x, y, θ) at rest 0.3 to 20 mm from the origin, least time to rest exactly there, and what that motion turns
+/// in all \[m, rad, s\].
+///
+/// Starts are drawn: distances evenly by their logarithm, bearings evenly, headings of half of them within ±20 mrad and of the
+/// others within ±0.5 rad. Least times as those of [`MINIMUM`], by direct multiple shooting over 80 intervals, positions in units
+/// of the start's distance: 14 first guesses of 30 intervals each, swings there and back with two drives, the best three
+/// refined; integrated again they end within a tenth of a micrometre of the goal.
+const NEAR: &str = include_str!("motion_minimum_time/near.csv");
+
+/// Start, least time and turn of a row of [`NEAR`].
+fn near(name: &str, line: &str) -> Option<[f64; 5]> {
+    let numbers = line.strip_prefix(name)?.strip_prefix(',')?.split(',');
+    let numbers: Vec<f64> = numbers
+        .map(|field| field.parse().expect("a number"))
+        .collect();
+    Some(numbers.try_into().expect("five numbers"))
+}
+
+/// 0.3 to 20 mm beside the goal, with exact poses: parked half a second after one and a half times the least time, without
+/// driving about or turning round.
 #[test]
 fn a_goal_beside_the_robot_is_near() {
     let mut page = Stated::of("docs/motion.md");
     for name in BASES {
         let (params, dt) = params(name, None);
-        let starts: Vec<Body> = (0..24)
-            .map(|i| {
-                let aside = 3e-4 * (0.02_f64 / 3e-4).powf(f64::from(i) / 23.0);
-                let side = if i % 2 == 0 { aside } else { -aside };
-                Body::at(0.3 * aside, side, 3e-3)
-            })
-            .collect();
-        let runs = on_all_cores(&starts, |start| park(&params, dt, *start));
-        let most = |of: fn(&Run) -> f64| runs.iter().map(of).fold(0.0, f64::max);
-        let (parked_s, turned) = (most(|run| run.parked_s), most(|run| run.turned));
-        println!("{name}: parked by {parked_s:.2} s, turned {turned:.2} rad");
+        let starts: Vec<[f64; 5]> = NEAR.lines().filter_map(|line| near(name, line)).collect();
+        assert_eq!(starts.len(), 96, "{name}");
+        let runs = on_all_cores(&starts, |&[x, y, theta, ..]| {
+            park(&params, dt, Body::at(x, y, theta))
+        });
+        let worst = |of: &dyn Fn(&Run, f64, f64) -> f64| {
+            let all = runs.iter().zip(&starts);
+            all.map(|(run, &[.., least_s, turned])| of(run, least_s, turned))
+                .fold(f64::MIN, f64::max)
+        };
+        let parked_s = worst(&|run, _, _| run.parked_s);
+        let late_s = worst(&|run, least_s, _| run.parked_s - 1.5 * least_s);
+        let more = worst(&|run, _, turned| run.turned - turned);
+        println!(
+            "{name}: parked by {parked_s:.2} s, {late_s:.2} s late, turned {more:.2} rad more"
+        );
+        assert!(
+            late_s <= 0.5 && more <= 0.5,
+            "{name}: {late_s} s, {more} rad"
+        );
         page.exactly(
             At::Row(
                 "13. Beside the least time",
-                &format!("{name}, 0.3 to 20 mm aside"),
+                &format!("{name}, 0.3 to 20 mm beside it"),
             ),
-            &[parked_s, turned],
+            &[parked_s, late_s, more],
         );
     }
 }
