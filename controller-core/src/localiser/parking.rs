@@ -1,7 +1,7 @@
 //! What encoders and filtered fixes leave of parking.
 
 use super::params::ValidLocaliserParams;
-use crate::motion::Arrival;
+use crate::motion::{Arrival, HEADING_DEVIATIONS};
 use crate::range::{larger, smaller};
 use crate::scalar::Scalar;
 
@@ -15,15 +15,17 @@ impl<T: Scalar> ValidLocaliserParams<T> {
     /// When a robot with this pose has arrived; the true pose is then off by that, and the noise.
     ///
     /// Distance: the noise radius, 3 σ_f: a manoeuvre aims at the goal itself, and what the pose wanders while it settles
-    /// comes on top. Heading: 8 σ_f, since a parked robot is pushed off only
-    /// at 1.3 times the tolerance and noise must not do it, and the turn of one count. Dwell: with
+    /// comes on top. Heading: [`HEADING_DEVIATIONS`] σ_f and the turn of one count. Dwell: with
     /// fixes their time constant, in which the pose loses two thirds of what it drifted by while the robot moved.
     /// Never less than [`Arrival::exact`], never more than 10 s.
     pub fn arrival(&self) -> Arrival<T> {
         let f = T::from_f64;
         let exact = Arrival::<T>::exact();
         let distance = f(5.0) * self.pose_noise + self.filtered_noise_m();
-        let heading = larger(exact.heading_rad, f(8.0) * self.filtered_noise_rad());
+        let heading = larger(
+            exact.heading_rad,
+            f(HEADING_DEVIATIONS) * self.filtered_noise_rad(),
+        );
         let odometry = &self.params().odometry;
         Arrival {
             distance_m: larger(exact.distance_m, distance),

@@ -4,6 +4,10 @@ use crate::error::{Field, ParamError};
 use crate::range::check_ranges;
 use crate::scalar::Scalar;
 
+/// Standard deviations of a noisy heading that its tolerance has: a parked robot is pushed off only
+/// at 1.3 times the tolerance, and noise must not do it.
+pub(crate) const HEADING_DEVIATIONS: f64 = 8.0;
+
 /// What counts as arrived, and as stuck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -65,7 +65,7 @@ impl<T: Scalar> GoalChecker<T> {
 
     /// The latch after a tick of `dt`.
     ///
-    /// Enters when the place where the stop would end is inside the tolerance, has been for the dwell, and meanwhile was no
+    /// Enters when the place where the stop would end was inside the tolerance, and for the dwell since then no
     /// further from the goal than [`HYSTERESIS`] tolerances: a transition offset
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own. Leaves
     /// when the robot is pushed beyond [`ValidMotionParams::leave_distance`] or [`HYSTERESIS`] times the heading, but not in
@@ -79,7 +79,6 @@ impl<T: Scalar> GoalChecker<T> {
         let f = T::from_f64;
         let limits = &motion.params().arrival;
         let close = at.is_within(motion.leave_distance());
-        let mut inside = true;
         let fit = if self.parked {
             let turned = at.view.error.theta.abs() < leave_heading(motion);
             (close && turned) || self.inside_s < T::ONE
@@ -89,17 +88,19 @@ impl<T: Scalar> GoalChecker<T> {
                 y: dy,
                 theta,
             } = at.error_at_rest(motion, dt);
-            let (tolerance, off) = (limits.distance_m, dx * dx + dy * dy);
-            inside = off < tolerance * tolerance;
-            let wide = f(HYSTERESIS) * tolerance;
-            let near = inside || (self.inside_s > T::ZERO && off < wide * wide);
+            let enough = if self.inside_s > T::ZERO {
+                f(HYSTERESIS) * limits.distance_m
+            } else {
+                limits.distance_m
+            };
+            let near = dx * dx + dy * dy < enough * enough;
             let turned = theta.abs() < limits.heading_rad;
             near && turned && close
         };
         if fit {
             let inside_s = self.inside_s + dt;
             Self {
-                parked: self.parked || (inside && inside_s > limits.dwell_s),
+                parked: self.parked || inside_s > limits.dwell_s,
                 inside_s,
             }
         } else {

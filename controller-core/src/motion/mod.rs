@@ -51,6 +51,7 @@ mod transition_offset;
 mod turn_demand;
 mod velocity_loop;
 
+pub(crate) use arrival::HEADING_DEVIATIONS;
 pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
 pub use drive::check_order;

@@ -1,6 +1,6 @@
 //! The parking law: a manoeuvre, feedback, or rest at the goal.
 
-use super::arrival::Parking;
+use super::arrival::{HEADING_DEVIATIONS, Parking};
 use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
 use super::goal_checker::{GoalChecker, GoalView};
@@ -349,7 +349,8 @@ impl<T: Scalar> ParkingLaw<T> {
             return None;
         };
         let limits = || motion.offset_limits();
-        let moment = execution.advance::<M>(limits, view.goal(), way.since, dt);
+        let noise = || noise_at_rest(motion);
+        let moment = execution.advance::<M>(limits, noise, view.goal(), way.since, dt);
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
@@ -445,6 +446,17 @@ impl<T: Scalar> ParkingLaw<T> {
             }
         }
     }
+}
+
+/// A standard deviation of the pose along the goal \[m\] and of its heading \[rad\], of which the tolerance is
+/// [`HEADING_DEVIATIONS`]; none where no noise is stated.
+fn noise_at_rest<T: Scalar>(motion: &ValidMotionParams<T>) -> (T, T) {
+    if !motion.noisy {
+        return (T::ZERO, T::ZERO);
+    }
+    let params = motion.params();
+    let share = T::from_f64(1.0 / HEADING_DEVIATIONS);
+    (params.pose_noise_m, share * params.arrival.heading_rad)
 }
 
 impl<T: Scalar> Approach<T> {
@@ -554,7 +566,7 @@ fn stops_there<T: Scalar>(
 mod tests {
     use crate::error::{Input, StepFault};
     use crate::maths::{Libm, Maths};
-    use crate::motion::{Limits, MotionController, MotionParams, Task};
+    use crate::motion::{Limits, MotionController, MotionParams, Outcome, Task, ValidMotionParams};
     use crate::robot::Robot;
     use crate::types::{Measured, Pose, Twist};
 
@@ -650,5 +662,74 @@ mod tests {
             }
         }
         assert!(driven > 100, "{driven}");
+    }
+
+    /// 0.5 mm of noise at a tick, and 1 mrad of the heading.
+    fn noisy(pose_noise_m: f64) -> ValidMotionParams<f64> {
+        let mut motion = MotionParams::new(Robot::paper(), Limits::PAPER);
+        motion.pose_noise_m = pose_noise_m;
+        motion.arrival.distance_m = 4.0e-3;
+        motion.arrival.heading_rad = 8.0e-3;
+        motion.arrival.dwell_s = 1.0;
+        motion.validate().expect("valid")
+    }
+
+    /// A robot that stands at the origin sees itself at `pose` for `ticks` of 10 ms; the largest torque that it demands.
+    fn stands(
+        controller: &mut MotionController<f64, Libm>,
+        ticks: usize,
+        pose: impl Fn(usize) -> Pose<f64>,
+    ) -> f64 {
+        let task = Task::Park(Pose::default());
+        let torques = (0..ticks).map(|tick| {
+            let now = Measured {
+                pose: pose(tick),
+                twist: Twist::default(),
+            };
+            let report = controller.step(0.01, &task, &now).expect("finite");
+            report.torques.right.abs() + report.torques.left.abs()
+        });
+        torques.fold(0.0, f64::max)
+    }
+
+    fn at_home(motion: &ValidMotionParams<f64>) -> MotionController<f64, Libm> {
+        let task = Task::Park(Pose::default());
+        MotionController::start(motion, &task, &Measured::default()).expect("finite")
+    }
+
+    /// What is within a standard deviation moves no wheel, on either side; what is beyond does, and so does the same error where no
+    /// noise is stated.
+    #[test]
+    fn a_robot_that_stands_at_its_goal_does_not_follow_noise() {
+        let (along, around) = (0.5e-3, 1.0e-3);
+        for (share, moves) in [(0.99, false), (-0.99, false), (1.2, true), (-1.2, true)] {
+            for off in [
+                Pose::new(share * along, 0.0, 0.0),
+                Pose::new(0.0, 0.0, share * around),
+            ] {
+                let (mut noisy, mut exact) = (at_home(&noisy(along)), at_home(&noisy(0.0)));
+                let most = stands(&mut noisy, 50, |_| off);
+                assert_eq!(most > 0.0, moves, "{off:?}: {most}");
+                assert!(stands(&mut exact, 50, |_| off) > 0.0, "{off:?}");
+            }
+        }
+    }
+
+    /// Once inside of 4 mm, it is parked after the dwell if it was not beyond 1.3 times that since; where it is then does not matter.
+    #[test]
+    fn parked_within_the_hysteresis() {
+        for (aside, outcome) in [(5.1e-3, Outcome::Parked), (5.3e-3, Outcome::Driving)] {
+            let mut controller = at_home(&noisy(0.5e-3));
+            let place = |tick| Pose::new(0.0, if tick < 20 { 3.9e-3 } else { aside }, 0.0);
+            stands(&mut controller, 98, place);
+            assert_eq!(controller.report().outcome, Outcome::Driving);
+            stands(&mut controller, 4, |_| place(20));
+            assert_eq!(controller.report().outcome, outcome, "{aside}");
+        }
+        // Not inside yet, the wider tolerance does not count.
+        let mut controller = at_home(&noisy(0.5e-3));
+        stands(&mut controller, 30, |_| Pose::new(0.0, 4.1e-3, 0.0));
+        stands(&mut controller, 80, |_| Pose::new(0.0, 3.9e-3, 0.0));
+        assert_eq!(controller.report().outcome, Outcome::Driving);
     }
 }

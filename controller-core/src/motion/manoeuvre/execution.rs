@@ -7,6 +7,7 @@ use super::profile::AxisSample;
 use super::search::{Progress, Search, ready_s};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
+use crate::range::clamp;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::types::{Accel, Twist};
@@ -310,12 +311,16 @@ impl<T: Scalar> Execution<T> {
 
     /// A `step` on, 0 at the begin and then `dt`. `view` is the goal as the robot sees it now; `limits` are what the last drive may use.
     ///
+    /// `noise` is the dead band of a robot that stands at its goal, along it \[m\] and of the heading \[rad\]. It would follow what
+    /// noise says, and where friction holds its wheels that is stick and slip, by more than what was to be mended.
+    ///
     /// The position is integrated by the trapezoidal rule with its end correction, dt/2 (f₀ + f₁) +
     /// dt²/12 (f₀′ − f₁′): wrong by dt⁵. At the end of the manoeuvre the reference is the goal.
     #[inline(always)]
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         limits: impl FnOnce() -> OffsetLimits<T>,
+        noise: impl FnOnce() -> (T, T),
         view: GoalSeen<'_, T>,
         step: T,
         dt: T,
@@ -323,11 +328,16 @@ impl<T: Scalar> Execution<T> {
         let error = view.error;
         self.reference.t += step;
         if self.is_over() {
+            let (along, around) = noise();
+            let (sine, cosine) = M::sin_cos_near(error.theta);
             return Moment {
                 twist: Twist::default(),
                 accel: Accel::default(),
-                error: *error,
-                heading: M::sin_cos_near(error.theta),
+                error: PoseError {
+                    x: error.x - clamp(error.x, along),
+                    ..*error
+                },
+                heading: (sine - clamp(sine, around), cosine),
             };
         }
         let (path, t) = (&self.path, self.reference.t);

@@ -79,7 +79,6 @@ impl Latch {
     /// After `dt`.
     pub fn after(&self, k: &Constants, at: &View<'_>, dt: f64) -> Self {
         let close = at.distance() < leave_distance(k);
-        let mut left = 0.0;
         let fit = if self.parked {
             self.inside < 1.0 || (close && at.e.z.abs() < 1.3 * k.tolerance.1)
         } else {
@@ -87,7 +86,7 @@ impl Latch {
             let (c, rate) = (at.command.twist, at.command.rate);
             let way = (rate + 2.0 * STOPPING * c) / STOPPING.powi(2)
                 + (at.twist - c - dt * rate).component_div(&k.kappa);
-            left = (at.e.x - way.x).powi(2) + at.e.y.powi(2);
+            let left = (at.e.x - way.x).powi(2) + at.e.y.powi(2);
             let enough = if self.inside > 0.0 { 1.3 } else { 1.0 } * k.tolerance.0;
             close && left < enough.powi(2) && (at.e.z - way.y).abs() < k.tolerance.1
         };
@@ -96,7 +95,7 @@ impl Latch {
         }
         let inside = self.inside + dt;
         Self {
-            parked: self.parked || (inside > k.dwell && left < k.tolerance.0.powi(2)),
+            parked: self.parked || inside > k.dwell,
             inside,
         }
     }
