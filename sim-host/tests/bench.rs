@@ -104,11 +104,11 @@ fn the_default_law_is_first_in_parking_on_the_ideal_plant() {
 /// Motors, friction, late and noisy poses, mass and inertia that nobody knows.
 const REAL: [Plant; 2] = [Plant::Realistic, Plant::BadFloor];
 
-/// Parks on real hardware and on bad floors.
+/// Parks on real hardware and on bad floors, from every start that has a least time.
 #[test]
 fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
     let classes = REAL.map(|plant| class(Track::Parking, plant));
-    let runs = driven(&classes, 40, &[LawKind::TurnDriveTurn])?;
+    let runs = driven(&classes, 200, &[LawKind::Default])?;
     let rows = summaries(&runs);
     let mut page = Stated::of("docs/bench.md");
     for (base, name) in NAMES.into_iter().enumerate() {
@@ -125,7 +125,11 @@ fn the_page_states_parking_on_real_hardware() -> Result<(), Box<dyn Error>> {
             assert_eq!(summary.failed, 0, "{name}");
             [summary.late.median, summary.late.most, slow]
         });
-        assert!(figures[0][0] <= 1.5, "{name}: {figures:?}");
+        let [median, most, slow] = figures[0];
+        assert!(
+            median <= 1.5 && most <= 2.0 && slow == 0.0,
+            "{name}: {figures:?}"
+        );
         page.exactly(At::Row("Parking on real hardware", name), &figures.concat());
     }
     Ok(())

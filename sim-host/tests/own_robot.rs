@@ -229,8 +229,8 @@ fn the_readme_states_the_verification() -> Result<(), Box<dyn Error>> {
         &[
             runs - tuned,
             runs,
-            times[times.len() / 2].ceil(),
-            times[times.len() - 1].ceil(),
+            times[times.len() / 2],
+            times[times.len() - 1],
         ],
     );
     readme.exactly(

@@ -36,6 +36,18 @@ pub(crate) struct GoalView<'a, T> {
     pub(crate) done: T,
     /// The robot backs up to the goal.
     pub(crate) backing: bool,
+    /// How it stops there.
+    pub(crate) ending: Ending,
+}
+
+/// How the command of a robot that has arrived comes to zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// By a transition offset of [`STOPPING_DECAY`]: by feedback a robot arrives as fast as it likes.
+    Fading,
+    /// At once, as far as the limits allow. A manoeuvre ends at rest, and what its follower then commands is little; while it faded
+    /// friction's compensation, which knows the command's sign alone, would break a wheel loose.
+    AtOnce,
 }
 
 impl<T: Scalar> GoalChecker<T> {
@@ -116,7 +128,7 @@ impl<'a, T: Scalar> GoalView<'a, T> {
         motion: &ValidMotionParams<T>,
         view: &'a ErrorView<T>,
         moving: Moving<'a, T>,
-        backing: bool,
+        (backing, ending): (bool, Ending),
     ) -> Self {
         let PoseError { x, y, .. } = view.error;
         Self {
@@ -127,6 +139,7 @@ impl<'a, T: Scalar> GoalView<'a, T> {
             asked: motion.rim_speed(&moving.command.twist),
             done: motion.rim_speed(moving.twist),
             backing,
+            ending,
         }
     }
 
@@ -140,7 +153,7 @@ impl<'a, T: Scalar> GoalView<'a, T> {
         self.square > distance * distance
     }
 
-    /// The error where a stop that is begun now ends: a transition offset
+    /// The error where a stop that is begun now ends: a transition offset, if there is one,
     /// from (v_c, a_c) travels (a_c + 2 A v_c)/A², and the velocity loop's lag adds its own.
     pub(crate) fn error_at_rest(&self, motion: &ValidMotionParams<T>, dt: T) -> PoseError<T> {
         let gains = motion.gains();
@@ -149,20 +162,23 @@ impl<'a, T: Scalar> GoalView<'a, T> {
             rate,
         } = self.command;
         let error = &self.view.error;
-        let v = travel(
+        let lags = |speed, command, rate, bandwidth| (speed - command - dt * rate) / bandwidth;
+        let mut v = lags(
+            self.twist.linear,
             command.linear,
             rate.linear,
-            self.twist.linear,
-            dt,
             gains.speed_loop,
         );
-        let w = travel(
+        let mut w = lags(
+            self.twist.angular,
             command.angular,
             rate.angular,
-            self.twist.angular,
-            dt,
             gains.turn_loop,
         );
+        if self.ending == Ending::Fading {
+            v += faded(command.linear, rate.linear);
+            w += faded(command.angular, rate.angular);
+        }
         PoseError {
             x: error.x - v,
             y: error.y,
@@ -176,11 +192,10 @@ fn leave_heading<T: Scalar>(motion: &ValidMotionParams<T>) -> T {
     T::from_f64(HYSTERESIS) * motion.params().arrival.heading_rad
 }
 
-/// How far a command and a speed still carry once the setpoint is zero.
-fn travel<T: Scalar>(command: T, rate: T, speed: T, dt: T, bandwidth: T) -> T {
+/// How far a command still carries that fades.
+fn faded<T: Scalar>(command: T, rate: T) -> T {
     let decay = T::from_f64(STOPPING_DECAY);
-    let offset = (rate + (decay + decay) * command) / (decay * decay);
-    offset + (speed - command - dt * rate) / bandwidth
+    (rate + (decay + decay) * command) / (decay * decay)
 }
 
 impl<T: Scalar> ValidMotionParams<T> {

@@ -3,7 +3,7 @@
 use super::arrival::{HEADING_DEVIATIONS, Parking};
 use super::error_view::ErrorView;
 use super::follow::{Follower, Instant};
-use super::goal_checker::{GoalChecker, GoalView};
+use super::goal_checker::{Ending, GoalChecker, GoalView};
 use super::governor::Command;
 use super::manoeuvre::{Execution, Pace};
 use super::params::ValidMotionParams;
@@ -178,7 +178,7 @@ impl<T: Scalar> ParkingLaw<T> {
         let dt = step.dt;
         let jumped = step.two_per_dt.is_none();
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
-        let at = GoalView::of(motion, view, moving, self.is_backing());
+        let at = GoalView::of(motion, view, moving, (self.is_backing(), self.ending()));
         self.memory.checker = if !self.memory.retry.may_park() {
             GoalChecker::NEW
         } else if jumped {
@@ -196,10 +196,10 @@ impl<T: Scalar> ParkingLaw<T> {
         let attempt = self.memory.retry.advance::<M>(motion, &at, rest, dt);
         if self.is_resting() {
             self.memory.regulator.rest();
-            return Next::Rest(if was_resting && !jumped {
-                Transition::Continue
-            } else {
-                Transition::Offset
+            return Next::Rest(match at.ending {
+                _ if was_resting && !jumped => Transition::Continue,
+                Ending::AtOnce if !jumped => Transition::Seamless,
+                _ => Transition::Offset,
             });
         }
         if attempt == Attempt::Aim {
@@ -249,7 +249,7 @@ impl<T: Scalar> ParkingLaw<T> {
         dt: T,
     ) -> Way<T> {
         let slower = self.memory.retry.has_failed_twice();
-        let at = &GoalView::of(motion, view, moving, self.is_backing());
+        let at = &GoalView::of(motion, view, moving, (self.is_backing(), Ending::Fading));
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
         Way {
             since: T::ZERO,
@@ -425,6 +425,14 @@ impl<T: Scalar> ParkingLaw<T> {
     /// New approaches so far.
     pub(crate) fn retries(&self) -> u8 {
         self.memory.retry.count
+    }
+
+    /// How the robot stops at its goal.
+    fn ending(&self) -> Ending {
+        match &self.approach {
+            Approach::Manoeuvre(_) => Ending::AtOnce,
+            Approach::Idle | Approach::Chase | Approach::Regulate => Ending::Fading,
+        }
     }
 
     /// The robot backs up.
@@ -731,5 +739,19 @@ mod tests {
         stands(&mut controller, 30, |_| Pose::new(0.0, 4.1e-3, 0.0));
         stands(&mut controller, 80, |_| Pose::new(0.0, 3.9e-3, 0.0));
         assert_eq!(controller.report().outcome, Outcome::Driving);
+    }
+
+    /// The follower commands a speed for the millimetre that is left; a few ticks after the dwell there is none.
+    #[test]
+    fn a_robot_that_a_manoeuvre_led_there_stops_at_once() {
+        let mut controller = at_home(&noisy(0.0));
+        let off = |_| Pose::new(1.0e-3, 0.0, 1.0e-3);
+        stands(&mut controller, 98, off);
+        let report = *controller.report();
+        assert_eq!(report.outcome, Outcome::Driving);
+        assert!(report.command.linear < -1.0e-4 && report.command.angular < -1.0e-4);
+        stands(&mut controller, 5, off);
+        assert_eq!(controller.report().outcome, Outcome::Parked);
+        assert_eq!(controller.report().command, Twist::default());
     }
 }

@@ -377,7 +377,7 @@ impl Law {
             self.command.twist = set_back(&k, &command, &now.twist, &exerted, (&d, &load));
         }
         let rests = self.rests(&self.task) && k.release;
-        let still = |pair: &Pair| pair.amax() < 1e-3;
+        let still = |pair: &Pair| pair.amax() < 1e-4;
         let off = now.twist - command.twist;
         let step = k.wrench_rate_limit() * dt - asked.abs();
         let stands = still(&self.command.twist) && still(&off) && step.min() >= 0.0;
