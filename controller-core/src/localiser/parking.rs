@@ -15,7 +15,7 @@ impl<T: Scalar> ValidLocaliserParams<T> {
     /// When a robot with this pose has arrived; the true pose is then off by that, and the noise.
     ///
     /// Distance: the noise radius, 3 σ_f: a manoeuvre aims at the goal itself, and what the pose wanders while it settles
-    /// comes on top. Heading: [`HEADING_DEVIATIONS`] σ_f and the turn of one count. Dwell: with
+    /// comes on top. Heading: `HEADING_DEVIATIONS` of σ_f and the turn of one count. Dwell: with
     /// fixes their time constant, in which the pose loses two thirds of what it drifted by while the robot moved.
     /// Never less than [`Arrival::exact`], never more than 10 s.
     pub fn arrival(&self) -> Arrival<T> {

@@ -196,10 +196,15 @@ impl<T: Scalar> ParkingLaw<T> {
         let attempt = self.memory.retry.advance::<M>(motion, &at, rest, dt);
         if self.is_resting() {
             self.memory.regulator.rest();
-            return Next::Rest(match at.ending {
-                _ if was_resting && !jumped => Transition::Continue,
-                Ending::AtOnce if !jumped => Transition::Seamless,
-                _ => Transition::Offset,
+            return Next::Rest(if jumped {
+                Transition::Offset
+            } else if was_resting {
+                Transition::Continue
+            } else {
+                match at.ending {
+                    Ending::Fading => Transition::Offset,
+                    Ending::AtOnce => Transition::Seamless,
+                }
             });
         }
         if attempt == Attempt::Aim {
@@ -349,8 +354,8 @@ impl<T: Scalar> ParkingLaw<T> {
             return None;
         };
         let limits = || motion.offset_limits();
-        let noise = || noise_at_rest(motion);
-        let moment = execution.advance::<M>(limits, noise, view.goal(), way.since, dt);
+        let dead_band = || dead_band(motion);
+        let moment = execution.advance::<M>(limits, dead_band, view.goal(), way.since, dt);
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
@@ -456,9 +461,9 @@ impl<T: Scalar> ParkingLaw<T> {
     }
 }
 
-/// A standard deviation of the pose along the goal \[m\] and of its heading \[rad\], of which the tolerance is
-/// [`HEADING_DEVIATIONS`]; none where no noise is stated.
-fn noise_at_rest<T: Scalar>(motion: &ValidMotionParams<T>) -> (T, T) {
+/// Of a robot that stands at its goal: a standard deviation of the pose along the goal \[m\] and of its heading \[rad\], of which
+/// the tolerance has [`HEADING_DEVIATIONS`]; none where no noise is stated.
+fn dead_band<T: Scalar>(motion: &ValidMotionParams<T>) -> (T, T) {
     if !motion.noisy {
         return (T::ZERO, T::ZERO);
     }
@@ -672,7 +677,7 @@ mod tests {
         assert!(driven > 100, "{driven}");
     }
 
-    /// 0.5 mm of noise at a tick, and 1 mrad of the heading.
+    /// Arrival within 4 mm and 8 mrad, an eighth of which is noise where poses are noisy.
     fn noisy(pose_noise_m: f64) -> ValidMotionParams<f64> {
         let mut motion = MotionParams::new(Robot::paper(), Limits::PAPER);
         motion.pose_noise_m = pose_noise_m;
