@@ -377,6 +377,7 @@ impl Law {
             self.command.twist = set_back(&k, &command, &now.twist, &exerted, (&d, &load));
         }
         let rests = self.rests(&self.task) && k.release;
+        // Section 7: what is left of its speed a robot that is let go keeps where no friction stops it.
         let still = |pair: &Pair| pair.amax() < 1e-4;
         let off = now.twist - command.twist;
         let step = k.wrench_rate_limit() * dt - asked.abs();
