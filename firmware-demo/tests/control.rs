@@ -1,8 +1,6 @@
 //! The control task on missions without faults.
 
-#[path = "support/rig.rs"]
-mod rig;
-
+use crate::rig::{MAX_TORQUE, Rig, params};
 use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::{ConstantTwist, Reference};
@@ -13,7 +11,6 @@ use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::control::{ControlTask, SettingError};
 use firmware_demo::drive::{Call, MockDrive};
 use protocol::{Command, RejectReason};
-use rig::{MAX_TORQUE, Rig, params};
 
 #[test]
 fn complete_trajectory_ends_parked_at_its_last_reference() {

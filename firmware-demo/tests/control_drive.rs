@@ -1,13 +1,10 @@
 //! The control task that drives by velocity.
 
-#[path = "support/rig.rs"]
-mod rig;
-
+use crate::rig::Rig;
 use controller_core::motion::Mode;
 use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State, Then};
 use protocol::{Command, RejectReason, WireTwist, tick_flags};
-use rig::Rig;
 
 fn drive(v: f32, w: f32) -> Command {
     Command::Drive {

@@ -1,8 +1,6 @@
 //! What a host and a driver report to the control task besides missions: parameters, poses, the supply.
 
-#[path = "support/rig.rs"]
-mod rig;
-
+use crate::rig::{MAX_TORQUE, PERIOD_US, Rig, params};
 use controller_core::base::WheelAction;
 use controller_core::localiser::FixOutcome;
 use controller_core::safety::supervisor::State;
@@ -12,7 +10,6 @@ use firmware_demo::control::{ControlTask, SettingError};
 use firmware_demo::drive::MockDrive;
 use firmware_demo::mission;
 use protocol::{Command, FieldParams, RejectReason, WirePose};
-use rig::{MAX_TORQUE, PERIOD_US, Rig, params};
 
 #[test]
 fn parameters_change_while_disarmed_only_and_within_the_driver() {

@@ -1,15 +1,13 @@
 //! The images in the emulator: both links on both machines, the counter, and the proof that nothing panics.
 
-mod support;
-
 use std::time::Duration;
 
+use crate::support::{LIMIT, MACHINES, image, options};
 use firmware_demo::host::{
     Emulator, EmulatorError, Image, LinkKind, Machine, Options, Session, SessionError, build_image,
 };
 use protocol::Command;
 use protocol::pil::{Answer, Question};
-use support::{LIMIT, MACHINES, image, options};
 
 #[test]
 fn commands_for_a_robot_are_no_questions() {

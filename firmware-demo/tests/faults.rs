@@ -1,11 +1,8 @@
 //! Every kind of fault on the task: in the tick in which it is found the output is what the policy says, and what latches stays
 //! until it is reset.
 
-#[path = "support/reaches.rs"]
-mod reaches;
-#[path = "support/rig.rs"]
-mod rig;
-
+use crate::reaches::{moving, reaches, with};
+use crate::rig::{MAX_TORQUE, PERIOD_US, Rig};
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::queue::TimedReference;
@@ -16,8 +13,6 @@ use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::drive::Call;
 use firmware_demo::mission;
 use protocol::{Command, WirePose};
-use reaches::{moving, reaches, with};
-use rig::{MAX_TORQUE, PERIOD_US, Rig};
 
 #[test]
 fn lost_encoders_brake_after_five_ticks() {

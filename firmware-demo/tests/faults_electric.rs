@@ -1,10 +1,7 @@
 //! Faults of drivers, motors and battery on the task.
 
-#[path = "support/reaches.rs"]
-mod reaches;
-#[path = "support/rig.rs"]
-mod rig;
-
+use crate::reaches::{reaches, with};
+use crate::rig::{PERIOD_US, Rig};
 use controller_core::base::WheelAction;
 use controller_core::hal::ErrorKind;
 use controller_core::safety::supervisor::{Cause, State};
@@ -12,8 +9,6 @@ use controller_core::safety::{
     CurrentDetectorParams, Currents, Fault, FaultKind, SupplyDetectorParams, Timeout,
 };
 use firmware_demo::drive::{Call, Script};
-use reaches::{reaches, with};
-use rig::{PERIOD_US, Rig};
 
 #[test]
 fn driver_error_releases_in_the_same_tick() {

@@ -1,8 +1,6 @@
 //! What every `WheelDrive`, `WheelSpeedDrive` and `YawGyro` promises, tried on every implementation of this package.
 
-#[path = "support/outputs.rs"]
-mod outputs;
-
+use crate::outputs::{Level16, motor, side};
 use controller_core::base::{BaseController, Order, Sensed};
 use controller_core::gyro::{GyroFault, GyroOutcome, GyroParams};
 use controller_core::hal::{Error, ErrorKind, GyroReading, WheelDrive, WheelSpeedDrive, YawGyro};
@@ -11,7 +9,6 @@ use firmware_demo::drive::{
     Bridges, Call, MockDrive, MockGyro, MockSpeedDrive, MotorPair, OffPhase, Script,
 };
 use firmware_demo::mission;
-use outputs::{Level16, motor, side};
 
 /// What the hardware does.
 #[derive(Clone, Copy, Debug, PartialEq)]

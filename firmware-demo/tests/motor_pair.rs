@@ -1,14 +1,11 @@
 //! What `MotorPair` does to its outputs, call by call, and what it does when one of them fails.
 
-#[path = "support/outputs.rs"]
-mod outputs;
-
+use crate::outputs::{Level16, motor, side};
 use controller_core::hal::{Error, ErrorKind, WheelDrive};
 use controller_core::types::{WheelSpeeds, WheelTorques};
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State as Level, Transaction as PinStep};
 use embedded_hal_mock::eh1::pwm::{Mock as Pwm, Transaction as PwmStep};
 use firmware_demo::drive::{Bridges, DriveOutput, MotorError, MotorPair, Observed, OffPhase};
-use outputs::{Level16, motor, side};
 use protocol::pil::WheelOutput;
 
 /// The very calls on each output; the mocks fail on any other, and on one that is missing.

@@ -1,18 +1,13 @@
 //! The protocol against hostile lines: whatever arrives, no panic, no wrong message, and back in step soon.
 
-#[path = "support/commands.rs"]
-mod commands;
-#[path = "support/questions.rs"]
-mod questions;
-
-use commands::command;
+use crate::commands::command;
+use crate::questions::question;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::pil::{Answer, Question, Report};
 use protocol::{
     Command, Decoder, FrameCounters, FrameError, MAX_CONTENT, MAX_FRAME, VERSION, WirePose, encode,
 };
-use questions::question;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

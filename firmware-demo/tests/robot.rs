@@ -1,9 +1,8 @@
 //! A whole robot in the emulator, driven over its serial port: control in the timer's interrupt at 1 kHz.
 
-mod support;
-
 use std::time::{Duration, Instant};
 
+use crate::support::{LIMIT, MACHINES, image, options};
 use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::ConstantTwist;
@@ -17,7 +16,6 @@ use protocol::{
     BaseTick, Command, Excite, Origin, RecordedRows, Recording, RecordingEnd, RejectReason,
     Telemetry, WirePose,
 };
-use support::{LIMIT, MACHINES, image, options};
 
 /// The host's side: sends, and sorts what comes back.
 struct Remote {

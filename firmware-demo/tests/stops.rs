@@ -1,9 +1,6 @@
 //! A stop is obeyed in the next tick, whatever else is on the line, in the queues or under way.
 
-#[path = "support/commands.rs"]
-mod commands;
-
-use commands::command;
+use crate::commands::command;
 use controller_core::base::Sensed;
 use controller_core::hal::WheelCounts;
 use controller_core::safety::supervisor::{State, Then};

@@ -1,9 +1,6 @@
 //! Parameters in flash: whole, or the reason is reported.
 
-#[path = "support/commands.rs"]
-#[allow(dead_code)]
-mod commands;
-
+use crate::commands;
 use controller_core::base::Sensed;
 use controller_core::hal::WheelCounts;
 use controller_core::types::Pose;

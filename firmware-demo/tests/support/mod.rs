@@ -1,5 +1,4 @@
 //! What the emulated tests share.
-#![allow(dead_code)] // Each test file uses its part.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,6 +1,6 @@
 //! Every question to a processor in the loop, with every value it can carry.
 
-use super::commands::{pose, real, reference, twist};
+use crate::commands::{pose, real, reference, twist};
 use proptest::prelude::*;
 use protocol::pil::{ParameterSet, Question, WireDemand, WireMeasured, WireReset};
 

@@ -1,5 +1,4 @@
 //! A fault of each kind, and what has to come of it.
-#![allow(dead_code)] // Each test file uses its part.
 
 use controller_core::base::BaseParams;
 use controller_core::safety::supervisor::{Cause, State, Then};

@@ -1,5 +1,4 @@
 //! A control task with mock wheels, a model of the robot and a host that talks in time.
-#![allow(dead_code)] // Each test file uses its part.
 
 use controller_core::base::{BaseParams, Sensed, WheelAction};
 use controller_core::hal::WheelCounts;
