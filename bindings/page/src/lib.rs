@@ -12,7 +12,8 @@
 //! and `protocol`. `docs/browser.md` says how to build and use the page.
 
 pub mod drawn;
-#[cfg(target_family = "wasm")]
+// Lints read it on the host.
+#[cfg(any(target_family = "wasm", clippy))]
 mod exports;
 pub mod input;
 pub mod session;

@@ -27,6 +27,11 @@ fn page() -> &'static Path {
         let status = Command::new(env!("CARGO_BIN_EXE_page"))
             .arg("--out")
             .arg(&out)
+            // Without a warning.
+            .env(
+                "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
+                "-D warnings",
+            )
             .status();
         assert!(status.is_ok_and(|status| status.success()), "the builder");
         out
