@@ -167,7 +167,7 @@ fn with_nothing_wrong_only_the_host_stops_a_base() {
     assert!(parked > 200 && beyond <= 1, "{parked} {beyond}");
 }
 
-/// Bases with a gyro, which lies as well, every trouble in every state: no more runs are against the rules than docs/gyro.md says.
+/// Bases with a gyro, which fails as well, every trouble in every state: no more runs are against the rules than docs/gyro.md says.
 #[test]
 fn with_a_gyro_the_campaign_fails_no_more_than_stated() {
     let bases = Bases::with_gyro().expect("built in");
@@ -176,10 +176,10 @@ fn with_a_gyro_the_campaign_fails_no_more_than_stated() {
     assert!(outcomes.len() >= 600);
     let of = At::Phrase("The campaign, `faults --gyro`: # of # runs");
     no_more_than_stated(&outcomes, "docs/gyro.md", of);
-    let lies = outcomes
+    let faulty = outcomes
         .iter()
         .filter(|outcome| FaultInjectionKind::GYRO.contains(&outcome.injection));
-    assert!(lies.count() >= 100);
+    assert!(faulty.count() >= 100);
 }
 
 /// What is stated to go wrong on ice goes wrong no more often than that.

@@ -309,7 +309,7 @@ fn a_wheel_that_slides_is_seen_at_once() {
     }
 }
 
-/// What only a gyro that lies does is named, and its turn taken back.
+/// What only a faulty gyro does is named, and its turn taken back.
 #[test]
 fn lies_are_named() {
     let gyro = sensor::<f64>();
@@ -526,34 +526,34 @@ fn a_gyro_is_told_of_without_fixes() {
     assert!(last.measured.pose.theta.abs() < 4e-3, "{last:?}");
 }
 
-/// External headings that side with the wheels show a gyro that lies, and what it turned too much is taken back at once.
+/// External headings that side with the wheels show a faulty gyro, and what it turned too much is taken back at once.
 #[test]
 fn fixes_tell_a_gyro_that_lies() {
-    for lie in [0.3, -0.3] {
+    for wrong in [0.3, -0.3] {
         let mut base = Carried::start(camera(), sheet());
         base.drive((0.0, 0.0), Some(0.0), 1.0);
         base.drive((0.2, 0.0), Some(0.0), 1.0);
-        let mut told = None;
+        let mut found = None;
         for tick in 1..60 {
             let x = 0.2 + 0.2 * DT * f64::from(tick);
             let fix = Pose::new(x, 0.0, 0.0);
             let fix = (tick % 10 == 0).then_some(&fix);
             let before = base.localiser.pose().theta;
-            let estimate = base.advance((0.2, 0.0), Some(lie), fix);
+            let estimate = base.advance((0.2, 0.0), Some(wrong), fix);
             if estimate.gyro.fault.is_some() {
-                told = Some((tick, before, estimate));
+                found = Some((tick, before, estimate));
                 break;
             }
         }
-        let (tick, before, estimate) = told.expect("the lie is found");
+        let (tick, before, estimate) = found.expect("the fault is found");
         assert_eq!(estimate.gyro.fault, Some(GyroFault::Disagrees));
         assert_eq!(estimate.fix, FixOutcome::Fused);
         // The stated heading and the fix are of 5 mrad each: four of both are 28, of which 0.3 rad/s has 15 more at each fix, and
         // those before have taken up to half. By the third; until then the heading went with the gyro.
-        assert!(tick <= 30 && before / lie > 0.06, "{tick}: {before}");
+        assert!(tick <= 30 && before / wrong > 0.06, "{tick}: {before}");
         // Noise, and rounding of the counts.
         let theta = estimate.measured.pose.theta;
-        assert!(theta.abs() < 3e-3, "{lie}: {theta}");
+        assert!(theta.abs() < 3e-3, "{wrong}: {theta}");
     }
 }
 

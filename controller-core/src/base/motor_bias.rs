@@ -52,8 +52,8 @@ impl<T: Scalar> MotorBias<T> {
         let f = T::from_f64;
         let square = speed * speed;
         self.seen += dt * (square - f(1.0 / MEMORY_S) * self.seen);
-        let told = self.seen + f(BELIEF_S) * (square + f(SLOW_M_S * SLOW_M_S));
-        let share = self.share + dt * (f(GAIN) * (speed * beyond)) / told;
+        let weight = self.seen + f(BELIEF_S) * (square + f(SLOW_M_S * SLOW_M_S));
+        let share = self.share + dt * (f(GAIN) * (speed * beyond)) / weight;
         self.share = clamp(share, f(MOST));
     }
 }

@@ -238,7 +238,7 @@ mod tests {
     }
 
     /// The goal of a base that parks or is parked, again: nothing happens. Another one is said to be another one; after a stop the same one
-    /// is refused, which only an order that is told the supervisor can be.
+    /// is refused, which only an order that reaches the supervisor can be.
     #[test]
     fn a_goal_that_is_ordered_again_is_the_same_one() {
         let (here, there) = (Pose::default(), Pose::new(1.0, 0.0, 0.0));

@@ -92,7 +92,7 @@ impl<T: Scalar> Disagreement<T> {
         self.signature(gyro, turned.same, f(LARGE))
     }
 
-    /// What only a gyro that lies does; a turn of `large` the other way is no chance.
+    /// What only a faulty gyro does; a turn of `large` the other way is no chance.
     fn signature(&self, gyro: &ValidGyroParams<T>, same: u8, large: T) -> Option<GyroFault> {
         let wheels = self.wheels.abs();
         if same >= SAME && wheels > gyro.rounding + gyro.rounding {

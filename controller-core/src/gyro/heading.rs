@@ -51,11 +51,11 @@ pub struct GyroReport<T> {
     /// Bias in use \[rad/s\].
     pub bias: T,
     /// Gyro and wheels disagree, by this turn since it began \[rad\]: the wheels' more than the gyro's. A wheel slides, or the
-    /// gyro lies. 0 while they agree.
+    /// gyro is faulty. 0 while they agree.
     pub slid: T,
     /// It has lasted for 0.1 s while a wheel turned, and nothing speaks against the gyro.
     pub slips: bool,
-    /// The gyro lies; the heading goes by the wheels.
+    /// The gyro is faulty; the heading goes by the wheels.
     pub fault: Option<GyroFault>,
 }
 
@@ -193,7 +193,7 @@ impl<T: Scalar> GyroHeading<T> {
             Some((reading, None)) => return rolled.turn + self.take(gyro, reading),
         };
         if self.since_s > gyro.silent_s && self.fault.is_none() {
-            self.lies(GyroFault::Silent);
+            self.fail(GyroFault::Silent);
             self.begun = false;
         }
         rolled.turn
@@ -263,8 +263,8 @@ impl<T: Scalar> GyroHeading<T> {
             return T::ZERO;
         }
         let seen = self.beyond_honest(gyro, fused.is_some());
-        if let Some(lie) = self.disagreement.take(gyro, &turned, seen) {
-            return apart - self.lies(lie);
+        if let Some(fault) = self.disagreement.take(gyro, &turned, seen) {
+            return apart - self.fail(fault);
         }
         if fused.is_some() {
             self.spread
@@ -332,7 +332,7 @@ impl<T: Scalar> GyroHeading<T> {
         self.stretch.2 -= turned.gyro + false_turn;
         let within = self.steady.abs() <= largest_bias(gyro);
         if self.fault.is_none() && !within && !fused {
-            return Some(-self.lies(GyroFault::Bias) - false_turn);
+            return Some(-self.fail(GyroFault::Bias) - false_turn);
         }
         self.disagreement = Disagreement::default();
         match self.fault {
@@ -373,9 +373,9 @@ impl<T: Scalar> GyroHeading<T> {
         }
     }
 
-    /// From now on it is not believed; the turn that it has reported since it disagrees.
-    fn lies(&mut self, lie: GyroFault) -> T {
-        self.fault = Some(lie);
+    /// From now on it is not used; the turn that it has reported since it disagrees.
+    fn fail(&mut self, fault: GyroFault) -> T {
+        self.fault = Some(fault);
         self.proof = (T::ZERO, T::ZERO);
         let turn = self.disagreement.apart;
         self.disagreement = Disagreement::default();
@@ -427,16 +427,16 @@ impl<T: Scalar> GyroHeading<T> {
         self.spread.set_heading(variance);
     }
 
-    /// An external heading is off by `off` from this one; the turn to be taken back where it says that the gyro lies.
+    /// An external heading is off by `off` from this one; the turn to be taken back where it shows a faulty gyro.
     pub(crate) fn judge(&mut self, gyro: &ValidGyroParams<T>, off: T, variance: T) -> Option<T> {
         let variance = variance + self.spread.hh;
         if self.fault.is_some() {
             return None;
         }
-        let lie = self
+        let fault = self
             .disagreement
             .sides_with_wheels(gyro, off, variance, self.same)?;
-        Some(self.lies(lie))
+        Some(self.fail(fault))
     }
 
     /// What the wheels turn too little per way by the gyro \[rad/m\], once after each stretch of some decimetres.

@@ -38,7 +38,7 @@ pub enum GyroRefusal {
     NoGyro,
 }
 
-/// How a gyro lies.
+/// What is wrong with a gyro.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -668,7 +668,7 @@ mod tests {
     }
 
     /// A heading that a gyro carries is as sure as the gyro says: that leads the place aside on the way, and tells nothing of the wheels. What
-    /// tyres lead aside is told by the place all the same.
+    /// tyres lead aside shows in the place all the same.
     #[test]
     fn a_carried_heading_is_the_gyros() {
         let mut growth = growth();

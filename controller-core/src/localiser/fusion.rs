@@ -13,7 +13,7 @@ use crate::types::Pose;
 /// Relocalisations by wheels that slide, beyond those that were forgiven, before such a one is not believed.
 ///
 /// Every one takes `relocalise_after` fixes: a base that slides for a second at 20 Hz has 7. Wheels that go on sliding
-/// are a wrong radius, or an encoder that lies; then fixes are rejected until the pose is stale, which is a fault.
+/// are a wrong radius, or a faulty encoder; then fixes are rejected until the pose is stale, which is a fault.
 const SLIDES: f64 = 8.0;
 
 /// Share of a slide that each good fix forgives: at 20 Hz a slide a second.

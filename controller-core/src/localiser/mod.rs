@@ -124,7 +124,7 @@ pub struct Estimate<T> {
     /// fusion, and while a gyro carries the heading nothing is learnt.
     pub turn_bias: T,
     /// What tyres slip per acceleration, learnt likewise \[s²/m\]: 1/(C g) of tyres that are C times as stiff, per unit of slip, as they are
-    /// loaded. Odometry takes off what they lose of way and turn by the accelerations that it is told.
+    /// loaded. Odometry takes off what they lose of way and turn by the accelerations that it is given.
     /// 0, rigid, to `drift`/(0.2 g); 0 without [a robot](ValidLocaliserParams::with_robot).
     pub tyre_slip: T,
     /// The pose was set: the caller has to `declare_jump` to the controller.

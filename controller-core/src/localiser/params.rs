@@ -183,7 +183,7 @@ pub struct ValidLocaliserParams<T = f32> {
 impl<T: Scalar> ValidLocaliserParams<T> {
     /// For a robot of this mass and inertia: what its tyres slip is learnt, [`Estimate::tyre_slip`](super::Estimate::tyre_slip).
     ///
-    /// The localiser has to be told what accelerates it, as [`BaseController`](crate::base::BaseController) does. `bandwidth` is that of the
+    /// The localiser has to be given what accelerates it, as [`BaseController`](crate::base::BaseController) does. `bandwidth` is that of the
     /// loop which makes torques of the twist \[rad/s\], 0.1 to 1e3: of a twist no more is taken off than would delay that loop by a fifth of
     /// its time constant on tyres that are rigid after all.
     ///

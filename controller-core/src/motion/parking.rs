@@ -211,7 +211,7 @@ impl<T: Scalar> ParkingLaw<T> {
             self.approach = Approach::Regulate;
         }
         if dt == T::ZERO {
-            // At the start: the first tick tells how long ticks are.
+            // At the start: the length of ticks is known with the first one.
             self.approach = Approach::Idle;
             return Next::Wait;
         }

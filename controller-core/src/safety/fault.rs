@@ -264,7 +264,7 @@ faults! {
         None,
         // The goal is not reached, everything else works.
         Response::passing(STOP);
-    /// The gyro lies. The heading goes by the wheels until it agrees with them again.
+    /// The gyro is faulty. The heading goes by the wheels until it agrees with them again.
     Gyro (GyroFault) = 17, gyro,
         None,
         // What is left is a base without a gyro.

@@ -164,7 +164,7 @@ impl<'a, M: Model> Descent<'a, M> {
     }
 
     /// Goes down with these weights; gives the reduced derivatives of where it ends, or of near it. They `renew` at the begin, or stay
-    /// until a step is not small. `None` without a start state that could be told.
+    /// until a step is not small. `None` without a start state that could be found.
     fn descend(&mut self, sigma: &[f64], renew: bool) -> Option<Vec<Reduced>> {
         self.damping = self.damping.min(DAMPING);
         let mut cost = cost(self.model, &self.value, &self.residuals, sigma);

@@ -1,6 +1,6 @@
 //! A rival in the loop: its demands go through the core's own limits, velocity loop, disturbance estimate and motor layer.
 //!
-//! The core is told to follow a reference that is where the robot is and moves as the rival wants it: its pose feedback
+//! The core follows a reference that is where the robot is and moves as the rival wants it: its pose feedback
 //! has nothing to do, and all the rest works as for the default law.
 
 use super::law::{Acted, Computed, Law};
@@ -66,7 +66,7 @@ impl Driver {
         self.refused
     }
 
-    /// What the base is told.
+    /// The order to the base.
     pub(crate) fn order(&mut self, t: f64, seen: &Measured<f32>, task: &Task<f64>) -> Order<f32> {
         Order::Follow(self.reference(t, seen, task))
     }

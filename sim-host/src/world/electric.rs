@@ -240,7 +240,7 @@ impl Motors {
         }
     }
 
-    /// What the drivers are told to feed.
+    /// What the drivers are commanded to feed.
     #[inline(always)]
     fn feed(&mut self, command: &Actuation, loops: &[SpeedLoop; 2]) {
         (self.feeds, self.duty) = match *command {

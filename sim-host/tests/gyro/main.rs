@@ -1,7 +1,7 @@
-//! Bases with a gyro: heading without poses, a wheel on ice, poses that fail for a while, gyros that lie.
+//! Bases with a gyro: heading without poses, a wheel on ice, poses that fail for a while, gyros that are faulty.
 
 mod drift;
+mod faulty;
 mod ice;
-mod lies;
 mod lost_poses;
 mod rig;

@@ -406,7 +406,7 @@ mod tests {
     /// Longer than any timeout.
     const LONG_US: u32 = 10_000_000;
 
-    /// With travels that are told apart.
+    /// With travels that differ enough.
     fn settings() -> ValidDetectorParams<f64> {
         let mut settings = params().validate().expect("valid");
         settings.load_travel = 0.3;

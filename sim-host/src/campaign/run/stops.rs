@@ -103,18 +103,18 @@ impl Stops {
         };
     }
 
-    /// A controlled stop goes by encoders; one that lies has to be found first, and the brake then takes over.
+    /// A controlled stop goes by encoders; a faulty one has to be found first, and the brake then takes over.
     /// What healed a moment ago still is in the estimate of speed. Until then the base is no faster than its limit: for the
     /// time that it takes to find a reversed encoder that is pushed, after the way F/(m κ²) in which the velocity loop's
     /// feedback raises the force to what counts as pushed (see [`controller_core::safety::Monitor`]).
     fn unfound_m(&self, params: &BaseParams<f32>, timeline: &Timeline<'_>) -> f64 {
-        let lies = timeline.begun().any(|injection| {
+        let faulty = timeline.begun().any(|injection| {
             matches!(
                 injection.kind,
                 FaultInjectionKind::EncoderReversed | FaultInjectionKind::EncoderStuck
             )
         });
-        if !lies {
+        if !faulty {
             return 0.0;
         }
         let found = Rule::of(FaultInjectionKind::EncoderReversed).within_s(params, None);

@@ -129,7 +129,7 @@ impl<'a> Timeline<'a> {
         (share, 1.0e-6 * manner.line.delay_us as f64)
     }
 
-    /// What the poses themselves are off by \[m, rad\]: where they lie a base cannot know better.
+    /// What the poses themselves are off by \[m, rad\]: where they are wrong a base cannot know better.
     pub(super) fn pose_offset(&self) -> (f64, f64) {
         let jumps = self.active().filter_map(|injection| match injection.what {
             What::PlantFault(PlantFault::PoseJump { dx, dy, dtheta }) => {
@@ -142,7 +142,7 @@ impl<'a> Timeline<'a> {
     }
 
     /// What a base with a gyro may be off by on top \[m, rad\]: where it carries the base without poses, 0.3 % of the way (radii) at 0.8 of its
-    /// top speed for half a minute, and 30 mm and 50 mrad of scale and bias; where it lies, a part of what it told until then.
+    /// top speed for half a minute, and 30 mm and 50 mrad of scale and bias; where it is faulty, a part of what it added until then.
     pub(super) fn carried(&self, base: &BaseSpec) -> (f64, f64) {
         use FaultInjectionKind as U;
         if !self.plan.gyro {

@@ -1,4 +1,4 @@
-//! Gyros that lie while the base drives: each is found by its name, and the base goes on by its wheels.
+//! Gyros that fail while the base drives: each is found by its name, and the base goes on by its wheels.
 
 use crate::rig::{Draw, Rig, Wander, bad_floor, mission, seeds};
 use controller_core::gyro::GyroFault;
@@ -9,14 +9,14 @@ use sim_host::mission::BaseSpec;
 use sim_host::scenario::BASES;
 use sim_host::world::PlantFault;
 
-/// Runs of each base and lie.
+/// Runs of each base and fault.
 const RUNS: u64 = 10;
 /// Of a bias, so many that one name in fifty is counted and not met by chance.
 const RUNS_BIASED: u64 = 100;
 
 /// What came of a run.
 struct Outcome {
-    /// The first lie that was named, and when after it began \[s\].
+    /// The first fault that was named, and when after it began \[s\].
     found: Option<(GyroFault, f64)>,
     /// Largest error of the heading before anything stopped the base \[rad\].
     worst: f64,
@@ -35,21 +35,21 @@ fn run(base: &BaseSpec, seed: u64, fault: Option<PlantFault>) -> Outcome {
         worst: 0.0,
         stopped: None,
     };
-    let mut lying = false;
+    let mut injected = false;
     while rig.t < 20.0 {
         if let Some(fault) = fault
-            && !lying
+            && !injected
             && rig.t > at_s
         {
             rig.base.world_mut().inject(fault);
-            lying = true;
+            injected = true;
         }
         let order = wander.at(rig.t);
         let report = rig.tick(&order);
-        if let (None, Some(Fault::Gyro(lie))) =
+        if let (None, Some(Fault::Gyro(fault))) =
             (outcome.found, report.active_faults.get(FaultKind::Gyro))
         {
-            outcome.found = Some((lie, rig.t - at_s));
+            outcome.found = Some((fault, rig.t - at_s));
         }
         if let Cause::Fault(fault) = report.cause {
             outcome.stopped = Some(fault);
@@ -61,9 +61,9 @@ fn run(base: &BaseSpec, seed: u64, fault: Option<PlantFault>) -> Outcome {
 }
 
 /// Silent ones within 0.15 s, all others by the name that fits or as disagreeing with wheels and poses, and the base goes on. Where no
-/// pose has told yet, what lies by its scale may be taken for a wheel that slides: that stops the base, and is counted.
+/// pose has come yet, a wrong scale may be taken for a wheel that slides: that stops the base, and is counted.
 #[test]
-fn gyros_that_lie_are_found() {
+fn faulty_gyros_are_found() {
     use GyroFault::{Bias, Disagrees, Reversed, Silent, Stuck};
     let mut mirrored = 0;
     let scale = |factor| PlantFault::GyroScale { factor };
@@ -96,7 +96,7 @@ fn gyros_that_lie_are_found() {
             for seed in seeds(runs) {
                 let outcome = run(&base, seed, Some(fault));
                 let what = format!("{name} {} {seed}", built_in.name);
-                // What stops it stops it without a lie, too, but for slips.
+                // What stops it stops it without a fault, too, but for slips.
                 match outcome.stopped {
                     Some(Fault::WheelSlip(_)) => slips += 1,
                     Some(stopped) => {
@@ -106,12 +106,12 @@ fn gyros_that_lie_are_found() {
                     }
                     None => assert!(outcome.found.is_some(), "{what}"),
                 }
-                if let Some((lie, after_s)) = outcome.found {
+                if let Some((fault, after_s)) = outcome.found {
                     // A bias that is minus twice the turn of a moment mirrors the wheels.
-                    if names == [Disagrees, Bias] && lie == Reversed {
+                    if names == [Disagrees, Bias] && fault == Reversed {
                         mirrored += 1;
                     } else {
-                        assert!(names.contains(&lie), "{what}: {lie:?}");
+                        assert!(names.contains(&fault), "{what}: {fault:?}");
                     }
                     latest = latest.max(after_s);
                     found += 1;
