@@ -93,7 +93,7 @@ pub const RULES: [Rule; FaultInjectionKind::ALL.len()] = {
             fault(F::EncoderReversed),
             &[(
                 Why::Fault(F::PoseStale),
-                "pushed too little to tell it from a load, it makes odometry disagree with the poses until all are rejected",
+                "pushed too little to distinguish it from a load, it makes odometry disagree with the poses until all are rejected",
             )],
             C::Pushed,
         ),
