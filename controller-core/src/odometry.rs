@@ -363,8 +363,8 @@ impl<T: Scalar> Odometry<T> {
 
     /// Puts the robot elsewhere on the map. Speeds, and with them the torques' damping, carry on.
     ///
-    /// A motion controller that gets it by
-    /// [`declare_jump`](crate::motion::MotionController::declare_jump) takes it without a jump of torque.
+    /// A motion controller to which the caller declares it
+    /// ([`declare_jump`](crate::motion::MotionController::declare_jump)) takes it without a jump of torque.
     pub fn set_pose(&mut self, pose: Pose<T>) {
         self.pose = pose;
     }

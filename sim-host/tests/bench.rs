@@ -156,7 +156,7 @@ fn the_page_states_files_on_real_hardware() -> Result<(), Box<dyn Error>> {
 }
 
 /// Velocity orders stop nobody: friction brakes a wheel harder than its torque drives it, on the bad floor most of all, and that is no
-/// fault. How soon and how closely they are obeyed the page states, beside what rivals' wishes go through.
+/// fault. How soon and how closely they are obeyed the page states, beside what rivals' setpoints go through.
 #[test]
 fn the_page_states_velocity_orders() -> Result<(), Box<dyn Error>> {
     let classes = [Plant::Ideal, Plant::Realistic, Plant::BadFloor]

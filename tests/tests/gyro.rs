@@ -508,7 +508,7 @@ fn time_alone_is_that_without_a_gyro() {
 
 /// Without fixes too the heading is the gyro's, wheels of unlike radii are learnt, and the estimate says so.
 #[test]
-fn a_gyro_is_told_of_without_fixes() {
+fn a_gyro_is_reported_without_fixes() {
     let mut base = Carried::start(None, sheet());
     base.drive((0.0, 0.0), Some(0.0), 1.0);
     // The wheels' radii are apart by 1 %: of what is seen in 0.3 m three tenths are taken, and of ten times 3 % are left.

@@ -12,7 +12,7 @@
 //! and `protocol`. `docs/browser.md` says how to build and use the page.
 
 pub mod drawn;
-// Lints read it on the host.
+// Clippy runs for the host alone, and reads this too.
 #[cfg(any(target_family = "wasm", clippy))]
 mod exports;
 pub mod input;

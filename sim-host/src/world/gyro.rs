@@ -75,8 +75,8 @@ impl Gyro {
         if faults.gyro_silent {
             return;
         }
-        let wrong = faults.gyro_scale.unwrap_or(1.0);
-        let rate = wrong * (self.scale * truth + self.bias + noise) + faults.gyro_bias;
+        let factor = faults.gyro_scale.unwrap_or(1.0);
+        let rate = factor * (self.scale * truth + self.bias + noise) + faults.gyro_bias;
         let rate = if p.resolution > 0.0 {
             (rate / p.resolution).round() * p.resolution
         } else {

@@ -1,4 +1,4 @@
-//! Bases with a gyro: heading without poses, a wheel on ice, poses that fail for a while, gyros that are faulty.
+//! Bases with a gyro: heading without poses, a wheel on ice, poses that fail for a while, faulty gyros.
 
 mod drift;
 mod faulty;
