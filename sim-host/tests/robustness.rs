@@ -173,6 +173,19 @@ fn documents_state_the_study_as_it_is() {
             both.iter().copied().fold(0.0, f64::max),
         ],
     );
+    let weak = of("limit 10 N, 5 N m", Case::Curve, ComparedLaw::Default);
+    page.exactly(
+        At::Phrase("The default law parks, after # s"),
+        &[weak.parked_s.expect("parked").mean],
+    );
+    let late = Case::ALL.map(|case| of("poses 250 ms late", case, ComparedLaw::Default));
+    page.exactly(
+        At::Phrase("with poses 250 ms late the default law ends within # mm"),
+        &[late
+            .map(|run| 1e3 * run.final_m.worst)
+            .into_iter()
+            .fold(0.0, f64::max)],
+    );
     page.exactly(
         At::Phrase("# instead of # N m on the line, # instead of # on the curve"),
         &[peaks[9], peaks[1], peaks[11], peaks[3]],

@@ -3,10 +3,13 @@
 use std::f64::consts::PI;
 
 use controller_core::maths::{Libm, Single};
-use controller_core::motion::{JumpThreshold, Limits, Outcome, SaturationPolicy, Task};
+use controller_core::motion::{
+    JumpThreshold, Limits, MotionController, MotionParams, Outcome, SaturationPolicy, Task,
+};
 use controller_core::pose_error::pose_error;
+use controller_core::robot::Robot;
 use controller_core::shunting::{ExactMean, RationalMean};
-use controller_core::types::Pose;
+use controller_core::types::{Measured, Pose};
 use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{Drive, Order, goal, ring, steady};
@@ -113,6 +116,43 @@ fn single_precision_parks_far_from_the_origin() {
         assert_eq!(drive.report().outcome, Outcome::Parked, "{left:?}");
         assert!(left.x.hypot(left.y) < ARRIVED && left.theta.abs() < ARRIVED);
     }
+}
+
+/// Largest heading beyond the goal \[rad\] of a robot that turns through `goal`, though its wheels accelerate its turning by `share` of the
+/// limit only; parked in the end.
+fn turned_past(share: f64, goal: f64) -> f64 {
+    const DT: f64 = 0.01;
+    let params = MotionParams::new(Robot::paper(), Limits::PAPER);
+    let most = share * params.limits.turn_accel * DT;
+    let motion = params.validate().expect("valid");
+    let task = Task::Park(Pose::new(0.0, 0.0, goal));
+    let mut now = Measured::default();
+    let mut controller: MotionController<f64, Libm> =
+        MotionController::start(&motion, &task, &now).expect("finite");
+    let mut past = 0.0_f64;
+    for _ in 0..3000 {
+        let report = controller.step(DT, &task, &now).expect("finite");
+        let wanted = report.command.angular - now.twist.angular;
+        now.twist.angular += wanted.clamp(-most, most);
+        now.pose.theta += DT * now.twist.angular;
+        past = past.max((now.pose.theta - goal) * goal.signum());
+    }
+    assert_eq!(controller.report().outcome, Outcome::Parked);
+    past
+}
+
+/// A robot whose turning accelerates by less than a manoeuvre plans lags behind it. What it takes back of that it has to brake as well.
+#[test]
+fn a_robot_that_turns_up_late_turns_past_its_goal_by_what_is_stated() {
+    let past = [1.0, 0.9, 0.8].map(|share| {
+        let (left, right) = (turned_past(share, 2.0), turned_past(share, -2.0));
+        println!("{share}: {:.1} {:.1} mrad", 1e3 * left, 1e3 * right);
+        1e3 * left.max(right)
+    });
+    Stated::of("docs/motion.md").exactly(
+        At::Phrase("with all of it # mrad, with nine tenths # mrad and with eight # mrad"),
+        &past,
+    );
 }
 
 /// Case 2 and parking at its end, with another robot than the controller believes in, and poses `late` ticks old.

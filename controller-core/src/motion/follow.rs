@@ -33,6 +33,8 @@ pub(crate) struct Instant<'a, T> {
     pub(crate) heading: (T, T),
     /// Measured turn rate.
     pub(crate) turn_rate: T,
+    /// The reference's turn rate, of one that will brake as hard as the base can: a manoeuvre's.
+    pub(crate) ending: Option<T>,
 }
 
 impl<T: Scalar> Follower<T> {
@@ -48,7 +50,7 @@ impl<T: Scalar> Follower<T> {
     ///
     /// ```text
     /// v_d = s₁ + v_r cos e_θ
-    /// w_d = w_r + w(s₂ + sin e_θ + s₃)            w(e) of [`TurnDemand`](super::turn_demand::TurnDemand): k₃ e, as far as the base can brake
+    /// w_d = w_r + w(s₂ + sin e_θ + s₃)            w of [`TurnDemand`](super::turn_demand::TurnDemand): k₃ e, as far as the base can brake
     /// ```
     ///
     /// | neuron | demand | bound |
@@ -94,7 +96,8 @@ impl<T: Scalar> Follower<T> {
                 }
             }
             None => {
-                let turned = motion.turning.error_of(command.angular - reference.angular) - sine;
+                let beyond = command.angular - reference.angular;
+                let turned = motion.turning.error_of(beyond, now.ending) - sine;
                 self.along = motion.along.reset(command.linear - v * cosine, demands.0);
                 self.across = motion.across.reset(turned, demands.1);
                 self.around = motion.around.reset(T::ZERO, demands.2);
@@ -107,16 +110,16 @@ impl<T: Scalar> Follower<T> {
             turn += self.around.value;
             turn_rate += motion.around.rate(&self.around, gains.decay);
         }
-        let (turn, slope) = motion.turning.at::<M>(turn);
+        let turn = motion.turning.at::<M>(turn, now.ending);
         Setpoint {
             twist: Twist {
                 linear: self.along.value + v * cosine,
-                angular: reference.angular + turn,
+                angular: reference.angular + turn.rate,
             },
             rate: Accel {
                 linear: motion.along.rate(&self.along, gains.decay) + accel.linear * cosine
                     - v * sine * heading_rate,
-                angular: accel.angular + slope * turn_rate,
+                angular: turn.by_reference * accel.angular + turn.by_error * turn_rate,
             },
         }
     }
@@ -137,6 +140,7 @@ impl<T: Scalar> Follower<T> {
             error: view.error,
             heading: view.heading,
             turn_rate: moving.twist.angular,
+            ending: None,
         };
         let command = &moving.command.twist;
         Wanted {

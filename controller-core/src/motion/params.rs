@@ -5,7 +5,7 @@ use super::gains::{MotionGains, NOISE_HEADING_RAD};
 use super::lag::Lag;
 use super::limits::{COMMAND_SHARE, Limits};
 use super::load;
-use super::manoeuvre::{AxisLimits, OffsetLimits, PlanLimits};
+use super::manoeuvre::{AxisLimits, OffsetLimits, PLAN_SHARE, PlanLimits};
 use super::observer_limits::ObserverLimits;
 use super::turn_demand::TurnDemand;
 use crate::error::{Field, ParamError};
@@ -186,9 +186,6 @@ fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
 /// B, the bound of the following law's s₂ and of its input \[rad\]: a lateral error asks for sin e_θ = −B/2 at most, 45°. There
 /// cos e_θ leaves the heading loop 0.7 of k₃; from 2 on the heading would be a quarter turn, and it had none left.
 const STEEPEST_APPROACH: f64 = core::f64::consts::SQRT_2;
-
-/// Share of the limits that a parking manoeuvre plans with; the rest is feedback's.
-pub(super) const PLAN_SHARE: f64 = 0.95;
 
 /// What of a limit a plan leaves, as a share of what it uses.
 const PLAN_LEAVES: f64 = 1.0 / PLAN_SHARE - 1.0;

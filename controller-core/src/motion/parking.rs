@@ -370,6 +370,7 @@ impl<T: Scalar> ParkingLaw<T> {
             error: moment.error,
             heading: moment.heading,
             turn_rate: moving.twist.angular,
+            ending: Some(moment.twist.angular),
         };
         let command = &moving.command.twist;
         Some(Wanted {

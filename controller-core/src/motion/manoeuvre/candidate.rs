@@ -7,6 +7,9 @@ use crate::motion::limits::rim_speed;
 use crate::range::larger;
 use crate::scalar::Scalar;
 
+/// Share of the limits that a parking manoeuvre plans with; the rest is feedback's.
+pub(crate) const PLAN_SHARE: f64 = 0.95;
+
 /// What a manoeuvre may use, of both axes and of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlanLimits<T> {

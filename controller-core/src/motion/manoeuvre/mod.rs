@@ -12,7 +12,7 @@ mod path;
 mod profile;
 mod search;
 
-pub(crate) use candidate::{Pace, PlanLimits};
+pub(crate) use candidate::{PLAN_SHARE, Pace, PlanLimits};
 pub(crate) use execution::{Execution, GoalSeen};
 pub(crate) use lateral_offset::{LateralOffset, OffsetLimits, SETTING_S};
 pub(crate) use profile::AxisLimits;

@@ -491,8 +491,8 @@ mod tests {
     use super::super::profile::{AxisLimits, Profile};
     use super::{Pace, PlanLimits, Progress, Search, ready_s};
     use crate::maths::{Libm, Maths, Single};
+    use crate::motion::manoeuvre::PLAN_SHARE;
     use crate::motion::manoeuvre::path::Path;
-    use crate::motion::params::PLAN_SHARE;
     use crate::pose_error::PoseError;
     use crate::scalar::Scalar;
 
