@@ -238,6 +238,7 @@ mod tests {
                 }
             }
             let sides = [knee, knee + 1e-9].map(|error| demand.at::<Libm>(error, ending));
+            assert_eq!(sides[0].by_error, 3.0, "linear up to {knee}");
             assert!((sides[0].rate - sides[1].rate).abs() < 1e-8);
             let has_corner = ending.is_some_and(|rate| rate > 0.3);
             assert_eq!(!has_corner, close(sides[0].by_error, sides[1].by_error));
