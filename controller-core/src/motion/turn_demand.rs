@@ -84,6 +84,7 @@ impl<T: Scalar> TurnDemand<T> {
         }
         let p = self.brake;
         if behind == T::ZERO {
+            // The root below for ω = 0, in fewer operations; following has nothing else.
             let square = p * (size + size - knee);
             let inverse = M::inverse_sqrt(square);
             return Turn {
