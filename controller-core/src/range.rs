@@ -56,6 +56,12 @@ pub(crate) fn larger<T: Scalar>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
+/// `value`, with its sign changed where `of` is negative.
+#[inline(always)]
+pub(crate) fn signed<T: Scalar>(value: T, of: T) -> T {
+    if of < T::ZERO { -value } else { value }
+}
+
 /// `value`, but not beyond ±`largest`. By comparison: host and chip agree on every bit.
 #[inline]
 pub(crate) fn clamp<T: Scalar>(value: T, largest: T) -> T {

@@ -6,6 +6,7 @@ use super::goal_checker::GoalView;
 use super::params::ValidMotionParams;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
+use crate::range::signed;
 use crate::scalar::Scalar;
 
 /// Rests that may end without a push before the next such end counts as an attempt. The stop is
@@ -219,7 +220,7 @@ impl<T: Scalar> Retry<T> {
         if (first && at.is_within(way_out) && (is_held(motion, at) || is_aside(motion, at)))
             || (!first && self.spend(motion))
         {
-            self.out = if came < T::ZERO { -T::ONE } else { T::ONE };
+            self.out = signed(T::ONE, came);
         }
         Attempt::Aim
     }

@@ -2,7 +2,7 @@
 
 use super::manoeuvre::PLAN_SHARE;
 use crate::maths::Maths;
-use crate::range::larger;
+use crate::range::{larger, signed};
 use crate::scalar::Scalar;
 
 /// Share of the base's angular acceleration that the demand brakes with: the rest is for the lag of the velocity loop, jerk, and what
@@ -134,12 +134,6 @@ impl<T: Scalar> TurnDemand<T> {
     fn least_knee(&self) -> T {
         T::from_f64(LEFT_BY_A_PLAN) * self.knee
     }
-}
-
-/// `size` with the sign of `of`.
-#[inline(always)]
-fn signed<T: Scalar>(size: T, of: T) -> T {
-    if of < T::ZERO { -size } else { size }
 }
 
 /// Rate of a reference that ends, towards which an `error` or a rate is; 0 of another one, and of one that goes the other way.

@@ -1,5 +1,6 @@
 //! The part of the duty for which a bridge does nothing.
 
+use crate::range::signed;
 use crate::scalar::Scalar;
 
 /// Half width of the ramp through zero, as a share of the dead band.
@@ -58,7 +59,7 @@ impl<T: Scalar> DeadBand<T> {
             // The sum may round above 1 by one unit in the last place.
             let set = self.width + size;
             let set = if set > T::ONE { T::ONE } else { set };
-            if desired < T::ZERO { -set } else { set }
+            signed(set, desired)
         } else {
             T::ZERO
         }

@@ -1,5 +1,6 @@
 //! The gear: torque at the wheel and current in the motor.
 
+use crate::range::signed;
 use crate::scalar::Scalar;
 
 /// A gear that loses a share 1 − η of the power that goes through it.
@@ -51,8 +52,7 @@ impl<T: Scalar> Gear<T> {
     #[inline(always)]
     pub(super) fn torque(&self, current: T, sense: T) -> T {
         // Current and torque have the same sign, for both slopes are positive.
-        let bent = if current < T::ZERO { -sense } else { sense };
-        current / (self.mean + self.half * bent)
+        current / (self.mean + self.half * signed(sense, current))
     }
 
     /// Torque that a current exerts while the motor drives: the least of all.

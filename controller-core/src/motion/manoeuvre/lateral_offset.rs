@@ -6,7 +6,7 @@
 
 use super::candidate::PlanLimits;
 use crate::motion::limits::rim_speed;
-use crate::range::{clamp, larger};
+use crate::range::{clamp, larger, signed};
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist};
 
@@ -201,7 +201,7 @@ impl<T: Scalar> LateralOffset<T> {
         Beside {
             offset: now.offset,
             slope: now.first,
-            turned: if v < T::ZERO { -steep } else { steep },
+            turned: signed(steep, v),
             twist: Twist {
                 linear: longer * v - now.offset * twist.angular,
                 angular: v * less * now.second,
@@ -223,7 +223,7 @@ impl<T: Scalar> LateralOffset<T> {
     pub(crate) fn of_robot(limits: &PlanLimits<T>, left: T, robot: &Aside<T>) -> Option<Self> {
         let f = T::from_f64;
         let speed = robot.speed;
-        let forward = if speed < T::ZERO { -T::ONE } else { T::ONE };
+        let forward = signed(T::ONE, speed);
         let (square, cube) = (left * left, left * left * left);
         let passing = speed * speed.abs();
         let bent = robot.turn_rate / speed;

@@ -1,6 +1,7 @@
 //! Motion of one axis from rest to rest, and from motion to rest, with limited jerk.
 
 use crate::maths::Maths;
+use crate::range::signed;
 use crate::scalar::Scalar;
 
 /// What one axis of a manoeuvre may use: metres and seconds for driving, radians and seconds for turning.
@@ -172,7 +173,7 @@ impl<T: Scalar> AxisLimits<T> {
         };
         Profile {
             start: T::ZERO,
-            peak: if distance < T::ZERO { -peak } else { peak },
+            peak: signed(peak, distance),
             rise,
             hold,
             fall,
