@@ -7,3 +7,4 @@ mod world_friction;
 mod world_grip;
 mod world_senses;
 mod world_speed;
+mod world_steps;

@@ -94,29 +94,33 @@ impl Task {
         let pull = self.held[0] - frame.forward(&self.free);
         // Also of wheels that are held, which do not need it: both at once cost as much as one.
         let rolling = still + self.rim;
-        let driven = pull + radius * (self.momentum - turning * self.dry) / self.inertia;
+        let driven = pull + radius * (self.momentum - turning * self.dry) * self.per_inertia;
         let turns = |i: usize, yes: Pair, no: Pair| if turning[i] == 0.0 { no[i] } else { yes[i] };
         let diagonal = [turns(0, rolling, still), turns(1, rolling, still)];
         let right_side = [turns(0, driven, pull), turns(1, driven, pull)];
         // Two tyres side by side: 1/c = 1/c₁ + 1/c₂, and e is their mean weighted by 1/c.
-        let (give, held) = if self.gives() {
+        let (give, held, per_last) = if self.gives() {
             let stiff = 1.0 / self.give;
             let both = stiff[0] + stiff[1];
             let pull = stiff * self.held[1];
-            (1.0 / both, (pull[0] + pull[1]) / both)
+            let give = 1.0 / both;
+            (
+                give,
+                (pull[0] + pull[1]) * give,
+                both / (1.0 + frame.across * both),
+            )
         } else {
-            (0.0, 0.0)
+            (0.0, 0.0, frame.per_across)
         };
-        let last = frame.across + give;
         let pull = held - frame.sideways(&self.free);
-        // Sideways impulse eliminated: its column is (−skew, +skew), its diagonal `last`.
-        let [less, moved] = (Pair([skew * skew, skew * pull]) / last).0;
+        // Sideways impulse eliminated: its column is (−skew, +skew), its diagonal 1/`per_last`.
+        let [less, moved] = (Pair([skew * skew, skew * pull]) * per_last).0;
         let [a, b] = [diagonal[0] - less, diagonal[1] - less];
         let off = frame.between + less;
         let [first, second] = [right_side[0] + moved, right_side[1] - moved];
         let determinant = a * b - off * off;
         let forward = Pair([b * first - off * second, a * second - off * first]) / determinant;
-        let whole = (pull + skew * (forward[0] - forward[1])) / last;
+        let whole = (pull + skew * (forward[0] - forward[1])) * per_last;
         (forward, (whole, give * whole - held))
     }
 
@@ -127,7 +131,7 @@ impl Task {
         let beyond = (left.abs() - self.dry).or_zero();
         Solved {
             speed: [0, 1, 2].map(|n| self.free[n] + push[n][0] + push[n][1]),
-            omega: beyond.with(left, f64::copysign) / self.inertia,
+            omega: beyond.with(left, f64::copysign) * self.per_inertia,
             floor,
             slipping,
         }

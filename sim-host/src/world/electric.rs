@@ -28,8 +28,11 @@ pub(super) struct Electric {
 enum Feed {
     /// A share of the supply.
     Voltage,
-    /// A current source \[A\].
-    Current(f64),
+    /// A current source: mean and end of the substep \[A\].
+    Current {
+        mean: f64,
+        end: f64,
+    },
     /// A speed loop that demands `at_rest` − `per_speed` ω \[A\].
     Loop {
         at_rest: f64,
@@ -43,6 +46,7 @@ enum Feed {
 struct Motors {
     params: MotorParams,
     internal_ohm: f64,
+    per_ohm: f64,
     /// Torque at the wheel per current \[N m/A\] and voltage per speed of the wheel \[V s/rad\].
     constant: Pair,
     /// Torque that the gear loses per current \[N m/A\].
@@ -58,7 +62,7 @@ struct Motors {
 
 /// What a winding under a held voltage does in a substep of `h` \[s\].
 ///
-/// L di/dt = U − R i − K ω under held U and ω: i approaches (U − K ω)/R with L/R, and its mean
+/// L di/dt = U − R i − K ω under a held U and a ω that is linear in time: i approaches (U − K ω)/R with L/R, and its mean
 /// over h keeps the share φ = (1 − exp(−hR/L)) L/(hR) of the start.
 #[derive(Clone, Copy, Debug, Default)]
 struct Winding {
@@ -69,6 +73,9 @@ struct Winding {
     kept: f64,
     /// (1 − φ)/R.
     share: f64,
+    /// Share of the substep at whose speed the current at its end settles: with inductance the half, so that what is stored
+    /// balances; without it the whole.
+    settles: f64,
 }
 
 /// Mean currents of a substep: `at_rest` − `per_speed` ω \[A\].
@@ -102,23 +109,23 @@ impl Electric {
             })
     }
 
-    /// The motors for a substep of `h` \[s\] that starts at wheel speeds `omega`. `sag` stands for
+    /// The motors for a substep of `h` \[s\], with wheel speeds `omega` at its start and within it. `sag` stands for
     /// the open-circuit voltage if it is given, `extra_a` is drawn by something else.
     #[inline(always)]
     pub fn drive(
         &mut self,
         command: &Actuation,
-        omega: Pair,
+        [start, omega]: [Pair; 2],
         h: f64,
         (sag, extra_a): (Option<f64>, f64),
     ) -> MotorDrives {
         if let Actuation::Speed { right, left } = *command {
             for (i, desired) in [right, left].into_iter().enumerate() {
-                self.loops[i].follow(desired, omega[i], h);
+                self.loops[i].follow(desired, start[i], h);
             }
         } else {
             for i in 0..2 {
-                self.loops[i].forget(omega[i]);
+                self.loops[i].forget(start[i]);
             }
         }
         if let Some(motors) = &mut self.motors {
@@ -129,9 +136,9 @@ impl Electric {
         }
     }
 
-    /// Currents at the end of the substep that [`drive`](Self::drive) began, over which the wheels turned at `omega` on average.
+    /// Currents at the end of the substep that [`drive`](Self::drive) began, with wheel speeds `omega` at its start and at its end.
     #[inline(always)]
-    pub fn settle(&mut self, omega: Pair) {
+    pub fn settle(&mut self, omega: [Pair; 2]) {
         if let Some(motors) = &mut self.motors {
             motors.settle(omega);
         }
@@ -161,6 +168,7 @@ impl Motors {
         let constant = Pair(params.strength) * params.gear_ratio * params.kt_nm_per_a;
         Self {
             internal_ohm,
+            per_ohm: 1.0 / params.resistance_ohm,
             constant,
             lost: (1.0 - params.gear_efficiency) * constant,
             feeds: [Feed::Open; 2],
@@ -189,7 +197,8 @@ impl Motors {
         let mut mean = self.mean();
         let mut current = mean.at(omega);
         let limit = Pair::both(self.params.current_limit_a);
-        if self.has_source() || !current.abs().all(limit, |size, limit| size <= limit) {
+        let end = self.end(self.still(omega) * self.per_ohm);
+        if self.has_source() || !end.abs().all(limit, |size, limit| size <= limit) {
             let limited = [0, 1].map(|i| self.limit(i, omega[i], current[i]));
             for (i, limited) in limited.into_iter().enumerate() {
                 // A loop that gets what it demands integrates; at a limit it would only wind up.
@@ -213,12 +222,15 @@ impl Motors {
     }
 
     #[inline(always)]
-    fn settle(&mut self, omega: Pair) {
-        let settled = self.still(omega) / self.params.resistance_ohm;
-        let mut current = self.end(settled);
+    fn settle(&mut self, [start, end]: [Pair; 2]) {
+        let omega = start + self.winding.settles * (end - start);
+        let mut current = self.end(self.still(omega) * self.per_ohm);
         if self.has_source() {
             for (i, current) in current.0.iter_mut().enumerate() {
-                *current = self.source(i, omega[i]).unwrap_or(*current);
+                *current = match self.feeds[i] {
+                    Feed::Current { end, .. } => end,
+                    _ => self.source(i, end[i]).unwrap_or(*current),
+                };
             }
         }
         self.current = current;
@@ -230,11 +242,11 @@ impl Motors {
         !matches!(self.feeds, [Feed::Voltage, Feed::Voltage])
     }
 
-    /// Current that a source drives through winding `i` \[A\], if one does.
+    /// Current that a source drives through winding `i` in the mean of a substep \[A\], if one does.
     fn source(&self, i: usize, omega: f64) -> Option<f64> {
         match self.feeds[i] {
             Feed::Voltage => None,
-            Feed::Current(current) => Some(current),
+            Feed::Current { mean, .. } => Some(mean),
             Feed::Loop { at_rest, per_speed } => Some(at_rest - per_speed * omega),
             Feed::Open => Some(0.0),
         }
@@ -252,7 +264,11 @@ impl Motors {
             Actuation::Brake => ([Feed::Voltage; 2], Pair::default()),
             Actuation::Torque { right, left } => {
                 let current = Pair([right, left]) / self.constant;
-                (current.0.map(Feed::Current), Pair::default())
+                let feed = |current| Feed::Current {
+                    mean: current,
+                    end: current,
+                };
+                (current.0.map(feed), Pair::default())
             }
             Actuation::Speed { right, left } => {
                 let feed = |i: usize, desired: f64| Feed::Loop {
@@ -272,21 +288,42 @@ impl Motors {
             return false;
         }
         let m = &self.params;
-        let bounded = current.clamp(-m.current_limit_a, m.current_limit_a);
-        if !matches!(feed, Feed::Voltage) {
+        let limit = m.current_limit_a;
+        let bounded = current.clamp(-limit, limit);
+        let (mean, end) = if let Feed::Voltage = feed {
+            let settled = (self.duty[i] * self.supply_v - self.constant[i] * omega) * self.per_ohm;
+            let end = settled + (self.current[i] - settled) * self.winding.left;
+            if end.abs() <= limit {
+                return false;
+            }
+            self.reach(i, settled, limit.copysign(end))
+        } else {
             let volts = m.resistance_ohm * bounded + self.constant[i] * omega;
             if volts.abs() > self.supply_v {
                 self.feeds[i] = Feed::Voltage;
                 self.duty.0[i] = 1.0_f64.copysign(volts);
                 return true;
             }
-        }
-        if bounded == current {
-            return false;
-        }
-        self.feeds[i] = Feed::Current(bounded);
+            if bounded == current {
+                return false;
+            }
+            (bounded, bounded)
+        };
+        self.feeds[i] = Feed::Current { mean, end };
         self.duty.0[i] = 0.0;
         true
+    }
+
+    /// Mean and end of a current that is held at `bound` \[A\] once it gets there, on its way beyond it to `settled`: at
+    /// t = L/R ln(1 + (i_b − i_0)/(i_∞ − i_b)), until which L (i_b − i_0) = R (i_∞ t − ∫ i dt).
+    fn reach(&self, i: usize, settled: f64, bound: f64) -> (f64, f64) {
+        let m = &self.params;
+        let from = self.current[i].clamp(-m.current_limit_a, m.current_limit_a);
+        let lag = m.inductance_h * self.per_ohm;
+        let until = lag * libm::log1p((bound - from) / (settled - bound));
+        let before = settled * until - lag * (bound - from);
+        let h = self.winding.h;
+        ((before + bound * (h - until)) / h, bound)
     }
 
     /// Voltage of the supply: V = V₀ − R_b I, where a driver with duty D draws D i, i the mean of the substep, and one that
@@ -329,7 +366,7 @@ impl Motors {
             for i in 0..2 {
                 (mean.at_rest.0[i], mean.per_speed.0[i]) = match self.feeds[i] {
                     Feed::Voltage => continue,
-                    Feed::Current(current) => (current, 0.0),
+                    Feed::Current { mean, .. } => (mean, 0.0),
                     Feed::Loop { at_rest, per_speed } => (at_rest, per_speed),
                     Feed::Open => (0.0, 0.0),
                 };
@@ -364,7 +401,7 @@ impl Motors {
 
     fn mean_size_through_zero(&self, mean: Pair, still: Pair) -> Pair {
         let m = &self.params;
-        let settled = still / m.resistance_ohm;
+        let settled = still * self.per_ohm;
         let end = self.end(settled);
         Pair([0, 1].map(|i| {
             let (mean, from, settled) = (mean[i], self.current[i], settled[i]);
@@ -383,17 +420,19 @@ impl Motors {
 
 impl Winding {
     fn new(m: &MotorParams, h: f64) -> Self {
-        let (risen, kept) = if m.inductance_h > 0.0 {
+        let (risen, kept, settles) = if m.inductance_h > 0.0 {
             let risen = -Libm::exp_m1(-h * m.resistance_ohm / m.inductance_h);
-            (risen, risen * m.inductance_h / (h * m.resistance_ohm))
+            let kept = risen * m.inductance_h / (h * m.resistance_ohm);
+            (risen, kept, 0.5)
         } else {
-            (1.0, 0.0)
+            (1.0, 0.0, 1.0)
         };
         Self {
             h,
             left: 1.0 - risen,
             kept,
             share: (1.0 - kept) / m.resistance_ohm,
+            settles,
         }
     }
 }

@@ -69,6 +69,7 @@ impl World {
         let end_us = self.now_us + u64::from(dt_us);
         let due = |us: Option<u64>| us.is_some_and(|us| us <= end_us);
         let samples = due(self.senses.next_pose_us()) || due(self.gyro.as_ref().map(Gyro::next_us));
+        self.body.face();
         for step in 0..steps {
             let from = self.now_us as f64 + f64::from(step) * h_us;
             let before = self.body.pose;
@@ -97,18 +98,19 @@ impl World {
 
     fn substep(&mut self, command: &Actuation, time_s: f64, h: f64) {
         let before = self.body.omega;
+        let within = self.body.omega_within(h);
         let [right, left] = self.faults.over_current_a;
         let battery = (self.faults.sag_v, right + left);
-        let drive = self.electric.drive(command, before, h, battery);
+        let drive = self.electric.drive(command, [before, within], h, battery);
         let outside = Outside {
             blocked: self.faults.blocked,
             ice: self.faults.ice,
         };
         self.body.substep(&drive, &outside, time_s, h);
-        self.electric.settle(0.5 * (before + self.body.omega));
+        self.electric.settle([before, self.body.omega]);
     }
 
-    /// Poses taken within a substep. Between its ends the way is straight to a h²/8, some 1e-8 m.
+    /// Poses taken within a substep. Between its ends the way is straight to a h²/8, some 1e-7 m.
     fn take_poses(&mut self, before: Pose<f64>, from: f64, to: f64) {
         while let Some(moment) = self.senses.next_pose_us().map(|us| us as f64) {
             if moment > to {

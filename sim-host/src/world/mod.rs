@@ -7,7 +7,7 @@
 //! | part | holds | module |
 //! | --- | --- | --- |
 //! | body | off-centre mass, Coriolis terms, slope, pushes | `plant`, `floor` |
-//! | wheels | stiction, Coulomb, viscous and rolling friction; grip on a friction circle, slip, skid | `contact`, `slide` |
+//! | wheels | stiction, Coulomb, viscous and rolling friction; grip on a friction circle, slip, skid | `contact`, `slide`, `tyre` |
 //! | drives | battery sag, dead band, current limit, winding, gear losses | `electric` |
 //! | senses | encoders, late and noisy poses, voltage, currents, uneven ticks | `senses` |
 //! | gyro | noise, bias and its walk, scale, range, rounding, age | `gyro` |
@@ -37,6 +37,7 @@ mod check;
 mod contact;
 mod electric;
 mod error;
+mod facing;
 mod floor;
 mod gyro;
 mod handle;
@@ -52,6 +53,7 @@ mod senses;
 mod slide;
 mod speed_loop;
 mod substep;
+mod tyre;
 
 pub use actuation::{Actuation, Side};
 pub use error::{ActuationError, WorldError};

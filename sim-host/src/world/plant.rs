@@ -12,11 +12,12 @@
 //! With s = 0 this is the textbook's m u' = F_x + m d w², (I + m d²) w' = M − m d u w.
 
 use super::electric::MotorDrives;
+use super::facing::Facing;
 use super::floor;
 use super::pair::Pair;
 use super::params::{FloorParams, PushParams, WorldParams};
 use super::substep::{Frame, Solved, Task};
-use controller_core::maths::{Libm, Maths};
+use super::tyre::{Tyre, Tyres};
 use controller_core::types::{Measured, Pose, Twist};
 
 /// The mechanical half of the plant.
@@ -38,13 +39,17 @@ pub(super) struct Body {
     pub floor: FloorParams,
     pub push: Vec<PushParams>,
     pub pose: Pose<f64>,
+    /// Its heading, or a little before.
+    facing: Facing,
     /// (u, v, w) and its rate over the last substep.
     pub speed: [f64; 3],
     rate: [f64; 3],
+    /// Wheel speeds, as well.
     pub omega: Pair,
+    omega_rate: Pair,
     /// Turned since the start \[rad\].
     pub angle: Pair,
-    /// Forces of the floor on the wheels, forward and leftward \[N\].
+    /// Forces of the floor on the wheels, forward and leftward, at the end of the last substep \[N\].
     pub force: [Pair; 2],
     pub slipping: [bool; 2],
     damped: Damped,
@@ -55,13 +60,14 @@ pub(super) struct Body {
 struct Damped {
     h: f64,
     slope: Pair,
+    /// 1/h.
+    per_s: f64,
     /// Angular momentum at the end per speed at the start \[kg m²\].
     kept: Pair,
     /// As in [`Task`].
-    inertia: Pair,
+    per_inertia: Pair,
     rim: Pair,
-    /// h k/σ and h² k/σ.
-    stiff: [Pair; 2],
+    tyres: Tyres,
 }
 
 /// What changes from outside during a tick.
@@ -108,9 +114,11 @@ impl Body {
             floor: p.floor.clone(),
             push: p.push.clone(),
             pose,
+            facing: Facing::new(pose.theta),
             speed,
             rate: [0.0; 3],
             omega: frame.forward(&speed) / frame.radius,
+            omega_rate: Pair::default(),
             angle: Pair::default(),
             force: [Pair::default(); 2],
             slipping: [false; 2],
@@ -129,9 +137,11 @@ impl Body {
     /// At rest somewhere else.
     pub fn place(&mut self, pose: Pose<f64>) {
         self.pose = pose;
+        self.face();
         self.speed = [0.0; 3];
         self.rate = [0.0; 3];
         self.omega = Pair::default();
+        self.omega_rate = Pair::default();
         self.force = [Pair::default(); 2];
         self.slipping = [false; 2];
     }
@@ -146,24 +156,56 @@ impl Body {
         self.force[0] * self.frame.radius
     }
 
-    /// Moves on by `h` \[s\]; `time_s` is its start.
-    pub fn substep(&mut self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) {
-        let task = self.task(drive, outside, time_s, h);
-        let solved = task.solve(&self.frame, h * self.force[0]);
-        self.accept(&solved, h);
+    /// Looks anew where it heads, which substeps follow by small turns.
+    pub fn face(&mut self) {
+        self.facing = Facing::new(self.pose.theta);
     }
 
+    /// Wheel speeds at the middle of a substep of `h` \[s\], as far as the last one tells.
     #[inline(always)]
-    fn task(&mut self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) -> Task {
+    pub fn omega_within(&self, h: f64) -> Pair {
+        self.omega + 0.5 * h * self.omega_rate
+    }
+
+    /// Moves on by `h` \[s\]; `time_s` is its start.
+    pub fn substep(&mut self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) {
         if self.damped.h != h || self.damped.slope != drive.slope {
             self.damped = self.damped(drive.slope, h);
         }
+        let tyre = self.tyre(h);
+        let task = self.task(tyre.as_ref(), drive, outside, time_s, h);
+        let solved = task.solve(&self.frame, h * self.force[0]);
+        self.accept(&solved, tyre.as_ref(), h);
+    }
+
+    /// Tyres that give.
+    #[inline(always)]
+    fn tyre(&self, h: f64) -> Option<Tyre> {
+        let gives = self.floor.slip_stiffness > 0.0;
+        gives.then(|| self.damped.tyres.of(self.slipping, self.tread(h)))
+    }
+
+    /// How fast the treads move, at the middle of a substep of `h` \[s\].
+    #[inline(always)]
+    fn tread(&self, h: f64) -> Pair {
+        (self.frame.radius * self.omega_within(h)).abs()
+    }
+
+    #[inline(always)]
+    fn task(
+        &self,
+        tyre: Option<&Tyre>,
+        drive: &MotorDrives,
+        outside: &Outside,
+        time_s: f64,
+        h: f64,
+    ) -> Task {
         let damped = &self.damped;
         let (dry, grip) = self.bounds(drive, outside, time_s);
         let mut task = Task {
             free: self.free(time_s, h),
             momentum: damped.kept * self.omega + h * drive.torque,
-            inertia: damped.inertia,
+            per_inertia: damped.per_inertia,
             rim: damped.rim,
             dry: h * dry,
             give: Pair::default(),
@@ -171,14 +213,14 @@ impl Body {
             grip: h * grip,
             share: self.share,
         };
-        if self.floor.slip_stiffness > 0.0 {
-            // Tyre as a spring k that forgets over the relaxation length σ:
-            // z' = slip − |r ω| z/σ, F = k z; implicit in h it gives slip = c f − e.
-            let [once, twice] = damped.stiff;
-            let tread = (self.frame.radius * self.omega).abs();
-            let forget = 1.0 + h * tread / self.floor.relaxation_m;
-            task.give = forget / twice;
-            task.held = self.force.map(|force| force / once);
+        if let Some(tyre) = tyre {
+            let forward = self.frame.radius * self.omega - self.frame.forward(&self.speed);
+            let sideways = Pair::both(-self.sideways());
+            task.give = tyre.give(self.tread(h));
+            task.held = [
+                tyre.held(self.force[0], forward),
+                tyre.held(self.force[1], sideways),
+            ];
         }
         task
     }
@@ -189,15 +231,17 @@ impl Body {
         // Share of the damping at the end: 1/2 is second order, 1/2 + z/12 follows the
         // exponential for z = damping/inertia, 1 never overshoots.
         let end = (0.5 + damping / inertia / 12.0).map(|end| end.min(1.0));
-        let at_end = inertia + damping * end;
-        let once = self.stiff * h;
+        let per_inertia = 1.0 / (inertia + damping * end);
+        let square = self.frame.radius * self.frame.radius;
+        let per_impulse = square / inertia + self.frame.along;
         Damped {
             h,
             slope,
+            per_s: 1.0 / h,
             kept: inertia - damping * (1.0 - end),
-            inertia: at_end,
-            rim: self.frame.radius * self.frame.radius / at_end,
-            stiff: [once, once * h],
+            per_inertia,
+            rim: square * per_inertia,
+            tyres: Tyres::new(self.stiff, self.floor.relaxation_m, per_impulse, h),
         }
     }
 
@@ -218,9 +262,9 @@ impl Body {
         }
         let mut mu = [self.floor.mu; 2];
         if !self.floor.patch.is_empty() {
-            let (sine, cosine) = Libm::sin_cos(self.pose.theta);
+            let facing = self.facing.at(self.pose.theta);
             // The left wheel stands to the left of the middle.
-            let [x, y] = [-sine, cosine].map(|part| part * self.frame.lever);
+            let [x, y] = [-facing.sine, facing.cosine].map(|part| part * self.frame.lever);
             mu = [0, 1].map(|i| {
                 let place = [self.pose.x - x[i], self.pose.y - y[i]];
                 floor::mu(&self.floor, place, time_s)
@@ -246,7 +290,7 @@ impl Body {
             free[2] += h * self.frame.per_inertia * moment;
         }
         if x != 0.0 || y != 0.0 {
-            let (sine, cosine) = Libm::sin_cos(self.pose.theta + 0.5 * h * mid_w);
+            let Facing { sine, cosine, .. } = self.facing.at(self.pose.theta + 0.5 * h * mid_w);
             free[0] += h * self.frame.per_mass * (x * cosine + y * sine);
             free[1] += h * self.frame.per_mass * (y * cosine - x * sine);
         }
@@ -254,22 +298,28 @@ impl Body {
     }
 
     #[inline(always)]
-    fn accept(&mut self, solved: &Solved, h: f64) {
+    fn accept(&mut self, solved: &Solved, tyre: Option<&Tyre>, h: f64) {
+        let per_s = self.damped.per_s;
         let before = self.speed;
         let sideways = 0.5 * (self.sideways() + self.frame.sideways(&solved.speed));
-        self.rate = [0, 1, 2].map(|n| (solved.speed[n] - before[n]) / h);
+        self.rate = [0, 1, 2].map(|n| (solved.speed[n] - before[n]) * per_s);
         self.speed = solved.speed;
         // Speeds are linear within the substep: the heading half-way is exact, and the midpoint
         // leaves h²/24 max|f''| per second in x and y.
         let middle = self.pose.theta + h * (3.0 * before[2] + self.speed[2]) / 8.0;
-        let (sine, cosine) = Libm::sin_cos(middle);
+        self.facing = self.facing.at(middle);
+        let Facing { sine, cosine, .. } = self.facing;
         let ahead = 0.5 * (before[0] + self.speed[0]);
         self.pose.x += h * (ahead * cosine - sideways * sine);
         self.pose.y += h * (ahead * sine + sideways * cosine);
         self.pose.theta += h * 0.5 * (before[2] + self.speed[2]);
         self.angle = self.angle + h * 0.5 * (self.omega + solved.omega);
+        self.omega_rate = (solved.omega - self.omega) * per_s;
         self.omega = solved.omega;
-        self.force = solved.floor.map(|impulse| impulse / h);
+        let mean = solved.floor.map(|impulse| impulse * per_s);
+        self.force = tyre.map_or(mean, |tyre| {
+            [0, 1].map(|n| tyre.end(self.force[n], mean[n], solved.slipping))
+        });
         self.slipping = solved.slipping;
     }
 

@@ -105,11 +105,11 @@ fn forward(task: &Task, frame: &Frame, i: usize, others: f64, give: f64) -> f64 
     let (along, r) = (frame.along, frame.radius[i]);
     let pull = task.held[0][i] - others;
     let held = pull / (along + give);
-    let (momentum, dry, inertia) = (task.momentum[i], task.dry[i], task.inertia[i]);
+    let (momentum, dry, per_inertia) = (task.momentum[i], task.dry[i], task.per_inertia[i]);
     let left = momentum - r * held;
     if left.abs() <= dry {
         return held;
     }
     let sign = 1.0_f64.copysign(left);
-    (pull + r * (momentum - sign * dry) / inertia) / (along + give + task.rim[i])
+    (pull + r * (momentum - sign * dry) * per_inertia) / (along + give + task.rim[i])
 }

@@ -17,8 +17,9 @@ pub(super) struct Frame {
     /// Change of the forward speed at a wheel per impulse there, and per impulse at the other wheel.
     pub along: f64,
     pub between: f64,
-    /// Change of the sideways speed per impulse sideways, and per impulse forward at the left wheel.
+    /// Change of the sideways speed per impulse sideways, its inverse, and per impulse forward at the left wheel.
     pub across: f64,
+    pub per_across: f64,
     pub skew: f64,
 }
 
@@ -28,7 +29,8 @@ pub(super) struct Task {
     /// (u, v, w) without any contact.
     pub free: [f64; 3],
     pub momentum: Pair,
-    pub inertia: Pair,
+    /// 1/D.
+    pub per_inertia: Pair,
     /// r²/D: change of the speed of a wheel's rim per impulse there, while it turns.
     pub rim: Pair,
     pub dry: Pair,
@@ -56,6 +58,7 @@ impl Frame {
     /// Of mass, inertia, half the track, the centre of mass ahead of the axle, and radii.
     pub fn new(mass: f64, inertia: f64, half: f64, ahead: f64, radius: [f64; 2]) -> Self {
         let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
+        let across = per_mass + ahead * ahead * per_inertia;
         Self {
             per_mass,
             per_inertia,
@@ -64,7 +67,8 @@ impl Frame {
             lever: Pair([half, -half]),
             along: per_mass + half * half * per_inertia,
             between: per_mass - half * half * per_inertia,
-            across: per_mass + ahead * ahead * per_inertia,
+            across,
+            per_across: 1.0 / across,
             skew: half * ahead * per_inertia,
         }
     }

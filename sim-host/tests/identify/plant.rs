@@ -2,10 +2,11 @@
 //! come late, drivers with dead bands, tyres. It shares nothing with the model that is fitted.
 
 use crate::robot::{PERIOD, RECORDER, Robot};
-use sim_host::identify::{Log, record};
+use sim_host::identify::Log;
+use sim_host::identify::record::{self, SUBSTEP_US};
 use sim_host::world::{
     BatteryParams, BodyParams, EncoderParams, FloorParams, FrictionParams, MotorParams,
-    NoiseParams, PoseSourceParams, SUBSTEP_US, TickParams, WorldParams,
+    NoiseParams, PoseSourceParams, TickParams, WorldParams,
 };
 
 /// Gear of the motors that move the robots here.
@@ -88,10 +89,8 @@ pub fn plant(robot: &Robot) -> WorldParams {
     }
 }
 
-/// Windings without inductance. The plant's currents are those of the middle of a substep: one of 50
-/// us leaves them 25 us late, which is a fifth of an interval.
+/// Windings without inductance.
 pub fn without_lag(params: &mut WorldParams) {
-    params.substep_us = 50;
     if let Some(motor) = &mut params.motor {
         motor.inductance_h = 0.0;
     }
