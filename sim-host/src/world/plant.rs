@@ -67,7 +67,8 @@ struct Damped {
     /// As in [`Task`].
     per_inertia: Pair,
     rim: Pair,
-    tyres: Tyres,
+    /// Tyres that give; rigid ones do not.
+    tyres: Option<Tyres>,
 }
 
 /// What changes from outside during a tick.
@@ -178,11 +179,10 @@ impl Body {
         self.accept(&solved, tyre.as_ref(), h);
     }
 
-    /// Tyres that give.
     #[inline(always)]
     fn tyre(&self, h: f64) -> Option<Tyre> {
-        let gives = self.floor.slip_stiffness > 0.0;
-        gives.then(|| self.damped.tyres.of(self.slipping, self.tread(h)))
+        let tyres = self.damped.tyres.as_ref()?;
+        Some(tyres.of(self.slipping, self.tread(h)))
     }
 
     /// How fast the treads move, at the middle of a substep of `h` \[s\].
@@ -233,7 +233,10 @@ impl Body {
         let end = (0.5 + damping / inertia / 12.0).map(|end| end.min(1.0));
         let per_inertia = 1.0 / (inertia + damping * end);
         let square = self.frame.radius * self.frame.radius;
-        let per_impulse = square / inertia + self.frame.along;
+        let tyres = (self.floor.slip_stiffness > 0.0).then(|| {
+            let per_impulse = square / inertia + self.frame.along;
+            Tyres::new(self.stiff, self.floor.relaxation_m, per_impulse, h)
+        });
         Damped {
             h,
             slope,
@@ -241,7 +244,7 @@ impl Body {
             kept: inertia - damping * (1.0 - end),
             per_inertia,
             rim: square * per_inertia,
-            tyres: Tyres::new(self.stiff, self.floor.relaxation_m, per_impulse, h),
+            tyres,
         }
     }
 
