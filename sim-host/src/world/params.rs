@@ -37,7 +37,7 @@ pub struct WorldParams {
 
 /// Default of [`WorldParams::substep_us`]: an eighth of the fastest mechanical time constant of
 /// the [`presets`](super::presets) (an idling motor, 4 ms). Substeps are of second order but where a wheel slips or breaks loose,
-/// windings and current limits are exact, stiff tyres implicit: what the presets drive in 10 s is good to 0.2 mm, to 4 mm where
+/// windings and current limits are exact, stiff tyres implicit: what the presets drive in 10 s is good to 0.4 mm, to 4 mm where
 /// wheels slip.
 pub const SUBSTEP_US: u32 = 500;
 
