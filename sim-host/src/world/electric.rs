@@ -197,9 +197,10 @@ impl Motors {
         let mut mean = self.mean();
         let mut current = mean.at(omega);
         let limit = Pair::both(self.params.current_limit_a);
-        let end = self.end(self.still(omega) * self.per_ohm);
+        let settled = self.still(omega) * self.per_ohm;
+        let end = self.end(settled);
         if self.has_source() || !end.abs().all(limit, |size, limit| size <= limit) {
-            let limited = [0, 1].map(|i| self.limit(i, omega[i], current[i]));
+            let limited = [0, 1].map(|i| self.limit(i, omega[i], current[i], [settled[i], end[i]]));
             for (i, limited) in limited.into_iter().enumerate() {
                 // A loop that gets what it demands integrates; at a limit it would only wind up.
                 if !limited && let Feed::Loop { .. } = self.feeds[i] {
@@ -281,8 +282,9 @@ impl Motors {
         };
     }
 
-    /// Holds winding `i`, which would have a mean of `current`, within current limit and supply. Whether that changes anything.
-    fn limit(&mut self, i: usize, omega: f64, current: f64) -> bool {
+    /// Holds winding `i`, which would have a mean of `current`, within current limit and supply; under a voltage its current would
+    /// be on its way to `settled` and come to `end`. Whether that changes anything.
+    fn limit(&mut self, i: usize, omega: f64, current: f64, [settled, end]: [f64; 2]) -> bool {
         let feed = self.feeds[i];
         if let Feed::Open = feed {
             return false;
@@ -291,8 +293,6 @@ impl Motors {
         let limit = m.current_limit_a;
         let bounded = current.clamp(-limit, limit);
         let (mean, end) = if let Feed::Voltage = feed {
-            let settled = (self.duty[i] * self.supply_v - self.constant[i] * omega) * self.per_ohm;
-            let end = settled + (self.current[i] - settled) * self.winding.left;
             if end.abs() <= limit {
                 return false;
             }
@@ -314,16 +314,21 @@ impl Motors {
         true
     }
 
-    /// Mean and end of a current that is held at `bound` \[A\] once it gets there, on its way beyond it to `settled`: at
-    /// t = L/R ln(1 + (i_b − i_0)/(i_∞ − i_b)), until which L (i_b − i_0) = R (i_∞ t − ∫ i dt).
+    /// Mean and end of a current that is held at `bound` \[A\] once it gets there, on its way beyond it to `settled`.
     fn reach(&self, i: usize, settled: f64, bound: f64) -> (f64, f64) {
-        let m = &self.params;
-        let from = self.current[i].clamp(-m.current_limit_a, m.current_limit_a);
-        let lag = m.inductance_h * self.per_ohm;
-        let until = lag * libm::log1p((bound - from) / (settled - bound));
-        let before = settled * until - lag * (bound - from);
+        let limit = self.params.current_limit_a;
+        let from = self.current[i].clamp(-limit, limit);
+        let (until, charge) = self.way(from, bound, settled);
         let h = self.winding.h;
-        ((before + bound * (h - until)) / h, bound)
+        ((charge + bound * (h - until)) / h, bound)
+    }
+
+    /// How long a current takes to `bound` on its way from `from` to `settled` \[A\], t = L/R ln(1 + (i_b − i_0)/(i_∞ − i_b)), and its
+    /// integral so long \[A s\]: L (i_b − i_0) = R (i_∞ t − ∫ i dt).
+    fn way(&self, from: f64, bound: f64, settled: f64) -> (f64, f64) {
+        let lag = self.params.inductance_h / self.params.resistance_ohm;
+        let until = lag * libm::log1p((bound - from) / (settled - bound));
+        (until, settled * until - lag * (bound - from))
     }
 
     /// Voltage of the supply: V = V₀ − R_b I, where a driver with duty D draws D i, i the mean of the substep, and one that
@@ -387,8 +392,7 @@ impl Motors {
         settled + (self.current - settled) * self.winding.left
     }
 
-    /// Mean of |i| over a substep whose mean current is `mean`: larger than |`mean`| where i passes 0 within it, which it does
-    /// at t = L/R ln(1 − i_0/i_∞).
+    /// Mean of |i| over a substep whose mean current is `mean`: larger than |`mean`| where i passes 0 within it.
     #[inline(always)]
     fn mean_size(&self, mean: Pair, omega: Pair) -> Pair {
         // None passes 0 on its way to a current of its sign.
@@ -400,19 +404,16 @@ impl Motors {
     }
 
     fn mean_size_through_zero(&self, mean: Pair, still: Pair) -> Pair {
-        let m = &self.params;
         let settled = still * self.per_ohm;
         let end = self.end(settled);
         Pair([0, 1].map(|i| {
             let (mean, from, settled) = (mean[i], self.current[i], settled[i]);
             let fed = matches!(self.feeds[i], Feed::Voltage);
-            if !fed || m.inductance_h <= 0.0 || from * end[i] >= 0.0 {
+            if !fed || self.params.inductance_h <= 0.0 || from * end[i] >= 0.0 {
                 return mean.abs();
             }
-            let lag = m.inductance_h / m.resistance_ohm;
-            let until = lag * libm::log1p(-from / settled);
-            // At i = 0 the share from/(from - settled) of the way has been gone.
-            let before = (settled * until + lag * from) / self.winding.h;
+            let (_, charge) = self.way(from, 0.0, settled);
+            let before = charge / self.winding.h;
             before.abs() + (mean - before).abs()
         }))
     }

@@ -173,36 +173,33 @@ impl Body {
         if self.damped.h != h || self.damped.slope != drive.slope {
             self.damped = self.damped(drive.slope, h);
         }
-        let tyre = self.tyre(h);
-        let task = self.task(tyre.as_ref(), drive, outside, time_s, h);
+        let mut task = self.task(drive, outside, time_s, h);
+        let tyre = self.give(&mut task, h);
         let solved = task.solve(&self.frame, h * self.force[0]);
         self.accept(&solved, tyre.as_ref(), h);
     }
 
+    /// Lets tyres give in the task, if they do.
     #[inline(always)]
-    fn tyre(&self, h: f64) -> Option<Tyre> {
+    fn give(&self, task: &mut Task, h: f64) -> Option<Tyre> {
         let tyres = self.damped.tyres.as_ref()?;
-        Some(tyres.of(self.slipping, self.tread(h)))
+        let tread = (self.frame.radius * self.omega_within(h)).abs();
+        let tyre = tyres.of(self.slipping, tread);
+        let forward = self.frame.radius * self.omega - self.frame.forward(&self.speed);
+        let sideways = Pair::both(-self.sideways());
+        task.give = tyre.give(tread);
+        task.held = [
+            tyre.held(self.force[0], forward),
+            tyre.held(self.force[1], sideways),
+        ];
+        Some(tyre)
     }
 
-    /// How fast the treads move, at the middle of a substep of `h` \[s\].
     #[inline(always)]
-    fn tread(&self, h: f64) -> Pair {
-        (self.frame.radius * self.omega_within(h)).abs()
-    }
-
-    #[inline(always)]
-    fn task(
-        &self,
-        tyre: Option<&Tyre>,
-        drive: &MotorDrives,
-        outside: &Outside,
-        time_s: f64,
-        h: f64,
-    ) -> Task {
+    fn task(&self, drive: &MotorDrives, outside: &Outside, time_s: f64, h: f64) -> Task {
         let damped = &self.damped;
         let (dry, grip) = self.bounds(drive, outside, time_s);
-        let mut task = Task {
+        Task {
             free: self.free(time_s, h),
             momentum: damped.kept * self.omega + h * drive.torque,
             per_inertia: damped.per_inertia,
@@ -212,17 +209,7 @@ impl Body {
             held: [Pair::default(); 2],
             grip: h * grip,
             share: self.share,
-        };
-        if let Some(tyre) = tyre {
-            let forward = self.frame.radius * self.omega - self.frame.forward(&self.speed);
-            let sideways = Pair::both(-self.sideways());
-            task.give = tyre.give(self.tread(h));
-            task.held = [
-                tyre.held(self.force[0], forward),
-                tyre.held(self.force[1], sideways),
-            ];
         }
-        task
     }
 
     fn damped(&self, slope: Pair, h: f64) -> Damped {

@@ -21,7 +21,7 @@
 use super::pair::Pair;
 
 /// What a tyre of each wheel is over a substep.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Tyre {
     /// 1/θ, θ the share of the end in the mean.
     per_end: Pair,
@@ -35,13 +35,17 @@ pub(super) struct Tyre {
     kept: Pair,
 }
 
-/// [`Tyre`]s that follow what happens and those that end where it does.
-#[derive(Clone, Copy, Debug, Default)]
+/// Tyres in substeps of h.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Tyres {
+    /// k \[N/m\].
+    stiff: Pair,
+    /// θ of tyres that hold and roll, and what they are by it.
+    end: Pair,
     rolling: Tyre,
-    implicit: Tyre,
     /// h/σ \[s/m\].
     forget: f64,
+    h: f64,
 }
 
 impl Tyre {
@@ -94,41 +98,28 @@ impl Tyres {
         let unresolved = (swing * swing / 12.0).map(|share| share.min(0.5));
         let end = 0.5 + lost + unresolved;
         Self {
+            stiff,
+            end,
             rolling: Tyre::new(end, stiff, forget, h),
-            implicit: Tyre::new(Pair::both(1.0), stiff, forget, h),
             forget,
+            h,
         }
     }
 
     /// For wheels of which some slip and whose treads move so fast. A tyre that slips is deflected as far as its grip goes,
-    /// whatever the slip; one that rolls on by more than its relaxation length has forgotten the start: both are what they end as.
+    /// whatever the slip; one that rolls on by more than its relaxation length has forgotten the start: both are what they end as, θ = 1.
     #[inline(always)]
     pub fn of(&self, slipping: [bool; 2], tread: Pair) -> Tyre {
         let forgets = Pair::both(self.forget) * tread;
         if slipping == [false; 2] && forgets.all(Pair::both(1.0), |all, one| all <= one) {
             return self.rolling;
         }
-        self.mixed([0, 1].map(|i| slipping[i] || forgets[i] > 1.0))
+        self.implicit([0, 1].map(|i| slipping[i] || forgets[i] > 1.0))
     }
 
     #[cold]
-    fn mixed(&self, implicit: [bool; 2]) -> Tyre {
-        let of = |part: fn(&Tyre) -> Pair| {
-            Pair([0, 1].map(|i| {
-                let tyre = if implicit[i] {
-                    &self.implicit
-                } else {
-                    &self.rolling
-                };
-                part(tyre)[i]
-            }))
-        };
-        Tyre {
-            per_end: of(|tyre| tyre.per_end),
-            fade: of(|tyre| tyre.fade),
-            give: of(|tyre| tyre.give),
-            held: of(|tyre| tyre.held),
-            kept: of(|tyre| tyre.kept),
-        }
+    fn implicit(&self, which: [bool; 2]) -> Tyre {
+        let end = Pair([0, 1].map(|i| if which[i] { 1.0 } else { self.end[i] }));
+        Tyre::new(end, self.stiff, self.forget, self.h)
     }
 }
