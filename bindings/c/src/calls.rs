@@ -9,14 +9,15 @@
 use core::ffi::c_char;
 use core::slice;
 
-use controller_core::base::{self, BaseController, BaseParams, ValidBaseParams, WheelAction};
+use controller_core::base::{
+    self, BaseController, BaseParams, DriveCommand, ValidBaseParams, WheelAction,
+};
 use controller_core::hal::{ErrorKind, Observed, WheelCounts};
-use controller_core::motor::WheelCommands;
 use controller_core::safety::supervisor::{self, Event};
 use controller_core::types::WheelTorques;
 use protocol::{BaseTick, decode_robot};
 
-use crate::abi::{self, Action, Order, Pose, Report, Sensed, Status, Wheels};
+use crate::abi::{self, Action, Order, Pose, Report, Sensed, Status, Wheels, action};
 use crate::memory::{self, Base, Body, Handle, checked, read};
 use crate::{convert, names};
 
@@ -147,7 +148,7 @@ pub unsafe extern "C" fn twb_emergency_stop(
         let out = checked(action)?;
         let done = handle.stop(convert::flag(brake)?)?;
         // SAFETY: of the caller.
-        unsafe { out.write(convert::action(&done)) };
+        unsafe { out.write(without_duties(&done)) };
         Ok(())
     };
     code(result())
@@ -166,9 +167,10 @@ pub unsafe extern "C" fn twb_tick(
     action: *mut Action,
 ) -> i32 {
     let result = || {
-        // All at once, for most calls are right; in turn only to say what is wrong.
-        let words = order as usize | sensed as usize | action as usize;
-        let aligned = base.is_aligned() && words & (align_of::<u32>() - 1) == 0;
+        // All at once, for most calls are right; in turn only to say what is wrong. A base is aligned twice as strictly as the rest.
+        const { assert!(align_of::<Base>() == 2 * align_of::<u32>()) };
+        let addresses = base as usize | (order as usize | sensed as usize | action as usize) << 1;
+        let aligned = addresses & (align_of::<Base>() - 1) == 0;
         if !aligned || base.is_null() || order.is_null() || sensed.is_null() || action.is_null() {
             return Err(first_refusal(base, order, sensed, action));
         }
@@ -189,7 +191,7 @@ pub unsafe extern "C" fn twb_tick(
             Ok(())
         };
         // SAFETY: of the caller.
-        handle.with(work, |stop| unsafe { action.write(convert::action(stop)) })
+        handle.with(work, |stop| unsafe { action.write(without_duties(stop)) })
     };
     code(result())
 }
@@ -213,6 +215,41 @@ fn first_refusal(
     first.unwrap_or(Status::Null)
 }
 
+/// An action without duties.
+#[inline]
+fn without_duties(from: &WheelAction<f32>) -> Action {
+    let mut to = Action {
+        kind: convert::kind(from),
+        ..Action::default()
+    };
+    if let WheelAction::Drive(drive) = from {
+        // SAFETY: it is an action.
+        unsafe { write_drive(drive, 0, &raw mut to) };
+    }
+    to
+}
+
+/// Writes all of a drive but its duties. The friction is cleared before it is written, for a choice between both would be made number by
+/// number.
+///
+/// # Safety
+/// `out` may be written.
+#[inline]
+unsafe fn write_drive(drive: &DriveCommand<f32>, flags: u32, out: *mut Action) {
+    // SAFETY: of the caller; field by field, since the memory need not hold an action yet.
+    unsafe {
+        (*out).kind = action::DRIVE;
+        (*out).flags = flags | (u32::from(drive.beyond_coulomb.is_some()) * action::BEYOND_COULOMB);
+        (*out).torque = (&drive.torques).into();
+        (*out).desired = (&drive.desired).into();
+        (*out).speed = (&drive.speeds).into();
+        (*out).beyond_coulomb = Wheels::default();
+        if let Some(beyond) = &drive.beyond_coulomb {
+            (*out).beyond_coulomb = beyond.into();
+        }
+    }
+}
+
 /// Writes the action, with the duties of motors on bridges; the base notes what those can exert, as under the control task of a
 /// board.
 ///
@@ -225,7 +262,7 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
     let (WheelAction::Drive(drive), Some(motor)) = (&report.action, body.controller.base().motor())
     else {
         // SAFETY: of the caller.
-        unsafe { out.write(convert::action(&report.action)) };
+        unsafe { out.write(without_duties(&report.action)) };
         return;
     };
     let observed = Observed {
@@ -234,12 +271,20 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
         beyond_coulomb: drive.beyond_coulomb,
         supply_v: supply_v.unwrap_or(f32::NAN),
     };
+    // What is only copied, before the motors take up the registers.
+    // SAFETY: of the caller.
+    unsafe { write_drive(drive, action::DUTY, out) };
     let commands = motor.commands(&drive.torques, &observed);
     // SAFETY: of the caller.
-    unsafe { out.write(convert::with_duties(drive, &commands)) };
+    unsafe {
+        (*out).duty = Wheels {
+            right: commands.right.duty,
+            left: commands.left.duty,
+        };
+    }
     if let Some(exerted) = commands.exerted() {
         // SAFETY: of the caller.
-        unsafe { limited(body, &commands, exerted, out) };
+        unsafe { limited(body, commands.is_invalid(), exerted, out) };
     }
 }
 
@@ -249,20 +294,15 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
 /// `out` is an action.
 #[cold]
 #[inline(never)]
-unsafe fn limited(
-    body: &mut Body,
-    commands: &WheelCommands,
-    exerted: WheelTorques<f32>,
-    out: *mut Action,
-) {
-    let exerted = if commands.is_invalid() {
+unsafe fn limited(body: &mut Body, invalid: bool, exerted: WheelTorques<f32>, out: *mut Action) {
+    let exerted = if invalid {
         // SAFETY: of the caller.
-        unsafe { out.write(convert::action(&WheelAction::Release)) };
+        unsafe { out.write(without_duties(&WheelAction::Release)) };
         body.answer = Err(ErrorKind::Other);
         WheelTorques::default()
     } else {
         // SAFETY: of the caller.
-        unsafe { (*out).flags |= abi::action::LIMITED };
+        unsafe { (*out).flags |= action::LIMITED };
         exerted
     };
     // What is no number is not noted: the estimates go on with the commanded torques.
@@ -413,7 +453,7 @@ fn of(body: &Body) -> Report {
             },
         outcome: tick.outcome as u32,
         retries: tick.retries.into(),
-        action: convert::action(&report.action).kind,
+        action: convert::kind(&report.action),
         pose: Pose {
             x: tick.x,
             y: tick.y,

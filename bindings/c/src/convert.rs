@@ -1,10 +1,9 @@
 //! Between the header's structs and the core's types.
 
-use controller_core::base::{self, DriveCommand, WheelAction};
+use controller_core::base::{self, WheelAction};
 use controller_core::gyro::GyroReading;
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
-use controller_core::motor::WheelCommands;
 use controller_core::reference::Reference;
 use controller_core::safety::Currents;
 use controller_core::safety::supervisor::{Cause, State, Then};
@@ -67,9 +66,10 @@ pub(crate) fn order(order: &abi::Order, to: &mut base::Order<f32>) -> Result<(),
         order::FOLLOW => follow(order, to),
         order::PARK => *to = base::Order::Park((&order.pose).into()),
         order::VELOCITY => {
+            let hold_heading = flag(order.hold_heading)?;
             *to = base::Order::Drive {
                 twist: (&order.twist).into(),
-                hold_heading: flag(order.hold_heading)?,
+                hold_heading,
             };
         }
         _ => return Err(Status::BadValue),
@@ -152,49 +152,12 @@ pub(crate) fn sensed(
     Ok(())
 }
 
-/// An action without duties.
-#[inline]
-pub(crate) fn action(from: &WheelAction<f32>) -> abi::Action {
-    let of_kind = |kind| abi::Action {
-        kind,
-        ..abi::Action::default()
-    };
-    match from {
-        WheelAction::Release => of_kind(action::RELEASE),
-        WheelAction::Brake => of_kind(action::BRAKE),
-        WheelAction::Drive(drive) => driven(drive),
-    }
-}
-
-/// Torques without duties.
-#[inline]
-fn driven(drive: &DriveCommand<f32>) -> abi::Action {
-    let (flags, beyond_coulomb) = match &drive.beyond_coulomb {
-        Some(beyond) => (action::BEYOND_COULOMB, beyond.into()),
-        None => (0, abi::Wheels::default()),
-    };
-    abi::Action {
-        kind: action::DRIVE,
-        flags,
-        torque: (&drive.torques).into(),
-        duty: abi::Wheels::default(),
-        desired: (&drive.desired).into(),
-        speed: (&drive.speeds).into(),
-        beyond_coulomb,
-    }
-}
-
-/// Torques with the duties for them.
-#[inline]
-pub(crate) fn with_duties(drive: &DriveCommand<f32>, commands: &WheelCommands) -> abi::Action {
-    let driven = driven(drive);
-    abi::Action {
-        flags: driven.flags | action::DUTY,
-        duty: abi::Wheels {
-            right: commands.right.duty,
-            left: commands.left.duty,
-        },
-        ..driven
+/// The kind of an action.
+pub(crate) const fn kind(action: &WheelAction<f32>) -> u32 {
+    match action {
+        WheelAction::Release => action::RELEASE,
+        WheelAction::Brake => action::BRAKE,
+        WheelAction::Drive(_) => action::DRIVE,
     }
 }
 

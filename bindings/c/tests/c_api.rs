@@ -622,22 +622,23 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
-    /// The portable C compiled for the board, once its ticks are counted.
-    fn object(&self) -> PathBuf {
-        scratch().join(format!("portable-{}.o", self.board.core))
+    /// These functions with names that no function of the image has, once their ticks are counted.
+    fn object(&self, functions: &str) -> PathBuf {
+        let name = format!("{}-{}", self.board.core, functions.replace('/', "-"));
+        scratch().join(format!("called-{name}.o"))
     }
 
-    /// What each tick of the image of `tests/overhead` took, and the duties of both motors.
-    fn ticks(&self, configuration: &'static str) -> Vec<[u32; 3]> {
+    /// What each tick of the image of `tests/overhead` took, and the duties of both motors: in Rust, or through these functions.
+    fn ticks(&self, through: Option<&str>) -> Vec<[u32; 3]> {
         // Once for each image, and one after the other: they are built at the same place.
-        static COUNTED: Mutex<BTreeMap<[&str; 2], Vec<[u32; 3]>>> = Mutex::new(BTreeMap::new());
+        static COUNTED: Mutex<BTreeMap<String, Vec<[u32; 3]>>> = Mutex::new(BTreeMap::new());
         let mut counted = COUNTED.lock().unwrap_or_else(PoisonError::into_inner);
-        let image = [self.board.core, configuration];
+        let image = format!("{} {through:?}", self.board.core);
         let ticks = counted.entry(image);
-        ticks.or_insert_with(|| self.count(configuration)).clone()
+        ticks.or_insert_with(|| self.count(through)).clone()
     }
 
-    fn count(&self, configuration: &str) -> Vec<[u32; 3]> {
+    fn count(&self, through: Option<&str>) -> Vec<[u32; 3]> {
         let folder = scratch().join("overhead").join(self.board.core);
         let dependencies = format!(
             "{}\ncapi = {{ path = \"bindings/c\" }}\ncontroller-core.workspace = true\nprotocol.workspace = true\n\
@@ -652,34 +653,29 @@ impl Image<'_> {
         let maps = here().join("../../firmware-demo/memory");
         copy(maps.join(self.map), "memory.x");
         let search = format!("-L{}", folder.display());
-        let object = self.object();
-        let linked = format!("{}", object.display());
-        let mut flags: Vec<&str> = self
-            .linker
-            .iter()
-            .copied()
-            .chain([search.as_str()])
-            .collect();
-        if configuration == "through_portable" {
-            // Beside those of Rust, which are in the image as well.
+        let mut linked = Vec::new();
+        if let Some(functions) = through {
+            let object = self.object(functions);
             let names = ["init", "arm", "tick"];
             succeed(
                 Command::new(self.board.compiler.replace("gcc", "objcopy"))
-                    .args(names.map(|name| format!("--redefine-sym=twb_{name}=portable_{name}")))
-                    .args(names.map(|name| format!("--keep-global-symbol=portable_{name}")))
-                    .arg(self.board.functions(PORTABLE))
+                    .args(names.map(|name| format!("--redefine-sym=twb_{name}=called_{name}")))
+                    .args(names.map(|name| format!("--keep-global-symbol=called_{name}")))
+                    .arg(self.board.functions(functions))
                     .arg(&object),
             );
-            flags.push(&linked);
+            linked.push(format!("{}", object.display()));
         }
-        let flags = flags.iter().map(|flag| format!("-Clink-arg={flag}"));
+        let flags = self.linker.iter().copied().chain([search.as_str()]);
+        let flags = flags.chain(linked.iter().map(String::as_str));
+        let flags = flags.map(|flag| format!("-Clink-arg={flag}"));
         succeed(
             Command::new(env!("CARGO"))
                 .current_dir(&folder)
                 .env("CARGO_TARGET_DIR", target())
                 .args(["rustc", "--quiet", "--profile", "chip"])
-                .args(["--target", self.target, "--", "--cfg", configuration])
-                .args(["--check-cfg", "cfg(through_c, through_portable, in_rust)"])
+                .args(["--target", self.target, "--", "--check-cfg", "cfg(in_rust)"])
+                .args(through.is_none().then_some("--cfg=in_rust"))
                 // For the program alone: flags of all would build what it depends on anew for each configuration.
                 .args(flags),
         );
@@ -702,9 +698,9 @@ impl Image<'_> {
         rows.collect()
     }
 
-    /// What each tick takes in Rust and through C.
-    fn both(&self, through: &'static str) -> Vec<[u32; 2]> {
-        let (rust, c) = (self.ticks("in_rust"), self.ticks(through));
+    /// What each tick takes in Rust and through these functions.
+    fn both(&self, functions: &str) -> Vec<[u32; 2]> {
+        let (rust, c) = (self.ticks(None), self.ticks(Some(functions)));
         assert_eq!((rust.len(), c.len()), (3000, 3000));
         let both = rust.iter().zip(&c).map(|(rust, c)| {
             assert_eq!(rust[1..], c[1..], "the duties");
@@ -713,9 +709,9 @@ impl Image<'_> {
         both.collect()
     }
 
-    /// Most and mean that a tick takes more through C than in Rust.
+    /// Most and mean that a tick takes more through the archive than in Rust.
     fn more(&self) -> (i64, f64) {
-        let both = self.both("through_c");
+        let both = self.both(&self.board.archive());
         let more = both
             .iter()
             .map(|[rust, c]| i64::from(*c) - i64::from(*rust));
@@ -759,7 +755,7 @@ fn a_tick_from_c_takes_few_instructions_more() {
 
 #[test]
 fn a_tick_of_portable_c_takes_at_most_three_times_the_instructions() {
-    let both = IMAGE_M4F.both("through_portable");
+    let both = IMAGE_M4F.both(PORTABLE);
     let mean = |part: usize| {
         let sum: u64 = both.iter().map(|ticks| u64::from(ticks[part])).sum();
         sum as f64 / both.len() as f64
@@ -767,7 +763,7 @@ fn a_tick_of_portable_c_takes_at_most_three_times_the_instructions() {
     let (rust, c) = (mean(0), mean(1));
     println!("{c:.0} instructions, {rust:.0} in Rust");
     assert!(c <= 3.0 * rust, "{c} against {rust}");
-    let size = succeed(Command::new("arm-none-eabi-size").arg(IMAGE_M4F.object()));
+    let size = succeed(Command::new("arm-none-eabi-size").arg(IMAGE_M4F.object(PORTABLE)));
     let text = String::from_utf8_lossy(&size.stdout).into_owned();
     let row = text.lines().nth(1).expect("a row of numbers");
     let sizes: Vec<f64> = row

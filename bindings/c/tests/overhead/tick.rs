@@ -1,5 +1,5 @@
-//! Executed instructions from the sensors' numbers to the motors' duties, tick by tick: with the core's types, or with
-//! `--cfg through_c` through the C interface, `--cfg through_portable` through that interface in C. An image each, for in one the compiler would inline one of them.
+//! Executed instructions from the sensors' numbers to the motors' duties, tick by tick: through the C interface as an object that is
+//! linked, or with `--cfg in_rust` with the core's types. An image each, for in one the compiler would inline one of them.
 #![no_std]
 #![no_main]
 
@@ -101,8 +101,6 @@ mod base {
 #[cfg(not(in_rust))]
 mod base {
     use capi::abi::{API, Action, Order, Pose, Sensed, Twist, order, sensed};
-    #[cfg(through_c)]
-    use capi::calls::{twb_arm, twb_init, twb_tick};
     use capi::memory::{self, Base as Opaque};
     use controller_core::types::WheelTorques;
     use firmware_demo::robots::LAB_10KG;
@@ -110,9 +108,9 @@ mod base {
 
     use super::{Inputs, Outputs, Demand};
 
-    #[cfg(through_portable)]
+    // Of the object, by names of their own: the compiler sees no more of them than of what is behind a header.
     unsafe extern "C" {
-        #[link_name = "portable_init"]
+        #[link_name = "called_init"]
         fn twb_init(
             base: *mut Opaque,
             size: usize,
@@ -121,9 +119,9 @@ mod base {
             length: usize,
             start: *const Pose,
         ) -> i32;
-        #[link_name = "portable_arm"]
+        #[link_name = "called_arm"]
         fn twb_arm(base: *mut Opaque) -> i32;
-        #[link_name = "portable_tick"]
+        #[link_name = "called_tick"]
         fn twb_tick(
             base: *mut Opaque,
             dt_us: u32,
@@ -192,9 +190,9 @@ mod base {
                 base.order.twist = Twist { v, w };
             }
         }
-        // SAFETY: as above, and pointers to fields that live as long. Unknown to the compiler, as behind a header.
+        // SAFETY: as above, and pointers to fields that live as long.
         unsafe {
-            core::hint::black_box(twb_tick as Tick)(
+            twb_tick(
                 to,
                 inputs.dt_us,
                 &base.order,
@@ -209,9 +207,6 @@ mod base {
         };
         outputs.duties = [action.duty.right, action.duty.left];
     }
-
-    type Tick =
-        unsafe extern "C" fn(*mut Opaque, u32, *const Order, *const Sensed, *mut Action) -> i32;
 }
 
 fn run() {
