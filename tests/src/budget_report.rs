@@ -200,7 +200,7 @@ pub fn parts(cost: &Rows) -> String {
         ("odometry", "odometry/update"),
         ("localiser without a fix", "localiser/without-fix"),
         ("localiser with a fix", "localiser/with-fix"),
-        ("motor, one wheel", "motor/command"),
+        ("motor, both wheels", "motor/commands"),
         ("motion law, following", "motion/follow"),
         ("motion law, searching for a manoeuvre", "motion/plan"),
         ("motion law, searches every 1 ms", "motion/search-1ms"),

@@ -138,7 +138,7 @@ fn entries(measured: &Measured) -> Vec<(&'static str, u64)> {
         ("base-park-mean", cost.mean("base/park")),
         ("base-fix", cost.most("base/with-fix")),
         ("localiser", cost.most("localiser/without-fix")),
-        ("motor", cost.most("motor/command")),
+        ("motor", cost.most("motor/commands")),
         ("base-flash", base.flash()),
         ("base-ram", cost.most("ram/base")),
         ("base-stack", cost.most("stack/base")),
@@ -376,7 +376,10 @@ fn the_document_states_what_is_measured() {
                 "flash of the whole base with a route, RAM and stack [bytes]",
                 &["base-flash", "base-ram", "base-stack"],
             ),
-            ("localiser; motor layer, a wheel", &["localiser", "motor"]),
+            (
+                "localiser; motor layer, both wheels",
+                &["localiser", "motor"],
+            ),
             (
                 "flash, RAM, stack of the `pil` image with protocol [bytes]",
                 &["pil-flash", "pil-ram", "pil-stack"],

@@ -59,6 +59,20 @@ pub struct MotorCommand<T> {
     pub limited: MotorLimited,
 }
 
+/// What a wheel takes without limits.
+struct Asked<T> {
+    /// σ in [−1, 1]: the sense of motion that friction and gear go by.
+    sense: T,
+    /// \[N m\].
+    friction: T,
+    /// With friction \[N m\].
+    torque: T,
+    /// \[A\].
+    current: T,
+    /// \[V\].
+    back_emf: T,
+}
+
 impl<T: Scalar> Motor<T> {
     /// The parameters as they were given.
     pub const fn params(&self) -> &MotorParams<T> {
@@ -103,30 +117,86 @@ impl<T: Scalar> Motor<T> {
         self.command_from(demand, self.believed(supply_v))
     }
 
-    /// [`command`](Self::command) from a supply that is [`believed`](Self::believed).
+    /// [`command`](Self::command) from a supply that is [`believed`](Self::believed). Nearly always neither current nor supply limits.
+    #[inline(always)]
     pub(super) fn command_from(
         &self,
         demand: &WheelDemand<T>,
         (supply, supply_unknown): (T, bool),
     ) -> MotorCommand<T> {
-        let MotorParams {
-            friction,
-            max_current_a,
-            resistance_ohm,
-            ..
-        } = self.params;
+        let asked = self.asked(demand);
+        let voltage = self.params.resistance_ohm * asked.current + asked.back_emf;
+        // What is no number is within nothing. Without a limit there is no overspeed: the back-EMF is within what both limits leave.
+        let unlimited = asked.current.abs() <= self.params.max_current_a
+            && voltage.abs() <= supply * self.dead_band.most();
+        if !unlimited {
+            // Number by number, in registers: what a pointer refers to would be in memory in every tick.
+            return self.limited_command(
+                demand.torque_nm,
+                demand.desired_speed_rad_s,
+                demand.speed_rad_s,
+                demand.beyond_coulomb_nm,
+                (supply, supply_unknown),
+            );
+        }
+        MotorCommand {
+            torque_nm: asked.torque,
+            friction_nm: asked.friction,
+            current_a: asked.current,
+            voltage_v: voltage,
+            duty: self.dead_band.beyond(voltage / supply),
+            limited: MotorLimited {
+                supply_unknown,
+                ..MotorLimited::default()
+            },
+        }
+    }
+
+    /// What a demand takes without limits.
+    #[inline]
+    fn asked(&self, demand: &WheelDemand<T>) -> Asked<T> {
+        let friction = &self.params.friction;
         let sense = clamp(demand.desired_speed_rad_s * self.per_blend, T::ONE);
         let beyond = demand
             .beyond_coulomb_nm
             .unwrap_or_else(|| friction.stiction_nm * self.standing(demand.speed_rad_s));
         let level = friction.coulomb_nm + beyond;
-        let friction_nm = level * sense + friction.viscous_nm_s * demand.desired_speed_rad_s;
-        let torque = demand.torque_nm + friction_nm;
-        let current = self.gear.current(torque, sense);
-        let allowed = clamp(current, max_current_a);
-        let back_emf = self.gear.constant * demand.speed_rad_s;
-        let needed = resistance_ohm * allowed + back_emf;
-        if !(torque.is_finite() && needed.is_finite()) {
+        let friction = level * sense + friction.viscous_nm_s * demand.desired_speed_rad_s;
+        let torque = demand.torque_nm + friction;
+        Asked {
+            sense,
+            friction,
+            torque,
+            current: self.gear.current(torque, sense),
+            back_emf: self.gear.constant * demand.speed_rad_s,
+        }
+    }
+
+    /// The command where current or supply limits it, or where it is no number. Apart, so that a tick does not carry it along.
+    #[cold]
+    #[inline(never)]
+    fn limited_command(
+        &self,
+        torque_nm: T,
+        desired_speed_rad_s: T,
+        speed_rad_s: T,
+        beyond_coulomb_nm: Option<T>,
+        (supply, supply_unknown): (T, bool),
+    ) -> MotorCommand<T> {
+        let asked = self.asked(&WheelDemand {
+            torque_nm,
+            desired_speed_rad_s,
+            speed_rad_s,
+            beyond_coulomb_nm,
+        });
+        let MotorParams {
+            max_current_a,
+            resistance_ohm,
+            ..
+        } = self.params;
+        let allowed = clamp(asked.current, max_current_a);
+        let needed = resistance_ohm * allowed + asked.back_emf;
+        if !(asked.torque.is_finite() && needed.is_finite()) {
             return MotorCommand {
                 limited: MotorLimited {
                     supply_unknown,
@@ -140,16 +210,16 @@ impl<T: Scalar> Motor<T> {
         let voltage = clamp(needed, most);
         let runaway = most + resistance_ohm * max_current_a;
         let limited = MotorLimited {
-            current: current.abs() > max_current_a,
+            current: asked.current.abs() > max_current_a,
             voltage: needed.abs() > most,
-            overspeed: back_emf.abs() > runaway,
+            overspeed: asked.back_emf.abs() > runaway,
             supply_unknown,
             invalid: false,
         };
         let current = if limited.voltage {
             // Below what was allowed, and, but for an overspeed, not below the limit on the other side: there
             // rounding alone passes it.
-            let left = (voltage - back_emf) * self.per_resistance;
+            let left = (voltage - asked.back_emf) * self.per_resistance;
             if limited.overspeed {
                 left
             } else {
@@ -159,13 +229,13 @@ impl<T: Scalar> Motor<T> {
             allowed
         };
         let torque_nm = if limited.current || limited.voltage {
-            self.gear.torque(current, sense)
+            self.gear.torque(current, asked.sense)
         } else {
-            torque
+            asked.torque
         };
         MotorCommand {
             torque_nm,
-            friction_nm,
+            friction_nm: asked.friction,
             current_a: current,
             voltage_v: voltage,
             duty: self.dead_band.beyond(voltage / supply),

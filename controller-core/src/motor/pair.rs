@@ -16,6 +16,7 @@ pub struct WheelCommands {
 
 impl Motor<f32> {
     /// [`command`](Self::command) of both wheels, for a driver of the hardware traits.
+    #[inline]
     pub fn commands(&self, torques: &WheelTorques<f32>, observed: &Observed) -> WheelCommands {
         let Observed {
             speeds,

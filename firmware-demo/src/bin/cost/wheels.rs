@@ -2,12 +2,12 @@
 
 use core::hint::black_box;
 
-use controller_core::hal::WheelCounts;
+use controller_core::hal::{Observed, WheelCounts};
 use controller_core::localiser::{Fix, FixOutcome, FusionParams, Localiser, LocaliserParams};
 use controller_core::maths::Single;
-use controller_core::motor::{MotorParams, WheelDemand, WheelFriction};
+use controller_core::motor::{MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, Odometry, OdometryParams};
-use controller_core::types::Pose;
+use controller_core::types::{Pose, WheelSpeeds, WheelTorques};
 use controller_core::wheels::WheelGeometry;
 use firmware_demo::board::Meter;
 
@@ -96,7 +96,7 @@ pub fn localiser(meter: &mut Meter) {
     complain(&["localiser"], "faults", faults);
 }
 
-/// One wheel's torque to its duty, with everything there is to compensate.
+/// Both wheels' torques to their duties, with everything there is to compensate.
 #[inline(never)]
 pub fn motor(meter: &mut Meter) {
     let params = MotorParams {
@@ -121,20 +121,30 @@ pub fn motor(meter: &mut Meter) {
     let motor = black_box(motor);
     let mut inputs = Inputs::new(9);
     let mut row = Row::new();
-    let mut command = None;
+    let mut driven = ([0.0; 2], None);
     for _ in 0..COUNT {
-        let demand = WheelDemand {
-            torque_nm: inputs.real(0.3),
-            desired_speed_rad_s: inputs.real(20.0),
-            speed_rad_s: inputs.real(20.0),
-            beyond_coulomb_nm: None,
+        let mut pair = |scale| [inputs.real::<f32>(scale), inputs.real::<f32>(scale)];
+        let ([right, left], [[r, l], [dr, dl]]) = (pair(0.3), [pair(20.0), pair(20.0)]);
+        let torques = WheelTorques { right, left };
+        let observed = Observed {
+            speeds: WheelSpeeds { right: r, left: l },
+            desired: WheelSpeeds {
+                right: dr,
+                left: dl,
+            },
+            beyond_coulomb: None,
+            supply_v: black_box(11.0 + inputs.real::<f32>(1.0)),
         };
-        let supply = black_box(11.0 + inputs.real::<f32>(1.0));
+        // What a driver makes of them.
         let cost = meter
-            .measure(|| command = Some(motor.command(&demand, supply)))
+            .measure(|| {
+                let commands = motor.commands(&torques, &observed);
+                let duties = [commands.right.duty, commands.left.duty];
+                driven = (duties, commands.exerted());
+            })
             .1;
         row.add(cost);
-        command = black_box(command);
+        driven = black_box(driven);
     }
-    row.print(&["motor", "command"]);
+    row.print(&["motor", "commands"]);
 }
