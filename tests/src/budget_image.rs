@@ -76,6 +76,12 @@ pub fn cargo(folder: &Path, level: &str) -> Command {
 
 /// Builds a binary of `firmware-demo` in the profile `chip`, with the proof that no panic is reachable.
 pub fn build(board: Board, level: &str, bin: &str) -> PathBuf {
+    // What counts ticks does so for the robots of `bases/` as well.
+    let features = if bin == "cost" {
+        "panic-proof,robots"
+    } else {
+        "panic-proof"
+    };
     let mut command = cargo(&root(), level);
     command
         .args([
@@ -88,7 +94,7 @@ pub fn build(board: Board, level: &str, bin: &str) -> PathBuf {
         ])
         .args([
             "--features",
-            "panic-proof",
+            features,
             "--target",
             board.target,
             "--bin",

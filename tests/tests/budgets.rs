@@ -137,6 +137,14 @@ fn entries(measured: &Measured) -> Vec<(&'static str, u64)> {
         ("base-park", cost.most("base/park")),
         ("base-park-mean", cost.mean("base/park")),
         ("base-fix", cost.most("base/with-fix")),
+        ("shipped-fix", cost.most("shipped/with-fix")),
+        ("shipped-follow", cost.most("shipped/follow")),
+        ("shipped-follow-mean", cost.mean("shipped/follow")),
+        ("shipped-park", cost.most("shipped/park")),
+        ("shipped-park-mean", cost.mean("shipped/park")),
+        ("shipped-plan", cost.most("shipped/plan")),
+        ("shipped-velocity", cost.most("shipped/velocity")),
+        ("shipped-velocity-mean", cost.mean("shipped/velocity")),
         ("localiser", cost.most("localiser/without-fix")),
         ("motor", cost.most("motor/commands")),
         ("base-flash", base.flash()),
@@ -361,7 +369,28 @@ fn the_document_states_what_is_measured() {
                 &["motion-search-1ms", "motion-search-10ms"],
             ),
             (
-                "whole base, one tick from encoder counts to wheels, first / following / parking / with a pose, most",
+                "robots of `bases/`, one tick from encoder counts to duties, following / parking / by velocity / with a pose, most",
+                &[
+                    "shipped-follow",
+                    "shipped-park",
+                    "shipped-velocity",
+                    "shipped-fix",
+                ],
+            ),
+            (
+                "their mean, following / parking / by velocity",
+                &[
+                    "shipped-follow-mean",
+                    "shipped-park-mean",
+                    "shipped-velocity-mean",
+                ],
+            ),
+            (
+                "they while a manoeuvre is searched for, 0.35 s at most, most",
+                &["shipped-plan"],
+            ),
+            (
+                "a base without motors at 1 kHz, to torques, first / following / parking / with a pose, most",
                 &["base-first", "base-follow", "base-park", "base-fix"],
             ),
             (
@@ -442,35 +471,34 @@ fn the_readme_says_what_a_tick_costs() {
     assert!(off_mm <= 5, "{off_mm} mm");
     let mut page = Stated::of("README.md");
     let stack = peers.row("peer/stack");
-    let follow = figures["base-follow-mean"] as f64;
     let traced = &modelled()[0];
     let per_instruction = [traced.cycles.least, traced.cycles.most]
         .map(|cycles| cycles as f64 / traced.instructions as f64);
     page.to_a_digit(At::Phrase("one takes # to # cycles"), &per_instruction);
-    // Cycles a tick over those of a millisecond at 100 MHz [%].
+    // Cycles a tick over those of 10 ms at 100 MHz [%].
     let shares =
-        per_instruction.map(|cycles| 100.0 * cycles * figures["base-follow"] as f64 / 1.0e5);
-    page.to_a_digit(At::Phrase("the base takes # to # % of the time"), &shares);
+        per_instruction.map(|cycles| 100.0 * cycles * figures["shipped-follow"] as f64 / 1.0e6);
+    page.to_a_digit(At::Phrase("a robot takes # to # % of the time"), &shares);
     page.exactly(
         At::Phrase("Flash # bytes, RAM #, stack #."),
         &["base-flash", "base-ram", "base-stack"].map(|key| figures[key] as f64),
     );
     for (row, cells) in [
         (
-            "whole base to torques, following",
-            &[follow, figures["base-follow"] as f64][..],
+            "a robot of `bases/` to duties, following",
+            &["shipped-follow-mean", "shipped-follow"].map(|key| figures[key] as f64)[..],
         ),
         (
-            "whole base to torques, parking",
-            &["base-park-mean", "base-park"].map(|key| figures[key] as f64),
+            "the same, parking",
+            &["shipped-park-mean", "shipped-park"].map(|key| figures[key] as f64),
         ),
         (
-            "the same with an external pose",
-            &[figures["base-fix"] as f64],
+            "the same, driven by velocity",
+            &["shipped-velocity-mean", "shipped-velocity"].map(|key| figures[key] as f64),
         ),
         (
-            "the same while it searches for a manoeuvre, 0.35 s at most; the law alone, every 10 ms",
-            &["base-plan", "motion-search-10ms"].map(|key| figures[key] as f64),
+            "the same with an external pose; while it searches for a manoeuvre, 0.35 s at most",
+            &["shipped-fix", "shipped-plan"].map(|key| figures[key] as f64),
         ),
         (
             "odometry, Ramsete, a PID with feed-forward for each wheel, to duties; nothing else",

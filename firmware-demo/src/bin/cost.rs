@@ -31,6 +31,10 @@ mod kinds;
 #[path = "cost/print.rs"]
 mod print;
 
+#[cfg(all(target_os = "none", feature = "robots"))]
+#[path = "cost/shipped.rs"]
+mod shipped;
+
 #[cfg(target_os = "none")]
 #[path = "cost/stack.rs"]
 mod stack;
@@ -85,6 +89,8 @@ fn run() {
     base::lead(meter);
     base::ticks(meter);
     base::bytes();
+    #[cfg(feature = "robots")]
+    shipped::ticks(meter);
 
     wire::measure(meter);
 }
