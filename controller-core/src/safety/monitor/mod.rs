@@ -45,8 +45,8 @@
 //! follows y, as if a constant acceleration explained it: nothing is said of the wheels, and when torques are
 //! known again both filters begin from what the wheels really did.
 //!
-//! A tick looks at both. Ticks of at most [`BRIEF_US`] share that: a look has four parts, the two wheels take turns, and a tick takes
-//! one part, or two if it is longer than [`PART_US`]. Each look then is 10 ms after the last one of its wheel at most, as in ticks of
+//! A tick looks at both. Ticks of at most [`SINGLE_US`] share that: the two wheels take turns, a look has four parts, and a tick takes
+//! one part, two if it is longer than [`PART_US`], all four if it is longer than [`BRIEF_US`]. Each look then is 10 ms after the last one of its wheel at most, as in ticks of
 //! that length. It takes all that was exerted and counted since then, so nothing is left out, and what it shows stands until the next.
 //! What lasts is timed by looks: it is found 10 ms and three ticks later at most, a twentieth of `stuck.after` as bases have it. The
 //! filters have ten looks in their window at least.
@@ -106,8 +106,10 @@ impl<T: Scalar> Monitor<T> {
 /// Longest tick that takes no more than a part of a look. Both looks have eight [parts](Part), which so take 10 ms at most, a
 /// tenth of the window.
 const PART_US: u32 = 1_250;
-/// Longest one that takes two of them. Longer ones take both looks whole.
+/// Longest one that takes two of them.
 const BRIEF_US: u32 = 2 * PART_US;
+/// Longest one that takes one look, whole. Longer ones take both.
+const SINGLE_US: u32 = 4 * PART_US;
 
 /// What a brief tick does of a look at a wheel, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -256,19 +258,44 @@ impl<T: Scalar> Detectors<T> {
             false => inputs.torques,
         };
         self.gathered = self.gathered.and(&Span::of(inputs.dt_us, torques));
-        if inputs.dt_us <= PART_US {
-            self.take_part(settings, inputs);
-        } else {
-            // What is lent to a call is made in memory: here and not in every tick.
-            let inputs = *inputs;
-            self.take_more(settings, &inputs);
-        }
+        self.look_in_turn(settings, inputs);
         if !self.right.signs.and(self.left.signs).is_empty() {
             let outside = inputs
                 .outside
                 .map(|twist| settings.map.wheel_speeds(&twist));
             let command = settings.map.wheel_speeds(&inputs.command);
             self.find(settings, &command, outside.as_ref(), found);
+        }
+    }
+
+    /// As much of the looks at both wheels as belongs to a tick of this length.
+    #[inline(always)]
+    fn look_in_turn(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
+        let us = inputs.dt_us;
+        if us <= PART_US {
+            self.take_part(settings, inputs);
+            return;
+        }
+        let (parts, looks) = if us <= BRIEF_US {
+            (2, 0)
+        } else {
+            // Of a look that brief ticks before it have begun, what is left.
+            (self.part.to_come(), if us <= SINGLE_US { 1 } else { 2 })
+        };
+        for _ in 0..parts {
+            self.take_part(settings, inputs);
+        }
+        for _ in 0..looks {
+            let wheel = if self.is_left {
+                &mut self.left
+            } else {
+                &mut self.right
+            };
+            let span = self.before.and(&self.gathered);
+            self.before = core::mem::take(&mut self.gathered);
+            let now = wheel_seen(settings, inputs, &span, self.is_left, wheel);
+            wheel.advance(settings, &now);
+            self.is_left = !self.is_left;
         }
     }
 
@@ -301,32 +328,6 @@ impl<T: Scalar> Detectors<T> {
                 Part::Take
             }
         };
-    }
-
-    /// Two parts, or whole looks in a tick that is not brief.
-    #[inline(never)]
-    fn take_more(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
-        let brief = inputs.dt_us <= BRIEF_US;
-        for _ in 0..if brief { 2 } else { self.part.to_come() } {
-            self.take_part(settings, inputs);
-        }
-        if brief {
-            return;
-        }
-        let gathered = core::mem::take(&mut self.gathered);
-        let longer = core::mem::take(&mut self.before).and(&gathered);
-        let (right, left) = if self.is_left {
-            (&gathered, &longer)
-        } else {
-            (&longer, &gathered)
-        };
-        for (wheel, span, is_left) in [
-            (&mut self.right, right, false),
-            (&mut self.left, left, true),
-        ] {
-            let now = wheel_seen(settings, inputs, span, is_left, wheel);
-            wheel.advance(settings, &now);
-        }
     }
 
     /// What the signs of the wheels come to.

@@ -118,22 +118,33 @@ fn late_ticks_are_counted() {
     assert_eq!(monitor.late_ticks(), 3);
 }
 
-/// Looks come in parts: one in a tick of up to 1.25 ms, two in one of up to 2.5 ms, and both wheels whole in a longer one, which takes all that
-/// was exerted.
+/// Looks come in parts: one in a tick of up to 1.25 ms, two in one of up to 2.5 ms, a whole one in one of up to 5 ms, and both in a longer one. Each
+/// takes all that was exerted.
 #[test]
 fn longer_ticks_take_more_of_a_look() {
-    for (dt_us, part) in [
-        (1_250, Part::Push),
-        (1_251, Part::Filter),
-        (2_500, Part::Filter),
-        (2_501, Part::Take),
+    for (dt_us, part, is_left) in [
+        (1_250, Part::Push, false),
+        (1_251, Part::Filter, false),
+        (2_500, Part::Filter, false),
+        (2_501, Part::Take, true),
+        (5_000, Part::Take, true),
+        (5_001, Part::Take, false),
     ] {
         let mut monitor = monitor(params());
         let mut inputs = pushing(1, 0, 0);
         inputs.dt_us = dt_us;
         monitor.check(&inputs);
-        let found = (monitor.detectors.part, monitor.detectors.gathered);
-        assert_eq!(found, (part, Span::default()), "{dt_us}");
+        let Detectors {
+            part: next,
+            is_left: left,
+            gathered,
+            ..
+        } = monitor.detectors;
+        assert_eq!(
+            (next, left, gathered),
+            (part, is_left, Span::default()),
+            "{dt_us}"
+        );
     }
 }
 

@@ -45,6 +45,23 @@ fn what_stands_is_found_at_the_next_look_and_stays_found() {
     }
 }
 
+/// Ticks of 5 ms look at the right wheel and at the left one in turn: 250 ms last from the first look until the 25th after it.
+#[test]
+fn ticks_of_5_ms_look_at_one_wheel_each() {
+    let kind = FaultKind::EncoderStuck;
+    for (right, left, tick) in [(0, 10, 51), (10, 0, 52)] {
+        let mut monitor = monitor(DetectorParams {
+            period_us: 5000,
+            ..params()
+        });
+        let at = |k| DetectorInputs {
+            dt_us: 5000,
+            ..pushing(k, right, left)
+        };
+        assert_eq!(found_in(&mut monitor, 100, kind, at), Some(tick));
+    }
+}
+
 /// A torque to and fro at every tick pushes nothing, though a look meets it the same way each time.
 #[test]
 fn a_look_takes_all_that_was_exerted_since_the_last() {
@@ -74,7 +91,7 @@ fn nothing_is_lost_where_ticks_change_their_length() {
     let (mut us, mut angle, mut speed) = (0_u32, 0.0_f64, 0.0);
     // 4 N m each: 80 N on 30 kg with wheels of 0.1 m.
     let accel = 8.0 / (30.0 * 0.1 * 0.1);
-    let lengths = [1000, 10_000, 1000, 2000, 2500, 2600, 700];
+    let lengths = [1000, 10_000, 1000, 2000, 5000, 2500, 2600, 4000, 700];
     for dt_us in lengths.into_iter().cycle().take(700) {
         let dt = 1e-6 * f64::from(dt_us);
         us += dt_us;
