@@ -66,6 +66,7 @@ pub(crate) fn order(order: &abi::Order, to: &mut base::Order<f32>) -> Result<(),
         order::FOLLOW => follow(order, to),
         order::PARK => *to = base::Order::Park((&order.pose).into()),
         order::VELOCITY => {
+            // Judged first: with a decision between, the twist would be copied number by number.
             let hold_heading = flag(order.hold_heading)?;
             *to = base::Order::Drive {
                 twist: (&order.twist).into(),

@@ -286,31 +286,30 @@ impl<T: Scalar> Detectors<T> {
             self.take_part(settings, inputs);
         }
         for _ in 0..looks {
-            let wheel = if self.is_left {
-                &mut self.left
-            } else {
-                &mut self.right
-            };
-            let span = self.before.and(&self.gathered);
-            self.before = core::mem::take(&mut self.gathered);
+            let span = self.take_span();
+            let wheel = in_turn(self.is_left, &mut self.right, &mut self.left);
             let now = wheel_seen(settings, inputs, &span, self.is_left, wheel);
             wheel.advance(settings, &now);
             self.is_left = !self.is_left;
         }
     }
 
+    /// What was exerted since the last look at the wheel whose turn it is.
+    #[inline(always)]
+    fn take_span(&mut self) -> Span<T> {
+        let span = self.before.and(&self.gathered);
+        self.before = core::mem::take(&mut self.gathered);
+        span
+    }
+
     /// A part of a look.
     #[inline(always)]
     fn take_part(&mut self, settings: &ValidDetectorParams<T>, inputs: &DetectorInputs<T>) {
-        let wheel = if self.is_left {
-            &mut self.left
-        } else {
-            &mut self.right
-        };
+        let wheel = in_turn(self.is_left, &mut self.right, &mut self.left);
         self.part = match self.part {
             Part::Take => {
-                let span = self.before.and(&self.gathered);
-                self.before = core::mem::take(&mut self.gathered);
+                let span = self.take_span();
+                let wheel = in_turn(self.is_left, &mut self.right, &mut self.left);
                 self.look = wheel_seen(settings, inputs, &span, self.is_left, wheel);
                 Part::Push
             }
@@ -350,6 +349,16 @@ impl<T: Scalar> Detectors<T> {
         found.add_some(reversed.map(Fault::EncoderReversed));
         found.add_some(of(|wheel| wheel.slips).map(Fault::WheelSlip));
     }
+}
+
+/// The wheel whose turn it is.
+#[inline(always)]
+const fn in_turn<'a, T>(
+    is_left: bool,
+    right: &'a mut Wheel<T>,
+    left: &'a mut Wheel<T>,
+) -> &'a mut Wheel<T> {
+    if is_left { left } else { right }
 }
 
 /// What there is to be seen of a `wheel` after a `span`.

@@ -19,7 +19,7 @@ use crate::stack::mark;
 const TICKS: u32 = 14_000;
 
 /// A search for a manoeuvre takes no longer \[s\].
-const SEARCH_S: f32 = 0.35;
+pub const SEARCH_S: f32 = 0.35;
 
 /// The same in ticks of a mission.
 const SEARCH_TICKS: u32 = (1.0e6 * SEARCH_S) as u32 / mission::PERIOD_US;
@@ -33,6 +33,12 @@ enum Phase {
     Park,
 }
 
+/// A base that is not at its goal and commands nothing: it may search for a manoeuvre.
+pub fn stands(motion: &MotionReport) -> bool {
+    let Twist { linear, angular } = motion.command;
+    motion.outcome == Outcome::Driving && linear.abs() < 0.005 && angular.abs() < 0.02
+}
+
 /// Ticks so far, and those of them that parked.
 #[derive(Default)]
 struct Phases {
@@ -43,11 +49,7 @@ struct Phases {
 impl Phases {
     /// Of a tick that parks or not, and what the law reported of it. A search begins with parking, or from rest beside the goal.
     fn next(&mut self, parks: bool, motion: Option<&MotionReport>) -> Phase {
-        let stands = motion.is_some_and(|motion| {
-            motion.outcome == Outcome::Driving
-                && motion.command.linear.abs() < 0.005
-                && motion.command.angular.abs() < 0.02
-        });
+        let stands = motion.is_some_and(stands);
         self.ticks += 1;
         self.parking += u32::from(parks);
         match self.parking {

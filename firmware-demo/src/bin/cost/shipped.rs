@@ -8,7 +8,6 @@ use controller_core::base::{BaseController, Order, Sensed, WheelAction};
 use controller_core::hal::{Observed, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::maths::{Maths, Single};
-use controller_core::motion::Outcome;
 use controller_core::motor::Motor;
 use controller_core::paper::params::Params;
 use controller_core::reference::Reference;
@@ -18,16 +17,13 @@ use firmware_demo::board::Meter;
 use firmware_demo::model::Model;
 use firmware_demo::robots::{HOBBY_1KG, LAB_10KG, PAPER_30KG, RobotConstants};
 
+use crate::base::{SEARCH_S, stands};
 use crate::print::{Row, complain};
 
 /// How long each order is given \[s\]: a bend and its end, a goal aside, a twist.
 const BEND_S: f32 = 5.0;
 const GOAL_S: f32 = 8.0;
 const TWIST_S: f32 = 2.0;
-/// A search for a manoeuvre takes no longer.
-const SEARCH_S: f32 = 0.35;
-/// Time between external poses: 20 Hz, as the bases state.
-const POSE_US: u32 = 50_000;
 /// Curvature of the bend \[1/m\].
 const CURVATURE: f32 = 0.8;
 
@@ -112,6 +108,7 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
     let params = robot.base.validate().ok()?;
     let motor = params.motor()?;
     let limits = &robot.base.motion.limits;
+    let pose_us = (1.0e6 / robot.base.localiser.fusion?.rate_hz) as u32;
     let dt_us = robot.period_us;
     let dt = 1.0e-6 * dt_us as f32;
     let body = Params::<f32> {
@@ -139,7 +136,7 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
             right: (per_rad * right_rad) as i32,
             left: (per_rad * left_rad) as i32,
         };
-        let fix = (tick * dt_us).is_multiple_of(POSE_US).then(|| Fix {
+        let fix = (tick * dt_us).is_multiple_of(pose_us).then(|| Fix {
             pose: model.measured().pose,
             age_s: 0.0,
         });
@@ -166,13 +163,9 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
             .measure(|| black_box(duties(&mut controller, dt_us, &order, &sensed, motor)))
             .1;
         let report = controller.report();
-        let moves = report.motion.as_ref().is_some_and(|motion| {
-            motion.outcome != Outcome::Driving
-                || motion.command.linear.abs() >= 0.005
-                || motion.command.angular.abs() >= 0.02
-        });
-        let searches =
-            tick >= bend_ends && tick < goal_ends && (tick < bend_ends + ticks(SEARCH_S) || !moves);
+        let begins = tick < bend_ends + ticks(SEARCH_S);
+        let searches = matches!(order, Order::Park(_))
+            && (begins || report.motion.as_ref().is_some_and(stands));
         let row = match order {
             _ if searches => &mut rows.plan,
             _ if fix.is_some() => &mut rows.with_fix,
