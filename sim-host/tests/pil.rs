@@ -1,5 +1,6 @@
 //! `sim-host pil` from outside. The emulator is part of the test: it is not skipped without it.
 
+use firmware_demo::host::{Image, Machine, build_image};
 use serde_json::Value;
 use sim_host::csv_out::Columns;
 use std::fs;
@@ -144,6 +145,13 @@ fn what_the_firmware_does_not_have_is_refused_with_the_reason() {
 #[test]
 fn a_missing_emulator_is_named_with_its_package() {
     let here = tempfile::tempdir().expect("a directory");
+    // Before: what builds it may be in the emulator's folder.
+    let firmware = Image {
+        machine: Machine::CortexM4F,
+        bin: "pil",
+        features: "panic-proof",
+    };
+    build_image(&firmware).expect("the firmware builds");
     let path = std::env::var("PATH").expect("a path");
     // The tools of Rust, without the emulator.
     let tools: Vec<_> = std::env::split_paths(&path)
