@@ -145,7 +145,7 @@ fn is_short(remaining: &Remaining<f32>, command: &Twist<f32>, distance: fn(f32) 
 fn others() {
     keep![
         is_short, Field::name, tuning::DesignParameter::name, hal::accepts, hal::accepts_speeds, hal::Widened::new, hal::Widened::update,
-        motor::MotorLimited::torque, motor::Motor::<f32>::commands, motor::WheelCommands::exerted, motor::WheelCommands::is_invalid,
+        motor::MotorLimited::torque, motor::Motor::<f32>::commands, DriveCommand::<f32>::observed, motor::WheelCommands::exerted, motor::WheelCommands::is_invalid,
         single::asin, single::atan2, single::exp_m1, single::inverse_sqrt, single::sin_cos, single::sin_cos_near, single::sqrt, single::wrap,
         safety::Side::of, safety::Fault::kind, safety::FaultKind::code, safety::FaultKind::name, safety::FaultKind::from_code,
         safety::FaultKind::breaks_measurement, safety::PolicyParams::get, safety::PolicyParams::with, safety::PolicyParams::validate,

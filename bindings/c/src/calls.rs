@@ -12,7 +12,7 @@ use core::slice;
 use controller_core::base::{
     self, BaseController, BaseParams, DriveCommand, ValidBaseParams, WheelAction,
 };
-use controller_core::hal::{ErrorKind, Observed, WheelCounts};
+use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::safety::supervisor::{self, Event};
 use controller_core::types::WheelTorques;
 use protocol::{BaseTick, decode_robot};
@@ -265,12 +265,7 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
         unsafe { out.write(without_duties(&report.action)) };
         return;
     };
-    let observed = Observed {
-        speeds: drive.speeds,
-        desired: drive.desired,
-        beyond_coulomb: drive.beyond_coulomb,
-        supply_v: supply_v.unwrap_or(f32::NAN),
-    };
+    let observed = drive.observed(supply_v);
     // What is only copied, before the motors take up the registers.
     // SAFETY: of the caller.
     unsafe { write_drive(drive, action::DUTY, out) };

@@ -1,7 +1,7 @@
 //! What goes into a tick and what comes out of it.
 
 use crate::gyro::GyroReading;
-use crate::hal::{ErrorKind, WheelCounts};
+use crate::hal::{ErrorKind, Observed, WheelCounts};
 use crate::localiser::Fix;
 use crate::reference::Reference;
 use crate::safety::Currents;
@@ -93,4 +93,18 @@ pub struct DriveCommand<T = f32> {
     pub speeds: WheelSpeeds<T>,
     /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]. Only while driving by velocity.
     pub beyond_coulomb: Option<WheelTorques<T>>,
+}
+
+impl DriveCommand {
+    /// What a motor driver is told with these torques; the supply at its bridges \[V\] where something measures it.
+    #[inline]
+    #[must_use]
+    pub fn observed(&self, supply_v: Option<f32>) -> Observed {
+        Observed {
+            speeds: self.speeds,
+            desired: self.desired,
+            beyond_coulomb: self.beyond_coulomb,
+            supply_v: supply_v.unwrap_or(f32::NAN),
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! From an action to the driver.
 
 use controller_core::base::WheelAction;
-use controller_core::hal::{Error as _, Observed, WheelDrive};
+use controller_core::hal::{Error as _, WheelDrive};
 use controller_core::types::WheelTorques;
 
 use super::ControlTask;
@@ -11,12 +11,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
     pub(super) fn apply(&mut self, action: &WheelAction<f32>, supply_v: Option<f32>) {
         let applied = match action {
             WheelAction::Drive(drive) => {
-                self.drive.observe(&Observed {
-                    speeds: drive.speeds,
-                    desired: drive.desired,
-                    beyond_coulomb: drive.beyond_coulomb,
-                    supply_v: supply_v.unwrap_or(f32::NAN),
-                });
+                self.drive.observe(&drive.observed(supply_v));
                 self.drive.set_torques(drive.torques)
             }
             WheelAction::Brake => self.drive.brake(),

@@ -39,7 +39,7 @@ struct Outputs {
 #[cfg(in_rust)]
 mod base {
     use controller_core::base::{BaseController, Order, Sensed, WheelAction};
-    use controller_core::hal::{Observed, WheelCounts};
+    use controller_core::hal::WheelCounts;
     use controller_core::localiser::Fix;
     use controller_core::safety::supervisor::Event;
     use controller_core::types::{Pose, Twist};
@@ -84,12 +84,7 @@ mod base {
         let Some(motor) = base.base().motor() else {
             return;
         };
-        let observed = Observed {
-            speeds: drive.speeds,
-            desired: drive.desired,
-            beyond_coulomb: drive.beyond_coulomb,
-            supply_v: inputs.supply_v,
-        };
+        let observed = drive.observed(sensed.supply_v);
         let commands = motor.commands(&drive.torques, &observed);
         outputs.duties = [commands.right.duty, commands.left.duty];
         if let Some(exerted) = commands.exerted() {

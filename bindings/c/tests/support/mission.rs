@@ -1,7 +1,7 @@
 //! The mission of `tests/c/mission.c` with the core's own types: nothing of the C interface is used here.
 
 use controller_core::base::{BaseController, BaseParams, Order, Sensed, WheelAction};
-use controller_core::hal::{ErrorKind, Observed, WheelCounts};
+use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::reference::Reference;
 use controller_core::safety::Currents;
@@ -244,14 +244,8 @@ fn duties(
     let WheelAction::Drive(drive) = action else {
         return ([0.0; 2], 0, None);
     };
-    let observed = Observed {
-        speeds: drive.speeds,
-        desired: drive.desired,
-        beyond_coulomb: drive.beyond_coulomb,
-        supply_v: supply_v.unwrap_or(f32::NAN),
-    };
     let motor = base.motor().expect("motors on bridges");
-    let commands = motor.commands(&drive.torques, &observed);
+    let commands = motor.commands(&drive.torques, &drive.observed(supply_v));
     assert!(!commands.is_invalid());
     let exerted = commands.exerted();
     let limited = if exerted.is_some() { 2 } else { 0 };

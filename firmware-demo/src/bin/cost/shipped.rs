@@ -5,7 +5,7 @@ use core::f32::consts::TAU;
 use core::hint::black_box;
 
 use controller_core::base::{BaseController, Order, Sensed, WheelAction};
-use controller_core::hal::{Observed, WheelCounts};
+use controller_core::hal::WheelCounts;
 use controller_core::localiser::Fix;
 use controller_core::maths::{Maths, Single};
 use controller_core::motor::Motor;
@@ -194,15 +194,7 @@ fn duties(
     let WheelAction::Drive(drive) = &controller.report().action else {
         return [0.0; 2];
     };
-    let commands = motor.commands(
-        &drive.torques,
-        &Observed {
-            speeds: drive.speeds,
-            desired: drive.desired,
-            beyond_coulomb: drive.beyond_coulomb,
-            supply_v: sensed.supply_v.unwrap_or(f32::NAN),
-        },
-    );
+    let commands = motor.commands(&drive.torques, &drive.observed(sensed.supply_v));
     if let Some(exerted) = commands.exerted() {
         let _ = controller.note_exerted(&exerted);
     }
