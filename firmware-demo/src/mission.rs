@@ -23,27 +23,42 @@ pub const COUNTS_PER_TURN: f32 = 2048.0;
 pub const PERIOD_US: u32 = 1000;
 
 /// Encoders of a model: whole counts of what its wheels have turned.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Encoders {
+    per_rad: f32,
     right_rad: f32,
     left_rad: f32,
 }
 
+impl Default for Encoders {
+    fn default() -> Self {
+        Self::new(COUNTS_PER_TURN)
+    }
+}
+
 impl Encoders {
+    /// Of so many counts a turn of the wheel.
+    pub const fn new(counts_per_turn: f32) -> Self {
+        Self {
+            per_rad: counts_per_turn / core::f32::consts::TAU,
+            right_rad: 0.0,
+            left_rad: 0.0,
+        }
+    }
+
     /// Counts after `dt` \[s\] at the model's present speed.
     pub fn advance(&mut self, dt: f32, model: &Model) -> WheelCounts {
         let speeds = model.wheel_speeds();
         self.right_rad += dt * speeds.right;
         self.left_rad += dt * speeds.left;
         WheelCounts {
-            right: whole(self.right_rad),
-            left: whole(self.left_rad),
+            right: whole(self.per_rad * self.right_rad),
+            left: whole(self.per_rad * self.left_rad),
         }
     }
 }
 
-fn whole(rad: f32) -> i32 {
-    let counts = rad * (COUNTS_PER_TURN / core::f32::consts::TAU);
+fn whole(counts: f32) -> i32 {
     let towards_zero = counts as i32;
     // Rounded down, as a counter of edges does.
     towards_zero.wrapping_sub(i32::from(counts < towards_zero as f32))

@@ -12,8 +12,8 @@ use controller_core::types::{Accel, Measured, Pose, Twist};
 
 use crate::model::Model;
 
-#[path = "routes/bend.rs"]
-mod bend;
+#[path = "routes/curve.rs"]
+mod curve;
 
 /// Samples made by `sim-host compile`: t, x, y, θ, v, w, v̇, ẇ, what is left of the last drive.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,8 @@ pub struct Route {
 }
 
 /// Ten seconds, four metres, half a turn; for a 30 kg base.
-pub const BEND: Route = Route {
-    samples: &bend::BEND,
+pub const CURVE: Route = Route {
+    samples: &curve::CURVE,
 };
 
 impl Route {
@@ -62,7 +62,7 @@ fn timed(sample: &[f32; 9]) -> TimedReference<f32> {
     }
 }
 
-/// The 30 kg base that [`BEND`] was made for.
+/// The 30 kg base that [`CURVE`] was made for.
 pub fn base() -> Result<(ValidMotionParams<f32>, ValidParams<f32>), ParamError> {
     let params = Params::<f32>::paper();
     let motion = MotionParams::new(params.robot, limits()).validate()?;

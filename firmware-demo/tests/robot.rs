@@ -119,7 +119,7 @@ fn short_mission_over_the_serial_port() {
         let refused = remote.ask(&Command::Park { goal });
         assert_eq!(refused, Telemetry::Nack(RejectReason::State));
 
-        // What is changed while disarmed is stored, and told; the memory of an emulated robot begins empty.
+        // What is changed while disarmed is stored, and reported; the memory of an emulated robot begins empty.
         let Telemetry::Parameters(mut field) = remote.ask(&Command::GetParameters) else {
             panic!("no parameters")
         };

@@ -59,7 +59,7 @@ pub enum WireOutcome {
     Driving,
     /// At the goal.
     Parked,
-    /// Told to move, and stands.
+    /// Ordered to move, and stands.
     Stalled,
     /// Given up beside the goal.
     OutOfTolerance,

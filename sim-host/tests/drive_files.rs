@@ -283,8 +283,8 @@ fn tables_for_a_chip_state_their_error() -> Result<(), Box<dyn Error>> {
 #[test]
 fn the_route_in_flash_is_the_table_of_its_file() -> Result<(), Box<dyn Error>> {
     let file = fixtures::read("wpilib_gaps.json")?;
-    let table = ChipTable::of("bend", &file, &BaseSpec::default(), &Retiming::default())?.rust();
-    let route = include_str!("../../firmware-demo/src/routes/bend.rs");
+    let table = ChipTable::of("curve", &file, &BaseSpec::default(), &Retiming::default())?.rust();
+    let route = include_str!("../../firmware-demo/src/routes/curve.rs");
     let rows = |text: &str| -> Vec<String> {
         let rows = text.lines().filter(|line| line.starts_with("    ["));
         rows.map(str::to_owned).collect()

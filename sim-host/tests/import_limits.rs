@@ -457,7 +457,7 @@ fn without_jerk(length: f64, sharpest: f64, limits: &ReferenceLimits) -> f64 {
 }
 
 #[test]
-fn bends_take_the_time_of_an_independent_search() -> Result<(), Box<dyn Error>> {
+fn curves_take_the_time_of_an_independent_search() -> Result<(), Box<dyn Error>> {
     let (length, sharpest) = (4.0, 3.0);
     for (turn_rate, angular_accel) in [(1.0, 8.0), (2.0, 2.0), (3.0, 1.0), (5.0, 0.4)] {
         let limits = ReferenceLimits {

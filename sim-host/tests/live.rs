@@ -92,7 +92,7 @@ fn velocity_orders_move_it_until_the_next_order() {
     assert!((live.world().truth().twist.linear + 0.2).abs() < 0.02);
 }
 
-/// Where it is put it stands; told so, it drives on from there as from anywhere, else it takes external poses for outliers at first.
+/// Where it is put it stands; ordered so, it drives on from there as from anywhere, else it takes external poses for outliers at first.
 #[test]
 fn a_base_that_is_carried_drives_on_from_there() {
     for announced in [true, false] {

@@ -42,7 +42,7 @@ impl<T: Scalar, const N: usize> Led<T, N> {
         self.advance_told::<M>(twist, &Accel::default(), dt, source)
     }
 
-    /// The same where the localiser is told an acceleration.
+    /// The same where the localiser is given an acceleration.
     pub fn advance_told<M: Maths<T>>(
         &mut self,
         twist: Twist<f64>,

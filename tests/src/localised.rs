@@ -105,7 +105,7 @@ impl Localised {
     }
 }
 
-/// The accelerations that odometry is told of: those of the torques.
+/// The accelerations that odometry is given: those of the torques.
 pub fn expected_accel(motion: &ValidMotionParams<f64>, torques: &WheelTorques<f64>) -> Accel<f64> {
     let wrench = motion.wheels().wrench(torques);
     let robot = &motion.params().robot;

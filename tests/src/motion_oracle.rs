@@ -10,7 +10,7 @@ use crate::oracle::motion::command::Command;
 use crate::oracle::motion::follow::Sample;
 use crate::oracle::motion::{Constants, Inputs, Pair, Policy, Row, Rule, law};
 
-/// Parameters as the oracle is told them.
+/// Parameters as the oracle is given them.
 pub fn constants(params: &MotionParams<f64>, rule: Rule) -> Constants {
     let (robot, limits, gains) = (&params.robot, &params.limits, &params.gains);
     let arrival = &params.arrival;

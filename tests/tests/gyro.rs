@@ -512,15 +512,15 @@ fn a_gyro_is_reported_without_fixes() {
     let mut base = Carried::start(None, sheet());
     base.drive((0.0, 0.0), Some(0.0), 1.0);
     // The wheels' radii are apart by 1 %: of what is seen in 0.3 m three tenths are taken, and of ten times 3 % are left.
-    let bend = 0.01 / wheels::<f64>().track_m();
+    let curvature = 0.01 / wheels::<f64>().track_m();
     let mut last = Estimate::default();
     for _ in 0..(12.0 / DT) as usize {
         // Odometry adds what it has learnt to what the wheels say.
-        last = base.advance((0.3, 0.3 * bend), Some(0.0), None);
+        last = base.advance((0.3, 0.3 * curvature), Some(0.0), None);
     }
     assert_eq!(last.gyro.outcome, GyroOutcome::Used);
     assert_eq!(last.curvature_bias, base.localiser.curvature_bias());
-    let left = last.curvature_bias / -bend - 1.0;
+    let left = last.curvature_bias / -curvature - 1.0;
     assert!(left.abs() < 0.05, "{left}");
     // Three of the bias that a second of rest leaves, for 12 s, and a count of 0.1 mm at either wheel.
     assert!(last.measured.pose.theta.abs() < 4e-3, "{last:?}");

@@ -118,7 +118,7 @@ fn what_was_learnt_outlasts_the_fixes() {
 
 /// Backward too, and then forward again, nothing has to be learnt anew: it is the same wheel.
 #[test]
-fn backward_is_the_same_bend() {
+fn backward_is_the_same_curve() {
     let true_bias = 0.02 / (1.01 * TRACK_M);
     let mut led = led(&fused(0.02), 0.02);
     let mut source = Source::camera(2);
@@ -155,7 +155,7 @@ fn exact_odometry_learns_nothing() {
 
 /// Odometry that is worse than stated is learnt up to what was stated, and no further.
 #[test]
-fn the_bend_is_bounded() {
+fn the_curvature_is_bounded() {
     let most = 2.0 * 0.01 / TRACK_M;
     let ahead = Twist::new(0.4, 0.0);
     let biases = learnt(led(&fused(0.01), 0.04), ahead, 10.0, 3, |e| {
@@ -226,7 +226,7 @@ fn a_wrong_track_is_learnt_in_turns() {
     }
 }
 
-/// A wheel that is larger and a track that is wider are told apart by turns to both sides.
+/// A wheel that is larger and a track that is wider are distinguished by turns to both sides.
 #[test]
 fn a_wrong_radius_and_a_wrong_track_are_told_apart() {
     let mut led = wide(&fused(0.02), 0.02);

@@ -144,7 +144,7 @@ fn filtered_noise_is_what_is_promised() {
     }
 }
 
-/// Half of the fixes lost: the noise stays, the pose too; none for a while is told.
+/// Half of the fixes lost: the noise stays, the pose too; none for a while is reported.
 #[test]
 fn lost_fixes_do_no_harm_and_long_gaps_are_told() {
     let file = lab();

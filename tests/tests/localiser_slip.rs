@@ -83,7 +83,7 @@ fn with_robot(localisation: ValidLocaliserParams<f64>) -> ValidLocaliserParams<f
         .expect("a valid base")
 }
 
-/// Bends to both sides at a speed that comes and goes: every second turns by up to 1 rad.
+/// Curves to both sides at a speed that comes and goes: every second turns by up to 1 rad.
 fn slalom(t: f64) -> Twist<f64> {
     Twist::new(0.6 + 0.3 * (1.3 * t).sin(), (2.0 * t).sin())
 }
@@ -124,7 +124,7 @@ fn learnt(
 /// expects 11.5 mrad of chance, so it expects to be off by 3.3e-4; half as much more.
 const LEFT: f64 = 5e-4;
 
-/// Soft tyres, stiff ones and rigid ones are told apart on the way, forward and backward.
+/// Soft tyres, stiff ones and rigid ones are distinguished on the way, forward and backward.
 #[test]
 fn what_tyres_slip_is_learnt_on_the_way() {
     for (slip, forward) in [(SLIP, 1.0), (SLIP, -1.0), (0.5 * SLIP, 1.0), (0.0, 1.0)] {

@@ -387,7 +387,7 @@ fn the_heading_is_held_against_pushes() {
     }
 }
 
-/// Wheels of unlike radii, believed alike, turn a robot that is told to drive straight on; with the heading held it goes straight. One that is
+/// Wheels of unlike radii, believed alike, turn a robot that is ordered to drive straight on; with the heading held it goes straight. One that is
 /// remembered for T = 0.4 s leaves (1 + k₃/κ)/(1 + k₃ T) of the 0.01 rad/s that odometry does not see: κ, since the rate that is fed forward
 /// believes it.
 #[test]
@@ -452,7 +452,7 @@ fn a_jump_of_the_localisation_turns_nothing() {
     }
 }
 
-/// Told to stand, a robot holds its heading until it does: straight on, and where it turns in place.
+/// Ordered to stand, a robot holds its heading until it does: straight on, and where it turns in place.
 #[test]
 fn the_heading_is_held_until_it_stands() {
     let push = Wrench {
@@ -481,7 +481,7 @@ fn the_heading_is_held_until_it_stands() {
     }
 }
 
-/// A robot that is told to stand holds no heading, whatever the pose says; told to drive, it takes the heading that it has.
+/// A robot that is ordered to stand holds no heading, whatever the pose says; ordered to drive, it takes the heading that it has.
 #[test]
 fn a_robot_at_rest_does_not_turn_for_its_heading() {
     let mut robot = start(Base::STANDARD, Body::default(), &drive(0.3, 0.0, true));

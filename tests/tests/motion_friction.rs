@@ -171,7 +171,7 @@ fn on_wheels<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     }
 }
 
-/// Without the estimate friction keeps the robot off; that is told, after two retries, and the robot rests.
+/// Without the estimate friction keeps the robot off; that is reported, after two retries, and the robot rests.
 #[test]
 fn without_the_estimate_friction_is_told() {
     let mut params = Base::STANDARD.exact();

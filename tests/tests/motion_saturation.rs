@@ -130,7 +130,7 @@ fn case_2_with_weak_wheels_arrives_late() {
     );
 }
 
-/// Gains of a strong base on wheels of 10 N: overrated limits, but the torque limit is told to the law.
+/// Gains of a strong base on wheels of 10 N: overrated limits, but the law knows the torque limit.
 #[test]
 fn overrated_base_still_parks() {
     let base = overrated();

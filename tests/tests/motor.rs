@@ -100,7 +100,7 @@ proptest! {
         };
         // Some ten operations on numbers below `scale`; the gear's model divides by the speed.
         let tolerance = scale * (1e-12 + short);
-        // Told, limited or not: gear torque less friction is what accelerates the base.
+        // Reported, limited or not: gear torque less friction is what accelerates the base.
         let accelerating = command.torque_nm - command.friction_nm;
         prop_assert!((given - accelerating).abs() <= tolerance, "{given} {accelerating} {command:?}");
         if !command.limited.torque() {
@@ -151,12 +151,12 @@ proptest! {
         } else {
             prop_assert!(limited.voltage);
         }
-        // What is not told to be limited is what was asked, to the bit.
+        // What is not reported as limited is what was asked, to the bit.
         let whole = demand.torque_nm + command.friction_nm;
         if !limited.torque() {
             prop_assert_eq!(command.torque_nm, whole);
         } else if (command.torque_nm - whole).abs() > 1e-9 * whole.abs() {
-            // And what differs is told (the reverse of the line above).
+            // And what differs is reported (the reverse of the line above).
             prop_assert!(limited.current || limited.voltage);
         }
     }

@@ -110,7 +110,7 @@ fn refuses<T: Scalar, M: Maths<T>>() {
     );
 }
 
-/// A start outside \[-D, B\], an input that is no number and a time that runs back are told, and change nothing.
+/// A start outside \[-D, B\], an input that is no number and a time that runs back are reported, and change nothing.
 #[test]
 fn neuron_refuses_what_it_cannot_use() {
     refuses::<f64, Libm>();

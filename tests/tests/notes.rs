@@ -117,7 +117,7 @@ fn start_with_offset_converges_to_the_continuous_law() {
     }
 }
 
-/// Pose neurons never leave \[-D, B\]; acceleration neurons may by Eq. (23) corrected, and then it is told.
+/// Pose neurons never leave \[-D, B\]; acceleration neurons may by Eq. (23) corrected, and then it is reported.
 #[test]
 fn relaxing_is_told_while_a_neuron_is_outside() {
     let relaxed = Cell::new(0);
@@ -141,7 +141,7 @@ fn relaxing_is_told_while_a_neuron_is_outside() {
     assert!(relaxed.get() > 10);
 }
 
-/// Torques of Eq. (16) beyond the wheels' limit: both scaled by one factor through B̄ of Eq. (3), told, and survived.
+/// Torques of Eq. (16) beyond the wheels' limit: both scaled by one factor through B̄ of Eq. (3), reported, and survived.
 #[test]
 fn saturation_is_told_and_keeps_the_ratio() {
     let limit = 1.5;

@@ -16,7 +16,7 @@ use tests::motion_loop::{Order, steady};
 
 type Controller = MotionController<f64, Libm, ExactMean>;
 
-/// Follows `order` for `end_s` from rest on odometry alone, told of its accelerations or not; calls
+/// Follows `order` for `end_s` from rest on odometry alone, given its accelerations or not; calls
 /// `see` with the time and the torques.
 fn drive(
     file: &File,
@@ -26,7 +26,7 @@ fn drive(
     order: impl Fn(f64) -> Order,
     mut see: impl FnMut(f64, (f64, f64)),
 ) {
-    // Nobody ships a base whose odometry is not told; its loops are those that follow from the limits.
+    // Nobody ships a base whose odometry is not given them; its loops are those that follow from the limits.
     let params = if informed {
         file.motion()
     } else {
@@ -87,7 +87,7 @@ fn ripple(file: &File, speed_loop: (f64, bool), dt: f64) -> [f64; 2] {
     })
 }
 
-/// Told of its accelerations, every base creeps with less than 1 % of its torque, at any bandwidth;
+/// Given its accelerations, every base creeps with less than 1 % of its torque, at any bandwidth;
 /// without, the lightest does.
 #[test]
 fn creeping_does_not_make_the_torque_rattle() {
@@ -105,7 +105,7 @@ fn creeping_does_not_make_the_torque_rattle() {
                 // 30 kg turn with 15 kg m² on wheels 0.5 m apart: a loop of 5 rad/s with integral action
                 // that learns of its own torque at the next count, 0.2 s later, rings. A whole base tells
                 // its odometry (`base::BaseController`), and has none of this.
-                // Of 10 kg the heading's gain of 4/s answers what an odometry that is told nothing makes of the torque.
+                // Of 10 kg the heading's gain of 4/s answers what an odometry that is given nothing makes of the torque.
                 let most = match name {
                     "paper-30kg" if !informed => 0.06,
                     "lab-10kg" if !informed => 0.012,
@@ -289,7 +289,7 @@ fn a_held_wheel_reads_zero_until_it_rolls() {
     }
 }
 
-/// Told of its accelerations the estimate does not lag them; what it was not told of is at most 2/bandwidth late, and in time not at all.
+/// Given its accelerations the estimate does not lag them; what it was not given is at most 2/bandwidth late, and in time not at all.
 #[test]
 fn told_accelerations_are_not_delayed() {
     let (_, file) = bases()[2].clone();

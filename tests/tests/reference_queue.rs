@@ -180,7 +180,7 @@ fn producer_refuses_overflow_disorder_and_numbers_that_are_none() {
     }
 }
 
-/// Before the first sample, between none, and after the last: told, and mended by what comes later.
+/// Before the first sample, between none, and after the last: reported, and mended by what comes later.
 #[test]
 fn consumer_tells_gaps() {
     let mut queue = ReferenceQueue::<f64, 8>::new();

@@ -115,7 +115,7 @@ fn gains_of_ones_own_keep_the_floor_that_arrival_asks_for() {
     Stated::of("docs/motion.md").exactly(At::Phrase("(#, # and # m/s on the bases)"), &floors);
 }
 
-/// Hopeless gains are told, the worst concern first, and one loop's trouble is not another's.
+/// Hopeless gains are reported, the worst concern first, and one loop's trouble is not another's.
 #[test]
 fn hopeless_gains_are_told() {
     let good = base("lab-10kg").gains;

@@ -338,7 +338,7 @@ fn a_mission_from_c_has_the_bits_of_rust() {
 
 #[test]
 fn cmake_finds_the_archive_and_its_example_parks() {
-    // By itself, and as it is told.
+    // By itself, and as it is ordered.
     for core in ["", "portable"] {
         let build = scratch().join(format!("cmake-{core}"));
         // A cache that another checkout left in the same target folder is refused.

@@ -263,7 +263,7 @@ impl Fleet {
 }
 
 impl Fleet {
-    /// A panic in a member is told by the call that it happened in.
+    /// A panic in a member is reported by the call that it happened in.
     fn members(&self) -> std::sync::MutexGuard<'_, Vec<Option<Member>>> {
         self.members.lock().unwrap_or_else(PoisonError::into_inner)
     }

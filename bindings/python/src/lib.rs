@@ -1,7 +1,7 @@
 //! The extension module behind the Python package `twb`.
 //!
 //! It converts and runs side by side; what it runs is [`sim_host`]'s. Long work goes through `work`: the GIL is
-//! released, every core used, progress told and Ctrl-C obeyed. Tables become arrays in `sheet`, errors exceptions
+//! released, every core used, progress reported and Ctrl-C obeyed. Tables become arrays in `sheet`, errors exceptions
 //! in `error`.
 
 mod error;

@@ -117,7 +117,7 @@ def test_without_autoreset_the_caller_resets() -> None:
 
 
 def test_the_base_is_the_real_one() -> None:
-    """It drives as it is told, within its limits, as encoders and late poses have it: near the truth, not at it."""
+    """It drives as it is ordered, within its limits, as encoders and late poses have it: near the truth, not at it."""
     env = ParkVectorEnv(4, "lab-10kg", longest_s=60.0)
     env.reset(seed=9)
     forward = np.tile(np.array([0.25, 0.0], np.float32), (4, 1))

@@ -39,7 +39,7 @@ enum Purpose {
     Ready,
     /// What somebody ordered.
     Order,
-    /// Somebody's wish to leave the fault.
+    /// Somebody's request to leave the fault.
     Reset,
 }
 

@@ -73,7 +73,7 @@ impl CmdVel {
     }
 }
 
-/// How requests and answers are told apart on the wire; the two sides have to agree.
+/// How requests and answers are distinguished on the wire; the two sides have to agree.
 fn mapping() -> ServiceMapping {
     match std::env::var("RMW_IMPLEMENTATION").as_deref() {
         Ok("rmw_cyclonedds_cpp") => ServiceMapping::Cyclone,
@@ -81,7 +81,7 @@ fn mapping() -> ServiceMapping {
     }
 }
 
-/// Whether ROS is told to keep to this machine.
+/// Whether ROS is ordered to keep to this machine.
 fn is_local() -> bool {
     let is = |name: &str, value: &str| std::env::var(name).is_ok_and(|found| found == value);
     is("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST") || is("ROS_LOCALHOST_ONLY", "1")

@@ -96,7 +96,7 @@ pub struct DriveCommand<T = f32> {
 }
 
 impl DriveCommand {
-    /// What a motor driver is told with these torques; the supply at its bridges \[V\] where something measures it.
+    /// What a motor driver needs beside these torques; `supply_v` is that at its bridges \[V\], where something measures it.
     #[inline]
     #[must_use]
     pub fn observed(&self, supply_v: Option<f32>) -> Observed {

@@ -162,7 +162,7 @@ mod tests {
             assert!(rise[..16].iter().all(|beyond| *beyond == 0.0));
             assert!((rise[37] - rise[17] - 0.04).abs() < 1e-12, "{rise:?}");
             assert!((rise[99] - 0.06).abs() < 1e-12);
-            // Told to stand it is not pushed; what was found stays.
+            // Ordered to stand it is not pushed; what was found stays.
             assert!((tick(&mut watch, 0, 0.0, 0.0) - 0.06).abs() < 1e-12);
         }
     }

@@ -65,7 +65,7 @@ const DISTURBANCE_SHARE: f64 = 0.125;
 /// over 90 hand-over states and 324 starts from rest at equal peak moment; `docs/motion.md`.
 pub(crate) const BEARING: f64 = 1.6;
 
-/// h, parking by feedback: how strongly the goal's heading bends the approach.
+/// h, parking by feedback: how strongly the goal's heading curves the approach.
 pub(crate) const COUPLING: f64 = 0.4;
 
 /// Of exact poses: a lateral error \[m\], and the heading that following may make of it at any speed \[rad\]. In single precision

@@ -16,7 +16,7 @@ pub const REFERENCE_TURN_SHARE: f64 = 0.6;
 /// ([`Reference::left_m`]). A base does so by itself; for others who follow a path that comes to rest.
 ///
 /// Lateral feedback asks for the less turning the slower the path is, and noise and delays keep it soft: what tyres have slipped aside
-/// in a bend is at the goal for the most part still there, where another manoeuvre has to mend it. Who has the whole path can do better:
+/// in a curve is at the goal for the most part still there, where another manoeuvre has to mend it. Who has the whole path can do better:
 /// the reference goes to where the robot is, and from there along a curve that joins the path at its end, as in a manoeuvre. What
 /// the robot has to turn for it is fed forward.
 ///
@@ -104,7 +104,7 @@ impl<T: Scalar> PathEnd<T> {
         let (twist, accel) = (reference.twist(), reference.accel());
         let left = reference.left_m();
         let beside = self.offset.beside(left, twist, accel.linear);
-        // Of −z w, which a path that bends to its end has, and a manoeuvre hardly.
+        // Of −z w, which a path that curves to its end has, and a manoeuvre hardly.
         let bent =
             twist.linear.abs() * beside.slope * twist.angular - beside.offset * accel.angular;
         Reference::new_with::<M>(

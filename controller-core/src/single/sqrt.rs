@@ -42,7 +42,7 @@ fn is_special(bits: u32) -> bool {
 /// 1/√x within 4.8e-6 of it, of a positive normal number, half of which is `half`.
 #[inline]
 fn inverse_guess(bits: u32, half: f32) -> f32 {
-    // Halving and negating the bits does so to the logarithm, up to the bend of the mantissa; the
+    // Halving and negating the bits does so to the logarithm, up to the curve of the mantissa; the
     // constant balances the error of the guess, 3.5e-2. Then 1.8e-3, 4.8e-6.
     let y = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(bits >> 1));
     let y = y * (1.5 - half * y * y);

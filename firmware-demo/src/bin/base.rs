@@ -14,7 +14,7 @@ fn run() {
     use controller_core::base::Order;
     use firmware_demo::board::{Meter, Spread};
     use firmware_demo::mission::{base, drive};
-    use firmware_demo::route::BEND;
+    use firmware_demo::route::CURVE;
     use frame::{TICKS, complain, report};
 
     let Ok(base) = base(false) else {
@@ -22,7 +22,7 @@ fn run() {
     };
     let mut meter = Meter::start();
     let (mut follow, mut park) = (Spread::new(), Spread::new());
-    let driven = drive(&BEND, &base, TICKS, |controller, tick| {
+    let driven = drive(&CURVE, &base, TICKS, |controller, tick| {
         let count = meter
             .measure(|| {
                 controller.tick(tick.dt_us, &tick.order, &tick.sensed);

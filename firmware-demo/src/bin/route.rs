@@ -13,7 +13,7 @@ mod frame;
 fn run() {
     use controller_core::motion::Task;
     use firmware_demo::board::{Meter, Spread};
-    use firmware_demo::route::{BEND, base, drive};
+    use firmware_demo::route::{CURVE, base, drive};
     use frame::{TICKS, complain, report};
 
     let Ok(base) = base() else {
@@ -21,7 +21,7 @@ fn run() {
     };
     let mut meter = Meter::start();
     let (mut follow, mut park) = (Spread::new(), Spread::new());
-    let driven = drive(&BEND, &base, TICKS, |controller, dt, task, measured| {
+    let driven = drive(&CURVE, &base, TICKS, |controller, dt, task, measured| {
         let (result, count) = meter.measure(|| controller.step(dt, task, measured).map(|_| ()));
         match task {
             Task::Follow(_) => follow.add(count),

@@ -12,7 +12,7 @@ mod chip {
     use firmware_demo::board::print::Line;
     use firmware_demo::board::{Meter, Spread};
     use firmware_demo::mission::{self, PERIOD_US, Tick};
-    use firmware_demo::route::BEND;
+    use firmware_demo::route::CURVE;
 
     /// The last tick that follows, of those from the second one on, which are marked.
     const FOLLOWED: u32 = 301;
@@ -52,7 +52,7 @@ mod chip {
         let mut meter = Meter::start();
         let (mut follow, mut park) = (Spread::new(), Spread::new());
         let mut number = 0;
-        let driven = mission::drive(&BEND, &base, LAST, |base, given| {
+        let driven = mission::drive(&CURVE, &base, LAST, |base, given| {
             number += 1;
             let Tick {
                 dt_us,

@@ -312,7 +312,7 @@ impl Rule {
                 let fixes = f64::from(fusion.relocalise_after) + 1.0;
                 Some(fixes / source.rate_hz + source.latency_s + ticks(2.0))
             }
-            // Told in a tick, answered in it, judged in the next.
+            // Ordered in a tick, answered in it, judged in the next.
             U::DriveCoasts | U::DriveHolds | U::OverCurrent => Some(ticks(2.0)),
             U::BatterySag => after(detectors.supply.after).map(|s| s + ticks(1.0)),
             U::LateTick => Some(ticks(1.0)),

@@ -109,7 +109,7 @@ impl Terminal {
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        // Nobody is left to be told.
+        // Nobody is left to report it to.
         let _ = tcsetattr(stdin(), OptionalActions::Now, &self.0);
     }
 }

@@ -24,7 +24,7 @@ pub(super) struct Ink {
     pub pale: Color,
 }
 
-/// Okabe and Ito's palette: told apart with any colour vision, and in grey by its lightness.
+/// Okabe and Ito's palette: distinguished with any colour vision, and in grey by its lightness.
 pub(super) const BLUE: Ink = Ink {
     strong: "#0072b2",
     pale: "#86bcdd",

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 pub fn bag_poses(bytes: &[u8], topic: Option<&str>) -> Result<String, ReadError> {
     let messages = Messages::read(bytes)?;
     if let Some(why) = &messages.cut {
-        // Nobody wants to drive half of a way without being told.
+        // Nobody wants to drive half of a way without knowing it.
         let problem = format!("the bag ends early, {why}; `mcap recover` makes a whole one of it");
         return Err(ReadError::Content(problem));
     }

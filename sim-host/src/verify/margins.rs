@@ -283,7 +283,7 @@ mod tests {
         assert_eq!(checked, 3);
     }
 
-    /// What the law itself does near a reference decays as the map says, within what ticks of 1 ms and a neuron's bend make of it.
+    /// What the law itself does near a reference decays as the map says, within what ticks of 1 ms and a neuron's curve make of it.
     #[test]
     fn the_law_decays_as_the_map_says() {
         for base in bases() {

@@ -269,7 +269,7 @@ def test_identify_names_what_a_bag_lacks(tmp_path: Path) -> None:
 
 
 def route() -> list[tuple[float, float, float, float]]:
-    """Straight on and round a bend, at 0.4 m/s, ten times a second."""
+    """Straight on and round a curve, at 0.4 m/s, ten times a second."""
     rows, x, y, theta = [], 1.0, 2.0, 0.5
     for k in range(100):
         rows.append((0.1 * k, x, y, theta))

@@ -113,7 +113,7 @@ def test_standard_messages_say_what_the_report_says(runs: Path, read: Callable[[
         if column["state"][row] == "tracking":
             assert same(column["tau_right"][row], float(joints.effort[0]))
             assert same(column["tau_left"][row], float(joints.effort[1]))
-    # Each change of state is told in the tick in which it happens.
+    # Each change of state is reported in the tick in which it happens.
     statuses = {at: diagnostics.status[0] for at, diagnostics in messages["/diagnostics"]}
     for at, row in row_of.items():
         state = column["state"][row]

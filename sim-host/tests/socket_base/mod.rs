@@ -77,7 +77,7 @@ pub fn serve(listener: &UnixListener, base: &BaseSpec, world: &WorldSetup) -> Se
     }
 }
 
-/// Bytes that came: none, once the program is gone. Waits for them if told so.
+/// Bytes that came: none, once the program is gone. Waits for them if asked to.
 fn read(stream: &mut UnixStream, buffer: &mut [u8], wait: bool) -> Option<usize> {
     let until = wait.then(|| Instant::now() + PAUSED);
     loop {

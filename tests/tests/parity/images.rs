@@ -3,7 +3,7 @@
 
 use firmware_demo::host::{Image, Machine, build_image};
 use firmware_demo::mission;
-use firmware_demo::route::{BEND, Driven, base, drive};
+use firmware_demo::route::{CURVE, Driven, base, drive};
 use std::collections::BTreeMap;
 use std::process::Command;
 
@@ -24,7 +24,7 @@ const RISCV: [&str; 7] = [
 /// The whole base in this process: counts in, torques out.
 fn base_on_host(fixes: bool) -> Driven {
     let base = mission::base(fixes).expect("the base is in order");
-    mission::drive(&BEND, &base, TICKS, |controller, tick| {
+    mission::drive(&CURVE, &base, TICKS, |controller, tick| {
         controller.tick(tick.dt_us, &tick.order, &tick.sensed);
     })
     .expect("no fault")
@@ -33,7 +33,7 @@ fn base_on_host(fixes: bool) -> Driven {
 /// The same mission in this process.
 fn on_host() -> Driven {
     let base = base().expect("the base is in order");
-    drive(&BEND, &base, TICKS, |controller, dt, task, measured| {
+    drive(&CURVE, &base, TICKS, |controller, dt, task, measured| {
         controller.step(dt, task, measured).map(|_| ())
     })
     .expect("no fault")

@@ -203,7 +203,7 @@ fn a_run_with_everything_in_it_has_the_bits_of_the_native_run() {
     assert_eq!(other.evaluate("status.hash"), run["hash"]);
     assert_eq!(other.evaluate("status.ticks"), run["ticks"]);
     assert_eq!(other.evaluate("running"), json!(false));
-    // What is not a link is told, and something runs all the same.
+    // What is not a link is reported, and something runs all the same.
     other.evaluate(
         "open('#r=AAECAwQ').then((opened) => { if (opened) throw new Error('opened'); })",
     );

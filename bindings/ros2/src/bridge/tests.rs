@@ -7,7 +7,7 @@ use protocol::{Hello, WireCalibration, WireGains, WireLimits, WireTimeouts, Wire
 
 type Which = fn(&Command) -> bool;
 
-/// The bridge, and a base that answers as it is told.
+/// The bridge, and a base that answers as it is ordered.
 struct Rig {
     bridge: Bridge,
     now_us: u64,

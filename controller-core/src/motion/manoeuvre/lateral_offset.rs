@@ -238,18 +238,18 @@ impl<T: Scalar> LateralOffset<T> {
         let [_, _, end, last] = curve.by_share(T::ONE);
         // Half the second derivative's own derivative is three times the sixth of the third.
         let (after, before) = (begin + third, end - last);
-        let bend = f(2.0) * largest([begin, after, before, end]) / square;
+        let curvature = f(2.0) * largest([begin, after, before, end]) / square;
         let braking = speed * speed / (f(2.0) * limits.drive.down * left);
         let full = larger(T::ONE - braking, T::ZERO);
         let [_, _, _, at_full] = curve.by_share(full);
         let between = third + full * f(2.0) * fourth;
         let turn_accel = f(6.0) * passing.abs() * largest([third, between, at_full]) / cube;
-        let turn_rate = speed.abs() * bend;
+        let turn_rate = speed.abs() * curvature;
         // A robot that does not drive has no curve that is a number.
         let fits = curve.residue() == T::ZERO
             && robot.slope.abs() <= f(STEEPEST)
             && turn_accel <= limits.turn.up
-            && limits.drive.down * bend <= limits.turn.up
+            && limits.drive.down * curvature <= limits.turn.up
             && turn_rate <= limits.turn.rate
             && rim_speed(speed, turn_rate, limits.half_track) <= limits.rim;
         fits.then_some(curve)
@@ -545,16 +545,16 @@ mod tests {
             wide.rim = 1e6;
             let curve = LateralOffset::of_robot(&wide, left, &robot).expect("wide");
             let brakes = 0.5 * speed * speed / wide.drive.down;
-            let (mut swing, mut bend) = (0.0_f64, 0.0_f64);
+            let (mut swing, mut curvature) = (0.0_f64, 0.0_f64);
             for step in 0..=200 {
                 let q = left * f64::from(step) / 200.0;
                 let now = curve.at(q);
-                bend = bend.max(now.second.abs());
+                curvature = curvature.max(now.second.abs());
                 if q >= brakes.min(left) {
                     swing = swing.max(speed * speed * now.third.abs());
                 }
             }
-            let braking = wide.drive.down * bend;
+            let braking = wide.drive.down * curvature;
             let (least, most) = (swing.max(braking), (3.0 * swing).max(5.0 * braking));
             for (limit, fits) in [(0.999 * least, false), (1.001 * most, true)] {
                 let mut plan = wide;
@@ -563,13 +563,13 @@ mod tests {
                 assert_eq!(
                     curve.is_some(),
                     fits,
-                    "{i}: {robot:?} {left} {swing} {bend}"
+                    "{i}: {robot:?} {left} {swing} {curvature}"
                 );
             }
             let mut plan = wide;
-            plan.turn.rate = 0.999 * speed.abs() * bend;
+            plan.turn.rate = 0.999 * speed.abs() * curvature;
             refused += u32::from(LateralOffset::of_robot(&plan, left, &robot).is_none());
-            plan.turn.rate = 5.0 * speed.abs() * bend;
+            plan.turn.rate = 5.0 * speed.abs() * curvature;
             taken += u32::from(LateralOffset::of_robot(&plan, left, &robot).is_some());
         }
         assert_eq!((taken, refused), (4000, 4000));

@@ -87,7 +87,7 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
             (S::Stopped, A::Continue)
         }
         (S::Stopped, E::Halted | E::StopTimedOut) => (S::Stopped, A::Continue),
-        // Told again: a stop is never too much.
+        // Ordered again: a stop is never too much.
         (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
 
         (S::Fault, E::Arm | E::Track | E::Park | E::Drive) => (S::Fault, A::Refuse),

@@ -10,7 +10,7 @@ use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;
 use firmware_demo::mission;
 use firmware_demo::model::Model;
-use firmware_demo::route::{self, BEND};
+use firmware_demo::route::{self, CURVE};
 
 use crate::print::{Row, complain, line};
 use crate::stack::mark;
@@ -71,7 +71,7 @@ pub fn ticks(meter: &mut Meter) {
         };
         let (mut first, mut follow, mut with_fix) = (Row::new(), Row::new(), Row::new());
         let (mut plan, mut park, mut phases) = (Row::new(), Row::new(), Phases::default());
-        let driven = mission::drive(&BEND, &base, TICKS, |controller, tick| {
+        let driven = mission::drive(&CURVE, &base, TICKS, |controller, tick| {
             let cost = meter
                 .measure(|| {
                     controller.tick(tick.dt_us, &tick.order, &tick.sensed);
@@ -113,7 +113,7 @@ pub fn bytes() {
     };
     let empty = mark(|| ());
     let (mut most, mut ticks) = (0, 0_u32);
-    let driven = mission::drive(&BEND, &base, TICKS, |controller, tick| {
+    let driven = mission::drive(&CURVE, &base, TICKS, |controller, tick| {
         ticks += 1;
         let parks = matches!(tick.order, Order::Park(_));
         let mut step = || {
@@ -140,7 +140,7 @@ pub fn motion(meter: &mut Meter) {
     };
     let (mut follow, mut plan, mut park) = (Row::new(), Row::new(), Row::new());
     let mut phases = Phases::default();
-    let driven = route::drive(&BEND, &base, TICKS, |controller, dt, task, measured| {
+    let driven = route::drive(&CURVE, &base, TICKS, |controller, dt, task, measured| {
         let (result, cost) = meter.measure(|| controller.step(dt, task, measured).map(|_| ()));
         let parks = matches!(task, Task::Park(_));
         match phases.next(parks, Some(controller.report())) {

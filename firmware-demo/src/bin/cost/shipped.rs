@@ -1,11 +1,9 @@
 //! Ticks of the robots of `bases/` as they are shipped: each in its own period, with its poses and its supply, from encoder counts to the
 //! duties of both motors.
 
-use core::f32::consts::TAU;
 use core::hint::black_box;
 
 use controller_core::base::{BaseController, Order, Sensed, WheelAction};
-use controller_core::hal::WheelCounts;
 use controller_core::localiser::Fix;
 use controller_core::maths::{Maths, Single};
 use controller_core::motor::Motor;
@@ -14,17 +12,18 @@ use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Event, State};
 use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::board::Meter;
+use firmware_demo::mission::Encoders;
 use firmware_demo::model::Model;
 use firmware_demo::robots::{HOBBY_1KG, LAB_10KG, PAPER_30KG, RobotConstants};
 
 use crate::base::{SEARCH_S, stands};
 use crate::print::{Row, complain};
 
-/// How long each order is given \[s\]: a bend and its end, a goal aside, a twist.
-const BEND_S: f32 = 5.0;
+/// How long each order is given \[s\]: a curve and its end, a goal aside, a twist.
+const CURVE_S: f32 = 5.0;
 const GOAL_S: f32 = 8.0;
 const TWIST_S: f32 = 2.0;
-/// Curvature of the bend \[1/m\].
+/// Curvature of the curve \[1/m\].
 const CURVATURE: f32 = 0.8;
 
 /// What is counted, over all robots.
@@ -36,8 +35,8 @@ struct Rows {
     with_fix: Row,
 }
 
-/// A bend from rest to rest with half of the base's speed and acceleration.
-struct Bend {
+/// A curve from rest to rest with half of the base's speed and acceleration.
+struct Curve {
     twist: Twist<f32>,
     pose: Pose<f32>,
     left_m: f32,
@@ -45,7 +44,7 @@ struct Bend {
     accel: f32,
 }
 
-impl Bend {
+impl Curve {
     fn new(speed: f32, accel: f32) -> Self {
         let (most, accel) = (0.5 * speed, 0.5 * accel);
         Self {
@@ -103,7 +102,7 @@ pub fn ticks(meter: &mut Meter) {
     rows.with_fix.print(&["shipped", "with-fix"]);
 }
 
-/// One robot follows, parks and drives by velocity; `None` if it does not do as it is told.
+/// One robot follows, parks and drives by velocity; `None` if it does not do as it is ordered.
 fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option<()> {
     let params = robot.base.validate().ok()?;
     let motor = params.motor()?;
@@ -117,25 +116,18 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
     };
     let mut model = Model::new(body.validate().ok()?, Measured::default());
     let mut controller: BaseController = BaseController::new(&params, Pose::default());
-    let per_rad = robot.base.localiser.odometry.counts_per_turn / TAU;
-    let (mut right_rad, mut left_rad) = (0.0_f32, 0.0_f32);
-    let mut bend = Bend::new(limits.speed, limits.accel);
+    let mut encoders = Encoders::new(robot.base.localiser.odometry.counts_per_turn);
+    let mut curve = Curve::new(limits.speed, limits.accel);
     let ticks = |s: f32| (s / dt) as u32;
-    let [bend_ends, goal_ends, twist_ends] = [
-        ticks(BEND_S),
-        ticks(BEND_S + GOAL_S),
-        ticks(BEND_S + GOAL_S + TWIST_S),
+    let [curve_ends, goal_ends, twist_ends] = [
+        ticks(CURVE_S),
+        ticks(CURVE_S + GOAL_S),
+        ticks(CURVE_S + GOAL_S + TWIST_S),
     ];
     let _ = controller.on(Event::Arm);
     for tick in 0..twist_ends {
         model.act(dt, &controller.report().action);
-        let speeds = model.wheel_speeds();
-        right_rad += dt * speeds.right;
-        left_rad += dt * speeds.left;
-        let counts = WheelCounts {
-            right: (per_rad * right_rad) as i32,
-            left: (per_rad * left_rad) as i32,
-        };
+        let counts = encoders.advance(dt, &model);
         let fix = (tick * dt_us).is_multiple_of(pose_us).then(|| Fix {
             pose: model.measured().pose,
             age_s: 0.0,
@@ -145,13 +137,13 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
             supply_v: Some(robot.base.motor?.supply_v),
             ..Sensed::of_counts(counts)
         });
-        let order = black_box(if tick < bend_ends {
-            Order::Follow(bend.advance(dt))
+        let order = black_box(if tick < curve_ends {
+            Order::Follow(curve.advance(dt))
         } else if tick < goal_ends {
             Order::Park(Pose::new(
-                bend.pose.x - 0.4,
-                bend.pose.y + 0.3,
-                bend.pose.theta + 1.0,
+                curve.pose.x - 0.4,
+                curve.pose.y + 0.3,
+                curve.pose.theta + 1.0,
             ))
         } else {
             Order::Drive {
@@ -163,7 +155,7 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
             .measure(|| black_box(duties(&mut controller, dt_us, &order, &sensed, motor)))
             .1;
         let report = controller.report();
-        let begins = tick < bend_ends + ticks(SEARCH_S);
+        let begins = tick < curve_ends + ticks(SEARCH_S);
         let searches = matches!(order, Order::Park(_))
             && (begins || report.motion.as_ref().is_some_and(stands));
         let row = match order {

@@ -10,7 +10,7 @@ use nalgebra::{Rotation2, Vector2, Vector3};
 use fusion::{Fusion, Taken};
 use odometry::Odometry;
 
-/// What the localiser is told of a base and of its source of poses.
+/// What the localiser knows of a base and of its source of poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants {
     /// Radii, calibrated \[m\].

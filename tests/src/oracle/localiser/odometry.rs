@@ -131,7 +131,7 @@ impl Odometry {
         let v = (right + left) / 2.0;
         let slips = (bias.z * v.abs()).min(most);
         let twist = Vector2::new(v, turned(right - left, v)) - slips * lost(1.0);
-        // What keeps the base on its bend comes of tyres that slip outward.
+        // What keeps the base on its curve comes of tyres that slip outward.
         let outward = bias.z * twist.x.abs() * twist.y;
         // The heading turns evenly along the way.
         let middle = self.q.z + turn / 2.0 - outward;

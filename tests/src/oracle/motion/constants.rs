@@ -1,4 +1,4 @@
-//! What the law is told of a base, and what follows from it.
+//! What the law knows of a base, and what follows from it.
 
 use nalgebra::{Matrix2, Vector2};
 
