@@ -1,8 +1,8 @@
 //! The benchmark: fair to the rivals, the same on any number of threads, and as its page states it.
 
 use sim_host::bench::{
-    ALLOWED_S, Class, LawKind, Plant, Row, Run, Settings, Summary, Track, Tuned, better, html,
-    markdown, minimum::Pool, study, summaries, write_csv,
+    ALLOWED_S, Class, HEADER, LawKind, Plant, Row, Run, Settings, Summary, Track, Tuned, better,
+    html, instructions, markdown, minimum::Pool, study, summaries, write_csv,
 };
 use sim_host::figure::pareto;
 use sim_host::scenario::BASES;
@@ -198,6 +198,42 @@ fn the_page_states_the_small_set() {
         }
         page.exactly(At::Row("A small set", kind.name()), &figures);
     }
+}
+
+/// The whole tables are of runs by the thousand. What a tick takes is that of today's images in each of their rows.
+#[test]
+fn the_page_states_what_a_tick_takes() {
+    const KINDS: [LawKind; 6] = [
+        LawKind::Default,
+        LawKind::HeadingHeld,
+        LawKind::RateLimits,
+        LawKind::Samson,
+        LawKind::Neural,
+        LawKind::Plain,
+    ];
+    let column = HEADER[HEADER.len() - 1];
+    let mut page = Stated::of("docs/bench.md");
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/bench.md"))
+        .expect("docs/bench.md");
+    let mut rows = 0;
+    for table in text.split("\n### ").skip(1) {
+        let title = table.lines().next().unwrap_or_default();
+        let mut classes = Class::all().into_iter();
+        let class = classes.find(|class| class.name().eq_ignore_ascii_case(title));
+        let class = class.unwrap_or_else(|| panic!("no class \"{title}\""));
+        for row in table.lines().filter(|row| row.starts_with("| ")).skip(2) {
+            let label = row.split('|').nth(1).unwrap_or_default().trim();
+            let name = label.trim_end_matches(", tuned");
+            let mut kinds = KINDS.into_iter().chain(LAWS);
+            let kind = kinds.find(|kind| kind.name() == name);
+            let kind = kind.unwrap_or_else(|| panic!("no law \"{name}\""));
+            // A stroke where no chip runs it.
+            let most = instructions(kind, class.track).map(f64::from);
+            page.exactly(At::Cell(title, label, column), most.as_slice());
+            rows += 1;
+        }
+    }
+    assert!(rows > 60, "{rows}");
 }
 
 /// README's short table: medians, in bold where a rival is sooner.

@@ -1,6 +1,6 @@
 //! Instructions of a tick on the chip.
 
-use super::LawKind;
+use super::{LawKind, Track};
 
 /// Law; following, parking: most of the executed instructions of a tick on the emulated Cortex-M4F, counted by
 /// `boards/cost-peers`; a test compares. Of rivals the law alone: what limits and drives is the same for all.
@@ -10,19 +10,20 @@ const BUDGETS: &str = include_str!("../../../firmware-demo/budgets.toml");
 /// The chip and its optimisation there.
 const SECTION: &str = "[cortex-m4f.3]";
 
-/// Following and parking; none of a law that no chip runs here.
-pub fn instructions(kind: LawKind) -> Option<[u32; 2]> {
+/// Most instructions of a tick, following or parking as the track has it; none of a law that no chip runs here.
+pub fn instructions(kind: LawKind, track: Track) -> Option<u32> {
+    let parks = track == Track::Parking;
+    let of = |follow, park| if parks { park } else { follow };
     match kind {
+        // Parking, most is a tick that searches for a manoeuvre; at the 10 ms of a base it does more of that than at 1 ms.
         LawKind::Default | LawKind::HeadingHeld => {
-            // Parking, most is a tick that searches for a manoeuvre; at the 10 ms of a base it does more of that than at 1 ms.
-            Some([budget("motion-follow")?, budget("motion-search-10ms")?])
+            budget(of("motion-follow", "motion-search-10ms"))
         }
-        LawKind::Neural => Some([budget("track")?, budget("park")?]),
+        LawKind::Neural => budget(of("track", "park")),
         _ => COUNTED.lines().find_map(|line| {
             let mut fields = line.split(';');
             (fields.next()? == kind.name()).then_some(())?;
-            let mut next = || fields.next()?.trim().parse().ok();
-            Some([next()?, next()?])
+            fields.nth(usize::from(parks))?.trim().parse().ok()
         }),
     }
 }

@@ -84,13 +84,9 @@ pub fn cells(row: &Row) -> Vec<Cell> {
     ]
 }
 
-/// Most instructions of a tick, following or parking as the class has it.
 fn on_chip(row: &Row) -> String {
-    let parks = row.class.track == Track::Parking;
-    instructions(row.law.kind).map_or_else(
-        || "–".to_owned(),
-        |[follow, park]| if parks { park } else { follow }.to_string(),
-    )
+    let most = instructions(row.law.kind, row.class.track);
+    most.map_or_else(|| "–".to_owned(), |most| most.to_string())
 }
 
 /// The label of a row; `*` on the front for a base each.
