@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
+use tests::stated::picture;
 
 fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sim-host"))
@@ -51,6 +52,25 @@ v = 0.4
 time = 0.505
 target_at = 0.8
 ";
+
+/// The pictures of README and pages, which name these commands.
+#[test]
+fn the_documents_show_what_the_program_draws() {
+    let gaps = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/fixtures/wpilib_gaps.json"
+    );
+    for (arguments, drawn, shown) in [
+        (&["run", gaps][..], "wpilib_gaps.png", "trajectory.png"),
+        (&[], "paper-curve.png", "paper-curve.png"),
+        (&["robustness"], "robustness.png", "robustness.png"),
+    ] {
+        let here = directory();
+        succeeds(here.path(), &[arguments, &["--out", "out"]].concat());
+        let drawn = fs::read(here.path().join("out").join(drawn)).expect("drawn");
+        picture(&format!("docs/images/{shown}"), &drawn);
+    }
+}
 
 #[test]
 fn without_a_command_both_cases_of_the_paper_are_run() {

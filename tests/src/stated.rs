@@ -284,6 +284,20 @@ fn alone() -> MutexGuard<'static, ()> {
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// A picture of the documents, by its path from the root of the workspace: byte for byte what is drawn. `UPDATE_DOCS=1` writes it instead.
+pub fn picture(name: &str, drawn: &[u8]) {
+    let path = crate::root().join(name);
+    // Not by `assert_eq`, which would print all of it.
+    if fs::read(&path).is_ok_and(|shown| shown == drawn) {
+        return;
+    }
+    assert!(
+        std::env::var_os("UPDATE_DOCS").is_some(),
+        "{name} shows something else; UPDATE_DOCS=1 writes it"
+    );
+    fs::write(&path, drawn).unwrap_or_else(|error| panic!("{name} cannot be written: {error}"));
+}
+
 /// The figures of one document. What is wrong is collected, and said when this is dropped.
 #[derive(Debug)]
 #[must_use]
