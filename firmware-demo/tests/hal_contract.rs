@@ -1,6 +1,7 @@
 //! What every `WheelDrive`, `WheelSpeedDrive` and `YawGyro` promises, tried on every implementation of this package.
 
-use crate::outputs::{Level16, motor, side};
+use crate::outputs::{motor, side};
+use crate::wire::Wire;
 use controller_core::base::{BaseController, Order, Sensed};
 use controller_core::gyro::{GyroFault, GyroOutcome, GyroParams};
 use controller_core::hal::{Error, ErrorKind, GyroReading, WheelDrive, WheelSpeedDrive, YawGyro};
@@ -161,7 +162,7 @@ fn motor_pair_keeps_the_contract_on_every_bridge() {
         (OffPhase::Free, true, coasts_only),
         (OffPhase::Free, false, coasts_only),
     ] {
-        let levels: [Level16; 5] = Default::default();
+        let levels: [Wire; 5] = Default::default();
         let [right, right_back, left, left_back, enable] = levels.clone();
         let bridges = Bridges {
             off_phase,

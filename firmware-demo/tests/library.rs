@@ -10,6 +10,8 @@ mod questions;
 mod reaches;
 #[path = "support/rig.rs"]
 mod rig;
+#[path = "support/wire.rs"]
+mod wire;
 
 mod control;
 mod control_drive;

@@ -1,6 +1,7 @@
 //! What `MotorPair` does to its outputs, call by call, and what it does when one of them fails.
 
-use crate::outputs::{Level16, motor, side};
+use crate::outputs::{motor, side};
+use crate::wire::Wire;
 use controller_core::hal::{Error, ErrorKind, WheelDrive};
 use controller_core::types::{WheelSpeeds, WheelTorques};
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State as Level, Transaction as PinStep};
@@ -87,7 +88,7 @@ fn motor_pair_makes_these_calls_and_no_others() {
 /// Asked for more than the supply gives at this speed, the pair says what is left; else nothing.
 #[test]
 fn motor_pair_tells_what_it_could_not_exert() {
-    let levels: [Level16; 4] = Default::default();
+    let levels: [Wire; 4] = Default::default();
     let [right, right_back, left, left_back] = levels;
     let bridges = Bridges::without_enable(OffPhase::Shorted);
     let mut pair = MotorPair::new(

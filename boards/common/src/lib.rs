@@ -12,6 +12,7 @@
 mod base;
 mod bytes;
 pub mod config;
+mod entry;
 mod line;
 
 /// The robot that is driven, as `sim-host constants` writes it.

@@ -1,5 +1,8 @@
 //! A board made of memory: nothing is driven before the host has armed it, and nothing once the host is gone.
 
+#[path = "../../../firmware-demo/tests/support/wire.rs"]
+mod wire;
+
 use std::cell::Cell;
 use std::convert::Infallible;
 use std::f32::consts::TAU;
@@ -15,48 +18,14 @@ use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::safety::{StopPlan, controlled_stop};
 use controller_core::types::{Accel, Pose, Twist};
-use embedded_hal::digital::{self, OutputPin};
-use embedded_hal::pwm::{self, SetDutyCycle};
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MotorPair;
 use firmware_demo::storage::{Memory, RamFlash};
 use protocol::{Command, FieldParams, MAX_FRAME, encode};
+use wire::Wire;
 
 /// Gear times torque constant of the configuration \[V s\].
 const GEARED: f32 = 30.0 * 0.0085;
-
-/// One wire, seen from both of its ends.
-#[derive(Clone, Default)]
-struct Wire(Rc<Cell<u16>>);
-
-impl digital::ErrorType for Wire {
-    type Error = Infallible;
-}
-
-impl OutputPin for Wire {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.0.set(0);
-        Ok(())
-    }
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.0.set(1);
-        Ok(())
-    }
-}
-
-impl pwm::ErrorType for Wire {
-    type Error = Infallible;
-}
-
-impl SetDutyCycle for Wire {
-    fn max_duty_cycle(&self) -> u16 {
-        1000
-    }
-    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
-        self.0.set(duty);
-        Ok(())
-    }
-}
 
 /// A clock, and counts that follow the duty.
 #[derive(Clone, Default)]

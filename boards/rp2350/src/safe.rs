@@ -1,8 +1,5 @@
 //! The safe state, whatever happened: bridges off, and the watchdog brings a fresh start.
 
-use core::panic::PanicInfo;
-
-use cortex_m_rt::{ExceptionFrame, exception};
 use rp_pac as pac;
 
 use crate::pins::SLICE;
@@ -24,29 +21,4 @@ pub fn halt() -> ! {
     }
 }
 
-#[exception]
-#[allow(unsafe_code)]
-unsafe fn HardFault(_: &ExceptionFrame) -> ! {
-    halt()
-}
-
-#[exception]
-#[allow(unsafe_code)]
-unsafe fn DefaultHandler(_: i16) {
-    halt()
-}
-
-#[cfg(feature = "panic-proof")]
-#[allow(unsafe_code)]
-unsafe extern "C" {
-    /// Defined nowhere: an image in which a panic is reachable does not link.
-    safe fn a_panic_is_reachable() -> !;
-}
-
-#[panic_handler]
-fn panic(_: &PanicInfo<'_>) -> ! {
-    #[cfg(feature = "panic-proof")]
-    a_panic_is_reachable();
-    #[cfg(not(feature = "panic-proof"))]
-    halt()
-}
+board_common::ends_in!(halt);
