@@ -190,6 +190,79 @@ fn documents_state_the_study_as_it_is() {
         At::Phrase("# instead of # N m on the line, # instead of # on the curve"),
         &[peaks[9], peaks[1], peaks[11], peaks[3]],
     );
+    let settles = |name: &str, case: Case, law: ComparedLaw| {
+        let settling = of(name, case, law).settling_s;
+        settling.map_or(f64::NAN, |time| time.mean)
+    };
+    let later = |name: &str, case: Case| {
+        settles(name, case, ComparedLaw::Default) - settles(name, case, ComparedLaw::Neural)
+    };
+    page.exactly(
+        At::Phrase("**Settling.** # s sooner than the paper's law on the line, # s on the curve"),
+        &Case::ALL.map(|case| -later("nominal, 10 ms", case)),
+    );
+    // Where both settle.
+    let latest = |names: &[&str]| {
+        let all = names
+            .iter()
+            .flat_map(|name| Case::ALL.map(|case| later(name, case)));
+        all.fold(0.0, f64::max)
+    };
+    let names = whole().iter().map(|row| row.condition.name.as_str());
+    let saturated: Vec<&str> = names.filter(|name| name.starts_with("limit ")).collect();
+    page.exactly(
+        At::Phrase(
+            "up to # s later than the paper's law; at ticks of 50 to 250 ms, which slow its neurons, \
+             up to # s, and at 300 ms up to # s",
+        ),
+        &[
+            latest(&saturated),
+            latest(&["period 50 ms", "period 100 ms", "period 250 ms"]),
+            latest(&["period 300 ms"]),
+        ],
+    );
+    let poses = ["pose noise 5 mm, 5 mrad", "pose noise 20 mm, 20 mrad"];
+    let moment = |name, law| of(name, Case::Line, law).following_std.moment;
+    page.exactly(
+        At::Phrase("# and # times the paper's moment while following"),
+        &poses.map(|name| moment(name, ComparedLaw::Default) / moment(name, ComparedLaw::Neural)),
+    );
+    const PAPERS: [ComparedLaw; 2] = [ComparedLaw::Neural, ComparedLaw::Plain];
+    let furthest = |name: &str, laws: &[ComparedLaw]| {
+        let runs = laws
+            .iter()
+            .flat_map(|law| Case::ALL.map(|case| of(name, case, *law)));
+        runs.map(|run| 1e3 * run.final_m.worst).fold(0.0, f64::max)
+    };
+    page.exactly(
+        At::Phrase("lets it, at most # and # mm off"),
+        &poses.map(|name| furthest(name, &[ComparedLaw::Default])),
+    );
+    page.exactly(
+        At::Phrase("never stop, are within # and # mm"),
+        &poses.map(|name| furthest(name, &PAPERS)),
+    );
+    page.exactly(
+        At::Phrase("it settles # s later than without noise"),
+        &[settles(poses[1], Case::Line, ComparedLaw::Default)
+            - settles("nominal, 10 ms", Case::Line, ComparedLaw::Default)],
+    );
+    let wandering = Case::ALL.map(|case| of("twist noise 0.05", case, ComparedLaw::Default));
+    let [line, curve] = wandering.map(|run| 1e3 * run.final_m.mean);
+    page.exactly(
+        At::Phrase("and is # mm off in the mean, # at most, when the run ends"),
+        &[
+            0.5 * (line + curve),
+            furthest("twist noise 0.05", &[ComparedLaw::Default]),
+        ],
+    );
+    page.exactly(
+        At::Phrase("it ends within # mm, the paper's laws within # mm"),
+        &[
+            furthest("all together", &[ComparedLaw::Default]),
+            furthest("all together", &PAPERS),
+        ],
+    );
     let mut readme = Stated::of("README.md");
     readme.exactly(
         At::Phrase("# conditions, three laws: table"),
