@@ -3,12 +3,12 @@
 //! | seen | it is |
 //! | --- | --- |
 //! | the same reading, again and again, while the wheels turn the base | the gyro: stuck |
-//! | turns of the same size the other way | the gyro: reversed; no wheel that slides turns a base so |
+//! | turns of the same size the other way, and the gyro's are not those that both had before | the gyro: reversed |
 //! | turns as if one wheel had turned the other way | perhaps its encoder, which counts the wrong way: its own detector has to say |
 //! | external headings side with the wheels | the gyro |
 //! | none of these for 0.15 s, and a wheel turns | a wheel slides |
 
-use super::params::ValidGyroParams;
+use super::params::{ValidGyroParams, WINDOW_S};
 use super::reading::GyroFault;
 use crate::scalar::Scalar;
 
@@ -41,6 +41,10 @@ pub(super) struct Disagreement<T> {
     gyro: T,
     wheels: T,
     way: T,
+    /// Time of these \[s\].
+    turns_s: T,
+    /// Turn rate while they agreed, over a window \[rad/s\].
+    agreed: T,
 }
 
 /// What a reading showed.
@@ -69,6 +73,9 @@ impl<T: Scalar> Disagreement<T> {
             if let Some(apart) = seen {
                 self.lasts_s = turned.t;
                 self.apart = apart;
+            } else {
+                let (window, turn) = (f(WINDOW_S), T::HALF * (turned.gyro + turned.wheels));
+                self.agreed = (window * self.agreed + turn) / (window + turned.t);
             }
             return None;
         }
@@ -76,13 +83,17 @@ impl<T: Scalar> Disagreement<T> {
         self.gyro += turned.gyro;
         self.wheels += turned.wheels;
         self.way += turned.travel * gyro.two_per_track;
+        self.turns_s += turned.t;
         if seen.is_some() {
             self.lasts_s += turned.t;
             self.over_s = T::ZERO;
         } else {
             self.over_s += turned.t;
             if self.over_s > f(OVER_S) {
-                *self = Self::default();
+                *self = Self {
+                    agreed: self.agreed,
+                    ..Self::default()
+                };
             }
             return None;
         }
@@ -104,9 +115,18 @@ impl<T: Scalar> Disagreement<T> {
         }
     }
 
-    /// The gyro turns as far as the wheels, the other way.
+    /// The gyro turns as far as the wheels, the other way, and did not before.
     fn mirrors(&self) -> bool {
-        (self.gyro + self.wheels).abs() < T::from_f64(MIRRORED) * self.wheels.abs()
+        let mirrored = T::from_f64(MIRRORED) * self.wheels.abs();
+        (self.gyro + self.wheels).abs() < mirrored && !self.gyro_goes_on()
+    }
+
+    /// The gyro's turn is nearer to what both turned while they agreed, twice as near as the wheels': it is these that have changed. A base
+    /// cannot turn round as quickly as a sign can.
+    fn gyro_goes_on(&self) -> bool {
+        let due = self.agreed * self.turns_s;
+        let gyro = (self.gyro - due).abs();
+        gyro + gyro < (self.wheels - due).abs()
     }
 
     /// An external heading is off by `off` from the gyro's, with this variance of the two: whether it is the wheels' instead.

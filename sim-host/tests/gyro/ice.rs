@@ -1,11 +1,12 @@
 //! A wheel on ice, found by the gyro.
 
-use crate::rig::{Draw, Rig, Wander, bad_floor, mission, seeds};
+use crate::rig::{Draw, Rig, Share, Wander, bad_floor, is_fresh, mission, seeds};
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::FaultKind;
 use sim_host::mission::BaseSpec;
 use sim_host::scenario::BASES;
 use sim_host::world::{PlantFault, Side};
+use tests::stated::{At, Stated};
 
 /// A wheel slides that goes faster over the floor \[m/s\].
 const SLIDES: f64 = 0.1;
@@ -98,6 +99,8 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
 /// `GYRO_SEED` and `GYRO_SEEDS` are another first seed and another number.
 #[test]
 fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
+    let (mut missed, mut stopped) = (Share::default(), Share::default());
+    let (mut found, mut unseen, mut quietly) = (Vec::new(), Vec::new(), Vec::new());
     for built_in in BASES {
         let (with, without) = (
             built_in.with_gyro().expect("valid"),
@@ -111,27 +114,63 @@ fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
         let count = |runs: &[Outcome], what: fn(&Outcome) -> bool| {
             runs.iter().filter(|outcome| what(outcome)).count()
         };
-        let latest = gyro
-            .iter()
-            .filter_map(|run| run.found_s)
-            .fold(0.0, f64::max);
-        let unseen = gyro.iter().map(|run| run.unseen_s).fold(0.0, f64::max);
-        println!(
-            "{}: {} of {} found, the latest after {latest:.3} s, unseen for {unseen:.3} s at most, {} missed; without a gyro {} of {} slides missed; without ice {} found, {} of them sliding",
-            built_in.name,
+        let finds = gyro.iter().filter_map(|run| run.found_s);
+        let latest = finds.fold(0.0, f64::max);
+        let of_ice = [
             count(&gyro, |run| run.found_s.is_some()),
-            gyro.len(),
             count(&gyro, |run| run.missed),
             count(&wheels, |run| run.missed),
-            count(&wheels, |run| run.missed || run.found_s.is_some()),
-            count(&quiet, |run| run.found_s.is_some()),
+        ];
+        let without_ice = [
             count(&quiet, |run| run.found_s.is_some() && !run.false_alarm),
+            count(&quiet, |run| run.false_alarm),
+        ];
+        println!(
+            "{}: {of_ice:?} found, missed, missed without a gyro, of {}, the latest after {latest:.3} s; {without_ice:?} stopped without ice while a wheel slid, and while none did",
+            built_in.name,
+            gyro.len(),
         );
-        assert_eq!(count(&gyro, |run| run.missed), 0, "{}", built_in.name);
-        assert!(latest <= WITHIN_S, "{}: {latest}", built_in.name);
-        assert!(count(&gyro, |run| run.found_s.is_some()) > 0);
-        assert_eq!(count(&quiet, |run| run.false_alarm), 0, "{}", built_in.name);
-        // The condition is not empty: today's bases slide on unaware.
+        missed.add(
+            of_ice[1],
+            count(&gyro, |run| run.missed || run.found_s.is_some()),
+        );
+        stopped.add(without_ice[1], quiet.len());
+        assert!(of_ice[0] > 0);
+        // The condition is not empty: a base without a gyro slides on unaware.
         assert_eq!(count(&wheels, |run| run.found_s.is_some()), 0);
+        assert!(
+            is_fresh() || latest <= WITHIN_S,
+            "{}: {latest}",
+            built_in.name
+        );
+        found.extend([latest, of_ice[0] as f64]);
+        unseen.extend([of_ice[1] as f64, of_ice[2] as f64]);
+        quietly.extend(without_ice.map(|runs| runs as f64));
+    }
+    let stated = |phrase| Stated::of("docs/gyro.md").numbers(At::Phrase(phrase));
+    missed.is_as_stated("missed", &stated("missed # of # slides"));
+    stopped.is_as_stated(
+        "stopped",
+        &stated("stopped # of # drives without ice while no wheel slid"),
+    );
+    if !is_fresh() {
+        assert_eq!((missed.failed, stopped.failed), (0, 0));
+        let mut page = Stated::of("docs/gyro.md");
+        for (row, figures) in [
+            (
+                "a wheel on ice, sliding faster than 0.1 m/s: found after at most [s]; in so many runs",
+                found,
+            ),
+            (
+                "slides of 0.3 s that were missed, with a gyro; without",
+                unseen,
+            ),
+            (
+                "stopped where there is no ice, while a wheel of the bad floor slid; while none did",
+                quietly,
+            ),
+        ] {
+            page.exactly(At::Row("Measured", row), &figures);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Poses that fail for 20 s while the base drives.
 
-use crate::rig::{Draw, Rig, Wander, bad_floor, is_fresh, mission, seeds};
+use crate::rig::{Draw, Rig, Share, Wander, bad_floor, is_fresh, mission, seeds};
 use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::queue::ReferenceQueue;
@@ -8,7 +8,6 @@ use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::types::Pose;
 use sim_host::mission::BaseSpec;
-use sim_host::rate::Rate;
 use sim_host::scenario::BASES;
 use sim_host::world::PlantFault;
 use tests::stated::{At, Stated};
@@ -93,22 +92,11 @@ fn run(base: &BaseSpec, seed: u64, loses: bool) -> Ends {
     ends
 }
 
-/// Share of `failed` of `runs` that is no more than `stated` of so many runs: their intervals meet.
-fn is_as_stated(what: &str, (failed, runs): (usize, usize), stated: &[f64]) {
-    let [rate, most] = [(failed, runs), (stated[0] as usize, stated[1] as usize)]
-        .map(|(failed, runs)| Rate { failed, runs });
-    println!("{what}: {rate}");
-    assert!(
-        rate.interval().0 <= most.interval().1,
-        "{what}: {rate}; stated {most}"
-    );
-}
-
 /// Every base drives on, parks while nothing tells it where it is, and parks as ever when the poses are back; without a gyro it is stopped
 /// after a second.
 #[test]
 fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
-    let (mut table, mut beyond, mut late) = (Vec::new(), (0, 0), (0, 0));
+    let (mut table, mut beyond, mut late) = (Vec::new(), Share::default(), Share::default());
     for built_in in BASES {
         let base = built_in.with_gyro().expect("valid");
         let plain = built_in.base().expect("valid");
@@ -130,10 +118,9 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
             {
                 continue;
             }
-            late.1 += 1;
+            late.add(usize::from(ends.last.is_none()), 1);
             let Some((end_m, end_rad)) = ends.last else {
                 println!("{} {seed}: not parked, {stopped:?}", built_in.name);
-                late.0 += 1;
                 continue;
             };
             last = last.max(end_m);
@@ -145,8 +132,7 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
             if let Some((m, _)) = ends.blind {
                 blind.push(1e3 * m);
                 least_way = least_way.min(ends.way);
-                beyond.1 += 1;
-                beyond.0 += usize::from(m > 0.03);
+                beyond.add(usize::from(m > 0.03), 1);
             }
         }
         assert!(
@@ -170,12 +156,11 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
     }
     let mut page = Stated::of("docs/gyro.md");
     let rates = |phrase| Stated::of("docs/gyro.md").numbers(At::Phrase(phrase));
-    is_as_stated(
+    beyond.is_as_stated(
         "beyond 30 mm",
-        beyond,
         &rates("# of # parked farther than 30 mm off"),
     );
-    is_as_stated("not parked", late, &rates("# of # had not parked"));
+    late.is_as_stated("not parked", &rates("# of # had not parked"));
     if !is_fresh() {
         let row = "poses lost for 20 s while driving: parked without them, median, 95 % [mm]";
         page.exactly(At::Row("Measured", row), &table);

@@ -9,6 +9,7 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64Mcg;
 use sim_host::closed_loop::ClosedLoop;
 use sim_host::mission::{BaseSpec, Mission};
+use sim_host::rate::Rate;
 use sim_host::trials::{Condition, Course, setup};
 use sim_host::world::{World, WorldSetup};
 
@@ -24,6 +25,34 @@ pub fn seeds(count: u64) -> std::ops::Range<u64> {
     let number = |name| std::env::var(name).ok().and_then(|text| text.parse().ok());
     let first = number("GYRO_SEED").unwrap_or(7_300_417_u64);
     first..first + number("GYRO_SEEDS").unwrap_or(count)
+}
+
+/// Runs that failed, of how many.
+#[derive(Default)]
+pub struct Share {
+    pub failed: usize,
+    runs: usize,
+}
+
+impl Share {
+    pub fn add(&mut self, failed: usize, runs: usize) {
+        self.failed += failed;
+        self.runs += runs;
+    }
+
+    /// No more than `stated`, failed and runs: their intervals meet.
+    pub fn is_as_stated(&self, what: &str, stated: &[f64]) {
+        let [rate, most] = [
+            (self.failed, self.runs),
+            (stated[0] as usize, stated[1] as usize),
+        ]
+        .map(|(failed, runs)| Rate { failed, runs });
+        println!("{what}: {rate}");
+        assert!(
+            rate.interval().0 <= most.interval().1,
+            "{what}: {rate}; stated {most}"
+        );
+    }
 }
 
 /// Numbers that are settled by a seed.

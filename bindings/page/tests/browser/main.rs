@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
+use tests::stated::{At, Stated};
 
 fn one_at_a_time() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
@@ -59,6 +60,7 @@ fn it_is_one_file_within_its_size_that_asks_for_nothing_and_draws_within_two_sec
     let _turn = one_at_a_time();
     let size = std::fs::metadata(page()).expect("a file").len();
     assert!(size <= 400_000, "{size} bytes");
+    Stated::of("docs/browser.md").about(At::Cell("Measured", "size", "measured"), &[size as f64]);
     let mut browser = opened();
     let first_ms = browser.number("+document.documentElement.dataset.first");
     browser.until("performance.getEntriesByName('first-contentful-paint').length");

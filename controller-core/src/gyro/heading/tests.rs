@@ -110,3 +110,72 @@ fn curvature_is_learnt_on_straight_stretches() {
         assert_eq!(heading.curvature(&gyro), None);
     }
 }
+
+/// Turning steadily, and then `after` a second gyro and wheels turn against each other, by these factors of the turn so far: the first that is
+/// said of it, and when \[s\].
+fn against(gyro_factor: f64, wheels_factor: f64) -> (Option<GyroFault>, f64) {
+    let gyro = sensor();
+    let mut heading = GyroHeading::new(&gyro);
+    let turn_rate = 0.4;
+    for tick in 0..1000 {
+        let t = DT * f64::from(tick) - 1.0;
+        let of = |factor| {
+            if t < 0.0 {
+                turn_rate
+            } else {
+                factor * turn_rate
+            }
+        };
+        let reading = GyroReading {
+            // No two are equal, as of a gyro that is not stuck.
+            rate: of(gyro_factor) + 1e-6 * f64::from(tick),
+            heading: None,
+            age_s: 0.0,
+        };
+        heading.advance(&gyro, &rolled(0.3, of(wheels_factor)), Some(&reading));
+        let report = heading.report();
+        if report.slips || report.fault.is_some() {
+            return (report.fault, t);
+        }
+    }
+    panic!("nothing is said of it");
+}
+
+/// Turns of the same size against each other: the gyro is reversed if the wheels turn on as before, and a wheel slides if the gyro does.
+#[test]
+fn who_turns_on_as_before_is_believed() {
+    let (fault, t) = against(-1.0, 1.0);
+    assert_eq!(fault, Some(GyroFault::Reversed), "{t}");
+    let (fault, t) = against(1.0, -1.0);
+    assert!(
+        fault.is_none() && (0.15..0.25).contains(&t),
+        "{fault:?} {t}"
+    );
+    // A little more or less.
+    for factor in [-0.8, -1.2] {
+        let (fault, t) = against(1.1, factor);
+        assert!(fault.is_none() && t < 0.25, "{fault:?} {t}");
+        let (fault, t) = against(factor, 1.0);
+        assert_eq!(fault, Some(GyroFault::Reversed), "{t}");
+    }
+}
+
+/// One that never agreed is reversed, whatever else turns.
+#[test]
+fn a_gyro_that_is_reversed_from_the_start_is_named() {
+    let gyro = sensor();
+    let mut heading = GyroHeading::new(&gyro);
+    let mut turned = 0.0;
+    while heading.report().fault.is_none() {
+        let rate = 0.3 + 0.2 * f64::sin(turned);
+        let reading = GyroReading {
+            rate: -rate,
+            heading: None,
+            age_s: 0.0,
+        };
+        heading.advance(&gyro, &rolled(0.3, rate), Some(&reading));
+        turned += rate * DT;
+        assert!(turned < 0.3 && !heading.report().slips, "{turned}");
+    }
+    assert_eq!(heading.report().fault, Some(GyroFault::Reversed));
+}
