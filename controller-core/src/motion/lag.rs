@@ -62,6 +62,15 @@ impl<T: Scalar> Lag<T> {
         clamp(demand, self.bound)
     }
 
+    /// The constant demand that leads to `value` > 0: x/(1 + x/B) = v. None does to the bound and beyond.
+    pub(crate) fn demand_for(&self, value: T) -> T {
+        if value < self.bound {
+            value * self.bound / (self.bound - value)
+        } else {
+            T::MAX
+        }
+    }
+
     /// The state that starts from `value`, or as near to it as the bound allows.
     pub(crate) fn reset(&self, value: T, demand: T) -> LagState<T> {
         LagState {

@@ -7,7 +7,7 @@ use super::setpoint::Setpoint;
 use crate::angle::wrap;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
-use crate::range::clamp;
+use crate::range::{clamp, signed};
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::shunting::NeuronUpdate;
@@ -67,7 +67,8 @@ impl<T: Scalar> PoseRegulator<T> {
     /// With v = K ρ cos α the surface z = α + φ decays, ż = −k_a K cos(α) z, and on it β does too:
     /// V = z²/2 + c β²/2 falls strictly. K is k₄ near the goal and √(2p(ρ − r₀/2))/ρ beyond
     /// r₀ = p/k₄²: a straight run brakes at p. Backing up is the same law seen from the back; the
-    /// direction with the smaller α² + h β² is taken, and left only for one much better.
+    /// direction with the smaller α² + h β² is taken, and left only for one much better. Where w_d would be beyond the largest turn rate K is
+    /// smaller, for both: V falls with any K > 0, but a robot that turns less than it asks for and drives as fast circles about its goal for ever.
     ///
     /// Close to the goal its direction means nothing, and w_d = s₃ of k₄ e_θ: from [`ALIGN`] on, or, with exact
     /// poses, more and more from twice `near` to `near`.
@@ -90,6 +91,12 @@ impl<T: Scalar> PoseRegulator<T> {
         let aim = self.aim(motion, distance);
         let view = self.choose::<M>(error, command.linear);
         let bearing = bearing_law::<T, M>(&view, gain);
+        let most = motion.turn.demand_for(motion.params().limits.turn_rate);
+        let (gain, bearing) = if bearing.abs() > most {
+            (gain * (most / bearing.abs()), signed(most, bearing))
+        } else {
+            (gain, bearing)
+        };
         let turn = aim * bearing + (T::ONE - aim) * (gains.approach * error.theta);
         let ahead = gain * error.x;
         match two_per_dt {

@@ -66,8 +66,15 @@ impl Regulator {
         let (k_a, h) = GAINS;
         let phi = (h * beta).atan();
         let phi_slope = h / (1.0 + (h * beta).powi(2));
-        let bearing =
-            gain * alpha.cos().max(0.2) * (k_a * (alpha + phi) + (1.0 + phi_slope) * alpha.sin());
+        let turns = alpha.cos().max(0.2) * (k_a * (alpha + phi) + (1.0 + phi_slope) * alpha.sin());
+        // The neuron makes s/(1 + |s|/B) of it, which is to be within the turn rate.
+        let least = 1.0 / k.speed.y - 1.0 / TURN_BOUND;
+        let gain = if least > 0.0 {
+            gain.min(1.0 / (least * turns.abs()))
+        } else {
+            gain
+        };
+        let bearing = gain * turns;
         let share = self.aim_share(k, rho);
         let wanted = [gain * e.x, share * bearing + (1.0 - share) * k.k4 * e.z];
         let a = k.a.min((2.0 * DAMPING).powi(2) * (k_a + 1.0 + h) * k.k4);
