@@ -11,7 +11,7 @@ pub struct LogArgs {
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
     /// Of .mcap: how often it has odometry, frames and joints, at each tick at most [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = RATE_HZ, value_parser = rate, requires = "log")]
+    #[arg(long, value_name = "HZ", default_value_t = RATE_HZ, value_parser = positive, requires = "log")]
     pub log_rate: f64,
 }
 
@@ -52,9 +52,10 @@ impl LogArgs {
     }
 }
 
-fn rate(text: &str) -> Result<f64, String> {
+/// A number of an argument, above 0 and finite.
+pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("must be a positive number".to_owned()),
     }
 }

@@ -11,6 +11,7 @@ mod seed_args;
 
 use clap::Parser;
 use std::error::Error as _;
+use std::io::Write as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -19,12 +20,14 @@ fn main() -> ExitCode {
     match commands::execute(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            let mut text = format!("error: {error}\n");
             let mut cause = error.source();
             while let Some(inner) = cause {
-                eprintln!("  because: {inner}");
+                text += &format!("  because: {inner}\n");
                 cause = inner.source();
             }
+            // Nobody may be there to read it.
+            let _ = std::io::stderr().write_all(text.as_bytes());
             ExitCode::FAILURE
         }
     }

@@ -325,3 +325,60 @@ fn exit_codes_tell_wrong_usage_from_failure() {
     // A file where the directory should be.
     assert_eq!(code(&["run", "mine.toml", "--out", "mine.toml"]), Some(1));
 }
+
+/// No result goes over what the command reads, whatever it is named; that over older results does.
+#[test]
+fn what_is_read_is_not_written_over() {
+    let here = directory();
+    let gaps = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/fixtures/wpilib_gaps.json"
+    );
+    let file = here.path().join("mine.json");
+    fs::copy(gaps, &file).expect("copied");
+    for arguments in [
+        &["run", "mine.json", "--out", "."][..],
+        &["run", "mine.json", "--out", "out", "--log", "mine.json"],
+    ] {
+        let output = sim_host(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(1));
+        let said = text(&output.stderr);
+        assert!(
+            said.contains("mine.json") || said.contains(".mcap"),
+            "{said}"
+        );
+        assert_eq!(
+            fs::read(&file).expect("there"),
+            fs::read(gaps).expect("there")
+        );
+    }
+    for _ in 0..2 {
+        succeeds(here.path(), &["run", "mine.json", "--out", "out"]);
+    }
+    // As a log too: another run of the same command goes over the old one.
+    for _ in 0..2 {
+        succeeds(here.path(), &["run", "mine.json", "--log", "a.mcap"]);
+    }
+    let itself = &["run", "a.mcap:/odom", "--log", "a.mcap"];
+    let before = fs::read(here.path().join("a.mcap")).expect("there");
+    let said = text(&sim_host(here.path(), itself).stderr);
+    assert!(said.contains("a.mcap: is read by this command"), "{said}");
+    assert_eq!(fs::read(here.path().join("a.mcap")).expect("there"), before);
+}
+
+/// Without poses, slip and friction nothing of a run says how a real base does, and it says so.
+#[test]
+fn a_run_on_the_ideal_plant_says_so() {
+    let here = directory();
+    let gaps = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/fixtures/wpilib_gaps.json"
+    );
+    for (arguments, ideal) in [
+        (&["run", gaps, "--base", "lab-10kg"][..], true),
+        (&["run", "bad-floor-line"], false),
+    ] {
+        let said = succeeds(here.path(), arguments);
+        assert_eq!(said.contains("plant      ideal: "), ideal, "{said}");
+    }
+}

@@ -247,6 +247,14 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
             "wheel_torque = 0",
             "limits.wheel_torque",
         ),
+        // A base remembers 32 ticks of 10 ms.
+        (
+            "latency_s = 0.02",
+            "latency_s = 0.32",
+            "pose_source.latency_s",
+        ),
+        ("rate_hz = 20.0", "rate_hz = 0.0", "pose_source.rate_hz"),
+        ("noise_m = 0.005", "noise_m = 0.0", "pose_source.noise_m"),
     ] {
         let text = good.replacen(from, to, 1);
         let error = BaseSpec::parse("b.toml", &text).err().ok_or(key)?;

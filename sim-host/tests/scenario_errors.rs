@@ -91,6 +91,19 @@ mine.toml:7: gains.k2: k2 is below its smallest value 1e-6
 }
 
 #[test]
+fn a_law_that_there_is_not_is_refused_with_those_that_there_are() {
+    let error = error("[controller]\nkind = \"moton\"");
+    assert_eq!(
+        (error.key.as_str(), error.line),
+        ("controller.kind", Some(7))
+    );
+    assert!(
+        error.to_string().contains("neural, plain and motion"),
+        "{error}"
+    );
+}
+
+#[test]
 fn other_ranges_are_told_by_key() {
     assert_eq!(
         place("[plant]\nmass_factor = 0"),

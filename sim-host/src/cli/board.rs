@@ -1,6 +1,6 @@
 //! Arguments for chips and boards.
 
-use crate::log_args::LogArgs;
+use crate::log_args::{LogArgs, positive};
 use crate::seed_args::SeedArgs;
 use clap::{Args, ValueEnum};
 use firmware_demo::host::{LinkKind, Machine};
@@ -47,10 +47,10 @@ pub struct TeleopArgs {
     #[arg(long, value_name = "N", default_value = "115200")]
     pub baud: u32,
     /// Speed at the end of ten steps [m/s]; else half of what the base can
-    #[arg(long, value_name = "M/S")]
+    #[arg(long, value_name = "M/S", value_parser = positive)]
     pub speed: Option<f64>,
     /// Turn rate at the end of ten steps [rad/s]; else half of what the base can
-    #[arg(long, value_name = "RAD/S")]
+    #[arg(long, value_name = "RAD/S", value_parser = positive)]
     pub turn_rate: Option<f64>,
     /// Hold the heading from the beginning
     #[arg(long)]

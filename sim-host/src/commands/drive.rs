@@ -76,6 +76,11 @@ pub fn announce(mission: &Mission, file: Option<&Trajectory>) -> Result<(), Comm
     } else {
         note(&mission.base);
     }
+    if mission.setup.is_none() {
+        say(
+            "plant      ideal: exact poses, wheels that do what is asked of them and never slip\n",
+        )?;
+    }
     Ok(())
 }
 

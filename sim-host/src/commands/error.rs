@@ -45,6 +45,8 @@ pub enum CommandError {
     Figure(#[from] FigureError),
     #[error("{}: cannot be written: {cause}", path.display())]
     Write { path: PathBuf, cause: String },
+    #[error("{}: is read by this command, and would be overwritten: choose another place for results", .0.display())]
+    OverInput(PathBuf),
     #[error("{}: cannot be listed: {cause}", path.display())]
     List {
         path: PathBuf,

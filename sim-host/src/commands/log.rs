@@ -1,6 +1,7 @@
 //! `--log`: what a command's runs leave for other people's tools.
 
 use super::error::CommandError;
+use super::write::named;
 use crate::log_args::LogArgs;
 use sim_host::csv_out::Columns;
 use sim_host::datalog::{DataLogError, Pending, logged};
@@ -32,6 +33,12 @@ pub fn started<T, E>(
 where
     CommandError: From<E>,
 {
+    // The log's own argument names it once.
+    if let Some(path) = &log.log
+        && named(path) > 1
+    {
+        return Err(CommandError::OverInput(path.clone()));
+    }
     let Some(log) = log.begin(columns.into(), robot, 0.0)? else {
         return Ok((run(None)?, None));
     };

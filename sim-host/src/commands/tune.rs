@@ -109,7 +109,9 @@ pub fn report(
         unseen: tuned.unseen,
     };
     writer.json(&name, &[record])?;
-    if let Some(path) = write {
+    if let Some(path) = write.filter(|_| after >= before) {
+        say(&format!("[gains] of {} stay as they are\n", path.display()))?;
+    } else if let Some(path) = write {
         let written = |cause: String| CommandError::Write {
             path: path.to_owned(),
             cause,

@@ -7,6 +7,7 @@ use sim_host::csv_out::{self, Columns};
 use sim_host::figure::{Drawing, Labelled, five_panels};
 use sim_host::record;
 use sim_host::trace::Trace;
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -22,8 +23,13 @@ impl<'a> Writer<'a> {
         Ok(Self { output })
     }
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.output.out.join(name)
+    /// Where a result goes: over an older one, but over no file that the command names.
+    fn place(&self, name: &str) -> Result<PathBuf, CommandError> {
+        let path = self.output.out.join(name);
+        match named(&path) {
+            0 => Ok(path),
+            _ => Err(CommandError::OverInput(path)),
+        }
     }
 
     pub fn figure(
@@ -53,22 +59,42 @@ impl<'a> Writer<'a> {
         name: &str,
         write: impl FnOnce(BufWriter<File>) -> csv::Result<()>,
     ) -> Result<(), CommandError> {
-        let path = self.path(&format!("{name}.csv"));
+        let path = self.place(&format!("{name}.csv"))?;
         let file = File::create(&path).map_err(|error| failed(&path, &error))?;
         write(BufWriter::new(file)).map_err(|error| failed(&path, &error))
     }
 
     /// A file of that very name.
     pub fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), CommandError> {
-        let path = self.path(name);
+        let path = self.place(name)?;
         fs::write(&path, bytes).map_err(|error| failed(&path, &error))
     }
 
     pub fn json(&self, name: &str, records: &[impl Serialize]) -> Result<(), CommandError> {
-        let path = self.path(&format!("{name}.json"));
+        let path = self.place(&format!("{name}.json"))?;
         let text = record::text(records).map_err(|error| failed(&path, &error))?;
         fs::write(&path, text).map_err(|error| failed(&path, &error))
     }
+}
+
+/// How many arguments of the command are this file, or a part of it, as `BAG:TOPIC` is.
+pub fn named(path: &Path) -> usize {
+    let Ok(path) = path.canonicalize() else {
+        return 0;
+    };
+    let is_path = |text: &str| {
+        Path::new(text)
+            .canonicalize()
+            .is_ok_and(|named| named == path)
+    };
+    let arguments = std::env::args_os().skip(1);
+    let names = |argument: &OsString| {
+        let text = argument.to_string_lossy();
+        let value = text.split_once('=').map_or(&*text, |(_, value)| value);
+        let whole = value.rsplit_once(':').map_or(value, |(file, _)| file);
+        is_path(&text) || is_path(value) || is_path(whole)
+    };
+    arguments.filter(names).count()
 }
 
 fn failed(path: &Path, cause: &dyn std::error::Error) -> CommandError {

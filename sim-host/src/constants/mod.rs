@@ -21,7 +21,14 @@ use controller_core::error::ParamError;
 pub use c_header::c_header;
 pub use literal::NoLiteral;
 
-/// The module's name: the file's, in what Rust takes for one.
+/// Words that name nothing in Rust, in C or in C++.
+const RESERVED: &str = "abstract alignas alignof and as asm async auto await become bool box break case catch char class const continue crate \
+    decltype default delete do double dyn else enum explicit export extern false final float fn for friend gen goto if impl in inline int let long \
+    loop macro main match mod move mut mutable namespace new noexcept not nullptr operator or override priv private protected pub public ref register \
+    restrict return self short signed sizeof static struct super switch template this thread_local throw trait true try type typedef typeid typename \
+    typeof union unsafe unsigned unsized use using virtual void volatile where while xor yield";
+
+/// The module's name: the file's, in what Rust and C take for one.
 pub fn module_name(name: &str) -> String {
     let letters = name.chars().map(|c| match c {
         'a'..='z' | '0'..='9' => c,
@@ -29,7 +36,8 @@ pub fn module_name(name: &str) -> String {
         _ => '_',
     });
     let mut name: String = letters.collect();
-    if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
+    let reserved = RESERVED.split(' ').any(|word| word == name);
+    if reserved || !name.starts_with(|c: char| c.is_ascii_lowercase()) {
         name.insert_str(0, "robot_");
     }
     name
@@ -112,5 +120,25 @@ pub enum ConstantsError {
 impl From<ParamError> for ConstantsError {
     fn from(error: ParamError) -> Self {
         Self::Param(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::module_name;
+
+    /// What is a name neither in Rust nor in C becomes one of both.
+    #[test]
+    fn names_are_names_in_both_languages() {
+        for (file, name) in [
+            ("lab-10kg", "lab_10kg"),
+            ("Rover 2", "rover_2"),
+            ("2wd", "robot_2wd"),
+            ("int", "robot_int"),
+            ("match", "robot_match"),
+            ("Main", "robot_main"),
+        ] {
+            assert_eq!(module_name(file), name);
+        }
     }
 }

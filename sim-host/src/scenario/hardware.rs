@@ -3,6 +3,7 @@
 use super::source::{Checked, Source};
 use crate::mission::{BaseSpec, Gyro, Hardware};
 use crate::world::{BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams};
+use controller_core::base::REMEMBERED;
 use controller_core::error::Field;
 use controller_core::motion::MotionGains;
 use serde::Deserialize;
@@ -170,12 +171,32 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     hardware
         .localiser::<f64>(wheels)
         .validate_with::<controller_core::maths::Libm>()
-        .map_err(|error| place.error("encoder", error))?;
+        .map_err(|error| place.error(localiser_key(error.field), error))?;
     let period = hardware.period_s;
     if !(1.0e-4..=0.1).contains(&period) {
         return Err(place.error("control.period_s", "must be in 1e-4 to 0.1"));
     }
-    Ok(())
+    let remembered = REMEMBERED as f64 * period;
+    match &hardware.pose_source {
+        Some(source) if source.latency_s + period > remembered => {
+            let message = format!(
+                "is too old: a base remembers {REMEMBERED} ticks, {remembered:.3} s, and refuses what is older"
+            );
+            Err(place.error("pose_source.latency_s", message))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The key that sets a parameter of the localiser, or the table that does.
+const fn localiser_key(field: Field) -> &'static str {
+    match field {
+        Field::FixRate => "pose_source.rate_hz",
+        Field::FixNoise => "pose_source.noise_m",
+        Field::FixHeadingNoise => "pose_source.noise_rad",
+        Field::CountsPerTurn => "encoder.counts_per_turn",
+        _ => "encoder",
+    }
 }
 
 /// The key that sets a parameter of the gyro.

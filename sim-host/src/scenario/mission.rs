@@ -85,11 +85,14 @@ struct DriveKeys {
 impl Mission {
     /// Whether a text is a scenario file for the law for a real base.
     pub fn is_motion(text: &str) -> bool {
-        let table: Option<toml::Table> = toml::from_str(text).ok();
-        let kind = table
-            .as_ref()
-            .and_then(|t| t.get("controller")?.get("kind")?.as_str());
-        kind == Some("motion")
+        Self::kind(text).is_some_and(|kind| kind == "motion")
+    }
+
+    /// The law that a scenario file names.
+    pub(super) fn kind(text: &str) -> Option<String> {
+        let table: toml::Table = toml::from_str(text).ok()?;
+        let kind = table.get("controller")?.get("kind")?.as_str()?;
+        Some(kind.to_owned())
     }
 
     /// A mission from the text of a scenario file; `file` is the name that errors show.

@@ -157,9 +157,15 @@ impl Scenario {
     /// that contradict each other.
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
         let place = source::Source::new(file, text);
-        if crate::mission::Mission::is_motion(text) {
-            let message = "is the law for a real base, which `run` takes and this does not";
-            return Err(place.error("controller.kind", message));
+        let wrong = match crate::mission::Mission::kind(text).as_deref() {
+            None | Some("neural" | "plain") => None,
+            Some("motion") => {
+                Some("is the law for a real base, which `run` takes and this does not")
+            }
+            Some(_) => Some("is not one of neural, plain and motion"),
+        };
+        if let Some(wrong) = wrong {
+            return Err(place.error("controller.kind", wrong));
         }
         let keys = toml::from_str(text).map_err(|error| place.reader_error(&error))?;
         let stem = Path::new(file).file_stem();
