@@ -3,7 +3,7 @@
 use statrs::distribution::{Beta, ContinuousCDF};
 
 /// Failures among independent runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rate {
     /// Runs that failed; at most `runs`.
     pub failed: usize,
@@ -21,6 +21,11 @@ impl Rate {
             0.025
         };
         clopper_pearson(self.failed, self.runs, tail)
+    }
+
+    /// More than the `stated` one, and not by chance: their intervals do not meet.
+    pub fn exceeds(&self, stated: &Self) -> bool {
+        self.interval().0 > stated.interval().1
     }
 }
 

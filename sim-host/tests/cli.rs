@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
+use tests::fixtures::path;
 use tests::stated::picture;
 
 fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
@@ -53,13 +54,14 @@ time = 0.505
 target_at = 0.8
 ";
 
+fn gaps() -> String {
+    path("wpilib_gaps.json").display().to_string()
+}
+
 /// The pictures of README and pages, which name these commands.
 #[test]
 fn the_documents_show_what_the_program_draws() {
-    let gaps = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/tests/fixtures/wpilib_gaps.json"
-    );
+    let gaps: &str = &gaps();
     for (arguments, drawn, shown) in [
         (&["run", gaps][..], "wpilib_gaps.png", "trajectory.png"),
         (&[], "paper-curve.png", "paper-curve.png"),
@@ -330,10 +332,7 @@ fn exit_codes_tell_wrong_usage_from_failure() {
 #[test]
 fn what_is_read_is_not_written_over() {
     let here = directory();
-    let gaps = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/tests/fixtures/wpilib_gaps.json"
-    );
+    let gaps: &str = &gaps();
     let file = here.path().join("mine.json");
     fs::copy(gaps, &file).expect("copied");
     for arguments in [
@@ -370,10 +369,7 @@ fn what_is_read_is_not_written_over() {
 #[test]
 fn a_run_on_the_ideal_plant_says_so() {
     let here = directory();
-    let gaps = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/tests/fixtures/wpilib_gaps.json"
-    );
+    let gaps: &str = &gaps();
     for (arguments, ideal) in [
         (&["run", gaps, "--base", "lab-10kg"][..], true),
         (&["run", "bad-floor-line"], false),

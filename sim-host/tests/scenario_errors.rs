@@ -63,7 +63,7 @@ fn missing_keys_are_named() {
 }
 
 #[test]
-fn ranges_of_the_core_are_told_by_key() {
+fn ranges_of_the_core_are_reported_by_key() {
     let error = error("[gains]\nk2 = -3.0");
     assert_eq!(
         error.to_string(),
@@ -104,7 +104,7 @@ fn a_law_that_there_is_not_is_refused_with_those_that_there_are() {
 }
 
 #[test]
-fn other_ranges_are_told_by_key() {
+fn other_ranges_are_reported_by_key() {
     assert_eq!(
         place("[plant]\nmass_factor = 0"),
         at("plant.mass_factor", 7)

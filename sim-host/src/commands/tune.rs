@@ -109,16 +109,18 @@ pub fn report(
         unseen: tuned.unseen,
     };
     writer.json(&name, &[record])?;
-    if let Some(path) = write.filter(|_| after >= before) {
-        say(&format!("[gains] of {} stay as they are\n", path.display()))?;
-    } else if let Some(path) = write {
-        let written = |cause: String| CommandError::Write {
-            path: path.to_owned(),
-            cause,
-        };
-        let text = update(&robot.text, &tuned.gains[1]).map_err(|e| written(e.to_string()))?;
-        std::fs::write(path, text).map_err(|error| written(error.to_string()))?;
-        say(&format!("[gains] of {} are the new ones\n", path.display()))?;
+    match write {
+        Some(path) if after < before => {
+            let written = |cause: String| CommandError::Write {
+                path: path.to_owned(),
+                cause,
+            };
+            let text = update(&robot.text, &tuned.gains[1]).map_err(|e| written(e.to_string()))?;
+            std::fs::write(path, text).map_err(|error| written(error.to_string()))?;
+            say(&format!("[gains] of {} are the new ones\n", path.display()))?;
+        }
+        Some(path) => say(&format!("[gains] of {} stay as they are\n", path.display()))?,
+        None => {}
     }
     say(&format!("results are in {}\n", output.out.display()))
 }

@@ -92,7 +92,7 @@ pub fn named(path: &Path) -> usize {
         let text = argument.to_string_lossy();
         let value = text.split_once('=').map_or(&*text, |(_, value)| value);
         let whole = value.rsplit_once(':').map_or(value, |(file, _)| file);
-        is_path(&text) || is_path(value) || is_path(whole)
+        [&*text, value, whole].into_iter().any(is_path)
     };
     arguments.filter(names).count()
 }

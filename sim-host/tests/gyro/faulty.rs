@@ -1,11 +1,12 @@
 //! Gyros that fail while the base drives: each is found by its name, and the base goes on by its wheels.
 
-use crate::rig::{Draw, Rig, Share, Wander, bad_floor, mission, seeds};
+use crate::rig::{Draw, Rig, Wander, bad_floor, is_as_stated, mission, seeds};
 use controller_core::gyro::GyroFault;
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::supervisor::Cause;
 use controller_core::safety::{Fault, FaultKind};
 use sim_host::mission::BaseSpec;
+use sim_host::rate::Rate;
 use sim_host::scenario::BASES;
 use sim_host::world::PlantFault;
 use tests::stated::{At, Stated};
@@ -66,7 +67,7 @@ fn run(base: &BaseSpec, seed: u64, fault: Option<PlantFault>) -> Outcome {
 #[test]
 fn faulty_gyros_are_found() {
     use GyroFault::{Bias, Disagrees, Reversed, Silent, Stuck};
-    let mut mirrored = Share::default();
+    let mut mirrored = Rate::default();
     let scale = |factor| PlantFault::GyroScale { factor };
     for (name, fault, names, silent) in [
         ("silent", PlantFault::GyroSilent, &[Silent][..], true),
@@ -113,14 +114,14 @@ fn faulty_gyros_are_found() {
                     // A bias that is minus twice the turn of a moment mirrors the wheels.
                     let mirrors = names == [Disagrees, Bias] && fault == Reversed;
                     assert!(mirrors || names.contains(&fault), "{what}: {fault:?}");
-                    mirrored.add(usize::from(mirrors), 0);
+                    mirrored.failed += usize::from(mirrors);
                     latest = latest.max(after_s);
                     found += 1;
                 }
                 worst = worst.max(outcome.worst);
             }
             if let PlantFault::GyroBias { .. } = fault {
-                mirrored.add(0, runs);
+                mirrored.runs += runs;
             }
             println!(
                 "{name} {}: {found} found, the latest after {latest:.2} s; heading within {worst:.3} rad; {slips} of {runs} stopped for a slip",
@@ -138,5 +139,5 @@ fn faulty_gyros_are_found() {
         }
     }
     let stated = Stated::of("docs/gyro.md").numbers(At::Phrase("named reversed (# of # runs"));
-    mirrored.is_as_stated("mirrored", &stated);
+    is_as_stated("mirrored", mirrored, &stated);
 }

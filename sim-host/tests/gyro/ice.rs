@@ -1,9 +1,10 @@
 //! A wheel on ice, found by the gyro.
 
-use crate::rig::{Draw, Rig, Share, Wander, bad_floor, is_fresh, mission, seeds};
+use crate::rig::{Draw, Rig, Wander, bad_floor, is_as_stated, is_fresh, mission, seeds};
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::FaultKind;
 use sim_host::mission::BaseSpec;
+use sim_host::rate::Rate;
 use sim_host::scenario::BASES;
 use sim_host::world::{PlantFault, Side};
 use tests::stated::{At, Stated};
@@ -99,7 +100,7 @@ fn run(base: &BaseSpec, seed: u64, ice: bool) -> Outcome {
 /// `GYRO_SEED` and `GYRO_SEEDS` are another first seed and another number.
 #[test]
 fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
-    let (mut missed, mut stopped) = (Share::default(), Share::default());
+    let (mut missed, mut stopped) = (Rate::default(), Rate::default());
     let (mut found, mut unseen, mut quietly) = (Vec::new(), Vec::new(), Vec::new());
     for built_in in BASES {
         let (with, without) = (
@@ -130,11 +131,10 @@ fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
             built_in.name,
             gyro.len(),
         );
-        missed.add(
-            of_ice[1],
-            count(&gyro, |run| run.missed || run.found_s.is_some()),
-        );
-        stopped.add(without_ice[1], quiet.len());
+        missed.failed += of_ice[1];
+        missed.runs += count(&gyro, |run| run.missed || run.found_s.is_some());
+        stopped.failed += without_ice[1];
+        stopped.runs += quiet.len();
         assert!(of_ice[0] > 0);
         // The condition is not empty: a base without a gyro slides on unaware.
         assert_eq!(count(&wheels, |run| run.found_s.is_some()), 0);
@@ -148,9 +148,10 @@ fn a_wheel_on_ice_is_found_within_three_tenths_of_a_second() {
         quietly.extend(without_ice.map(|runs| runs as f64));
     }
     let stated = |phrase| Stated::of("docs/gyro.md").numbers(At::Phrase(phrase));
-    missed.is_as_stated("missed", &stated("missed # of # slides"));
-    stopped.is_as_stated(
+    is_as_stated("missed", missed, &stated("missed # of # slides"));
+    is_as_stated(
         "stopped",
+        stopped,
         &stated("stopped # of # drives without ice while no wheel slid"),
     );
     if !is_fresh() {

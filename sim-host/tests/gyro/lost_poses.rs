@@ -1,6 +1,6 @@
 //! Poses that fail for 20 s while the base drives.
 
-use crate::rig::{Draw, Rig, Share, Wander, bad_floor, is_fresh, mission, seeds};
+use crate::rig::{Draw, Rig, Wander, bad_floor, is_as_stated, is_fresh, mission, seeds};
 use controller_core::angle::wrap;
 use controller_core::base::Order;
 use controller_core::queue::ReferenceQueue;
@@ -8,6 +8,7 @@ use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::types::Pose;
 use sim_host::mission::BaseSpec;
+use sim_host::rate::Rate;
 use sim_host::scenario::BASES;
 use sim_host::world::PlantFault;
 use tests::stated::{At, Stated};
@@ -96,7 +97,7 @@ fn run(base: &BaseSpec, seed: u64, loses: bool) -> Ends {
 /// after a second.
 #[test]
 fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
-    let (mut table, mut beyond, mut late) = (Vec::new(), Share::default(), Share::default());
+    let (mut table, mut beyond, mut late) = (Vec::new(), Rate::default(), Rate::default());
     for built_in in BASES {
         let base = built_in.with_gyro().expect("valid");
         let plain = built_in.base().expect("valid");
@@ -118,9 +119,10 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
             {
                 continue;
             }
-            late.add(usize::from(ends.last.is_none()), 1);
+            late.runs += 1;
             let Some((end_m, end_rad)) = ends.last else {
                 println!("{} {seed}: not parked, {stopped:?}", built_in.name);
+                late.failed += 1;
                 continue;
             };
             last = last.max(end_m);
@@ -132,7 +134,8 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
             if let Some((m, _)) = ends.blind {
                 blind.push(1e3 * m);
                 least_way = least_way.min(ends.way);
-                beyond.add(usize::from(m > 0.03), 1);
+                beyond.runs += 1;
+                beyond.failed += usize::from(m > 0.03);
             }
         }
         assert!(
@@ -156,11 +159,12 @@ fn a_base_that_loses_its_poses_for_twenty_seconds_parks() {
     }
     let mut page = Stated::of("docs/gyro.md");
     let rates = |phrase| Stated::of("docs/gyro.md").numbers(At::Phrase(phrase));
-    beyond.is_as_stated(
+    is_as_stated(
         "beyond 30 mm",
+        beyond,
         &rates("# of # parked farther than 30 mm off"),
     );
-    late.is_as_stated("not parked", &rates("# of # had not parked"));
+    is_as_stated("not parked", late, &rates("# of # had not parked"));
     if !is_fresh() {
         let row = "poses lost for 20 s while driving: parked without them, median, 95 % [mm]";
         page.exactly(At::Row("Measured", row), &table);

@@ -27,32 +27,14 @@ pub fn seeds(count: u64) -> std::ops::Range<u64> {
     first..first + number("GYRO_SEEDS").unwrap_or(count)
 }
 
-/// Runs that failed, of how many.
-#[derive(Default)]
-pub struct Share {
-    pub failed: usize,
-    runs: usize,
-}
-
-impl Share {
-    pub fn add(&mut self, failed: usize, runs: usize) {
-        self.failed += failed;
-        self.runs += runs;
-    }
-
-    /// No more than `stated`, failed and runs: their intervals meet.
-    pub fn is_as_stated(&self, what: &str, stated: &[f64]) {
-        let [rate, most] = [
-            (self.failed, self.runs),
-            (stated[0] as usize, stated[1] as usize),
-        ]
-        .map(|(failed, runs)| Rate { failed, runs });
-        println!("{what}: {rate}");
-        assert!(
-            rate.interval().0 <= most.interval().1,
-            "{what}: {rate}; stated {most}"
-        );
-    }
+/// No more than the page states, failed and runs.
+pub fn is_as_stated(what: &str, rate: Rate, stated: &[f64]) {
+    let most = Rate {
+        failed: stated[0] as usize,
+        runs: stated[1] as usize,
+    };
+    println!("{what}: {rate}");
+    assert!(!rate.exceeds(&most), "{what}: {rate}; stated {most}");
 }
 
 /// Numbers that are settled by a seed.
