@@ -265,6 +265,58 @@ fn the_page_shows_what_the_programs_print() -> Result<(), Box<dyn Error>> {
     shown("2. Tune", &["tune", "robot.toml", "--evaluations", "36"])
 }
 
+/// Poses that are better than a robot can park by keep no robot from parking: the bases with motion capture instead of their camera.
+#[test]
+fn precise_poses_park_a_base_sooner() -> Result<(), Box<dyn Error>> {
+    let seeds = NonZeroU32::new(10).ok_or("0")?;
+    let mut page = Stated::of("docs/your-robot.md");
+    for (label, noise, rate_hz) in [
+        ("1 mm and 1 mrad at 100 Hz", 1e-3, 100.0),
+        ("0.5 mm and 0.5 mrad at 20 Hz", 0.5e-3, 20.0),
+    ] {
+        let (mut follows, mut parks) = (Vec::new(), Vec::new());
+        let (mut amiss, mut off_m, mut off_rad) = (0, 0.0_f64, 0.0_f64);
+        for name in NAMES {
+            let mut base = base(name)?;
+            let hardware = base.hardware.as_mut().ok_or("no hardware")?;
+            let source = hardware.pose_source.as_mut().ok_or("no poses")?;
+            (source.rate_hz, source.latency_s) = (rate_hz, 0.01);
+            (source.noise_m, source.noise_rad) = (noise, noise);
+            for run in &verify(&base, KEPT_SEED, seeds, || {})?.runs {
+                let times = match run.course {
+                    Course::Park => &mut parks,
+                    _ => &mut follows,
+                };
+                times.push(run.figures.time_s);
+                amiss += u32::from(shortcoming(&run.figures).is_some());
+                off_m = off_m.max(run.figures.error_m);
+                off_rad = off_rad.max(run.figures.error_rad.abs());
+            }
+        }
+        let runs = follows.len() + parks.len();
+        let quantiles = |times: &mut Vec<f64>| {
+            times.sort_by(f64::total_cmp);
+            [times[times.len() / 2], times[times.len() - 1]]
+        };
+        let ([half, last], [half_park, last_park]) =
+            (quantiles(&mut follows), quantiles(&mut parks));
+        page.exactly(
+            At::Row("3. Verify", label),
+            &[
+                runs as f64,
+                f64::from(amiss),
+                half,
+                last,
+                half_park,
+                last_park,
+                1e3 * off_m,
+                1e3 * off_rad,
+            ],
+        );
+    }
+    Ok(())
+}
+
 /// Wheels that differ by a hundredth turn the base by 0.1 rad on 4 m: without poses from outside nothing
 /// corrects it.
 #[test]

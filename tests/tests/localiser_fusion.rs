@@ -61,6 +61,36 @@ fn drift_of_a_wrong_radius_is_bounded_by_fixes() {
     );
 }
 
+/// What odometry lost on a metre without fixes, a precise source gives back within a few fixes, not at the rate of its noise, 15 mrad/s.
+#[test]
+fn precise_fixes_end_a_drift_soon() {
+    let file = lab();
+    let precise = 0.5e-3;
+    let localisation = localisation(&file, precise, precise);
+    let mut led = Led::<f64, 64>::start(&localisation, worn(&file));
+    let mut off = Pose::default();
+    for _ in 0..250 {
+        let estimate = led.advance::<Libm>(Twist::new(0.4, 0.0), 0.01, &mut Source::silent());
+        off = led.off(&estimate);
+    }
+    // As above, over a metre.
+    assert_within(off.theta.abs(), 0.02 / 0.35, 5e-3, "turn");
+    assert_within(off.y.abs(), 0.5 * 0.02 / 0.35, 5e-3, "aside");
+    let mut source = Source {
+        noise_m: precise,
+        noise_rad: precise,
+        ..Source::camera(3)
+    };
+    for _ in 0..30 {
+        let estimate = led.advance::<Libm>(Twist::default(), 0.01, &mut source);
+        assert!(!estimate.jumped);
+        off = led.off(&estimate);
+    }
+    // Five fixes, each spread over the time to the next: what is left is within the 5 standard deviations that may be noise.
+    let left = off.x.abs().max(off.y.abs()).max(off.theta.abs());
+    assert!(left < 5.0 * precise, "{off:?}");
+}
+
 /// At constant speed the age of fixes does not put the pose behind by 1 % of the way in that time.
 #[test]
 fn latency_leaves_no_lag() {

@@ -120,13 +120,13 @@ impl<T: Scalar> Correction<T> {
     }
 
     /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise
-    /// is derived for, at no more than its rate. `heading` where a gyro carries it.
+    /// is derived for. `carried` where a gyro carries it.
     #[inline(always)]
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         fusion: &Fusion<T>,
         moved: &Moved<'_, T>,
-        heading: Option<&Carried<T>>,
+        carried: Option<&Carried<T>>,
         dt: T,
     ) {
         let before = self.pose;
@@ -148,18 +148,18 @@ impl<T: Scalar> Correction<T> {
         since.slip.y += along * dy + aside * dx;
         since.slip.theta -= moved.turn_lost;
         let share = -M::exp_m1(-(fusion.spread * dt));
-        let (most, turn) = (dt * fusion.position.rate, dt * fusion.heading.rate);
+        let (position, heading) = (&fusion.position, &fusion.heading);
         let step = Pose {
-            x: clamp(share * self.pending.x, most),
-            y: clamp(share * self.pending.y, most),
-            theta: clamp(share * self.pending.theta, turn),
+            x: position.step(self.pending.x, share, dt),
+            y: position.step(self.pending.y, share, dt),
+            theta: heading.step(self.pending.theta, share, dt),
         };
         self.pose = sum(&self.pose, &step, T::ONE);
         self.pending = sum(&self.pending, &step, -T::ONE);
         let driven = fusion.driven(moved);
-        match heading {
+        match carried {
             None => self.slack.grow(&driven),
-            Some(heading) => self.slack.carry(fusion, &driven, heading, dt),
+            Some(carried) => self.slack.carry(fusion, &driven, carried, dt),
         }
         if let Some(candidate) = &mut self.candidate {
             candidate.slack.grow(&driven);

@@ -68,4 +68,5 @@ pub use task::Task;
 
 pub(crate) use law::MotionLaw;
 pub(crate) use limits::COMMAND_SHARE;
+pub(crate) use retry::NEW_APPROACH;
 pub(crate) use task::Asked;

@@ -6,7 +6,7 @@ use super::goal_checker::GoalView;
 use super::params::ValidMotionParams;
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
-use crate::range::signed;
+use crate::range::{larger, signed};
 use crate::scalar::Scalar;
 
 /// Rests that may end without a push before the next such end counts as an attempt. The stop is
@@ -21,6 +21,10 @@ const BESIDE: f64 = 4.0;
 /// Manoeuvres beyond the first before an attempt is spent. Each leaves what the pose and the knowledge of friction and mass
 /// leave, a few per cent of its way: from 3 m two bring a robot to a millimetre.
 const MANOEUVRES: u8 = 2;
+
+/// The way of a new approach at least \[m\], on which friction is overcome and learnt, and how far the robot turns on it aside for what is left beside the
+/// goal \[rad\], which is corrected without haste.
+pub(crate) const NEW_APPROACH: (f64, f64) = (0.05, 0.1);
 
 /// Where a robot is in its attempts to arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -299,20 +303,17 @@ fn is_stuck<T: Scalar>(motion: &ValidMotionParams<T>, at: &GoalView<'_, T>) -> b
 impl<T: Scalar> ValidMotionParams<T> {
     /// The distance within which position means nothing: the tolerance or the noise radius \[m\].
     fn least(&self) -> T {
-        let tolerance = self.params().arrival.distance_m;
-        if tolerance > self.near {
-            tolerance
-        } else {
-            self.near
-        }
+        larger(self.params().arrival.distance_m, self.near)
     }
 
     /// How far a retry drives out \[m\]: from there an error of twice the noise radius, the most that
-    /// is left beside the goal, is a bearing of 0.1 rad, which the approach corrects without haste.
-    /// At least 5 cm, for friction to be overcome and learnt on the way.
+    /// is left beside the goal, is a bearing of 0.1 rad; at least the way of a [`NEW_APPROACH`].
     fn way_out(&self) -> T {
-        let (far, least) = (T::from_f64(20.0) * self.least(), T::from_f64(0.05));
-        if far > least { far } else { least }
+        let (least, bearing) = NEW_APPROACH;
+        larger(
+            T::from_f64(2.0 / bearing) * self.least(),
+            T::from_f64(least),
+        )
     }
 
     /// How long a robot may stand near its goal before it tries again \[s\]: eight time constants of

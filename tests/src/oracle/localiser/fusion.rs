@@ -58,7 +58,7 @@ struct Channel {
     gain: f64,
     gate: f64,
     agree: f64,
-    /// Largest rate of correction.
+    /// Largest rate of correction of what may be noise.
     rate: f64,
 }
 
@@ -164,9 +164,12 @@ impl Fusion {
         let lost = forward * (moved.pushed.x * step + moved.pushed.y * left);
         self.since.3 -= Vector3::new(lost.x, lost.y, moved.turn_lost);
         let [position, heading] = channels(k);
-        let most = dt * Vector3::new(position.rate, position.rate, heading.rate);
         let spread = 1.0 - (-k.rate * dt).exp();
-        let step = (spread * self.pending).inf(&most).sup(&-most);
+        // Noise, at no more than its rate, and what is none.
+        let gate = Vector3::new(position.gate, position.gate, heading.gate);
+        let most = dt * Vector3::new(position.rate, position.rate, heading.rate);
+        let noise = self.pending.inf(&gate).sup(&-gate);
+        let step = (spread * noise).inf(&most).sup(&-most) + spread * (self.pending - noise);
         self.q += step;
         self.pending -= step;
         let travel = (to - from).xy().norm();
