@@ -51,6 +51,10 @@ pub use quantity::{Known, KnownError, Quantity, Stated};
 pub use stretches::{LONGEST_S, SHORTEST_S};
 pub use structure::Given;
 
+use controller_core::error::{Field, ParamError, Problem};
+use controller_core::paper::params::Params;
+use controller_core::robot::Robot;
+use controller_core::wheels::{WheelGeometry, WheelMap};
 use serde::Serialize;
 
 /// How a log is read.
@@ -146,6 +150,56 @@ impl Identified {
         let mut entries = self.quantities.iter();
         Some(&entries.find(|e| e.name == quantity.name())?.verdict)
     }
+
+    /// What the log says, or what was stated.
+    pub(crate) fn value(&self, quantity: Quantity) -> Option<f64> {
+        match self.of(quantity)? {
+            Verdict::Stated { value } | Verdict::Identified { value, .. } => Some(*value),
+            Verdict::NotIdentifiable { .. } => None,
+        }
+    }
+
+    /// Whether the core would take the robot; what is not known of it is the paper's.
+    fn plausible(&self) -> Result<(), IdentifyError> {
+        use Quantity as Q;
+        let paper = Robot::<f64>::paper();
+        let value = |quantity, else_| self.value(quantity).unwrap_or(else_);
+        let robot = Robot {
+            mass_kg: value(Q::Mass, paper.mass_kg),
+            inertia_kg_m2: value(Q::Inertia, paper.inertia_kg_m2),
+            wheels: WheelGeometry {
+                radius_right_m: value(Q::RadiusRight, paper.wheels.radius_right_m),
+                radius_left_m: value(Q::RadiusLeft, paper.wheels.radius_left_m),
+                track_m: value(Q::Track, paper.wheels.track_m),
+            },
+        };
+        let params = Params {
+            robot,
+            ..Params::paper()
+        };
+        // Lengths first: masses follow from them.
+        let lengths = WheelMap::from_geometry(&robot.wheels);
+        let Err(ParamError { field, problem }) = lengths.and_then(|_| params.validate()) else {
+            return Ok(());
+        };
+        let of_field = [
+            (Field::Mass, Q::Mass),
+            (Field::Inertia, Q::Inertia),
+            (Field::RadiusRight, Q::RadiusRight),
+            (Field::RadiusLeft, Q::RadiusLeft),
+            (Field::Track, Q::Track),
+        ];
+        let wrong = of_field.into_iter().find(|(of, _)| *of == field);
+        match wrong.and_then(|(_, quantity)| Some((quantity, self.value(quantity)?))) {
+            Some((quantity, value)) => Err(IdentifyError::Implausible {
+                quantity: quantity.name(),
+                unit: quantity.unit(),
+                value,
+                problem,
+            }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Why nothing can be identified from a log that can be read.
@@ -160,6 +214,30 @@ pub enum IdentifyError {
          sides swapped?"
     )]
     Against(&'static str),
+    /// A quantity that no file of a base can have.
+    #[error(
+        "{quantity} comes out as {value:.4e} {unit}, {}: is the log in SI units (t in s, x and y in m, \
+         theta in rad, torques in N m) and --counts-per-turn that of the wheel?",
+        beyond(.problem)
+    )]
+    Implausible {
+        /// Its name.
+        quantity: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// What it would be.
+        value: f64,
+        /// The limit that it is beyond.
+        problem: Problem,
+    },
+}
+
+fn beyond(problem: &Problem) -> String {
+    match problem {
+        Problem::Below(limit) => format!("and a robot has at least {limit:e}"),
+        Problem::Above(limit) => format!("and a robot has at most {limit:e}"),
+        _ => "which no robot has".to_owned(),
+    }
 }
 
 const SIDES: [&str; 2] = ["right", "left"];
@@ -170,7 +248,7 @@ const VAGUE: f64 = 0.5;
 /// Identifies.
 ///
 /// # Errors
-/// Signs of the log that contradict each other.
+/// Signs of the log that contradict each other, and quantities that no robot has.
 pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyError> {
     let speeds = stretches::speeds(log);
     let mut used = stretches::stretches(log, &speeds, options.slow_rad_s, &[]);
@@ -210,11 +288,13 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
     };
     let combined = combine::combine(&given, poses.as_ref(), motion.as_ref());
     let driven = verdict::Driven::new(log, options, &speeds, &used, spoilt);
-    Ok(verdict::judge(
+    let found = verdict::judge(
         &given,
         &combined,
         &driven,
         poses.as_ref(),
         motion.as_ref().zip(train.as_ref()),
-    ))
+    );
+    found.plausible()?;
+    Ok(found)
 }

@@ -78,6 +78,31 @@ fn a_log_becomes_a_table_and_files() {
     // Without [limits] it is no base yet, which is said.
     assert!(shown.contains("not a whole base yet"), "{shown}");
 
+    // Positions in mm: nothing is written.
+    let in_mm: String = csv()
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<_> = line.split(',').map(str::to_owned).collect();
+            for cell in &mut cells[7..9] {
+                if let Ok(metres) = cell.parse::<f64>() {
+                    *cell = (1.0e3 * metres).to_string();
+                }
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    fs::write(here.path().join("mm.csv"), in_mm).expect("written");
+    let output = run(&[&["mm.csv"], &turn[1..], &["--profile", "robot.toml"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let error = text(&output.stderr);
+    assert!(
+        error.contains("mm.csv: radius_right comes out as"),
+        "{error}"
+    );
+    let kept = fs::read_to_string(here.path().join("robot.toml")).expect("written");
+    assert_eq!(kept, robot);
+    assert!(!here.path().join("out/mm-identify.json").exists());
+
     let output = run(&["drive.csv"]);
     assert_eq!(output.status.code(), Some(1));
     let error = text(&output.stderr);

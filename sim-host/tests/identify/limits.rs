@@ -107,6 +107,21 @@ fn reversed_signs_are_named() {
 }
 
 #[test]
+fn robots_that_there_are_not_are_refused_with_the_limit() {
+    // Positions in mm: wheels of some 80 m.
+    let mut log = recorded(recommended);
+    for fix in &mut log.fixes {
+        fix.pose[0] *= 1.0e3;
+        fix.pose[1] *= 1.0e3;
+    }
+    let error = identify(&log, &options()).expect_err("no such robot");
+    let text = error.to_string();
+    for part in ["radius_right", "e1 m, ", "at most 1e1", "x and y in m"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
 fn commands_of_another_row_are_reported() {
     let mut log = recorded(recommended);
     // Each a row later than it acted: wheels move 10 ms before.
