@@ -227,8 +227,8 @@ Examples:
     ///
     /// The paper's line and curve and a park, in worlds drawn around the robot of the file and at their
     /// corners. Every run has to park within 5 mm and 10 mrad of the true goal and be quiet there: if not,
-    /// the exit code is 1. Writes NAME-verify.csv, .json, and the worst run as .svg, .png and
-    /// -worst.csv; --log is of that run.
+    /// the exit code is 1. A robot without [pose_source] cannot, and is refused. Writes NAME-verify.csv, .json,
+    /// and the worst run as .svg, .png and -worst.csv; --log is of that run.
     #[command(after_help = "\
 Examples:
   sim-host verify mine.toml

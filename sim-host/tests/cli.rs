@@ -378,3 +378,26 @@ fn a_run_on_the_ideal_plant_says_so() {
         assert_eq!(said.contains("plant      ideal: "), ideal, "{said}");
     }
 }
+
+/// Encoders alone bring no base to where `verify` asks it to be: that is said before anything runs.
+#[test]
+fn a_robot_without_poses_is_not_verified() {
+    let here = directory();
+    let text = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let from = text.find("[pose_source]").expect("poses");
+    let rest = text[from + 1..].find("\n[").expect("a next table");
+    let blind = format!("{}{}", &text[..from], &text[from + 1 + rest..]);
+    let bare = &text[..text.find("[motor]").expect("motors")];
+    for robot in [&blind, bare] {
+        fs::write(here.path().join("blind.toml"), robot).expect("written");
+        let output = sim_host(here.path(), &["verify", "blind.toml"]);
+        assert_eq!(output.status.code(), Some(1));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            said.starts_with("error: blind.toml:1: pose_source: is missing: ")
+                && said.contains("5 mm and 10 mrad"),
+            "{said}"
+        );
+        assert!(output.stdout.is_empty() && !here.path().join("out").exists());
+    }
+}

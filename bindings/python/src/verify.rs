@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use sim_host::job::{Job, RobotFile};
 use sim_host::verify::{
-    Verification as Found, case_table, run_sheet, runs, verdict, verify as study, write_csv,
+    Verification as Found, case_table, check, run_sheet, runs, verdict, verify as study, write_csv,
 };
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -85,6 +85,7 @@ pub fn verify(
 ) -> PyResult<Verification> {
     let least = || error::argument("seeds", "seeds must be at least 1");
     let seeds = NonZeroU32::new(seeds).ok_or_else(least)?;
+    check(&robot.file).map_err(|e| error::scenario(&e))?;
     let base = &robot.file.base;
     let found = work(py, threads, (progress, runs(seeds)), |progress| {
         study(base, seed, seeds, || progress.begin())

@@ -14,7 +14,8 @@ use sim_host::figure::Labelled;
 use sim_host::job::RobotFile;
 use sim_host::part::Study as _;
 use sim_host::verify::{
-    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, shortcoming, verdict, write_csv,
+    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, check, shortcoming, verdict,
+    write_csv,
 };
 
 /// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
@@ -32,8 +33,10 @@ struct Record<'a> {
 }
 
 pub fn robot(arguments: &VerifyArgs, output: &Output) -> Result<(), CommandError> {
+    let robot = load(&arguments.robot)?;
+    check(&robot)?;
     let study = VerifyStudy {
-        robot: load(&arguments.robot)?,
+        robot,
         path: arguments.robot.clone(),
         seeds: arguments.seeds,
         seed: part::seed(&arguments.seed, &arguments.part)?,

@@ -44,6 +44,13 @@ impl fmt::Display for ScenarioError {
 
 impl std::error::Error for ScenarioError {}
 
+impl ScenarioError {
+    /// Of a key of a file with this text.
+    pub(crate) fn of_key(file: &str, text: &str, path: &str, message: &str) -> Self {
+        Source::new(file, text).error(path, message)
+    }
+}
+
 const IS_MISSING: &str = "is missing";
 
 /// The text of a file, to point into.

@@ -16,6 +16,8 @@ pub use part::VerifyStudy;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 
+use crate::job::RobotFile;
+use crate::scenario::ScenarioError;
 use crate::trials::{Condition, Course, Figures};
 
 /// Largest true distance to the goal \[m\].
@@ -24,6 +26,25 @@ pub const DISTANCE_M: f64 = 5.0e-3;
 pub const HEADING_RAD: f64 = 10.0e-3;
 /// What largest and least torque of a wheel at rest may differ by, over its limit.
 pub const RIPPLE: f64 = 0.01;
+
+/// Whether a robot can be asked for this at all.
+///
+/// # Errors
+/// One that learns from nothing outside where it is: of its runs all would fail, whatever its gains are.
+pub fn check(robot: &RobotFile) -> Result<(), ScenarioError> {
+    let hardware = robot.base.hardware.as_ref();
+    if hardware.is_some_and(|hardware| hardware.pose_source.is_some()) {
+        return Ok(());
+    }
+    let message = format!(
+        "is missing: a run has to end within {:.0} mm and {:.0} mrad of the true goal, and encoders alone do not tell \
+         a base where that is, whatever its gains are; state rate, age and noise of its localisation",
+        1e3 * DISTANCE_M,
+        1e3 * HEADING_RAD
+    );
+    let (file, text) = (&robot.file, &robot.text);
+    Err(ScenarioError::of_key(file, text, "pose_source", &message))
+}
 
 /// What a run did not fulfil, if anything; the first of them.
 pub fn shortcoming(figures: &Figures) -> Option<&'static str> {
