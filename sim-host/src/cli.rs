@@ -76,8 +76,10 @@ pub enum Command {
     /// Trajectory files are WPILib trajectory JSON, Choreo .traj of a differential drive, TUM poses,
     /// or CSV with the header t,x,y,theta[,v,w[,a,alpha]]; the content tells. BAG.mcap:/topic takes the
     /// poses of a bag of ROS 2. The robot starts at
-    /// rest beside the path, follows, hands over by itself and parks at the last pose. If it does
-    /// not park, the exit code is 1.
+    /// rest beside the path, follows, hands over by itself and parks at the last pose.
+    ///
+    /// The exit code is 1 if a base stops for a fault, or does not park where it is to: at the end
+    /// of a trajectory file, or at the goal that a scenario for the default law ends with.
     #[command(after_help = "\
 Examples:
   sim-host run paper-line

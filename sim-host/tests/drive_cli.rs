@@ -121,6 +121,57 @@ fn check_says_what_is_drivable_without_running() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// In scripts: a goal that is not reached and a base that stops are failures, an end on the way is none.
+#[test]
+fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {
+    const RUN: &str = "[run]\nduration = 2.0\nperiod = 0.005\n[controller]\nkind = \"motion\"\n";
+    const BASE: &str = "base = \"hobby-1kg\"\n";
+    const GOAL: &str = "[goal]\nx = 0.3\n";
+    const LINE: &str = "[reference]\nv = 0.2\n";
+    let here = tempfile::tempdir()?;
+    for (text, why) in [
+        (format!("{RUN}[goal]\nx = 0.1\n"), None),
+        (
+            format!("{RUN}[goal]\nx = 5.0\n"),
+            Some("mine: the robot did not park"),
+        ),
+        (
+            format!("{RUN}{LINE}[[event]]\nat = 1.5\ngoal = {{ x = 5.0 }}\n"),
+            Some("mine: the robot did not park"),
+        ),
+        (format!("{RUN}{LINE}"), None),
+        // The goal is 3 s away.
+        (format!("{RUN}{LINE}[hand_over]\ntarget_at = 3.0\n"), None),
+        (
+            format!("{RUN}[goal]\nx = 0.1\n[[event]]\nat = 1.0\ndrive = {{ v = 0.1 }}\n"),
+            None,
+        ),
+        // No pose ever comes.
+        (
+            format!(
+                "{BASE}{RUN}{GOAL}[world.pose_source]\nrate_hz = 20.0\ndrop_probability = 1.0\n"
+            ),
+            Some("mine: the base stopped at "),
+        ),
+    ] {
+        fs::write(here.path().join("mine.toml"), &text)?;
+        let output = sim_host(here.path(), &["run", "mine.toml"])?;
+        let said = String::from_utf8(output.stderr)?;
+        assert_eq!(
+            output.status.code(),
+            Some(i32::from(why.is_some())),
+            "{text}{said}"
+        );
+        match why {
+            Some(why) => assert!(said.starts_with(&format!("error: {why}")), "{text}{said}"),
+            None => assert!(said.is_empty(), "{text}{said}"),
+        }
+        // Results are written either way.
+        assert!(here.path().join("out/mine.json").exists(), "{text}");
+    }
+    Ok(())
+}
+
 #[test]
 fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;

@@ -108,11 +108,15 @@ pub fn results(
     if csv {
         writer.csv(name, trace, Columns::Motion)?;
     }
-    // A scenario may end on the way; a file is to be driven to its end.
-    if file.is_some() && metrics.parked_s.is_none() {
-        return Err(CommandError::NotParked(mission.name.clone()));
-    }
-    Ok(())
+    let why = match (&metrics.stopped, metrics.parked_s) {
+        (Some(stop), _) => format!("the base stopped at {:.2} s: {}", stop.time_s, stop.cause),
+        (None, None) if mission.ends_parked() => "the robot did not park".to_owned(),
+        _ => return Ok(()),
+    };
+    Err(CommandError::NotDone {
+        mission: mission.name.clone(),
+        why,
+    })
 }
 
 /// Verdicts, without running anything.

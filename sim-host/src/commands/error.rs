@@ -37,8 +37,8 @@ pub enum CommandError {
     Refused { count: usize, of: usize },
     #[error("{}: a scenario, not a trajectory", .0.display())]
     NoTrajectory(PathBuf),
-    #[error("{0}: the robot did not park")]
-    NotParked(String),
+    #[error("{mission}: {why}")]
+    NotDone { mission: String, why: String },
     #[error("no fresh seed: {0}")]
     Seed(#[from] getrandom::Error),
     #[error(transparent)]

@@ -15,15 +15,15 @@ use sim_host::table::{Column, side_by_side};
 
 pub fn all(jobs: &[Job], csv: bool, log: &LogArgs, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
-    // One that does not park does not keep the others from running.
-    let mut not_parked = Ok(());
+    // One that does not do what it is to do does not keep the others from running.
+    let mut not_done = Ok(());
     for job in jobs {
         let log = log.of_run(job.name(), jobs.len());
         let scenario = match job {
             Job::Scenario(scenario) => scenario,
             Job::Mission { mission, file } => {
                 match drive::run(mission, file.as_ref(), (csv, &log), &writer) {
-                    Err(error @ CommandError::NotParked(_)) => not_parked = Err(error),
+                    Err(error @ CommandError::NotDone { .. }) => not_done = Err(error),
                     other => other?,
                 }
                 continue;
@@ -48,5 +48,5 @@ pub fn all(jobs: &[Job], csv: bool, log: &LogArgs, output: &Output) -> Result<()
         finish(pending)?;
     }
     say(&format!("results are in {}\n", output.out.display()))?;
-    not_parked
+    not_done
 }

@@ -139,6 +139,20 @@ impl Mission {
         reference_sampler::ReferenceSampler::of(self, AccelerationAt::MiddleOfHold).into_samples()
     }
 
+    /// Whether it is to stand parked when the run ends; not if that ends before it is to arrive.
+    pub fn ends_parked(&self) -> bool {
+        let mut changes = self.events.iter().rev().map(|event| event.change);
+        let last = changes.find(|change| !matches!(change, Change::Jump(_)));
+        match (last, &self.course) {
+            (Some(Change::Goal(_)), _) | (None, Course::Park(_)) => true,
+            (Some(Change::Drive(_)), _) => false,
+            (None | Some(Change::Follow), Course::Follow { hand_over, .. }) => {
+                hand_over.is_some_and(|rule| rule.end_s < self.longest_s())
+            }
+            _ => false,
+        }
+    }
+
     /// The time at which the run ends at the latest \[s\].
     pub fn longest_s(&self) -> f64 {
         match self.end {
