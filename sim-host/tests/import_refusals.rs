@@ -122,6 +122,41 @@ fn messages_name_line_field_and_reason() -> Result<(), String> {
     Ok(())
 }
 
+/// A circle and a line by their headings in degrees, however far apart the samples are; the same in radians is driven.
+#[test]
+fn headings_in_degrees_are_said_to_be() -> Result<(), String> {
+    let file = |unit: f64, dt: f64, pose: fn(f64) -> (f64, f64, f64)| {
+        let mut text = "t,x,y,theta\n".to_owned();
+        for k in 0..12 {
+            let t = dt * f64::from(k);
+            let (x, y, theta) = pose(0.5 * t);
+            text += &format!("{t},{x:.4},{y:.4},{:.4}\n", unit * theta);
+        }
+        text
+    };
+    let circle = |way: f64| (way.sin(), 1.0 - way.cos(), way);
+    let slant = |way: f64| (way, way, std::f64::consts::FRAC_PI_4);
+    for (dt, pose) in [
+        (1.0, circle as fn(f64) -> (f64, f64, f64)),
+        (0.3, circle),
+        (0.1, slant),
+    ] {
+        let refusal = refusal(file(1f64.to_degrees(), dt, pose).as_bytes())?;
+        assert!(
+            matches!(refusal.reason, Reason::Degrees { .. }),
+            "{refusal}"
+        );
+        let said = refusal.to_string();
+        assert!(
+            said.contains("field `theta`") && said.ends_with("theta is in radians"),
+            "{said}"
+        );
+        let driven = import(file(1.0, dt, pose).as_bytes(), &Options::default());
+        assert!(driven.is_ok(), "{driven:?}");
+    }
+    Ok(())
+}
+
 #[test]
 fn paths_without_time_are_told_what_is_missing() -> Result<(), Box<dyn Error>> {
     for (name, untimed) in [

@@ -18,6 +18,9 @@ const MAX_TURN_RATE: f64 = 200.0;
 const ROUNDING: f64 = 1e-4;
 /// Nobody knows what the base does in a longer gap \[s\].
 const MAX_GAP: f64 = 30.0;
+/// Headings this far off the motion (mean) are of no wheeled base, and degrees if that leaves this share of it \[rad\].
+const ASKEW: f64 = 0.1;
+const ASKEW_SHARE: f64 = 0.2;
 /// Repeats of an instant may go back by this much \[s\].
 const REPEAT: f64 = 1e-9;
 
@@ -66,6 +69,9 @@ impl Raw {
                     return refuse(&sample.place, field, Reason::OutOfRange { value, limit });
                 }
             }
+        }
+        if let Some((place, reason)) = degrees(&self.samples) {
+            return refuse(&place, "theta", reason);
         }
         let mut kept: Vec<RawSample> = Vec::with_capacity(self.samples.len());
         for mut sample in self.samples.drain(..) {
@@ -116,6 +122,32 @@ impl Raw {
         }
         Ok(start)
     }
+}
+
+/// Whether headings beyond a whole turn are degrees: the place of the first of these, and by how much they fit better.
+///
+/// Of an arc the chord points where the middle of the two headings does, or away from there backward.
+fn degrees(samples: &[RawSample]) -> Option<(Place, Reason)> {
+    let first = samples.iter().find(|sample| sample.theta.abs() > TAU)?;
+    let off = |unit: f64| {
+        let (mut way, mut sum) = (0.0, 0.0);
+        for pair in samples.windows(2) {
+            let [from, to] = pair else { continue };
+            let (dx, dy) = (to.x - from.x, to.y - from.y);
+            let chord = libm::hypot(dx, dy);
+            let middle = unit * from.theta + 0.5 * wrap(unit * (to.theta - from.theta));
+            way += chord;
+            sum += chord * libm::sin(libm::atan2(dy, dx) - middle).abs();
+        }
+        // Of samples that do not move it is no number, and no less than any.
+        libm::asin(sum / way)
+    };
+    let (radians, degrees) = (off(1.0), off(PI / 180.0));
+    let reason = Reason::Degrees {
+        radians_off_rad: radians,
+        degrees_off_rad: degrees,
+    };
+    (radians > ASKEW && degrees < ASKEW_SHARE * radians).then(|| (first.place.clone(), reason))
 }
 
 /// The heading of `to` on the branch that its turn rates tell, or else nearest to `from`.

@@ -184,6 +184,16 @@ pub enum Reason {
         /// Time between them.
         dt_s: f64,
     },
+    /// Headings that are those of the motion if they are taken for degrees.
+    #[error(
+        "headings of the file are {radians_off_rad:.2} rad off the direction of motion (mean), and {degrees_off_rad:.2} rad if they are taken for degrees: theta is in radians"
+    )]
+    Degrees {
+        /// Mean angle between heading and motion as the file has it.
+        radians_off_rad: f64,
+        /// The same with the headings as degrees.
+        degrees_off_rad: f64,
+    },
     /// Motion in three dimensions.
     #[error("not planar: {0}")]
     NotPlanar(NotPlanar),
