@@ -255,6 +255,29 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
         ),
         ("rate_hz = 20.0", "rate_hz = 0.0", "pose_source.rate_hz"),
         ("noise_m = 0.005", "noise_m = 0.0", "pose_source.noise_m"),
+        (
+            "noise_rad = 0.005",
+            "noise_rad = -1.0",
+            "pose_source.noise_rad",
+        ),
+        (
+            "kt_nm_per_a = 0.045",
+            "kt_nm_per_a = 0.0",
+            "motor.kt_nm_per_a",
+        ),
+        // What the plant takes, but not the core.
+        (
+            "gear_efficiency = 0.8",
+            "gear_efficiency = 0.1",
+            "motor.gear_efficiency",
+        ),
+        ("nominal_v = 24.0", "nominal_v = 0.5", "battery.nominal_v"),
+        ("coulomb_nm = ", "coulomb_nm = -", "friction.coulomb_nm"),
+        // The core's names of gains are others.
+        ("[gains]", "[gains]\nslow = -1.0", "gains.slow"),
+        ("\nheading = ", "\nheading = -", "gains.heading"),
+        ("\nlateral = ", "\nlateral = -", "gains.lateral"),
+        ("\napproach = ", "\napproach = -", "gains.approach"),
     ] {
         let text = good.replacen(from, to, 1);
         let error = BaseSpec::parse("b.toml", &text).err().ok_or(key)?;

@@ -191,6 +191,50 @@ fn what_is_wrong_is_named_with_its_line() {
     assert!(Mission::parse("mine.toml", GOOD).is_ok());
 }
 
+/// Of a world as well, each in the one table or list where it stands.
+#[test]
+fn worlds_out_of_range_are_refused_with_line_and_key() {
+    for (world, key, line) in [
+        ("[world.floor]\nmu = -1.0", "world.floor.mu", 9),
+        (
+            "[world.body]\nmass_factor = -1.0",
+            "world.body.mass_factor",
+            9,
+        ),
+        (
+            "[world.body]\ntrack_factor = 0.0",
+            "world.body.track_factor",
+            9,
+        ),
+        (
+            "[[world.push]]\ntime_s = [1.0, 2.0]\n[[world.push]]\ntime_s = [2.0, 1.0]",
+            "world.push[1].time_s",
+            11,
+        ),
+        (
+            "[world.floor]\npatch = [{ mu = 0.0, x_m = [0.0, 1.0] }]",
+            "world.floor.patch[0].mu",
+            9,
+        ),
+        ("[world]\nsubstep_us = 0", "world.substep_us", 9),
+    ] {
+        let error = Mission::parse("mine.toml", &format!("{GOOD}{world}\n")).expect_err(key);
+        assert_eq!(
+            (error.key.as_str(), error.line),
+            (key, Some(line)),
+            "{error}"
+        );
+    }
+    let text = format!("{GOOD}[world.floor]\nmu = -1.0\n");
+    let error = Mission::parse("mine.toml", &text).expect_err("no floor");
+    assert!(
+        error
+            .to_string()
+            .starts_with("mine.toml:9: world.floor.mu: -1 is not in 0.001 to inf\n"),
+        "{error}"
+    );
+}
+
 #[test]
 fn the_papers_loop_does_not_take_it() {
     let error = Scenario::parse("mine.toml", GOOD).expect_err("another law");

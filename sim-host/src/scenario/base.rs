@@ -100,7 +100,7 @@ impl BaseSpec {
         let mut base = base(name, Some(&keys.robot), Some(&keys.limits), &place)?;
         base.gains = keys.gains.over(base.motion().gains);
         if let Err(error) = base.validate() {
-            return Err(place.error("gains", error));
+            return Err(place.param_error(gain_key(error.field), &error));
         }
         let hardware = HardwareKeys {
             motor: keys.motor,
@@ -205,6 +205,25 @@ fn key_of(error: &ParamError, one_radius: bool) -> String {
             Some(limit) => format!("limits.{limit}"),
             None => "limits".to_owned(),
         },
+    }
+}
+
+/// The key of a gain of the law.
+const fn gain_key(field: Field) -> &'static str {
+    match field {
+        Field::DecayA => "gains.decay",
+        Field::K1 => "gains.longitudinal",
+        Field::LongitudinalBound => "gains.longitudinal_bound",
+        Field::K3 => "gains.heading",
+        Field::K2 => "gains.lateral",
+        Field::SlowSpeed => "gains.slow",
+        Field::K4 => "gains.approach",
+        Field::ApproachBrake => "gains.approach_brake",
+        Field::SpeedLoop => "gains.speed_loop",
+        Field::TurnLoop => "gains.turn_loop",
+        Field::DisturbanceBandwidth => "gains.disturbance",
+        Field::DisturbanceShare => "gains.disturbance_share",
+        _ => "gains",
     }
 }
 

@@ -1,8 +1,11 @@
 //! Keys of a base file beside its body and its limits.
 
+use super::ScenarioError;
 use super::source::{Checked, Source};
 use crate::mission::{BaseSpec, Gyro, Hardware};
-use crate::world::{BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams};
+use crate::world::{
+    BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams, WorldError,
+};
 use controller_core::base::REMEMBERED;
 use controller_core::error::Field;
 use controller_core::motion::MotionGains;
@@ -134,14 +137,16 @@ impl HardwareKeys {
     }
 }
 
-/// The core's own checks, and that the motors give what the limits promise.
+/// The plant's and the core's own checks, and that the motors give what the limits promise.
 fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()> {
+    let plant = hardware.world().params(&base.robot).check();
+    plant.map_err(|error| plant_error(&error.key, &error, place))?;
     let wheels = &base.robot.wheels;
     let radius = wheels.radius_right_m.min(wheels.radius_left_m);
     let motor = hardware
         .motor::<f64>(base.limits.speed, radius)
         .validate()
-        .map_err(|error| place.error("motor", error))?;
+        .map_err(|error| place.param_error(motor_key(error.field), &error))?;
     let most = motor.max_torque_nm();
     if base.limits.wheel_torque_nm > most {
         let message =
@@ -185,6 +190,36 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
             Err(place.error("pose_source.latency_s", message))
         }
         _ => Ok(()),
+    }
+}
+
+/// The plant's error of a key, which says the parameter's name if it is the same.
+pub(super) fn plant_error(key: &str, error: &WorldError, place: &Source<'_>) -> ScenarioError {
+    let WorldError {
+        value, low, high, ..
+    } = error;
+    if key.ends_with(&error.key) {
+        place.error(key, format!("{value} is not in {low} to {high}"))
+    } else {
+        place.error(key, error)
+    }
+}
+
+/// The key that sets a parameter of the motor layer, or the table that does.
+const fn motor_key(field: Field) -> &'static str {
+    match field {
+        Field::GearRatio => "motor.gear_ratio",
+        Field::GearEfficiency => "motor.gear_efficiency",
+        Field::TorqueConstant => "motor.kt_nm_per_a",
+        Field::Resistance => "motor.resistance_ohm",
+        Field::MaxCurrent => "motor.current_limit_a",
+        Field::DeadBand => "motor.dead_band",
+        Field::RotorInertia => "motor.rotor_inertia_kg_m2",
+        Field::Supply => "battery.nominal_v",
+        Field::CoulombFriction => "friction.coulomb_nm",
+        Field::Stiction => "friction.static_nm",
+        Field::ViscousFriction => "friction.viscous_nm_s",
+        _ => "motor",
     }
 }
 

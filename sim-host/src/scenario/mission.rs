@@ -3,6 +3,7 @@
 use super::base::{LimitKeys, RobotKeys, base, pose};
 use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
+use super::hardware::plant_error;
 use super::source::{Checked, Source};
 use super::{BuiltInBase, Scenario, ScenarioError, belief, ranges};
 use crate::mission::{
@@ -10,9 +11,9 @@ use crate::mission::{
 };
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
-use crate::world::WorldKeys;
-use crate::world::WorldSetup;
+use crate::world::{WorldError, WorldKeys, WorldSetup};
 use controller_core::motion::check_order;
+use controller_core::robot::Robot;
 use controller_core::types::{Measured, Pose, Twist};
 use serde::Deserialize;
 use std::path::Path;
@@ -143,7 +144,7 @@ impl Mission {
             },
             period_s,
             end: End::At(duration),
-            setup: world_setup(keys.world, keys.seed, &place)?,
+            setup: world_setup(keys.world, keys.seed, &robot, &place)?,
         })
     }
 }
@@ -197,15 +198,34 @@ fn named_base(file: &str, named: &str) -> Checked<BaseSpec> {
 fn world_setup(
     world: Option<WorldKeys>,
     seed: Option<u64>,
+    robot: &Robot<f64>,
     place: &Source<'_>,
 ) -> Checked<Option<WorldSetup>> {
     match (world, seed) {
         (None, Some(_)) => Err(place.error("seed", "needs a [world] whose noise it settles")),
         (None, None) => Ok(None),
-        (Some(world), seed) => Ok(Some(WorldSetup {
-            world,
-            seed: seed.unwrap_or(1),
-        })),
+        (Some(world), seed) => {
+            let checked = world.params(robot).check();
+            checked.map_err(|error| {
+                plant_error(&format!("world.{}", world_key(&error)), &error, place)
+            })?;
+            Ok(Some(WorldSetup {
+                world,
+                seed: seed.unwrap_or(1),
+            }))
+        }
+    }
+}
+
+/// The key below `[world]` that sets a parameter of the plant: of the body, those are factors on the robot's.
+fn world_key(error: &WorldError) -> &str {
+    match error.key.as_str() {
+        "body.mass_kg" => "body.mass_factor",
+        "body.inertia_com_kg_m2" => "body.inertia_factor",
+        "body.radius_right_m" => "body.radius_right_factor",
+        "body.radius_left_m" => "body.radius_left_factor",
+        "body.track_m" => "body.track_factor",
+        key => key,
     }
 }
 

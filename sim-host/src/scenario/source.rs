@@ -1,5 +1,6 @@
 //! Where in a file a key stands, and errors that show the place.
 
+use controller_core::error::ParamError;
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
@@ -69,6 +70,16 @@ impl<'a> Source<'a> {
         self.place(path.to_owned(), self.span_of(path), message.to_string())
     }
 
+    /// The core's error of a key, or of a table; the core's name of a parameter is not always the key's.
+    pub fn param_error(&self, path: &str, error: &ParamError) -> ScenarioError {
+        let text = error.to_string();
+        let rest = text.strip_prefix(error.field.name());
+        match rest.filter(|_| path.contains('.')) {
+            Some(rest) => self.error(path, rest.trim_start()),
+            None => self.error(path, &text),
+        }
+    }
+
     /// An error of the TOML reader, which knows the place but not always the key.
     pub fn reader_error(&self, error: &toml::de::Error) -> ScenarioError {
         let span = error.span();
@@ -136,8 +147,21 @@ impl<'a> Source<'a> {
 /// The place of the value at `path`, or of the innermost table on the way that exists.
 fn span_in(table: &DeTable<'_>, path: &[&str]) -> Option<Range<usize>> {
     let (first, rest) = path.split_first()?;
-    let (key, value) = table.iter().find(|(key, _)| key.get_ref() == *first)?;
+    // `push[0]` is the first [[push]].
+    let (name, place) = match first
+        .strip_suffix(']')
+        .and_then(|part| part.split_once('['))
+    {
+        Some((name, place)) => (name, place.parse::<usize>().ok()),
+        None => (*first, None),
+    };
+    let (key, value) = table.iter().find(|(key, _)| key.get_ref() == name)?;
     match value.get_ref() {
+        DeValue::Array(all) => {
+            let item = place.and_then(|place| all.get(place)?.get_ref().as_table());
+            item.and_then(|inner| span_in(inner, rest))
+                .or_else(|| Some(value.span()))
+        }
         // The name of a table says more than its whole body.
         DeValue::Table(inner) => span_in(inner, rest).or_else(|| Some(key.span())),
         _ => Some(value.span()),

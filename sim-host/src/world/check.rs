@@ -12,65 +12,72 @@ const LEAST_MU: f64 = 1.0e-3;
 
 type Row<'a> = (&'a str, f64, f64, f64);
 
-pub(super) fn check(p: &WorldParams) -> Result<(), WorldError> {
-    let b = &p.body;
-    rows(
-        "body",
-        &[
-            ("mass_kg", b.mass_kg, 1.0e-3, 1.0e6),
-            ("inertia_com_kg_m2", b.inertia_com_kg_m2, TINY, HUGE),
-            ("com_ahead_m", b.com_ahead_m, -10.0, 10.0),
-            ("radius_right_m", b.radius_right_m, 1.0e-3, 10.0),
-            ("radius_left_m", b.radius_left_m, 1.0e-3, 10.0),
-            ("track_m", b.track_m, 1.0e-3, 100.0),
-            ("wheel_inertia_kg_m2", b.wheel_inertia_kg_m2, 1.0e-12, HUGE),
-            ("load_share", b.load_share, 0.01, 1.0),
-            ("load_right", b.load_right, 0.05, 0.95),
-        ],
-    )?;
-    if let Some(motor) = &p.motor {
-        check_motor(motor)?;
-    }
-    let (battery, friction) = (&p.battery, &p.friction);
-    let open = battery.open_circuit_v.unwrap_or(battery.nominal_v);
-    rows(
-        "battery",
-        &[
-            ("nominal_v", battery.nominal_v, 0.1, 1.0e3),
-            ("open_circuit_v", open, 0.0, 1.0e3),
-            ("internal_ohm", battery.internal_ohm, 0.0, 1.0e3),
-        ],
-    )?;
-    rows(
-        "friction",
-        &[
-            ("coulomb_nm", friction.coulomb_nm, 0.0, HUGE),
-            // At rest it holds at least what it takes when turning; 0 means the same.
-            ("static_nm", friction.static_nm, 0.0, HUGE),
-            ("viscous_nm_s", friction.viscous_nm_s, 0.0, HUGE),
-            ("rolling", friction.rolling, 0.0, 1.0),
-        ],
-    )?;
-    if friction.static_nm != 0.0 {
-        row(
-            "friction",
-            ("static_nm", friction.static_nm, friction.coulomb_nm, HUGE),
-        )?;
-    }
-    check_floor(&p.floor)?;
-    for (n, push) in p.push.iter().enumerate() {
-        let table = format!("push[{n}]");
+impl WorldParams {
+    /// Whether a plant can have all of these.
+    ///
+    /// # Errors
+    /// The first one out of its range, with its key.
+    pub fn check(&self) -> Result<(), WorldError> {
+        let p = self;
+        let b = &p.body;
         rows(
-            &table,
+            "body",
             &[
-                ("force_x_n", push.force_x_n, -HUGE, HUGE),
-                ("force_y_n", push.force_y_n, -HUGE, HUGE),
-                ("moment_nm", push.moment_nm, -HUGE, HUGE),
+                ("mass_kg", b.mass_kg, 1.0e-3, 1.0e6),
+                ("inertia_com_kg_m2", b.inertia_com_kg_m2, TINY, HUGE),
+                ("com_ahead_m", b.com_ahead_m, -10.0, 10.0),
+                ("radius_right_m", b.radius_right_m, 1.0e-3, 10.0),
+                ("radius_left_m", b.radius_left_m, 1.0e-3, 10.0),
+                ("track_m", b.track_m, 1.0e-3, 100.0),
+                ("wheel_inertia_kg_m2", b.wheel_inertia_kg_m2, 1.0e-12, HUGE),
+                ("load_share", b.load_share, 0.01, 1.0),
+                ("load_right", b.load_right, 0.05, 0.95),
             ],
         )?;
-        window(&table, "time_s", push.time_s)?;
+        if let Some(motor) = &p.motor {
+            check_motor(motor)?;
+        }
+        let (battery, friction) = (&p.battery, &p.friction);
+        let open = battery.open_circuit_v.unwrap_or(battery.nominal_v);
+        rows(
+            "battery",
+            &[
+                ("nominal_v", battery.nominal_v, 0.1, 1.0e3),
+                ("open_circuit_v", open, 0.0, 1.0e3),
+                ("internal_ohm", battery.internal_ohm, 0.0, 1.0e3),
+            ],
+        )?;
+        rows(
+            "friction",
+            &[
+                ("coulomb_nm", friction.coulomb_nm, 0.0, HUGE),
+                // At rest it holds at least what it takes when turning; 0 means the same.
+                ("static_nm", friction.static_nm, 0.0, HUGE),
+                ("viscous_nm_s", friction.viscous_nm_s, 0.0, HUGE),
+                ("rolling", friction.rolling, 0.0, 1.0),
+            ],
+        )?;
+        if friction.static_nm != 0.0 {
+            row(
+                "friction",
+                ("static_nm", friction.static_nm, friction.coulomb_nm, HUGE),
+            )?;
+        }
+        check_floor(&p.floor)?;
+        for (n, push) in p.push.iter().enumerate() {
+            let table = format!("push[{n}]");
+            rows(
+                &table,
+                &[
+                    ("force_x_n", push.force_x_n, -HUGE, HUGE),
+                    ("force_y_n", push.force_y_n, -HUGE, HUGE),
+                    ("moment_nm", push.moment_nm, -HUGE, HUGE),
+                ],
+            )?;
+            window(&table, "time_s", push.time_s)?;
+        }
+        check_senses(p)
     }
-    check_senses(p)
 }
 
 fn check_motor(m: &MotorParams) -> Result<(), WorldError> {

@@ -1,7 +1,6 @@
 //! The whole plant behind one handle.
 
 use super::actuation::Actuation;
-use super::check;
 use super::electric::Electric;
 use super::error::{ActuationError, WorldError};
 use super::gyro::{Gyro, GyroSample};
@@ -33,7 +32,7 @@ impl World {
     /// # Errors
     /// The first parameter out of its range, with its key.
     pub fn new(params: &WorldParams, start: &Measured<f64>, seed: u64) -> Result<Self, WorldError> {
-        check::check(params)?;
+        params.check()?;
         let body = Body::new(params, start);
         let electric = Electric::new(params.motor, &params.battery, body.moved());
         Ok(Self {
