@@ -325,7 +325,13 @@ fn exit_codes_tell_wrong_usage_from_failure() {
     fs::write(here.path().join("mine.toml"), MINE).expect("written");
     assert_eq!(code(&["run", "mine.toml", "a/mine.toml"]), Some(1));
     // A file where the directory should be.
-    assert_eq!(code(&["run", "mine.toml", "--out", "mine.toml"]), Some(1));
+    let output = sim_host(here.path(), &["run", "mine.toml", "--out", "mine.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = text(&output.stderr);
+    assert!(
+        said.starts_with("error: mine.toml: is a file: --out takes a directory"),
+        "{said}"
+    );
 }
 
 /// No result goes over what the command reads, whatever it is named; that over older results does.

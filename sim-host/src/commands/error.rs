@@ -47,6 +47,8 @@ pub enum CommandError {
     Write { path: PathBuf, cause: String },
     #[error("{}: is read by this command, and would be overwritten: choose another place for results", .0.display())]
     OverInput(PathBuf),
+    #[error("{}: is a file: --out takes a directory for results", .0.display())]
+    OutIsFile(PathBuf),
     #[error("{}: cannot be listed: {cause}", path.display())]
     List {
         path: PathBuf,

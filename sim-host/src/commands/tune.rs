@@ -11,7 +11,7 @@ use sim_host::figure::Labelled;
 use sim_host::part::Study as _;
 use sim_host::tune::{
     Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, conclude,
-    gain_table, score_table, update,
+    gain_table, score_table, update, verdict,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -123,18 +123,6 @@ pub fn report(
         None => {}
     }
     say(&format!("results are in {}\n", output.out.display()))
-}
-
-fn verdict(before: f64, after: f64) -> String {
-    let share = 100.0 * (before - after) / before;
-    if after < before {
-        format!(
-            "better by {share:.0} % in worlds that the search did not see; fewer points are better"
-        )
-    } else {
-        "no better in worlds that the search did not see: keep the gains, or search longer"
-            .to_owned()
-    }
 }
 
 /// Before and after, in the first world that was not seen. The curve, if that is what was tuned for.

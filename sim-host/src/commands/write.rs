@@ -19,6 +19,9 @@ pub struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub fn new(output: &'a Output) -> Result<Self, CommandError> {
+        if output.out.is_file() {
+            return Err(CommandError::OutIsFile(output.out.clone()));
+        }
         fs::create_dir_all(&output.out).map_err(|error| failed(&output.out, &error))?;
         Ok(Self { output })
     }

@@ -33,9 +33,9 @@ pub fn summary(metrics: &DriveMetrics) -> String {
         line(
             "hand-over",
             format!(
-                "at {:.2} s, {:.1} mm to go; torque step {:.1e} N, {:.1e} N m; overshoot {:.2} mm",
+                "at {:.2} s, {} mm to go; torque step {:.1e} N, {:.1e} N m; overshoot {:.2} mm",
                 hand_over.time_s,
-                1e3 * way,
+                tenths(1e3 * way),
                 hand_over.torque_step.force_n.abs(),
                 hand_over.torque_step.moment_nm.abs(),
                 1e3 * hand_over.overshoot_m
@@ -73,6 +73,22 @@ pub fn summary(metrics: &DriveMetrics) -> String {
     text
 }
 
+/// With one digit, and 0 without a sign.
+fn tenths(value: f64) -> String {
+    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
+}
+
 fn short(value: f64) -> String {
     format!("{}", (value * 1e3).round() / 1e3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tenths;
+
+    #[test]
+    fn nothing_to_go_has_no_sign() {
+        let written = [-0.04, -0.0, 0.0, -0.06, 12.34].map(tenths);
+        assert_eq!(written, ["0.0", "0.0", "0.0", "-0.1", "12.3"]);
+    }
 }

@@ -20,4 +20,4 @@ pub use problem::{Seeds, TuneError, TuningProblem};
 pub use profile::update;
 pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
 pub use search::{Find, Search, Tuned, conclude, finds, search};
-pub use table::{gain_table, score_table};
+pub use table::{gain_table, score_table, verdict};

@@ -40,6 +40,25 @@ pub fn score_table(tuned: &Tuned) -> Table {
     table
 }
 
+/// How much better the gains are by their points in worlds that the search did not see.
+pub fn verdict(before: f64, after: f64) -> String {
+    let share = 100.0 * (before - after) / before;
+    if after < before {
+        // Never 0 %, which would be no better.
+        let share = if share < 0.5 {
+            "less than 1".to_owned()
+        } else {
+            format!("{share:.0}")
+        };
+        format!(
+            "better by {share} % in worlds that the search did not see; fewer points are better"
+        )
+    } else {
+        "no better in worlds that the search did not see: keep the gains, or search longer"
+            .to_owned()
+    }
+}
+
 fn begin(header: &[&str]) -> Table {
     let mut table = Table::new();
     table
@@ -52,4 +71,22 @@ fn begin(header: &[&str]) -> Table {
 
 fn right(value: f64) -> Cell {
     Cell::new(format!("{value:.3}")).set_alignment(CellAlignment::Right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::verdict;
+
+    #[test]
+    fn better_is_never_by_nothing() {
+        for (after, said) in [
+            (0.89, "better by 11 % in"),
+            (0.996, "better by less than 1 % in"),
+            (1.0, "no better in"),
+            (1.1, "no better in"),
+        ] {
+            let text = verdict(1.0, after);
+            assert!(text.starts_with(said), "{text}");
+        }
+    }
 }
