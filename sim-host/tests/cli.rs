@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 use tests::fixtures::path;
-use tests::stated::picture;
+use tests::stated::{Stated, picture};
 
 fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sim-host"))
@@ -403,6 +403,21 @@ fn a_robot_without_poses_is_not_verified() {
             said.starts_with("error: blind.toml:1: pose_source: is missing: ")
                 && said.contains("5 mm and 10 mrad"),
             "{said}"
+/// `docs/your-robot.md` has the beginning of what `constants` writes.
+#[test]
+fn the_page_shows_the_constants() {
+    let here = directory();
+    let text = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let text = text.replacen("1 kg hobby base", "my robot", 1);
+    fs::write(here.path().join("robot.toml"), text).expect("written");
+    succeeds(here.path(), &["constants", "robot.toml"]);
+    let written = fs::read_to_string(here.path().join("out/robot.rs")).expect("constants");
+    let from = written.find("/// Time between ticks").expect("the first");
+    let (shown, _) = written[from..].split_once("wheels: ").expect("wheels");
+    let shown = format!("{}// ...\n", shown);
+    Stated::of("docs/your-robot.md").rust("4. Constants", &shown);
+}
+
         );
         assert!(output.stdout.is_empty() && !here.path().join("out").exists());
     }

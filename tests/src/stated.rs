@@ -387,10 +387,18 @@ impl Stated {
 
     /// The first block of text under a heading, as a program prints it.
     pub fn block(&mut self, heading: &str, printed: &str) {
+        self.fenced(heading, "```text\n", printed);
+    }
+
+    /// The first block of Rust under a heading, as a program writes it.
+    pub fn rust(&mut self, heading: &str, written: &str) {
+        self.fenced(heading, "```rust\n", written);
+    }
+
+    fn fenced(&mut self, heading: &str, fence: &str, printed: &str) {
         self.part(heading, printed, |text| {
-            const FENCE: &str = "```text\n";
             let part = section(text, heading)?;
-            let from = part.start + text[part].find(FENCE)? + FENCE.len();
+            let from = part.start + text[part].find(fence)? + fence.len();
             let end = from + text[from..].find("```")?;
             Some(from..end)
         });
