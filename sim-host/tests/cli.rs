@@ -114,12 +114,30 @@ fn without_a_command_both_cases_of_the_paper_are_run() {
         "(d)",
         "(e)",
         "Posture errors",
-        "P = 9 s",
+        "hand-over 9 s",
     ] {
         assert!(svg.contains(panel), "{panel}");
     }
     let png = fs::read(out.join("paper-curve.png")).expect("a figure");
     assert!(png.starts_with(b"\x89PNG") && png.len() > 50_000);
+}
+
+/// What a legend names is drawn: a run that parks from the start has neither a reference nor a hand-over.
+#[test]
+fn legends_name_what_is_drawn() {
+    let here = directory();
+    let names = ["park-beside", "standing-reference", "reverse"];
+    succeeds(here.path(), &[&["run"][..], &names].concat());
+    for (name, drawn) in names.into_iter().zip([
+        [false, false, true],
+        [true, false, true],
+        [true, true, true],
+    ]) {
+        let svg = here.path().join("out").join(format!("{name}.svg"));
+        let svg = fs::read_to_string(svg).expect("a figure");
+        let named = ["reference", "hand-over", "start"].map(|e| svg.contains(&format!(">{e}<")));
+        assert_eq!(named, drawn, "{name}");
+    }
 }
 
 #[test]
@@ -385,6 +403,21 @@ fn a_run_on_the_ideal_plant_says_so() {
     }
 }
 
+/// `docs/your-robot.md` has the beginning of what `constants` writes.
+#[test]
+fn the_page_shows_the_constants() {
+    let here = directory();
+    let text = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let text = text.replacen("1 kg hobby base", "my robot", 1);
+    fs::write(here.path().join("robot.toml"), text).expect("written");
+    succeeds(here.path(), &["constants", "robot.toml"]);
+    let written = fs::read_to_string(here.path().join("out/robot.rs")).expect("constants");
+    let from = written.find("/// Time between ticks").expect("the first");
+    let (shown, _) = written[from..].split_once("wheels: ").expect("wheels");
+    let shown = format!("{}// ...\n", shown);
+    Stated::of("docs/your-robot.md").rust("4. Constants", &shown);
+}
+
 /// Encoders alone bring no base to where `verify` asks it to be: that is said before anything runs.
 #[test]
 fn a_robot_without_poses_is_not_verified() {
@@ -403,21 +436,6 @@ fn a_robot_without_poses_is_not_verified() {
             said.starts_with("error: blind.toml:1: pose_source: is missing: ")
                 && said.contains("5 mm and 10 mrad"),
             "{said}"
-/// `docs/your-robot.md` has the beginning of what `constants` writes.
-#[test]
-fn the_page_shows_the_constants() {
-    let here = directory();
-    let text = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
-    let text = text.replacen("1 kg hobby base", "my robot", 1);
-    fs::write(here.path().join("robot.toml"), text).expect("written");
-    succeeds(here.path(), &["constants", "robot.toml"]);
-    let written = fs::read_to_string(here.path().join("out/robot.rs")).expect("constants");
-    let from = written.find("/// Time between ticks").expect("the first");
-    let (shown, _) = written[from..].split_once("wheels: ").expect("wheels");
-    let shown = format!("{}// ...\n", shown);
-    Stated::of("docs/your-robot.md").rust("4. Constants", &shown);
-}
-
         );
         assert!(output.stdout.is_empty() && !here.path().join("out").exists());
     }

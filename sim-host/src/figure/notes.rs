@@ -2,6 +2,8 @@
 
 use super::chart::{Chart, Upright};
 use super::corner::Corner;
+use super::font;
+use super::style::SMALL_SIZE;
 
 /// A panel with its axes fixed and its legend placed.
 pub(super) struct Canvas {
@@ -17,8 +19,8 @@ pub(super) struct Canvas {
     pub hand_over: Option<f64>,
 }
 
-/// Half the width of "P = 9.5 s" with some air \[px\].
-const HALF_LABEL: f64 = 40.0;
+/// Beside a label \[px\].
+const AIR: f64 = 5.0;
 
 impl Canvas {
     /// Marks the hand-over, beside its line and away from the legend.
@@ -32,13 +34,14 @@ impl Canvas {
             label: "",
         });
         // A time of the user's, without the noise of its last digits.
-        let text = format!("P = {} s", (time * 1.0e3).round() / 1.0e3);
-        self.write(chart, text, self.beside(time));
+        let text = format!("hand-over {} s", (time * 1.0e3).round() / 1.0e3);
+        let half = 0.5 * font::width(&text, SMALL_SIZE) + AIR;
+        self.write(chart, text, self.beside(time, half));
     }
 
-    /// The middle of a label at the upper end, beside an instant and clear of the legend.
-    fn beside(&self, time: f64) -> (f64, f64) {
-        let aside = HALF_LABEL / self.width;
+    /// The middle of a label of this half width \[px\] at the upper end, beside an instant and clear of the legend.
+    fn beside(&self, time: f64, half: f64) -> (f64, f64) {
+        let aside = half / self.width;
         let place = self.across(time);
         let fits_left = place > 2.0 * aside;
         let fits_right = place < 1.0 - 2.0 * aside;
@@ -85,7 +88,10 @@ impl Canvas {
 
 #[cfg(test)]
 mod tests {
-    use super::{Canvas, Corner, HALF_LABEL};
+    use super::{Canvas, Corner};
+
+    /// Of "hand-over 14.29 s" [px].
+    const HALF: f64 = 60.0;
 
     /// Wherever the hand-over and the legend are.
     #[test]
@@ -100,8 +106,8 @@ mod tests {
                     legend_size: (0.25, 0.2),
                     hand_over: None,
                 };
-                let (across, up) = canvas.beside(f64::from(percent));
-                let half = HALF_LABEL / canvas.width;
+                let (across, up) = canvas.beside(f64::from(percent), HALF);
+                let half = HALF / canvas.width;
                 let apart = if right {
                     across + half <= 0.75
                 } else {

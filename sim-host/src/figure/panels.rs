@@ -23,9 +23,12 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
     let mut reference: Vec<_> = rows[..tracked].iter().map(reference_point).collect();
     let mut marks = vec![("start", Marker::Circle, point(&rows[0]))];
     if let Some(hand_over) = &parking {
-        let pose = hand_over.left.pose();
-        reference.push((pose.x, pose.y));
-        marks.push(("hand-over", Marker::Diamond, point(&rows[hand_over.row])));
+        // What parks from the start leaves no reference.
+        if hand_over.row > 0 {
+            let pose = hand_over.left.pose();
+            reference.push((pose.x, pose.y));
+            marks.push(("hand-over", Marker::Diamond, point(&rows[hand_over.row])));
+        }
         marks.push(("target", Marker::Star, (hand_over.goal.x, hand_over.goal.y)));
     }
     let path: Vec<_> = rows.iter().map(point).collect();
@@ -56,10 +59,11 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
         Item::Line(thin_out(points, (pixels, pixels), 0.15), stroke)
     };
     let mut items = Vec::new();
-    let mut entries = vec![
-        entry("reference", GREY, None, DASHES),
-        entry(main.label, BLUE.strong, None, &[]),
-    ];
+    let mut entries = vec![entry(main.label, BLUE.strong, None, &[])];
+    // One that stands is no line.
+    if reference.windows(2).any(|pair| pair[0] != pair[1]) {
+        entries.insert(0, entry("reference", GREY, None, DASHES));
+    }
     if let Some(other) = other {
         items.push(line(&below, BLUE.pale, 1.6, &[]));
         entries.push(entry(other.label, BLUE.pale, None, &[]));

@@ -95,7 +95,7 @@ impl TimePanel<'_> {
             legend = Corner::TOP_RIGHT;
             y.1 = Corner::room_above(y, entries, height);
         }
-        let hand_over = main.trace.parking();
+        let hand_over = main.trace.parking().filter(|hand_over| hand_over.row > 0);
         Canvas {
             x,
             y,
