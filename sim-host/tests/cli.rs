@@ -403,6 +403,21 @@ fn a_run_on_the_ideal_plant_says_so() {
     }
 }
 
+/// Where a number of the file says why it fails: with 48 counts a turn one of them turns the base by more than is asked.
+#[test]
+fn coarse_encoders_are_named_as_the_likely_cause() {
+    let here = directory();
+    let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let coarse = base.replacen("counts_per_turn = 2048.0", "counts_per_turn = 48.0", 1);
+    fs::write(here.path().join("coarse.toml"), coarse).expect("written");
+    let output = sim_host(here.path(), &["verify", "coarse.toml", "--seeds", "1"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = text(&output.stdout);
+    // 2 pi 35 mm/48, over 140 mm.
+    let line = "\nlikely     [encoder] counts_per_turn = 48: one count is 4.6 mm of a wheel's way and turns the base by 32.7 mrad\n";
+    assert!(said.contains(line), "{said}");
+}
+
 /// `docs/your-robot.md` has the beginning of what `constants` writes.
 #[test]
 fn the_page_shows_the_constants() {

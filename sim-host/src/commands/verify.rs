@@ -14,8 +14,8 @@ use sim_host::figure::Labelled;
 use sim_host::job::RobotFile;
 use sim_host::part::Study as _;
 use sim_host::verify::{
-    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, check, shortcoming, verdict,
-    write_csv,
+    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, check, likely_cause,
+    shortcoming, verdict, write_csv,
 };
 
 /// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
@@ -70,6 +70,9 @@ pub fn report(
          is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
     )?;
     say(&format!("{}\n", verdict(&verification)))?;
+    if let Some(cause) = likely_cause(base).filter(|_| !verification.holds()) {
+        say(&format!("likely     {cause}\n"))?;
+    }
     say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
     let name = study.name();
     draw_worst(&verification, robot, (&name, log), &writer)?;

@@ -17,8 +17,10 @@ pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 
 use crate::job::RobotFile;
+use crate::mission::BaseSpec;
 use crate::scenario::ScenarioError;
 use crate::trials::{Condition, Course, Figures};
+use std::f64::consts::TAU;
 
 /// Largest true distance to the goal \[m\].
 pub const DISTANCE_M: f64 = 5.0e-3;
@@ -44,6 +46,22 @@ pub fn check(robot: &RobotFile) -> Result<(), ScenarioError> {
     );
     let (file, text) = (&robot.file, &robot.text);
     Err(ScenarioError::of_key(file, text, "pose_source", &message))
+}
+
+/// The likely cause of failures, where a number of the base says it: encoders so coarse that one count more on one wheel turns
+/// the base out of tolerance. Bases of 1 and 10 kg with 90 counts a turn, 17 and 15 mrad each, fail in 10 of 72 runs, none with 180.
+pub fn likely_cause(base: &BaseSpec) -> Option<String> {
+    let wheels = &base.robot.wheels;
+    let counts = base.hardware.as_ref()?.counts_per_turn;
+    let way_m = TAU * wheels.radius_right_m.max(wheels.radius_left_m) / counts;
+    let turn_rad = way_m / wheels.track_m;
+    (turn_rad > HEADING_RAD || way_m > DISTANCE_M).then(|| {
+        format!(
+            "[encoder] counts_per_turn = {counts}: one count is {:.1} mm of a wheel's way and turns the base by {:.1} mrad",
+            1e3 * way_m,
+            1e3 * turn_rad
+        )
+    })
 }
 
 /// What a run did not fulfil, if anything; the first of them.
