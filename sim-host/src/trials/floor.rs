@@ -70,6 +70,10 @@ impl Condition {
     }
 }
 
+/// Late ticks per second at most: of short ticks no more are late. What makes them late, a flash write or a radio, comes at its own rate, twice a second at 100 Hz
+/// ([`presets::bad_floor`]), and twice as often where the loop shares the processor with more.
+const LATE_HZ: f64 = 4.0;
+
 /// A bad floor for a base.
 ///
 /// [`presets::bad_floor`] has what does not depend on the size of a base: grip, slope, tyres, wheels that
@@ -108,6 +112,8 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     let track_m = base.robot.wheels.track_m;
     world.body.com_ahead_m = bad.body.com_ahead_m.min(0.1 * track_m);
     if let Some(hardware) = &base.hardware {
+        let late = &mut world.tick.late_probability;
+        *late = late.min(LATE_HZ * hardware.period_s);
         world.motor = Some(hardware.motor);
         if let Some(motor) = &mut world.motor
             && motor.strength == [1.0, 1.0]
