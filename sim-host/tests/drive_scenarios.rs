@@ -1,11 +1,13 @@
 //! Scenario files with the law for a real base.
 
+use controller_core::types::Pose;
 use sim_host::drive::DriveMetrics;
-use sim_host::mission::{Course, Mission};
+use sim_host::mission::{Change, Course, Event, Mission};
 use sim_host::run::drive;
-use sim_host::scenario::{MISSIONS, Scenario};
+use sim_host::scenario::{BuiltInBase, MISSIONS, Scenario};
 use sim_host::trace::Trace;
 use std::error::Error;
+use tests::random::Random;
 use tests::stated::{At, Stated};
 
 fn run(text: &str, name: &str) -> Result<(Mission, Trace, DriveMetrics), Box<dyn Error>> {
@@ -124,6 +126,42 @@ fn a_jump_of_the_localisation_is_a_jump_of_the_measured_pose_only() -> Result<()
     assert!((after.measured.x - before.measured.x - 0.2).abs() < 0.02);
     assert!((after.truth.pose.x - before.truth.pose.x).abs() < 0.02);
     assert!(after.report.jumped && !before.report.jumped);
+    Ok(())
+}
+
+/// Until the last of three jumps the pose is wrong, by up to 0.45 m and 0.6 rad.
+#[test]
+fn a_pose_that_jumps_on_the_way_is_parked_by() -> Result<(), Box<dyn Error>> {
+    const RUNS: u32 = 20;
+    let mut page = Stated::of("docs/motion.md");
+    let (mut means, mut most) = (Vec::new(), Vec::new());
+    for name in ["paper-30kg", "lab-10kg", "hobby-1kg"] {
+        let mut mission = Mission::parse("jumps.toml", &GOOD.replace("= 5", "= 30"))?;
+        mission.base = BuiltInBase::find(name).ok_or("not built in")?.base()?;
+        mission.robot = mission.base.robot;
+        let mut times = Vec::new();
+        for seed in 0..RUNS {
+            let mut random = Random(u64::from(seed));
+            let mut pose =
+                |m, rad| Pose::new(random.within(m), random.within(m), random.within(rad));
+            mission.course = Course::Park(pose(1.0, 2.0));
+            mission.events = [0.5, 1.0, 1.5]
+                .map(|at_s| Event {
+                    at_s,
+                    change: Change::Jump(pose(0.15, 0.2)),
+                })
+                .to_vec();
+            let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
+            times.push(metrics.parked_s.ok_or("not parked")?);
+        }
+        means.push(times.iter().sum::<f64>() / f64::from(RUNS));
+        most.push(times.into_iter().fold(0.0, f64::max));
+    }
+    let stated = [vec![f64::from(RUNS)], means, most].concat();
+    page.exactly(
+        At::Phrase("# starts a base with three jumps within 1.5 s park after #, # and # s in the mean, after #, # and # s at most"),
+        &stated,
+    );
     Ok(())
 }
 

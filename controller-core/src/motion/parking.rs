@@ -30,6 +30,8 @@ struct Memory<T> {
     retry: Retry<T>,
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
+    /// Manoeuvres to this goal that were planned anew because the pose had jumped.
+    jumps: u8,
 }
 
 /// How the goal is approached.
@@ -49,6 +51,9 @@ enum Approach<T> {
 /// How far the robot may be from the reference of a manoeuvre before another one is planned \[m\], \[rad\]. The
 /// follower takes back what is less: at these errors its demands are at their bounds.
 const DEPARTURE: (f64, f64) = (0.1, 0.5);
+
+/// How often a manoeuvre to a goal is planned anew because the pose has jumped. A pose that goes on jumping is no reason to go on planning.
+const JUMPS: u8 = 3;
 
 /// How a tick goes on along an approach.
 struct Way<T> {
@@ -91,6 +96,7 @@ impl<T: Scalar> ParkingLaw<T> {
             checker: GoalChecker::NEW,
             retry: Retry::NEW,
             departed: false,
+            jumps: 0,
         },
         approach: Approach::Idle,
     };
@@ -107,6 +113,7 @@ impl<T: Scalar> ParkingLaw<T> {
     pub(crate) fn renew(&mut self, goes_on: bool) {
         self.memory.retry = Retry::NEW;
         self.memory.departed = false;
+        self.memory.jumps = 0;
         // A goal that moves again before the manoeuvre to it was found is chased.
         let chased = goes_on
             && match &self.approach {
@@ -137,7 +144,7 @@ impl<T: Scalar> ParkingLaw<T> {
         moving: Moving<'_, T>,
         step: Step<T>,
     ) -> Wanted<T> {
-        let way = if self.is_driving() {
+        let way = if self.is_driving() && step.two_per_dt.is_some() {
             self.memory.checker = GoalChecker::NEW;
             self.memory.retry.drives();
             Way::on(step)
@@ -166,7 +173,8 @@ impl<T: Scalar> ParkingLaw<T> {
         step.two_per_dt.is_some() && retry.may_park() && checker.stays(motion, error)
     }
 
-    /// Whether the robot has arrived, and what is to be done if not: without a manoeuvre under way.
+    /// Whether the robot has arrived, and what is to be done if not: without a manoeuvre under way, or where the pose jumped on the way, from where another one
+    /// leads to the goal.
     #[inline(never)]
     fn look<M: Maths<T>>(
         &mut self,
@@ -177,6 +185,17 @@ impl<T: Scalar> ParkingLaw<T> {
     ) -> Next<T> {
         let dt = step.dt;
         let jumped = step.two_per_dt.is_none();
+        if self.is_driving() {
+            self.memory.checker = GoalChecker::NEW;
+            self.memory.retry.drives();
+            if self.memory.jumps >= JUMPS {
+                return Next::GoOn(Way::on(step));
+            }
+            self.memory.jumps = self.memory.jumps.saturating_add(1);
+            // If the robot left the reference, it was the pose that was wrong.
+            self.memory.departed = false;
+            return Next::Begin(Attempt::Manoeuvre);
+        }
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
         let at = GoalView::of(motion, view, moving, (self.is_backing(), self.ending()));
         self.memory.checker = if !self.memory.retry.may_park() {
