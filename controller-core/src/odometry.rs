@@ -111,6 +111,8 @@ impl<T: Scalar> Biases<T> {
 pub(crate) struct Moved<T> {
     /// Counts, right and left.
     counts: (i32, i32),
+    /// Ways of the rims, right and left \[m\].
+    rims: (T, T),
     /// Way of the middle \[m\].
     pub(crate) travel: T,
     /// \[rad\].
@@ -143,7 +145,12 @@ impl<T: Scalar> Accelerations<T> {
     }
 }
 
-impl<T> Moved<T> {
+impl<T: Scalar> Moved<T> {
+    /// Neither wheel came further than `most_m` \[m\].
+    pub(crate) fn is_within(&self, most_m: T) -> bool {
+        self.rims.0.abs() <= most_m && self.rims.1.abs() <= most_m
+    }
+
     /// Whether the right and the left wheel moved by a count.
     pub(crate) const fn counted(&self) -> (bool, bool) {
         (self.counts.0 != 0, self.counts.1 != 0)
@@ -224,6 +231,24 @@ impl<T: Scalar> Odometry<T> {
         (self.pose, self.counts) = (pose, counts);
     }
 
+    /// From now on the encoders count from elsewhere: these counts are what wheels of the present speeds come to `dt` \[s\] after the last call.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn count_from(&mut self, counts: WheelCounts, dt: T) {
+        let before = |counts: i32, wheel: &Wheel<T>, per_count: T| {
+            let way = (dt * wheel.speed().abs() / per_count).to_u32();
+            if wheel.speed() < T::ZERO {
+                counts.wrapping_add_unsigned(way)
+            } else {
+                counts.wrapping_sub_unsigned(way)
+            }
+        };
+        self.counts = WheelCounts {
+            right: before(counts.right, &self.right, self.right_per_count),
+            left: before(counts.left, &self.left, self.left_per_count),
+        };
+    }
+
     /// Moves the pose by what the wheels turned since the last call, `dt` > 0 \[s\] ago.
     ///
     /// Along an arc with turn φ the chord is d · sin(φ/2)/(φ/2) in direction θ + φ/2: Eq. (6) again.
@@ -268,6 +293,7 @@ impl<T: Scalar> Odometry<T> {
         let turn_lost = way * strain.angular;
         Moved {
             counts: moved,
+            rims: (right, left),
             travel: travel - self.slip * (way * strain.linear),
             turn: turn - self.slip * turn_lost,
             turn_lost,

@@ -1,12 +1,14 @@
 //! The tick of a whole base: what it does with what it is given, and with what it is not.
 
-use controller_core::base::{BaseReport, Order, WheelAction};
+use controller_core::base::{BaseController, BaseReport, Order, Sensed, WheelAction};
+use controller_core::hal::WheelCounts;
 use controller_core::localiser::FixOutcome;
 use controller_core::queue::ReferenceQueue;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::safety::{Fault, FaultKind};
 use controller_core::types::{Accel, Measured, Pose, Twist, WheelTorques};
+use firmware_demo::mission;
 use protocol::{Command, RejectReason};
 use sim_host::closed_loop::ClosedLoop;
 use sim_host::mission::Mission;
@@ -154,6 +156,35 @@ fn encoders_that_stay_silent_brake_the_base_for_good() {
     }
     assert_eq!(closed_loop.report().state, State::Fault);
     assert!(closed_loop.world().truth().twist.linear.abs() < 1e-3);
+}
+
+/// Once they move nothing; if they last they are encoders that fail.
+#[test]
+fn counts_that_no_wheel_comes_to_are_no_reading() {
+    let (base, _) = mission::base(false).expect("in range");
+    let mut controller: BaseController = BaseController::new(&base, Pose::default());
+    let mut tick = |right| {
+        let sensed = Sensed::of_counts(WheelCounts { right, left: 0 });
+        *controller.tick(mission::PERIOD_US, &Order::None, &sensed)
+    };
+    for (right, blind) in [
+        (0, false),
+        (0, false),
+        (1 << 20, true),
+        (0, true),
+        (0, false),
+    ] {
+        let report = tick(right);
+        assert_eq!(report.blind, blind);
+        assert!(report.active_faults.is_empty());
+        assert_eq!(report.measured, Some(Measured::default()));
+    }
+    for lost in 0..10 {
+        let report = tick(if lost % 2 == 0 { 1 << 20 } else { 0 });
+        let stale = report.active_faults.get(FaultKind::MeasurementStale);
+        // Five readings, as above.
+        assert_eq!(stale.is_some(), lost >= 4, "{lost}");
+    }
 }
 
 #[test]

@@ -103,13 +103,16 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             report,
             ..
         } = self;
-        let located = locator.advance::<M>(&base.localisation, dt, &accelerations, sensed, report);
+        let (localisation, motion) = (&base.localisation, base.motion.params());
+        let bounds = (&accelerations, motion.limits.rim_speed);
+        let located = locator.advance::<M>(localisation, dt, bounds, sensed, report);
         let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
         self.detectors.check(
             &self.base.detectors,
             &inputs,
+            !self.report.blind,
             &mut self.report.active_faults,
         );
         let given_up = self.given_up();

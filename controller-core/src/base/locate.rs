@@ -11,6 +11,13 @@ use crate::reference::sinc;
 use crate::scalar::{Scalar, microseconds};
 use crate::types::{Measured, Pose};
 
+/// How much faster than its largest rim speed, which a motor reaches on a low battery and under load, no wheel turns: not on ice, nor
+/// downhill. Counts that say so are no reading, and the next ones are compared with them: counts that are wrong for once cost that tick
+/// and the next, encoders that begin anew cost one, and counts that are always wrong are none, which soon is a fault.
+const FASTER: f64 = 4.0;
+/// Time between two readings that is allowed for beyond what the ticks say \[s\]: right after a late tick another one may come in no time.
+const SOONEST_S: f64 = 1.0e-3;
+
 /// The localiser, and what it needs across ticks without a reading beside the report of the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
@@ -18,8 +25,9 @@ pub(super) struct Locator<T, const N: usize> {
     localiser: Option<Estimator<T, N>>,
     /// Where the base is if there was no reading yet, or if it was `set` there since the last tick.
     start: Pose<T>,
-    /// Time since the last reading \[s\].
+    /// Time since the last reading \[s\], and since the encoders last gave counts, of whatever kind.
     blind_s: T,
+    silent_s: T,
     set: bool,
 }
 
@@ -46,6 +54,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             localiser: None,
             start,
             blind_s: T::ZERO,
+            silent_s: T::ZERO,
             set: false,
         }
     }
@@ -62,6 +71,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         self.localiser = None;
         self.start = last.unwrap_or(self.start);
         self.blind_s = T::ZERO;
+        self.silent_s = T::ZERO;
         self.set = false;
     }
 
@@ -82,23 +92,20 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// `accelerations` are those since the last tick. Where the base is goes into `report`.
+    /// `accelerations` are those since the last tick, `rim_speed` is the largest of [`Limits`](crate::motion::Limits). Where the base is goes into `report`.
     ///
     /// What the localiser refuses, a tick or an acceleration that is no number, is a fault there. Nothing has changed then.
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
         localisation: &ValidLocaliserParams<T>,
         dt: T,
-        accelerations: &Accelerations<T>,
+        (accelerations, rim_speed): (&Accelerations<T>, T),
         sensed: &Sensed<T>,
         report: &mut BaseReport<T>,
     ) -> Located {
         let Ok(counts) = sensed.counts else {
-            blind(report);
-            self.blind_s += dt;
-            let last = report.measured.map(|measured| self.with_set(&measured));
-            report.measured = last.map(|last| coast::<T, M>(&last, dt));
-            return self.located(localisation, report, false);
+            self.silent_s += dt;
+            return self.go_on::<M>(localisation, dt, report);
         };
         let jumped = match &mut self.localiser {
             None => {
@@ -118,14 +125,22 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             }
             Some(localiser) => {
                 // The counts of a gap came in all of it.
-                let dt = self.blind_s + dt;
+                let (tick_s, dt) = (dt, self.blind_s + dt);
                 let (fix, gyro) = (sensed.fix.as_ref(), sensed.gyro.as_ref());
-                let estimate =
-                    match localiser.update::<M>(localisation, counts, dt, accelerations, fix, gyro)
-                    {
-                        Ok(estimate) => estimate,
-                        Err(fault) => return refused(report, fault),
-                    };
+                let tick = match localiser.roll(localisation, counts, dt, accelerations) {
+                    Ok(tick) => tick,
+                    Err(fault) => return refused(report, fault),
+                };
+                let since = self.silent_s + tick_s + T::from_f64(SOONEST_S);
+                if !tick
+                    .rolled
+                    .is_within(T::from_f64(FASTER) * rim_speed * since)
+                {
+                    self.silent_s = T::ZERO;
+                    localiser.count_from(counts, dt);
+                    return self.go_on::<M>(localisation, tick_s, report);
+                }
+                let estimate = localiser.update::<M>(localisation, tick, accelerations, fix, gyro);
                 report.measured = Some(estimate.measured);
                 report.fix = estimate.fix;
                 report.gyro = estimate.gyro;
@@ -133,8 +148,25 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             }
         };
         self.blind_s = T::ZERO;
+        self.silent_s = T::ZERO;
         report.blind = false;
         self.located(localisation, report, jumped)
+    }
+
+    /// A tick without a reading: on along the arc of the last twist.
+    #[cold]
+    #[inline(never)]
+    fn go_on<M: Maths<T>>(
+        &mut self,
+        localisation: &ValidLocaliserParams<T>,
+        dt: T,
+        report: &mut BaseReport<T>,
+    ) -> Located {
+        blind(report);
+        self.blind_s += dt;
+        let last = report.measured.map(|measured| self.with_set(&measured));
+        report.measured = last.map(|last| coast::<T, M>(&last, dt));
+        self.located(localisation, report, false)
     }
 
     fn located(
@@ -215,6 +247,8 @@ mod tests {
     use crate::types::{Accel, Measured, Pose, Twist};
 
     const DT: f64 = 0.01;
+    /// \[m/s\].
+    const RIM_SPEED: f64 = 0.75;
     /// Of a wheel in a tick, for half a metre per second.
     const COUNTS: i32 = 16;
     /// Way of a count \[m\]: 2 pi 0.1 m / 2048.
@@ -256,9 +290,18 @@ mod tests {
             bench
         }
 
+        /// A tick in which the encoders say that both wheels stand at `counts`.
+        fn tick_at(&mut self, counts: i32) -> Located {
+            let on = counts.wrapping_sub(self.counts);
+            let rolled = self.counts;
+            let located = self.tick(on, true, None);
+            self.counts = rolled.wrapping_add(COUNTS);
+            located
+        }
+
         /// A tick in which both wheels roll on by `counts`, which the encoders give or not.
         fn tick(&mut self, counts: i32, given: bool, fix: Option<Pose<f64>>) -> Located {
-            self.counts += counts;
+            self.counts = self.counts.wrapping_add(counts);
             let mut sensed = Sensed::of_counts(WheelCounts {
                 right: self.counts,
                 left: self.counts,
@@ -271,7 +314,7 @@ mod tests {
             self.locator.advance::<Libm>(
                 &self.localisation,
                 DT,
-                &accelerations,
+                (&accelerations, RIM_SPEED),
                 &sensed,
                 &mut self.report,
             )
@@ -328,6 +371,50 @@ mod tests {
         assert!(located.fix_age_us.abs_diff(2_040_000) <= 1, "{located:?}");
         assert!(bench.is_at(START.x + 204.0 * 16.0 * COUNT_M, START.y));
         assert!((bench.measured().twist.linear / before.twist.linear - 1.0).abs() < 1e-3);
+    }
+
+    /// The base goes on as it moved, and is afterwards where it would be. Encoders that begin anew, or one that lost its count, cost a tick.
+    #[test]
+    fn counts_that_no_wheel_comes_to_move_nothing() {
+        // Four times the rim speed in a tick and a millisecond are 108 counts.
+        for wrong in [i32::MIN, i32::MAX, 0, 4711 + 16 * 201 + 200] {
+            let mut bench = Bench::started();
+            for _ in 0..200 {
+                bench.tick(COUNTS, true, None);
+            }
+            let before = bench.measured();
+            bench.tick_at(wrong);
+            assert!(bench.report.blind);
+            let on = before.pose.x + DT * before.twist.linear;
+            assert!(bench.is_at(on, START.y), "{wrong}");
+            bench.tick(COUNTS, true, None);
+            assert!(bench.report.blind, "{wrong}");
+            let located = bench.tick(COUNTS, true, None);
+            assert!(!bench.report.blind && !located.jumped);
+            // Two counts are rounded off, and the speed was a thousandth off.
+            let off = bench.measured().pose.x - (START.x + 203.0 * 16.0 * COUNT_M);
+            assert!(off.abs() < 2.1 * COUNT_M, "{wrong}: {off}");
+            let faster = bench.measured().twist.linear / before.twist.linear;
+            assert!((faster - 1.0).abs() < 0.05, "{wrong}: {faster}");
+        }
+        let mut bench = Bench::started();
+        for _ in 0..200 {
+            bench.tick(COUNTS, true, None);
+        }
+        bench.counts = 0;
+        bench.tick(COUNTS, true, None);
+        assert!(bench.report.blind);
+        bench.tick(COUNTS, true, None);
+        let off = bench.measured().pose.x - (START.x + 202.0 * 16.0 * COUNT_M);
+        assert!(!bench.report.blind && off.abs() < 1.1 * COUNT_M, "{off}");
+        // Half of what is possible is believed.
+        bench.tick(48, true, None);
+        assert!(!bench.report.blind);
+        // What is wrong at every tick is never a reading.
+        for tick in 0..8 {
+            bench.tick_at(if tick % 2 == 0 { 100_000 } else { -100_000 });
+            assert!(bench.report.blind);
+        }
     }
 
     /// What became of a pose is said of the tick in which it came.

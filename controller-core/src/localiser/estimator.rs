@@ -9,9 +9,9 @@ use crate::gyro::{
 };
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
-use crate::odometry::{Accelerations, Odometry};
+use crate::odometry::{self, Accelerations, Odometry};
 use crate::scalar::Scalar;
-use crate::types::{Measured, Pose};
+use crate::types::{Accel, Measured, Pose};
 
 /// What a localiser remembers; its parameters are lent: they exist once, wherever it is built in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,14 @@ pub(crate) struct Estimator<T, const N: usize> {
     alone_s: T,
     gyro: Option<GyroHeading<T>>,
     history: History<T, N>,
+}
+
+/// What the wheels did in a tick.
+pub(crate) struct Tick<T> {
+    pub(crate) rolled: odometry::Moved<T>,
+    /// Of the tyres.
+    strain: Accel<T>,
+    dt: T,
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
@@ -65,20 +73,18 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         self.correction.state(localisation.fusion.as_ref(), pose);
     }
 
-    /// A tick; see [`Localiser::update_with`](super::Localiser::update_with).
+    /// The first half of a tick, what the wheels did; see [`Localiser::update_with`](super::Localiser::update_with).
     ///
     /// # Errors
     /// As there.
     #[inline(always)]
-    pub(crate) fn update<M: Maths<T>>(
+    pub(crate) fn roll(
         &mut self,
         localisation: &ValidLocaliserParams<T>,
         counts: WheelCounts,
         dt: T,
         accelerations: &Accelerations<T>,
-        fix: Option<&Fix<T>>,
-        reading: Option<&GyroReading<T>>,
-    ) -> Result<Estimate<T>, StepFault> {
+    ) -> Result<Tick<T>, StepFault> {
         if !dt.is_finite() {
             return Err(StepFault::NotFinite(Input::Tick));
         }
@@ -88,10 +94,26 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         if !accelerations.is_finite() {
             return Err(StepFault::NotFinite(Input::Accel));
         }
+        let strain = localisation.tyres.strain(&accelerations.exerted);
+        Ok(Tick {
+            rolled: self.odometry.roll(counts, &strain),
+            strain,
+            dt,
+        })
+    }
+
+    /// The other half, where it is now.
+    #[inline(always)]
+    pub(crate) fn update<M: Maths<T>>(
+        &mut self,
+        localisation: &ValidLocaliserParams<T>,
+        Tick { rolled, strain, dt }: Tick<T>,
+        accelerations: &Accelerations<T>,
+        fix: Option<&Fix<T>>,
+        reading: Option<&GyroReading<T>>,
+    ) -> Estimate<T> {
         let before = *self.odometry.pose();
         let tyres = &localisation.tyres;
-        let strain = tyres.strain(&accelerations.exerted);
-        let rolled = self.odometry.roll(counts, &strain);
         let turn = match (&mut self.gyro, &localisation.gyro) {
             (Some(heading), Some(gyro)) => {
                 let rolled = Rolled {
@@ -118,7 +140,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             self.odometry
                 .integrate::<M>(&rolled, turn, dt, accelerations, (&strain, tyres.most_s));
         let Some(fusion) = &localisation.fusion else {
-            return Ok(Estimate {
+            return Estimate {
                 measured,
                 fix: fix.map_or(FixOutcome::Absent, |_| {
                     FixOutcome::Refused(Refusal::NoFusion)
@@ -126,7 +148,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
                 curvature_bias: self.correction.biases.per_way,
                 gyro: self.gyro_report(reading),
                 ..Estimate::default()
-            });
+            };
         };
         self.history.push(measured.pose, dt);
         let carried = self.gyro.as_ref().filter(|gyro| gyro.carries());
@@ -185,7 +207,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             gyro.set(fusion.growth.fix_heading());
         }
         let fix_age_s = self.correction.fix_age_s;
-        Ok(Estimate {
+        Estimate {
             measured: Measured {
                 pose: self.correction.pose,
                 twist: measured.twist,
@@ -198,7 +220,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
             fix_age_s,
             stale: fix_age_s > fusion.stale_s,
             gyro: self.gyro_report(reading),
-        })
+        }
     }
 
     fn gyro_report(&self, reading: Option<&GyroReading<T>>) -> GyroReport<T> {
@@ -238,6 +260,11 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     pub(crate) const fn odometry(&self) -> &Odometry<T> {
         &self.odometry
+    }
+
+    /// See [`Odometry::count_from`].
+    pub(crate) fn count_from(&mut self, counts: WheelCounts, dt: T) {
+        self.odometry.count_from(counts, dt);
     }
 
     pub(super) fn pose(&self, localisation: &ValidLocaliserParams<T>) -> &Pose<T> {

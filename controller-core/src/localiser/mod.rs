@@ -212,7 +212,8 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
             estimator,
         } = self;
         let accelerations = Accelerations::exerted(*accel);
-        estimator.update::<M>(localisation, counts, dt, &accelerations, fix, reading)
+        let tick = estimator.roll(localisation, counts, dt, &accelerations)?;
+        Ok(estimator.update::<M>(localisation, tick, &accelerations, fix, reading))
     }
 
     /// Puts the robot elsewhere on the map, with the same duty to declare it as a relocalisation.

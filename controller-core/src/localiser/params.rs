@@ -8,7 +8,7 @@ use crate::maths::{Maths, Usual};
 #[cfg(test)]
 use crate::odometry::Calibration;
 use crate::odometry::{OdometryParams, Tyres};
-use crate::range::{check_ranges, clamp, larger, smaller};
+use crate::range::{check_ranges, clamp, larger, signed, smaller};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 
@@ -328,7 +328,11 @@ impl<T: Scalar> Channel<T> {
     /// than noise asks for at rest; beyond it the pose is off, as after a slide, and all that is due is corrected.
     #[inline(always)]
     pub(super) fn step(&self, pending: T, share: T, dt: T) -> T {
-        let within = clamp(pending, self.gate);
-        share * (pending - within) + clamp(share * within, dt * self.rate)
+        let most = dt * self.rate;
+        if pending.abs() <= self.gate {
+            return clamp(share * pending, most);
+        }
+        let gate = signed(self.gate, pending);
+        share * (pending - gate) + clamp(share * gate, most)
     }
 }

@@ -98,6 +98,11 @@ pub(super) struct Turned<T> {
 }
 
 impl<T: Scalar> Wheel<T> {
+    /// \[m/s\].
+    pub(super) const fn speed(&self) -> T {
+        self.speed
+    }
+
     /// The speed for which the back-EMF of a motor of this constant, over what is stated, is to be made up \[m/s\]: with what is
     /// [`made_up`](Self::made_up).
     pub(super) fn back_emf_speed(&self, constant: T, bandwidth: T) -> T {

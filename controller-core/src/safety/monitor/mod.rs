@@ -93,7 +93,9 @@ impl<T: Scalar> Monitor<T> {
     /// Takes a tick's evidence. A condition that lasts is found again in every tick.
     pub fn check(&mut self, inputs: &DetectorInputs<T>) -> ActiveFaults {
         let mut found = ActiveFaults::NONE;
-        self.detectors.check(&self.settings, inputs, &mut found);
+        let read = inputs.counts.is_some();
+        self.detectors
+            .check(&self.settings, inputs, read, &mut found);
         found
     }
 
@@ -196,17 +198,19 @@ pub(crate) struct Detectors<T> {
 }
 
 impl<T: Scalar> Detectors<T> {
-    /// Takes a tick's evidence, and adds what it shows to what was `found`; see [`Monitor::check`].
+    /// Takes a tick's evidence, and adds what it shows to what was `found`; see [`Monitor::check`]. The encoders were `read` if they gave counts that are
+    /// to be believed.
     #[inline(always)]
     pub(crate) fn check(
         &mut self,
         settings: &ValidDetectorParams<T>,
         inputs: &DetectorInputs<T>,
+        read: bool,
         found: &mut ActiveFaults,
     ) {
         let params = settings.params();
         let dt_us = inputs.dt_us;
-        self.unread = self.unread.after(dt_us, inputs.counts.is_some());
+        self.unread = self.unread.after(dt_us, read);
         let (jitter, long) = self.ticks.advance(&params.ticks, dt_us);
         let mut add = |holds: bool, fault: Fault| {
             if holds {
