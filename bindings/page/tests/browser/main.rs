@@ -226,6 +226,8 @@ fn a_drawn_line_and_dropped_files_are_followed_with_the_bits_of_the_native_run()
     let to = on_screen(&mut browser, "[1.4, 0.5]");
     browser.drag(from, to);
     browser.until("path.length > 10");
+    // It may have parked at the first goal already.
+    browser.until("status.state === 'tracking'");
     browser.evaluate("$('speed').value = '16', $('speed').onchange(), true");
     browser.until("status.state === 'parked'");
     let off_m = browser.number("Math.hypot(status.x - goal[0], status.y - goal[1])");
