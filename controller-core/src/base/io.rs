@@ -32,7 +32,7 @@ pub enum Order<T = f32> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensed<T = f32> {
-    /// Both encoders, or why they could not be read.
+    /// Both encoders, or why they could not be read. Counts that a wheel would have to turn four times as fast for as the largest rim speed are no reading.
     pub counts: Result<WheelCounts, ErrorKind>,
     /// An external pose, in the ticks in which one arrived.
     pub fix: Option<Fix<T>>,

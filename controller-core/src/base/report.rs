@@ -21,7 +21,7 @@ pub struct BaseReport<T = f32> {
     pub cause: Cause,
     /// Pose and twist; `None` before the encoders gave a first reading.
     pub measured: Option<Measured<T>>,
-    /// They are extrapolated: the encoders gave nothing in this tick.
+    /// They are extrapolated: the encoders gave nothing in this tick, or counts that no wheel can have come to.
     pub blind: bool,
     /// Turn that odometry adds per way, as external poses taught it \[rad/m\]: wheels of other radii than stated. See
     /// [`Estimate::curvature_bias`](crate::localiser::Estimate::curvature_bias).
