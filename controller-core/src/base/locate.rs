@@ -25,8 +25,9 @@ pub(super) struct Locator<T, const N: usize> {
     localiser: Option<Estimator<T, N>>,
     /// Where the base is if there was no reading yet, or if it was `set` there since the last tick.
     start: Pose<T>,
-    /// Time since the last reading \[s\], and since the encoders last gave counts, of whatever kind.
+    /// Time since the last reading \[s\].
     blind_s: T,
+    /// Time since the encoders last gave counts, be they believed or not \[s\].
     silent_s: T,
     set: bool,
 }

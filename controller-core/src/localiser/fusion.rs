@@ -120,7 +120,7 @@ impl<T: Scalar> Correction<T> {
     }
 
     /// A tick in which odometry `moved`: the robot moves with it, and what is to be corrected is, by the exponential that the noise
-    /// is derived for. `carried` where a gyro carries it.
+    /// is derived for. `carried` is a heading that a gyro carries.
     #[inline(always)]
     pub(super) fn advance<M: Maths<T>>(
         &mut self,
