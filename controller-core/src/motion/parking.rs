@@ -34,6 +34,14 @@ struct Memory<T> {
     jumps: u8,
 }
 
+impl<T: Scalar> Memory<T> {
+    /// With a manoeuvre under way nothing has arrived, and nothing is stuck.
+    fn drives(&mut self) {
+        self.checker = GoalChecker::NEW;
+        self.retry.drives();
+    }
+}
+
 /// How the goal is approached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Approach<T> {
@@ -145,8 +153,7 @@ impl<T: Scalar> ParkingLaw<T> {
         step: Step<T>,
     ) -> Wanted<T> {
         let way = if self.is_driving() && step.two_per_dt.is_some() {
-            self.memory.checker = GoalChecker::NEW;
-            self.memory.retry.drives();
+            self.memory.drives();
             Way::on(step)
         } else if self.stays(motion, &view.error, step) {
             self.memory.checker.stay(step.dt);
@@ -186,8 +193,7 @@ impl<T: Scalar> ParkingLaw<T> {
         let dt = step.dt;
         let jumped = step.two_per_dt.is_none();
         if self.is_driving() {
-            self.memory.checker = GoalChecker::NEW;
-            self.memory.retry.drives();
+            self.memory.drives();
             if self.memory.jumps >= JUMPS {
                 return Next::GoOn(Way::on(step));
             }
