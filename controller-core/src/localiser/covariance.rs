@@ -320,6 +320,12 @@ impl<T: Scalar> Covariance<T> {
             ek,
             kk: changed(kk, growth.slip, way),
         };
+        self.keep_or_lose(growth);
+    }
+
+    /// Beyond [`LOST`] nothing is known of the pose.
+    #[inline(always)]
+    fn keep_or_lose(&mut self, growth: &Growth<T>) {
         let (lost_m, lost_rad) = (
             T::from_f64(LOST) * growth.fix.0,
             T::from_f64(LOST) * growth.fix.1,
@@ -328,6 +334,20 @@ impl<T: Scalar> Covariance<T> {
         if !(self.xx + self.yy <= lost_m && self.tt <= lost_rad) {
             self.restart((lost_m, lost_rad));
         }
+    }
+
+    /// Variances of the innovations of a fix of x, y and the heading.
+    pub(super) fn innovations(&self, growth: &Growth<T>) -> (T, T, T) {
+        let (position, heading) = growth.fix;
+        (self.xx + position, self.yy + position, self.tt + heading)
+    }
+
+    /// The pose is more off than was known, by these variances: of x, y and the heading.
+    pub(super) fn widen(&mut self, growth: &Growth<T>, (x, y, heading): (T, T, T)) {
+        self.xx += x;
+        self.yy += y;
+        self.tt += heading;
+        self.keep_or_lose(growth);
     }
 
     /// What is to be corrected for a fix that is off by so much, of errors that know nothing of each other: heading, x and y in turn.

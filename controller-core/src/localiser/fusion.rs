@@ -1,12 +1,13 @@
 //! The map from odometry's frame to the world's, and its correction.
 
 use super::covariance::{Covariance, SOFTEST, Since};
+use super::mean_innovation::MeanInnovation;
 use super::params::Fusion;
 use super::{Fix, FixOutcome};
 use crate::angle::wrap;
 use crate::maths::Maths;
 use crate::odometry::Biases;
-use crate::range::{clamp, larger};
+use crate::range::{clamp, larger, smaller};
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
@@ -50,6 +51,8 @@ pub(super) struct Correction<T> {
     pending: Pose<T>,
     /// What drift may have added to the error since fixes last took it away.
     slack: Slack<T>,
+    /// Of fixes since the pose was set.
+    mean: MeanInnovation<T>,
     candidate: Option<Candidate<T>>,
     /// Slides that good fixes have not forgiven yet.
     slides: T,
@@ -82,6 +85,7 @@ impl<T: Scalar> Correction<T> {
             pose,
             pending: Pose::default(),
             slack: Slack::default(),
+            mean: MeanInnovation::default(),
             candidate: None,
             slides: T::ZERO,
             covariance: fusion.map_or(Covariance::NONE, |fusion| {
@@ -110,6 +114,7 @@ impl<T: Scalar> Correction<T> {
         self.pose = pose;
         self.pending = Pose::default();
         self.slack = Slack::default();
+        self.mean = MeanInnovation::default();
         self.candidate = None;
         self.since = Since::default();
     }
@@ -200,7 +205,16 @@ impl<T: Scalar> Correction<T> {
             rad: heading.gate + self.slack.rad,
         };
         if gate.allows(off) {
+            self.mean.see(off);
+            let excess = self
+                .mean
+                .excess(self.covariance.innovations(&fusion.growth));
+            let (x, y, theta) = excess;
+            if x > T::ZERO || y > T::ZERO || theta > T::ZERO {
+                self.doubt(fusion, &since, excess, carried.is_some());
+            }
             let taken = self.covariance.take(&fusion.growth, off);
+            self.mean.take(&taken.pose);
             self.pending = sum(&self.pending, &taken.pose, T::ONE);
             let learnt = &taken.biases;
             self.correct_curvature(fusion.most_curvature(), learnt.per_way);
@@ -234,6 +248,24 @@ impl<T: Scalar> Correction<T> {
         self.put(moved_along::<T, M>(&candidate.pose, then, now));
         self.fix_age_s = fix.age_s;
         FixOutcome::Relocalised
+    }
+
+    /// Fixes stay to one side: the pose is more off than is known, at most by what the wheels did `since` the last one. A heading that a gyro
+    /// `carries` does not slide.
+    #[cold]
+    #[inline(never)]
+    fn doubt(&mut self, fusion: &Fusion<T>, since: &Since<T>, excess: (T, T, T), carries: bool) {
+        let turned = fusion.two_per_track * since.way.abs() + since.turn.abs();
+        let rolled = turned / fusion.two_per_track;
+        let within = |excess: T, most: T| smaller(larger(excess, T::ZERO), most * most);
+        let (x, y, heading) = excess;
+        let heading = if carries {
+            T::ZERO
+        } else {
+            within(heading, turned)
+        };
+        let more = (within(x, rolled), within(y, rolled), heading);
+        self.covariance.widen(&fusion.growth, more);
     }
 }
 

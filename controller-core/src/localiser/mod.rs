@@ -14,6 +14,7 @@
 //!   stated, and headings that are off after turns, always by the same share, that they are not as far apart: odometry learns this curvature
 //!   bias and this turn bias with the pose, and keeps them where no fix comes. So it learns what tyres slip under what they transmit, of a
 //!   robot whose mass and inertia it knows.
+//! * Fixes that stay to one side of the pose for longer than noise does, while the base moves, say that wheels slid: then more of each is taken.
 //! * An innovation that noise and the odometry's drift cannot explain is an outlier. Outliers that
 //!   agree with each other are right: the pose is set, and the estimate says `jumped`, for
 //!   [`declare_jump`](crate::motion::MotionController::declare_jump).
@@ -48,6 +49,7 @@ mod covariance;
 mod estimator;
 mod fusion;
 mod history;
+mod mean_innovation;
 mod noise;
 mod params;
 mod parking;

@@ -46,6 +46,8 @@ pub struct Fusion {
     pub bias: Vector3<f64>,
     /// Covariance of the errors of x, y, θ and these.
     covariance: Matrix6<f64>,
+    /// Of the innovations: what fixes stay off by.
+    mean: Vector3<f64>,
     /// Of odometry since the last fix: way in the world, way along it, turn; and what tyres of 1 s²/m did to way and turn.
     since: (Vector2<f64>, f64, f64, Vector3<f64>),
     /// Of the last fix that was taken \[s\].
@@ -114,6 +116,17 @@ fn unknown(k: &Constants) -> Vector3<f64> {
     most(k).component_mul(&most(k)).component_mul(&shares)
 }
 
+/// Nothing is known of a pose beyond a hundred thousand times a fix's variance.
+fn known(k: &Constants, p: Matrix6<f64>) -> Matrix6<f64> {
+    let most = (1e5 * k.sigma.0.powi(2), 1e5 * k.sigma.1.powi(2));
+    if p[(0, 0)] + p[(1, 1)] <= most.0 && p[(2, 2)] <= most.1 {
+        return p;
+    }
+    let bias = p.diagonal().fixed_rows::<3>(3).into();
+    let pose = Vector3::new(most.0, most.0, most.1);
+    Matrix6::from_diagonal(&stacked(&pose, &bias))
+}
+
 impl Fusion {
     /// At a posture.
     pub fn start(k: &Constants, q: Vector3<f64>) -> Self {
@@ -125,6 +138,7 @@ impl Fusion {
             slides: 0.0,
             bias: Vector3::zeros(),
             covariance: errors(k, true, &unknown(k)),
+            mean: Vector3::zeros(),
             since: Default::default(),
             age: 0.0,
         }
@@ -197,9 +211,11 @@ impl Fusion {
         let [position, heading] = channels(k);
         let believed = carried(&(self.q + self.pending), now, then);
         let off = difference(&fix.q, &believed);
+        let (_, way, turn, _) = self.since;
         self.pass(k, position.gain, heading.gain);
         let gate = self.slack + Slack::new(position.gate, heading.gate);
         if allows(&gate, &off) {
+            self.doubt(k, &off, way.abs() + k.track / 2.0 * turn.abs());
             self.correct(k, &off);
             let kept = Slack::new(1.0 - position.gain, 1.0 - heading.gain);
             self.slack.component_mul_assign(&kept);
@@ -281,13 +297,20 @@ impl Fusion {
         for i in 0..3 {
             p[(3 + i, 3 + i)] = p[(3 + i, 3 + i)].min(unknown[i]);
         }
-        let most = (1e5 * k.sigma.0.powi(2), 1e5 * k.sigma.1.powi(2));
-        if p[(0, 0)] + p[(1, 1)] > most.0 || p[(2, 2)] > most.1 {
-            let bias = p.diagonal().fixed_rows::<3>(3).into();
-            let pose = Vector3::new(most.0, most.0, most.1);
-            p = Matrix6::from_diagonal(&stacked(&pose, &bias));
+        self.covariance = known(k, p);
+    }
+
+    /// What the mean of seven innovations is off by beyond three of its standard deviations, wheels slid by, of the way that the faster one `rolled`.
+    fn doubt(&mut self, k: &Constants, off: &Vector3<f64>, rolled: f64) {
+        self.mean = 0.75 * self.mean + 0.25 * off;
+        let radius = Vector3::new(1.0, 1.0, k.track / 2.0);
+        let sigma = Vector3::new(k.sigma.0, k.sigma.0, k.sigma.1);
+        for i in 0..3 {
+            let expected = (self.covariance[(i, i)] + sigma[i].powi(2)) / 7.0;
+            let beyond = (self.mean[i].powi(2) - 9.0 * expected).max(0.0);
+            self.covariance[(i, i)] += beyond.min((rolled / radius[i]).powi(2));
         }
-        self.covariance = p;
+        self.covariance = known(k, self.covariance);
     }
 
     /// All three coordinates at once, K = P Hᵀ (H P Hᵀ + R)⁻¹, and P in Joseph's form.
@@ -302,6 +325,7 @@ impl Fusion {
         self.covariance = left * p * left.transpose() + gain * r * gain.transpose();
         let step = gain * off;
         self.pending += step.xyz();
+        self.mean -= step.xyz();
         let most = most(k);
         let least = Vector3::new(-most.x, -most.y, 0.0);
         let learnt = self.bias + step.fixed_rows::<3>(3);
