@@ -3,6 +3,9 @@
 use crate::scalar::Scalar;
 use crate::types::Pose;
 
+/// Poses are kept this far apart at least \[s\]: N of them reach as far back in a loop of 1 kHz as in one of 250 Hz.
+pub const LEAST_APART_S: f64 = 0.004;
+
 /// A ring of N poses, fixed in size, written at every tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct History<T, const N: usize> {
@@ -10,6 +13,8 @@ pub(super) struct History<T, const N: usize> {
     /// Index and number of the newest.
     newest: usize,
     filled: usize,
+    /// Time from the one before it \[s\]; of the start one that leaves it alone.
+    newest_s: T,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,18 +32,25 @@ impl<T: Scalar, const N: usize> History<T, N> {
             entries: [Entry::default(); N],
             newest: 0,
             filled: 1,
+            newest_s: T::from_f64(LEAST_APART_S),
         }
     }
 
     /// Nothing is older than this pose.
     pub(super) fn begin(&mut self, pose: Pose<T>) {
         (self.newest, self.filled) = (0, 1);
+        self.newest_s = T::from_f64(LEAST_APART_S);
         if let Some(first) = self.entries.first_mut() {
             *first = Entry { pose, dt: T::ZERO };
         }
     }
 
     pub(super) fn push(&mut self, pose: Pose<T>, dt: T) {
+        let since = self.newest_s + dt;
+        if since <= T::from_f64(LEAST_APART_S) {
+            return self.replace(pose, since);
+        }
+        self.newest_s = dt;
         self.newest = if self.newest + 1 < N {
             self.newest + 1
         } else {
@@ -49,6 +61,16 @@ impl<T: Scalar, const N: usize> History<T, N> {
         }
         if self.filled < N {
             self.filled += 1;
+        }
+    }
+
+    /// The newest pose, where it is too near to the one before it for another. Apart from what a loop of 250 Hz and less needs.
+    #[cold]
+    #[inline(never)]
+    fn replace(&mut self, pose: Pose<T>, dt: T) {
+        self.newest_s = dt;
+        if let Some(entry) = self.entries.get_mut(self.newest) {
+            *entry = Entry { pose, dt };
         }
     }
 
@@ -84,5 +106,41 @@ fn between<T: Scalar>(from: &Pose<T>, to: &Pose<T>, share: T) -> Pose<T> {
         x: from.x + share * (to.x - from.x),
         y: from.y + share * (to.y - from.y),
         theta: from.theta + share * (to.theta - from.theta),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At 1 kHz and 0.5 m/s 32 poses are 4 ms apart, but for the newest: they reach back for 121 to 124 ms, and every age in that time gives the pose of then.
+    #[test]
+    fn fast_ticks_are_remembered_for_as_long_as_slow_ones() {
+        for ticks in [200, 201, 202, 203] {
+            let mut history = History::<f64, 32>::new();
+            history.begin(Pose::new(0.0, 0.0, 0.0));
+            for tick in 1..=ticks {
+                history.push(Pose::new(0.5e-3 * f64::from(tick), 0.0, 0.0), 1.0e-3);
+            }
+            let oldest = history.at(1.0).expect_err("too old");
+            assert!((0.1205..0.1245).contains(&oldest), "{oldest}");
+            for age in [0.0, 0.5e-3, 7.3e-3, 0.05, 0.12] {
+                let pose = history.at(age).expect("remembered");
+                let expected = 0.5 * (1.0e-3 * f64::from(ticks) - age);
+                assert!((pose.x - expected).abs() < 1e-12, "{age}: {pose:?}");
+            }
+        }
+    }
+
+    /// Nothing is forgotten of a start that is more recent than that.
+    #[test]
+    fn a_start_stays_the_oldest() {
+        let mut history = History::<f64, 32>::new();
+        history.begin(Pose::new(1.0, 0.0, 0.0));
+        for tick in 1..=6 {
+            history.push(Pose::new(1.0 + f64::from(tick), 0.0, 0.0), 1.0e-3);
+            let start = history.at(1.0e-3 * f64::from(tick)).expect("the start");
+            assert!((start.x - 1.0).abs() < 1e-9, "{start:?}");
+        }
     }
 }

@@ -54,6 +54,7 @@ mod noise;
 mod params;
 mod parking;
 
+pub use history::LEAST_APART_S;
 pub use noise::filtered_share;
 pub use params::{FusionParams, LocaliserParams, ValidLocaliserParams};
 
@@ -139,7 +140,7 @@ pub struct Estimate<T> {
     pub gyro: GyroReport<T>,
 }
 
-/// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks.
+/// Pose and twist from encoders and fixes; remembers N ≥ 2 poses, as far back as N − 1 ticks, of [`LEAST_APART_S`] at least.
 ///
 /// A tick costs odometry, one sine and cosine and an exponential; a fix adds two of the former, three
 /// updates of twenty-one covariances and a walk through at most N poses.

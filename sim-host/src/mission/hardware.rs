@@ -11,6 +11,9 @@ use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::scalar::Scalar;
 use controller_core::wheels::WheelGeometry;
 
+/// A busy pose source is up to so many times as old as its file says.
+pub const OLDEST_POSE: f64 = 1.5;
+
 /// Hardware of a base, as its data sheets and an identification have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hardware {

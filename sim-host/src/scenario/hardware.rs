@@ -2,12 +2,13 @@
 
 use super::ScenarioError;
 use super::source::{Checked, Source};
-use crate::mission::{BaseSpec, Gyro, Hardware};
+use crate::mission::{BaseSpec, Gyro, Hardware, OLDEST_POSE};
 use crate::world::{
     BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams, WorldError,
 };
 use controller_core::base::REMEMBERED;
 use controller_core::error::Field;
+use controller_core::localiser::LEAST_APART_S;
 use controller_core::motion::MotionGains;
 use serde::Deserialize;
 
@@ -181,11 +182,13 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     if !(1.0e-4..=0.1).contains(&period) {
         return Err(place.error("control.period_s", "must be in 1e-4 to 0.1"));
     }
-    let remembered = REMEMBERED as f64 * period;
+    // The pose of this tick is one of those.
+    let remembered = (REMEMBERED - 1) as f64 * period.max(LEAST_APART_S);
+    let most = (remembered - period) / OLDEST_POSE;
     match &hardware.pose_source {
-        Some(source) if source.latency_s + period > remembered => {
+        Some(source) if source.latency_s > most => {
             let message = format!(
-                "is too old: a base remembers {REMEMBERED} ticks, {remembered:.3} s, and refuses what is older"
+                "is too old: a base remembers its way for {remembered:.3} s, and with up to half as much again poses may be {most:.3} s old"
             );
             Err(place.error("pose_source.latency_s", message))
         }

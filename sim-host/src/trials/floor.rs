@@ -1,6 +1,6 @@
 //! Bad floors that suit a base, drawn by a seed.
 
-use crate::mission::BaseSpec;
+use crate::mission::{BaseSpec, OLDEST_POSE};
 use crate::world::WorldSetup;
 use crate::world::{WorldKeys, presets};
 use rand::SeedableRng;
@@ -32,8 +32,7 @@ const BODY_SPREAD: f64 = 0.3;
 const BATTERY: (f64, f64) = (0.8, 1.0);
 /// A worn bearing in the cold, and one that ran in: factors on the file's friction.
 const FRICTION: (f64, f64) = (0.7, 1.3);
-/// A busy pose source is up to half as old again as its file says.
-const LATENCY: (f64, f64) = (1.0, 1.5);
+const LATENCY: (f64, f64) = (1.0, OLDEST_POSE);
 
 impl Condition {
     /// All of them.
