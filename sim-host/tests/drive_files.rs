@@ -1,6 +1,6 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
-use controller_core::motion::Limits;
+use controller_core::motion::{Limits, MotionGains};
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun, Retiming, fitted, trajectory};
 use sim_host::import::{Options, Pace, import};
 use sim_host::mission::BaseSpec;
@@ -247,10 +247,10 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
             "wheel_torque = 0",
             "limits.wheel_torque",
         ),
-        // A base remembers 32 ticks of 10 ms.
+        // A base remembers its way for 31 ticks of 10 ms, and poses may be half as old again, and a tick.
         (
             "latency_s = 0.02",
-            "latency_s = 0.32",
+            "latency_s = 0.201",
             "pose_source.latency_s",
         ),
         ("rate_hz = 20.0", "rate_hz = 0.0", "pose_source.rate_hz"),
@@ -284,6 +284,34 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
         assert_eq!(error.key, key, "{error}");
         assert!(error.line.is_some(), "{error}");
     }
+    Ok(())
+}
+
+/// Gains that a file leaves out are those of its own period, whichever it gives; and poses may be as old in a loop of 1 kHz as in one of 250 Hz.
+#[test]
+fn a_file_is_taken_by_its_period() -> Result<(), Box<dyn Error>> {
+    let shipped = fs::read_to_string("../bases/lab-10kg.toml")?;
+    let gains = |period: &str, text: &str| -> Result<MotionGains<f64>, Box<dyn Error>> {
+        let period = format!("period_s = {period}");
+        let base = BaseSpec::parse("b.toml", &text.replacen("period_s = 0.01", &period, 1))?;
+        Ok(base.motion().gains)
+    };
+    let (bare, _) = shipped.split_once("[gains]").ok_or("no gains")?;
+    for (period, decay) in [("0.001", 20.0), ("0.01", 20.0), ("0.05", 8.0)] {
+        let given = gains(period, &format!("{bare}[gains]\nlateral = 1.5\n"))?;
+        assert_eq!(given.decay, decay, "{period} s");
+        let follows = gains(period, bare)?;
+        let expected = MotionGains {
+            lateral: 1.5,
+            ..follows
+        };
+        assert_eq!(given, expected, "{period} s");
+    }
+    let fast = shipped.replacen("period_s = 0.01", "period_s = 0.001", 1);
+    let old = |latency: &str| fast.replacen("latency_s = 0.02", latency, 1);
+    BaseSpec::parse("b.toml", &old("latency_s = 0.08"))?;
+    let error = BaseSpec::parse("b.toml", &old("latency_s = 0.09")).err();
+    assert_eq!(error.ok_or("taken")?.key, "pose_source.latency_s");
     Ok(())
 }
 

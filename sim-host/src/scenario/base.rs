@@ -98,10 +98,6 @@ impl BaseSpec {
             keys.description
         };
         let mut base = base(name, Some(&keys.robot), Some(&keys.limits), &place)?;
-        base.gains = keys.gains.over(base.motion().gains);
-        if let Err(error) = base.validate() {
-            return Err(place.param_error(gain_key(error.field), &error));
-        }
         let hardware = HardwareKeys {
             motor: keys.motor,
             battery: keys.battery,
@@ -112,6 +108,11 @@ impl BaseSpec {
             control: keys.control,
         };
         base.hardware = hardware.hardware(&base, &place)?;
+        // The others follow from the limits and the hardware's period.
+        base.gains = keys.gains.over(base.motion().gains);
+        if let Err(error) = base.validate() {
+            return Err(place.param_error(gain_key(error.field), &error));
+        }
         if let Err(error) = keys.policy.validate() {
             return Err(place.error(&format!("policy.{}", error.kind.name()), error));
         }
