@@ -102,6 +102,15 @@ fn a_wheel_without_grip_is_found_against_the_true_twist() {
     assert!(found < 1.0, "{found}");
 }
 
+/// A tick is too long from ten periods on, and no less than the 50 ms that are ten of a loop of 200 Hz: gains of faster loops are no quicker.
+#[test]
+fn ticks_of_fast_loops_may_be_as_long_as_those_of_200_hz() {
+    for (period_us, most_us) in [(20_000, 200_000), (5_000, 50_000), (1_000, 50_000)] {
+        let settings = DetectorParams::for_base(&BASE.exact(), COUNTS, period_us);
+        assert_eq!(settings.ticks.long, Timeout::AfterUs(most_us));
+    }
+}
+
 /// A wheel that spins up under 4 N m as only its own inertia of 0.015 kg m² can: from torque and counts alone.
 #[test]
 fn a_wheel_that_spins_up_is_found_by_its_torque() {

@@ -42,7 +42,8 @@ impl<T: Scalar> DetectorParams<T> {
                 late: Timeout::AfterUs(period_us.saturating_add(period_us / 2)),
                 row: 5,
                 of_64: 16,
-                long: ticks(10, 0),
+                // The gains of faster loops are those of ticks of 20 ms and less: what one of 5 ms can stand, its ten periods, they can.
+                long: ticks(10, 50_000),
             },
             wheels: WheelDetectorParams {
                 counts_per_turn,
