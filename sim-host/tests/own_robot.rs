@@ -317,6 +317,24 @@ fn precise_poses_park_a_base_sooner() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// A gyro, which shows what friction compensation does where bearings are freer than it reckons with, keeps no base from parking.
+#[test]
+fn a_gyro_keeps_no_base_from_parking() -> Result<(), Box<dyn Error>> {
+    let text = |file: &str| std::fs::read_to_string(Path::new("..").join(file));
+    let text = text("bases/hobby-1kg.toml")? + &text("parts/icm-42688-p.toml")?;
+    let base = BaseSpec::parse("robot.toml", &text)?;
+    let seeds = NonZeroU32::new(20).ok_or("0")?;
+    let runs = verify(&base, KEPT_SEED, seeds, || {})?.runs;
+    let amiss = runs
+        .iter()
+        .filter(|run| shortcoming(&run.figures).is_some());
+    Stated::of("docs/gyro.md").exactly(
+        At::Phrase("1 kg base with this gyro fails in # of # runs"),
+        &[amiss.count() as f64, runs.len() as f64],
+    );
+    Ok(())
+}
+
 /// Wheels that differ by a hundredth turn the base by 0.1 rad on 4 m: without poses from outside nothing
 /// corrects it.
 #[test]

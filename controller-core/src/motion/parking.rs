@@ -12,6 +12,7 @@ use super::pose_law::{Moving, Step, Transition, Wanted};
 use super::retry::{Attempt, Rest, Retry, distance_of};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
+use crate::range::smaller;
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
 
@@ -379,7 +380,7 @@ impl<T: Scalar> ParkingLaw<T> {
             return None;
         };
         let limits = || motion.offset_limits();
-        let dead_band = || dead_band(motion);
+        let dead_band = |since_s| dead_band(motion, since_s);
         let moment = execution.advance::<M>(limits, dead_band, view.goal(), way.since, dt);
         // A robot that does not move is stalled, and has departed from nothing.
         let moves = || {
@@ -489,13 +490,26 @@ impl<T: Scalar> ParkingLaw<T> {
 
 /// Of a robot that stands at its goal: a standard deviation of the pose along the goal \[m\] and of its heading \[rad\], of which
 /// the tolerance has [`HEADING_DEVIATIONS`]; none where no noise is stated.
-fn dead_band<T: Scalar>(motion: &ValidMotionParams<T>) -> (T, T) {
+///
+/// One that has not come to rest `since_s` \[s\], two dwells after its manoeuvre, hunts: bearings that are freer than its friction compensation
+/// reckons with turn it to and fro. In the next two it contents itself with up to half of the tolerance.
+fn dead_band<T: Scalar>(motion: &ValidMotionParams<T>, since_s: T) -> (T, T) {
     if !motion.noisy {
         return (T::ZERO, T::ZERO);
     }
     let params = motion.params();
     let share = T::from_f64(1.0 / HEADING_DEVIATIONS);
-    (params.pose_noise_m, share * params.arrival.heading_rad)
+    let (along, around) = (params.pose_noise_m, share * params.arrival.heading_rad);
+    let two_dwells = params.arrival.dwell_s + params.arrival.dwell_s;
+    if since_s <= two_dwells {
+        return (along, around);
+    }
+    let hunting = smaller((since_s - two_dwells) / two_dwells, T::ONE);
+    let half = |band, tolerance| band + hunting * (T::HALF * tolerance - band);
+    (
+        half(along, params.arrival.distance_m),
+        half(around, params.arrival.heading_rad),
+    )
 }
 
 impl<T: Scalar> Approach<T> {
@@ -608,6 +622,29 @@ mod tests {
     use crate::motion::{Limits, MotionController, MotionParams, Outcome, Task, ValidMotionParams};
     use crate::robot::Robot;
     use crate::types::{Measured, Pose, Twist};
+
+    /// A standard deviation each for two dwells, and half of the tolerance after four; nothing where poses are exact.
+    #[test]
+    fn a_robot_that_hunts_contents_itself() {
+        let mut motion = MotionParams::<f64>::new(Robot::paper(), Limits::PAPER);
+        let exact = motion.validate().expect("valid");
+        assert_eq!(super::dead_band(&exact, 100.0), (0.0, 0.0));
+        motion.pose_noise_m = 1.0e-3;
+        motion.arrival.distance_m = 6.0e-3;
+        motion.arrival.heading_rad = 8.0e-3;
+        motion.arrival.dwell_s = 0.5;
+        let noisy = motion.validate().expect("valid");
+        for (since_s, along, around) in [
+            (0.0, 1.0e-3, 1.0e-3),
+            (1.0, 1.0e-3, 1.0e-3),
+            (1.5, 2.0e-3, 2.5e-3),
+            (2.0, 3.0e-3, 4.0e-3),
+            (9.0, 3.0e-3, 4.0e-3),
+        ] {
+            let band = super::dead_band(&noisy, since_s);
+            assert!((band.0 - along).abs() < 1e-15 && (band.1 - around).abs() < 1e-15);
+        }
+    }
 
     /// Whatever the gains are, what is within reach is not refused, though it be far off or the robot fast; what is beyond is refused
     /// before anything has changed.

@@ -311,7 +311,7 @@ impl<T: Scalar> Execution<T> {
 
     /// A `step` on, 0 at the begin and then `dt`. `view` is the goal as the robot sees it now; `limits` are what the last drive may use.
     ///
-    /// `dead_band` is that of a robot that stands at its goal, along it \[m\] and of the heading \[rad\]: without one it follows what
+    /// `dead_band` is that of a robot that has been to stand at its goal for so long \[s\], along it \[m\] and of the heading \[rad\]: without one it follows what
     /// noise says, and where friction holds its wheels that is stick and slip, by more than what was to be mended.
     ///
     /// The position is integrated by the trapezoidal rule with its end correction, dt/2 (f₀ + f₁) +
@@ -320,7 +320,7 @@ impl<T: Scalar> Execution<T> {
     pub(crate) fn advance<M: Maths<T>>(
         &mut self,
         limits: impl FnOnce() -> OffsetLimits<T>,
-        dead_band: impl FnOnce() -> (T, T),
+        dead_band: impl FnOnce(T) -> (T, T),
         view: GoalSeen<'_, T>,
         step: T,
         dt: T,
@@ -328,7 +328,7 @@ impl<T: Scalar> Execution<T> {
         let error = view.error;
         self.reference.t += step;
         if self.is_over() {
-            let (along, around) = dead_band();
+            let (along, around) = dead_band(self.reference.t - self.duration);
             let (sine, cosine) = M::sin_cos_near(error.theta);
             return Moment {
                 twist: Twist::default(),
