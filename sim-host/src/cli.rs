@@ -86,7 +86,7 @@ Examples:
   sim-host run scenarios/*.toml --out results --csv --every 10
   sim-host run slalom.json --base bases/lab-10kg.toml --offset 0.3")]
     Run {
-        /// Scenario or trajectory files, or names from `sim-host list`
+        /// Scenario or trajectory files, or names from `sim-host list` of which there is no file here
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
         /// Write the trace of each run as CSV
@@ -108,7 +108,7 @@ Examples:
   sim-host compare paper-line --law neural --law motion
   sim-host compare standing-reference weaving slalom.json --out results")]
     Compare {
-        /// Scenario or trajectory files, or names from `sim-host list`
+        /// Scenario or trajectory files, or names from `sim-host list` of which there is no file here
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
         /// A law to compare; may be given several times
@@ -135,7 +135,8 @@ Examples:
   sim-host pil mine.toml --link uart        over the emulated serial port: slow and real
   sim-host pil slalom.json --base bases/lab-10kg.toml      the whole base along a trajectory")]
     Pil {
-        /// Scenario or trajectory files, or names from `sim-host list`; none: both cases of the paper
+        /// Scenario or trajectory files, or names from `sim-host list` of which there is no file here; without any: both
+        /// cases of the paper
         #[arg(value_name = "FILE")]
         files: Vec<PathBuf>,
         /// The emulated chip

@@ -202,8 +202,7 @@ impl Content {
     /// A file that cannot be read.
     pub fn read(path: &Path) -> Result<Self, JobError> {
         let file = path.display().to_string();
-        let built_in = path.to_str().and_then(BuiltIn::find);
-        if let Some(built_in) = built_in.filter(|_| !path.exists()) {
+        if let Some(built_in) = BuiltIn::at(path) {
             let (file, text) = (format!("{}.toml", built_in.name), built_in.text.to_owned());
             return Ok(Self::Scenario { file, text });
         }
@@ -306,8 +305,7 @@ impl RobotFile {
         let part = |part: Option<&std::ffi::OsStr>| {
             part.map_or_else(String::new, |part| part.to_string_lossy().into_owned())
         };
-        let built_in = path.to_str().and_then(BuiltInBase::find);
-        if let Some(built_in) = built_in.filter(|_| !path.exists()) {
+        if let Some(built_in) = BuiltInBase::at(path) {
             return Ok(Self {
                 name: built_in.name.to_owned(),
                 file: format!("{}.toml", built_in.name),

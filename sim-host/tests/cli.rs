@@ -54,6 +54,18 @@ time = 0.505
 target_at = 0.8
 ";
 
+/// One that names its base.
+const BY_NAME: &str = "\
+base = \"hobby-1kg\"
+[run]
+duration = 1.0
+period = 0.01
+[controller]
+kind = \"motion\"
+[goal]
+x = 0.1
+";
+
 fn gaps() -> String {
     path("wpilib_gaps.json").display().to_string()
 }
@@ -300,6 +312,35 @@ fn scenarios_are_listed_and_shown() {
     fs::write(here.path().join("own/copy.toml"), &shown).expect("written");
     let listed = succeeds(here.path(), &["list", "own"]);
     assert!(listed.starts_with("copy  Straight line"), "{listed}");
+}
+
+/// A file comes before what is built in, a directory does not: results of an earlier run may be in one.
+#[test]
+fn only_files_come_before_built_in_names() {
+    let here = directory();
+    for name in ["park-beside", "hobby-1kg"] {
+        fs::create_dir(here.path().join(name)).expect("a directory");
+    }
+    let arguments = ["check", "park-beside", "--base", "hobby-1kg"];
+    assert!(succeeds(here.path(), &arguments).contains("verdict    in order"));
+    fs::write(here.path().join("mine.toml"), BY_NAME).expect("written");
+    assert!(succeeds(here.path(), &["check", "mine.toml"]).contains("verdict    in order"));
+    // A built-in robot is nobody's to write to, whatever else has its name.
+    let refused = sim_host(here.path(), &["tune", "hobby-1kg", "--write"]);
+    assert!(text(&refused.stderr).contains("hobby-1kg is built in"));
+    for name in ["park-beside", "hobby-1kg"] {
+        fs::remove_dir(here.path().join(name)).expect("empty");
+        fs::write(here.path().join(name), "[nonsense]\n").expect("written");
+    }
+    for arguments in [
+        &["run", "park-beside"][..],
+        &["check", "mine.toml", "--base", "hobby-1kg"],
+    ] {
+        let refused = sim_host(here.path(), arguments);
+        let said = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(1));
+        assert!(said.contains(":1: nonsense: unknown field"), "{said}");
+    }
 }
 
 #[test]

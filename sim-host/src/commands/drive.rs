@@ -23,9 +23,9 @@ use std::path::Path;
 /// A base's file, a built-in base, or the default one.
 pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
     match file {
-        Some(file) => match file.to_str().and_then(BuiltInBase::find) {
-            Some(built_in) if !file.exists() => Ok(built_in.base()?),
-            _ => {
+        Some(file) => match BuiltInBase::at(file) {
+            Some(built_in) => Ok(built_in.base()?),
+            None => {
                 let base = BaseSpec::load(file)?;
                 note(&base);
                 Ok(base)

@@ -9,6 +9,7 @@ use crate::robot_args::TuneArgs;
 use serde::Serialize;
 use sim_host::figure::Labelled;
 use sim_host::part::Study as _;
+use sim_host::scenario::BuiltInBase;
 use sim_host::tune::{
     Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, conclude,
     gain_table, score_table, update, verdict,
@@ -32,7 +33,7 @@ struct Record<'a> {
 
 pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> {
     let robot = load(&arguments.robot)?;
-    if arguments.write && !arguments.robot.exists() {
+    if arguments.write && BuiltInBase::at(&arguments.robot).is_some() {
         return Err(CommandError::BuiltInRobot(robot.name));
     }
     if arguments.write && arguments.part.shard.is_some() {

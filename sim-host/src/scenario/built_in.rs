@@ -1,6 +1,7 @@
 //! The scenario files that travel inside the program.
 
 use super::{Scenario, ScenarioError};
+use std::path::Path;
 
 /// A scenario file built into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,11 +54,23 @@ built_in![
 /// The paper's two cases, Figs. 3 and 4.
 pub const PAPER: [&str; 2] = ["paper-line", "paper-curve"];
 
+/// Whether there is something to read, a pipe too.
+pub(super) fn is_file(path: &Path) -> bool {
+    path.exists() && !path.is_dir()
+}
+
 impl BuiltIn {
     /// The built-in scenario of this name.
     pub fn find(name: &str) -> Option<&'static Self> {
         let mut all = BUILT_IN.iter().chain(MISSIONS);
         all.find(|built_in| built_in.name == name)
+    }
+
+    /// The built-in scenario that a path names. A file of that name comes first, a directory does not.
+    pub fn at(path: &Path) -> Option<&'static Self> {
+        path.to_str()
+            .and_then(Self::find)
+            .filter(|_| !is_file(path))
     }
 
     /// Reads it like any other file.

@@ -1,7 +1,9 @@
 //! The base files that travel inside the program.
 
 use super::ScenarioError;
+use super::built_in::is_file;
 use crate::mission::BaseSpec;
+use std::path::Path;
 
 /// A base file built into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +33,13 @@ impl BuiltInBase {
     /// The built-in base of this name.
     pub fn find(name: &str) -> Option<&'static Self> {
         BASES.iter().find(|base| base.name == name)
+    }
+
+    /// The built-in base that a path names. A file of that name comes first, a directory does not.
+    pub fn at(path: &Path) -> Option<&'static Self> {
+        path.to_str()
+            .and_then(Self::find)
+            .filter(|_| !is_file(path))
     }
 
     /// Reads it like any other file.
