@@ -20,11 +20,14 @@ fn main() -> ExitCode {
     match commands::execute(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let mut text = format!("error: {error}\n");
-            let mut cause = error.source();
-            while let Some(inner) = cause {
-                text += &format!("  because: {inner}\n");
-                cause = inner.source();
+            let mut text = String::new();
+            for error in error.each() {
+                text += &format!("error: {error}\n");
+                let mut cause = error.source();
+                while let Some(inner) = cause {
+                    text += &format!("  because: {inner}\n");
+                    cause = inner.source();
+                }
             }
             // Nobody may be there to read it.
             let _ = std::io::stderr().write_all(text.as_bytes());

@@ -172,6 +172,41 @@ fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Of several files every one that fails is named at the end, in their order, and does not keep the others from running.
+#[test]
+fn every_failure_is_told() -> Result<(), Box<dyn Error>> {
+    const RUN: &str = "[run]\nduration = 1.0\nperiod = 0.005\n[controller]\nkind = \"motion\"\n";
+    let here = tempfile::tempdir()?;
+    for (name, x) in [("near", 0.05), ("far", 5.0), ("farther", 6.0)] {
+        let text = format!("{RUN}[goal]\nx = {x}\n");
+        fs::write(here.path().join(name).with_extension("toml"), text)?;
+    }
+    let output = sim_host(
+        here.path(),
+        &["run", "far.toml", "near.toml", "farther.toml"],
+    )?;
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(
+        String::from_utf8(output.stderr)?,
+        "error: far: the robot did not park\nerror: farther: the robot did not park\n"
+    );
+    for name in ["near", "far", "farther"] {
+        assert!(here.path().join(format!("out/{name}.json")).exists());
+    }
+    // What cannot be used is told before anything runs.
+    fs::write(here.path().join("bad.toml"), "[run]\nspan = 1.0\n")?;
+    let arguments = &["run", "no.toml", "far.toml", "bad.toml", "--out", "none"];
+    let output = sim_host(here.path(), arguments)?;
+    let said = String::from_utf8(output.stderr)?;
+    let told: Vec<_> = said.lines().filter(|l| l.starts_with("error")).collect();
+    assert!(
+        told.len() == 2 && told[0].contains("no.toml") && told[1].contains("bad.toml:2: run.span"),
+        "{said}"
+    );
+    assert!(!here.path().join("none").exists());
+    Ok(())
+}
+
 #[test]
 fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;

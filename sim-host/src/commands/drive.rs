@@ -195,20 +195,24 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
     say(&format!("results are in {}\n", output.out.display()))
 }
 
-/// All files of a `run`.
+/// All files of a `run`. Of those that cannot be used every one is told.
 pub fn load_all(
     files: &[std::path::PathBuf],
     run: &FileRun,
     base: &BaseSpec,
 ) -> Result<Vec<Job>, CommandError> {
     let mut jobs: Vec<Job> = Vec::new();
+    let mut failed = Vec::new();
     for file in files {
-        let job = Job::load(file, run, base)?;
-        // Results are named after the file: a second one would overwrite the first one's.
-        if jobs.iter().any(|other| other.name() == job.name()) {
-            return Err(CommandError::SameName(job.name().to_owned()));
+        match Job::load(file, run, base) {
+            // Results are named after the file: a second one would overwrite the first one's.
+            Ok(job) if jobs.iter().any(|other| other.name() == job.name()) => {
+                failed.push(CommandError::SameName(job.name().to_owned()));
+            }
+            Ok(job) => jobs.push(job),
+            Err(error) => failed.push(error.into()),
         }
-        jobs.push(job);
     }
+    CommandError::all(failed)?;
     Ok(jobs)
 }

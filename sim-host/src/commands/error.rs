@@ -18,6 +18,9 @@ use std::path::PathBuf;
 
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
+    /// Of several files or runs, in their order.
+    #[error("{} failed", .0.len())]
+    Several(Vec<Self>),
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     #[error(transparent)]
@@ -139,4 +142,23 @@ pub enum CommandError {
     Log { path: PathBuf, cause: LogError },
     #[error("{}: {cause}", path.display())]
     Contradiction { path: PathBuf, cause: IdentifyError },
+}
+
+impl CommandError {
+    /// Success if there is none.
+    pub fn all(mut errors: Vec<Self>) -> Result<(), Self> {
+        match errors.len() {
+            0 => Ok(()),
+            1 => Err(errors.remove(0)),
+            _ => Err(Self::Several(errors)),
+        }
+    }
+
+    /// What to tell, one after the other.
+    pub fn each(&self) -> &[Self] {
+        match self {
+            Self::Several(errors) => errors,
+            one => std::slice::from_ref(one),
+        }
+    }
 }

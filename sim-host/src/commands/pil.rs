@@ -78,7 +78,7 @@ fn base(
     let mut bench = BaseBench::start(board.machine, board.link)?;
     let image = bench.footprint()?;
     let mut exact = true;
-    let mut not_done = Ok(());
+    let mut failed = Vec::new();
     for job in jobs {
         let Job::Mission { mission, file } = job else {
             continue;
@@ -101,7 +101,7 @@ fn base(
             )),
         };
         match drive::results(mission, file, &done, true, writer) {
-            Err(error @ CommandError::NotDone { .. }) => not_done = Err(error),
+            Err(error @ CommandError::NotDone { .. }) => failed.push(error),
             other => other?,
         }
         say(&costs(&flight.cost.named()))?;
@@ -117,7 +117,8 @@ fn base(
     }
     say_image(&image, bench.stack_bytes()?)?;
     bench.finish()?;
-    not_done.map(|()| exact)
+    CommandError::all(failed)?;
+    Ok(exact)
 }
 
 /// Whether the paper's law was bit-equal.
