@@ -220,7 +220,7 @@ Examples:
     /// Searches in worlds that are drawn around the robot of the file: bad floor, mass and inertia 30 % off,
     /// battery at 80 to 100 %, late and noisy poses. Prints scores before and after, also in worlds that the
     /// search did not see; writes NAME-tune.svg, .png and .json, and with --write [gains] into the file.
-    /// The same arguments give the same gains, on any number of processors.
+    /// A robot without [pose_source] is refused, as by `verify`. The same arguments give the same gains, on any number of processors.
     #[command(after_help = "\
 Examples:
   sim-host tune mine.toml

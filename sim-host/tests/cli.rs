@@ -474,9 +474,9 @@ fn the_page_shows_the_constants() {
     Stated::of("docs/your-robot.md").rust("4. Constants", &shown);
 }
 
-/// Encoders alone bring no base to where `verify` asks it to be: that is said before anything runs.
+/// Encoders alone bring no base to where `verify` asks it to be and `tune` wants it: that is said before anything runs.
 #[test]
-fn a_robot_without_poses_is_not_verified() {
+fn a_robot_without_poses_is_neither_tuned_nor_verified() {
     let here = directory();
     let text = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
     let from = text.find("[pose_source]").expect("poses");
@@ -485,14 +485,19 @@ fn a_robot_without_poses_is_not_verified() {
     let bare = &text[..text.find("[motor]").expect("motors")];
     for robot in [&blind, bare] {
         fs::write(here.path().join("blind.toml"), robot).expect("written");
-        let output = sim_host(here.path(), &["verify", "blind.toml"]);
-        assert_eq!(output.status.code(), Some(1));
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(
-            said.starts_with("error: blind.toml:1: pose_source: is missing: ")
-                && said.contains("5 mm and 10 mrad"),
-            "{said}"
-        );
-        assert!(output.stdout.is_empty() && !here.path().join("out").exists());
+        for (command, asked) in [
+            ("verify", "a run has to end within 5 mm and 10 mrad"),
+            ("tune", "a run gets points for how far"),
+        ] {
+            let output = sim_host(here.path(), &[command, "blind.toml"]);
+            assert_eq!(output.status.code(), Some(1));
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                said.starts_with("error: blind.toml:1: pose_source: is missing: ")
+                    && said.contains(asked),
+                "{said}"
+            );
+            assert!(output.stdout.is_empty() && !here.path().join("out").exists());
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::trajectory::Trajectory;
 use crate::work::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sim_host::tune::{Search, Tuned as Found, TuningProblem, gain_table, score_table, search};
+use sim_host::tune::{Search, Tuned as Found, TuningProblem, check, gain_table, score_table, search};
 use std::path::Path;
 
 /// What came of a search; of each pair the first is before.
@@ -81,6 +81,7 @@ pub fn tune(
         let message = "evaluations must be at least 1";
         return Err(error::argument("evaluations", message));
     }
+    check(&robot.file).map_err(|e| error::scenario(&e))?;
     let base = &robot.file.base;
     let problem = match trajectory {
         None => TuningProblem::courses(base),

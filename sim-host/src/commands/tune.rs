@@ -11,8 +11,8 @@ use sim_host::figure::Labelled;
 use sim_host::part::Study as _;
 use sim_host::scenario::BuiltInBase;
 use sim_host::tune::{
-    Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, conclude,
-    gain_table, score_table, update, verdict,
+    Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, check,
+    conclude, gain_table, score_table, update, verdict,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,6 +39,7 @@ pub fn robot(arguments: &TuneArgs, output: &Output) -> Result<(), CommandError> 
     if arguments.write && arguments.part.shard.is_some() {
         return Err(CommandError::NotInParts("--write"));
     }
+    check(&robot)?;
     let trajectory = arguments.trajectory.as_deref().map(read).transpose()?;
     let study = TuneStudy {
         robot,

@@ -12,8 +12,10 @@ pub use figures::{Figures, Peak, REST_S};
 pub use floor::{Condition, setup};
 
 use crate::closed_loop::ClosedLoopError;
+use crate::job::RobotFile;
 use crate::mission::Mission;
 use crate::run::{Watch, drive_and_observe_watched};
+use crate::scenario::ScenarioError;
 use crate::trace::Trace;
 use crate::world::WorldSetup;
 
@@ -37,4 +39,18 @@ pub fn run_watched(
     let trace = drive_and_observe_watched(mission, setup, REST_S, watch)?;
     let figures = Figures::of(mission, &trace);
     Ok((trace, figures))
+}
+
+/// Whether a robot learns from anything outside where it is; `asked` is what of the truth decides about a run.
+pub(crate) fn check_poses(robot: &RobotFile, asked: &str) -> Result<(), ScenarioError> {
+    let hardware = robot.base.hardware.as_ref();
+    if hardware.is_some_and(|hardware| hardware.pose_source.is_some()) {
+        return Ok(());
+    }
+    let message = format!(
+        "is missing: {asked}, and encoders alone do not tell a base where that is, whatever its gains are; state \
+         rate, age and noise of its localisation"
+    );
+    let (file, text) = (&robot.file, &robot.text);
+    Err(ScenarioError::of_key(file, text, "pose_source", &message))
 }

@@ -21,3 +21,16 @@ pub use profile::update;
 pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
 pub use search::{Find, Search, Tuned, conclude, finds, search};
 pub use table::{gain_table, score_table, verdict};
+
+use crate::job::RobotFile;
+use crate::scenario::ScenarioError;
+use crate::trials;
+
+/// Whether there is anything to search for.
+///
+/// # Errors
+/// A robot that learns from nothing outside where it is, as in [`crate::verify::check`].
+pub fn check(robot: &RobotFile) -> Result<(), ScenarioError> {
+    let asked = "a run gets points for how far from the true goal it ends";
+    trials::check_poses(robot, asked)
+}

@@ -19,7 +19,7 @@ pub use table::{case_table, verdict};
 use crate::job::RobotFile;
 use crate::mission::BaseSpec;
 use crate::scenario::ScenarioError;
-use crate::trials::{Condition, Course, Figures};
+use crate::trials::{self, Condition, Course, Figures};
 use std::f64::consts::TAU;
 
 /// Largest true distance to the goal \[m\].
@@ -34,18 +34,12 @@ pub const RIPPLE: f64 = 0.01;
 /// # Errors
 /// One that learns from nothing outside where it is: of its runs all would fail, whatever its gains are.
 pub fn check(robot: &RobotFile) -> Result<(), ScenarioError> {
-    let hardware = robot.base.hardware.as_ref();
-    if hardware.is_some_and(|hardware| hardware.pose_source.is_some()) {
-        return Ok(());
-    }
-    let message = format!(
-        "is missing: a run has to end within {:.0} mm and {:.0} mrad of the true goal, and encoders alone do not tell \
-         a base where that is, whatever its gains are; state rate, age and noise of its localisation",
+    let asked = format!(
+        "a run has to end within {:.0} mm and {:.0} mrad of the true goal",
         1e3 * DISTANCE_M,
         1e3 * HEADING_RAD
     );
-    let (file, text) = (&robot.file, &robot.text);
-    Err(ScenarioError::of_key(file, text, "pose_source", &message))
+    trials::check_poses(robot, &asked)
 }
 
 /// The likely cause of failures, where a number of the base says it: encoders so coarse that one count more on one wheel turns
