@@ -52,6 +52,22 @@ pub enum FigureError {
     Png(String),
 }
 
+/// The row from which a run parks, if it does not from the start, and what made it.
+fn last_parking(trace: &Trace) -> Option<(usize, &'static str)> {
+    let row = trace.parks_from().filter(|row| *row > 0)?;
+    let handed_over = trace
+        .hand_over
+        .is_some_and(|hand_over| hand_over.row == row);
+    Some((
+        row,
+        if handed_over {
+            "hand-over"
+        } else {
+            "goal given"
+        },
+    ))
+}
+
 /// Draws a run, and another one to compare it with.
 ///
 /// # Errors

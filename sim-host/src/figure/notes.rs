@@ -15,17 +15,17 @@ pub(super) struct Canvas {
     pub legend: Corner,
     /// Width and height of the legend, as shares of the panel's.
     pub legend_size: (f64, f64),
-    /// When the robot was handed over.
-    pub hand_over: Option<f64>,
+    /// When the robot began to park, and by what.
+    pub parking: Option<(f64, &'static str)>,
 }
 
 /// Beside a label \[px\].
 const AIR: f64 = 5.0;
 
 impl Canvas {
-    /// Marks the hand-over, beside its line and away from the legend.
-    pub fn mark_hand_over(&self, chart: &mut Chart) {
-        let Some(time) = self.hand_over else {
+    /// Marks where parking begins, beside its line and away from the legend.
+    pub fn mark_parking(&self, chart: &mut Chart) {
+        let Some((time, name)) = self.parking else {
             return;
         };
         chart.uprights.push(Upright {
@@ -34,7 +34,7 @@ impl Canvas {
             label: "",
         });
         // A time of the user's, without the noise of its last digits.
-        let text = format!("hand-over {} s", (time * 1.0e3).round() / 1.0e3);
+        let text = format!("{name} {} s", (time * 1.0e3).round() / 1.0e3);
         let half = 0.5 * font::width(&text, SMALL_SIZE) + AIR;
         self.write(chart, text, self.beside(time, half));
     }
@@ -57,9 +57,9 @@ impl Canvas {
         (place, 0.93 - below)
     }
 
-    /// A remark at the upper or lower end, clear of the line of the hand-over and of the legend.
+    /// A remark at the upper or lower end, clear of the line of the parking and of the legend.
     pub fn remark(&self, chart: &mut Chart, text: String, above: bool) {
-        let (place, right) = match self.hand_over.map(|time| self.across(time)) {
+        let (place, right) = match self.parking.map(|(time, _)| self.across(time)) {
             Some(line) if line < 0.5 => (0.5 * (line + 1.0), true),
             Some(line) => (0.5 * line, false),
             None if self.legend.right => (0.36, false),
@@ -104,7 +104,7 @@ mod tests {
                     width: 450.0,
                     legend: Corner { right, top },
                     legend_size: (0.25, 0.2),
-                    hand_over: None,
+                    parking: None,
                 };
                 let (across, up) = canvas.beside(f64::from(percent), HALF);
                 let half = HALF / canvas.width;

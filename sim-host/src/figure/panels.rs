@@ -1,6 +1,5 @@
 //! The five panels.
 
-use super::Labelled;
 use super::axis::Axis;
 use super::chart::{Chart, Item, Place};
 use super::corner::Corner;
@@ -10,7 +9,9 @@ use super::limits::Span;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, STRONG};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
-use crate::trace::TraceRow;
+use super::{Labelled, last_parking};
+use crate::trace::{Trace, TraceRow};
+use controller_core::motion::Mode;
 
 /// Of the reference.
 const DASHES: &[f32] = &[6.0, 4.0];
@@ -18,23 +19,19 @@ const DASHES: &[f32] = &[6.0, 4.0];
 /// (a): the plane, both axes to one scale.
 pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     let rows = &main.trace.rows;
-    let parking = main.trace.parking();
-    let tracked = parking.map_or(rows.len(), |h| h.row);
-    let mut reference: Vec<_> = rows[..tracked].iter().map(reference_point).collect();
+    let references = references(main.trace);
     let mut marks = vec![("start", Marker::Circle, point(&rows[0]))];
-    if let Some(hand_over) = &parking {
-        // What parks from the start leaves no reference.
-        if hand_over.row > 0 {
-            let pose = hand_over.left.pose();
-            reference.push((pose.x, pose.y));
-            marks.push(("hand-over", Marker::Diamond, point(&rows[hand_over.row])));
-        }
-        marks.push(("target", Marker::Star, (hand_over.goal.x, hand_over.goal.y)));
+    if let Some((row, name)) = last_parking(main.trace) {
+        marks.push((name, Marker::Diamond, point(&rows[row])));
+    }
+    if let (Some(last), Some(_)) = (rows.last(), main.trace.parks_from()) {
+        marks.push(("target", Marker::Star, reference_point(last)));
     }
     let path: Vec<_> = rows.iter().map(point).collect();
     let below: Vec<_> = other.map_or_else(Vec::new, |o| o.trace.rows.iter().map(point).collect());
     let marked = marks.iter().map(|(_, _, point)| *point);
-    let all = || reference.iter().chain(&path).copied().chain(marked.clone());
+    let reference = || references.iter().flatten();
+    let all = || reference().chain(&path).copied().chain(marked.clone());
     let span = |pick: fn((f64, f64)) -> f64| {
         let stretch = Span::of(below.iter().copied().map(pick));
         let own = Span::of(all().map(pick));
@@ -61,14 +58,17 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
     let mut items = Vec::new();
     let mut entries = vec![entry(main.label, BLUE.strong, None, &[])];
     // One that stands is no line.
-    if reference.windows(2).any(|pair| pair[0] != pair[1]) {
+    let mut pairs = references.iter().flat_map(|points| points.windows(2));
+    if pairs.any(|pair| pair[0] != pair[1]) {
         entries.insert(0, entry("reference", GREY, None, DASHES));
     }
     if let Some(other) = other {
         items.push(line(&below, BLUE.pale, 1.6, &[]));
         entries.push(entry(other.label, BLUE.pale, None, &[]));
     }
-    items.push(line(&reference, GREY, 1.6, DASHES));
+    for points in &references {
+        items.push(line(points, GREY, 1.6, DASHES));
+    }
     items.push(line(&path, BLUE.strong, STRONG, &[]));
     for (name, marker, point) in marks {
         let color = if name == "target" {
@@ -79,7 +79,7 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
         items.push(Item::Mark(point, marker, 6.0, color));
         entries.push(entry(name, color, Some(marker), &[]));
     }
-    let seen = reference.iter().chain(&path).chain(&below).copied();
+    let seen = reference().chain(&path).chain(&below).copied();
     let (corner, _) = Corner::emptiest(seen, (x, y), &entries, plot);
     Chart {
         title: "Reference and real trajectories".to_owned(),
@@ -88,6 +88,30 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
         place: Place::Inside(corner),
         ..Chart::new(Axis::new(x, "x [m]"), Axis::new(y, "y [m]"), items)
     }
+}
+
+/// Where the reference was while the robot followed it, stretch by stretch. Who parks, or drives by velocity, has no reference
+/// that moves.
+fn references(trace: &Trace) -> Vec<Vec<(f64, f64)>> {
+    let mut all = Vec::new();
+    let mut end = 0;
+    for rows in trace.rows.chunk_by(|a, b| follows(a) == follows(b)) {
+        end += rows.len();
+        if !follows(&rows[0]) {
+            continue;
+        }
+        let mut points: Vec<_> = rows.iter().map(reference_point).collect();
+        if let Some(hand_over) = trace.hand_over.filter(|hand_over| hand_over.row == end) {
+            let pose = hand_over.left.pose();
+            points.push((pose.x, pose.y));
+        }
+        all.push(points);
+    }
+    all
+}
+
+fn follows(row: &TraceRow) -> bool {
+    row.report.mode == Mode::Following
 }
 
 /// Both ranges, one of them widened, so that a metre is as long across as up.
@@ -130,6 +154,7 @@ pub(super) fn linear_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) -
         y_label: "v, v_c [m/s]",
         size: style::CELL,
         signals: &[
+            order("ordered v", |row| row.reference.twist().linear),
             signal("actual v", BLUE, |row| row.truth.twist.linear),
             Signal {
                 dashed: true,
@@ -147,6 +172,7 @@ pub(super) fn angular_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) 
         y_label: "w, w_c [rad/s]",
         size: style::CELL,
         signals: &[
+            order("ordered w", |row| row.reference.twist().angular),
             signal("actual w", BLUE, |row| row.truth.twist.angular),
             Signal {
                 dashed: true,
@@ -184,5 +210,15 @@ fn signal(name: &'static str, ink: Ink, value: fn(&TraceRow) -> f64) -> Signal {
         value,
         dashed: false,
         from_zero: false,
+        ordered: false,
+    }
+}
+
+/// Of a robot that is driven by velocity.
+fn order(name: &'static str, value: fn(&TraceRow) -> f64) -> Signal {
+    Signal {
+        dashed: true,
+        ordered: true,
+        ..signal(name, style::ORDER, value)
     }
 }

@@ -37,6 +37,11 @@ pub(super) const GREEN: Ink = Ink {
     strong: "#009e73",
     pale: "#86d3bd",
 };
+/// Velocities that were ordered, in the colour of the reference.
+pub(super) const ORDER: Ink = Ink {
+    strong: GREY,
+    pale: LEGEND_EDGE,
+};
 /// The reference, and everything that is not a signal.
 pub(super) const GREY: &str = "#777777";
 pub(super) const BLACK: &str = "#222222";

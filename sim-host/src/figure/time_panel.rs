@@ -1,6 +1,5 @@
 //! A panel with time to the right.
 
-use super::Labelled;
 use super::axis::Axis;
 use super::chart::{Chart, Item, Place};
 use super::corner::Corner;
@@ -10,7 +9,9 @@ use super::limits::Span;
 use super::notes::Canvas;
 use super::style::{self, Ink, stroke};
 use super::thin_out::thin_out;
+use super::{Labelled, last_parking};
 use crate::trace::{Trace, TraceRow};
+use controller_core::motion::Mode;
 
 /// What a curve shows.
 #[derive(Clone, Copy)]
@@ -21,11 +22,24 @@ pub(super) struct Signal {
     pub dashed: bool,
     /// The signal is 0 before the first row, and its first step is part of the picture.
     pub from_zero: bool,
+    /// There is one only while the robot is driven by velocity.
+    pub ordered: bool,
 }
 
 impl Signal {
     const fn dashes(&self) -> &'static [f32] {
         if self.dashed { DASHES } else { &[] }
+    }
+
+    /// Whether the signal is there in a row.
+    fn is_in(&self, row: &TraceRow) -> bool {
+        !self.ordered || row.report.mode == Mode::Driving
+    }
+
+    /// The rows in which it is there.
+    fn rows<'a>(&self, trace: &'a Trace) -> impl Iterator<Item = &'a TraceRow> {
+        let signal = *self;
+        trace.rows.iter().filter(move |row| signal.is_in(row))
     }
 }
 
@@ -54,7 +68,7 @@ impl TimePanel<'_> {
         let curves = |run: Labelled<'_>, strong: bool| -> Vec<Item> {
             let signals = self.signals.iter();
             signals
-                .map(|s| curve(s, run.trace, scale, strong))
+                .flat_map(|s| curves_of(s, run.trace, scale, strong))
                 .collect()
         };
         let mut items = other.map_or_else(Vec::new, |other| curves(other, false));
@@ -65,7 +79,7 @@ impl TimePanel<'_> {
             place: Place::Inside(canvas.legend),
             ..Chart::new(Axis::new(x, "t [s]"), Axis::new(y, self.y_label), items)
         };
-        canvas.mark_hand_over(&mut chart);
+        canvas.mark_parking(&mut chart);
         if let Some((text, above)) = other.and_then(|other| self.off_scale(other, y)) {
             canvas.remark(&mut chart, text, above);
         }
@@ -85,7 +99,8 @@ impl TimePanel<'_> {
             span = span.stretched(self.span(other.trace));
         }
         let mut y = span.padded();
-        let points = rows().flat_map(|row| self.signals.iter().map(|s| (row.t, (s.value)(row))));
+        let there = |row| self.signals.iter().filter(move |signal| signal.is_in(row));
+        let points = rows().flat_map(|row| there(row).map(|s| (row.t, (s.value)(row))));
         let (width, height) = (
             self.size.0 - style::MARGINS.0,
             self.size.1 - style::MARGINS.1,
@@ -95,28 +110,34 @@ impl TimePanel<'_> {
             legend = Corner::TOP_RIGHT;
             y.1 = Corner::room_above(y, entries, height);
         }
-        let hand_over = main.trace.parking().filter(|hand_over| hand_over.row > 0);
+        let parking = last_parking(main.trace);
         Canvas {
             x,
             y,
             width,
             legend,
             legend_size: Corner::legend_share(entries, (width, height)),
-            hand_over: hand_over.map(|hand_over| main.trace.rows[hand_over.row].t),
+            parking: parking.map(|(row, name)| (main.trace.rows[row].t, name)),
         }
     }
 
     fn span(&self, trace: &Trace) -> Span {
-        let spans = self.signals.iter().map(|s| span_of(s, trace));
+        let spans = self.drawn(trace).map(|s| span_of(s, trace));
         spans.reduce(Span::with).unwrap_or(Span {
             low: 0.0,
             high: 0.0,
         })
     }
 
+    /// The signals that a run has.
+    fn drawn(&self, trace: &Trace) -> impl Iterator<Item = &Signal> {
+        let signals = self.signals.iter();
+        signals.filter(|signal| signal.rows(trace).next().is_some())
+    }
+
     fn legend(&self, main: Labelled<'_>, other: Option<Labelled<'_>>) -> Vec<Entry> {
         let mut entries = Vec::new();
-        for s in self.signals {
+        for s in self.drawn(main.trace) {
             entries.push(entry(
                 &self.label(s, main, other.is_some()),
                 s.ink.strong,
@@ -125,7 +146,7 @@ impl TimePanel<'_> {
             ));
         }
         if let Some(other) = other {
-            for s in self.signals {
+            for s in self.drawn(other.trace) {
                 entries.push(entry(
                     &self.label(s, other, true),
                     s.ink.pale,
@@ -148,8 +169,7 @@ impl TimePanel<'_> {
     /// What of `other` lies outside the axis, in words, and whether it is above only.
     fn off_scale(&self, other: Labelled<'_>, y: (f64, f64)) -> Option<(String, bool)> {
         let outside: Vec<String> = self
-            .signals
-            .iter()
+            .drawn(other.trace)
             .filter_map(|signal| {
                 let span = span_of(signal, other.trace);
                 let low = (span.low < y.0).then_some(span.low);
@@ -167,22 +187,31 @@ impl TimePanel<'_> {
 
 fn span_of(signal: &Signal, trace: &Trace) -> Span {
     let before = signal.from_zero.then_some(0.0);
-    Span::of(trace.rows.iter().map(signal.value).chain(before))
+    Span::of(signal.rows(trace).map(signal.value).chain(before))
 }
 
-fn curve(signal: &Signal, trace: &Trace, scale: (f64, f64), main: bool) -> Item {
+/// A curve for each stretch in which the signal is there.
+fn curves_of(signal: &Signal, trace: &Trace, scale: (f64, f64), main: bool) -> Vec<Item> {
     let t_end = trace.rows.last().map_or(0.0, |row| row.t);
     let rest = [(-LEAD * t_end, 0.0), (0.0, 0.0)];
     let before: &[_] = if signal.from_zero { &rest } else { &[] };
-    let rows = trace.rows.iter().map(|row| (row.t, (signal.value)(row)));
-    let points: Vec<_> = before.iter().copied().chain(rows).collect();
     let ink = signal.ink;
     let stroke = Stroke {
         color: if main { ink.strong } else { ink.pale },
         width: stroke(main),
         dashes: signal.dashes(),
     };
-    Item::Line(thin_out(&points, scale, TOLERANCE), stroke)
+    let stretches = trace
+        .rows
+        .chunk_by(|a, b| signal.is_in(a) == signal.is_in(b));
+    let there = stretches.filter(|rows| signal.is_in(&rows[0]));
+    there
+        .map(|rows| {
+            let rows = rows.iter().map(|row| (row.t, (signal.value)(row)));
+            let points: Vec<_> = before.iter().copied().chain(rows).collect();
+            Item::Line(thin_out(&points, scale, TOLERANCE), stroke)
+        })
+        .collect()
 }
 
 /// Three digits are plenty in a picture.

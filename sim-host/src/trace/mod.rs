@@ -105,4 +105,12 @@ impl Trace {
             ..begun
         })
     }
+
+    /// The first row of the parking that the run ends with, after a hand-over or for a goal that was given on the way; none if
+    /// it ends otherwise.
+    pub fn parks_from(&self) -> Option<usize> {
+        let parking = self.rows.iter().rev().take_while(|row| row.parks());
+        let parking = parking.count();
+        (parking > 0).then(|| self.rows.len() - parking)
+    }
 }
