@@ -1,5 +1,6 @@
-//! What a user should know of a scenario before the robot finds out.
+//! What a user should know of a scenario or a base before the robot finds out.
 
+use crate::mission::BaseSpec;
 use crate::scenario::{ControlLaw, Scenario};
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
@@ -39,6 +40,67 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
             "with these gains parking is unstable: lower k4 and k5, or raise A, kc1 and kc2"
                 .to_owned(),
         );
+    }
+    warnings
+}
+
+/// What rubber holds on a dry floor at best \[m/s²\]: 2 g.
+const RUBBER_M_S2: f64 = 20.0;
+/// A goal is said to be reached within this at most \[rad\]: more is another direction.
+const HEADING_RAD: f64 = 0.5;
+
+/// Warnings about a base that can be, but hardly is meant as its file has it; each one sentence.
+pub fn base_warnings(base: &BaseSpec) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (robot, limits) = (&base.robot, &base.limits);
+    let wheels = &robot.wheels;
+    let radius_m = wheels.radius_right_m.max(wheels.radius_left_m);
+    for (key, accel, force_n) in [
+        ("accel", limits.accel, 0.5 * robot.mass_kg * limits.accel),
+        (
+            "turn_accel",
+            limits.turn_accel,
+            robot.inertia_kg_m2 * limits.turn_accel / wheels.track_m,
+        ),
+    ] {
+        let torque_nm = force_n * radius_m;
+        if torque_nm > limits.wheel_torque_nm {
+            warnings.push(format!(
+                "limits.{key} = {accel} takes {torque_nm:.3} N m of each wheel, which limits.wheel_torque = {} does not \
+                 give: the base accelerates more slowly than that",
+                limits.wheel_torque_nm
+            ));
+        }
+    }
+    for (key, accel) in [("accel", limits.accel), ("brake", limits.brake)] {
+        if accel > RUBBER_M_S2 {
+            warnings.push(format!(
+                "limits.{key} = {accel} is more than the {RUBBER_M_S2} m/s² that rubber holds on a dry floor: the wheels slide"
+            ));
+        }
+    }
+    let hardware = base.hardware.as_ref();
+    let localiser = hardware.and_then(|hardware| {
+        let source = hardware.pose_source?;
+        let localiser = hardware.localiser::<f64>(wheels);
+        Some((source, localiser.validate_with::<Libm>().ok()?))
+    });
+    if let Some((source, localiser)) = localiser {
+        let arrival = localiser.arrival();
+        if arrival.distance_m > 0.5 * wheels.track_m {
+            warnings.push(format!(
+                "pose_source.noise_m = {}: the base takes any place within {:.3} m for its goal, and half of its track is {} m",
+                source.noise_m,
+                arrival.distance_m,
+                0.5 * wheels.track_m
+            ));
+        }
+        if arrival.heading_rad > HEADING_RAD {
+            warnings.push(format!(
+                "pose_source.noise_rad = {}: the base takes any heading within {:.2} rad for its goal's",
+                source.noise_rad, arrival.heading_rad
+            ));
+        }
     }
     warnings
 }

@@ -7,7 +7,7 @@
 //!
 //! | step | modules |
 //! | --- | --- |
-//! | read | [`scenario`], [`motion`], [`advice`], [`job`] for any of them; a [`mission`] is what they ask of a base |
+//! | read | [`scenario`], [`motion`], [`advice`], [`plausible`], [`job`] for any of them; a [`mission`] is what they ask of a base |
 //! | whole base | [`closed_loop`] in a [`world`] |
 //! | faults, by the thousand | [`campaign`] |
 //! | run | [`plant`], [`world`], [`controller_port`], [`mod@run`], [`trace`]; [`drive`] for trajectory files |
@@ -64,6 +64,7 @@ pub mod part;
 #[cfg(not(target_family = "wasm"))]
 pub mod pil;
 pub mod plant;
+pub mod plausible;
 pub mod precision;
 pub mod rate;
 #[cfg(not(target_family = "wasm"))]

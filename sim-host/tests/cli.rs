@@ -489,6 +489,78 @@ fn the_page_shows_the_constants() {
     Stated::of("docs/your-robot.md").rust("4. Constants", &shown);
 }
 
+/// A robot that cannot be is refused with its line; of one that hardly is meant so, what is odd is said. The shipped ones are neither.
+#[test]
+fn impossible_robots_are_refused_and_unlikely_ones_named() {
+    let here = directory();
+    let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let with = |from: &str, to: &str| {
+        assert!(base.contains(from), "{from}");
+        fs::write(here.path().join("odd.toml"), base.replacen(from, to, 1)).expect("written");
+        let output = sim_host(here.path(), &["constants", "odd.toml"]);
+        (output.status.success(), text(&output.stderr))
+    };
+    for (from, to, told) in [
+        (
+            "\nm = 1.0",
+            "\nm = 2300.0",
+            "robot.m: 2300.0000 kg is more than solid steel weighs",
+        ),
+        // Lengths in centimetres.
+        (
+            "\nr = 0.035\nl = 0.14",
+            "\nr = 3.5\nl = 14.0",
+            "robot.m: 1.0000 kg is less than the air between its wheels weighs",
+        ),
+        // In kg cm².
+        (
+            "\nI = 0.005",
+            "\nI = 40.0",
+            "robot.I: 40.0000 kg m² is more than its mass has",
+        ),
+    ] {
+        let (done, said) = with(from, to);
+        assert!(
+            !done && said.contains("error: odd.toml:") && said.contains(told),
+            "{said}"
+        );
+    }
+    for (from, to, told) in [
+        (
+            "noise_m = 0.005",
+            "noise_m = 5.0",
+            "pose_source.noise_m = 5: the base takes any place within ",
+        ),
+        (
+            "noise_rad = 0.005",
+            "noise_rad = 1.0",
+            "pose_source.noise_rad = 1: the base takes any heading within ",
+        ),
+        (
+            "\naccel = 1.5",
+            "\naccel = 30.0",
+            "limits.accel = 30 takes 0.525 N m of each wheel",
+        ),
+        (
+            "\nbrake = 1.5",
+            "\nbrake = 25.0",
+            "limits.brake = 25 is more than the 20 m/s² that rubber holds",
+        ),
+    ] {
+        let (done, said) = with(from, to);
+        let line = format!("warning: 1 kg hobby base: {told}");
+        assert!(done && said.contains(&line), "{said}");
+    }
+    for base in sim_host::scenario::BASES {
+        let output = sim_host(here.path(), &["constants", base.name]);
+        assert!(
+            output.status.success() && output.stderr.is_empty(),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+}
+
 /// Encoders alone bring no base to where `verify` asks it to be and `tune` wants it: that is said before anything runs.
 #[test]
 fn a_robot_without_poses_is_neither_tuned_nor_verified() {

@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::log::{finish, started};
 use super::write::Writer;
-use super::{note, say};
+use super::{note, note_named, say};
 use crate::cli::Output;
 use crate::drive_args::TrajectoryArgs;
 use crate::log_args::LogArgs;
@@ -27,7 +27,7 @@ pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
             Some(built_in) => Ok(built_in.base()?),
             None => {
                 let base = BaseSpec::load(file)?;
-                note(&base);
+                note_named(&base);
                 Ok(base)
             }
         },

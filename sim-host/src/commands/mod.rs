@@ -24,7 +24,7 @@ mod write;
 
 use crate::cli::{Cli, Command};
 use error::CommandError;
-use sim_host::advice::warnings;
+use sim_host::advice::{base_warnings, warnings};
 use sim_host::campaign::Campaign;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::record::Finished;
@@ -146,6 +146,14 @@ fn say(text: &str) -> Result<(), CommandError> {
 fn note(base: &BaseSpec) {
     for note in &base.notes {
         let _ = writeln!(std::io::stderr(), "note: {note}");
+    }
+}
+
+/// As [`note`], of a base that was named, and what is unlikely about it.
+fn note_named(base: &BaseSpec) {
+    note(base);
+    for warning in base_warnings(base) {
+        let _ = writeln!(std::io::stderr(), "warning: {}: {warning}", base.name);
     }
 }
 

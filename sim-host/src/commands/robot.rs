@@ -4,9 +4,9 @@ use super::error::CommandError;
 use sim_host::job::RobotFile;
 use std::path::Path;
 
-/// A file if there is one, else a built-in base of that name. Says what its owner should change in it.
+/// A file if there is one, else a built-in base of that name. Says what its owner should change in it, and look at.
 pub fn load(path: &Path) -> Result<RobotFile, CommandError> {
     let robot = RobotFile::load(path)?;
-    super::note(&robot.base);
+    super::note_named(&robot.base);
     Ok(robot)
 }

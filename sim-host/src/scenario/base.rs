@@ -5,6 +5,7 @@ use super::hardware::{ControlKeys, EncoderKeys, GainKeys, GyroKeys, HardwareKeys
 use super::source::{self, Checked, Source};
 use super::{ScenarioError, renamed};
 use crate::mission::BaseSpec;
+use crate::plausible::{self, Quantity};
 use crate::world;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, SaturationPolicy};
@@ -140,10 +141,22 @@ pub(super) fn base(
         base.limits = keys.limits(base.robot.wheels.track_m);
     }
     let one_radius = robot.is_some_and(|keys| keys.r.is_some());
-    match base.validate() {
-        Ok(()) => Ok(base),
-        Err(error) => Err(place.error(&key_of(&error, one_radius), error)),
+    if let Err(error) = base.validate() {
+        return Err(place.error(&key_of(&error, one_radius), error));
     }
+    let Robot {
+        mass_kg,
+        inertia_kg_m2,
+        wheels,
+    } = &base.robot;
+    plausible::body(wheels, *mass_kg, Some(*inertia_kg_m2)).map_err(|error| {
+        let key = match error.quantity {
+            Quantity::Mass => "robot.m",
+            Quantity::Inertia => "robot.I",
+        };
+        place.error(key, error)
+    })?;
+    Ok(base)
 }
 
 impl RobotKeys {
