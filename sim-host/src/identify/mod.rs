@@ -9,6 +9,7 @@
 //! | lags, gear losses and dead bands, fitted with the rest; the battery behind the supply | `drivetrain`, `source` |
 //! | both are least squares; correlated residuals count as fewer rows | `fit`, `correlation` |
 //! | physical quantities from the fitted numbers and what is stated | [`quantity`], `physics`, `direct`, `combine` |
+//! | whether there can be such a robot | `grip`, [`crate::plausible`] |
 //! | what cannot be determined, and what would determine it | [`structure`], `verdict`, `products` |
 //! | table, file | [`report`], [`profile`] |
 //! | a drive of a live base, recorded | [`live`] |
@@ -25,6 +26,7 @@ mod direct;
 mod drivetrain;
 mod dynamics;
 mod fit;
+mod grip;
 mod kinematics;
 pub mod live;
 pub mod log;
@@ -51,6 +53,7 @@ pub use quantity::{Known, KnownError, Quantity, Stated};
 pub use stretches::{LONGEST_S, SHORTEST_S};
 pub use structure::Given;
 
+use crate::plausible::{self, Impossible};
 use controller_core::error::{Field, ParamError, Problem};
 use controller_core::paper::params::Params;
 use controller_core::robot::Robot;
@@ -159,6 +162,29 @@ impl Identified {
         }
     }
 
+    /// Whether there can be a robot of these lengths, with this mass and inertia as far as they are known, that drives as in the log.
+    fn can_be(&self, log: &Log) -> Result<(), IdentifyError> {
+        use Quantity as Q;
+        let lengths = [Q::RadiusRight, Q::RadiusLeft, Q::Track].map(|length| self.value(length));
+        let [Some(radius_right_m), Some(radius_left_m), Some(track_m)] = lengths else {
+            return Ok(());
+        };
+        let wheels = WheelGeometry {
+            radius_right_m,
+            radius_left_m,
+            track_m,
+        };
+        if let Some(mass_kg) = self.value(Q::Mass) {
+            plausible::body(&wheels, mass_kg, self.value(Q::Inertia))?;
+        }
+        match grip::acceleration_m_s2(log, &wheels) {
+            Some(accel_m_s2) if accel_m_s2 > grip::MOST_M_S2 => {
+                Err(IdentifyError::Grip { accel_m_s2 })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Whether the core would take the robot; what is not known of it is the paper's.
     fn plausible(&self) -> Result<(), IdentifyError> {
         use Quantity as Q;
@@ -215,11 +241,7 @@ pub enum IdentifyError {
     )]
     Against(&'static str),
     /// A quantity that no file of a base can have.
-    #[error(
-        "{quantity} comes out as {value:.4e} {unit}, {}: is the log in SI units (t in s, x and y in m, \
-         theta in rad, torques in N m) and --counts-per-turn that of the wheel?",
-        beyond(.problem)
-    )]
+    #[error("{quantity} comes out as {value:.4e} {unit}, {}: {UNITS}", beyond(.problem))]
     Implausible {
         /// Its name.
         quantity: &'static str,
@@ -230,7 +252,22 @@ pub enum IdentifyError {
         /// The limit that it is beyond.
         problem: Problem,
     },
+    /// A body that no robot on its wheels has.
+    #[error("the robot comes out as none that can be: {0}: {UNITS}")]
+    Impossible(#[from] Impossible),
+    /// Accelerations that no tyre holds.
+    #[error(
+        "by its wheels the robot accelerates at {accel_m_s2:.0} m/s², and none on tyres does at more than {:.0}: {UNITS}",
+        grip::MOST_M_S2
+    )]
+    Grip {
+        /// By the wheels.
+        accel_m_s2: f64,
+    },
 }
+
+/// What makes robots that there are not.
+const UNITS: &str = "is the log in SI units (t in s, x and y in m, theta in rad, torques in N m) and --counts-per-turn that of the wheel?";
 
 fn beyond(problem: &Problem) -> String {
     match problem {
@@ -296,5 +333,6 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         motion.as_ref().zip(train.as_ref()),
     );
     found.plausible()?;
+    found.can_be(log)?;
     Ok(found)
 }

@@ -1,9 +1,9 @@
 //! Logs that do not tell enough, contradict themselves, or cannot be read.
 
-use crate::robot::{RECORDER, Robot, random, recommended};
+use crate::robot::{RECORDER, Recorder, Robot, random, recommended};
 use Quantity as Q;
 use sim_host::identify::{
-    Identified, IdentifyError, Known, KnownError, Log, LogError, Options, Quantity, Verdict,
+    Drive, Identified, IdentifyError, Known, KnownError, Log, LogError, Options, Quantity, Verdict,
     identify,
 };
 
@@ -118,6 +118,42 @@ fn robots_that_there_are_not_are_refused_with_the_limit() {
     let text = error.to_string();
     for part in ["radius_right", "e1 m, ", "at most 1e1", "x and y in m"] {
         assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+/// Positions in centimetres or inches are within the limits of a base's file, and of no robot: of one whose mass shows by that
+/// mass, else by what its tyres would have to hold. What a metre is shows in nothing but what falls or is weighed.
+#[test]
+fn robots_that_cannot_be_on_their_wheels_are_refused() {
+    let blind = Recorder {
+        drive: Drive::Duty,
+        current_sd: None,
+        ..RECORDER
+    };
+    let light = [
+        "the air between its wheels",
+        "and a robot has at least 1e-3",
+    ];
+    for (recorder, told) in [(RECORDER, light), (blind, ["m/s²"; 2])] {
+        for seed in 0..10 {
+            let mut random = random(100 + seed);
+            let robot = Robot::draw(&mut random);
+            let log = robot.record(&recorder, &mut random, recommended);
+            identify(&log, &options()).expect("in metres");
+            for in_a_metre in [100.0, 39.4] {
+                let mut log = log.clone();
+                for fix in &mut log.fixes {
+                    fix.pose[0] *= in_a_metre;
+                    fix.pose[1] *= in_a_metre;
+                }
+                let error = identify(&log, &options()).expect_err("no such robot");
+                let text = error.to_string();
+                assert!(
+                    told.iter().any(|part| text.contains(part)) && text.contains("in SI units"),
+                    "{in_a_metre}: {text}"
+                );
+            }
+        }
     }
 }
 
