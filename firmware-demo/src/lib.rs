@@ -14,6 +14,8 @@ pub mod excitation;
 pub mod line;
 pub mod mission;
 pub mod model;
+#[cfg(target_os = "none")]
+mod panicked;
 pub mod pil;
 pub mod queue;
 pub mod recorder;
@@ -26,6 +28,8 @@ pub mod telemetry;
 #[cfg(target_os = "none")]
 #[allow(unsafe_code)]
 pub mod board;
+#[cfg(target_os = "none")]
+pub use panicked::panicked;
 
 #[cfg(all(feature = "host", not(target_os = "none")))]
 pub mod host;

@@ -17,19 +17,9 @@ macro_rules! ends_in {
             $halt()
         }
 
-        #[cfg(feature = "panic-proof")]
-        #[allow(unsafe_code)]
-        unsafe extern "C" {
-            /// Defined nowhere.
-            safe fn a_panic_is_reachable() -> !;
-        }
-
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-            #[cfg(feature = "panic-proof")]
-            a_panic_is_reachable();
-            #[cfg(not(feature = "panic-proof"))]
-            $halt()
+            $crate::panicked($halt)
         }
     };
 }

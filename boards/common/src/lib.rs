@@ -30,4 +30,6 @@ pub use controller_core::hal::{
 };
 pub use firmware_demo::control_server::Queues;
 pub use firmware_demo::drive::MotorSide;
+#[cfg(target_os = "none")]
+pub use firmware_demo::panicked;
 pub use firmware_demo::storage::{NoMemory, Slots};

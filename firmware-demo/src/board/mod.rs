@@ -1,4 +1,4 @@
-//! The emulated boards: everything that touches hardware, and the only place with `unsafe`.
+//! The emulated boards: everything that touches hardware, and the only place with `unsafe` but for the symbol of `panic-proof`.
 //!
 //! `mps2-an386` (Cortex-M4F) and `virt` (riscv32imafc) offer the same names, so that the binaries do not
 //! know where they run. Real boards have crates of their own and use none of this.
@@ -25,7 +25,7 @@ mod timer_machine;
 #[path = "virt_timer.rs"]
 mod timer_machine;
 
-pub use entry::panicked;
+pub use entry::end_of_panic;
 pub use fifo::Fifos;
 pub use link::{Link, open_link};
 pub use machine::Uart;
