@@ -155,6 +155,9 @@ pub fn faults(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Campaign> {
+    if runs == 0 {
+        return Err(error::argument("runs", "runs must be at least 1"));
+    }
     let parameters = Settings {
         runs,
         seed,

@@ -2,7 +2,7 @@
 
 use crate::error;
 use crate::robot::{Robot, numbers};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sim_host::drive::{Retiming, verdict};
@@ -136,13 +136,15 @@ impl Trajectory {
         columns(py, self.reference.samples())
     }
 
-    /// The same at any times.
-    fn at<'py>(
-        &self,
-        py: Python<'py>,
-        times: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let times = times.as_array();
+    /// The same at any times, an array or a list.
+    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+        let wrong = |what: &str| error::argument("times", &format!("times must be {what}"));
+        let array = times.extract::<PyArrayLike1<'py, f64, AllowTypeChange>>();
+        let array = array.map_err(|_| wrong("an array or a list of numbers, one axis"))?;
+        let times = array.as_array();
+        if times.iter().any(|t| t.is_nan()) {
+            return Err(wrong("numbers, and one is NaN"));
+        }
         let samples: Vec<Sample> = times.iter().map(|t| self.reference.at(*t)).collect();
         columns(py, &samples)
     }

@@ -6,7 +6,9 @@ use crate::trajectory::Trajectory;
 use crate::work::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sim_host::tune::{Search, Tuned as Found, TuningProblem, check, gain_table, score_table, search};
+use sim_host::tune::{
+    Search, Tuned as Found, TuningProblem, check, gain_table, score_table, search,
+};
 use std::path::Path;
 
 /// What came of a search; of each pair the first is before.

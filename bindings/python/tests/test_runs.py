@@ -7,6 +7,7 @@ import io
 import math
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -121,6 +122,7 @@ def test_laws_and_worlds_can_be_chosen() -> None:
 
 
 BAD_GAIN = twb.Robot.load("lab-10kg").text.replace("\nheading = ", "\nheading = -")
+BLIND = re.sub(r"\[pose_source\][^[]*", "", twb.Robot.load("lab-10kg").text)
 
 
 def bad_robot() -> object:
@@ -156,6 +158,11 @@ def bad_scenario() -> object:
         (lambda: twb.simulate("park-beside", threads=0), None, None, "threads"),
         (lambda: twb.Robot.load("lab-10kg").with_gains({"nose": 1.0}), None, None, "nose"),
         (lambda: twb.Robot.load("lab-10kg").with_gains({"heading": -1.0}), None, None, "heading"),
+        (lambda: twb.import_trajectory(GAPS).at(1.0), None, None, "times"),  # type: ignore[arg-type]
+        (lambda: twb.import_trajectory(GAPS).at(["soon"]), None, None, "times"),  # type: ignore[list-item]
+        (lambda: twb.import_trajectory(GAPS).at([0.5, math.nan]), None, None, "times"),
+        (lambda: twb.tune(twb.Robot.parse(BLIND, "blind.toml")), "blind.toml", 1, "pose_source"),
+        (lambda: twb.faults(0), None, None, "runs"),
         (lambda: twb.faults(10, only=["no such"]), None, None, "only"),
         (lambda: twb.faults(10, shard=(3, 3)), None, None, "shard"),
         (lambda: twb.identify({"t": [1.0, 2.0], "x": [1.0]}), None, None, "log"),
@@ -195,6 +202,9 @@ def test_trajectories_are_read_and_sampled() -> None:
     middle = trajectory.at(samples["t"][3:5])
     for name, column in samples.items():
         np.testing.assert_array_equal(middle[name], column[3:5])
+    for times in ([0, 1, 2.5], (0, 1, 2.5), np.array([0.0, 1.0, 2.5], dtype=np.float32)):
+        np.testing.assert_array_equal(trajectory.at(times)["t"], [0.0, 1.0, 2.5])
+    np.testing.assert_array_equal(trajectory.at(range(3))["x"], trajectory.at(np.arange(3.0))["x"])
     # The base follows: position is the integral of speed along the heading.
     t = np.linspace(0, trajectory.duration_s, 20_001)
     fine = trajectory.at(t)

@@ -35,6 +35,7 @@ _Path: TypeAlias = str | os.PathLike[str]
 _Progress: TypeAlias = Callable[[int, int], object]
 _Array: TypeAlias = NDArray[Any]
 _Floats: TypeAlias = NDArray[np.float64]
+_Numbers: TypeAlias = Sequence[float] | NDArray[np.floating[Any] | np.integer[Any]]
 
 @final
 class Robot:
@@ -81,7 +82,7 @@ class Trajectory:
     def report(self) -> str: ...
     @property
     def samples(self) -> dict[str, _Floats]: ...
-    def at(self, times: _Floats) -> dict[str, _Floats]: ...
+    def at(self, times: _Numbers) -> dict[str, _Floats]: ...
     def scaled(
         self, robot: Robot | None = None, *, fastest: bool = False, tolerance_m: float | None = None
     ) -> tuple[Trajectory, str]: ...
