@@ -141,7 +141,7 @@ def bad_scenario() -> object:
 @pytest.mark.parametrize(
     ("wrong", "file", "line", "key"),
     [
-        (bad_robot, "mine.toml", 1 + BAD_GAIN[: BAD_GAIN.index("[gains]")].count("\n"), "gains"),
+        (bad_robot, "mine.toml", 1 + BAD_GAIN[: BAD_GAIN.index("heading = -")].count("\n"), "gains.heading"),
         (bad_table, "table.csv", 3, "x"),
         (bad_scenario, "mine.toml", 7, "goal.z"),
         (lambda: twb.Robot.load("nowhere.toml"), "nowhere.toml", None, None),
