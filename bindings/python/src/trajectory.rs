@@ -2,7 +2,7 @@
 
 use crate::error;
 use crate::robot::{Robot, numbers};
-use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sim_host::drive::{Retiming, verdict};
@@ -139,7 +139,9 @@ impl Trajectory {
     /// The same at any times, an array or a list.
     fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
         let wrong = |what: &str| error::argument("times", &format!("times must be {what}"));
-        let array = times.extract::<PyArrayLike1<'py, f64, AllowTypeChange>>();
+        // By numpy itself, as anything else in Python would take it.
+        let array = py.import("numpy")?.call_method1("asarray", (times, "d"));
+        let array = array.and_then(|array| Ok(array.extract::<PyReadonlyArray1<'py, f64>>()?));
         let array = array.map_err(|_| wrong("an array or a list of numbers, one axis"))?;
         let times = array.as_array();
         if times.iter().any(|t| t.is_nan()) {
