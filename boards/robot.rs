@@ -125,7 +125,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
             late: Timeout::AfterUs(1_500),
             row: 5,
             of_64: 16,
-            long: Timeout::AfterUs(10_000),
+            long: Timeout::AfterUs(50_000),
         },
         wheels: WheelDetectorParams {
             counts_per_turn: 1920.0,

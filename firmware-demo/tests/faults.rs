@@ -101,7 +101,7 @@ fn uneven_ticks_stop_and_single_late_ones_are_counted() {
 #[test]
 fn one_long_tick_stops() {
     reaches(FaultKind::TickTooLong, 1, Rig::tracking(), |rig, _| {
-        rig.tick_with(20_000, |_| {});
+        rig.tick_with(60_000, |_| {});
     });
     // Beyond what the law steps over there is no torque that could stop the base.
     let mut rig = Rig::tracking();

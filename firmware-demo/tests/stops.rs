@@ -97,7 +97,7 @@ impl Rig {
         }
         if state == State::Stopping(Then::Fault) {
             // A tick that is too long, but shorter than the dwell at rest that ends a stop.
-            rig.now_us += 20_000;
+            rig.now_us += 60_000;
         }
         rig.run_until(state);
         rig

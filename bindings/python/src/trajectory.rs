@@ -141,7 +141,7 @@ impl Trajectory {
         let wrong = |what: &str| error::argument("times", &format!("times must be {what}"));
         // By numpy itself, as anything else in Python would take it.
         let array = py.import("numpy")?.call_method1("asarray", (times, "d"));
-        let array = array.and_then(|array| Ok(array.extract::<PyReadonlyArray1<'py, f64>>()?));
+        let array = array.and_then(|array| array.extract::<PyReadonlyArray1<'py, f64>>());
         let array = array.map_err(|_| wrong("an array or a list of numbers, one axis"))?;
         let times = array.as_array();
         if times.iter().any(|t| t.is_nan()) {
