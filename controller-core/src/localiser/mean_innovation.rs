@@ -4,9 +4,9 @@
 //! m ← m + a (ν − m) − taken          P ← P + min(max(m² − n² S a/(2 − a), 0), s²)          S = P + r
 //! ```
 //!
-//! Innovations of a filter that is right know nothing of each other, and their mean m has the variance S a/(2 − a). What m is beyond n
-//! standard deviations of that, the pose is off by, and the next fixes correct it like a pose of which less is known. It is no more than the
-//! wheels rolled since the last fix, s: a base that rests does not slide, and noise that wanders does not move one that has parked.
+//! Innovations of a consistent filter are uncorrelated, and their mean m has the variance S a/(2 − a). The excess of m beyond n standard
+//! deviations is added to the variance of the pose, so that the next fixes correct more of it: no more than the wheels rolled since the last
+//! fix, s, for a base that rests does not slide, and noise that is correlated in time does not move one that has parked.
 //!
 //! | symbol | what | unit |
 //! | --- | --- | --- |

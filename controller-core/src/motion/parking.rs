@@ -492,7 +492,7 @@ impl<T: Scalar> ParkingLaw<T> {
 /// the tolerance has [`HEADING_DEVIATIONS`]; none where no noise is stated.
 ///
 /// One that has not come to rest `since_s` \[s\], two dwells after its manoeuvre, hunts: bearings that are freer than its friction compensation
-/// reckons with turn it to and fro. In the next two it contents itself with up to half of the tolerance.
+/// reckons with turn it to and fro. In the next two its dead band widens to half of the tolerance.
 fn dead_band<T: Scalar>(motion: &ValidMotionParams<T>, since_s: T) -> (T, T) {
     if !motion.noisy {
         return (T::ZERO, T::ZERO);

@@ -24,7 +24,9 @@
 //! the wheels exert: limits of torque are not enforced and not reported, nor are current, slip and disturbance seen. Limits
 //! of speed, acceleration, braking and jerk are enforced all the same, by the governor, on the command that
 //! is handed on here; so choose them such that the driver can follow. A torque limit of the controller below what the base needs
-//! would set its command back for a reason that does not exist: leave it far above.
+//! would set its command back for a reason that does not exist: leave it far above. And call
+//! [`note_not_driven`](crate::motion::MotionController::note_not_driven) in every tick, or the estimates of disturbance and load take the
+//! report's torques for what the wheels exert, and limits and plans follow from these. The example `speed_drive` does both.
 
 use crate::error::{Field, Input, ParamError, StepFault};
 use crate::range::{clamp, within};
