@@ -54,9 +54,9 @@ built_in![
 /// The paper's two cases, Figs. 3 and 4.
 pub const PAPER: [&str; 2] = ["paper-line", "paper-curve"];
 
-/// Whether there is something to read, a pipe too.
-pub(super) fn is_file(path: &Path) -> bool {
-    path.exists() && !path.is_dir()
+/// What is built in under a name, where the name's `path` leads to nothing to read: a file comes first, a pipe too, a directory does not.
+pub(super) fn unless_file<T>(built_in: Option<T>, path: &Path) -> Option<T> {
+    built_in.filter(|_| !path.exists() || path.is_dir())
 }
 
 impl BuiltIn {
@@ -68,9 +68,7 @@ impl BuiltIn {
 
     /// The built-in scenario that a path names. A file of that name comes first, a directory does not.
     pub fn at(path: &Path) -> Option<&'static Self> {
-        path.to_str()
-            .and_then(Self::find)
-            .filter(|_| !is_file(path))
+        unless_file(path.to_str().and_then(Self::find), path)
     }
 
     /// Reads it like any other file.

@@ -1,7 +1,7 @@
 //! The base files that travel inside the program.
 
 use super::ScenarioError;
-use super::built_in::is_file;
+use super::built_in::unless_file;
 use crate::mission::BaseSpec;
 use std::path::Path;
 
@@ -37,9 +37,7 @@ impl BuiltInBase {
 
     /// The built-in base that a path names. A file of that name comes first, a directory does not.
     pub fn at(path: &Path) -> Option<&'static Self> {
-        path.to_str()
-            .and_then(Self::find)
-            .filter(|_| !is_file(path))
+        unless_file(path.to_str().and_then(Self::find), path)
     }
 
     /// Reads it like any other file.

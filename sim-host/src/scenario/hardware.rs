@@ -188,7 +188,7 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     match &hardware.pose_source {
         Some(source) if source.latency_s > most => {
             let message = format!(
-                "is too old: a base remembers its way for {remembered:.3} s, and with up to half as much again poses may be {most:.3} s old"
+                "is too old: a base remembers its way for {remembered:.3} s, and poses, which may be {OLDEST_POSE} times as old, may be {most:.3} s old"
             );
             Err(place.error("pose_source.latency_s", message))
         }

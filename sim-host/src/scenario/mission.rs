@@ -1,7 +1,7 @@
 //! Scenario files with `controller.kind = "motion"`: the law for a real base.
 
 use super::base::{LimitKeys, RobotKeys, base, pose};
-use super::built_in::is_file;
+use super::built_in::unless_file;
 use super::check::{motion, timing};
 use super::file::{self, PoseKeys, Run, Start};
 use super::hardware::plant_error;
@@ -190,9 +190,9 @@ fn named_base(file: &str, named: &str) -> Checked<BaseSpec> {
         .parent()
         .unwrap_or(Path::new(""))
         .join(named);
-    match BuiltInBase::find(named) {
-        Some(base) if !is_file(&beside) => base.base(),
-        _ => BaseSpec::load(&beside),
+    match unless_file(BuiltInBase::find(named), &beside) {
+        Some(base) => base.base(),
+        None => BaseSpec::load(&beside),
     }
 }
 

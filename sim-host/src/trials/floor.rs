@@ -32,6 +32,7 @@ const BODY_SPREAD: f64 = 0.3;
 const BATTERY: (f64, f64) = (0.8, 1.0);
 /// A worn bearing in the cold, and one that ran in: factors on the file's friction.
 const FRICTION: (f64, f64) = (0.7, 1.3);
+/// Age of poses, a factor on the file's.
 const LATENCY: (f64, f64) = (1.0, OLDEST_POSE);
 
 impl Condition {
