@@ -37,6 +37,8 @@ pub mod tick_flags {
     pub const GYRO_USED: u16 = 1 << 13;
     /// Gyro and wheels disagree: a wheel slides, or the gyro lies.
     pub const SLIDING: u16 = 1 << 14;
+    /// Wheels slid on the way to this goal: manoeuvres to it have half the accelerations.
+    pub const GRIP_LIMITED: u16 = 1 << 15;
 }
 
 /// The output to the wheels.

@@ -257,7 +257,7 @@ impl Line<'_> {
 ///   `out-of-tolerance`; flags are 0 or 1; retries: how often the robot tried the goal again.
 /// * state, cause: of the whole base; fix: what became of an external pose in this tick, `fused`, `rejected`,
 ///   `relocalised`, `refused`. Empty on the ideal plant.
-fn all_columns<'a>() -> [(Option<Columns>, Column<Line<'a>>); 63] {
+fn all_columns<'a>() -> [(Option<Columns>, Column<Line<'a>>); 64] {
     let (all, paper, motion) = (None, Some(Columns::Paper), Some(Columns::Motion));
     columns![l;
         all "t" => l.row.t,
@@ -317,6 +317,7 @@ fn all_columns<'a>() -> [(Option<Columns>, Column<Line<'a>>); 63] {
         motion "jerk_limited" => l.row.report.limited.jerk,
         motion "torque_limited" => l.row.report.limited.torque,
         motion "disturbance_limited" => l.row.report.limited.disturbance,
+        motion "grip_limited" => l.row.report.limited.grip,
         motion "jumped" => l.row.report.jumped,
         motion "backing" => l.row.report.backing,
         motion "retries" => l.row.report.retries,

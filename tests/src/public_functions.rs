@@ -107,7 +107,7 @@ macro_rules! controllers {
             type U = $U;
             keep![
                 Shunting::<T>::step::<U, M>, Neuron::<T>::advance::<U, M>,
-                MotionController::<T, M, U>::start, MotionController::<T, M, U>::step, MotionController::<T, M, U>::declare_jump,
+                MotionController::<T, M, U>::start, MotionController::<T, M, U>::step, MotionController::<T, M, U>::declare_jump, MotionController::<T, M, U>::declare_slide,
                 MotionController::<T, M, U>::note_applied, MotionController::<T, M, U>::note_not_driven,
                 MotionController::<T, M, U>::report, MotionController::<T, M, U>::motion,
                 BaseController::<T, M, U, 4>::new, BaseController::<T, M, U, 4>::tick, BaseController::<T, M, U, 4>::report,

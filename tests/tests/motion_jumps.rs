@@ -45,7 +45,7 @@ const TICKS: u32 = 200_000;
 /// Largest push, as a share of the largest force and of the largest moment.
 const MOST: f64 = 0.25;
 
-/// Changes of task, goal, reference and localisation at random ticks.
+/// Changes of task, goal, reference and localisation at random ticks; where they are declared, wheels that slide as well.
 fn fuzz<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     base: Base,
     (declared, pushed): (bool, bool),
@@ -83,8 +83,11 @@ fn fuzz<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>>(
     let mut drive = Drive::<T, M, U>::start(&motion, base, start, &now(&plan, 0.0), dt);
     let mut seen = Shares::default();
     let (mut last, mut was_saturated) = (drive.applied(), false);
-    for _ in 0..ticks {
+    for tick in 0..ticks {
         drive.coast(&push);
+        if declared && tick % 50 == 0 {
+            drive.controller.declare_slide();
+        }
         if pushed && random.within(1.0) < -0.99 {
             let mut share = |largest: f64| {
                 let share = 0.175 + random.within(MOST - 0.175);

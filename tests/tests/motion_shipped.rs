@@ -2,12 +2,13 @@
 //! control periods, exact poses.
 
 use controller_core::maths::Libm;
-use controller_core::motion::ValidMotionParams;
+use controller_core::motion::{Outcome, Task, ValidMotionParams};
 use controller_core::shunting::ExactMean;
+use controller_core::types::Pose;
 use tests::motion_base::{Base, Body};
 use tests::motion_loop::{ring, steady};
 use tests::motion_parking::{park_all, print};
-use tests::motion_tracking::follow;
+use tests::motion_tracking::{Exact, follow};
 use tests::stated::{At, Stated};
 use tests::tolerance::MOTION_SETTLED_LATE;
 use tests::tuning_loop::{BASES, file};
@@ -75,4 +76,52 @@ fn every_shipped_base_settles_at_any_speed() {
         ),
         &times,
     );
+}
+
+/// Told that its wheels slide, whenever that is on its way, every base goes on with half the accelerations, and parks; the next goal gets all of them again.
+#[test]
+fn wheels_that_slide_are_asked_for_half_the_accelerations() {
+    for name in BASES {
+        let (motion, base, dt) = shipped(name);
+        let limits = &motion.params().limits;
+        // Shares of both limits that the last tick fed forward.
+        let asked = |drive: &Exact| {
+            let rate = drive.report().command_rate;
+            let linear = rate.linear.abs() / limits.accel.min(limits.brake);
+            linear.max(rate.angular.abs() / limits.turn_accel)
+        };
+        let ramp_s = 2.0 * (limits.accel / limits.jerk).max(limits.turn_accel / limits.turn_jerk);
+        let goals = [Pose::new(0.0, 0.0, 0.0), Pose::new(1.5, -0.6, 1.0)].map(Task::Park);
+        let mut slid = 0;
+        for from_s in (0..30).map(|k| 0.1 * f64::from(k)) {
+            let start = Body::at(-1.2, 0.5, 2.0);
+            let mut drive = Exact::start(&motion, base, start, &goals[0], dt);
+            while drive.t < 30.0 && drive.report().outcome != Outcome::Parked {
+                let slides = (from_s..from_s + 0.2).contains(&drive.t);
+                if slides {
+                    drive.controller.declare_slide();
+                }
+                drive.advance(|_| goals[0]);
+                let yields = drive.report().limited.grip;
+                // Not while it is said to slide: a search under way ends first.
+                if yields && drive.t > from_s + 0.2 + ramp_s {
+                    let asked = asked(&drive);
+                    // Half of what is planned with, and as much again of the rest for the follower, which has all limits.
+                    assert!(asked < 0.75, "{name}, {from_s}: {asked} at {}", drive.t);
+                }
+            }
+            assert_eq!(drive.report().outcome, Outcome::Parked, "{name}, {from_s}");
+            slid += u32::from(drive.report().limited.grip);
+            let mut most = 0.0_f64;
+            while drive.t < 60.0 && (most == 0.0 || drive.report().outcome != Outcome::Parked) {
+                drive.advance(|_| goals[1]);
+                assert!(!drive.report().limited.grip);
+                most = most.max(asked(&drive));
+            }
+            assert_eq!(drive.report().outcome, Outcome::Parked, "{name}, {from_s}");
+            assert!(most > 0.9, "{name}, {from_s}: {most}");
+        }
+        // The manoeuvre begins after a search, and is over after a time.
+        assert!((15..=30).contains(&slid), "{name}: {slid}");
+    }
 }

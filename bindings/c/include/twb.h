@@ -162,6 +162,7 @@ typedef struct twb_action {
 #define TWB_FLAG_DRIVING 0x1000u /* by velocity */
 #define TWB_FLAG_GYRO_USED 0x2000u
 #define TWB_FLAG_SLIDING 0x4000u
+#define TWB_FLAG_GRIP_LIMITED 0x8000u   /* wheels slid on the way to this goal: half the accelerations */
 #define TWB_FLAG_ORDER_REFUSED 0x10000u /* the order did not fit the state */
 
 /* What came of the task. */

@@ -14,6 +14,7 @@ use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome, Task};
 use crate::motor::Motor;
 use crate::odometry::Accelerations;
+use crate::range::larger;
 use crate::robot::acceleration;
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
@@ -23,6 +24,9 @@ use crate::types::{Accel, Pose, Twist, WheelSpeeds, WheelTorques, Wrench};
 
 /// Poses remembered for late fixes, unless stated otherwise: 0.3 s at 10 ms.
 pub const REMEMBERED: usize = 32;
+
+/// A wheel that slides for longer stops the base, as the policy says \[s\]: three times as long as a faulty gyro takes to show.
+const SLIDES_S: f64 = 0.15;
 
 /// A base: localiser, monitor, supervisor and motion law behind one tick. See [`crate::base`].
 ///
@@ -106,7 +110,6 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let (localisation, motion) = (&base.localisation, base.motion.params());
         let bounds = (&accelerations, motion.limits.rim_speed);
         let located = locator.advance::<M>(localisation, dt, bounds, sensed, report);
-        let gyro = self.report.gyro;
         self.host.order(dt_us, !matches!(order, Order::None));
         let inputs = self.inputs(dt_us, &located, sensed);
         self.detectors.check(
@@ -116,11 +119,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             &mut self.report.active_faults,
         );
         let given_up = self.given_up();
-        let slid = gyro.slips.then(|| self.sliding(gyro.slid));
+        if self.report.gyro.slides_s > T::ZERO {
+            self.yield_to_slide();
+        }
+        let gyro = self.report.gyro.fault;
         let active_faults = &mut self.report.active_faults;
         active_faults.add_some(given_up);
-        active_faults.add_some(gyro.fault.map(Fault::Gyro));
-        active_faults.add_some(slid.map(Fault::WheelSlip));
+        active_faults.add_some(gyro.map(Fault::Gyro));
         self.supervisor
             .on_active_faults(active_faults, &self.base.policy);
         let leading = Leading {
@@ -212,6 +217,28 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     fn commanded(&self) -> Twist<T> {
         let report = self.report.motion.as_ref();
         report.map_or_else(Twist::default, |report| report.command)
+    }
+
+    /// A wheel slides: the law is told. It is a fault for longer than [`SLIDES_S`], and where the law yields, for longer than that takes as well:
+    /// 2 a/j, at half the jerk of a manoeuvre that begins in motion.
+    #[cold]
+    #[inline(never)]
+    fn yield_to_slide(&mut self) {
+        self.driving.declare_slide();
+        let limits = &self.base.motion.params().limits;
+        let ramp_s = larger(
+            limits.accel / limits.jerk,
+            limits.turn_accel / limits.turn_jerk,
+        );
+        let yields_s = match &self.report.motion {
+            Some(report) if report.limited.grip => ramp_s + ramp_s,
+            _ => T::ZERO,
+        };
+        let gyro = &self.report.gyro;
+        if gyro.slides_s > T::from_f64(SLIDES_S) + yields_s {
+            let fault = Fault::WheelSlip(self.sliding(gyro.slid));
+            self.report.active_faults.add(fault);
+        }
     }
 
     /// Which wheel slides, where the wheels have turned the base by `slid` more than a gyro: a wheel slides the way that its own

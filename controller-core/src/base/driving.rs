@@ -164,6 +164,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         step(&mut self.law, motion, asked, measured, jumped, dt, report)
     }
 
+    /// A wheel slides; see [`MotionController::declare_slide`](crate::motion::MotionController::declare_slide).
+    pub(super) fn declare_slide(&mut self) {
+        self.law.declare_slide();
+    }
+
     fn let_go(&mut self, report: &mut Option<MotionReport<T>>) {
         *report = None;
         self.task = None;

@@ -6,7 +6,7 @@
 //! | turns of the same size the other way, and the gyro's are not those that both had before | the gyro: reversed |
 //! | turns as if one wheel had turned the other way | perhaps its encoder, which counts the wrong way: its own detector has to say |
 //! | external headings side with the wheels | the gyro |
-//! | none of these for 0.15 s, and a wheel turns | a wheel slides |
+//! | none of these for 0.05 s, and a wheel turns | a wheel slides |
 
 use super::params::{ValidGyroParams, WINDOW_S};
 use super::reading::GyroFault;
@@ -14,8 +14,6 @@ use crate::scalar::Scalar;
 
 /// The gyro's own signatures show within this time \[s\].
 const SIGNATURE_S: f64 = 0.05;
-/// A wheel slides that has disagreed for so long \[s\].
-const SLIDES_S: f64 = 0.15;
 /// Over for so long, and it has ended \[s\].
 const OVER_S: f64 = 0.1;
 /// Equal readings in a row that no gyro gives that is turned.
@@ -145,11 +143,16 @@ impl<T: Scalar> Disagreement<T> {
         sides.then(|| signature.unwrap_or(GyroFault::Disagrees))
     }
 
-    /// A wheel slides. `same` equal readings may be those of a gyro that is stuck.
-    pub(super) fn slides(&self, same: u8) -> bool {
-        let now = self.over_s <= T::ZERO;
-        let signed = same >= SAME || self.mirrors() || self.may_be_encoder();
-        now && self.lasts_s > T::from_f64(SLIDES_S) && !signed
+    /// For so long a wheel slides \[s\]; 0 if none does. `same` equal readings may be those of a gyro that is stuck.
+    #[inline(never)]
+    pub(super) fn slides_s(&self, same: u8) -> T {
+        let now = self.over_s <= T::ZERO && self.lasts_s > T::from_f64(SIGNATURE_S);
+        let signed = || same >= SAME || self.mirrors() || self.may_be_encoder();
+        if now && !signed() {
+            self.lasts_s
+        } else {
+            T::ZERO
+        }
     }
 
     /// The way of a wheel whose encoder counts the wrong way counts twice: what the gyro turns is then −2 way/track on the right and

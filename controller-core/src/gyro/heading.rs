@@ -53,8 +53,9 @@ pub struct GyroReport<T> {
     /// Gyro and wheels disagree, by this turn since it began \[rad\]: the wheels' more than the gyro's. A wheel slides, or the
     /// gyro is faulty. 0 while they agree.
     pub slid: T,
-    /// It has lasted for 0.1 s while a wheel turned, and nothing speaks against the gyro.
-    pub slips: bool,
+    /// For so long a wheel has been sliding \[s\]: one turns, they have disagreed for more than the 0.05 s in which a faulty gyro shows, and
+    /// nothing speaks against the gyro. 0 if not.
+    pub slides_s: T,
     /// The gyro is faulty; the heading goes by the wheels.
     pub fault: Option<GyroFault>,
 }
@@ -480,7 +481,11 @@ impl<T: Scalar> GyroHeading<T> {
             outcome: self.outcome,
             bias: self.bias,
             slid: -self.disagreement.apart,
-            slips: turns && self.disagreement.slides(self.same),
+            slides_s: if turns {
+                self.disagreement.slides_s(self.same)
+            } else {
+                T::ZERO
+            },
             fault: self.fault,
         }
     }

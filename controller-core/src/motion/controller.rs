@@ -113,6 +113,13 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
         self.law.declare_jump();
     }
 
+    /// Wheels slide over the floor, as who compares them with a gyro knows: to be said at every tick while they do. A manoeuvre under way is
+    /// planned anew with half the accelerations, once for each goal ([`Limited::grip`](super::Limited::grip)), without a step of command or torque.
+    /// Nothing else of the law yields: it does not choose what a reference or an order asks for.
+    pub fn declare_slide(&mut self) {
+        self.law.declare_slide();
+    }
+
     /// What the wheels really exert from now on until the next tick, if it is not what the last report
     /// asks for: a motor layer or a supervisor limited it. The disturbance estimate needs it.
     ///

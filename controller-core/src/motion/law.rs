@@ -386,6 +386,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         self.declared = true;
     }
 
+    /// Wheels slide; see [`MotionController::declare_slide`](super::MotionController::declare_slide).
+    pub(crate) fn declare_slide(&mut self) {
+        self.parking.declare_slide();
+    }
+
     /// What the wheels really exert until the next tick; see
     /// [`MotionController::note_applied`](super::MotionController::note_applied).
     ///
@@ -491,6 +496,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             },
             limited: Limited {
                 torque: saturated,
+                grip: parking.is_some_and(ParkingLaw::has_slid),
                 ..found.limited
             },
             jumped: found.jumped,

@@ -31,11 +31,28 @@ struct Memory<T> {
     retry: Retry<T>,
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
+    grip: Grip,
     /// Manoeuvres to this goal that were planned anew because the pose had jumped.
     jumps: u8,
 }
 
+/// What the floor holds of the manoeuvres to a goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grip {
+    /// All that they asked for.
+    Holds,
+    /// Less: wheels slide, and the manoeuvre under way is to be planned anew.
+    Lost,
+    /// Half the accelerations are asked for.
+    Spared,
+}
+
 impl<T: Scalar> Memory<T> {
+    /// Where full accelerations have led beside this goal twice, or wheels slid, half of them are planned with.
+    fn is_slower(&self) -> bool {
+        self.retry.has_failed_twice() || self.grip != Grip::Holds
+    }
+
     /// With a manoeuvre under way nothing has arrived, and nothing is stuck.
     fn drives(&mut self) {
         self.checker = GoalChecker::NEW;
@@ -105,6 +122,7 @@ impl<T: Scalar> ParkingLaw<T> {
             checker: GoalChecker::NEW,
             retry: Retry::NEW,
             departed: false,
+            grip: Grip::Holds,
             jumps: 0,
         },
         approach: Approach::Idle,
@@ -122,6 +140,7 @@ impl<T: Scalar> ParkingLaw<T> {
     pub(crate) fn renew(&mut self, goes_on: bool) {
         self.memory.retry = Retry::NEW;
         self.memory.departed = false;
+        self.memory.grip = Grip::Holds;
         self.memory.jumps = 0;
         // A goal that moves again before the manoeuvre to it was found is chased.
         let chased = goes_on
@@ -279,7 +298,10 @@ impl<T: Scalar> ParkingLaw<T> {
         attempt: Attempt,
         dt: T,
     ) -> Way<T> {
-        let slower = self.memory.retry.has_failed_twice();
+        if self.memory.grip == Grip::Lost {
+            self.memory.grip = Grip::Spared;
+        }
+        let slower = self.memory.is_slower();
         let at = &GoalView::of(motion, view, moving, (self.is_backing(), Ending::Fading));
         let hold = attempt == Attempt::Hold || is_inside(motion, at);
         Way {
@@ -335,7 +357,7 @@ impl<T: Scalar> ParkingLaw<T> {
             .or_else(|| self.return_from::<U, M>(follower, motion, view, moving, step.dt))
     }
 
-    /// Another manoeuvre, slower, from where the robot is.
+    /// Another manoeuvre, slower, from where the robot is: where its wheels slid, and once where it departed.
     #[cold]
     #[inline(never)]
     fn return_from<U: NeuronUpdate<T>, M: Maths<T>>(
@@ -349,11 +371,14 @@ impl<T: Scalar> ParkingLaw<T> {
         let Approach::Manoeuvre(execution) = &mut self.approach else {
             return None;
         };
-        if self.memory.departed {
+        if self.memory.grip == Grip::Lost {
+            self.memory.grip = Grip::Spared;
+        } else if self.memory.departed {
             // Whatever keeps it off would do so again: feedback needs no plan.
             return None;
+        } else {
+            self.memory.departed = true;
         }
-        self.memory.departed = true;
         let Command { twist, rate } = moving.command;
         execution.start::<M>(&motion.plan, true, &view.error, twist, rate, dt);
         execution.search::<M>(&motion.plan, view.goal(), T::ZERO, dt)?;
@@ -365,7 +390,7 @@ impl<T: Scalar> ParkingLaw<T> {
         self.follow::<U, M>(follower, motion, view, moving, dt, &way)
     }
 
-    /// The same with a manoeuvre under way; `None` too far from its reference, see [`DEPARTURE`].
+    /// The same with a manoeuvre under way; `None` too far from its reference, see [`DEPARTURE`], and where wheels slide.
     #[inline(never)]
     fn follow<U: NeuronUpdate<T>, M: Maths<T>>(
         &mut self,
@@ -387,7 +412,8 @@ impl<T: Scalar> ParkingLaw<T> {
             T::from_f64(10.0) * motion.rim_speed(moving.twist)
                 >= motion.rim_speed(&moving.command.twist)
         };
-        if has_departed(motion, &moment.error) && moves() && !execution.is_searching() {
+        let departed = has_departed(motion, &moment.error) && moves();
+        if departed && !execution.is_searching() || self.memory.grip == Grip::Lost {
             return None;
         }
         let now = Instant {
@@ -437,6 +463,20 @@ impl<T: Scalar> ParkingLaw<T> {
         } else {
             *error
         }
+    }
+
+    /// Wheels slide. A manoeuvre under way asks for less, once; what is being searched for will have begun from rest, or is slower already.
+    #[cold]
+    pub(crate) fn declare_slide(&mut self) {
+        let drives = matches!(&self.approach, Approach::Manoeuvre(execution) if !execution.is_over() && !execution.is_searching());
+        if drives && self.memory.grip == Grip::Holds {
+            self.memory.grip = Grip::Lost;
+        }
+    }
+
+    /// Wheels slid on the way to this goal.
+    pub(crate) fn has_slid(&self) -> bool {
+        self.memory.grip != Grip::Holds
     }
 
     /// Nothing is asked for any more: parked, or given up.

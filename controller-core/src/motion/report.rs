@@ -45,6 +45,8 @@ pub struct Limited {
     pub torque: bool,
     /// The disturbance estimate was at its bound: what is beyond is not compensated.
     pub disturbance: bool,
+    /// Wheels slid on the way to this goal: manoeuvres to it have half the accelerations.
+    pub grip: bool,
 }
 
 /// The report of one tick.

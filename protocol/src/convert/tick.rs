@@ -33,6 +33,7 @@ impl BaseTick {
             (unused, flags::FIX_REFUSED),
             (report.gyro.outcome == GyroOutcome::Used, flags::GYRO_USED),
             (report.gyro.slid != 0.0, flags::SLIDING),
+            (limited.grip, flags::GRIP_LIMITED),
         ] {
             bits |= if holds { bit } else { 0 };
         }

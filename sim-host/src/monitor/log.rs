@@ -38,7 +38,7 @@ impl Row<'_> {
 
 /// Names as in the files of `run` where the quantity is the same. `time_s` is the host's, since the start;
 /// `active_faults` are the faults of the tick, joined by `+`; `ignored_faults` is how many were ignored since power-on.
-fn columns<'a>() -> [Column<Row<'a>>; 38] {
+fn columns<'a>() -> [Column<Row<'a>>; 39] {
     columns![row;
         "time_s" => Fixed(row.time_s),
         "tick" => row.tick.tick,
@@ -55,6 +55,7 @@ fn columns<'a>() -> [Column<Row<'a>>; 38] {
         "jerk_limited" => row.has(tick_flags::JERK_LIMITED),
         "torque_limited" => row.has(tick_flags::TORQUE_LIMITED),
         "disturbance_limited" => row.has(tick_flags::DISTURBANCE_LIMITED),
+        "grip_limited" => row.has(tick_flags::GRIP_LIMITED),
         "jumped" => row.has(tick_flags::JUMPED),
         "backing" => row.has(tick_flags::BACKING),
         "blind" => row.has(tick_flags::BLIND),

@@ -134,7 +134,7 @@ fn against(gyro_factor: f64, wheels_factor: f64) -> (Option<GyroFault>, f64) {
         };
         heading.advance(&gyro, &rolled(0.3, of(wheels_factor)), Some(&reading));
         let report = heading.report();
-        if report.slips || report.fault.is_some() {
+        if report.slides_s > 0.15 || report.fault.is_some() {
             return (report.fault, t);
         }
     }
@@ -175,7 +175,7 @@ fn a_gyro_that_is_reversed_from_the_start_is_named() {
         };
         heading.advance(&gyro, &rolled(0.3, rate), Some(&reading));
         turned += rate * DT;
-        assert!(turned < 0.3 && !heading.report().slips, "{turned}");
+        assert!(turned < 0.3 && heading.report().slides_s == 0.0, "{turned}");
     }
     assert_eq!(heading.report().fault, Some(GyroFault::Reversed));
 }
