@@ -9,7 +9,7 @@ use controller_core::motion::{
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::scalar::Scalar;
 use controller_core::shunting::{ExactMean, NeuronUpdate, RationalMean};
-use controller_core::types::{Accel, Pose, Twist, Wrench};
+use controller_core::types::{Accel, Pose, Twist, WheelTorques, Wrench};
 use tests::ideal::on_all_cores;
 use tests::motion_base::{Base, Body, pose};
 use tests::motion_loop::{Drive, Order};
@@ -311,6 +311,20 @@ fn orders_are_refused_typed_and_limited_orders_said() {
             let started =
                 MotionController::<f64, Libm, ExactMean>::start(&motion, &order, &measured);
             assert_eq!(started, Err(fault));
+        }
+    }
+    // A speed and torques that nothing has: the next tick would not be finite, and the law would remember it.
+    for wrong in [1e10, 1e38, -1e300] {
+        for (linear, angular) in [(wrong, 0.0), (0.0, wrong)] {
+            let mut wild = measured;
+            wild.twist = Twist::new(linear, angular);
+            let order = drive(0.3, 0.1, true);
+            let refused = robot.controller.step(0.01, &order, &wild).map(|_| ());
+            assert_eq!(refused, Err(StepFault::Overflow));
+            let (right, left) = (linear, angular);
+            let noted = robot.controller.note_applied(&WheelTorques { right, left });
+            assert_eq!(noted, Err(StepFault::Overflow));
+            assert_eq!(robot.controller, before);
         }
     }
     // Alone each goes to its limit; both together to what turns no wheel faster than 2.5 m/s at its rim, along the same arc.

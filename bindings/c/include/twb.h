@@ -35,7 +35,7 @@ extern "C" {
 #define TWB_ROBOT_CHECK (-8)     /* a bit of the robot is wrong */
 #define TWB_ROBOT_VERSION (-9)   /* the robot is of another version: write it again */
 #define TWB_ROBOT_CONTENT (-10)  /* parameters out of range */
-#define TWB_NOT_FINITE (-11)     /* a pose or torque is NaN or infinite */
+#define TWB_NOT_FINITE (-11)     /* a pose or torque is NaN or infinite, or a torque as large as no wheel's */
 #define TWB_BAD_VALUE (-12)      /* a kind, flag or device state that is not below */
 #define TWB_REFUSED (-13)        /* the base's state does not allow it */
 

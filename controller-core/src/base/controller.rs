@@ -451,7 +451,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// commanded: for the estimates of speed and disturbance.
     ///
     /// # Errors
-    /// A torque that is not finite; nothing is noted then.
+    /// A torque that is not finite, or as large as no wheel's; nothing is noted then.
     pub fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<(), StepFault> {
         if self.report.motion.is_some() {
             self.driving.note_exerted(&self.base.motion, torques)?;

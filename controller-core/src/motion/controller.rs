@@ -1,12 +1,13 @@
 //! The controller for a real base: the motion law with its parameters and its report.
 
-use super::law::MotionLaw;
+use super::law::{MotionLaw, is_within_reach};
 use super::params::ValidMotionParams;
 use super::report::MotionReport;
 use super::task::{Asked, Task};
 use crate::check::check_measured;
 use crate::error::StepFault;
 use crate::maths::{Maths, Single};
+use crate::pose_error::PoseError;
 use crate::scalar::Scalar;
 use crate::shunting::{NeuronUpdate, RationalMean};
 use crate::types::{Measured, Pose, WheelTorques};
@@ -71,7 +72,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     ///
     /// # Errors
     /// Any [`StepFault`]; the state is then unchanged, and the wheels are the caller's to make safe. Parking
-    /// refuses a goal 10⁹ m away, and such a speed, as an overflow.
+    /// refuses a goal 10⁹ m away, and it and driving by velocity such a speed, as an overflow.
     pub fn step(
         &mut self,
         dt: T,
@@ -90,6 +91,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
             Task::Park(goal) => goal != last,
             Task::Drive { .. } => {
                 check_measured(measured)?;
+                // No odometry stands before it, as before that of a base.
+                if !is_within_reach(&PoseError::default(), &measured.twist, T::ZERO) {
+                    return Err(StepFault::Overflow);
+                }
                 false
             }
         };
@@ -124,7 +129,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// asks for: a motor layer or a supervisor limited it. The disturbance estimate needs it.
     ///
     /// # Errors
-    /// A torque that is not finite; nothing is noted then.
+    /// A torque that is not finite, or as large as no wheel's (10⁹ N or N m of both); nothing is noted then.
     pub fn note_applied(&mut self, applied: &WheelTorques<T>) -> Result<(), StepFault> {
         self.law.note_applied(&self.motion, applied)
     }

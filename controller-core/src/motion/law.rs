@@ -27,7 +27,7 @@ use crate::shunting::NeuronUpdate;
 use crate::types::{Measured, Twist, WheelTorques, Wrench};
 use core::marker::PhantomData;
 
-/// How far off a goal, and how fast a robot that parks, may be \[m, m/s, rad/s\]. Nothing that parking makes of less overflows, whatever
+/// How far off a goal, and how fast a robot that parks, may be, and how large a force or a moment that is noted \[m, m/s, rad/s, N, N m\]. Nothing that parking makes of less overflows, whatever
 /// the parameters are: such a tick is not refused after it has changed a manoeuvre, which so need not be kept to be brought back.
 const REACH: f64 = 1.0e9;
 
@@ -395,17 +395,21 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     /// [`MotionController::note_applied`](super::MotionController::note_applied).
     ///
     /// # Errors
-    /// A torque that is not finite; nothing is noted then.
+    /// A torque that is not finite, or as large as no wheel's; nothing is noted then.
     pub(crate) fn note_applied(
         &mut self,
         motion: &ValidMotionParams<T>,
         applied: &WheelTorques<T>,
     ) -> Result<(), StepFault> {
-        if !(applied.right.is_finite() && applied.left.is_finite()) {
-            return Err(StepFault::NotFinite(Input::Applied));
+        let exerted = motion.wheels.wrench(applied);
+        if exerted.force.abs() + exerted.moment.abs() < T::from_f64(REACH) {
+            self.exerted = Some(exerted);
+            Ok(())
+        } else if applied.right.is_finite() && applied.left.is_finite() {
+            Err(StepFault::Overflow)
+        } else {
+            Err(StepFault::NotFinite(Input::Applied))
         }
-        self.exerted = Some(motion.wheels.wrench(applied));
-        Ok(())
     }
 
     /// Until the next tick the wheels are not driven.
@@ -527,7 +531,11 @@ impl<T: Scalar> ValidMotionParams<T> {
 }
 
 /// Goal and speed are below [`REACH`], and the observer remembers nothing that is no number: then its residue, `observed`, is 0.
-fn is_within_reach<T: Scalar>(error: &PoseError<T>, twist: &Twist<T>, observed: T) -> bool {
+pub(super) fn is_within_reach<T: Scalar>(
+    error: &PoseError<T>,
+    twist: &Twist<T>,
+    observed: T,
+) -> bool {
     let PoseError { x, y, theta } = error;
     let away = x.abs() + y.abs() + theta.abs();
     away + twist.linear.abs() + twist.angular.abs() + observed < T::from_f64(REACH)
