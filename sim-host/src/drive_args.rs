@@ -77,8 +77,8 @@ struct RouteArgs {
     /// Trajectory files: as fast as the base's limits allow; else nowhere faster than the file
     #[arg(long)]
     fastest: bool,
-    /// Trajectory files: smooth the path by up to this, where that saves time [m]; 0 follows every
-    /// pose
+    /// Trajectory files: smooth the path by up to this, where that saves time or where noisy poses
+    /// leave no other [m]; 0 follows every pose
     #[arg(long, value_name = "M", default_value = "0.01")]
     tolerance: f64,
 }

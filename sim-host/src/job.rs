@@ -130,7 +130,7 @@ impl Job {
         base: &BaseSpec,
     ) -> Result<Self, FileError> {
         let (mission, scaling) = run.mission(name, bytes, base)?;
-        let verdict = verdict(bytes);
+        let verdict = verdict(bytes, &run.retiming);
         Ok(Self::Mission {
             mission: Box::new(mission),
             file: Some(Trajectory { scaling, verdict }),

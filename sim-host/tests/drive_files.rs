@@ -88,7 +88,7 @@ fn files_take_the_time_that_the_document_says() -> Result<(), Box<dyn Error>> {
     let mut most: f64 = 0.0;
     for name in ["wpilib_dirty.json", "choreo_v1.traj", "table.csv"] {
         let bytes = fixtures::read(name)?;
-        let mut figures = vec![trajectory(&bytes)?.duration()];
+        let mut figures = vec![trajectory(&bytes, &Retiming::default())?.duration()];
         for (pace, tolerance_m) in [(Pace::Own, 0.0), (Pace::Own, 0.01), (Pace::Fastest, 0.01)] {
             let retiming = Retiming { pace, tolerance_m };
             for file in ["paper-30kg.toml", "lab-10kg.toml", "hobby-1kg.toml"] {

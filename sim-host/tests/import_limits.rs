@@ -615,7 +615,7 @@ fn files_take_the_least_time_but_for_what_the_document_says() -> Result<(), Box<
             other => return Err(other.into()),
         };
         let spec = BaseSpec::load(&folder.join(format!("../bases/{base}.toml")))?;
-        let file = trajectory(&fixtures::read(name)?)?;
+        let file = trajectory(&fixtures::read(name)?, &Retiming::default())?;
         let retiming = Retiming {
             pace,
             ..Retiming::default()

@@ -79,7 +79,7 @@ fn files_are_parked_soon_after_their_planned_end() {
     let cases: Vec<_> = DRIVABLE
         .into_iter()
         .map(|name| fixtures::read(name).expect("a fixture"))
-        .map(|bytes| trajectory(&bytes).expect("drivable"))
+        .map(|bytes| trajectory(&bytes, &Retiming::default()).expect("drivable"))
         .filter(stops)
         .flat_map(|path| BASES.map(|base| (path.clone(), base)))
         .collect();

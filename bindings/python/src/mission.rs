@@ -165,7 +165,7 @@ impl Mission {
                 Self::parse(&text, &file, robot, law, world, seed)
             }
             Content::Trajectory { bytes, .. } => {
-                let trajectory = Trajectory::of(&path, bytes)?;
+                let trajectory = Trajectory::of(&path, bytes, tolerance_m)?;
                 Self::follow(
                     py,
                     &trajectory,

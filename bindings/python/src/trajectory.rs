@@ -22,9 +22,9 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    pub fn of(path: &Path, bytes: Vec<u8>) -> PyResult<Self> {
+    pub fn of(path: &Path, bytes: Vec<u8>, tolerance_m: Option<f64>) -> PyResult<Self> {
         let stem = path.file_stem().unwrap_or_default();
-        let verdict = verdict(&bytes);
+        let verdict = verdict(&bytes, &retiming(false, tolerance_m));
         let reference = match &verdict {
             FileVerdict::Refused(refusal) => return Err(error::refused(path, refusal)),
             FileVerdict::Drivable { trajectory, .. } => (**trajectory).clone(),
@@ -63,18 +63,19 @@ fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDi
 
 #[pymethods]
 impl Trajectory {
-    /// Reads a file.
+    /// Reads a file. Poses that no wheeled base passes, as of noise, may be missed by `tolerance_m`.
     #[staticmethod]
-    fn load(path: PathBuf) -> PyResult<Self> {
+    #[pyo3(signature = (path, *, tolerance_m = None))]
+    fn load(path: PathBuf, tolerance_m: Option<f64>) -> PyResult<Self> {
         let bytes = std::fs::read(&path).map_err(|cause| error::unreadable(&path, &cause))?;
-        Self::of(&path, bytes)
+        Self::of(&path, bytes, tolerance_m)
     }
 
     /// A trajectory from the content of its file; `file` is the name that errors show.
     #[staticmethod]
-    #[pyo3(signature = (content, file = "trajectory"))]
-    fn parse(content: Vec<u8>, file: &str) -> PyResult<Self> {
-        Self::of(Path::new(file), content)
+    #[pyo3(signature = (content, file = "trajectory", *, tolerance_m = None))]
+    fn parse(content: Vec<u8>, file: &str, tolerance_m: Option<f64>) -> PyResult<Self> {
+        Self::of(Path::new(file), content, tolerance_m)
     }
 
     #[getter]

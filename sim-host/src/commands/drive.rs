@@ -143,7 +143,7 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
                 }
                 continue;
             }
-            Content::Trajectory { bytes, .. } => verdict(&bytes),
+            Content::Trajectory { bytes, .. } => verdict(&bytes, &arguments.retiming()),
         };
         say(&format!("{verdict}\n"))?;
         match &verdict {

@@ -2,7 +2,7 @@
 
 use crate::import::{
     Figures, FileVerdict, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance,
-    Trajectory, check,
+    Trajectory, check, format,
 };
 use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
 use crate::precision::Precision;
@@ -23,7 +23,7 @@ pub const TOLERANCE: Tolerance = Tolerance {
 pub struct Retiming {
     /// How fast it may be run.
     pub pace: Pace,
-    /// How far its path may be departed from where that saves time \[m\].
+    /// How far its path may be departed from where that saves time, and its poses where no wheeled base passes them \[m\].
     pub tolerance_m: f64,
 }
 
@@ -182,32 +182,26 @@ pub fn fitted(
     base: &BaseSpec,
     retiming: &Retiming,
 ) -> Result<(Trajectory, TimeScaling), FileError> {
-    retiming.of(&trajectory(bytes)?, base)
+    retiming.of(&trajectory(bytes, retiming)?, base)
 }
 
-/// Whether a file can be driven, within [`TOLERANCE`] of its poses; recorded (TUM) ones, which are
-/// noisy, within the importer's own.
-pub fn verdict(bytes: &[u8]) -> FileVerdict {
-    let planned = Options {
-        tolerance: Some(TOLERANCE),
+/// Whether a file can be driven, within [`TOLERANCE`] of its poses, recorded (TUM) ones within the importer's own; where no base does that,
+/// because they are noisy, within that of `retiming`.
+pub fn verdict(bytes: &[u8], retiming: &Retiming) -> FileVerdict {
+    let planned = format(bytes) != Some(Format::TumPoses);
+    let options = Options {
+        tolerance: planned.then_some(TOLERANCE),
+        tube_m: Some(retiming.tolerance_m),
     };
-    let verdict = check(bytes, &planned);
-    let format = match &verdict {
-        FileVerdict::Drivable { format, .. } => Some(*format),
-        FileVerdict::Refused(refusal) => refusal.format,
-    };
-    match format {
-        Some(Format::TumPoses) => check(bytes, &Options::default()),
-        _ => verdict,
-    }
+    check(bytes, &options)
 }
 
 /// The reference of a file, as [`verdict`] has it.
 ///
 /// # Errors
 /// A file that cannot be driven.
-pub fn trajectory(bytes: &[u8]) -> Result<Trajectory, Refusal> {
-    match verdict(bytes) {
+pub fn trajectory(bytes: &[u8], retiming: &Retiming) -> Result<Trajectory, Refusal> {
+    match verdict(bytes, retiming) {
         FileVerdict::Drivable { trajectory, .. } => Ok(*trajectory),
         FileVerdict::Refused(refusal) => Err(refusal),
     }

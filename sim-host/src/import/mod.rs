@@ -14,7 +14,8 @@
 //! so that v, w are quadratic, θ is cubic, a and α are continuous, and x, y are integrals taken by
 //! Gauss-Legendre quadrature. [`Trajectory::at`] evaluates the same formulas at any instant: pose′ =
 //! (v cos θ, v sin θ, w) holds within 1e-9, there is no interpolation besides. First and last pose
-//! are passed a hundred times closer than the others, and at rest where the file says so.
+//! are passed a hundred times closer than the others, and at rest where the file says so. Poses with
+//! noise are passed as far off as it needs, the first and the last like the others: see `noise`.
 //!
 //! Speeds of a file still serve: to distinguish a turn from the turn the other way round when samples are
 //! far apart, to know rest, and for the verdict, which lists columns that contradict the poses.
@@ -43,6 +44,7 @@ mod interior;
 mod joint;
 mod json;
 mod limits;
+mod noise;
 mod options;
 mod raw;
 mod refusal;
@@ -97,6 +99,17 @@ pub fn import(bytes: &[u8], options: &Options) -> Result<Trajectory, Refusal> {
     Trajectory::of(raw, start, options)
 }
 
+/// The format of a file, if it has one that is known.
+pub fn format(bytes: &[u8]) -> Option<Format> {
+    text(bytes).ok().and_then(|text| detect::detect(text).ok())
+}
+
+/// The text, or the offset of the first byte that is none.
+fn text(bytes: &[u8]) -> Result<&str, usize> {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.valid_up_to())?;
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
 /// The samples as they stand in the file.
 fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
     let refuse = |place, reason| Refusal {
@@ -111,13 +124,11 @@ fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
         };
         return Err(refuse(Place::default(), reason));
     }
-    let text = std::str::from_utf8(bytes).map_err(|e| {
-        let offset = e.valid_up_to();
+    let text = text(bytes).map_err(|offset| {
         let good = bytes.get(..offset).unwrap_or_default();
         let line = 1 + good.iter().filter(|&&b| b == b'\n').count();
         refuse(Place::line(line), Reason::NotText { offset })
     })?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     match detect::detect(text)? {
         Format::WpilibJson => wpilib::read(text),
         Format::ChoreoTraj => choreo::read(text),

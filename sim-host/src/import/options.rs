@@ -17,6 +17,9 @@ pub struct Options {
     /// Instead of the format's own: 0.5 mm and 2 mrad for planned trajectories, 5 mm and 20 mrad
     /// for recorded (TUM) poses. Values that are not positive and finite are not used.
     pub tolerance: Option<Tolerance>,
+    /// Poses with more noise than the tolerance, as recorded ones, may be passed as far off as the noise needs, within a tube of this
+    /// radius \[m\]; that is listed as a repair.
+    pub tube_m: Option<f64>,
 }
 
 impl Options {

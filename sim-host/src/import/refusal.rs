@@ -1,6 +1,6 @@
 //! Why a file is not driven, and where.
 
-use super::Format;
+use super::{Closeness, Format};
 use std::fmt;
 use thiserror::Error;
 
@@ -212,6 +212,22 @@ pub enum Reason {
         /// Turn.
         turn_rad: f64,
     },
+    /// The poses have more noise than the tolerance.
+    #[error(
+        "the poses have noise, {scatter} (standard deviation), that no base follows: allow a tolerance of {:.3} m (`--tolerance`), or smooth the recording",
+        up_to_mm(*needs_m)
+    )]
+    Noise {
+        /// Standard deviation along an axis, and in heading.
+        scatter: Closeness,
+        /// The tolerance that leaves room for it \[m\].
+        needs_m: f64,
+    },
+}
+
+/// The next millimetre, of which a tolerance is printed.
+fn up_to_mm(metres: f64) -> f64 {
+    1e-3 * (1e3 * metres).ceil()
 }
 
 /// Path files without time.

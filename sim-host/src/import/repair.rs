@@ -1,6 +1,6 @@
 //! What had to be repaired, and where.
 
-use super::Place;
+use super::{Closeness, Place};
 use std::fmt;
 
 /// One repair, or a run of like repairs at consecutive samples.
@@ -51,6 +51,13 @@ pub enum Fix {
         /// What the reference has there \[rad/s²\].
         now: f64,
     },
+    /// Poses have more noise than the reference's tolerance, along an axis and in heading: it passes them farther off, farthest here.
+    Noise {
+        /// Standard deviation of the noise.
+        scatter: Closeness,
+        /// How far off they are passed.
+        off: Closeness,
+    },
     /// More repairs than are listed.
     More,
 }
@@ -79,6 +86,10 @@ impl fmt::Display for Fix {
             Self::Smoothed { implied, now } => write!(
                 f,
                 "implied angular acceleration {implied:.0} rad/s² smoothed to {now:.1} rad/s²"
+            ),
+            Self::Noise { scatter, off } => write!(
+                f,
+                "noise of the poses, {scatter} (standard deviation), smoothed: they are passed up to {off} off, farthest here"
             ),
             Self::More => f.write_str("further repairs not listed"),
         }

@@ -1,12 +1,14 @@
 //! A reference that satisfies Eq. (6) at every instant.
 
 use super::fit::motion::{Jerk, advance, travel};
-use super::fit::{self, CLUSTER, Node, Rest, Target};
+use super::fit::{self, CLUSTER, Ends, Node, Rest, Target};
+use super::noise::{self, Noise};
 use super::raw::{Raw, RawSample};
-use super::refusal::{Reason, Refusal};
+use super::refusal::{Place, Reason, Refusal};
 use super::repair::{Fix, Repair};
 use super::time_warp::TimeWarp;
 use super::{Format, Options};
+use std::fmt;
 
 /// The reference at an instant. SI units, radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,6 +43,22 @@ pub struct Closeness {
     pub heading_rad: f64,
 }
 
+impl fmt::Display for Closeness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (position, heading) = (1e3 * self.position_m, 1e3 * self.heading_rad);
+        write!(f, "{position:.1} mm and {heading:.1} mrad")
+    }
+}
+
+impl From<[f64; 2]> for Closeness {
+    fn from([position_m, heading_rad]: [f64; 2]) -> Self {
+        Self {
+            position_m,
+            heading_rad,
+        }
+    }
+}
+
 /// A trajectory that a wheeled base can follow: continuous in pose, twist and acceleration.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
@@ -70,7 +88,6 @@ impl Trajectory {
             samples,
             mut repairs,
         } = raw;
-        let tolerance = options.tolerance(format);
         let targets: Vec<Target> = samples
             .iter()
             .map(|s| Target {
@@ -99,13 +116,21 @@ impl Trajectory {
                 ..*t
             })
             .collect();
-        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance) else {
+        let own = options.tolerance(format);
+        let noise = Noise::of(&samples);
+        let tolerance = noise.tolerance(own, options.tube_m.unwrap_or_default());
+        let ends = if tolerance == own {
+            Ends::Exact
+        } else {
+            Ends::Noisy
+        };
+        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance, ends) else {
             let span = samples.last().map_or(0.0, |s| s.t);
             let place = samples.last().map(|s| s.place.clone()).unwrap_or_default();
             return Err(Refusal::new(format, place, Reason::TooShort(span)));
         };
         if close.excess > 1.0 {
-            return Err(undrivable(format, &samples, &close, tolerance[0]));
+            return Err(undrivable(format, &samples, &close, tolerance, &noise));
         }
         for node in &mut nodes {
             node.z[0] += origin[0];
@@ -138,6 +163,15 @@ impl Trajectory {
                     repairs.add(to.place.clone(), to.t + start, what);
                 }
             }
+        }
+        if tolerance != own
+            && let Some(worst) = samples.get(close.worst)
+        {
+            let what = Fix::Noise {
+                scatter: Closeness::from(noise.scatter),
+                off: trajectory.closeness,
+            };
+            repairs.add(worst.place.clone(), worst.t + start, what);
         }
         trajectory.repairs = repairs.finish(start);
         let times: Vec<f64> = trajectory.nodes.iter().map(|n| n.t).collect();
@@ -300,21 +334,30 @@ fn last_drive(nodes: &[Node]) -> Vec<f64> {
 }
 
 /// The refusal of poses that no wheeled base passes: where it moves across its heading by more
-/// than a turn explains, or else where the fit missed most.
+/// than a turn explains, or else where the fit missed most. Of poses whose noise alone is more than the tolerance the steps tell nothing.
 fn undrivable(
     format: Format,
     samples: &[RawSample],
     close: &fit::Closeness,
-    tolerance: f64,
+    tolerance: [f64; 2],
+    noise: &Noise,
 ) -> Refusal {
+    if noise
+        .expected()
+        .iter()
+        .zip(tolerance)
+        .any(|(expected, most)| *expected > most)
+    {
+        let reason = Reason::Noise {
+            scatter: Closeness::from(noise.scatter),
+            needs_m: noise.tube(),
+        };
+        return Refusal::new(format, Place::default(), reason);
+    }
     let step = |i: usize| {
-        let (from, to) = (samples.get(i.checked_sub(1)?)?, samples.get(i)?);
-        let (sin, cos) = libm::sincos(0.5 * (from.theta + to.theta));
-        let (dx, dy) = (to.x - from.x, to.y - from.y);
-        Some((
-            dx * cos + dy * sin,
-            dy * cos - dx * sin,
-            to.theta - from.theta,
+        Some(noise::step(
+            samples.get(i.checked_sub(1)?)?,
+            samples.get(i)?,
         ))
     };
     let slip = |i| {
@@ -324,7 +367,7 @@ fn undrivable(
     };
     let most = (1..samples.len()).max_by(|&a, &b| slip(a).total_cmp(&slip(b)));
     let worst = most
-        .filter(|&i| slip(i) > tolerance)
+        .filter(|&i| slip(i) > tolerance[0])
         .unwrap_or(close.worst.max(1));
     let (forward_m, sideways_m, turn_rad) = step(worst).unwrap_or_default();
     let reason = Reason::Undrivable {

@@ -20,7 +20,7 @@ const MAX_STEPS: f64 = 1e6;
 /// Of more places, ten minutes of a slowed run, memory and time would be too much: such a path is left as it is.
 const MAX_PLACES: usize = 20_000;
 /// A heading may depart by what brings a point so far ahead to the tube's edge \[m\].
-const AHEAD: f64 = 0.04;
+pub(super) const AHEAD: f64 = 0.04;
 /// Part of the tube that is left where the run is not slowed within `NEAR` seconds.
 const APPROVED: f64 = 0.05;
 const NEAR: f64 = 0.5;

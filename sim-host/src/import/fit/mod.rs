@@ -72,12 +72,22 @@ const MOST: f64 = 1e14;
 /// Along and across together are a distance.
 const SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
+/// How first and last pose are passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ends {
+    /// As good as exactly.
+    Exact,
+    /// As the others: they have the same noise, and what begins exactly there has to shunt to be among them.
+    Noisy,
+}
+
 /// Fits; the closeness says whether the tolerance was reached. `None` for less than two knots, or if
 /// no iterate was finite.
 pub(super) fn fit(
     targets: &[Target],
     rest: Rest,
     tolerance: [f64; 2],
+    ends: Ends,
 ) -> Option<(Vec<Node>, Closeness)> {
     let knots = knots(targets);
     if knots.len() < 2 {
@@ -90,8 +100,11 @@ pub(super) fn fit(
         jerk: vec![Jerk::new(1.0, ARM * ARM); knots.len()],
         rest: 1e10,
     };
-    let ends = [0, targets.len() - 1];
-    for end in ends {
+    let exact: &[usize] = match ends {
+        Ends::Exact => &[0, targets.len() - 1],
+        Ends::Noisy => &[],
+    };
+    for &end in exact {
         if let Some(weight) = weights.pose.get_mut(end) {
             *weight = weight.map(|p| ENDS * p);
         }
@@ -125,7 +138,7 @@ pub(super) fn fit(
         // Only the poses that are missed pull harder: a hard place makes no noise elsewhere. Once
         // none is missed, those with room to spare let go.
         for (i, (weight, miss)) in weights.pose.iter_mut().zip(misses).enumerate() {
-            if ends.contains(&i) {
+            if exact.contains(&i) {
                 continue;
             }
             for ((weight, miss), pull) in weight.iter_mut().zip(miss).zip(pull) {
