@@ -121,6 +121,41 @@ fn check_says_what_is_drivable_without_running() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// A file that is not there and one that is refused keep none after them from being judged.
+#[test]
+fn check_judges_every_file() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let files = [
+        "no-such.csv",
+        &fixture("pathweaver.path"),
+        "park-beside",
+        &fixture("table.csv"),
+    ];
+    let output = sim_host(here.path(), &[&["check"], files.as_slice()].concat())?;
+    let (said, failed) = (
+        String::from_utf8(output.stdout)?,
+        String::from_utf8(output.stderr)?,
+    );
+    assert_eq!(output.status.code(), Some(1), "{said}{failed}");
+    for (file, verdict) in files
+        .into_iter()
+        .zip(["refused", "refused", "in order", "drivable"])
+    {
+        let rest = said.split_once(&format!("{file}\n")).ok_or(file)?.1;
+        let own = rest.split("\n\n").next().unwrap_or_default();
+        assert!(
+            own.contains(&format!("verdict    {verdict}")),
+            "{file}: {said}"
+        );
+    }
+    assert!(
+        said.contains("no-such.csv: cannot be read: No such file"),
+        "{said}"
+    );
+    assert!(failed.contains("2 of 4 files refused"), "{failed}");
+    Ok(())
+}
+
 /// In scripts: a goal that is not reached and a base that stops are failures, an end on the way is none.
 #[test]
 fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {

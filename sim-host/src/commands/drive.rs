@@ -119,46 +119,14 @@ pub fn results(
     })
 }
 
-/// Verdicts, without running anything.
+/// Verdicts, without running anything. A file that is refused keeps no other from being judged.
 pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
     let base = base(arguments.base.as_deref())?;
     let mut refused = 0;
     for file in &arguments.files {
-        say(&format!("{}\n", file.display()))?;
-        let verdict = match Content::read(file)? {
-            Content::Scenario { file, text } => {
-                let parsed = if Mission::is_motion(&text) {
-                    Mission::parse(&file, &text).map(|_| ())
-                } else {
-                    Scenario::parse(&file, &text).map(|_| ())
-                };
-                match parsed {
-                    Ok(()) => say("format     scenario\nverdict    in order\n\n")?,
-                    Err(error) => {
-                        refused += 1;
-                        say(&format!(
-                            "format     scenario\nverdict    refused\n{error}\n\n"
-                        ))?;
-                    }
-                }
-                continue;
-            }
-            Content::Trajectory { bytes, .. } => verdict(&bytes, &arguments.retiming()),
-        };
-        say(&format!("{verdict}\n"))?;
-        match &verdict {
-            FileVerdict::Drivable { trajectory, .. } => {
-                let failed = |cause| CommandError::Trajectory {
-                    path: file.clone(),
-                    cause,
-                };
-                let time_scaled = arguments.retiming().of(trajectory, &base);
-                let (_, scaling) = time_scaled.map_err(failed)?;
-                say(&format!("base       {}: {scaling}\n", base.name))?;
-            }
-            FileVerdict::Refused(_) => refused += 1,
-        }
-        say("\n")?;
+        let (verdict, is_in_order) = judged(file, arguments, &base);
+        refused += usize::from(!is_in_order);
+        say(&format!("{}\n{verdict}\n\n", file.display()))?;
     }
     match refused {
         0 => Ok(()),
@@ -166,6 +134,43 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
             count,
             of: arguments.files.len(),
         }),
+    }
+}
+
+/// What is to be said of a file, and whether it is in order.
+fn judged(file: &Path, arguments: &TrajectoryArgs, base: &BaseSpec) -> (String, bool) {
+    let retiming = arguments.retiming();
+    let bytes = match Content::read(file) {
+        Err(error) => return (format!("verdict    refused\n  {error}"), false),
+        Ok(Content::Trajectory { bytes, .. }) => bytes,
+        Ok(Content::Scenario { file, text }) => {
+            let parsed = if Mission::is_motion(&text) {
+                Mission::parse(&file, &text).map(|_| ())
+            } else {
+                Scenario::parse(&file, &text).map(|_| ())
+            };
+            return match parsed {
+                Ok(()) => ("format     scenario\nverdict    in order".to_owned(), true),
+                Err(error) => (
+                    format!("format     scenario\nverdict    refused\n{error}"),
+                    false,
+                ),
+            };
+        }
+    };
+    let verdict = verdict(&bytes, &retiming);
+    let FileVerdict::Drivable { trajectory, .. } = &verdict else {
+        return (format!("{verdict}\n"), false);
+    };
+    match retiming.of(trajectory, base) {
+        Ok((_, scaling)) => (
+            format!("{verdict}\nbase       {}: {scaling}", base.name),
+            true,
+        ),
+        Err(error) => (
+            format!("{verdict}\nbase       {}: {error}", base.name),
+            false,
+        ),
     }
 }
 
