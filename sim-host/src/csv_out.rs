@@ -253,7 +253,7 @@ impl Line<'_> {
 /// * dist1, dist2: estimated force \[N\] and moment \[N m\] beside the wheels.
 /// * tau1, tau2: force \[N\] and moment \[N m\] that the law demands; tau_right, tau_left: what acts on the wheels until
 ///   the next row.
-/// * phase: `tracking` or `parking`; mode: `following` or `parking`; outcome: `driving`, `parked`, `stalled` or
+/// * phase: `tracking` or `parking`; mode: `following`, `parking` or `driving` by velocity; outcome: `driving`, `parked`, `stalled` or
 ///   `out-of-tolerance`; flags are 0 or 1; retries: how often the robot tried the goal again.
 /// * state, cause: of the whole base; fix: what became of an external pose in this tick, `fused`, `rejected`,
 ///   `relocalised`, `refused`. Empty on the ideal plant.
