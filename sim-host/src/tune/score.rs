@@ -91,9 +91,10 @@ impl Score {
 pub const POSE_DELAY_S: f64 = 0.15;
 /// Delay of the torque that every loop of tuned gains survives \[s\], on a base of this control period \[s\]: five times what
 /// measuring, computing and holding take, one and a half ticks; at least the threshold of
-/// [`controller_core::tuning::Concern::ShortOfTorqueDelay`].
+/// [`controller_core::tuning::Concern::ShortOfTorqueDelay`], and no more than gains that follow from limits survive, 0.107 s at 20 ms
+/// and 0.119 s at 50 ms: five times of what a tick of 50 ms takes, 0.375 s, survive only gains with which parks do not end.
 pub const fn torque_delay_s(period_s: f64) -> f64 {
-    (7.5 * period_s).max(0.05)
+    (7.5 * period_s).clamp(0.05, 0.1)
 }
 
 /// What the linear loops lack of being healthy: for damping, [`POSE_DELAY_S`], [`torque_delay_s`] and the mass of
@@ -116,6 +117,7 @@ pub fn health(gains: &MotionGains<f64>, period_s: f64) -> f64 {
 mod tests {
     use super::health;
     use crate::mission::BaseSpec;
+    use crate::scenario::BASES;
     use controller_core::motion::MotionGains;
 
     #[test]
@@ -128,5 +130,18 @@ mod tests {
             ..good
         };
         assert!(health(&stiff, 0.01) > 20.0);
+    }
+
+    #[test]
+    fn gains_for_limits_are_healthy_at_every_period() {
+        for built_in in BASES {
+            for period_s in [0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05] {
+                let mut base = built_in.base().expect("a shipped file");
+                base.gains = None;
+                base.hardware.as_mut().expect("with hardware").period_s = period_s;
+                let found = health(&base.motion().gains, period_s);
+                assert_eq!(found, 0.0, "{} at {period_s} s", built_in.name);
+            }
+        }
     }
 }
