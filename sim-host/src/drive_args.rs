@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 use sim_host::drive::{FileRun, Retiming};
 use sim_host::import::Pace;
+use sim_host::mission::BaseSpec;
 use sim_host::precision::Precision;
 use std::path::PathBuf;
 
@@ -22,14 +23,14 @@ pub struct DriveArgs {
     /// Trajectory files: number type of the controller
     #[arg(long, value_enum, default_value_t = Number::F32)]
     precision: Number,
-    /// Trajectory files: time between control ticks [s]
-    #[arg(long, value_name = "S", default_value = "0.01")]
-    period: f64,
+    /// Trajectory files: time between control ticks [s]; else that of the base's file
+    #[arg(long, value_name = "S")]
+    period: Option<f64>,
 }
 
 impl DriveArgs {
-    /// The same for the library.
-    pub fn file_run(&self) -> FileRun {
+    /// The same for the library, on this base.
+    pub fn file_run(&self, base: &BaseSpec) -> FileRun {
         FileRun {
             offset_m: self.offset,
             retiming: self.route.retiming(),
@@ -37,7 +38,7 @@ impl DriveArgs {
                 Number::F32 => Precision::F32,
                 Number::F64 => Precision::F64,
             },
-            period_s: self.period,
+            period_s: self.period.unwrap_or(base.period_s()),
         }
     }
 }

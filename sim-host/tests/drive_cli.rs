@@ -156,6 +156,22 @@ fn check_judges_every_file() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// The base's own period, as its gains are for that one, unless another is asked for.
+#[test]
+fn a_file_is_run_at_the_period_of_its_base() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let file = fixture("small_table.csv");
+    for (more, period_s) in [(&[][..], 0.005), (&["--period", "0.02"][..], 0.02)] {
+        let arguments = [&["run", &file, "--csv", "--base", "hobby-1kg"], more].concat();
+        assert!(sim_host(here.path(), &arguments)?.status.success());
+        let mut trace = csv::Reader::from_path(here.path().join("out/small_table.csv"))?;
+        let second = trace.records().nth(1).ok_or("no rows")??;
+        let t: f64 = second.get(0).ok_or("no cells")?.parse()?;
+        assert!((t - period_s).abs() < 1e-9, "{more:?}: {t}");
+    }
+    Ok(())
+}
+
 /// In scripts: a goal that is not reached and a base that stops are failures, an end on the way is none.
 #[test]
 fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {

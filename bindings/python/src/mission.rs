@@ -222,16 +222,11 @@ impl Mission {
         period_s: Option<f64>,
     ) -> PyResult<Self> {
         let base = robot.map_or_else(BaseSpec::default, |robot| robot.file.base.clone());
-        let usual = FileRun::default();
         let run = FileRun {
             offset_m,
             retiming: retiming(fastest, tolerance_m),
             precision: self::precision(precision)?,
-            // In a world there is a whole base, which ticks as its file says.
-            period_s: period_s.unwrap_or(match world {
-                Some(_) => base.period_s(),
-                None => usual.period_s,
-            }),
+            period_s: period_s.unwrap_or(base.period_s()),
         };
         let name = &trajectory.name;
         let job = py.detach(|| Job::follow(name, &trajectory.bytes, &run, &base));
