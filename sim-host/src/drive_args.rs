@@ -20,9 +20,9 @@ pub struct DriveArgs {
     offset: Option<f64>,
     #[command(flatten)]
     route: RouteArgs,
-    /// Trajectory files: number type of the controller
-    #[arg(long, value_enum, default_value_t = Number::F32)]
-    precision: Number,
+    /// Trajectory files: number type of the controller; else f32
+    #[arg(long, value_enum)]
+    precision: Option<Number>,
     /// Trajectory files: time between control ticks [s]; else that of the base's file
     #[arg(long, value_name = "S")]
     period: Option<f64>,
@@ -35,11 +35,24 @@ impl DriveArgs {
             offset_m: self.offset,
             retiming: self.route.retiming(),
             precision: match self.precision {
-                Number::F32 => Precision::F32,
-                Number::F64 => Precision::F64,
+                None | Some(Number::F32) => Precision::F32,
+                Some(Number::F64) => Precision::F64,
             },
             period_s: self.period.unwrap_or(base.period_s()),
         }
+    }
+
+    /// The first that was given of those that a scenario has in its file.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--offset", self.offset.is_some()),
+            ("--fastest", self.route.fastest),
+            ("--tolerance", self.route.tolerance.is_some()),
+            ("--precision", self.precision.is_some()),
+            ("--period", self.period.is_some()),
+        ];
+        let mut given = options.into_iter().filter(|(_, given)| *given);
+        given.next().map(|(option, _)| option)
     }
 }
 
@@ -79,9 +92,9 @@ struct RouteArgs {
     #[arg(long)]
     fastest: bool,
     /// Trajectory files: smooth the path by up to this, where that saves time or where noisy poses
-    /// leave no other [m]; 0 follows every pose
-    #[arg(long, value_name = "M", default_value = "0.01")]
-    tolerance: f64,
+    /// leave no other [m]; 0 follows every pose, else 0.01
+    #[arg(long, value_name = "M")]
+    tolerance: Option<f64>,
 }
 
 impl RouteArgs {
@@ -92,7 +105,7 @@ impl RouteArgs {
             } else {
                 Pace::Own
             },
-            tolerance_m: self.tolerance,
+            tolerance_m: self.tolerance.unwrap_or(Retiming::default().tolerance_m),
         }
     }
 }

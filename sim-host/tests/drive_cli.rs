@@ -172,6 +172,32 @@ fn a_file_is_run_at_the_period_of_its_base() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// What a scenario has in its file is refused beside it, and taken where one of the files is a trajectory.
+#[test]
+fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    for option in [
+        &["--offset", "0.3"][..],
+        &["--fastest"],
+        &["--tolerance", "0"],
+        &["--precision", "f32"],
+        &["--period", "0.01"],
+    ] {
+        let output = sim_host(here.path(), &[&["run", "park-beside"], option].concat())?;
+        let said = String::from_utf8(output.stderr)?;
+        assert_eq!(output.status.code(), Some(1), "{option:?}");
+        let expected = format!(
+            "{} is for trajectory files: a scenario says it itself",
+            option[0]
+        );
+        assert!(said.contains(&expected), "{said}");
+    }
+    assert!(!here.path().join("out").exists());
+    let both = ["run", "park-beside", &fixture("table.csv"), "--offset", "0"];
+    assert!(sim_host(here.path(), &both)?.status.success());
+    Ok(())
+}
+
 /// In scripts: a goal that is not reached and a base that stops are failures, an end on the way is none.
 #[test]
 fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {

@@ -5,10 +5,10 @@ use super::log::{finish, started};
 use super::write::Writer;
 use super::{note, note_named, say};
 use crate::cli::Output;
-use crate::drive_args::TrajectoryArgs;
+use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
 use sim_host::csv_out::Columns;
-use sim_host::drive::{ChipTable, DriveMetrics, FileRun, summary, verdict};
+use sim_host::drive::{ChipTable, DriveMetrics, summary, verdict};
 use sim_host::figure::Labelled;
 use sim_host::import::FileVerdict;
 use sim_host::job::{Content, Job, Trajectory};
@@ -203,13 +203,14 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
 /// All files of a `run`. Of those that cannot be used every one is told.
 pub fn load_all(
     files: &[std::path::PathBuf],
-    run: &FileRun,
+    arguments: &DriveArgs,
     base: &BaseSpec,
 ) -> Result<Vec<Job>, CommandError> {
+    let run = arguments.file_run(base);
     let mut jobs: Vec<Job> = Vec::new();
     let mut failed = Vec::new();
     for file in files {
-        match Job::load(file, run, base) {
+        match Job::load(file, &run, base) {
             // Results are named after the file: a second one would overwrite the first one's.
             Ok(job) if jobs.iter().any(|other| other.name() == job.name()) => {
                 failed.push(CommandError::SameName(job.name().to_owned()));
@@ -219,5 +220,9 @@ pub fn load_all(
         }
     }
     CommandError::all(failed)?;
-    Ok(jobs)
+    let follows = |job: &Job| matches!(job, Job::Mission { file: Some(_), .. });
+    match arguments.given() {
+        Some(option) if !jobs.iter().any(follows) => Err(CommandError::ForTrajectories(option)),
+        _ => Ok(jobs),
+    }
 }

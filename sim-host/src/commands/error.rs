@@ -40,6 +40,8 @@ pub enum CommandError {
     Refused { count: usize, of: usize },
     #[error("{}: a scenario, not a trajectory", .0.display())]
     NoTrajectory(PathBuf),
+    #[error("{0} is for trajectory files: a scenario says it itself, in its file")]
+    ForTrajectories(&'static str),
     #[error("{mission}: {why}")]
     NotDone { mission: String, why: String },
     #[error("no fresh seed: {0}")]

@@ -45,7 +45,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             drive,
         } => {
             let base = drive::base(drive.base.as_deref())?;
-            let jobs = drive::load_all(files, &drive.file_run(&base), &base)?;
+            let jobs = drive::load_all(files, drive, &base)?;
             run::all(&jobs, *csv, log, output)
         }
         Command::Check(arguments) => drive::check(arguments),
@@ -57,7 +57,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             drive,
         } => {
             let base = drive::base(drive.base.as_deref())?;
-            let jobs = drive::load_all(files, &drive.file_run(&base), &base)?;
+            let jobs = drive::load_all(files, drive, &base)?;
             let chosen = drive.base.as_ref().map(|_| &base);
             compare::jobs(&jobs, laws, chosen, *csv, output)
         }
@@ -70,8 +70,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         } => {
             let base = drive::base(drive.base.as_deref())?;
             let jobs = match files.as_slice() {
-                [] => drive::load_all(&PAPER.map(PathBuf::from), &drive.file_run(&base), &base)?,
-                files => drive::load_all(files, &drive.file_run(&base), &base)?,
+                [] => drive::load_all(&PAPER.map(PathBuf::from), drive, &base)?,
+                files => drive::load_all(files, drive, &base)?,
             };
             let board = pil::Board {
                 machine: (*machine).into(),
