@@ -5,7 +5,7 @@ use crate::drive::{FileError, FileRun, verdict};
 use crate::import::{FileVerdict, TimeScaling};
 use crate::mission::{BaseSpec, Mission};
 use crate::run::{self, RunError, Watch};
-use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError};
+use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError, if_named};
 use crate::trace::Trace;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub enum JobError {
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// No such file, or no right to it.
-    #[error("{}: cannot be read: {cause}", path.display())]
+    #[error("{}: cannot be read: {cause}{}", path.display(), if_named(path, cause))]
     Read {
         /// The file.
         path: PathBuf,

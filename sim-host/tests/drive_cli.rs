@@ -198,6 +198,24 @@ fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dy
     Ok(())
 }
 
+#[test]
+fn a_name_that_leads_to_nothing_is_told_what_is_built_in() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    for (arguments, is_name) in [
+        (&["run", "park-besides"][..], true),
+        (&["verify", "lab"], true),
+        (&["check", "park-beside", "--base", "lab"], true),
+        (&["run", "mine.csv"], false),
+        (&["run", "here/mine"], false),
+    ] {
+        let said = String::from_utf8(sim_host(here.path(), arguments)?.stderr)?;
+        assert!(said.contains("cannot be read: No such file"), "{said}");
+        let told = said.contains("built in are the bases paper-30kg, lab-10kg, hobby-1kg");
+        assert_eq!(told, is_name, "{said}");
+    }
+    Ok(())
+}
+
 /// In scripts: a goal that is not reached and a base that stops are failures, an end on the way is none.
 #[test]
 fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {

@@ -205,6 +205,13 @@ fn binary_and_long_files_are_refused_early() -> Result<(), String> {
         (binary.place.line, binary.reason),
         (Some(2), Reason::NotText { offset: 16 })
     );
+    let sixteen = refusal(b"\xff\xfet\0,\0")?.to_string();
+    assert!(sixteen.ends_with("has to be saved as UTF-8"), "{sixteen}");
+    let semicolons = refusal(b"t;x;y;theta\n0;0;0;0\n")?.to_string();
+    assert!(
+        semicolons.contains("with commas and not semicolons"),
+        "{semicolons}"
+    );
     let limit = MAX_SAMPLES;
     let mut table = "t,x,y,theta\n".to_owned();
     let mut poses = String::new();

@@ -107,7 +107,9 @@ pub enum Reason {
         limit: usize,
     },
     /// Binary data.
-    #[error("not text: byte {offset} is not UTF-8")]
+    #[error(
+        "not text: byte {offset} is not UTF-8; a text in another encoding, as UTF-16, has to be saved as UTF-8"
+    )]
     NotText {
         /// Offset of the byte.
         offset: usize,
@@ -117,7 +119,7 @@ pub enum Reason {
     Empty,
     /// No format fits.
     #[error(
-        "not a trajectory file that is known: WPILib trajectory JSON, Choreo differential .traj, TUM poses, or CSV with the header t,x,y,theta[,v,w[,a,alpha]]"
+        "not a trajectory file that is known: WPILib trajectory JSON, Choreo differential .traj, TUM poses, or CSV, with commas and not semicolons or tabs, and the header t,x,y,theta[,v,w[,a,alpha]]"
     )]
     UnknownFormat,
     /// The text breaks the rules of JSON or CSV, or a value has the wrong type.

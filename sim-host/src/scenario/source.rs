@@ -1,5 +1,6 @@
 //! Where in a file a key stands, and errors that show the place.
 
+use super::built_in::if_named;
 use controller_core::error::ParamError;
 use std::fmt;
 use std::ops::Range;
@@ -196,7 +197,7 @@ pub(super) fn load<T>(
             file,
             line: None,
             key: String::new(),
-            message: format!("cannot be read: {error}"),
+            message: format!("cannot be read: {error}{}", if_named(path, &error)),
             excerpt: String::new(),
         }),
     }
