@@ -216,6 +216,39 @@ fn a_name_that_leads_to_nothing_is_told_what_is_built_in() -> Result<(), Box<dyn
     Ok(())
 }
 
+/// Files that are no scenarios keep none from being listed; a base that is not there is told where it is named.
+#[test]
+fn files_beside_scenarios_are_told_after_them() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let text =
+        "[run]\nduration = 2.0\nperiod = 0.005\n[controller]\nkind = \"motion\"\n[goal]\nx = 0.1\n";
+    for (name, text) in [
+        ("a.toml", "[robot]\n".to_owned()),
+        ("b.toml", format!("description = \"short\"\n{text}")),
+        (
+            "c.toml",
+            format!("description = \"none\"\nbase = \"lab\"\n{text}"),
+        ),
+    ] {
+        fs::write(here.path().join(name), text)?;
+    }
+    let output = sim_host(here.path(), &["list", "."])?;
+    let (said, failed) = (
+        String::from_utf8(output.stdout)?,
+        String::from_utf8(output.stderr)?,
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(said, "b  short\n");
+    for part in [
+        "a.toml:1:",
+        "c.toml:2: base: ",
+        "lab: cannot be read: No such file",
+    ] {
+        assert!(failed.contains(part), "{part}: {failed}");
+    }
+    Ok(())
+}
+
 /// In scripts: a goal that is not reached and a base that stops are failures, an end on the way is none.
 #[test]
 fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Names and descriptions, built in or of a directory.
 pub fn list(directory: Option<&Path>) -> Result<(), CommandError> {
+    let mut failed = Vec::new();
     let scenarios = match directory {
         None => {
             let built_in = BUILT_IN.iter().chain(MISSIONS);
@@ -16,10 +17,9 @@ pub fn list(directory: Option<&Path>) -> Result<(), CommandError> {
         }
         Some(directory) => {
             let files = toml_files(directory)?;
-            files
-                .iter()
-                .map(|file| load(file))
-                .collect::<Result<Vec<_>, _>>()?
+            let all = files.iter().map(|file| load(file));
+            all.filter_map(|scenario| scenario.map_err(|error| failed.push(error)).ok())
+                .collect()
         }
     };
     let width = scenarios.iter().map(|(name, _)| name.chars().count()).max();
@@ -27,7 +27,7 @@ pub fn list(directory: Option<&Path>) -> Result<(), CommandError> {
     for (name, description) in &scenarios {
         say(&format!("{name:width$}  {description}\n"))?;
     }
-    Ok(())
+    CommandError::all(failed)
 }
 
 /// Name and description of a file.

@@ -121,7 +121,7 @@ impl Mission {
             Some(_) if keys.robot.is_some() || keys.limits.is_some() => {
                 return Err(place.error("base", "is a whole base: leave out [robot] and [limits]"));
             }
-            Some(named) => named_base(file, named)?,
+            Some(named) => named_base(file, named, &place)?,
         };
         if keys.world.is_some() && keys.plant != file::Plant::default() {
             let message = "is the ideal plant's: a [world] says it in [world.body]";
@@ -185,14 +185,18 @@ impl Scenario {
 }
 
 /// A base's file beside the scenario's, or one of the built-in bases.
-fn named_base(file: &str, named: &str) -> Checked<BaseSpec> {
+fn named_base(file: &str, named: &str, place: &Source<'_>) -> Checked<BaseSpec> {
     let beside = Path::new(file)
         .parent()
         .unwrap_or(Path::new(""))
         .join(named);
     match unless_file(BuiltInBase::find(named), &beside) {
         Some(base) => base.base(),
-        None => BaseSpec::load(&beside),
+        None => BaseSpec::load(&beside).map_err(|error| match error.line {
+            // It was not read: what is wrong is its name.
+            None => place.error("base", error),
+            Some(_) => error,
+        }),
     }
 }
 
