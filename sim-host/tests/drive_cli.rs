@@ -210,7 +210,7 @@ fn a_name_that_leads_to_nothing_is_told_what_is_built_in() -> Result<(), Box<dyn
     ] {
         let said = String::from_utf8(sim_host(here.path(), arguments)?.stderr)?;
         assert!(said.contains("cannot be read: No such file"), "{said}");
-        let told = said.contains("built in are the bases paper-30kg, lab-10kg, hobby-1kg");
+        let told = said.contains("built in are the scenarios of `sim-host list` and the bases");
         assert_eq!(told, is_name, "{said}");
     }
     Ok(())

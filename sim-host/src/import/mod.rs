@@ -34,6 +34,7 @@
 #[cfg(feature = "datalog")]
 mod bag;
 mod choreo;
+mod closeness;
 mod columns;
 mod compact;
 mod detect;
@@ -59,8 +60,9 @@ mod tum;
 mod verdict;
 mod wpilib;
 
-#[cfg(feature = "datalog")]
 pub use bag::bag_poses;
+#[cfg(feature = "datalog")]
+pub use closeness::Closeness;
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
 pub use format::Format;
@@ -69,7 +71,7 @@ pub use options::{Options, Tolerance};
 pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
 pub use time_scaling::{Pace, ScaledSpan, TimeScaling};
-pub use trajectory::{Closeness, Sample, Trajectory};
+pub use trajectory::{Sample, Trajectory};
 pub use verdict::{FileVerdict, check};
 
 use raw::Raw;

@@ -1,7 +1,7 @@
 //! Noise of recorded poses, told from motion, and what a reference has to leave to it.
 
+use super::closeness::AHEAD;
 use super::raw::RawSample;
-use super::tube::AHEAD;
 
 /// A standard deviation over the median magnitude of a normal distribution.
 const BY_MEDIAN: f64 = 1.482_602_218_505_602;

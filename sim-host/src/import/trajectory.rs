@@ -7,8 +7,7 @@ use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::{Fix, Repair};
 use super::time_warp::TimeWarp;
-use super::{Format, Options};
-use std::fmt;
+use super::{Closeness, Format, Options};
 
 /// The reference at an instant. SI units, radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,31 +31,6 @@ pub struct Sample {
     /// Left of the way until it rests at its end, in the last drive, which goes forward only or backward only; before that, and of a
     /// trajectory that does not rest at its end, 0.
     pub left: f64,
-}
-
-/// How close a reference passes the poses of its file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closeness {
-    /// Largest distance \[m\].
-    pub position_m: f64,
-    /// Largest angle \[rad\].
-    pub heading_rad: f64,
-}
-
-impl fmt::Display for Closeness {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (position, heading) = (1e3 * self.position_m, 1e3 * self.heading_rad);
-        write!(f, "{position:.1} mm and {heading:.1} mrad")
-    }
-}
-
-impl From<[f64; 2]> for Closeness {
-    fn from([position_m, heading_rad]: [f64; 2]) -> Self {
-        Self {
-            position_m,
-            heading_rad,
-        }
-    }
 }
 
 /// A trajectory that a wheeled base can follow: continuous in pose, twist and acceleration.

@@ -4,12 +4,13 @@
 //! together are sought from the quickest run of the file's own path (`joint`); the path that comes of
 //! it is run in its least time, where every limit is looked at between the places of the tube too.
 
+use super::closeness::{AHEAD, Closeness};
 use super::fit::Node;
 use super::fit::motion::{Jerk, State};
 use super::joint::{self, Stage};
 use super::limits::{LimitError, ReferenceLimits};
 use super::time_scaling::{FASTEST, Pace, TimeScaling};
-use super::{Closeness, Sample, Trajectory};
+use super::{Sample, Trajectory};
 
 /// Places of the tube are at most so far apart on the file's path, by way \[m\], turn \[rad\] and
 /// time of its run \[s\].
@@ -19,8 +20,6 @@ const STEP: f64 = 0.005;
 const MAX_STEPS: f64 = 1e6;
 /// Of more places, ten minutes of a slowed run, memory and time would be too much: such a path is left as it is.
 const MAX_PLACES: usize = 20_000;
-/// A heading may depart by what brings a point so far ahead to the tube's edge \[m\].
-pub(super) const AHEAD: f64 = 0.04;
 /// Part of the tube that is left where the run is not slowed within `NEAR` seconds.
 const APPROVED: f64 = 0.05;
 const NEAR: f64 = 0.5;

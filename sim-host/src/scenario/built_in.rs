@@ -1,7 +1,6 @@
 //! The scenario files that travel inside the program.
 
-use super::{BASES, Scenario, ScenarioError};
-use std::io::{self, ErrorKind};
+use super::{Scenario, ScenarioError};
 use std::path::Path;
 
 /// A scenario file built into the program.
@@ -58,17 +57,6 @@ pub const PAPER: [&str; 2] = ["paper-line", "paper-curve"];
 /// What is built in under a name, where the name's `path` leads to nothing to read: a file comes first, a pipe too, a directory does not.
 pub(super) fn unless_file<T>(built_in: Option<T>, path: &Path) -> Option<T> {
     built_in.filter(|_| !path.exists() || path.is_dir())
-}
-
-/// What there is by name, where a `path` to nothing looks like one.
-pub(crate) fn if_named(path: &Path, cause: &io::Error) -> String {
-    let is_name = path.components().count() == 1 && path.extension().is_none();
-    if !is_name || cause.kind() != ErrorKind::NotFound {
-        return String::new();
-    }
-    let bases: Vec<_> = BASES.iter().map(|base| base.name).collect();
-    let bases = bases.join(", ");
-    format!("; built in are the bases {bases}, and the scenarios of `sim-host list`")
 }
 
 impl BuiltIn {

@@ -17,11 +17,11 @@ mod ranges;
 mod renamed;
 mod source;
 
-pub(crate) use built_in::if_named;
 pub use built_in::{BUILT_IN, BuiltIn, MISSIONS, PAPER};
 pub use built_in_base::{BASES, BuiltInBase, GYRO};
 pub use renamed::RENAMED_KEYS;
 pub use source::ScenarioError;
+pub(crate) use source::if_named;
 
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;

@@ -1,8 +1,8 @@
 //! Where in a file a key stands, and errors that show the place.
 
-use super::built_in::if_named;
 use controller_core::error::ParamError;
 use std::fmt;
+use std::io::{self, ErrorKind};
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -183,6 +183,16 @@ fn path_to(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> 
         }
     }
     false
+}
+
+/// Where the built-in ones are told, for a `path` to nothing that looks like the name of one.
+pub(crate) fn if_named(path: &Path, cause: &io::Error) -> &'static str {
+    let is_name = path.components().count() == 1 && path.extension().is_none();
+    if is_name && cause.kind() == ErrorKind::NotFound {
+        "; built in are the scenarios of `sim-host list` and the bases of `sim-host run --help`"
+    } else {
+        ""
+    }
 }
 
 /// What `parse` makes of a file; it gets the file's name and text.
