@@ -465,7 +465,7 @@ impl<T: Scalar> ParkingLaw<T> {
         }
     }
 
-    /// Wheels slide. A manoeuvre under way asks for less, once; what is being searched for will have begun from rest, or is slower already.
+    /// Wheels slide. A manoeuvre under way asks for less, once; where one is still being searched for, the robot comes to rest.
     #[cold]
     pub(crate) fn declare_slide(&mut self) {
         let drives = matches!(&self.approach, Approach::Manoeuvre(execution) if !execution.is_over() && !execution.is_searching());

@@ -60,8 +60,8 @@ mod tum;
 mod verdict;
 mod wpilib;
 
-pub use bag::bag_poses;
 #[cfg(feature = "datalog")]
+pub use bag::bag_poses;
 pub use closeness::Closeness;
 pub use compact::{Compact, CompactSample, compact};
 pub use figures::Figures;
