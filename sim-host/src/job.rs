@@ -1,8 +1,8 @@
 //! What a user names to be run: a file, by its content, or what is built in, and the robot that runs it.
 
 use crate::csv_out::Columns;
-use crate::drive::{FileError, FileRun, verdict};
-use crate::import::{FileVerdict, TimeScaling};
+use crate::drive::{FileError, FileRun, trajectory};
+use crate::import::{self, TimeScaling};
 use crate::mission::{BaseSpec, Mission};
 use crate::run::{self, RunError, Watch};
 use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError, if_named};
@@ -63,8 +63,8 @@ pub enum Job {
 pub struct Trajectory {
     /// How its time was scaled for the base.
     pub scaling: TimeScaling,
-    /// What was read.
-    pub verdict: FileVerdict,
+    /// As it was read.
+    pub read: Box<import::Trajectory>,
 }
 
 /// A file's content.
@@ -129,11 +129,11 @@ impl Job {
         run: &FileRun,
         base: &BaseSpec,
     ) -> Result<Self, FileError> {
-        let (mission, scaling) = run.mission(name, bytes, base)?;
-        let verdict = verdict(bytes, &run.retiming);
+        let read = Box::new(trajectory(bytes, &run.retiming)?);
+        let (mission, scaling) = run.along(name, &read, base)?;
         Ok(Self::Mission {
             mission: Box::new(mission),
-            file: Some(Trajectory { scaling, verdict }),
+            file: Some(Trajectory { scaling, read }),
         })
     }
 
@@ -253,7 +253,7 @@ impl Content {
         if !is_bag(&bytes) {
             return Ok(None);
         }
-        let text = crate::import::bag_poses(&bytes, topic);
+        let text = import::bag_poses(&bytes, topic);
         let text = text.map_err(|cause| JobError::Bag {
             path: file.clone(),
             cause,

@@ -1,7 +1,6 @@
 //! What stands of a run in a JSON file.
 
 use crate::drive::DriveMetrics;
-use crate::import::FileVerdict;
 use crate::job::Trajectory;
 use crate::metrics::Metrics;
 use crate::mission::Mission;
@@ -180,10 +179,7 @@ impl<'a> DriveRecord<'a> {
         metrics: &'a DriveMetrics,
         chip: Option<&'a ChipRecord<BaseCost>>,
     ) -> Self {
-        let mut repairs = Vec::new();
-        if let Some(FileVerdict::Drivable { repairs: list, .. }) = file.map(|file| &file.verdict) {
-            repairs.extend(list.iter().map(ToString::to_string));
-        }
+        let repairs = file.map_or(&[][..], |file| file.read.repairs());
         Self {
             scenario: &mission.name,
             description: &mission.description,
@@ -194,7 +190,7 @@ impl<'a> DriveRecord<'a> {
             duration_s: trace.rows.last().map_or(0.0, |row| row.t),
             stretched_by: file.map(|file| file.scaling.factor),
             departure_m: file.and_then(|file| Some(file.scaling.departure?.position_m)),
-            repairs,
+            repairs: repairs.iter().map(ToString::to_string).collect(),
             metrics,
             chip,
         }

@@ -1,7 +1,7 @@
 //! Fixture files of every format become references that are continuous and consistent.
 
 use sim_host::drive::{Retiming, fitted};
-use sim_host::import::{FileVerdict, Fix, Format, Options, Trajectory, check, import};
+use sim_host::import::{FileVerdict, Fix, Format, Options, Trajectory, import};
 use sim_host::mission::BaseSpec;
 use std::error::Error;
 use tests::fixtures::{self, DRIVABLE};
@@ -260,18 +260,14 @@ fn time_outside_is_standstill_at_the_ends() -> Outcome {
 
 #[test]
 fn verdict_reads_well() -> Outcome {
-    let text = check(
-        b"t,x,y,theta,v\n0,0,0,0,0\n1,0.5,0,0,1\n2,1,0,0,0\n",
-        &Options::default(),
-    );
-    assert!(text.is_drivable());
-    let text = text.to_string();
+    let judged = |file: &str| {
+        let read = import(file.as_bytes(), &Options::default());
+        FileVerdict(read.as_ref()).to_string()
+    };
+    let text = judged("t,x,y,theta,v\n0,0,0,0,0\n1,0.5,0,0,1\n2,1,0,0,0\n");
     for part in ["CSV", "drivable", "2.000 s", "1.000 m", "repairs    none"] {
         assert!(text.contains(part), "{part} not in {text}");
     }
-    assert!(matches!(
-        check(b"", &Options::default()),
-        FileVerdict::Refused(_)
-    ));
+    assert!(judged("").starts_with("verdict    refused\n"));
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::robot::{Robot, numbers};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sim_host::drive::{Retiming, verdict};
+use sim_host::drive::{Retiming, trajectory};
 use sim_host::import::{FileVerdict, Pace, Sample, Trajectory as Reference};
 use sim_host::mission::BaseSpec;
 use std::path::{Path, PathBuf};
@@ -17,22 +17,17 @@ pub struct Trajectory {
     pub name: String,
     /// The file's own content: what a mission is made of.
     pub bytes: Arc<Vec<u8>>,
-    verdict: FileVerdict,
     reference: Arc<Reference>,
 }
 
 impl Trajectory {
     pub fn of(path: &Path, bytes: Vec<u8>, tolerance_m: Option<f64>) -> PyResult<Self> {
         let stem = path.file_stem().unwrap_or_default();
-        let verdict = verdict(&bytes, &retiming(false, tolerance_m));
-        let reference = match &verdict {
-            FileVerdict::Refused(refusal) => return Err(error::refused(path, refusal)),
-            FileVerdict::Drivable { trajectory, .. } => (**trajectory).clone(),
-        };
+        let reference = trajectory(&bytes, &retiming(false, tolerance_m))
+            .map_err(|refusal| error::refused(path, &refusal))?;
         Ok(Self {
             name: stem.to_string_lossy().into_owned(),
             bytes: Arc::new(bytes),
-            verdict,
             reference: Arc::new(reference),
         })
     }
@@ -128,7 +123,7 @@ impl Trajectory {
     /// Format, figures and repairs, for people.
     #[getter]
     fn report(&self) -> String {
-        self.verdict.to_string()
+        FileVerdict(Ok(&self.reference)).to_string()
     }
 
     /// An array for each of t, x, y, theta, v, w, a, alpha and left, what the last drive has to go until it rests; at most 25 ms between samples.
@@ -170,7 +165,6 @@ impl Trajectory {
         let scaled = Self {
             name: self.name.clone(),
             bytes: Arc::clone(&self.bytes),
-            verdict: self.verdict.clone(),
             reference: Arc::new(reference),
         };
         Ok((scaled, scaling.to_string()))

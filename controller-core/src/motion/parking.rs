@@ -50,7 +50,12 @@ enum Grip {
 impl<T: Scalar> Memory<T> {
     /// Where full accelerations have led beside this goal twice, or wheels slid, half of them are planned with.
     fn is_slower(&self) -> bool {
-        self.retry.has_failed_twice() || self.grip != Grip::Holds
+        self.retry.has_failed_twice() || self.has_slid()
+    }
+
+    /// Wheels slid on the way to this goal.
+    fn has_slid(&self) -> bool {
+        self.grip != Grip::Holds
     }
 
     /// With a manoeuvre under way nothing has arrived, and nothing is stuck.
@@ -469,14 +474,14 @@ impl<T: Scalar> ParkingLaw<T> {
     #[cold]
     pub(crate) fn declare_slide(&mut self) {
         let drives = matches!(&self.approach, Approach::Manoeuvre(execution) if !execution.is_over() && !execution.is_searching());
-        if drives && self.memory.grip == Grip::Holds {
+        if drives && !self.memory.has_slid() {
             self.memory.grip = Grip::Lost;
         }
     }
 
     /// Wheels slid on the way to this goal.
     pub(crate) fn has_slid(&self) -> bool {
-        self.memory.grip != Grip::Holds
+        self.memory.has_slid()
     }
 
     /// Nothing is asked for any more: parked, or given up.

@@ -8,7 +8,7 @@ use crate::cli::Output;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
 use sim_host::csv_out::Columns;
-use sim_host::drive::{ChipTable, DriveMetrics, summary, verdict};
+use sim_host::drive::{ChipTable, DriveMetrics, summary, trajectory};
 use sim_host::figure::Labelled;
 use sim_host::import::FileVerdict;
 use sim_host::job::{Content, Job, Trajectory};
@@ -68,9 +68,10 @@ pub struct Done {
 /// What is about to be run.
 pub fn announce(mission: &Mission, file: Option<&Trajectory>) -> Result<(), CommandError> {
     say(&format!("{}: {}\n", mission.name, mission.description))?;
-    if let Some(Trajectory { scaling, verdict }) = file {
+    if let Some(Trajectory { scaling, read }) = file {
         say(&format!(
-            "{verdict}\nbase       {}: {scaling}\n",
+            "{}\nbase       {}: {scaling}\n",
+            FileVerdict(Ok(read)),
             mission.base.name
         ))?;
     } else {
@@ -158,8 +159,9 @@ fn judged(file: &Path, arguments: &TrajectoryArgs, base: &BaseSpec) -> (String, 
             };
         }
     };
-    let verdict = verdict(&bytes, &retiming);
-    let FileVerdict::Drivable { trajectory, .. } = &verdict else {
+    let trajectory = trajectory(&bytes, &retiming);
+    let verdict = FileVerdict(trajectory.as_ref());
+    let Ok(trajectory) = &trajectory else {
         return (format!("{verdict}\n"), false);
     };
     match retiming.of(trajectory, base) {

@@ -1,8 +1,8 @@
 //! Missions from trajectory files.
 
 use crate::import::{
-    Figures, FileVerdict, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance,
-    Trajectory, check, format,
+    Figures, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance, Trajectory,
+    format, import,
 };
 use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
 use crate::precision::Precision;
@@ -127,6 +127,19 @@ impl FileRun {
         bytes: &[u8],
         base: &BaseSpec,
     ) -> Result<(Mission, TimeScaling), FileError> {
+        self.along(name, &trajectory(bytes, &self.retiming)?, base)
+    }
+
+    /// The same with the trajectory of a file, as [`trajectory`] reads it.
+    ///
+    /// # Errors
+    /// Options out of range.
+    pub fn along(
+        &self,
+        name: &str,
+        trajectory: &Trajectory,
+        base: &BaseSpec,
+    ) -> Result<(Mission, TimeScaling), FileError> {
         let offset = self.offset_m.unwrap_or_default();
         if !(-10.0..=10.0).contains(&offset) {
             return Err(FileError::Option("offset", -10.0, 10.0));
@@ -135,7 +148,7 @@ impl FileRun {
         if !(1.0e-4..=longest).contains(&self.period_s) {
             return Err(FileError::Option("period", 1.0e-4, longest));
         }
-        let (trajectory, scaling) = fitted(bytes, base, &self.retiming)?;
+        let (trajectory, scaling) = self.retiming.of(trajectory, base)?;
         let figures: Figures = trajectory.figures();
         let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
         let longest_s = end_s + PARKING_S;
@@ -185,24 +198,16 @@ pub fn fitted(
     retiming.of(&trajectory(bytes, retiming)?, base)
 }
 
-/// Whether a file can be driven, within [`TOLERANCE`] of its poses, recorded (TUM) ones within the importer's own; where no base does that,
+/// The reference of a file, within [`TOLERANCE`] of its poses, recorded (TUM) ones within the importer's own; where no base drives that,
 /// because they are noisy, within that of `retiming`.
-pub fn verdict(bytes: &[u8], retiming: &Retiming) -> FileVerdict {
+///
+/// # Errors
+/// A file that cannot be driven.
+pub fn trajectory(bytes: &[u8], retiming: &Retiming) -> Result<Trajectory, Refusal> {
     let planned = format(bytes) != Some(Format::TumPoses);
     let options = Options {
         tolerance: planned.then_some(TOLERANCE),
         tube_m: Some(retiming.tolerance_m),
     };
-    check(bytes, &options)
-}
-
-/// The reference of a file, as [`verdict`] has it.
-///
-/// # Errors
-/// A file that cannot be driven.
-pub fn trajectory(bytes: &[u8], retiming: &Retiming) -> Result<Trajectory, Refusal> {
-    match verdict(bytes, retiming) {
-        FileVerdict::Drivable { trajectory, .. } => Ok(*trajectory),
-        FileVerdict::Refused(refusal) => Err(refusal),
-    }
+    import(bytes, &options)
 }

@@ -22,7 +22,7 @@ mod metrics;
 mod summary;
 mod table;
 
-pub use file::{FileError, FileRun, Retiming, TOLERANCE, fitted, trajectory, verdict};
+pub use file::{FileError, FileRun, Retiming, TOLERANCE, fitted, trajectory};
 pub use metrics::{DriveMetrics, LimitUse, LimitedTicks, ON_PATH, StopFigures, TrackingFigures};
 pub use summary::summary;
 pub use table::{ChipTable, SAMPLE_BYTES, TABLE_TOLERANCE};

@@ -5,6 +5,11 @@ use std::fmt;
 /// A heading may depart by what brings a point so far ahead to the tube's edge \[m\].
 pub(super) const AHEAD: f64 = 0.04;
 
+/// A tube's room across \[m\] and in heading \[rad\].
+pub(super) fn room(tube: f64) -> [f64; 2] {
+    [tube, tube / AHEAD]
+}
+
 /// How close a reference passes the poses of its file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closeness {

@@ -1,8 +1,7 @@
 //! Trajectory files that people have, as references that a wheeled base can follow.
 //!
 //! [`import`] reads a file of any [`Format`], recognised by its content, and returns a [`Trajectory`]
-//! or a [`Refusal`] with line, field and reason; [`check()`] gives the same as a [`FileVerdict`] to
-//! print. Files are dirty; what was repaired is listed with its place.
+//! or a [`Refusal`] with line, field and reason; [`FileVerdict`] prints either. Files are dirty; what was repaired is listed with its place.
 //!
 //! # How a reference is made
 //!
@@ -72,7 +71,7 @@ pub use refusal::{NotPlanar, Place, Reason, Refusal, Untimed};
 pub use repair::{Fix, Repair};
 pub use time_scaling::{Pace, ScaledSpan, TimeScaling};
 pub use trajectory::{Sample, Trajectory};
-pub use verdict::{FileVerdict, check};
+pub use verdict::FileVerdict;
 
 use raw::Raw;
 

@@ -1,6 +1,6 @@
 //! Noise of recorded poses, told from motion, and what a reference has to leave to it.
 
-use super::closeness::AHEAD;
+use super::closeness::{AHEAD, room};
 use super::raw::RawSample;
 
 /// A standard deviation over the median magnitude of a normal distribution.
@@ -38,17 +38,21 @@ impl Noise {
         }
     }
 
-    /// How far from a pose where the base was the farthest pose is expected: of N distances in the plane one is beyond σ √(2 ln N).
-    /// Headings are a little nearer.
-    pub(super) fn expected(&self) -> [f64; 2] {
-        let farthest = (2.0 * self.count.ln()).sqrt();
+    /// How far from where the base was the farthest pose of so many recordings is expected: of N distances in the plane one is beyond
+    /// σ √(2 ln N). Headings are a little nearer.
+    fn farthest(&self, recordings: f64) -> [f64; 2] {
+        let farthest = (2.0 * (recordings * self.count).ln()).sqrt();
         self.scatter.map(|scatter| farthest * scatter)
     }
 
-    /// The same so far that all poses are nearer but in one of [`RECORDINGS`].
+    /// The same of this recording.
+    pub(super) fn expected(&self) -> [f64; 2] {
+        self.farthest(1.0)
+    }
+
+    /// How far all poses are off at most, but in one of [`RECORDINGS`].
     pub(super) fn needs(&self) -> [f64; 2] {
-        let farthest = (2.0 * (RECORDINGS * self.count).ln()).sqrt();
-        self.scatter.map(|scatter| farthest * scatter)
+        self.farthest(RECORDINGS)
     }
 
     /// The tube that leaves room for all poses \[m\].
@@ -60,7 +64,7 @@ impl Noise {
     /// How far off poses may be passed, `own` where they have no noise beyond it, and no farther than a tube lets them: a reference that
     /// is held closer to poses than their noise follows it to and fro. Of noise that is more than the tube it follows what it can.
     pub(super) fn tolerance(&self, own: [f64; 2], tube: f64) -> [f64; 2] {
-        let most = [tube, tube / AHEAD];
+        let most = room(tube);
         let (expected, needs) = (self.expected(), self.needs());
         [0, 1].map(|i| {
             let needs = if expected[i] > most[i] {

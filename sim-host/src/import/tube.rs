@@ -4,7 +4,7 @@
 //! together are sought from the quickest run of the file's own path (`joint`); the path that comes of
 //! it is run in its least time, where every limit is looked at between the places of the tube too.
 
-use super::closeness::{AHEAD, Closeness};
+use super::closeness::{Closeness, room};
 use super::fit::Node;
 use super::fit::motion::{Jerk, State};
 use super::joint::{self, Stage};
@@ -172,10 +172,9 @@ fn stages(places: &[Place], run: &Trajectory, pace: Pace, tube: f64) -> Vec<Stag
             Pace::Own => after.s - place.s,
             Pace::Fastest => (after.s - place.s) / FASTEST,
         };
-        let room = KEEPS * place.room * tube;
         Stage {
             middle: place.middle,
-            room: [room, room / AHEAD],
+            room: room(KEEPS * place.room * tube),
             least: least.clamp(SHORTEST, h),
             z: State::from([
                 here.x, here.y, here.theta, here.v, here.w, here.a, here.alpha,

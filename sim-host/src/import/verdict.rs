@@ -1,79 +1,37 @@
-//! Whether a file can be driven, for people.
+//! What became of a file, for people.
 
-use super::{Closeness, Figures, Format, Options, Refusal, Repair, Trajectory, import};
+use super::{Refusal, Trajectory};
 use std::fmt;
 
-/// What became of a file.
-#[derive(Clone, Debug)]
-pub enum FileVerdict {
-    /// It can be driven.
-    Drivable {
-        /// What it was taken for.
-        format: Format,
-        /// Duration, length, peaks.
-        figures: Figures,
-        /// How close the reference passes the poses.
-        closeness: Closeness,
-        /// What had to be repaired.
-        repairs: Vec<Repair>,
-        /// The reference itself.
-        trajectory: Box<Trajectory>,
-    },
-    /// It cannot, and why.
-    Refused(Refusal),
-}
+/// What became of a file, as text: whether it can be driven, with its figures and repairs, or why not.
+#[derive(Clone, Copy, Debug)]
+pub struct FileVerdict<'a>(pub Result<&'a Trajectory, &'a Refusal>);
 
-/// Reads a file and gives the verdict, without running anything.
-pub fn check(bytes: &[u8], options: &Options) -> FileVerdict {
-    match import(bytes, options) {
-        Ok(trajectory) => FileVerdict::Drivable {
-            format: trajectory.source(),
-            figures: trajectory.figures(),
-            closeness: trajectory.closeness(),
-            repairs: trajectory.repairs().to_vec(),
-            trajectory: Box::new(trajectory),
-        },
-        Err(refusal) => FileVerdict::Refused(refusal),
-    }
-}
-
-impl FileVerdict {
-    /// Whether the file can be driven.
-    pub fn is_drivable(&self) -> bool {
-        matches!(self, Self::Drivable { .. })
-    }
-}
-
-impl fmt::Display for FileVerdict {
+impl fmt::Display for FileVerdict<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Refused(refusal) => {
+        match self.0 {
+            Err(refusal) => {
                 if let Some(format) = refusal.format {
                     writeln!(f, "format     {format}")?;
                 }
                 write!(f, "verdict    refused\n  {refusal}")
             }
-            Self::Drivable {
-                format,
-                figures,
-                closeness,
-                repairs,
-                ..
-            } => {
-                writeln!(f, "format     {format}")?;
+            Ok(trajectory) => {
+                let closeness = trajectory.closeness();
+                writeln!(f, "format     {}", trajectory.source())?;
                 writeln!(f, "verdict    drivable")?;
-                write!(f, "{figures}")?;
+                write!(f, "{}", trajectory.figures())?;
                 writeln!(
                     f,
                     "reference  within {:.2} mm and {:.2} mrad of every pose of the file",
                     1e3 * closeness.position_m,
                     1e3 * closeness.heading_rad
                 )?;
-                if repairs.is_empty() {
+                if trajectory.repairs().is_empty() {
                     return f.write_str("repairs    none");
                 }
                 f.write_str("repairs")?;
-                for repair in repairs {
+                for repair in trajectory.repairs() {
                     write!(f, "\n  {repair}")?;
                 }
                 Ok(())
