@@ -8,10 +8,10 @@ use super::motor_bias::MotorBias;
 use super::orders::{self, Leading};
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
-use super::wheel_friction::Turning;
+use super::wheel_friction::{Creeps, Turning};
 use crate::error::{Input, StepFault};
 use crate::maths::{Maths, Single};
-use crate::motion::{Mode, Outcome, Task};
+use crate::motion::{Mode, Outcome};
 use crate::motor::Motor;
 use crate::odometry::Accelerations;
 use crate::range::larger;
@@ -279,8 +279,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         sensed: &Sensed<T>,
     ) -> WheelAction<T> {
         let speeds = self.back_emf_speeds(dt);
-        let turning = match (&self.driving.task, &self.base.motor) {
-            (Some(Task::Drive { .. }), Some(motor)) => Some(self.turning(motor, dt, sensed)),
+        let turning = match (self.driving.creeps(), &self.base.motor) {
+            (Some(creeps), Some(motor)) => Some(self.turning(motor, creeps, dt, sensed)),
             _ => None,
         };
         let course = self.report.course();
@@ -339,10 +339,18 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     }
 
     /// What the friction of wheels with motors is found by.
-    fn turning<'a>(&self, motor: &'a Motor<T>, dt: T, sensed: &Sensed<T>) -> Turning<'a, T> {
+    #[inline(never)]
+    fn turning<'a>(
+        &self,
+        motor: &'a Motor<T>,
+        creeps: Creeps,
+        dt: T,
+        sensed: &Sensed<T>,
+    ) -> Turning<'a, T> {
         let counts_per_turn = self.base.localisation.params().odometry.counts_per_turn;
         Turning {
-            friction: &motor.params().friction,
+            creeps,
+            motor,
             per_count: (T::PI + T::PI) / counts_per_turn,
             counts: sensed.counts.ok(),
             commanded: self.base.motion.wheels().wheel_speeds(&self.commanded()),

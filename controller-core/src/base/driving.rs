@@ -1,7 +1,7 @@
 //! From the supervisor's output to what the wheels are to do: the motion law, the stop plan, or neither.
 
 use super::io::{DriveCommand, WheelAction};
-use super::wheel_friction::{FrictionWatch, Turning};
+use super::wheel_friction::{Creeps, FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
 use crate::motion::{Asked, MotionLaw, MotionReport, Outcome, PathEnd, Task, ValidMotionParams};
@@ -21,7 +21,7 @@ pub(super) struct Driving<T, M, U> {
     law: MotionLaw<T, M, U>,
     /// Of a controlled stop, and the time since its begin \[s\].
     stop: Option<(StopPlan<T>, T)>,
-    /// While driving by velocity.
+    /// While creeping.
     friction: Option<FrictionWatch<T>>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Tick<'a, T> {
     pub(super) other_goal: bool,
     /// Of the wheels, as measured.
     pub(super) speeds: WheelSpeeds<T>,
-    /// Of a base with motors that drives by velocity.
+    /// Of a base with motors that creeps.
     pub(super) turning: Option<Turning<'a, T>>,
     pub(super) dt: T,
 }
@@ -78,7 +78,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         tick: &Tick<'_, T>,
         report: &mut Option<MotionReport<T>>,
     ) -> Result<Driven<T>, StepFault> {
-        let beyond = self.beyond_coulomb(tick.turning.as_ref());
+        let beyond = self.beyond_coulomb(tick);
         if tick.mode != OutputMode::ControlledStop {
             self.stop = None;
         }
@@ -125,14 +125,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         }
     }
 
-    /// What the wheels' friction is found to be beyond its Coulomb part, while the base drives by velocity and has motors.
-    fn beyond_coulomb(&mut self, turning: Option<&Turning<'_, T>>) -> Option<WheelTorques<T>> {
-        let Some(turning) = turning else {
+    /// What the wheels' friction is found to be beyond its Coulomb part, while the base creeps and has motors.
+    fn beyond_coulomb(&mut self, tick: &Tick<'_, T>) -> Option<WheelTorques<T>> {
+        let Some(turning) = &tick.turning else {
             self.friction = None;
             return None;
         };
         let watch = self.friction.get_or_insert_default();
-        Some(watch.advance(turning))
+        Some(watch.advance(turning, &tick.speeds, tick.motion.unknown_torque_nm()))
     }
 
     /// The controlled stop: the motion law along a plan that begins at its last command.
@@ -162,6 +162,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
             other_goal: false,
         };
         step(&mut self.law, motion, asked, measured, jumped, dt, report)
+    }
+
+    /// Whether and how the base creeps.
+    pub(super) fn creeps(&self) -> Option<Creeps> {
+        match self.task {
+            Some(Task::Drive { .. }) => Some(Creeps::ByVelocity),
+            Some(Task::Park(_)) if self.law.is_beside_goal() => Some(Creeps::BesideGoal),
+            _ => None,
+        }
     }
 
     /// A wheel slides; see [`MotionController::declare_slide`](crate::motion::MotionController::declare_slide).
@@ -251,13 +260,13 @@ fn drive<T: Scalar>(
 #[cfg(test)]
 mod tests {
     use super::{Driven, Driving, Tick};
-    use crate::base::wheel_friction::{FrictionWatch, Turning};
+    use crate::base::wheel_friction::tests::motor;
+    use crate::base::wheel_friction::{Creeps, FrictionWatch, Turning};
     use crate::base::{DriveCommand, WheelAction};
     use crate::error::{Input, StepFault};
     use crate::hal::WheelCounts;
     use crate::maths::Libm;
     use crate::motion::{Limits, MotionParams, MotionReport, Task, ValidMotionParams};
-    use crate::motor::WheelFriction;
     use crate::reference::Reference;
     use crate::robot::Robot;
     use crate::safety::OutputMode;
@@ -447,14 +456,10 @@ mod tests {
     /// Wheels that are commanded to creep and stand; for a base that drives otherwise nothing is compensated, and nothing is remembered.
     #[test]
     fn friction_is_found_while_driving_by_velocity() {
-        let friction = WheelFriction {
-            coulomb_nm: 0.04,
-            stiction_nm: 0.04,
-            viscous_nm_s: 0.0,
-            blend_rad_s: 0.02,
-        };
+        let motor = motor();
         let turning = || Turning {
-            friction: &friction,
+            creeps: Creeps::ByVelocity,
+            motor: &motor,
             per_count: 0.003,
             counts: Some(WheelCounts::default()),
             commanded: WheelSpeeds {
@@ -471,7 +476,7 @@ mod tests {
             for _ in 0..20 {
                 let driven = bench.turning(OutputMode::Drive, Some(turning()));
                 last = Bench::drive(&driven.expect("a sound tick")).beyond_coulomb;
-                assert_eq!(last, Some(alone.advance(&turning())));
+                assert_eq!(last, Some(alone.advance(&turning(), &SPEEDS, 0.0)));
             }
             let last = last.expect("beyond");
             assert!(last.right > 0.0 && last.left > last.right, "{last:?}");

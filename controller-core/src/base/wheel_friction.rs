@@ -1,4 +1,4 @@
-//! The friction of each wheel while the base drives by velocity, found by what breaks a standing wheel loose.
+//! The friction of each wheel while the base creeps, by velocity or beside its goal, found by what breaks a standing wheel loose.
 //!
 //! A wheel that is to creep lives on friction that is compensated well: the velocity loop of a light base at 0.05 rad/s has a
 //! twentieth of the torque that its friction has, and friction is known to a third. By the measured speed alone the motor layer adds
@@ -6,9 +6,13 @@
 //!
 //! Here counts tell. A wheel whose count is overdue has come to a halt: what is compensated rises until it turns. What broke it loose
 //! is its static friction; two thirds of that remain while it rolls.
+//!
+//! A base beside its goal ([`Creeps::BesideGoal`]) moves by steps rather than steadily. The motor layer's stiction stays, since what it gives too
+//! much ends with the step, and what rises comes on top. It rises as far as the disturbance estimate would go: nobody may have stated what holds the
+//! wheels, such as a floor that they sink into. The estimate takes seconds to get there, at the speeds that millimetres ask for.
 
 use crate::hal::WheelCounts;
-use crate::motor::WheelFriction;
+use crate::motor::Motor;
 use crate::scalar::Scalar;
 use crate::types::{WheelSpeeds, WheelTorques};
 
@@ -16,34 +20,62 @@ use crate::types::{WheelSpeeds, WheelTorques};
 const OVERDUE: f64 = 2.5;
 /// The stiction of the parameters is gathered in this time \[s\].
 const RISE_S: f64 = 0.1;
-/// Most that is gathered, in stictions.
+/// Beside a goal, all that may be gathered: slower than a velocity loop, of 0.1 to 0.2 s, catches a wheel that breaks loose \[s\].
+const RISE_BESIDE_S: f64 = 0.5;
+/// Beside a goal a wheel is without a count for longer: than half a period of a base that hunts about its goal, at 5 Hz or more \[s\].
+const STILL_S: f64 = 0.1;
+/// Most static friction that is compensated, in stictions.
 const MOST: f64 = 1.5;
 /// Dry friction while turning over that at rest, of bearings and gears: currents to turn free and to start are as 2 to 3.
 const SLIDING: f64 = 2.0 / 3.0;
+
+/// How a base creeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Creeps {
+    /// As it is told to, by velocity.
+    #[default]
+    ByVelocity,
+    /// Near a goal that it is not parked at, with no manoeuvre under way.
+    BesideGoal,
+}
 
 /// Both wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FrictionWatch<T> {
     counts: Option<WheelCounts>,
+    creeps: Creeps,
     right: Wheel<T>,
     left: Wheel<T>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Wheel<T> {
-    /// Compensated beyond the Coulomb friction of the parameters while it rolls, in the sense of the command \[N m\].
+    /// By velocity: compensated beyond the Coulomb friction of the parameters while it rolls, in the sense of the command \[N m\].
     rolling: T,
     /// On top, since it came to a halt.
     gathered: T,
-    /// Time since the last count that way \[s\].
+    /// Time since the last count \[s\].
     silent_s: T,
     commanded: T,
     halted: bool,
 }
 
+/// What counts tell of a wheel.
+enum Heard {
+    /// It is to turn the other way, or not at all.
+    TurnedBack,
+    /// It has been at a halt, and turns.
+    Freed,
+    /// It is at a halt.
+    Halted,
+    /// It turns, or may be about to.
+    Turns,
+}
+
 /// A tick of both wheels.
 pub(super) struct Turning<'a, T> {
-    pub(super) friction: &'a WheelFriction<T>,
+    pub(super) creeps: Creeps,
+    pub(super) motor: &'a Motor<T>,
     /// \[rad\].
     pub(super) per_count: T,
     pub(super) counts: Option<WheelCounts>,
@@ -54,8 +86,20 @@ pub(super) struct Turning<'a, T> {
 }
 
 impl<T: Scalar> FrictionWatch<T> {
-    /// Takes a tick; what is to be compensated beyond the Coulomb friction \[N m\].
-    pub(super) fn advance(&mut self, now: &Turning<'_, T>) -> WheelTorques<T> {
+    /// Takes a tick; what is to be compensated beyond the Coulomb friction \[N m\]. Wheels turn at `speeds`, and at most `unknown_nm` \[N m\] holds each of
+    /// them that nobody has stated.
+    pub(super) fn advance(
+        &mut self,
+        now: &Turning<'_, T>,
+        speeds: &WheelSpeeds<T>,
+        unknown_nm: T,
+    ) -> WheelTorques<T> {
+        if now.creeps != self.creeps {
+            *self = Self {
+                creeps: now.creeps,
+                ..Self::default()
+            };
+        }
         let moved = match (self.counts, now.counts) {
             (Some(before), Some(counts)) => (
                 counts.right.wrapping_sub(before.right),
@@ -65,31 +109,39 @@ impl<T: Scalar> FrictionWatch<T> {
         };
         self.counts = now.counts.or(self.counts);
         let (commanded, torques) = (&now.commanded, &now.torques);
-        self.right
-            .advance(now, moved.0, commanded.right, torques.right);
-        self.left
-            .advance(now, moved.1, commanded.left, torques.left);
-        WheelTorques {
-            right: self.right.rolling + self.right.gathered,
-            left: self.left.rolling + self.left.gathered,
+        let (right, left) = (&mut self.right, &mut self.left);
+        match now.creeps {
+            Creeps::ByVelocity => WheelTorques {
+                right: right.creep(now, moved.0, commanded.right, torques.right),
+                left: left.creep(now, moved.1, commanded.left, torques.left),
+            },
+            Creeps::BesideGoal => {
+                let motor = now.motor;
+                let most = T::from_f64(MOST - 1.0) * motor.params().friction.stiction_nm;
+                let most = most + unknown_nm;
+                let (beyond_right, beyond_left) = (
+                    right.nudge(now, moved.0, commanded.right, most),
+                    left.nudge(now, moved.1, commanded.left, most),
+                );
+                WheelTorques {
+                    right: motor.stiction_nm(speeds.right) + beyond_right,
+                    left: motor.stiction_nm(speeds.left) + beyond_left,
+                }
+            }
         }
     }
 }
 
 impl<T: Scalar> Wheel<T> {
-    fn advance(&mut self, now: &Turning<'_, T>, moved: i32, commanded: T, torque: T) {
+    /// A tick by velocity; what is compensated \[N m\].
+    fn creep(&mut self, now: &Turning<'_, T>, moved: i32, commanded: T, torque: T) -> T {
         let f = T::from_f64;
-        let turned_back = commanded * self.commanded <= T::ZERO;
-        self.commanded = commanded;
-        if turned_back {
-            self.silent_s = T::ZERO;
-            self.halted = false;
-            return;
-        }
         let forward = commanded > T::ZERO;
-        let friction = now.friction;
-        if moved != 0 && (moved > 0) == forward {
-            if self.halted {
+        let friction = &now.motor.params().friction;
+        // Counts of a wheel that is pushed back are none of its way.
+        let turns = moved != 0 && (moved > 0) == forward;
+        match self.listen(now, turns, commanded, T::ZERO) {
+            Heard::Freed => {
                 let torque = if forward { torque } else { -torque };
                 let known = friction.coulomb_nm + torque;
                 let broke = known + self.rolling + self.gathered;
@@ -100,42 +152,105 @@ impl<T: Scalar> Wheel<T> {
                 }
                 self.gathered = T::ZERO;
             }
+            Heard::Halted => self.gather(
+                friction.stiction_nm * now.dt / f(RISE_S),
+                f(MOST) * friction.stiction_nm - self.rolling,
+            ),
+            Heard::TurnedBack | Heard::Turns => {}
+        }
+        self.rolling + self.gathered
+    }
+
+    /// A tick beside a goal; what is compensated beyond the stiction, `most` at most \[N m\]. What is left of it when the wheel turns shortens the next halt.
+    fn nudge(&mut self, now: &Turning<'_, T>, moved: i32, commanded: T, most: T) -> T {
+        let f = T::from_f64;
+        match self.listen(now, moved != 0, commanded, f(STILL_S)) {
+            Heard::TurnedBack => self.gathered = T::ZERO,
+            Heard::Freed => self.gathered = f(SLIDING) * self.gathered,
+            Heard::Halted => self.gather(most * now.dt / f(RISE_BESIDE_S), most),
+            Heard::Turns => {}
+        }
+        self.gathered
+    }
+
+    /// Whether it turns, by its counts: at a halt it is `still_s` after a count is overdue.
+    fn listen(&mut self, now: &Turning<'_, T>, turns: bool, commanded: T, still_s: T) -> Heard {
+        let turned_back = commanded * self.commanded <= T::ZERO;
+        self.commanded = commanded;
+        if turned_back || turns {
+            let freed = self.halted && !turned_back;
             self.silent_s = T::ZERO;
             self.halted = false;
-        } else {
-            self.silent_s += now.dt;
+            return if turned_back {
+                Heard::TurnedBack
+            } else if freed {
+                Heard::Freed
+            } else {
+                Heard::Turns
+            };
         }
-        let patience = f(OVERDUE) * now.per_count / commanded.abs() + now.dt;
-        if self.silent_s > patience {
-            self.halted = true;
-            let more = self.gathered + friction.stiction_nm * now.dt / f(RISE_S);
-            let most = f(MOST) * friction.stiction_nm - self.rolling;
-            self.gathered = if more < most { more } else { most };
+        self.silent_s += now.dt;
+        let patience = T::from_f64(OVERDUE) * now.per_count / commanded.abs() + now.dt + still_s;
+        if self.silent_s <= patience {
+            return Heard::Turns;
         }
+        self.halted = true;
+        Heard::Halted
+    }
+
+    fn gather(&mut self, more: T, most: T) {
+        let more = self.gathered + more;
+        self.gathered = if more < most { more } else { most };
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{FrictionWatch, Turning};
+pub(super) mod tests {
+    use super::{Creeps, FrictionWatch, Turning};
     use crate::hal::WheelCounts;
-    use crate::motor::WheelFriction;
+    use crate::motor::{Motor, MotorParams, WheelFriction};
     use crate::types::{WheelSpeeds, WheelTorques};
 
-    const FRICTION: WheelFriction<f64> = WheelFriction {
-        coulomb_nm: 0.04,
-        stiction_nm: 0.04,
-        viscous_nm_s: 0.0,
-        blend_rad_s: 0.02,
-    };
+    /// Of toy motors of 12 V.
+    pub(in crate::base) fn motor() -> Motor<f64> {
+        let params = MotorParams {
+            gear_ratio: 34.0,
+            gear_efficiency: 0.75,
+            torque_constant_nm_per_a: 0.010_5,
+            resistance_ohm: 2.15,
+            supply_v: 12.0,
+            max_current_a: 3.0,
+            friction: WheelFriction {
+                coulomb_nm: 0.04,
+                stiction_nm: 0.04,
+                viscous_nm_s: 0.0,
+                blend_rad_s: 0.02,
+            },
+            dead_band: 0.03,
+            rotor_inertia_kg_m2: 5.0e-7,
+        };
+        params.validate().expect("valid")
+    }
+
     const PER_COUNT: f64 = 0.003;
 
-    /// A tick of 5 ms with both wheels alike.
+    /// A tick of 5 ms by velocity with both wheels alike.
     fn tick(watch: &mut FrictionWatch<f64>, counts: i32, commanded: f64, torque: f64) -> f64 {
+        creep(watch, Creeps::ByVelocity, counts, commanded, torque)
+    }
+
+    fn creep(
+        watch: &mut FrictionWatch<f64>,
+        creeps: Creeps,
+        counts: i32,
+        commanded: f64,
+        torque: f64,
+    ) -> f64 {
         let both = |value| (value, value);
         let (right, left) = both(commanded);
         let turning = Turning {
-            friction: &FRICTION,
+            creeps,
+            motor: &motor(),
             per_count: PER_COUNT,
             counts: Some(WheelCounts {
                 right: counts,
@@ -148,7 +263,7 @@ mod tests {
             },
             dt: 0.005,
         };
-        let found = watch.advance(&turning);
+        let found = watch.advance(&turning, &WheelSpeeds::default(), 0.02);
         assert_eq!(found.right, found.left);
         found.right
     }
@@ -204,5 +319,47 @@ mod tests {
             last = tick(&mut watch, -number, 0.1, 0.0);
         }
         assert!(last > 0.03, "{last}");
+    }
+
+    /// 0.1 rad/s are a count in 30 ms: at a halt after 75 ms and a tenth of a second, then within half a second to half a stiction and what nobody has stated;
+    /// two thirds of that remain when the wheel turns, either way, and nothing when it is to turn back.
+    #[test]
+    fn beside_a_goal_a_standing_wheel_is_nudged() {
+        for way in [1, -1] {
+            let mut watch = FrictionWatch::default();
+            let mut turn = |counts, speed| {
+                let (speed, torque) = (f64::from(way) * speed, f64::from(way) * 0.01);
+                creep(&mut watch, Creeps::BesideGoal, counts, speed, torque) - 0.04
+            };
+            let rise: [f64; 160] = core::array::from_fn(|_| turn(0, 0.1));
+            assert!(rise[..36].iter().all(|more| *more == 0.0));
+            assert!((rise[87] - rise[37] - 0.02).abs() < 1e-12, "{rise:?}");
+            assert!((rise[159] - 0.04).abs() < 1e-12);
+            for counts in [1, 0, 1] {
+                assert!((turn(counts, 0.1) - 0.08 / 3.0).abs() < 1e-12);
+            }
+            let again: [f64; 160] = core::array::from_fn(|_| turn(1, 0.1));
+            assert!(
+                again[..35]
+                    .iter()
+                    .all(|more| (more - 0.08 / 3.0).abs() < 1e-12)
+            );
+            assert!((again[159] - 0.04).abs() < 1e-12);
+            assert_eq!(turn(1, -0.1), 0.0);
+        }
+    }
+
+    /// What one way of creeping found is none of the other's.
+    #[test]
+    fn another_way_of_creeping_begins_anew() {
+        for (first, then, least) in [
+            (Creeps::ByVelocity, Creeps::BesideGoal, 0.04),
+            (Creeps::BesideGoal, Creeps::ByVelocity, 0.0),
+        ] {
+            let mut watch = FrictionWatch::default();
+            let found: [f64; 160] = core::array::from_fn(|_| creep(&mut watch, first, 0, 0.1, 0.0));
+            assert!(found[159] > 0.05);
+            assert_eq!(creep(&mut watch, then, 0, 0.1, 0.0), least);
+        }
     }
 }

@@ -391,6 +391,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         self.parking.declare_slide();
     }
 
+    /// See [`ParkingLaw::is_beside`].
+    pub(crate) fn is_beside_goal(&self) -> bool {
+        self.parking.is_beside()
+    }
+
     /// What the wheels really exert until the next tick; see
     /// [`MotionController::note_applied`](super::MotionController::note_applied).
     ///

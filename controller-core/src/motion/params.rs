@@ -284,6 +284,11 @@ impl<T: Scalar> ValidMotionParams<T> {
         }
     }
 
+    /// Of what nobody has stated, how much may be made up for at each wheel \[N m\]: what [`Self::disturbance`] is made of.
+    pub(crate) fn unknown_torque_nm(&self) -> T {
+        self.params.gains.disturbance_share * self.params.limits.wheel_torque_nm
+    }
+
     /// The map between wrench and wheel torques.
     pub fn wheels(&self) -> &WheelMap<T> {
         &self.wheels

@@ -479,6 +479,11 @@ impl<T: Scalar> ParkingLaw<T> {
         }
     }
 
+    /// Not at rest, and no manoeuvre under way: feedback brings the robot to its goal, or holds it there.
+    pub(crate) fn is_beside(&self) -> bool {
+        !self.is_driving() && !self.is_resting()
+    }
+
     /// Wheels slid on the way to this goal.
     pub(crate) fn has_slid(&self) -> bool {
         self.memory.has_slid()

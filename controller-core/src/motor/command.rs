@@ -159,7 +159,7 @@ impl<T: Scalar> Motor<T> {
         let sense = clamp(demand.desired_speed_rad_s * self.per_blend, T::ONE);
         let beyond = demand
             .beyond_coulomb_nm
-            .unwrap_or_else(|| friction.stiction_nm * self.standing(demand.speed_rad_s));
+            .unwrap_or_else(|| self.stiction_nm(demand.speed_rad_s));
         let level = friction.coulomb_nm + beyond;
         let friction = level * sense + friction.viscous_nm_s * demand.desired_speed_rad_s;
         let torque = demand.torque_nm + friction;
@@ -243,7 +243,13 @@ impl<T: Scalar> Motor<T> {
         }
     }
 
-    /// How much of the stiction a wheel of this speed has still to overcome: 1 at rest, 0 when it rolls.
+    /// The stiction that a wheel of this speed has still to overcome \[N m\].
+    #[inline]
+    pub(crate) fn stiction_nm(&self, speed_rad_s: T) -> T {
+        self.params.friction.stiction_nm * self.standing(speed_rad_s)
+    }
+
+    /// How much of the stiction that is: 1 at rest, 0 when it rolls.
     fn standing(&self, speed: T) -> T {
         let left = T::ONE - speed.abs() * self.per_release;
         if left > T::ZERO { left } else { T::ZERO }
