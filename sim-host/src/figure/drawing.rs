@@ -157,12 +157,30 @@ fn write_points(out: &mut String, points: &[Point]) -> std::fmt::Result {
     Ok(())
 }
 
+/// As text of XML. Signs that XML cannot have, with one of which no viewer shows the figure, stand as in TOML, `\u0001`.
+fn escaped(text: &str) -> String {
+    let forbidden = |sign: char| {
+        sign.is_control() && !matches!(sign, '\t' | '\n') || matches!(sign, '\u{fffe}' | '\u{ffff}')
+    };
+    let mut out = String::new();
+    for sign in text.chars() {
+        if forbidden(sign) {
+            out += &format!("\\u{:04X}", u32::from(sign));
+        } else {
+            out.push(sign);
+        }
+    }
+    out.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace("]]>", "]]&gt;")
+}
+
 /// A shift is a `dy`, which every viewer understands, unlike `baseline-shift`, in terms of the part's own size; it holds for all
 /// that follows.
 fn write_parts(out: &mut String, text: &str) -> std::fmt::Result {
     let mut was_lowered = false;
     for (part, lowered) in parts(text) {
-        let part = part.replace('&', "&amp;").replace('<', "&lt;");
+        let part = escaped(part);
         match (was_lowered, lowered) {
             (false, false) => out.push_str(&part),
             (_, true) => {
@@ -200,12 +218,11 @@ mod tests {
         assert_eq!(parts(""), []);
     }
 
-    #[test]
-    fn a_name_with_signs_of_xml_stays_a_name() {
+    fn svg(text: &str) -> String {
         let drawing = Drawing {
             size: (10.0, 10.0),
             shapes: vec![Shape::Text(Text {
-                text: "a <&> b_1 c".to_owned(),
+                text: text.to_owned(),
                 at: (1.0, 2.0 / 3.0),
                 size: 13.0,
                 anchor: Anchor::Start,
@@ -213,9 +230,27 @@ mod tests {
                 upward: false,
             })],
         };
-        let svg = drawing.svg();
+        drawing.svg()
+    }
+
+    #[test]
+    fn a_name_with_signs_of_xml_stays_a_name() {
+        let svg = svg("a <&> b_1 c");
         assert!(svg.contains(
             "y=\"0.67\" font-size=\"13\">a &lt;&amp;> b<tspan dy=\"0.3em\" font-size=\"72%\">1</tspan><tspan dy=\"-0.216em\"> c</tspan></text>"
         ), "{svg}");
+    }
+    /// Signs that XML 1.0 has no way to write, and the end of a section that it forbids in text.
+    #[test]
+    fn what_xml_cannot_have_is_written_out() {
+        for (text, written) in [
+            ("a\u{0}b\u{1b}c", r">a\u0000b\u001Bc<"),
+            ("\u{7f}\u{85}\u{ffff}é", r">\u007F\u0085\uFFFFé<"),
+            ("one\ttwo\nthree", ">one\ttwo\nthree<"),
+            ("a]]>b", ">a]]&gt;b<"),
+        ] {
+            let svg = svg(text);
+            assert!(svg.contains(written), "{svg}");
+        }
     }
 }
