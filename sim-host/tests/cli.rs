@@ -406,6 +406,14 @@ fn exit_codes_tell_wrong_usage_from_failure() {
         said.starts_with("error: mine.toml: is a file: --out takes a directory"),
         "{said}"
     );
+    if cfg!(unix) {
+        let output = sim_host(here.path(), &["run", "mine.toml", "--out", "/dev/null"]);
+        let said = text(&output.stderr);
+        assert!(
+            said.starts_with("error: /dev/null: is a file: --out takes a directory"),
+            "{said}"
+        );
+    }
 }
 
 /// No result goes over what the command reads, whatever it is named; that over older results does.

@@ -19,7 +19,8 @@ pub struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub fn new(output: &'a Output) -> Result<Self, CommandError> {
-        if output.out.is_file() {
+        // A device is none either, which `is_file` does not say.
+        if output.out.exists() && !output.out.is_dir() {
             return Err(CommandError::OutIsFile(output.out.clone()));
         }
         fs::create_dir_all(&output.out).map_err(|error| failed(&output.out, &error))?;
