@@ -335,6 +335,28 @@ fn every_failure_is_told() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Results are named after the file, so two of one name are refused by their paths.
+#[test]
+fn two_files_of_one_name_are_refused_as_what_they_are() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    for folder in ["a", "b"] {
+        fs::create_dir(here.path().join(folder))?;
+        fs::copy(
+            fixture("table_bare.csv"),
+            here.path().join(folder).join("x.csv"),
+        )?;
+    }
+    for command in ["run", "compile"] {
+        let output = sim_host(here.path(), &[command, "a/x.csv", "b/x.csv"])?;
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(
+            String::from_utf8(output.stderr)?,
+            "error: a/x.csv and b/x.csv: both are named x, so their results would overwrite each other\n"
+        );
+    }
+    Ok(())
+}
+
 #[test]
 fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;

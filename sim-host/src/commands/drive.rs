@@ -176,14 +176,36 @@ fn judged(file: &Path, arguments: &TrajectoryArgs, base: &BaseSpec) -> (String, 
     }
 }
 
+/// Results are named after their file: those of a second one of that name would overwrite the first one's.
+#[derive(Default)]
+struct Names<'a>(Vec<(String, &'a Path)>);
+
+impl<'a> Names<'a> {
+    fn add(&mut self, name: &str, file: &'a Path) -> Result<(), CommandError> {
+        match self.0.iter().find(|(other, _)| other == name) {
+            Some((_, first)) => Err(CommandError::SameName {
+                first: first.to_path_buf(),
+                second: file.to_owned(),
+                name: name.to_owned(),
+            }),
+            None => {
+                self.0.push((name.to_owned(), file));
+                Ok(())
+            }
+        }
+    }
+}
+
 /// Tables for a chip.
 pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), CommandError> {
     let base = base(arguments.base.as_deref())?;
     let writer = Writer::new(output)?;
+    let mut names = Names::default();
     for file in &arguments.files {
         let Content::Trajectory { name, bytes } = Content::read(file)? else {
             return Err(CommandError::NoTrajectory(file.clone()));
         };
+        names.add(&name, file)?;
         let failed = |cause| CommandError::Trajectory {
             path: file.clone(),
             cause,
@@ -211,13 +233,13 @@ pub fn load_all(
     let run = arguments.file_run(base);
     let mut jobs: Vec<Job> = Vec::new();
     let mut failed = Vec::new();
+    let mut names = Names::default();
     for file in files {
         match Job::load(file, &run, base) {
-            // Results are named after the file: a second one would overwrite the first one's.
-            Ok(job) if jobs.iter().any(|other| other.name() == job.name()) => {
-                failed.push(CommandError::SameName(job.name().to_owned()));
-            }
-            Ok(job) => jobs.push(job),
+            Ok(job) => match names.add(job.name(), file) {
+                Ok(()) => jobs.push(job),
+                Err(error) => failed.push(error),
+            },
             Err(error) => failed.push(error.into()),
         }
     }

@@ -59,8 +59,16 @@ pub enum CommandError {
         path: PathBuf,
         cause: std::io::Error,
     },
-    #[error("two scenarios are named {0}: their results would overwrite each other")]
-    SameName(String),
+    #[error(
+        "{} and {}: both are named {name}, so their results would overwrite each other",
+        first.display(),
+        second.display()
+    )]
+    SameName {
+        first: PathBuf,
+        second: PathBuf,
+        name: String,
+    },
     #[error("{0}: is for the default law: no other can run it")]
     OnlyMotion(String),
     #[error("no built-in scenario is named {0}: see `sim-host list`")]
