@@ -126,12 +126,9 @@ pub fn job(error: &JobError) -> PyErr {
 /// Of a log.
 pub fn log(path: &Path, error: &LogError) -> PyErr {
     let (line, key) = match error {
-        LogError::Cell { line, column, .. } => (usize::try_from(*line).ok(), Some(column.clone())),
-        LogError::Columns(_) => (Some(1), None),
-        LogError::Csv(cause) => {
-            let line = cause.position().map(|position| position.line());
-            (line.and_then(|line| usize::try_from(line).ok()), None)
-        }
+        LogError::Cell { line, column, .. } => (Some(*line), Some(column.clone())),
+        LogError::Columns(line, _) => (Some(*line), None),
+        LogError::Csv(refusal) => return refused(path, refusal),
         LogError::CountsPerTurn => (None, Some("counts_per_turn".to_owned())),
         LogError::Short(_) => (None, None),
     };

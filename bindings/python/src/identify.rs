@@ -91,7 +91,7 @@ pub fn identify(
     };
     let path: &Path = &file;
     let found = py.detach(|| {
-        let log = Log::read(text.as_slice(), counts_per_turn).map_err(|e| error::log(path, &e))?;
+        let log = Log::read(&text, counts_per_turn).map_err(|e| error::log(path, &e))?;
         fit(&log, &options).map_err(|e| error::content(path, &e.to_string()))
     })?;
     Ok(Identification { found, gear })

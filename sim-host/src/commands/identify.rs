@@ -96,7 +96,7 @@ fn of_one(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), 
     let log = if is_bag(&bytes) {
         of_bag(path, &bytes, arguments, counts_per_turn)?
     } else {
-        Log::read(&bytes[..], counts_per_turn).map_err(failed)?
+        Log::read(&bytes, counts_per_turn).map_err(failed)?
     };
     let options = Options {
         known,

@@ -1,8 +1,10 @@
 //! The log: commands, wheel angles and what else was recorded, from CSV.
 
+use crate::import::table::{broken, line_at, reader};
+use crate::import::{Refusal, text};
+use csv::StringRecord;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::io::Read;
 
 /// What acted on the wheels, right before left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,16 +54,16 @@ pub struct Log {
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     /// Not CSV.
-    #[error("not CSV: {0}")]
-    Csv(#[from] csv::Error),
-    /// A column is missing.
-    #[error("line 1: {0}")]
-    Columns(String),
+    #[error(transparent)]
+    Csv(#[from] Refusal),
+    /// A column is missing from the header, which is on this line.
+    #[error("line {0}: {1}")]
+    Columns(usize, String),
     /// A cell is not what it should be.
     #[error("line {line}, column `{column}`: {problem}")]
     Cell {
-        /// Counted from 1, the header included.
-        line: u64,
+        /// Counted from 1, header and comments included.
+        line: usize,
         /// Name in the header.
         column: String,
         /// What is wrong.
@@ -79,8 +81,15 @@ pub enum LogError {
 pub const MIN_ROWS: usize = 20;
 
 struct Sheet {
+    /// The header's.
+    line: usize,
     columns: HashMap<String, usize>,
-    rows: Vec<csv::StringRecord>,
+    rows: Vec<Row>,
+}
+
+struct Row {
+    line: usize,
+    cells: StringRecord,
 }
 
 impl Sheet {
@@ -89,16 +98,20 @@ impl Sheet {
         match names.iter().filter(there).count() {
             0 => Ok(false),
             n if n == names.len() => Ok(true),
-            _ => Err(LogError::Columns(format!(
+            _ => Err(self.wrong(format!(
                 "of the columns {} some are missing",
                 names.join(", ")
             ))),
         }
     }
 
-    fn cell(&self, row: &csv::StringRecord, column: &str) -> Result<Option<f64>, LogError> {
+    fn wrong(&self, problem: String) -> LogError {
+        LogError::Columns(self.line, problem)
+    }
+
+    fn cell(&self, row: &Row, column: &str) -> Result<Option<f64>, LogError> {
         let index = self.columns.get(column).copied().unwrap_or(usize::MAX);
-        let text = row.get(index).unwrap_or_default();
+        let text = row.cells.get(index).unwrap_or_default();
         let problem = match text.parse::<f64>() {
             _ if text.is_empty() => return Ok(None),
             Ok(value) if value.is_finite() => return Ok(Some(value)),
@@ -108,7 +121,7 @@ impl Sheet {
         Err(wrong(row, column, problem))
     }
 
-    fn number(&self, row: &csv::StringRecord, column: &str) -> Result<f64, LogError> {
+    fn number(&self, row: &Row, column: &str) -> Result<f64, LogError> {
         self.cell(row, column)?
             .ok_or_else(|| wrong(row, column, "empty".to_owned()))
     }
@@ -134,7 +147,7 @@ impl Sheet {
         }
         match found[..] {
             [name] => Ok(name),
-            _ => Err(LogError::Columns(format!(
+            _ => Err(self.wrong(format!(
                 "needs one pair of {what} columns: {}_right and {}_left; found {}",
                 names.join("_right/_left, or "),
                 names.last().unwrap_or(&""),
@@ -144,12 +157,30 @@ impl Sheet {
     }
 }
 
-fn wrong(row: &csv::StringRecord, column: &str, problem: String) -> LogError {
+fn wrong(row: &Row, column: &str, problem: String) -> LogError {
     LogError::Cell {
-        line: row.position().map_or(0, csv::Position::line),
+        line: row.line,
         column: column.to_owned(),
         problem,
     }
+}
+
+/// By the rules for trajectory files.
+fn sheet(text: &str) -> Result<Sheet, Refusal> {
+    let mut reader = reader(text);
+    let header = reader.headers().map_err(|e| broken(text, &e))?.clone();
+    let rows = reader.records().map(|cells| {
+        let cells = cells.map_err(|e| broken(text, &e))?;
+        Ok(Row {
+            line: line_at(text, cells.position()),
+            cells,
+        })
+    });
+    Ok(Sheet {
+        line: line_at(text, header.position()),
+        columns: header.iter().map(str::to_owned).zip(0..).collect(),
+        rows: rows.collect::<Result<_, _>>()?,
+    })
 }
 
 impl Log {
@@ -158,16 +189,10 @@ impl Log {
     ///
     /// # Errors
     /// What is wrong, with line and column.
-    pub fn read(input: impl Read, counts_per_turn: Option<f64>) -> Result<Self, LogError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(input);
-        let header = reader.headers()?.clone();
-        let columns = header.iter().map(str::to_owned).zip(0..).collect();
-        let rows = reader.records().collect::<Result<Vec<_>, _>>()?;
-        let sheet = Sheet { columns, rows };
+    pub fn read(bytes: &[u8], counts_per_turn: Option<f64>) -> Result<Self, LogError> {
+        let sheet = sheet(text(bytes)?)?;
         if !sheet.has(&["t"])? {
-            return Err(LogError::Columns("column `t` is missing".to_owned()));
+            return Err(sheet.wrong("column `t` is missing".to_owned()));
         }
         if sheet.rows.len() < MIN_ROWS {
             return Err(LogError::Short(sheet.rows.len()));

@@ -49,7 +49,7 @@ mod options;
 mod raw;
 mod refusal;
 mod repair;
-mod table;
+pub(crate) mod table;
 mod time_optimal;
 mod time_scaling;
 mod time_warp;
@@ -105,31 +105,33 @@ pub fn format(bytes: &[u8]) -> Option<Format> {
     text(bytes).ok().and_then(|text| detect::detect(text).ok())
 }
 
-/// The text, or the offset of the first byte that is none.
-fn text(bytes: &[u8]) -> Result<&str, usize> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.valid_up_to())?;
+/// The text of a file.
+pub(crate) fn text(bytes: &[u8]) -> Result<&str, Refusal> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let offset = error.valid_up_to();
+        let good = bytes.get(..offset).unwrap_or_default();
+        Refusal {
+            format: None,
+            place: Place::line(1 + good.iter().filter(|&&b| b == b'\n').count()),
+            reason: Reason::NotText { offset },
+        }
+    })?;
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
 /// The samples as they stand in the file.
 fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
-    let refuse = |place, reason| Refusal {
-        format: None,
-        place,
-        reason,
-    };
     if bytes.len() > MAX_BYTES {
-        let reason = Reason::TooLarge {
-            bytes: bytes.len(),
-            limit: MAX_BYTES,
-        };
-        return Err(refuse(Place::default(), reason));
+        return Err(Refusal {
+            format: None,
+            place: Place::default(),
+            reason: Reason::TooLarge {
+                bytes: bytes.len(),
+                limit: MAX_BYTES,
+            },
+        });
     }
-    let text = text(bytes).map_err(|offset| {
-        let good = bytes.get(..offset).unwrap_or_default();
-        let line = 1 + good.iter().filter(|&&b| b == b'\n').count();
-        refuse(Place::line(line), Reason::NotText { offset })
-    })?;
+    let text = text(bytes)?;
     match detect::detect(text)? {
         Format::WpilibJson => wpilib::read(text),
         Format::ChoreoTraj => choreo::read(text),

@@ -13,17 +13,22 @@ use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::Repairs;
 use super::{Format, MAX_SAMPLES};
-use csv::{ErrorKind, Position, ReaderBuilder, StringRecord, Trim};
+use csv::{ErrorKind, Position, Reader, ReaderBuilder, StringRecord, Trim};
 
 const NAMES: [&str; 8] = ["t", "x", "y", "theta", "v", "w", "a", "alpha"];
 const REQUIRED: usize = 4;
 
-/// Reads the table.
-pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
-    let mut reader = ReaderBuilder::new()
+/// Tables as people have them: spaces about cells and `#` comments say nothing.
+pub(crate) fn reader(text: &str) -> Reader<&[u8]> {
+    ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(Trim::All)
-        .from_reader(text.as_bytes());
+        .from_reader(text.as_bytes())
+}
+
+/// Reads the table.
+pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
+    let mut reader = reader(text);
     let header = reader.headers().map_err(|e| broken(text, &e))?.clone();
     let line = line_at(text, header.position());
     let columns = columns(&header, line)?;
@@ -102,7 +107,7 @@ fn columns(header: &StringRecord, line: usize) -> Result<[Option<usize>; 8], Ref
 }
 
 /// A refusal from an error of the CSV reader.
-fn broken(text: &str, error: &csv::Error) -> Refusal {
+pub(crate) fn broken(text: &str, error: &csv::Error) -> Refusal {
     let place = error
         .position()
         .map_or_else(Place::default, |p| Place::line(line_at(text, Some(p))));
@@ -119,7 +124,7 @@ fn broken(text: &str, error: &csv::Error) -> Refusal {
 }
 
 /// The line of a record: the reader's position is before the comments that precede it.
-fn line_at(text: &str, position: Option<&Position>) -> usize {
+pub(crate) fn line_at(text: &str, position: Option<&Position>) -> usize {
     let Some(position) = position else { return 1 };
     let rest = usize::try_from(position.byte())
         .ok()

@@ -210,10 +210,45 @@ fn errors_name_line_and_column() {
         "t,a,b,counts_right,counts_left,x,y,theta",
     ] {
         assert!(
-            matches!(refused(header, ""), LogError::Columns(_)),
+            matches!(refused(header, ""), LogError::Columns(1, _)),
             "{header}"
         );
     }
+}
+
+/// A log may have comments where a trajectory file may; lines are counted with them.
+#[test]
+fn comments_are_skipped_and_counted() {
+    let header = "t,duty_right,duty_left,angle_right,angle_left";
+    let rows: Vec<String> = (0..30)
+        .map(|k| format!("{},0.1,0.1,{k},{k}", 0.01 * f64::from(k)))
+        .collect();
+    let plain = format!("{header}\n{}\n", rows.join("\n"));
+    let noted = format!(
+        "\u{feff}# drive 7\n\n{header}\n{}\n# the end",
+        rows.join("\n# note\n")
+    );
+    let log = Log::read(plain.as_bytes(), None).expect("a sound log");
+    assert_eq!(Log::read(noted.as_bytes(), None).expect("the same"), log);
+    for (text, told) in [
+        (
+            noted.replace("0.01,0.1", "0.01,soon"),
+            "line 6, column `duty_right`: `soon` is not a number",
+        ),
+        (
+            noted.replace("0.01,0.1,", "0.01,"),
+            "line 6: 4 values where there should be 5",
+        ),
+        (
+            noted.replace("t,duty", "time,duty"),
+            "line 3: column `t` is missing",
+        ),
+    ] {
+        let error = Log::read(text.as_bytes(), None).expect_err("refused");
+        assert_eq!(error.to_string(), told);
+    }
+    let error = Log::read(b"t,duty_right\n\xff", None).expect_err("refused");
+    assert!(error.to_string().contains("line 2: not text"), "{error}");
 }
 
 #[test]
