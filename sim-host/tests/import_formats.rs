@@ -237,6 +237,26 @@ fn samples_of_2027_are_the_same_reference() -> Outcome {
     Ok(())
 }
 
+/// Lines end in LF, CR LF or, of old programs, CR, also after a comment; they are counted alike.
+#[test]
+fn line_ends_make_no_difference() -> Outcome {
+    for name in ["table_bare.csv", "tum_planar.txt"] {
+        let text = String::from_utf8(fixtures::read(name)?)?.replace("\r\n", "\n");
+        let text = format!("# a recording\n{text}");
+        let options = Options::default();
+        let read = import(text.as_bytes(), &options)?;
+        let bad = format!("{text}# the end\nthen\n");
+        let refused = import(bad.as_bytes(), &options).expect_err("refused");
+        for end in ["\r\n", "\r"] {
+            let other = import(text.replace('\n', end).as_bytes(), &options)?;
+            assert_eq!(other.samples(), read.samples(), "{name} {end:?}");
+            let other = import(bad.replace('\n', end).as_bytes(), &options);
+            assert_eq!(other.expect_err("refused"), refused, "{name} {end:?}");
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn first_and_last_pose_are_met() -> Outcome {
     let trajectory = load("table.csv")?;

@@ -190,7 +190,7 @@ impl Log {
     /// # Errors
     /// What is wrong, with line and column.
     pub fn read(bytes: &[u8], counts_per_turn: Option<f64>) -> Result<Self, LogError> {
-        let sheet = sheet(text(bytes)?)?;
+        let sheet = sheet(&text(bytes)?)?;
         if !sheet.has(&["t"])? {
             return Err(sheet.wrong("column `t` is missing".to_owned()));
         }

@@ -74,6 +74,7 @@ pub use trajectory::{Sample, Trajectory};
 pub use verdict::FileVerdict;
 
 use raw::Raw;
+use std::borrow::Cow;
 
 /// Largest file that is read: 64 MiB.
 pub const MAX_BYTES: usize = 64 << 20;
@@ -102,11 +103,11 @@ pub fn import(bytes: &[u8], options: &Options) -> Result<Trajectory, Refusal> {
 
 /// The format of a file, if it has one that is known.
 pub fn format(bytes: &[u8]) -> Option<Format> {
-    text(bytes).ok().and_then(|text| detect::detect(text).ok())
+    text(bytes).ok().and_then(|text| detect::detect(&text).ok())
 }
 
-/// The text of a file.
-pub(crate) fn text(bytes: &[u8]) -> Result<&str, Refusal> {
+/// The text of a file, with lines that end as here. Those that end in CR alone would be none to what finds comments.
+pub(crate) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Refusal> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let offset = error.valid_up_to();
         let good = bytes.get(..offset).unwrap_or_default();
@@ -116,7 +117,11 @@ pub(crate) fn text(bytes: &[u8]) -> Result<&str, Refusal> {
             reason: Reason::NotText { offset },
         }
     })?;
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    Ok(match text.contains('\r') {
+        true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
+        false => Cow::Borrowed(text),
+    })
 }
 
 /// The samples as they stand in the file.
@@ -132,6 +137,7 @@ fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
         });
     }
     let text = text(bytes)?;
+    let text = &*text;
     match detect::detect(text)? {
         Format::WpilibJson => wpilib::read(text),
         Format::ChoreoTraj => choreo::read(text),
