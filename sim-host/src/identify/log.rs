@@ -77,6 +77,10 @@ pub enum LogError {
     Short(usize),
 }
 
+/// Nothing in a log is larger, neither seconds since 1970 nor counts; squares of much larger numbers overflow, and to decompose
+/// a matrix of what comes then takes for ever.
+const MAX_CELL: f64 = 1.0e12;
+
 /// Fewer rows cannot hold even one stretch of driving.
 pub const MIN_ROWS: usize = 20;
 
@@ -114,7 +118,10 @@ impl Sheet {
         let text = row.cells.get(index).unwrap_or_default();
         let problem = match text.parse::<f64>() {
             _ if text.is_empty() => return Ok(None),
-            Ok(value) if value.is_finite() => return Ok(Some(value)),
+            Ok(value) if value.abs() <= MAX_CELL => return Ok(Some(value)),
+            Ok(value) if value.is_finite() => {
+                format!("`{text}` is not within ±{MAX_CELL:e}: is it in SI units?")
+            }
             Ok(_) => format!("`{text}` is not finite"),
             Err(_) => format!("`{text}` is not a number"),
         };

@@ -197,6 +197,10 @@ fn electric(
 }
 
 fn solve(a: DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    // Of what is no number the decomposition has no end.
+    if a.iter().any(|v| !v.is_finite()) {
+        return None;
+    }
     let svd = a.svd(true, true);
     let least = 1.0e-9 * svd.singular_values.amax();
     svd.solve(b, least)
