@@ -1,9 +1,9 @@
 //! The log: commands, wheel angles and what else was recorded, from CSV.
 
 use crate::import::table::{broken, line_at, reader};
-use crate::import::{Refusal, text};
+use crate::import::{Format, Place, Reason, Refusal, text};
 use csv::StringRecord;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 
 /// What acted on the wheels, right before left.
@@ -88,6 +88,8 @@ struct Sheet {
     /// The header's.
     line: usize,
     columns: HashMap<String, usize>,
+    /// Names that several columns have.
+    repeated: HashSet<String>,
     rows: Vec<Row>,
 }
 
@@ -98,6 +100,9 @@ struct Row {
 
 impl Sheet {
     fn has(&self, names: &[&str]) -> Result<bool, LogError> {
+        if let Some(name) = names.iter().find(|name| self.repeated.contains(**name)) {
+            return Err(self.wrong(format!("column `{name}` is there twice")));
+        }
         let there = |name: &&&str| self.columns.contains_key(**name);
         match names.iter().filter(there).count() {
             0 => Ok(false),
@@ -183,9 +188,18 @@ fn sheet(text: &str) -> Result<Sheet, Refusal> {
             cells,
         })
     });
+    if header.is_empty() {
+        return Err(Refusal::new(Format::Csv, Place::default(), Reason::Empty));
+    }
+    let mut columns = HashMap::new();
+    let names = header.iter().map(str::to_owned).zip(0..);
+    let repeated =
+        names.filter_map(|(name, place)| columns.insert(name.clone(), place).map(|_| name));
+    let repeated = repeated.collect();
     Ok(Sheet {
         line: line_at(text, header.position()),
-        columns: header.iter().map(str::to_owned).zip(0..).collect(),
+        columns,
+        repeated,
         rows: rows.collect::<Result<_, _>>()?,
     })
 }
@@ -199,7 +213,8 @@ impl Log {
     pub fn read(bytes: &[u8], counts_per_turn: Option<f64>) -> Result<Self, LogError> {
         let sheet = sheet(&text(bytes)?)?;
         if !sheet.has(&["t"])? {
-            return Err(sheet.wrong("column `t` is missing".to_owned()));
+            let why = "column `t` is missing: names are in small letters, with commas and not semicolons or tabs between them";
+            return Err(sheet.wrong(why.to_owned()));
         }
         if sheet.rows.len() < MIN_ROWS {
             return Err(LogError::Short(sheet.rows.len()));

@@ -209,6 +209,8 @@ fn errors_name_line_and_column() {
         "t,duty_right,duty,counts_right,counts_left,x,y,theta",
         "t,duty_right,duty_left,counts_right,counts_left,x,y,heading",
         "t,a,b,counts_right,counts_left,x,y,theta",
+        "t,duty_right,duty_left,counts_right,counts_left,x,x,theta",
+        "t,duty_right,duty_left,counts_right,counts_left,t,y,theta",
     ] {
         assert!(
             matches!(refused(header, ""), LogError::Columns(1, _)),
@@ -242,11 +244,19 @@ fn comments_are_skipped_and_counted() {
         ),
         (
             noted.replace("t,duty", "time,duty"),
-            "line 3: column `t` is missing",
+            "line 3: column `t` is missing: names are in small letters, with commas and not semicolons or tabs between them",
         ),
     ] {
         let error = Log::read(text.as_bytes(), None).expect_err("refused");
         assert_eq!(error.to_string(), told);
+    }
+    for empty in ["", "\n", "# nothing\n# else"] {
+        let error = Log::read(empty.as_bytes(), None).expect_err("refused");
+        assert_eq!(
+            error.to_string(),
+            "the file: the file is empty",
+            "{empty:?}"
+        );
     }
     let error = Log::read(b"t,duty_right\n\xff", None).expect_err("refused");
     assert!(error.to_string().contains("line 2: not text"), "{error}");
