@@ -38,7 +38,8 @@ pub struct IdentifyArgs {
     /// Of a bag: the wheels' joints
     #[arg(long, value_name = "RIGHT,LEFT", value_parser = two)]
     pub joints: Option<[String; 2]>,
-    /// Instead of a log: how often the intervals hold the true values of this base, on simulated drives of it
+    /// Instead of a log: how often the intervals hold the true values of this base, a file or one of paper-30kg,
+    /// lab-10kg, hobby-1kg, on simulated drives of it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["log", "port", "profile", "known", "counts_per_turn", "latency", "slow"])]
     pub coverage: Option<PathBuf>,
     /// Drives of the coverage

@@ -1,5 +1,6 @@
 //! `identify`.
 
+use super::drive::base;
 use super::error::CommandError;
 use super::identify_live as live;
 use super::say;
@@ -35,7 +36,7 @@ struct Record<'a> {
 }
 
 fn covered(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), CommandError> {
-    let base = BaseSpec::load(path)?;
+    let base = base(Some(path))?;
     let runs = arguments.runs.get();
     let seed = arguments.seed.draw()?;
     say(&format!(

@@ -117,19 +117,17 @@ fn a_log_becomes_a_table_and_files() {
 fn coverage_names_its_seeds() {
     let here = tempfile::tempdir().expect("a directory");
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../bases/paper-30kg.toml");
-    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .args([
-            "identify",
-            "--coverage",
-            base,
-            "--runs",
-            "1",
-            "--seed",
-            "1200000000",
-        ])
-        .current_dir(here.path())
-        .output()
-        .expect("the program runs");
+    let run = |base: &str| {
+        let seed = ["--runs", "1", "--seed", "1200000000"];
+        Command::new(env!("CARGO_BIN_EXE_sim-host"))
+            .args([&["identify", "--coverage", base], &seed[..]].concat())
+            .current_dir(here.path())
+            .output()
+            .expect("the program runs")
+    };
+    let output = run(base);
+    // The same one is built in.
+    assert_eq!(run("paper-30kg").stdout, output.stdout);
     let shown = String::from_utf8_lossy(&output.stdout);
     for part in ["1 drives, seeds 1200000000 to 1200000000", "mass", "1 of 1"] {
         assert!(shown.contains(part), "{part} in {shown}");
