@@ -88,7 +88,14 @@ pub fn scenario(error: &ScenarioError) -> PyErr {
 pub fn trajectory(path: &Path, error: &FileError) -> PyErr {
     match error {
         FileError::Refused(refusal) => refused(path, refusal),
-        FileError::Option(key, ..) => argument(key, &error.to_string()),
+        FileError::Option(option, ..) => {
+            // The command line's options have no units.
+            let key = match *option {
+                "period" => "period_s".to_owned(),
+                option => format!("{option}_m"),
+            };
+            argument(&key, &error.to_string().replacen(option, &key, 1))
+        }
         other => {
             let place = Place {
                 file: named(path),

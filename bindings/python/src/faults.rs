@@ -2,7 +2,7 @@
 
 use crate::robot::figures;
 use crate::work::work;
-use crate::{error, sheet};
+use crate::{arguments, error, sheet};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use rayon::prelude::*;
@@ -18,6 +18,7 @@ use sim_host::record;
 fn numbers(settings: &Settings) -> PyResult<(Bases, Vec<u64>)> {
     settings.numbers().map_err(|e| match e {
         CampaignError::Base(e) => error::scenario(&e),
+        CampaignError::Limit(key, _) => error::argument(key, &e.to_string()),
         e => error::argument("only", &e.to_string()),
     })
 }
@@ -139,6 +140,9 @@ impl Campaign {
     }
 }
 
+/// Runs that are given to all threads together.
+const AT_ONCE: usize = 16_384;
+
 /// The fault campaign of a seed, or part `shard` of it: (index, count), counted from 0.
 #[pyfunction]
 #[pyo3(signature = (runs = 1000, seed = 1, only = Vec::new(), gyro = false, first = 0, shard = None, threads = None,
@@ -146,18 +150,15 @@ impl Campaign {
 #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
 pub fn faults(
     py: Python<'_>,
-    runs: u64,
-    seed: u64,
+    #[pyo3(from_py_with = arguments::runs)] runs: u64,
+    #[pyo3(from_py_with = arguments::seed)] seed: u64,
     only: Vec<String>,
     gyro: bool,
-    first: u64,
-    shard: Option<(usize, usize)>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::first)] first: u64,
+    #[pyo3(from_py_with = arguments::shard)] shard: Option<(usize, usize)>,
+    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Campaign> {
-    if runs == 0 {
-        return Err(error::argument("runs", "runs must be at least 1"));
-    }
     let parameters = Settings {
         runs,
         seed,
@@ -168,11 +169,7 @@ pub fn faults(
     let (bases, all) = numbers(&parameters)?;
     let numbers = match shard {
         None => all.as_slice(),
-        Some((index, count)) if index < count => part::shard(&all, index, count),
-        Some((index, count)) => {
-            let message = format!("shard ({index}, {count}): counted from 0, so below {count}");
-            return Err(error::argument("shard", &message));
-        }
+        Some((index, count)) => part::shard(&all, index, count),
     };
     let total = numbers.len() as u64;
     let outcomes = work(py, threads, (progress, total), |progress| {
@@ -181,8 +178,10 @@ pub fn faults(
             let one = [*number];
             progress.part(|| study(&bases, seed, one, &Mutation::None, || {}))
         };
-        let runs: Result<Vec<_>, _> = numbers.par_iter().map(run).collect();
-        runs.map(|runs| runs.concat())
+        // In turn, because a work that stops unwinds once for each piece that Rayon has split it into.
+        let some = |numbers: &[u64]| -> Result<Vec<_>, _> { numbers.par_iter().map(run).collect() };
+        let runs: Result<Vec<Vec<Vec<_>>>, _> = numbers.chunks(AT_ONCE).map(some).collect();
+        runs.map(|runs| runs.into_iter().flatten().flatten().collect())
     })?;
     Ok(Campaign {
         parameters,

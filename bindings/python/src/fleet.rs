@@ -2,7 +2,7 @@
 
 use crate::mission::{pose, world};
 use crate::robot::Robot;
-use crate::{error, sheet};
+use crate::{arguments, error, sheet};
 use controller_core::base::Order;
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::supervisor::State;
@@ -132,7 +132,12 @@ impl Fleet {
     /// So many bases of a robot, in no world yet.
     #[new]
     #[pyo3(signature = (robot, size, world = "drawn", threads = None))]
-    fn new(robot: &Robot, size: usize, world: &str, threads: Option<usize>) -> PyResult<Self> {
+    fn new(
+        robot: &Robot,
+        #[pyo3(from_py_with = arguments::size)] size: usize,
+        world: &str,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
+    ) -> PyResult<Self> {
         self::world(&robot.file.base, Some(world), 0)?;
         let pool = match (size, threads) {
             (0 | 1, _) | (_, Some(1)) => None,
@@ -200,7 +205,7 @@ impl Fleet {
         &self,
         py: Python<'_>,
         twists: PyReadonlyArray2<'_, f64>,
-        ticks: usize,
+        #[pyo3(from_py_with = arguments::ticks)] ticks: usize,
     ) -> PyResult<()> {
         let twists = twists.as_array();
         let size = self.members().len();

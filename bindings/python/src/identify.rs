@@ -1,5 +1,6 @@
 //! A robot from the log of a drive.
 
+use crate::arguments::positive;
 use crate::{error, sheet};
 use pyo3::prelude::*;
 use sim_host::identify::{Identified, Known, Log, Options, identify as fit, profile, report};
@@ -78,6 +79,13 @@ pub fn identify(
     latency_s: f64,
     slow_rad_s: Option<f64>,
 ) -> PyResult<Identification> {
+    if let Some(counts) = counts_per_turn {
+        positive("counts_per_turn", counts, false)?;
+    }
+    positive("latency_s", latency_s, true)?;
+    if let Some(slow) = slow_rad_s {
+        positive("slow_rad_s", slow, false)?;
+    }
     let mut known = Known::default();
     for statement in &statements {
         let stated = known.state(statement);

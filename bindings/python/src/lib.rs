@@ -4,6 +4,7 @@
 //! released, every core used, progress reported and Ctrl-C obeyed. Tables become arrays in `sheet`, errors exceptions
 //! in `error`.
 
+mod arguments;
 mod error;
 mod faults;
 mod figure;

@@ -1,13 +1,13 @@
 //! What a robot is to do.
 
-use crate::error;
 use crate::robot::Robot;
 use crate::trajectory::{Trajectory, retiming};
+use crate::{arguments, error};
 use controller_core::types::{Measured, Pose, Twist};
 use pyo3::prelude::*;
 use sim_host::drive::FileRun;
 use sim_host::job::{Content, Job};
-use sim_host::mission::{BaseSpec, Course, End, Mission as Plan};
+use sim_host::mission::{BaseSpec, Course, End, MAX_TICKS, Mission as Plan};
 use sim_host::precision::Precision;
 use sim_host::scenario::ControlLaw;
 use sim_host::trials::{self, Condition};
@@ -140,7 +140,7 @@ impl Mission {
         robot: Option<&Robot>,
         law: Option<&str>,
         world: Option<&str>,
-        seed: u64,
+        #[pyo3(from_py_with = arguments::seed)] seed: u64,
         offset_m: Option<f64>,
         fastest: bool,
         tolerance_m: Option<f64>,
@@ -191,7 +191,7 @@ impl Mission {
         robot: Option<&Robot>,
         law: Option<&str>,
         world: Option<&str>,
-        seed: u64,
+        #[pyo3(from_py_with = arguments::seed)] seed: u64,
     ) -> PyResult<Self> {
         let mut job = Job::parse(file, text).map_err(|e| error::scenario(&e))?;
         if robot.is_some() && (law != Some("motion") || job.scenario().is_none()) {
@@ -214,7 +214,7 @@ impl Mission {
         trajectory: &Trajectory,
         robot: Option<&Robot>,
         world: Option<&str>,
-        seed: u64,
+        #[pyo3(from_py_with = arguments::seed)] seed: u64,
         offset_m: Option<f64>,
         fastest: bool,
         tolerance_m: Option<f64>,
@@ -244,7 +244,7 @@ impl Mission {
         goal: [f64; 3],
         robot: Option<&Robot>,
         world: Option<&str>,
-        seed: u64,
+        #[pyo3(from_py_with = arguments::seed)] seed: u64,
         precision: &str,
         period_s: Option<f64>,
         longest_s: f64,
@@ -260,6 +260,13 @@ impl Mission {
         }
         if !(longest_s > 0.0 && longest_s <= LONGEST_S) {
             let message = format!("longest_s must be above 0 and at most {LONGEST_S:e}");
+            return Err(error::argument("longest_s", &message));
+        }
+        if longest_s / period_s > MAX_TICKS {
+            let message = format!(
+                "longest_s is {:.0} times period_s; at most {MAX_TICKS:.0} ticks are kept",
+                longest_s / period_s
+            );
             return Err(error::argument("longest_s", &message));
         }
         let mission = Plan {

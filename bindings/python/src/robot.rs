@@ -144,7 +144,7 @@ impl Robot {
                 Some(knob) => {
                     knob.put(&mut all, value);
                     if knob.of(&all) != value {
-                        let message = format!("gains.{key}: {value} is out of its range");
+                        let message = format!("gains.{key}: {value:?} is out of its range");
                         return Err(error::argument(&key, &message));
                     }
                 }

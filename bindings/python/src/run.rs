@@ -3,7 +3,7 @@
 use crate::figure::Figure;
 use crate::mission::{Mission, law};
 use crate::work::work;
-use crate::{error, sheet};
+use crate::{arguments, error, sheet};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -110,7 +110,11 @@ impl Run {
 
     /// The CSV file of the command line.
     #[pyo3(signature = (every = 1))]
-    fn csv<'py>(&self, py: Python<'py>, every: usize) -> PyResult<Bound<'py, PyBytes>> {
+    fn csv<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::every)] every: usize,
+    ) -> PyResult<Bound<'py, PyBytes>> {
         let mut bytes = Vec::new();
         csv_out::write(&self.trace, self.job.columns(), every, &mut bytes)
             .map_err(|e| error::run(&e.to_string()))?;
@@ -197,7 +201,7 @@ fn jobs(missions: &[PyRef<'_, Mission>]) -> Vec<Arc<Job>> {
 pub fn run_all(
     py: Python<'_>,
     missions: Vec<PyRef<'_, Mission>>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Run>> {
     let jobs = jobs(&missions);
@@ -243,7 +247,7 @@ fn ended(job: &Job) -> Result<Option<Ended>, RunError> {
 pub fn finish_all<'py>(
     py: Python<'py>,
     missions: Vec<PyRef<'py, Mission>>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let jobs = jobs(&missions);

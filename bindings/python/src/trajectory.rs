@@ -23,8 +23,10 @@ pub struct Trajectory {
 impl Trajectory {
     pub fn of(path: &Path, bytes: Vec<u8>, tolerance_m: Option<f64>) -> PyResult<Self> {
         let stem = path.file_stem().unwrap_or_default();
-        let reference = trajectory(&bytes, &retiming(false, tolerance_m))
-            .map_err(|refusal| error::refused(path, &refusal))?;
+        let retiming = retiming(false, tolerance_m);
+        retiming.check().map_err(|e| error::trajectory(path, &e))?;
+        let reference =
+            trajectory(&bytes, &retiming).map_err(|refusal| error::refused(path, &refusal))?;
         Ok(Self {
             name: stem.to_string_lossy().into_owned(),
             bytes: Arc::new(bytes),

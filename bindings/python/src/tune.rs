@@ -1,9 +1,9 @@
 //! Gains for a robot, searched.
 
-use crate::error;
 use crate::robot::{Robot, figures, gains, numbers};
 use crate::trajectory::Trajectory;
 use crate::work::work;
+use crate::{arguments, error};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sim_host::tune::{
@@ -74,15 +74,11 @@ pub fn tune(
     py: Python<'_>,
     robot: &Robot,
     trajectory: Option<&Trajectory>,
-    evaluations: u64,
-    seed: u64,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::evaluations)] evaluations: u64,
+    #[pyo3(from_py_with = arguments::seed)] seed: u64,
+    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Tuned> {
-    if evaluations == 0 {
-        let message = "evaluations must be at least 1";
-        return Err(error::argument("evaluations", message));
-    }
     check(&robot.file).map_err(|e| error::scenario(&e))?;
     let base = &robot.file.base;
     let problem = match trajectory {

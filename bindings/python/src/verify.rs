@@ -3,7 +3,7 @@
 use crate::robot::{Robot, figures};
 use crate::run::Run;
 use crate::work::work;
-use crate::{error, sheet};
+use crate::{arguments, error, sheet};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use sim_host::job::{Job, RobotFile};
@@ -78,13 +78,12 @@ impl Verification {
 pub fn verify(
     py: Python<'_>,
     robot: &Robot,
-    seeds: u32,
-    seed: u64,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::seeds)] seeds: u32,
+    #[pyo3(from_py_with = arguments::seed)] seed: u64,
+    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Verification> {
-    let least = || error::argument("seeds", "seeds must be at least 1");
-    let seeds = NonZeroU32::new(seeds).ok_or_else(least)?;
+    let seeds = NonZeroU32::new(seeds).unwrap_or(NonZeroU32::MIN);
     check(&robot.file).map_err(|e| error::scenario(&e))?;
     let base = &robot.file.base;
     let found = work(py, threads, (progress, runs(seeds)), |progress| {

@@ -55,8 +55,13 @@ pub fn work<T: Send>(
     (callback, total): (Option<Py<PyAny>>, u64),
     job: impl FnOnce(&Progress) -> T + Send,
 ) -> PyResult<T> {
-    if threads == Some(0) {
-        return Err(error::argument("threads", "threads must be at least 1"));
+    if callback
+        .as_ref()
+        .is_some_and(|callback| !callback.bind(py).is_callable())
+    {
+        let message =
+            "progress must be a function of two numbers, what is done and what there is to do";
+        return Err(error::argument("progress", message));
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     let pool = pool

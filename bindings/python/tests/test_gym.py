@@ -8,9 +8,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
+from twb import InputError
 from twb.gym import ParkEnv, ParkVectorEnv, register
 
 
@@ -130,3 +132,33 @@ def test_the_base_is_the_real_one() -> None:
     believed = np.hypot(seen[:, 0], seen[:, 1])
     off = np.abs(believed - np.hypot(truth[:, 0], truth[:, 1]))
     assert (off > 0).all() and (off < 0.03).all()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "key"),
+    [
+        (lambda: ParkVectorEnv(-1), "size"),
+        (lambda: ParkVectorEnv(10**12), "size"),
+        (lambda: ParkVectorEnv(3, threads=0), "threads"),
+        (lambda: ParkEnv(start_m=np.nan), "start_m"),
+        (lambda: ParkEnv(act_s=1e12), "act_s"),
+        (lambda: ParkEnv(longest_s=np.inf), "longest_s"),
+        (lambda: ParkVectorEnv(2).reset(options={"reset_mask": [True]}), "reset_mask"),
+    ],
+)
+def test_what_is_refused_is_named(wrong, key) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError) as caught:
+        wrong()
+    assert caught.value.key == key and key in str(caught.value)
+
+
+def test_actions_are_numbers_of_an_episode() -> None:
+    env = ParkVectorEnv(2)
+    with pytest.raises(ResetNeeded, match="reset before step"):
+        env.step(np.zeros((2, 2), np.float32))
+    env.reset(seed=1)
+    for actions in (np.full((2, 2), np.nan, np.float32), np.zeros((1, 2), np.float32)):
+        with pytest.raises(InputError) as caught:
+            env.step(actions)
+        assert caught.value.key == "action"
+    env.step(np.zeros((2, 2), np.float32))

@@ -154,7 +154,7 @@ def bad_scenario() -> object:
         (lambda: twb.simulate("park-beside", world="moon"), None, None, "world"),
         (lambda: twb.simulate("park-beside", robot="lab-10kg"), None, None, "robot"),
         (lambda: twb.simulate("park-beside", fastest=True), None, None, "fastest"),
-        (lambda: twb.simulate(GAPS, period_s=3.0), None, None, "period"),
+        (lambda: twb.simulate(GAPS, period_s=3.0), None, None, "period_s"),
         (lambda: twb.simulate("park-beside", threads=0), None, None, "threads"),
         (lambda: twb.Robot.load("lab-10kg").with_gains({"nose": 1.0}), None, None, "nose"),
         (lambda: twb.Robot.load("lab-10kg").with_gains({"heading": -1.0}), None, None, "heading"),
@@ -177,6 +177,69 @@ def test_an_error_says_where(wrong, file, line, key) -> None:  # type: ignore[no
     assert isinstance(error, ValueError) and str(error)
     # Nobody who looks for a missing file has to know this package.
     assert isinstance(error, FileNotFoundError) == ("nowhere" in str(file))
+
+
+LINE = b"t,x,y,theta\n0,0,0,0\n1,0.1,0,0\n2,0.3,0,0\n"
+#: A log that says nothing, of arguments that are looked at before it.
+LOG = {"t": [1.0], "angle_right": [0.0], "angle_left": [0.0]}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "key", "limit"),
+    [
+        (lambda: twb.simulate("paper-line", threads=-1), "threads", "1 to 1024"),
+        (lambda: twb.simulate("paper-line", threads=10**6), "threads", "1 to 1024"),
+        (lambda: twb.simulate("paper-line", progress=3), "progress", "function"),  # type: ignore[call-overload]
+        (lambda: twb.simulate("paper-line").csv(0), "every", "1 to"),
+        (lambda: twb.simulate(5), "what", "not 5"),  # type: ignore[call-overload]
+        (lambda: twb.simulate(["paper-line", None]), "what", "not None"),  # type: ignore[list-item]
+        (lambda: twb.simulate(start="there", goal=(0, 0, 0)), "start", "there"),
+        (lambda: twb.simulate(start=(0, 0, 0), goal=[[1, 0, 0], [1, 0]]), "goal", "pose"),
+        (lambda: twb.simulate(start=(0, 0, 0), goal=(1, 0, 0), seed=-1), "seed", "0 to 2**64 - 1"),
+        (lambda: twb.simulate(start=(0, 0, 0), goal=(1, 0, 0), seed=1.5), "seed", "0 to 2**64 - 1"),
+        (lambda: twb.missions(start=(0, 0, 0), goal=(1, 0, 0), seed=np.array([-1])), "seed", "0 to"),
+        (lambda: twb.missions(start=(0, 0, 0), goal=(1, 0, 0), seed=[[1]]), "seed", "a row"),
+        (lambda: twb.Mission.park((0, 0, 0), (1, 0, 0), seed=-1), "seed", "18446744073709551615"),
+        # Traces that no machine has the memory for.
+        (
+            lambda: twb.simulate(start=(0, 0, 0), goal=(1, 0, 0), longest_s=1e4, period_s=1e-4),
+            "longest_s",
+            "2000000",
+        ),
+        (lambda: twb.simulate(GAPS, offset_m=math.nan), "offset_m", "-10 to 10"),
+        (lambda: twb.Trajectory.parse(LINE, tolerance_m=math.nan), "tolerance_m", "0 to 1"),
+        (lambda: twb.Trajectory.parse(LINE, tolerance_m=-1), "tolerance_m", "0 to 1"),
+        (lambda: twb.Robot.load("lab-10kg").with_gains({"heading": 1e308}), "heading", "1e308 is out"),
+        (lambda: twb.verify(None), "robot", "not None"),  # type: ignore[arg-type]
+        (lambda: twb.verify("lab-10kg", seeds=2**32), "seeds", "1 to 100000"),
+        (lambda: twb.tune("lab-10kg", evaluations=2**64 - 1), "evaluations", "1 to 1000000"),
+        (lambda: twb.faults(10**18), "runs", "1 to 100000000"),
+        (lambda: twb.faults(1, first=2**64 - 1), "first", "0 to 4503599627370496"),
+        (lambda: twb.faults(3, shard=(-1, 2)), "shard", "index from 0"),
+        (lambda: twb.faults(3, shard=(0, 0)), "shard", "below the count"),
+        (lambda: twb.identify({"t": 3.0}), "log", "one axis"),
+        (lambda: twb.identify({"t": [[1.0, 2.0]]}), "log", "one axis"),
+        (lambda: twb.identify({3: [1.0]}), "log", "by their names"),  # type: ignore[dict-item]
+        (lambda: twb.identify({"t": ["soon"]}), "log", "soon"),
+        (lambda: twb.identify(LOG, counts_per_turn=0), "counts_per_turn", "above 0"),
+        (lambda: twb.identify(LOG, counts_per_turn=math.inf), "counts_per_turn", "finite"),
+        (lambda: twb.identify(LOG, latency_s=-1), "latency_s", "not negative"),
+        (lambda: twb.identify(LOG, slow_rad_s=math.nan), "slow_rad_s", "above 0"),
+        (lambda: twb.identify(LOG, known="mass"), "known", "`mass` is not"),
+    ],
+)
+def test_an_error_names_the_argument_and_its_limit(wrong, key, limit) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(twb.InputError) as caught:
+        wrong()
+    said = str(caught.value)
+    assert caught.value.key == key and (key in said or key == "known") and limit in said, said
+
+
+def test_a_word_is_one_word() -> None:
+    assert twb.faults(4, only="gyro", gyro=True).csv() == twb.faults(4, only=["gyro"], gyro=True).csv()
+    with pytest.raises(twb.InputError, match="Is a directory|denied") as caught:
+        twb.identify(ROOT)
+    assert caught.value.file == str(ROOT)
 
 
 def test_robots_are_their_text() -> None:
@@ -224,8 +287,9 @@ def test_progress_is_told_and_an_error_in_it_stops() -> None:
         raise StopAsyncIteration(f"{done} of {total}")
 
     began = time.monotonic()
+    # Without a stop for each run that is left.
     with pytest.raises(StopAsyncIteration):
-        twb.faults(1_000_000, progress=enough)
+        twb.faults(10_000_000, progress=enough)
     assert time.monotonic() - began < 20
 
 

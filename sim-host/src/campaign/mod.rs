@@ -40,5 +40,5 @@ pub use outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 pub use plan::{Bases, Plan, Target};
 pub use report::{Record, TraceWriter, run_sheet, table, tick_fields, violation, write_runs};
 pub use run::{Mutation, Tick, run};
-pub use study::{Campaign, CampaignError, NoTrouble, study};
+pub use study::{Campaign, CampaignError, MAX_FIRST, MAX_RUNS, NoTrouble, study};
 pub use summary::{Cell, CellRecord, cells};

@@ -37,6 +37,11 @@ fn numbers(bases: &Bases, first: u64, count: u64, only: &[String]) -> Result<Vec
     Ok(all.take(count).collect())
 }
 
+/// Most runs of a campaign: all their numbers are kept, 0.8 GB.
+pub const MAX_RUNS: u64 = 100_000_000;
+/// Largest number of a first run: numbers of runs stay exact in JSON.
+pub const MAX_FIRST: u64 = 1 << 52;
+
 /// The campaign of a seed, as far as the command line and other front ends settle it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Campaign {
@@ -58,6 +63,9 @@ pub enum CampaignError {
     /// See [`NoTrouble`].
     #[error(transparent)]
     NoTrouble(#[from] NoTrouble),
+    /// More than a number of runs, or a number of a run, may be.
+    #[error("{0} must be at most {1}")]
+    Limit(&'static str, u64),
     /// A built-in base that cannot be read.
     #[error(transparent)]
     Base(#[from] ScenarioError),
@@ -70,8 +78,16 @@ impl Campaign {
     /// Its bases, and the numbers of its runs.
     ///
     /// # Errors
-    /// Words that no trouble has.
+    /// Words that no trouble has, a number above its limit.
     pub fn numbers(&self) -> Result<(Bases, Vec<u64>), CampaignError> {
+        for (key, number, most) in [
+            ("runs", self.runs, MAX_RUNS),
+            ("first", self.first, MAX_FIRST),
+        ] {
+            if number > most {
+                return Err(CampaignError::Limit(key, most));
+            }
+        }
         let bases = match self.gyro {
             true => Bases::with_gyro(),
             false => Bases::built_in(),

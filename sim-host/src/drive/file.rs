@@ -4,7 +4,7 @@ use crate::import::{
     Figures, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance, Trajectory,
     format, import,
 };
-use crate::mission::{BaseSpec, Course, End, HandOverRule, Mission, Route, When};
+use crate::mission::{BaseSpec, Course, End, HandOverRule, MAX_TICKS, Mission, Route, When};
 use crate::precision::Precision;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -47,12 +47,18 @@ impl Retiming {
         trajectory: &Trajectory,
         base: &BaseSpec,
     ) -> Result<(Trajectory, TimeScaling), FileError> {
-        let tolerance = self.tolerance_m;
-        if !(0.0..=1.0).contains(&tolerance) {
-            return Err(FileError::Option("tolerance", 0.0, 1.0));
-        }
+        self.check()?;
         let limits = base.reference_limits();
-        Ok(trajectory.time_scaled_within(&limits, self.pace, tolerance)?)
+        Ok(trajectory.time_scaled_within(&limits, self.pace, self.tolerance_m)?)
+    }
+
+    /// # Errors
+    /// A tolerance out of range.
+    pub fn check(&self) -> Result<(), FileError> {
+        match (0.0..=1.0).contains(&self.tolerance_m) {
+            true => Ok(()),
+            false => Err(FileError::Option("tolerance", 0.0, 1.0)),
+        }
     }
 }
 
@@ -100,8 +106,6 @@ pub enum FileError {
     TooLong(f64),
 }
 
-/// More ticks than this, and the trace would not fit a small machine's memory.
-const MAX_TICKS: f64 = 2.0e6;
 /// How long parking may take before a run is given up \[s\].
 const PARKING_S: f64 = 60.0;
 

@@ -47,6 +47,9 @@ pub struct Mission {
     pub setup: Option<WorldSetup>,
 }
 
+/// Longest run, in control periods: the trace of a longer one would not fit a small machine's memory.
+pub const MAX_TICKS: f64 = 2.0e6;
+
 /// What the robot does.
 #[derive(Clone, Debug)]
 pub enum Course {

@@ -2,13 +2,11 @@
 
 use super::source::{Checked, Source};
 use super::{Controller, MathsBackEnd, Scenario, belief, file, ranges};
+use crate::mission::MAX_TICKS;
 use crate::motion::{Profile, ReferenceMotion};
 use crate::precision::Precision;
 use controller_core::reference::{ConstantTwist, ParkingPlan};
 use controller_core::types::{Measured, Pose, Twist};
-
-/// More ticks than this, and the trace would not fit a small machine's memory.
-const MAX_TICKS: f64 = 2.0e6;
 
 pub(super) fn scenario(name: String, keys: &file::File, place: &Source<'_>) -> Checked<Scenario> {
     ranges::check(keys, place)?;

@@ -72,8 +72,42 @@ AnyMission: TypeAlias = "Mission | Trajectory | Path"
 Progress: TypeAlias = "Callable[[int, int], object]"
 
 
-def _robot(robot: AnyRobot | None) -> Robot | None:
-    return robot if robot is None or isinstance(robot, Robot) else Robot.load(robot)
+def _robot(robot: AnyRobot) -> Robot:
+    if isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, (str, os.PathLike)):
+        return Robot.load(robot)
+    raise InputError.at(f"robot must be a Robot, its file or the name of a shipped one, not {robot!r}", key="robot")
+
+
+def _numbers(key: str, what: str, value: object) -> NDArray[np.float64]:
+    try:
+        return np.asarray(value, np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError.at(f"{key} must be {what}: {error}", key=key) from error
+
+
+def _poses(key: str, value: object) -> NDArray[np.float64]:
+    what = "a pose (x, y, theta), or rows of them"
+    poses = _numbers(key, what, value)
+    if poses.ndim not in (1, 2) or poses.shape[-1] != 3:
+        raise InputError.at(f"{key} must be {what}", key=key)
+    return poses
+
+
+def _seeds(value: object) -> NDArray[np.uint64]:
+    try:
+        seeds = np.asarray(value, np.uint64)
+        # Conversion alone takes 1.5 for 1 and, of arrays, -1 for the largest.
+        if seeds.ndim < 2 and np.all(seeds == np.asarray(value, object)):
+            return seeds
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise InputError.at("seed must be a whole number in 0 to 2**64 - 1, or a row of them", key="seed")
+
+
+def _words(words: Iterable[str]) -> list[str]:
+    return [words] if isinstance(words, str) else list(words)
 
 
 def import_trajectory(path: Path) -> Trajectory:
@@ -95,12 +129,9 @@ def missions(
     `world` is None for the ideal plant, "even" for the robot's own hardware on a perfect floor, and one of the bad
     floors of `verify`: "drawn", "light", "heavy", "wide", "narrow", "low-battery"; `seed` settles what is drawn.
     """
-    robot = _robot(robot)
-    starts, goals = (np.atleast_2d(np.asarray(poses, float)) for poses in (start, goal))
-    seeds = np.atleast_1d(np.asarray(seed, np.uint64))
-    for key, poses in (("start", starts), ("goal", goals)):
-        if poses.ndim != 2 or poses.shape[1] != 3:
-            raise InputError.at(f"{key} must be a pose (x, y, theta), or rows of them", key=key)
+    robot = None if robot is None else _robot(robot)
+    starts, goals = np.atleast_2d(_poses("start", start), _poses("goal", goal))
+    seeds = np.atleast_1d(_seeds(seed))
     try:
         (count,) = np.broadcast_shapes(starts.shape[:1], goals.shape[:1], seeds.shape)
     except ValueError:
@@ -121,22 +152,31 @@ def _mission(what: AnyMission, robot: Robot | None, options: Mapping[str, Any]) 
         return what
     if isinstance(what, Trajectory):
         return Mission.follow(what, robot=robot, **options)
-    return Mission.load(what, robot=robot, **options)
+    if isinstance(what, (str, os.PathLike)):
+        return Mission.load(what, robot=robot, **options)
+    raise _unknown(what)
+
+
+def _unknown(what: object) -> InputError:
+    message = f"what must be missions, trajectories, files or names of scenarios, not {what!r}"
+    return InputError.at(message, key="what")
 
 
 def _planned(
     what: AnyMission | Sequence[AnyMission] | None, robot: AnyRobot | None, options: dict[str, Any]
 ) -> tuple[list[Mission], bool]:
     """The missions, and whether it is a single one."""
-    robot = _robot(robot)
+    robot = None if robot is None else _robot(robot)
     if what is None:
         if "start" not in options or "goal" not in options:
             raise InputError.at("what is to be run, or start and goal?", key="what")
-        several = any(np.ndim(options[key]) > 1 for key in ("start", "goal"))
-        several = several or np.ndim(options.get("seed", 1)) > 0
+        several = any(_poses(key, options[key]).ndim > 1 for key in ("start", "goal"))
+        several = several or _seeds(options.get("seed", 1)).ndim > 0
         return missions(robot=robot, **options), not several
     if isinstance(what, (Mission, Trajectory, str, os.PathLike)):
         return [_mission(what, robot, options)], True
+    if not isinstance(what, Iterable):
+        raise _unknown(what)
     return [_mission(one, robot, options) for one in what], False
 
 
@@ -228,9 +268,7 @@ def tune(
     """Searches gains in worlds drawn around the robot, and compares them in worlds that the search did not see."""
     if trajectory is not None and not isinstance(trajectory, Trajectory):
         trajectory = Trajectory.load(trajectory)
-    found = _robot(robot)
-    assert found is not None
-    return _twb.tune(found, trajectory, evaluations, seed, threads, progress)
+    return _twb.tune(_robot(robot), trajectory, evaluations, seed, threads, progress)
 
 
 def verify(
@@ -242,9 +280,7 @@ def verify(
     progress: Progress | None = None,
 ) -> Verification:
     """Whether a robot does its courses on bad floors: line, curve and park in six kinds of worlds, `seeds` of each."""
-    found = _robot(robot)
-    assert found is not None
-    return _twb.verify(found, seeds, seed, threads, progress)
+    return _twb.verify(_robot(robot), seeds, seed, threads, progress)
 
 
 def identify(
@@ -262,7 +298,10 @@ def identify(
     """
     if isinstance(log, Mapping):
         # Floats are written so that they read back as the same ones.
-        columns = [np.asarray(column, float).tolist() for column in log.values()]
+        what = "columns of numbers by their names, one axis each"
+        columns = [_numbers("log", what, column).tolist() for column in log.values()]
+        if any(not isinstance(name, str) for name in log) or any(np.ndim(column) != 1 for column in columns):
+            raise InputError.at(f"log must be {what}", key="log")
         if len({len(column) for column in columns}) > 1:
             raise InputError.at("the columns of the log have different lengths", key="log")
         rows = (",".join("" if cell != cell else repr(cell) for cell in row) for row in zip(*columns))
@@ -272,11 +311,12 @@ def identify(
         try:
             with open(file, "rb") as opened:
                 text = opened.read()
-        except FileNotFoundError as error:
-            raise MissingFileError.at(f"{file}: cannot be read: {error}", file=file) from error
+        except OSError as error:
+            kind = MissingFileError if isinstance(error, FileNotFoundError) else InputError
+            raise kind.at(f"{file}: cannot be read: {error}", file=file) from error
     if isinstance(known, Mapping):
         known = [f"{name}={value}" for name, value in known.items()]
-    return _twb.identify(text, file, list(known), counts_per_turn, latency_s, slow_rad_s)
+    return _twb.identify(text, file, _words(known), counts_per_turn, latency_s, slow_rad_s)
 
 
 def faults(
@@ -295,4 +335,4 @@ def faults(
     With `shard` = (index, count) only that part of it, counted from 0; `Campaign.merge` puts the parts together. The
     bytes of the whole do not depend on how many there were.
     """
-    return _twb.faults(runs, seed, list(only), gyro, first, shard, threads, progress)
+    return _twb.faults(runs, seed, _words(only), gyro, first, shard, threads, progress)

@@ -13,11 +13,13 @@ from typing import Any, TypeAlias
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ._twb import Fleet, Robot
+from .errors import InputError
 
 __all__ = ["ParkEnv", "ParkVectorEnv", "register"]
 
@@ -45,6 +47,14 @@ class _Course:
         longest_s: float,
         threads: int | None,
     ) -> None:
+        # An action is one call that nothing stops.
+        for key, value, least, most in (
+            ("start_m", start_m, 0.0, FAR_M),
+            ("act_s", act_s, 1e-4, 10.0),
+            ("longest_s", longest_s, 1e-4, 1e6),
+        ):
+            if not least <= value <= most:
+                raise InputError.at(f"{key} must be a number in {least} to {most}", key=key)
         self.robot = robot if isinstance(robot, Robot) else Robot.load(robot)
         self.fleet = Fleet(self.robot, size, world, threads)
         self.size, self.start_m = size, start_m
@@ -59,7 +69,7 @@ class _Course:
         # shares of the limits; a base that skids turns faster than its limit.
         high = np.array([2 * FAR_M, 2 * FAR_M, 1, 1, 10, 10], np.float32)
         self.observation_space = spaces.Box(-high, high, dtype=np.float32)
-        self.began_s: NDArray[np.float64] = np.zeros(size)
+        self.began_s: NDArray[np.float64] = np.full(size, np.nan)
         self.cost: NDArray[np.float64] = np.zeros(size)
 
     def begin(self, random: np.random.Generator, which: NDArray[np.int64]) -> None:
@@ -97,7 +107,12 @@ class _Course:
 
     def act(self, actions: NDArray[Any]) -> dict[str, NDArray[Any]]:
         """One action of each member: what is seen then, rewards, and whose episodes are over."""
-        shares = np.clip(np.asarray(actions, np.float64).reshape(self.size, 2), -1.0, 1.0)
+        if np.isnan(self.began_s).any():
+            raise ResetNeeded("call reset before step: a base has no world yet")
+        given = np.asarray(actions, np.float64)
+        if given.size != 2 * self.size or np.isnan(given).any():
+            raise InputError.at(f"an action is 2 numbers for each of {self.size} bases, not {given}", key="action")
+        shares = np.clip(given.reshape(self.size, 2), -1.0, 1.0)
         self.fleet.step(np.ascontiguousarray(shares * self.most), self.ticks)
         seen = self.fleet.observe()
         believed, state = seen["believed"], seen["state"]
@@ -201,6 +216,8 @@ class ParkVectorEnv(VectorEnv[_Floats, _Floats, NDArray[Any]]):
             raise TypeError("one seed settles all: worlds and starts are drawn from it in turn")
         super().reset(seed=seed)
         mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs, bool)), bool)
+        if mask.shape != (self.num_envs,):
+            raise InputError.at(f"reset_mask must have {self.num_envs} flags", key="reset_mask")
         self._course.begin(self.np_random, np.flatnonzero(mask))
         self._over &= ~mask
         return self._course.now(), {}

@@ -1,0 +1,92 @@
+//! Numbers as arguments, each within its limits. What is no number at all stays Python's `TypeError`, with a note of the name.
+
+use crate::error;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// More than any machine has cores; each is a thread at once.
+const MAX_THREADS: u64 = 1024;
+/// Results of a study, and what is unwound when it is stopped, stay within some seconds and gigabytes.
+const MAX_SEEDS: u64 = 100_000;
+const MAX_EVALUATIONS: u64 = 1_000_000;
+/// Members of a fleet have some 8 KB each.
+const MAX_SIZE: u64 = 65_536;
+/// A step cannot be stopped: this is a quarter of an hour of a base at 100 Hz.
+const MAX_TICKS: u64 = 100_000;
+
+type Given<'a, 'py> = &'a Bound<'py, PyAny>;
+
+fn whole(key: &str, given: Given<'_, '_>, least: u64, most: u64) -> PyResult<u64> {
+    match given.extract::<u64>() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        Err(error) if error.is_instance_of::<PyTypeError>(given.py()) => Err(error),
+        _ => {
+            let message = format!("{key} must be a whole number in {least} to {most}");
+            Err(error::argument(key, &message))
+        }
+    }
+}
+
+pub fn seed(given: Given<'_, '_>) -> PyResult<u64> {
+    whole("seed", given, 0, u64::MAX)
+}
+
+pub fn threads(given: Given<'_, '_>) -> PyResult<Option<usize>> {
+    if given.is_none() {
+        return Ok(None);
+    }
+    whole("threads", given, 1, MAX_THREADS).map(|number| Some(number as usize))
+}
+
+pub fn seeds(given: Given<'_, '_>) -> PyResult<u32> {
+    whole("seeds", given, 1, MAX_SEEDS).map(|number| number as u32)
+}
+
+pub fn evaluations(given: Given<'_, '_>) -> PyResult<u64> {
+    whole("evaluations", given, 1, MAX_EVALUATIONS)
+}
+
+pub fn runs(given: Given<'_, '_>) -> PyResult<u64> {
+    whole("runs", given, 1, sim_host::campaign::MAX_RUNS)
+}
+
+pub fn first(given: Given<'_, '_>) -> PyResult<u64> {
+    whole("first", given, 0, sim_host::campaign::MAX_FIRST)
+}
+
+pub fn every(given: Given<'_, '_>) -> PyResult<usize> {
+    whole("every", given, 1, u64::from(u32::MAX)).map(|number| number as usize)
+}
+
+pub fn size(given: Given<'_, '_>) -> PyResult<usize> {
+    whole("size", given, 1, MAX_SIZE).map(|number| number as usize)
+}
+
+pub fn ticks(given: Given<'_, '_>) -> PyResult<usize> {
+    whole("ticks", given, 1, MAX_TICKS).map(|number| number as usize)
+}
+
+/// A part of a whole: (index, count).
+pub fn shard(given: Given<'_, '_>) -> PyResult<Option<(usize, usize)>> {
+    if given.is_none() {
+        return Ok(None);
+    }
+    match given.extract::<(usize, usize)>() {
+        Ok((index, count)) if index < count => Ok(Some((index, count))),
+        _ => {
+            let message =
+                "shard must be (index, count), whole numbers, the index from 0 to below the count";
+            Err(error::argument("shard", message))
+        }
+    }
+}
+
+/// A number above 0, or from 0 on.
+pub fn positive(key: &str, number: f64, or_zero: bool) -> PyResult<()> {
+    if number.is_finite() && (number > 0.0 || or_zero && number == 0.0) {
+        return Ok(());
+    }
+    let limit = if or_zero { "not negative" } else { "above 0" };
+    let message = format!("{key} must be a finite number, {limit}");
+    Err(error::argument(key, &message))
+}
