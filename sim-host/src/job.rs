@@ -207,13 +207,16 @@ impl Content {
             return Ok(Self::Scenario { file, text });
         }
         #[cfg(feature = "datalog")]
-        if let Some(bag) = Self::bag(path)? {
-            return Ok(bag);
-        }
+        let (path, topic) = &of_bag(path);
+        // Once, for a pipe has nothing the second time.
         let bytes = std::fs::read(path).map_err(|cause| JobError::Read {
             path: path.to_owned(),
             cause,
         })?;
+        #[cfg(feature = "datalog")]
+        if crate::ros::read::is_bag(&bytes) {
+            return Self::bag(path, &bytes, topic.as_deref());
+        }
         let named_toml = path
             .extension()
             .is_some_and(|extension| extension == "toml");
@@ -237,32 +240,31 @@ impl Content {
 
 #[cfg(feature = "datalog")]
 impl Content {
-    /// A bag, or `BAG.mcap:/topic`, of which the poses are taken; none of anything else.
-    fn bag(path: &Path) -> Result<Option<Self>, JobError> {
-        use crate::ros::read::is_bag;
-        let whole = path.to_string_lossy();
-        let named = whole.split_once(".mcap:").filter(|_| !path.exists());
-        let (file, topic) = match named {
-            Some((stem, topic)) => (PathBuf::from(format!("{stem}.mcap")), Some(topic)),
-            None => (path.to_owned(), None),
-        };
-        let Ok(bytes) = std::fs::read(&file) else {
-            // Who reads it next says why not.
-            return Ok(None);
-        };
-        if !is_bag(&bytes) {
-            return Ok(None);
-        }
-        let text = import::bag_poses(&bytes, topic);
+    /// The poses of a bag.
+    fn bag(path: &Path, bytes: &[u8], topic: Option<&str>) -> Result<Self, JobError> {
+        let text = import::bag_poses(bytes, topic);
         let text = text.map_err(|cause| JobError::Bag {
-            path: file.clone(),
+            path: path.to_owned(),
             cause,
         })?;
-        let stem = file.file_stem().unwrap_or_default();
-        Ok(Some(Self::Trajectory {
+        let stem = path.file_stem().unwrap_or_default();
+        Ok(Self::Trajectory {
             name: stem.to_string_lossy().into_owned(),
             bytes: text.into_bytes(),
-        }))
+        })
+    }
+}
+
+/// The file and the topic of `BAG.mcap:/topic`, unless there is a file of that very name.
+#[cfg(feature = "datalog")]
+fn of_bag(path: &Path) -> (PathBuf, Option<String>) {
+    let whole = path.to_string_lossy();
+    match whole.split_once(".mcap:").filter(|_| !path.exists()) {
+        Some((stem, topic)) => (
+            PathBuf::from(format!("{stem}.mcap")),
+            Some(topic.to_owned()),
+        ),
+        None => (path.to_owned(), None),
     }
 }
 

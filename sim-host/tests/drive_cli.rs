@@ -335,6 +335,24 @@ fn every_failure_is_told() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// What comes from a pipe can be read only once.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_a_file() -> Result<(), Box<dyn Error>> {
+    use std::io::Write as _;
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(["check", "/dev/stdin"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()?;
+    let text = fs::read(fixture("table_bare.csv"))?;
+    child.stdin.take().ok_or("a pipe")?.write_all(&text)?;
+    let said = String::from_utf8(child.wait_with_output()?.stdout)?;
+    assert!(said.contains("verdict    drivable"), "{said}");
+    Ok(())
+}
+
 /// Results are named after the file, so two of one name are refused by their paths.
 #[test]
 fn two_files_of_one_name_are_refused_as_what_they_are() -> Result<(), Box<dyn Error>> {
