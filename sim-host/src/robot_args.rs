@@ -4,6 +4,7 @@ use crate::log_args::LogArgs;
 use crate::part_args::PartArgs;
 use crate::seed_args::SeedArgs;
 use clap::Args;
+use sim_host::tune::MAX_EVALUATIONS;
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
@@ -17,7 +18,7 @@ pub struct TuneArgs {
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,
     /// Sets of gains that are tried, over all starts; each in a dozen worlds
-    #[arg(long, value_name = "N", default_value = "240")]
+    #[arg(long, value_name = "N", default_value = "240", value_parser = evaluations)]
     pub evaluations: NonZeroU64,
     /// Settles everything that is drawn
     #[arg(long, value_name = "N", default_value = "1")]
@@ -58,4 +59,11 @@ pub struct ConstantsArgs {
     /// A header for the C interface, NAME.h, instead of Rust
     #[arg(long)]
     pub c: bool,
+}
+
+fn evaluations(text: &str) -> Result<NonZeroU64, String> {
+    let number = text.parse::<NonZeroU64>().ok();
+    number
+        .filter(|number| number.get() <= MAX_EVALUATIONS)
+        .ok_or_else(|| format!("must be a whole number in 1 to {MAX_EVALUATIONS}"))
 }

@@ -381,6 +381,46 @@ fn a_bad_file_is_an_error_with_file_line_and_key() {
     let said = text(&output.stderr);
     assert!(said.starts_with("error: bad.toml:13: gains.k2: "), "{said}");
     assert!(output.stdout.is_empty() && !here.path().join("out").exists());
+    // A robot's file is told what it is for.
+    let base = tests::root().join("bases/hobby-1kg.toml");
+    let output = sim_host(here.path(), &["run", &base.display().to_string()]);
+    let said = text(&output.stderr);
+    assert!(
+        said.contains(
+            "hobby-1kg.toml:10: limits: is a robot's, not a scenario's: `--base` takes it"
+        ),
+        "{said}"
+    );
+}
+
+/// What no machine has the memory for is refused before anything runs.
+#[test]
+fn counts_have_limits() {
+    let here = directory();
+    for (arguments, code, told) in [
+        (
+            &["faults", "--runs", "100000001"][..],
+            1,
+            "error: runs must be at most 100000000",
+        ),
+        (
+            &["faults", "--run", "18446744073709551615"],
+            1,
+            "error: the number of the first run must be at most 4503599627370496",
+        ),
+        (
+            &["tune", "hobby-1kg", "--evaluations", "1000001"],
+            2,
+            "must be a whole number in 1 to 1000000",
+        ),
+    ] {
+        let output = sim_host(here.path(), arguments);
+        let said = text(&output.stderr);
+        assert!(
+            output.status.code() == Some(code) && said.contains(told),
+            "{said}"
+        );
+    }
 }
 
 #[test]
@@ -525,6 +565,12 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "\nI = 0.005",
             "\nI = 40.0",
             "robot.I: 40.0000 kg m² is more than its mass has",
+        ),
+        // In mm/s, and by the key's own name.
+        (
+            "\nspeed = 0.8",
+            "\nspeed = 800.0",
+            "limits.speed: is above its largest value 1e2",
         ),
     ] {
         let (done, said) = with(from, to);

@@ -8,7 +8,6 @@ use pyo3::prelude::*;
 const MAX_THREADS: u64 = 1024;
 /// Results of a study, and what is unwound when it is stopped, stay within some seconds and gigabytes.
 const MAX_SEEDS: u64 = 100_000;
-const MAX_EVALUATIONS: u64 = 1_000_000;
 /// Members of a fleet have some 8 KB each.
 const MAX_SIZE: u64 = 65_536;
 /// A step cannot be stopped: this is a quarter of an hour of a base at 100 Hz.
@@ -43,7 +42,7 @@ pub fn seeds(given: Given<'_, '_>) -> PyResult<u32> {
 }
 
 pub fn evaluations(given: Given<'_, '_>) -> PyResult<u64> {
-    whole("evaluations", given, 1, MAX_EVALUATIONS)
+    whole("evaluations", given, 1, sim_host::tune::MAX_EVALUATIONS)
 }
 
 pub fn runs(given: Given<'_, '_>) -> PyResult<u64> {

@@ -18,7 +18,7 @@ use sim_host::record;
 fn numbers(settings: &Settings) -> PyResult<(Bases, Vec<u64>)> {
     settings.numbers().map_err(|e| match e {
         CampaignError::Base(e) => error::scenario(&e),
-        CampaignError::Limit(key, _) => error::argument(key, &e.to_string()),
+        CampaignError::Limit { key, .. } => error::argument(key, &e.to_string()),
         e => error::argument("only", &e.to_string()),
     })
 }

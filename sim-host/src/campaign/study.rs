@@ -63,9 +63,16 @@ pub enum CampaignError {
     /// See [`NoTrouble`].
     #[error(transparent)]
     NoTrouble(#[from] NoTrouble),
-    /// More than a number of runs, or a number of a run, may be.
-    #[error("{0} must be at most {1}")]
-    Limit(&'static str, u64),
+    /// More runs, or a larger number of the first one, than may be.
+    #[error("{what} must be at most {most}")]
+    Limit {
+        /// As an argument in programs.
+        key: &'static str,
+        /// In words.
+        what: &'static str,
+        /// The limit.
+        most: u64,
+    },
     /// A built-in base that cannot be read.
     #[error(transparent)]
     Base(#[from] ScenarioError),
@@ -80,12 +87,18 @@ impl Campaign {
     /// # Errors
     /// Words that no trouble has, a number above its limit.
     pub fn numbers(&self) -> Result<(Bases, Vec<u64>), CampaignError> {
-        for (key, number, most) in [
-            ("runs", self.runs, MAX_RUNS),
-            ("first", self.first, MAX_FIRST),
-        ] {
+        let limits = [
+            ("runs", "runs", self.runs, MAX_RUNS),
+            (
+                "first",
+                "the number of the first run",
+                self.first,
+                MAX_FIRST,
+            ),
+        ];
+        for (key, what, number, most) in limits {
             if number > most {
-                return Err(CampaignError::Limit(key, most));
+                return Err(CampaignError::Limit { key, what, most });
             }
         }
         let bases = match self.gyro {

@@ -142,7 +142,7 @@ pub(super) fn base(
     }
     let one_radius = robot.is_some_and(|keys| keys.r.is_some());
     if let Err(error) = base.validate() {
-        return Err(place.error(&key_of(&error, one_radius), error));
+        return Err(place.param_error(&key_of(&error, one_radius), &error));
     }
     let Robot {
         mass_kg,

@@ -117,6 +117,12 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether the file has this key.
+    pub fn has(&self, key: &str) -> bool {
+        let document = DeTable::parse(self.text);
+        document.is_ok_and(|document| span_in(document.get_ref(), &[key]).is_some())
+    }
+
     fn span_of(&self, path: &str) -> Option<Range<usize>> {
         let document = DeTable::parse(self.text).ok()?;
         let parts: Vec<&str> = path.split('.').collect();

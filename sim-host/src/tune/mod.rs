@@ -19,7 +19,7 @@ pub use part::{TrajectoryText, TuneStudy, TuneStudyError};
 pub use problem::{Seeds, TuneError, TuningProblem};
 pub use profile::update;
 pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
-pub use search::{Find, Search, Tuned, conclude, finds, search};
+pub use search::{Find, MAX_EVALUATIONS, Search, Tuned, conclude, finds, search};
 pub use table::{gain_table, score_table, verdict};
 
 use crate::job::RobotFile;

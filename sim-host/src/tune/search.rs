@@ -11,6 +11,9 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// Most sets of a search: those of the first look are drawn before any is tried.
+pub const MAX_EVALUATIONS: u64 = 1_000_000;
+
 /// How much is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Search {
