@@ -14,16 +14,19 @@ use super::refusal::{Place, Reason, Refusal};
 use super::repair::Repairs;
 use super::{Format, MAX_SAMPLES};
 use csv::{ErrorKind, Position, Reader, ReaderBuilder, StringRecord, Trim};
+use std::io::Read;
 
 const NAMES: [&str; 8] = ["t", "x", "y", "theta", "v", "w", "a", "alpha"];
 const REQUIRED: usize = 4;
 
 /// Tables as people have them: spaces about cells and `#` comments say nothing.
-pub(crate) fn reader(text: &str) -> Reader<&[u8]> {
+pub(crate) fn reader(text: &str) -> Reader<impl Read> {
+    // To the parser a comment that the file ends in is a record.
+    let ended = text.as_bytes().chain(&b"\n"[..]);
     ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(Trim::All)
-        .from_reader(text.as_bytes())
+        .from_reader(ended)
 }
 
 /// Reads the table.
