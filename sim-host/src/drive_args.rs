@@ -16,7 +16,7 @@ pub struct DriveArgs {
     pub base: Option<PathBuf>,
     /// Trajectory files: start this far to the left of the path [m]; else 0.15, or 0 on a
     /// route shorter than 1 m or 8 s, which leaves no time to settle
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     offset: Option<f64>,
     #[command(flatten)]
     route: RouteArgs,

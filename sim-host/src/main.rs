@@ -9,14 +9,15 @@ mod part_args;
 mod robot_args;
 mod seed_args;
 
-use clap::Parser;
+use clap::{Arg, Command, CommandFactory, FromArgMatches};
 use std::error::Error as _;
 use std::io::Write as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // A usage error ends the process here, with exit code 2.
-    let cli = cli::Cli::parse();
+    let matches = numbers(<cli::Cli as CommandFactory>::command()).get_matches();
+    let cli = cli::Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match commands::execute(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -34,4 +35,15 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// A number below 0 is the value of the option before it, and refused as that; else it would be called an unknown option.
+fn numbers(command: Command) -> Command {
+    let takes = |arg: &Arg| !arg.is_positional() && arg.get_action().takes_values();
+    command
+        .mut_args(|arg| match takes(&arg) {
+            true => arg.allow_negative_numbers(true),
+            false => arg,
+        })
+        .mut_subcommands(numbers)
 }

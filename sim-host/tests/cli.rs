@@ -393,9 +393,9 @@ fn a_bad_file_is_an_error_with_file_line_and_key() {
     );
 }
 
-/// What no machine has the memory for is refused before anything runs.
+/// What no machine has the memory for is refused before anything runs, and numbers below 0 as numbers.
 #[test]
-fn counts_have_limits() {
+fn numbers_have_limits() {
     let here = directory();
     for (arguments, code, told) in [
         (
@@ -407,6 +407,16 @@ fn counts_have_limits() {
             &["faults", "--run", "18446744073709551615"],
             1,
             "error: the number of the first run must be at most 4503599627370496",
+        ),
+        (
+            &["run", "paper-line", "--every", "-1"],
+            2,
+            "invalid value '-1' for '--every <N>'",
+        ),
+        (
+            &["identify", "drive.csv", "--latency", "-0.1"],
+            2,
+            "invalid value '-0.1' for '--latency <S>': must be a number, not negative",
         ),
         (
             &["tune", "hobby-1kg", "--evaluations", "1000001"],
