@@ -6,7 +6,7 @@ use sim_host::mission::BaseSpec;
 use sim_host::scenario::{BASES, BuiltInBase};
 use sim_host::trials::Course;
 use sim_host::tune::{KNOBS, update};
-use sim_host::verify::{shortcoming, verify};
+use sim_host::verify::{Run, shortcoming, verify};
 use std::error::Error;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -335,6 +335,52 @@ fn a_gyro_keeps_no_base_from_parking() -> Result<(), Box<dyn Error>> {
         At::Phrase("of the runs of the test # of # fail (30 kg), # of # (10 kg), # of # (1 kg)"),
         &figures,
     );
+    Ok(())
+}
+
+/// Neither bearings that are freer than any floor, so that what holds the wheels is stated by nobody, nor poses so precise that friction holds a base outside of its
+/// tolerance; with gains that follow from the limits.
+#[test]
+fn friction_that_nobody_stated_keeps_no_base_from_parking() -> Result<(), Box<dyn Error>> {
+    let free = ["static_nm", "coulomb_nm", "viscous_nm_s"].map(|key| ("friction", key, None));
+    let precise = [
+        ("rate_hz", 200.0),
+        ("latency_s", 0.004),
+        ("noise_m", 3.0e-4),
+        ("noise_rad", 5.0e-4),
+    ]
+    .map(|(key, value)| ("pose_source", key, Some(value)));
+    let mut page = Stated::of("docs/motion.md");
+    for (row, changes) in [
+        ("bearings with a twentieth of the friction", &free[..]),
+        ("poses of 0.3 mm and 0.5 mrad, 200 a second", &precise[..]),
+    ] {
+        let (mut numbers, mut failing, mut last) = (Vec::new(), Vec::new(), Vec::new());
+        for built_in in BASES {
+            let mut file: toml::Table = built_in.text.parse()?;
+            file.remove("gains");
+            for &(table, key, to) in changes {
+                let table = file.get_mut(table).and_then(toml::Value::as_table_mut);
+                let value = table.and_then(|table| table.get_mut(key)).ok_or(key)?;
+                let stated = value.as_float().ok_or(key)?;
+                *value = toml::Value::Float(to.unwrap_or(0.05 * stated));
+            }
+            let base = BaseSpec::parse("changed.toml", &file.to_string())?;
+            let runs = verify(&base, KEPT_SEED, NonZeroU32::new(20).ok_or("0")?, || {})?.runs;
+            let parked = |run: &&Run| run.course == Course::Park && run.figures.parked;
+            let parks = runs.iter().filter(parked).map(|run| run.figures.time_s);
+            let amiss = runs
+                .iter()
+                .filter(|run| shortcoming(&run.figures).is_some());
+            numbers.push(runs.len() as f64);
+            failing.push(amiss.count() as f64);
+            last.push(parks.fold(0.0, f64::max));
+        }
+        page.exactly(
+            At::Row("Friction that nobody stated", row),
+            &[numbers, failing, last].concat(),
+        );
+    }
     Ok(())
 }
 
