@@ -120,7 +120,7 @@ typedef struct twb_sensed {
 /* What of twb_action is there. */
 #define TWB_ACTION_DUTY 1u           /* the robot has motors on bridges */
 #define TWB_ACTION_LIMITED 2u        /* current or supply limit a torque; the base knows */
-#define TWB_ACTION_BEYOND_COULOMB 4u /* while driving by velocity */
+#define TWB_ACTION_BEYOND_COULOMB 4u /* while it creeps, by velocity or beside a goal */
 
 /* What the wheels are to do until the next tick. */
 typedef struct twb_action {

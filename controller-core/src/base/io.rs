@@ -91,7 +91,7 @@ pub struct DriveCommand<T = f32> {
     pub desired: WheelSpeeds<T>,
     /// Speeds in the middle of the tick, for the back-EMF \[rad/s\]: [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds), and half a tick of the commanded acceleration.
     pub speeds: WheelSpeeds<T>,
-    /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]. Only while driving by velocity.
+    /// Friction beyond the Coulomb part of the parameters, as the base has found it \[N m\]. Only while it creeps: driving by velocity, and beside a goal with no manoeuvre under way.
     pub beyond_coulomb: Option<WheelTorques<T>>,
 }
 
