@@ -22,7 +22,7 @@ pub(super) struct Driving<T, M, U> {
     /// Of a controlled stop, and the time since its begin \[s\].
     stop: Option<(StopPlan<T>, T)>,
     /// While creeping.
-    friction: Option<FrictionWatch<T>>,
+    friction: FrictionWatch<T>,
 }
 
 /// A tick of a base, as far as driving goes.
@@ -65,7 +65,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         end: PathEnd::NEW,
         law: MotionLaw::IDLE,
         stop: None,
-        friction: None,
+        friction: FrictionWatch::NEW,
     };
 
     /// What the wheels are to do. `report` is the motion law's of the last tick and becomes that of this one; `None` while
@@ -128,11 +128,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
     /// What the wheels' friction is found to be beyond its Coulomb part, while the base creeps and has motors.
     fn beyond_coulomb(&mut self, tick: &Tick<'_, T>) -> Option<WheelTorques<T>> {
         let Some(turning) = &tick.turning else {
-            self.friction = None;
+            self.friction.forget();
             return None;
         };
-        let watch = self.friction.get_or_insert_default();
-        Some(watch.advance(turning, &tick.speeds, tick.motion.unknown_torque_nm()))
+        let unknown_nm = tick.motion.unknown_torque_nm();
+        Some(self.friction.advance(turning, &tick.speeds, unknown_nm))
     }
 
     /// The controlled stop: the motion law along a plan that begins at its last command.
@@ -471,7 +471,7 @@ mod tests {
         };
         let mut bench = Bench::following();
         for _ in 0..2 {
-            let mut alone = FrictionWatch::default();
+            let mut alone = FrictionWatch::NEW;
             let mut last = None;
             for _ in 0..20 {
                 let driven = bench.turning(OutputMode::Drive, Some(turning()));

@@ -19,10 +19,10 @@ const FASTER: f64 = 4.0;
 const SOONEST_S: f64 = 1.0e-3;
 
 /// The localiser, and what it needs across ticks without a reading beside the report of the last one.
+// In this order, as in `BaseController`: what every tick needs lies before the history of poses.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Locator<T, const N: usize> {
-    /// `None` before the first reading.
-    localiser: Option<Estimator<T, N>>,
     /// Where the base is if there was no reading yet, or if it was `set` there since the last tick.
     start: Pose<T>,
     /// Time since the last reading \[s\].
@@ -30,6 +30,8 @@ pub(super) struct Locator<T, const N: usize> {
     /// Time since the encoders last gave counts, be they believed or not \[s\].
     silent_s: T,
     set: bool,
+    /// `None` before the first reading.
+    localiser: Option<Estimator<T, N>>,
 }
 
 /// What is known of the pose at a tick, beside what stands in its report.

@@ -30,25 +30,25 @@ const MOST: f64 = 1.5;
 const SLIDING: f64 = 2.0 / 3.0;
 
 /// How a base creeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Creeps {
     /// As it is told to, by velocity.
-    #[default]
     ByVelocity,
     /// Near a goal that it is not parked at, with no manoeuvre under way.
     BesideGoal,
 }
 
 /// Both wheels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrictionWatch<T> {
     counts: Option<WheelCounts>,
-    creeps: Creeps,
+    /// How the base did in the last tick; `None` makes nothing of the rest.
+    creeps: Option<Creeps>,
     right: Wheel<T>,
     left: Wheel<T>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Wheel<T> {
     /// By velocity: compensated beyond the Coulomb friction of the parameters while it rolls, in the sense of the command \[N m\].
     rolling: T,
@@ -86,6 +86,19 @@ pub(super) struct Turning<'a, T> {
 }
 
 impl<T: Scalar> FrictionWatch<T> {
+    /// Of a base that does not creep.
+    pub(super) const NEW: Self = Self {
+        counts: None,
+        creeps: None,
+        right: Wheel::NEW,
+        left: Wheel::NEW,
+    };
+
+    /// The base does not creep: what was found is of no use any more.
+    pub(super) const fn forget(&mut self) {
+        self.creeps = None;
+    }
+
     /// Takes a tick; what is to be compensated beyond the Coulomb friction \[N m\]. Wheels turn at `speeds`, and at most `unknown_nm` \[N m\] holds each of
     /// them that nobody has stated.
     pub(super) fn advance(
@@ -94,10 +107,10 @@ impl<T: Scalar> FrictionWatch<T> {
         speeds: &WheelSpeeds<T>,
         unknown_nm: T,
     ) -> WheelTorques<T> {
-        if now.creeps != self.creeps {
+        if self.creeps != Some(now.creeps) {
             *self = Self {
-                creeps: now.creeps,
-                ..Self::default()
+                creeps: Some(now.creeps),
+                ..Self::NEW
             };
         }
         let moved = match (self.counts, now.counts) {
@@ -133,6 +146,14 @@ impl<T: Scalar> FrictionWatch<T> {
 }
 
 impl<T: Scalar> Wheel<T> {
+    const NEW: Self = Self {
+        rolling: T::ZERO,
+        gathered: T::ZERO,
+        silent_s: T::ZERO,
+        commanded: T::ZERO,
+        halted: false,
+    };
+
     /// A tick by velocity; what is compensated \[N m\].
     fn creep(&mut self, now: &Turning<'_, T>, moved: i32, commanded: T, torque: T) -> T {
         let f = T::from_f64;
@@ -272,7 +293,7 @@ pub(super) mod tests {
     #[test]
     fn a_wheel_that_stands_is_pushed_more_and_more() {
         for way in [1.0, -1.0] {
-            let mut watch = FrictionWatch::default();
+            let mut watch = FrictionWatch::NEW;
             let rise: [f64; 100] = core::array::from_fn(|_| tick(&mut watch, 0, 0.1 * way, 0.0));
             assert!(rise[..16].iter().all(|beyond| *beyond == 0.0));
             assert!((rise[37] - rise[17] - 0.04).abs() < 1e-12, "{rise:?}");
@@ -286,7 +307,7 @@ pub(super) mod tests {
     #[test]
     fn what_broke_it_loose_tells_its_friction() {
         for way in [1, -1] {
-            let mut watch = FrictionWatch::default();
+            let mut watch = FrictionWatch::NEW;
             let mut turn = |counts: i32| {
                 let (speed, torque) = (0.1 * f64::from(way), 0.004 * f64::from(way));
                 tick(&mut watch, way * counts, speed, torque)
@@ -313,7 +334,7 @@ pub(super) mod tests {
     /// Counts of a wheel that is pushed back are none of its way.
     #[test]
     fn counts_the_other_way_do_not_free_it() {
-        let mut watch = FrictionWatch::default();
+        let mut watch = FrictionWatch::NEW;
         let mut last = 0.0;
         for number in 0..60 {
             last = tick(&mut watch, -number, 0.1, 0.0);
@@ -326,7 +347,7 @@ pub(super) mod tests {
     #[test]
     fn beside_a_goal_a_standing_wheel_is_nudged() {
         for way in [1, -1] {
-            let mut watch = FrictionWatch::default();
+            let mut watch = FrictionWatch::NEW;
             let mut turn = |counts, speed| {
                 let (speed, torque) = (f64::from(way) * speed, f64::from(way) * 0.01);
                 creep(&mut watch, Creeps::BesideGoal, counts, speed, torque) - 0.04
@@ -356,7 +377,7 @@ pub(super) mod tests {
             (Creeps::ByVelocity, Creeps::BesideGoal, 0.04),
             (Creeps::BesideGoal, Creeps::ByVelocity, 0.0),
         ] {
-            let mut watch = FrictionWatch::default();
+            let mut watch = FrictionWatch::NEW;
             let found: [f64; 160] = core::array::from_fn(|_| creep(&mut watch, first, 0, 0.1, 0.0));
             assert!(found[159] > 0.05);
             assert_eq!(creep(&mut watch, then, 0, 0.1, 0.0), least);

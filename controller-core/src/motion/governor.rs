@@ -71,11 +71,15 @@ impl<T: Scalar> Command<T> {
             linear: self.twist.linear + slew.linear * dt,
             angular: self.twist.angular + slew.angular * dt,
         };
-        let mut twist = Twist {
-            linear: clamp(moved.linear, limits.speed),
-            angular: clamp(moved.angular, limits.turn_rate),
-        };
-        limited.speed |= twist != moved;
+        let mut twist = moved;
+        let slow = moved.linear.abs() <= limits.speed && moved.angular.abs() <= limits.turn_rate;
+        if !slow {
+            twist = Twist {
+                linear: clamp(moved.linear, limits.speed),
+                angular: clamp(moved.angular, limits.turn_rate),
+            };
+            limited.speed = true;
+        }
         let excess = motion.rim_speed(&twist) - limits.rim_speed;
         if excess > T::ZERO {
             let less = self.within_rim(motion, &twist, excess);
@@ -87,7 +91,7 @@ impl<T: Scalar> Command<T> {
         }
         rate.linear = not_outward(rate.linear, setpoint.twist.linear, limits.speed);
         rate.angular = not_outward(rate.angular, setpoint.twist.angular, limits.turn_rate);
-        let rate = self.within_accel(limits, &rate);
+        let rate = self.within_accel(motion, &rate).unwrap_or(rate);
         let (linear, linear_jerk) = towards(self.rate.linear, rate.linear, limits.jerk * dt);
         let (angular, angular_jerk) =
             towards(self.rate.angular, rate.angular, limits.turn_jerk * dt);
@@ -107,7 +111,7 @@ impl<T: Scalar> Command<T> {
         share: T,
     ) -> Setpoint<T> {
         let Setpoint { twist, rate } = setpoint;
-        let rate = self.within_accel(&motion.params().limits, rate);
+        let rate = &self.within_accel(motion, rate).unwrap_or(*rate);
         Setpoint {
             twist: motion.reachable(twist),
             rate: Accel {
@@ -151,7 +155,8 @@ impl<T: Scalar> Command<T> {
     fn slew(&self, motion: &ValidMotionParams<T>, needed: &Accel<T>) -> Option<Accel<T>> {
         let params = motion.params();
         let limits = &params.limits;
-        let desired = self.within_accel(limits, needed);
+        let less = self.within_accel(motion, needed);
+        let desired = less.unwrap_or(*needed);
         let wrench = Wrench {
             force: params.robot.mass_kg * desired.linear,
             moment: params.robot.inertia_kg_m2 * desired.angular,
@@ -159,7 +164,7 @@ impl<T: Scalar> Command<T> {
         let torque = motion.command_torque_nm;
         let (shared, limited) = share(&motion.wheels, &wrench, torque, limits.policy);
         if !limited {
-            return (desired != *needed).then_some(desired);
+            return less;
         }
         // An axis that did not yield keeps its bits: m (x/m) may be another number than x, and would count as slewed.
         Some(Accel {
@@ -176,18 +181,22 @@ impl<T: Scalar> Command<T> {
         })
     }
 
-    /// Braking is towards rest, accelerating away from it.
-    fn within_accel(&self, limits: &Limits<T>, rate: &Accel<T>) -> Accel<T> {
-        let magnitude = rate.linear.abs();
-        let linear = if magnitude <= limits.accel && magnitude <= limits.brake {
-            rate.linear
-        } else {
-            self.within_its_side(limits, rate.linear)
-        };
-        Accel {
-            linear,
-            angular: clamp(rate.angular, limits.turn_accel),
+    /// `rate` within the limits; `None` where it is. Braking is towards rest, accelerating away from it.
+    fn within_accel(&self, motion: &ValidMotionParams<T>, rate: &Accel<T>) -> Option<Accel<T>> {
+        let limits = &motion.params().limits;
+        let gentle = rate.linear.abs() <= motion.gentle;
+        let turns = rate.angular.abs() <= limits.turn_accel;
+        if gentle && turns {
+            return None;
         }
+        Some(Accel {
+            linear: if gentle {
+                rate.linear
+            } else {
+                self.within_its_side(limits, rate.linear)
+            },
+            angular: clamp(rate.angular, limits.turn_accel),
+        })
     }
 
     /// A rate beyond the smaller of the two limits.

@@ -461,18 +461,25 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             limits.wheel_torque_nm,
             limits.policy,
         );
-        // A finite wrench may ask large wheels for torques that are not: inf - inf leaves no factor to share by.
-        if saturated && residue([applied.force, applied.moment]) != T::ZERO {
-            return Err(StepFault::Overflow);
+        // Those that were compared with the limit.
+        let mut torques = motion.wheels.torques(&wrench);
+        let mut driven = command.twist;
+        if saturated {
+            // A finite wrench may ask large wheels for torques that are not: inf - inf leaves no factor to share by.
+            if residue([applied.force, applied.moment]) != T::ZERO {
+                return Err(StepFault::Overflow);
+            }
+            torques = bounded(&motion.wheels.torques(&applied), limits.wheel_torque_nm);
+            driven = achieved(motion, &rate, twist, &applied, &disturbance);
         }
         self.declared = false;
         self.stall = found.stall;
         self.observer = *found.observer;
         self.offset = found.offset;
-        self.command = command;
-        if saturated {
-            self.command.twist = achieved(motion, &rate, twist, &applied, &disturbance);
-        }
+        self.command = Command {
+            twist: driven,
+            ..command
+        };
         let stands = || stands(motion, &self.command.twist, &velocity_error, &wrench, dt);
         self.released = found.resting && motion.releases() && (found.released || stands());
         self.exerted = (!self.released).then_some(applied);
@@ -497,11 +504,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
             wrench,
             torques: if self.released {
                 WheelTorques::default()
-            } else if saturated {
-                bounded(&motion.wheels.torques(&applied), limits.wheel_torque_nm)
             } else {
-                // Those that were compared with the limit.
-                motion.wheels.torques(&wrench)
+                torques
             },
             limited: Limited {
                 torque: saturated,

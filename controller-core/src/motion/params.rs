@@ -142,6 +142,7 @@ impl<T: Scalar> MotionParams<T> {
             ),
             command_torque_nm: f(COMMAND_SHARE) * self.limits.wheel_torque_nm,
             lateral: gains.lateral / gains.heading,
+            gentle: smaller(self.limits.accel, self.limits.brake),
             observer: ObserverLimits::of(&self.limits),
             near: if noisy { noise_radius } else { least },
             noisy,
@@ -242,6 +243,8 @@ pub struct ValidMotionParams<T = f32> {
     pub(crate) command_torque_nm: T,
     /// c/k₃ of the neuron of e_y; see [`Follower`](super::follow::Follower).
     pub(crate) lateral: T,
+    /// The smaller one of acceleration and braking \[m/s²\].
+    pub(crate) gentle: T,
     /// Of the estimates of disturbance and load.
     pub(crate) observer: ObserverLimits<T>,
     /// Neuron of e_x while following \[m/s\].

@@ -9,8 +9,8 @@ use crate::wheels::WheelMap;
 
 mod suited;
 
-/// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are ten ticks of
-/// 10 ms in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
+/// a: rate of the window in which torque and motion are compared \[1/s\]. At 0.1 s there are four
+/// [looks](super::LOOK_US) in it; a longer one would find a reversed encoder later, a shorter one has fewer counts to go by.
 pub(super) const WINDOW: f64 = 10.0;
 /// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.

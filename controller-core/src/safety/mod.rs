@@ -35,7 +35,7 @@ pub use detector_params::{
 pub use fault::{Fault, FaultKind, PolicyParams, Side};
 pub use inputs::{ActiveFaults, Currents, DetectorInputs};
 pub(crate) use monitor::Detectors;
-pub use monitor::Monitor;
+pub use monitor::{LOOK_US, Monitor};
 pub use policy::{PolicyError, PolicyProblem, ValidPolicyParams};
 pub use reaction::{Reaction, Response};
 pub use silence::Silence;

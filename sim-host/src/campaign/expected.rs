@@ -7,7 +7,7 @@ use crate::closed_loop::{self, ClosedLoopError};
 use crate::rate::Rate;
 use crate::world::{PlantFault, PoseSourceParams};
 use controller_core::base::BaseParams;
-use controller_core::safety::{FaultKind, Reaction, Response, Timeout};
+use controller_core::safety::{FaultKind, LOOK_US, Reaction, Response, Timeout};
 use protocol::{Command, TimedSample, WirePose, WireReference, WireTwist};
 
 /// A row of the table.
@@ -276,6 +276,7 @@ impl Rule {
         let detectors = &params.detectors;
         let period = 1.0e-6 * f64::from(detectors.period_us);
         let ticks = |n: f64| (n + 0.5) * period;
+        let look = 1.0e-6 * f64::from(LOOK_US);
         let after = |timeout| match timeout {
             Timeout::AfterUs(us) => Some(1.0e-6 * f64::from(us)),
             Timeout::Off => None,
@@ -289,11 +290,14 @@ impl Rule {
                 (5.0 / f64::from(gyro.rate_hz)).max(0.1) + age + ticks(2.0)
             }),
             U::GyroStuck | U::GyroReversed | U::GyroScale | U::GyroBias => None,
+            // Timed by looks at the wheel.
             U::EncoderStuck | U::WheelBlocked => {
-                after(detectors.wheels.stuck.after).map(|s| s + ticks(2.0))
+                after(detectors.wheels.stuck.after).map(|s| s + look + ticks(2.0))
             }
             // Once for a wheel that rolls back to be turned round by twice the load, once to be found.
-            U::EncoderReversed => after(detectors.wheels.stuck.after).map(|s| 2.0 * s + ticks(2.0)),
+            U::EncoderReversed => {
+                after(detectors.wheels.stuck.after).map(|s| 2.0 * s + look + ticks(2.0))
+            }
             U::EncoderFails => after(detectors.measurement).map(|s| s + ticks(1.0)),
             // The last pose may be on its way yet, and the one before it was an interval ago.
             U::PoseSilent | U::PoseNan | U::FixAgeNan => {

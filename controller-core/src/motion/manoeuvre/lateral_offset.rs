@@ -157,20 +157,21 @@ impl<T: Scalar> LateralOffset<T> {
     /// is what is driven, or what will be where the drive has just begun, √(a q).
     pub(crate) fn set(&self, limits: &OffsetLimits<T>, left: T, speed: T, offset: T) -> Self {
         let f = T::from_f64;
-        let change = offset - self.at(left).offset;
+        let (share, [now, first, second, third]) = if self.is_set() {
+            let share = left / self.from;
+            (share, self.by_share(T::ONE - share))
+        } else {
+            (T::ZERO, [T::ZERO; 4])
+        };
+        let change = offset - now;
         if change.abs() <= limits.least || f(2.0) * left * limits.heading <= speed.abs() {
             return *self;
         }
-        let (first, second, third, swell) = if self.is_set() {
-            let share = left / self.from;
-            let (square, cube) = (share * share, share * share * share);
-            let [_, first, second, third] = self.by_share(T::ONE - share);
-            let [.., swell] = self.powers;
-            let swell = square * cube * swell;
-            (share * first, square * second, cube * third, swell)
-        } else {
-            (T::ZERO, T::ZERO, T::ZERO, T::ZERO)
-        };
+        // By the share of the way that is left: the curve that is left, z₀ apart.
+        let (square, cube) = (share * share, share * share * share);
+        let [.., swell] = self.powers;
+        let (first, second, third) = (share * first, square * second, cube * third);
+        let swell = square * cube * swell;
         let fast = larger(speed * speed, limits.drive_accel * left);
         let allowed = limits.turn_accel * left * left * left / (f(6.0) * fast);
         let most = larger(allowed, third.abs());

@@ -45,11 +45,12 @@
 //! follows y, as if a constant acceleration explained it: nothing is said of the wheels, and when torques are
 //! known again both filters begin from what the wheels really did.
 //!
-//! A tick looks at both. Ticks of at most [`SINGLE_US`] share that: the two wheels take turns, a look has four parts, and a tick takes
-//! one part, two if it is longer than [`PART_US`], all four if it is longer than [`BRIEF_US`]. Each look then is 10 ms after the last one of its wheel at most, as in ticks of
-//! that length. It takes all that was exerted and counted since then, so nothing is left out, and what it shows stands until the next.
-//! What lasts is timed by looks: it is found 10 ms and three ticks later at most, a twentieth of `stuck.after` as bases have it. The
-//! filters have ten looks in their window at least.
+//! Ticks share the looks at the wheels: the two take turns, a look has four parts, and a tick takes
+//! one part, two if it is longer than [`PART_US`], all four if it is longer than [`BRIEF_US`], and both looks if it is longer than [`SINGLE_US`].
+//! Each look then is [`LOOK_US`] after the last one of its wheel at most, or a tick where that is longer.
+//! It takes all that was exerted and counted since then, so nothing is left out, and what it shows stands until the next.
+//! What lasts is timed by looks: it is found so much and three ticks later at most, a tenth of `stuck.after` as bases have it. The
+//! filters have four looks in their window at least.
 //!
 //! A velocity loop of bandwidth κ on reversed encoders drives the speed up as v_c (e^(κt) − 1) and the force
 //! as m κ v_c e^(κt): when the latter has reached F the base has gone less than F/(m κ²), whatever the
@@ -105,9 +106,11 @@ impl<T: Scalar> Monitor<T> {
     }
 }
 
-/// Longest tick that takes no more than a part of a look. Both looks have eight [parts](Part), which so take 10 ms at most, a
-/// tenth of the window.
-const PART_US: u32 = 1_250;
+/// Longest time between two looks at a wheel \[µs\], where no tick is longer: a quarter of the window, and of ticks of 5 and 10 ms
+/// four and two, with a quarter of jitter.
+pub const LOOK_US: u32 = 25_000;
+/// Longest tick that takes no more than a part of a look; both looks have eight [parts](Part).
+const PART_US: u32 = LOOK_US / 8;
 /// Longest one that takes two of them.
 const BRIEF_US: u32 = 2 * PART_US;
 /// Longest one that takes one look, whole. Longer ones take both.

@@ -118,17 +118,17 @@ fn late_ticks_are_counted() {
     assert_eq!(monitor.late_ticks(), 3);
 }
 
-/// Looks come in parts: one in a tick of up to 1.25 ms, two in one of up to 2.5 ms, a whole one in one of up to 5 ms, and both in a longer one. Each
+/// Looks come in parts: one in a tick of up to 3.1 ms, two in one of up to 6.2 ms, a whole one in one of up to 12.5 ms, and both in a longer one. Each
 /// takes all that was exerted.
 #[test]
 fn longer_ticks_take_more_of_a_look() {
     for (dt_us, part, is_left) in [
-        (1_250, Part::Push, false),
-        (1_251, Part::Filter, false),
-        (2_500, Part::Filter, false),
-        (2_501, Part::Take, true),
-        (5_000, Part::Take, true),
-        (5_001, Part::Take, false),
+        (3_125, Part::Push, false),
+        (3_126, Part::Filter, false),
+        (6_250, Part::Filter, false),
+        (6_251, Part::Take, true),
+        (12_500, Part::Take, true),
+        (12_501, Part::Take, false),
     ] {
         let mut monitor = monitor(params());
         let mut inputs = pushing(1, 0, 0);
@@ -272,9 +272,9 @@ fn a_wheel_that_stands_under_torque_is_stuck_and_one_that_creeps_is_not() {
         });
         found.map(|tick| (tick, monitor.check(&pushing(tick, right, left))))
     };
-    // The first reading only tells where the counts are; 250 ms from then.
+    // The first reading only tells where the counts are, in the second tick for the left one; 250 ms from then, in looks every 20 ms.
     let (tick, found) = stuck(100, 0).expect("left stands");
-    assert_eq!(tick, 26);
+    assert_eq!(tick, 28);
     assert_eq!(
         found.get(FaultKind::EncoderStuck),
         Some(Fault::EncoderStuck(Side::Left))
@@ -303,7 +303,7 @@ fn holding_a_place_is_not_being_stuck_and_a_wall_is_not_an_encoder() {
     };
     assert_eq!(
         found_in(&mut walled, 100, FaultKind::Stalled, blocked),
-        Some(26)
+        Some(27)
     );
     assert_eq!(walled.check(&blocked(1)).get(kind), None);
 }

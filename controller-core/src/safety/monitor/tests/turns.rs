@@ -45,17 +45,23 @@ fn what_stands_is_found_at_the_next_look_and_stays_found() {
     }
 }
 
-/// Ticks of 5 ms look at the right wheel and at the left one in turn: 250 ms last from the first look until the 25th after it.
+/// Ticks of 10 ms look at the right wheel and at the left one in turn, ticks of 5 ms take half a look each: 250 ms last from the first look until the
+/// 13th after it, 20 ms each.
 #[test]
-fn ticks_of_5_ms_look_at_one_wheel_each() {
+fn longer_ticks_look_at_one_wheel_after_the_other() {
     let kind = FaultKind::EncoderStuck;
-    for (right, left, tick) in [(0, 10, 51), (10, 0, 52)] {
+    for (period_us, right, left, tick) in [
+        (10_000, 0, 10, 27),
+        (10_000, 10, 0, 28),
+        (5_000, 0, 10, 53),
+        (5_000, 10, 0, 55),
+    ] {
         let mut monitor = monitor(DetectorParams {
-            period_us: 5000,
+            period_us,
             ..params()
         });
         let at = |k| DetectorInputs {
-            dt_us: 5000,
+            dt_us: period_us,
             ..pushing(k, right, left)
         };
         assert_eq!(found_in(&mut monitor, 100, kind, at), Some(tick));
