@@ -3,21 +3,26 @@
 use crate::error;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use std::fmt::Display;
+use std::num::NonZeroU32;
 
 /// More than any machine has cores; each is a thread at once.
-const MAX_THREADS: u64 = 1024;
+const MAX_THREADS: usize = 1024;
 /// Results of a study, and what is unwound when it is stopped, stay within some seconds and gigabytes.
-const MAX_SEEDS: u64 = 100_000;
+const MAX_SEEDS: NonZeroU32 = NonZeroU32::new(100_000).unwrap();
 /// Members of a fleet have some 8 KB each.
-const MAX_SIZE: u64 = 65_536;
+const MAX_SIZE: usize = 65_536;
 /// A step cannot be stopped: this is a quarter of an hour of a base at 100 Hz.
-const MAX_TICKS: u64 = 100_000;
+const MAX_TICKS: usize = 100_000;
 
 type Given<'a, 'py> = &'a Bound<'py, PyAny>;
 
-fn whole(key: &str, given: Given<'_, '_>, least: u64, most: u64) -> PyResult<u64> {
-    match given.extract::<u64>() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
+fn whole<'py, T>(key: &str, given: Given<'_, 'py>, least: T, most: T) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py, Error = PyErr> + PartialOrd + Display,
+{
+    match given.extract::<T>() {
+        Ok(number) if (&least..=&most).contains(&&number) => Ok(number),
         Err(error) if error.is_instance_of::<PyTypeError>(given.py()) => Err(error),
         _ => {
             let message = format!("{key} must be a whole number in {least} to {most}");
@@ -34,11 +39,11 @@ pub fn threads(given: Given<'_, '_>) -> PyResult<Option<usize>> {
     if given.is_none() {
         return Ok(None);
     }
-    whole("threads", given, 1, MAX_THREADS).map(|number| Some(number as usize))
+    whole("threads", given, 1, MAX_THREADS).map(Some)
 }
 
-pub fn seeds(given: Given<'_, '_>) -> PyResult<u32> {
-    whole("seeds", given, 1, MAX_SEEDS).map(|number| number as u32)
+pub fn seeds(given: Given<'_, '_>) -> PyResult<NonZeroU32> {
+    whole("seeds", given, NonZeroU32::MIN, MAX_SEEDS)
 }
 
 pub fn evaluations(given: Given<'_, '_>) -> PyResult<u64> {
@@ -54,15 +59,15 @@ pub fn first(given: Given<'_, '_>) -> PyResult<u64> {
 }
 
 pub fn every(given: Given<'_, '_>) -> PyResult<usize> {
-    whole("every", given, 1, u64::from(u32::MAX)).map(|number| number as usize)
+    whole("every", given, 1, u32::MAX as usize)
 }
 
 pub fn size(given: Given<'_, '_>) -> PyResult<usize> {
-    whole("size", given, 1, MAX_SIZE).map(|number| number as usize)
+    whole("size", given, 1, MAX_SIZE)
 }
 
 pub fn ticks(given: Given<'_, '_>) -> PyResult<usize> {
-    whole("ticks", given, 1, MAX_TICKS).map(|number| number as usize)
+    whole("ticks", given, 1, MAX_TICKS)
 }
 
 /// A part of a whole: (index, count).

@@ -74,16 +74,15 @@ impl Verification {
 
 /// Runs every course under every condition, `seeds` times each with seeds `seed`, `seed` + 1, ...
 #[pyfunction]
-#[pyo3(signature = (robot, seeds = 10, seed = 1, threads = None, progress = None))]
+#[pyo3(signature = (robot, seeds, seed = 1, threads = None, progress = None))]
 pub fn verify(
     py: Python<'_>,
     robot: &Robot,
-    #[pyo3(from_py_with = arguments::seeds)] seeds: u32,
+    #[pyo3(from_py_with = arguments::seeds)] seeds: NonZeroU32,
     #[pyo3(from_py_with = arguments::seed)] seed: u64,
     #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Verification> {
-    let seeds = NonZeroU32::new(seeds).unwrap_or(NonZeroU32::MIN);
     check(&robot.file).map_err(|e| error::scenario(&e))?;
     let base = &robot.file.base;
     let found = work(py, threads, (progress, runs(seeds)), |progress| {

@@ -211,6 +211,7 @@ LOG = {"t": [1.0], "angle_right": [0.0], "angle_left": [0.0]}
         (lambda: twb.Trajectory.parse(LINE, tolerance_m=-1), "tolerance_m", "0 to 1"),
         (lambda: twb.Robot.load("lab-10kg").with_gains({"heading": 1e308}), "heading", "1e308 is out"),
         (lambda: twb.verify(None), "robot", "not None"),  # type: ignore[arg-type]
+        (lambda: twb.verify("lab-10kg", seeds=0), "seeds", "1 to 100000"),
         (lambda: twb.verify("lab-10kg", seeds=2**32), "seeds", "1 to 100000"),
         (lambda: twb.tune("lab-10kg", evaluations=2**64 - 1), "evaluations", "1 to 1000000"),
         (lambda: twb.faults(10**18), "runs", "1 to 100000000"),

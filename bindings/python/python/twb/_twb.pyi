@@ -269,7 +269,7 @@ def tune(
 ) -> Tuned: ...
 def verify(
     robot: Robot,
-    seeds: int = 10,
+    seeds: int,
     seed: int = 1,
     threads: int | None = None,
     progress: _Progress | None = None,
