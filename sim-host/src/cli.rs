@@ -8,7 +8,7 @@ use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
 use crate::part_args::{MergeArgs, PartArgs};
 use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
-use crate::seed_args::SeedArgs;
+use crate::seed_args::{SeedArgs, seeds};
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
@@ -162,7 +162,7 @@ Examples:
   sim-host robustness --only period --out results")]
     Robustness {
         /// Runs of each condition with noise
-        #[arg(long, value_name = "N", default_value = "20")]
+        #[arg(long, value_name = "N", default_value = "20", value_parser = seeds)]
         seeds: NonZeroU32,
         /// Only conditions whose name contains this; may be given several times
         #[arg(long, value_name = "TEXT")]

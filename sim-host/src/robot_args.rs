@@ -2,7 +2,7 @@
 
 use crate::log_args::LogArgs;
 use crate::part_args::PartArgs;
-use crate::seed_args::SeedArgs;
+use crate::seed_args::{self, SeedArgs};
 use clap::Args;
 use sim_host::tune::MAX_EVALUATIONS;
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
@@ -40,7 +40,7 @@ pub struct VerifyArgs {
     #[arg(value_name = "ROBOT.toml")]
     pub robot: PathBuf,
     /// Worlds that are drawn for each course and condition
-    #[arg(long, value_name = "N", default_value = "10")]
+    #[arg(long, value_name = "N", default_value = "10", value_parser = seed_args::seeds)]
     pub seeds: NonZeroU32,
     #[command(flatten)]
     pub log: LogArgs,
@@ -62,8 +62,5 @@ pub struct ConstantsArgs {
 }
 
 fn evaluations(text: &str) -> Result<NonZeroU64, String> {
-    let number = text.parse::<NonZeroU64>().ok();
-    number
-        .filter(|number| number.get() <= MAX_EVALUATIONS)
-        .ok_or_else(|| format!("must be a whole number in 1 to {MAX_EVALUATIONS}"))
+    seed_args::up_to(MAX_EVALUATIONS, text)
 }

@@ -423,6 +423,16 @@ fn numbers_have_limits() {
             2,
             "must be a whole number in 1 to 1000000",
         ),
+        (
+            &["verify", "hobby-1kg", "--seeds", "4294967295"],
+            2,
+            "invalid value '4294967295' for '--seeds <N>': must be a whole number in 1 to 100000",
+        ),
+        (
+            &["robustness", "--seeds", "100001"],
+            2,
+            "must be a whole number in 1 to 100000",
+        ),
     ] {
         let output = sim_host(here.path(), arguments);
         let said = text(&output.stderr);

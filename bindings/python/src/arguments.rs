@@ -8,8 +8,6 @@ use std::num::NonZeroU32;
 
 /// More than any machine has cores; each is a thread at once.
 const MAX_THREADS: usize = 1024;
-/// Results of a study, and what is unwound when it is stopped, stay within some seconds and gigabytes.
-const MAX_SEEDS: NonZeroU32 = NonZeroU32::new(100_000).unwrap();
 /// Members of a fleet have some 8 KB each.
 const MAX_SIZE: usize = 65_536;
 /// A step cannot be stopped: this is a quarter of an hour of a base at 100 Hz.
@@ -43,7 +41,7 @@ pub fn threads(given: Given<'_, '_>) -> PyResult<Option<usize>> {
 }
 
 pub fn seeds(given: Given<'_, '_>) -> PyResult<NonZeroU32> {
-    whole("seeds", given, NonZeroU32::MIN, MAX_SEEDS)
+    whole("seeds", given, NonZeroU32::MIN, sim_host::part::MAX_SEEDS)
 }
 
 pub fn evaluations(given: Given<'_, '_>) -> PyResult<u64> {

@@ -24,7 +24,11 @@ pub use shard::{NoShard, Shard, shard};
 use crate::csv_out::Sheet;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::num::NonZeroU32;
 use std::ops::Range;
+
+/// Most worlds of each case of a study: results of all are kept, some 0.4 GB.
+pub const MAX_SEEDS: NonZeroU32 = NonZeroU32::new(100_000).unwrap();
 
 /// A study whose runs can be made apart from each other.
 pub trait Study: Serialize + DeserializeOwned {
