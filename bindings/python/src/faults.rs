@@ -140,9 +140,6 @@ impl Campaign {
     }
 }
 
-/// Runs that are given to all threads together.
-const AT_ONCE: usize = 16_384;
-
 /// The fault campaign of a seed, or part `shard` of it: (index, count), counted from 0.
 #[pyfunction]
 #[pyo3(signature = (runs = 1000, seed = 1, only = Vec::new(), gyro = false, first = 0, shard = None, threads = None,
@@ -178,9 +175,8 @@ pub fn faults(
             let one = [*number];
             progress.part(|| study(&bases, seed, one, &Mutation::None, || {}))
         };
-        // In turn, because a work that stops unwinds once for each piece that Rayon has split it into.
         let some = |numbers: &[u64]| -> Result<Vec<_>, _> { numbers.par_iter().map(run).collect() };
-        let runs: Result<Vec<Vec<Vec<_>>>, _> = numbers.chunks(AT_ONCE).map(some).collect();
+        let runs: Result<Vec<Vec<Vec<_>>>, _> = numbers.chunks(part::AT_ONCE).map(some).collect();
         runs.map(|runs| runs.into_iter().flatten().flatten().collect())
     })?;
     Ok(Campaign {

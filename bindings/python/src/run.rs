@@ -12,6 +12,7 @@ use sim_host::csv_out::{self, trace_sheet, unit};
 use sim_host::drive::{DriveMetrics, summary};
 use sim_host::figure::{Labelled, five_panels};
 use sim_host::job::Job;
+use sim_host::part::AT_ONCE;
 use sim_host::record::{self, DriveRecord, Finished, Record};
 use sim_host::run::{RunError, finish};
 use sim_host::trace::{Trace, TraceRow};
@@ -188,6 +189,12 @@ fn in_order<T>(results: Vec<Result<T, RunError>>) -> PyResult<Vec<T>> {
     all.map_err(|e| error::run(&e.to_string()))
 }
 
+/// What comes of each, in order.
+fn in_turn<T: Send>(jobs: &[Arc<Job>], one: impl Fn(&Arc<Job>) -> T + Sync) -> Vec<T> {
+    let some = |jobs: &[Arc<Job>]| jobs.par_iter().map(&one).collect::<Vec<_>>();
+    jobs.chunks(AT_ONCE).flat_map(some).collect()
+}
+
 fn jobs(missions: &[PyRef<'_, Mission>]) -> Vec<Arc<Job>> {
     missions
         .iter()
@@ -208,7 +215,7 @@ pub fn run_all(
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
         let one = |job: &Arc<Job>| progress.part(|| job.run());
-        jobs.par_iter().map(one).collect::<Vec<_>>()
+        in_turn(&jobs, one)
     })?;
     let traces = in_order(results)?;
     let runs = jobs.into_iter().zip(traces);
@@ -259,7 +266,7 @@ pub fn finish_all<'py>(
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
         let one = |job: &Arc<Job>| progress.part(|| ended(job));
-        jobs.par_iter().map(one).collect::<Vec<_>>()
+        in_turn(&jobs, one)
     })?;
     let ends: Option<Vec<Ended>> = in_order(results)?.into_iter().collect();
     let ends = ends.ok_or_else(|| error::run("a run has no ticks"))?;

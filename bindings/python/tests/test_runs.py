@@ -294,11 +294,12 @@ def test_progress_is_told_and_an_error_in_it_stops() -> None:
     assert time.monotonic() - began < 20
 
 
-def test_ctrl_c_stops_a_long_study() -> None:
+@pytest.mark.parametrize("study", ["faults(1_000_000, ", "verify('hobby-1kg', seeds=100_000, "])
+def test_ctrl_c_stops_a_long_study(study: str) -> None:
     # Tests that are started in the background have the signal ignored, and so would their children.
     heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    study = "twb.faults(1_000_000, progress=lambda done, total: print(done, flush=True))"
-    program = f"{heeds}; import twb; {study}"
+    tells = "progress=lambda done, total: print(done, flush=True))"
+    program = f"{heeds}; import twb; twb.{study}{tells}"
     child = subprocess.Popen(
         [sys.executable, "-c", program],
         stdout=subprocess.PIPE,
@@ -313,7 +314,8 @@ def test_ctrl_c_stops_a_long_study() -> None:
     _, errors = child.communicate(timeout=60)
     assert "KeyboardInterrupt" in errors
     assert "panicked" not in errors
-    assert child.returncode != 0 and time.monotonic() - began < 20
+    # On two cores that nothing else uses 0.1 s.
+    assert child.returncode != 0 and time.monotonic() - began < 5
 
 
 def test_other_threads_run_meanwhile() -> None:

@@ -27,6 +27,8 @@ use serde::de::DeserializeOwned;
 use std::num::NonZeroU32;
 use std::ops::Range;
 
+/// Runs that are given to all threads together: a study that is to stop unwinds once for each piece that Rayon has split them into.
+pub const AT_ONCE: usize = 16_384;
 /// Most worlds of each case of a study: results of all are kept, some 0.4 GB.
 pub const MAX_SEEDS: NonZeroU32 = NonZeroU32::new(100_000).unwrap();
 

@@ -3,6 +3,7 @@
 use super::{badness, grid, shortcoming};
 use crate::closed_loop::ClosedLoopError;
 use crate::mission::{BaseSpec, Mission};
+use crate::part::AT_ONCE;
 use crate::rate::Rate;
 use crate::run::Watch;
 use crate::trace::Trace;
@@ -119,7 +120,13 @@ pub(super) fn runs_at(
         })
     };
     let places = places.start..places.end.min(cases.len() * seeds);
-    places.into_par_iter().map(run).collect()
+    let mut runs = Vec::new();
+    for from in places.clone().step_by(AT_ONCE) {
+        let some = from..places.end.min(from.saturating_add(AT_ONCE));
+        let some: Vec<Run> = some.into_par_iter().map(run).collect::<Result<_, _>>()?;
+        runs.extend(some);
+    }
+    Ok(runs)
 }
 
 fn run(
