@@ -6,6 +6,7 @@ use sim_host::import::{Options, Pace, import};
 use sim_host::mission::BaseSpec;
 use sim_host::precision::Precision;
 use sim_host::run::drive;
+use sim_host::scenario::Scenario;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -221,6 +222,25 @@ fn options_out_of_range_are_named() -> Result<(), Box<dyn Error>> {
             .ok_or(name)?;
         assert!(error.to_string().starts_with(name), "{error}");
     }
+    Ok(())
+}
+
+/// A run that no small machine has the memory for is told alike, of a trajectory and of a scenario.
+#[test]
+fn runs_have_a_longest_length() -> Result<(), Box<dyn Error>> {
+    let rows = (0..8).map(|k| format!("{},{k},0,0\n", 25 * k));
+    let file = format!("t,x,y,theta\n{}", rows.collect::<String>());
+    let run = FileRun {
+        period_s: 1.0e-4,
+        ..FileRun::default()
+    };
+    let followed = run.mission("x", file.as_bytes(), &BaseSpec::default());
+    let text = "[run]\nduration = 235\nperiod = 1e-4\n[reference]\nv = 0.1\n";
+    let scenario = Scenario::parse("m.toml", text).err().ok_or("taken")?;
+    let told = "is 2350000 control periods; at most 2000000 are kept: choose a longer period";
+    assert_eq!(scenario.message, told);
+    let followed = followed.err().ok_or("taken")?.to_string();
+    assert_eq!(followed, format!("the run {told}"));
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use controller_core::types::{Measured, Pose, Twist};
 use pyo3::prelude::*;
 use sim_host::drive::FileRun;
 use sim_host::job::{Content, Job};
-use sim_host::mission::{BaseSpec, Course, End, MAX_TICKS, Mission as Plan};
+use sim_host::mission::{BaseSpec, Course, End, Mission as Plan, check_length};
 use sim_host::precision::Precision;
 use sim_host::scenario::ControlLaw;
 use sim_host::trials::{self, Condition};
@@ -262,13 +262,8 @@ impl Mission {
             let message = format!("longest_s must be above 0 and at most {LONGEST_S:e}");
             return Err(error::argument("longest_s", &message));
         }
-        if longest_s / period_s > MAX_TICKS {
-            let message = format!(
-                "longest_s is {:.0} times period_s; at most {MAX_TICKS:.0} ticks are kept",
-                longest_s / period_s
-            );
-            return Err(error::argument("longest_s", &message));
-        }
+        check_length(longest_s, period_s)
+            .map_err(|e| error::argument("longest_s", &format!("longest_s {e}")))?;
         let mission = Plan {
             name: "park".to_owned(),
             description: format!("park of a {}", base.name),

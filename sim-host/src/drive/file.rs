@@ -4,7 +4,9 @@ use crate::import::{
     Figures, Format, LimitError, Options, Pace, Refusal, TimeScaling, Tolerance, Trajectory,
     format, import,
 };
-use crate::mission::{BaseSpec, Course, End, HandOverRule, MAX_TICKS, Mission, Route, When};
+use crate::mission::{
+    BaseSpec, Course, End, HandOverRule, Mission, Route, TooLong, When, check_length,
+};
 use crate::precision::Precision;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -102,8 +104,8 @@ pub enum FileError {
     #[error("{0} must be a number in {1} to {2}")]
     Option(&'static str, f64, f64),
     /// The run would not fit a small machine's memory.
-    #[error("{0:.0} control periods; at most {MAX_TICKS:.0} are kept: choose a longer period")]
-    TooLong(f64),
+    #[error("the run {0}")]
+    TooLong(#[from] TooLong),
 }
 
 /// How long parking may take before a run is given up \[s\].
@@ -156,9 +158,7 @@ impl FileRun {
         let figures: Figures = trajectory.figures();
         let (first, end_s) = (trajectory.at(0.0), trajectory.duration());
         let longest_s = end_s + PARKING_S;
-        if longest_s / self.period_s > MAX_TICKS {
-            return Err(FileError::TooLong(longest_s / self.period_s));
-        }
+        check_length(longest_s, self.period_s)?;
         let last = trajectory.at(end_s);
         let (sin, cos) = libm::sincos(first.theta);
         let aside = self.offset_on(figures.length_m, end_s);

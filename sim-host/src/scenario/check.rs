@@ -2,7 +2,7 @@
 
 use super::source::{Checked, Source};
 use super::{Controller, MathsBackEnd, Scenario, belief, file, ranges};
-use crate::mission::MAX_TICKS;
+use crate::mission::check_length;
 use crate::motion::{Profile, ReferenceMotion};
 use crate::precision::Precision;
 use controller_core::reference::{ConstantTwist, ParkingPlan};
@@ -90,10 +90,8 @@ pub(super) fn timing(keys: &file::Run, max_tick: f64, place: &Source<'_>) -> Che
         let message = "must be a finite number and at least one run.period";
         return Err(place.error("run.duration", message));
     }
-    if ticks > MAX_TICKS {
-        let message = format!("is {ticks:.0} periods; at most {MAX_TICKS:.0} are kept");
-        return Err(place.error("run.duration", message));
-    }
+    let length = check_length(duration, period);
+    length.map_err(|error| place.error("run.duration", error))?;
     Ok((duration, period))
 }
 
