@@ -274,10 +274,8 @@ fn of_bag(path: &Path) -> (PathBuf, Option<String>) {
 /// formats have neither.
 fn looks_like_toml(text: &str) -> Option<bool> {
     let text = text.trim_start_matches('\u{feff}');
-    let lines = text.lines().map(str::trim);
-    let line = lines
-        .into_iter()
-        .find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    let line = text.lines().find(|line| !import::says_nothing(line))?;
+    let line = line.trim();
     Some(match line.strip_prefix('[') {
         Some(rest) => rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '[' || c == '"'),
         None => line.contains('=') && !line.starts_with('{'),

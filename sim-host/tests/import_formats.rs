@@ -247,7 +247,10 @@ fn line_ends_make_no_difference() -> Outcome {
         let read = import(text.as_bytes(), &options)?;
         let bad = format!("{text}# the end\nthen\n");
         let refused = import(bad.as_bytes(), &options).expect_err("refused");
-        // A comment may be the last, without the end of its line.
+        // A comment may be indented, or the last, without the end of its line.
+        let indented = format!("  \n\t # it\n{text}  # ends");
+        let indented = import(indented.as_bytes(), &options)?;
+        assert_eq!(indented.samples(), read.samples(), "{name}");
         let last = import(format!("{text}# the end").as_bytes(), &options)?;
         assert_eq!(last.samples(), read.samples(), "{name}");
         for end in ["\r\n", "\r"] {

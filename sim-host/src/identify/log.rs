@@ -1,6 +1,6 @@
 //! The log: commands, wheel angles and what else was recorded, from CSV.
 
-use crate::import::table::{broken, line_at, reader};
+use crate::import::table::{broken, line_at, reader, said};
 use crate::import::{Format, Place, Reason, Refusal, text};
 use csv::StringRecord;
 use std::collections::{HashMap, HashSet};
@@ -179,6 +179,7 @@ fn wrong(row: &Row, column: &str, problem: String) -> LogError {
 
 /// By the rules for trajectory files.
 fn sheet(text: &str) -> Result<Sheet, Refusal> {
+    let text = &*said(text);
     let mut reader = reader(text);
     let header = reader.headers().map_err(|e| broken(text, &e))?.clone();
     let rows = reader.records().map(|cells| {

@@ -2,7 +2,7 @@
 
 use super::format::Format;
 use super::refusal::{Place, Reason, Refusal, Untimed};
-use super::wpilib;
+use super::{says_nothing, wpilib};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
@@ -37,7 +37,7 @@ pub(super) fn detect(text: &str) -> Result<Format, Refusal> {
     let Some((number, line)) = text
         .lines()
         .enumerate()
-        .find(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
+        .find(|(_, line)| !says_nothing(line))
     else {
         return Err(refuse(Reason::Empty));
     };

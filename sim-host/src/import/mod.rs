@@ -124,6 +124,12 @@ pub(crate) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Refusal> {
     })
 }
 
+/// Whether a line of a table says nothing: it is empty, or a `#` comment, indented or not.
+pub(crate) fn says_nothing(line: &str) -> bool {
+    let line = line.trim_start();
+    line.is_empty() || line.starts_with('#')
+}
+
 /// The samples as they stand in the file.
 fn read(bytes: &[u8]) -> Result<Raw, Refusal> {
     if bytes.len() > MAX_BYTES {

@@ -12,25 +12,29 @@
 use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::Repairs;
-use super::{Format, MAX_SAMPLES};
+use super::{Format, MAX_SAMPLES, says_nothing};
 use csv::{ErrorKind, Position, Reader, ReaderBuilder, StringRecord, Trim};
-use std::io::Read;
 
 const NAMES: [&str; 8] = ["t", "x", "y", "theta", "v", "w", "a", "alpha"];
 const REQUIRED: usize = 4;
 
-/// Tables as people have them: spaces about cells and `#` comments say nothing.
-pub(crate) fn reader(text: &str) -> Reader<impl Read> {
-    // To the parser a comment that the file ends in is a record.
-    let ended = text.as_bytes().chain(&b"\n"[..]);
+/// The lines of a table that say something, where they were: the parser skips empty lines, but knows no indented comments.
+pub(crate) fn said(text: &str) -> String {
+    let lines = text.split('\n');
+    let said = lines.map(|line| if says_nothing(line) { "" } else { line });
+    said.collect::<Vec<_>>().join("\n")
+}
+
+/// A table as people have it, of what [`said`] leaves: spaces about cells say nothing.
+pub(crate) fn reader(said: &str) -> Reader<&[u8]> {
     ReaderBuilder::new()
-        .comment(Some(b'#'))
         .trim(Trim::All)
-        .from_reader(ended)
+        .from_reader(said.as_bytes())
 }
 
 /// Reads the table.
 pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
+    let text = &*said(text);
     let mut reader = reader(text);
     let header = reader.headers().map_err(|e| broken(text, &e))?.clone();
     let line = line_at(text, header.position());
@@ -126,16 +130,13 @@ pub(crate) fn broken(text: &str, error: &csv::Error) -> Refusal {
     Refusal::new(Format::Csv, place, reason)
 }
 
-/// The line of a record: the reader's position is before the comments that precede it.
+/// The line of a record: the reader's position is before the empty lines that precede it.
 pub(crate) fn line_at(text: &str, position: Option<&Position>) -> usize {
     let Some(position) = position else { return 1 };
     let rest = usize::try_from(position.byte())
         .ok()
         .and_then(|byte| text.get(byte..))
         .unwrap_or_default();
-    let skipped = rest.lines().take_while(|line| {
-        let line = line.trim_end();
-        line.is_empty() || line.starts_with('#')
-    });
+    let skipped = rest.lines().take_while(|line| line.is_empty());
     position.line() as usize + skipped.count()
 }

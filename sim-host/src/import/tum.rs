@@ -1,10 +1,9 @@
 //! TUM poses: `t x y z qx qy qz qw` a line, `#` comments; z up, x of the body ahead.
 
-use super::Format;
-use super::MAX_SAMPLES;
 use super::raw::{Raw, RawSample};
 use super::refusal::{NotPlanar, Place, Reason, Refusal};
 use super::repair::Repairs;
+use super::{Format, MAX_SAMPLES, says_nothing};
 
 /// Leaning \[rad\] and height \[m\] that a wheeled base does not reach on a floor.
 const MAX_TILT: f64 = 0.1;
@@ -18,8 +17,7 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
     let mut samples: Vec<RawSample> = Vec::new();
     let mut ground = None;
     for (index, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
+        if says_nothing(line) {
             continue;
         }
         let place = Place::sample(index + 1, samples.len());

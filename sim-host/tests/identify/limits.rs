@@ -229,7 +229,7 @@ fn comments_are_skipped_and_counted() {
     let plain = format!("{header}\n{}\n", rows.join("\n"));
     let noted = format!(
         "\u{feff}# drive 7\n\n{header}\n{}\n# the end",
-        rows.join("\n# note\n")
+        rows.join("\n\t# note\n")
     );
     let log = Log::read(plain.as_bytes(), None).expect("a sound log");
     assert_eq!(Log::read(noted.as_bytes(), None).expect("the same"), log);
