@@ -16,7 +16,7 @@
 //! | for a robot of one's own | [`tune`], [`verify`], [`constants`]; [`trials`] on bad floors |
 //! | studies in parts, on many machines | [`part`] |
 //! | beside other laws | [`mod@bench`] |
-//! | report | [`metrics`], [`table`], [`csv_out`], [`record`]; `figure` with the feature `figures`, `datalog` with that |
+//! | report | [`metrics`], [`table`], [`csv_out`], [`record`], [`plain_text`]; `figure` with the feature `figures`, `datalog` with that |
 //!
 //! In a browser (`wasm32`) there are neither ports and emulators nor studies and their tables.
 //!
@@ -63,6 +63,7 @@ mod names;
 pub mod part;
 #[cfg(not(target_family = "wasm"))]
 pub mod pil;
+pub mod plain_text;
 pub mod plant;
 pub mod plausible;
 pub mod precision;

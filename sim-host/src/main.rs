@@ -11,7 +11,6 @@ mod seed_args;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 use std::error::Error as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -30,8 +29,7 @@ fn main() -> ExitCode {
                     cause = inner.source();
                 }
             }
-            // Nobody may be there to read it.
-            let _ = std::io::stderr().write_all(text.as_bytes());
+            commands::tell(&text);
             ExitCode::FAILURE
         }
     }

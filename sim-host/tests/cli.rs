@@ -358,6 +358,33 @@ fn only_files_come_before_built_in_names() {
     }
 }
 
+/// A terminal obeys no file, and no name of one.
+#[cfg(unix)]
+#[test]
+fn control_signs_of_files_are_written_out() {
+    let here = directory();
+    let wrong = "[run]\nduration = 1.0\nperiod = 0.01\n[reference]\nv = \"\u{9b}2J\"\n";
+    fs::write(here.path().join("a\u{1b}[2Jb.toml"), wrong).expect("written");
+    fs::write(here.path().join("c\u{7}.csv"), "t,x,y,the\u{1b}ta\n").expect("written");
+    for command in ["run", "check"] {
+        let output = sim_host(here.path(), &[command, "a\u{1b}[2Jb.toml", "c\u{7}.csv"]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1));
+        for told in [
+            r"a\u001B[2Jb.toml:5: reference.v: ",
+            r#"5 | v = "\u009B2J""#,
+            r"c\u0007.csv",
+            r"the\u001Bta",
+        ] {
+            assert!(said.contains(told), "{told} is not in {said}");
+        }
+        assert!(
+            !said.contains(|c: char| c.is_control() && c != '\n'),
+            "{said:?}"
+        );
+    }
+}
+
 #[test]
 fn warnings_go_to_standard_error() {
     let here = directory();

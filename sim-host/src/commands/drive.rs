@@ -14,6 +14,7 @@ use sim_host::import::FileVerdict;
 use sim_host::job::{Content, Job, Trajectory};
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
+use sim_host::plain_text::written_out;
 use sim_host::record::{ChipRecord, DriveRecord};
 use sim_host::run;
 use sim_host::scenario::{BuiltInBase, Scenario};
@@ -67,7 +68,10 @@ pub struct Done {
 
 /// What is about to be run.
 pub fn announce(mission: &Mission, file: Option<&Trajectory>) -> Result<(), CommandError> {
-    say(&format!("{}: {}\n", mission.name, mission.description))?;
+    say(&written_out(&format!(
+        "{}: {}\n",
+        mission.name, mission.description
+    )))?;
     if let Some(Trajectory { scaling, read }) = file {
         say(&format!(
             "{}\nbase       {}: {scaling}\n",
@@ -127,7 +131,7 @@ pub fn check(arguments: &TrajectoryArgs) -> Result<(), CommandError> {
     for file in &arguments.files {
         let (verdict, is_in_order) = judged(file, arguments, &base);
         refused += usize::from(!is_in_order);
-        say(&format!("{}\n{verdict}\n\n", file.display()))?;
+        say(&written_out(&format!("{}\n{verdict}\n\n", file.display())))?;
     }
     match refused {
         0 => Ok(()),

@@ -3,6 +3,7 @@
 use super::error::CommandError;
 use super::say;
 use sim_host::mission::Mission;
+use sim_host::plain_text::written_out;
 use sim_host::scenario::{BUILT_IN, MISSIONS, Scenario, ScenarioError};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,7 @@ pub fn list(directory: Option<&Path>) -> Result<(), CommandError> {
     let width = scenarios.iter().map(|(name, _)| name.chars().count()).max();
     let width = width.unwrap_or(0);
     for (name, description) in &scenarios {
-        say(&format!("{name:width$}  {description}\n"))?;
+        say(&written_out(&format!("{name:width$}  {description}\n")))?;
     }
     CommandError::all(failed)
 }

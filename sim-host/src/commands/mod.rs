@@ -27,6 +27,7 @@ use error::CommandError;
 use sim_host::advice::{base_warnings, warnings};
 use sim_host::campaign::Campaign;
 use sim_host::mission::{BaseSpec, Mission};
+use sim_host::plain_text::written_out;
 use sim_host::record::Finished;
 use sim_host::robustness::Robustness;
 use sim_host::scenario::{PAPER, Scenario};
@@ -108,9 +109,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         Command::Bench(arguments) => bench::bench(arguments, cli.output()),
         Command::Verify(arguments) => verify::robot(arguments, output),
         Command::Prove(arguments) => {
-            // Nobody to read it is no reason to stop.
-            let note = "note: `prove` is `verify` now; the old name is there for one release more";
-            let _ = writeln!(std::io::stderr(), "{note}");
+            tell("note: `prove` is `verify` now; the old name is there for one release more\n");
             verify::robot(arguments, output)
         }
         Command::Constants(arguments) => constants::write(arguments, output),
@@ -142,10 +141,16 @@ fn say(text: &str) -> Result<(), CommandError> {
     }
 }
 
-/// Prints what the owner of a base's file should change in it, to standard error as well.
+/// Prints to standard error, where it does not disturb a table in a pipe. What comes from files and their names tells a terminal nothing.
+pub fn tell(text: &str) {
+    // Nobody to read it is no reason to stop.
+    let _ = std::io::stderr().write_all(written_out(text).as_bytes());
+}
+
+/// Tells what the owner of a base's file should change in it.
 fn note(base: &BaseSpec) {
     for note in &base.notes {
-        let _ = writeln!(std::io::stderr(), "note: {note}");
+        tell(&format!("note: {note}\n"));
     }
 }
 
@@ -153,14 +158,12 @@ fn note(base: &BaseSpec) {
 fn note_named(base: &BaseSpec) {
     note(base);
     for warning in base_warnings(base) {
-        let _ = writeln!(std::io::stderr(), "warning: {}: {warning}", base.name);
+        tell(&format!("warning: {}: {warning}\n", base.name));
     }
 }
 
-/// Prints warnings to standard error, where they do not disturb a table in a pipe.
 fn warn(scenario: &Scenario) {
     for warning in warnings(scenario) {
-        // Nobody to warn is no reason to stop.
-        let _ = writeln!(std::io::stderr(), "warning: {}: {warning}", scenario.name);
+        tell(&format!("warning: {}: {warning}\n", scenario.name));
     }
 }

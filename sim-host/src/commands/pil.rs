@@ -4,7 +4,7 @@ use super::drive::{self, Done};
 use super::error::CommandError;
 use super::log::watched;
 use super::write::Writer;
-use super::{say, warn};
+use super::{say, tell, warn};
 use crate::cli::Output;
 use crate::log_args::LogArgs;
 use firmware_demo::host::{LinkKind, Machine};
@@ -15,7 +15,6 @@ use sim_host::pil::{BaseBench, Bench, Cost, FIRMWARE, Flight, Footprint, Parity,
 use sim_host::record::{ChipRecord, Finished, Record};
 use sim_host::scenario::{Controller, Scenario};
 use sim_host::table::{Column, side_by_side};
-use std::io::Write as _;
 use std::time::Duration;
 
 /// The chip, and the way to it.
@@ -186,14 +185,12 @@ impl Total {
 fn note(scenario: &Scenario) {
     let asked = scenario.controller;
     if asked != FIRMWARE {
-        // Nobody to read it is no reason to stop.
-        let _ = writeln!(
-            std::io::stderr(),
-            "note: {}: the chip runs {}; the file says {}",
+        tell(&format!(
+            "note: {}: the chip runs {}; the file says {}\n",
             scenario.name,
             settings(&FIRMWARE),
             settings(&asked),
-        );
+        ));
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Ours, because size decides: with a plotting library and one that renders SVG the wheel for Python had 3.7 MB instead of 2.1.
 
+use crate::plain_text::written_out;
 use std::fmt::Write as _;
 
 /// A place, or a size \[px\].
@@ -157,20 +158,10 @@ fn write_points(out: &mut String, points: &[Point]) -> std::fmt::Result {
     Ok(())
 }
 
-/// As text of XML. Signs that XML cannot have, with one of which no viewer shows the figure, stand as in TOML, `\u0001`.
+/// As text of XML: with one sign that XML cannot have no viewer shows the figure.
 fn escaped(text: &str) -> String {
-    let forbidden = |sign: char| {
-        sign.is_control() && !matches!(sign, '\t' | '\n') || matches!(sign, '\u{fffe}' | '\u{ffff}')
-    };
-    let mut out = String::new();
-    for sign in text.chars() {
-        if forbidden(sign) {
-            out += &format!("\\u{:04X}", u32::from(sign));
-        } else {
-            out.push(sign);
-        }
-    }
-    out.replace('&', "&amp;")
+    written_out(text)
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace("]]>", "]]&gt;")
 }
