@@ -167,6 +167,9 @@ pub enum KnownError {
         /// Friction, which may be nothing.
         friction: bool,
     },
+    /// A value of what has one already.
+    #[error("{0} is stated twice")]
+    Twice(String),
     /// An uncertainty of what counts as exact.
     #[error("{0} counts as exact: only efficiency and dead_band can have +-")]
     Exact(String),
@@ -231,6 +234,9 @@ impl Known {
             let zero = meant.iter().all(|q| q.is_friction() || *q == WheelInertia);
             let number = number(name, value, zero)?;
             for quantity in &meant {
+                if self.get(*quantity).is_some() {
+                    return Err(KnownError::Twice(quantity.name().to_owned()));
+                }
                 self.set(*quantity, number);
             }
         }
@@ -243,15 +249,18 @@ impl Known {
             value: number(name, value.trim(), name == "dead_band")?,
             deviation: number(name, half_width.trim(), true)? / HALF_WIDTH,
         };
-        match name {
-            "efficiency" => self.efficiency = Some(stated),
-            "dead_band" => self.dead_band = Some(stated),
+        let twice = match name {
+            "efficiency" => self.efficiency.replace(stated).is_some(),
+            "dead_band" => self.dead_band.replace(stated).is_some(),
             // Stated as exact.
             _ if stated.deviation > 0.0 => return Err(KnownError::Exact(name.to_owned())),
-            "gear" => self.gear = Some(stated.value),
-            _ => self.current_limit_a = Some(stated.value),
+            "gear" => self.gear.replace(stated.value).is_some(),
+            _ => self.current_limit_a.replace(stated.value).is_some(),
+        };
+        match twice {
+            true => Err(KnownError::Twice(name.to_owned())),
+            false => Ok(()),
         }
-        Ok(())
     }
 }
 

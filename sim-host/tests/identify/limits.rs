@@ -271,6 +271,14 @@ fn statements_are_checked() {
     for bad in ["mass=0", "mass=-1", "mass=nan", "track=x", "gear=0"] {
         assert!(matches!(state(bad), Err(KnownError::Value { .. })), "{bad}");
     }
+    for (twice, name) in [
+        ("mass=3,mass=4", "mass"),
+        ("radius=0.1,radius_left=0.1", "radius_left"),
+        ("gear=20, gear=20", "gear"),
+        ("efficiency=0.8+-0.1,efficiency=0.8", "efficiency"),
+    ] {
+        assert_eq!(state(twice), Err(KnownError::Twice(name.to_owned())));
+    }
 }
 
 /// A battery sags under a duty by what the row after it measures; of the last row nobody knows.
