@@ -371,6 +371,7 @@ fn two_files_of_one_name_are_refused_as_what_they_are() -> Result<(), Box<dyn Er
             String::from_utf8(output.stderr)?,
             "error: a/x.csv and b/x.csv: both are named x, so their results would overwrite each other\n"
         );
+        assert!(!here.path().join("out").exists(), "{command}");
     }
     Ok(())
 }

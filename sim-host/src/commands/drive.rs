@@ -200,21 +200,19 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Tables for a chip.
+/// Tables for a chip. If one of the files cannot be used nothing is written, and of those every one is told.
 pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), CommandError> {
     let base = base(arguments.base.as_deref())?;
-    let writer = Writer::new(output)?;
+    let mut tables = Vec::new();
+    let mut failed = Vec::new();
     let mut names = Names::default();
     for file in &arguments.files {
-        let Content::Trajectory { name, bytes } = Content::read(file)? else {
-            return Err(CommandError::NoTrajectory(file.clone()));
-        };
-        names.add(&name, file)?;
-        let failed = |cause| CommandError::Trajectory {
-            path: file.clone(),
-            cause,
-        };
-        let table = ChipTable::of(&name, &bytes, &base, &arguments.retiming()).map_err(failed)?;
+        let table = compiled(file, arguments, &base, &mut names);
+        table.map_or_else(|error| failed.push(error), |table| tables.push(table));
+    }
+    CommandError::all(failed)?;
+    let writer = Writer::new(output)?;
+    for (name, table) in tables {
         writer.bytes(&format!("{name}.rs"), table.rust().as_bytes())?;
         let binary = table.binary();
         writer.bytes(&format!("{name}.bin"), &binary)?;
@@ -226,6 +224,25 @@ pub fn compile(arguments: &TrajectoryArgs, output: &Output) -> Result<(), Comman
         ))?;
     }
     say(&format!("results are in {}\n", output.out.display()))
+}
+
+/// The table of a file, with its name.
+fn compiled<'a>(
+    file: &'a Path,
+    arguments: &TrajectoryArgs,
+    base: &BaseSpec,
+    names: &mut Names<'a>,
+) -> Result<(String, ChipTable), CommandError> {
+    let Content::Trajectory { name, bytes } = Content::read(file)? else {
+        return Err(CommandError::NoTrajectory(file.to_owned()));
+    };
+    names.add(&name, file)?;
+    let table = ChipTable::of(&name, &bytes, base, &arguments.retiming());
+    let table = table.map_err(|cause| CommandError::Trajectory {
+        path: file.to_owned(),
+        cause,
+    })?;
+    Ok((name, table))
 }
 
 /// All files of a `run`. Of those that cannot be used every one is told.
