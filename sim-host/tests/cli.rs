@@ -408,7 +408,16 @@ fn a_bad_file_is_an_error_with_file_line_and_key() {
     let said = text(&output.stderr);
     assert!(said.starts_with("error: bad.toml:13: gains.k2: "), "{said}");
     assert!(output.stdout.is_empty() && !here.path().join("out").exists());
-    // A robot's file is told what it is for.
+    // A scenario's file is told what it is for, and so is a robot's.
+    fs::write(here.path().join("mine.toml"), MINE).expect("written");
+    for arguments in [
+        &["run", &gaps(), "--base", "mine.toml"][..],
+        &["verify", "mine.toml"],
+    ] {
+        let said = text(&sim_host(here.path(), arguments).stderr);
+        let told = "error: mine.toml:2: run: is a scenario's, not a robot's: `run` takes it\n";
+        assert!(said.starts_with(told), "{said}");
+    }
     let base = tests::root().join("bases/hobby-1kg.toml");
     let output = sim_host(here.path(), &["run", &base.display().to_string()]);
     let said = text(&output.stderr);

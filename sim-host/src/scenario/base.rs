@@ -90,7 +90,8 @@ impl BaseSpec {
     /// Not TOML, an unknown or missing key, or a value of the wrong type or out of range.
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
         let place = Source::new(file, text);
-        let keys: File = toml::from_str(text).map_err(|error| place.reader_error(&error))?;
+        let keys = toml::from_str(text);
+        let keys: File = keys.map_err(|error| place.misread(source::Kind::Robot, &error))?;
         let stem = Path::new(file).file_stem();
         let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let name = if keys.description.is_empty() {

@@ -168,13 +168,8 @@ impl Scenario {
         if let Some(wrong) = wrong {
             return Err(place.error("controller.kind", wrong));
         }
-        let keys = toml::from_str(text).map_err(|error| {
-            let has = |table: &str| place.has(table);
-            match has("limits") && has("robot") && !has("run") {
-                true => place.error("limits", "is a robot's, not a scenario's: `--base` takes it, beside a trajectory file, or `verify`"),
-                false => place.reader_error(&error),
-            }
-        })?;
+        let keys = toml::from_str(text);
+        let keys = keys.map_err(|error| place.misread(source::Kind::Scenario, &error))?;
         let stem = Path::new(file).file_stem();
         let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         check::scenario(name, &keys, &place)

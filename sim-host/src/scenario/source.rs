@@ -55,6 +55,13 @@ impl ScenarioError {
 
 const IS_MISSING: &str = "is missing";
 
+/// What a file describes.
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    Robot,
+    Scenario,
+}
+
 /// The text of a file, to point into.
 pub(super) struct Source<'a> {
     file: &'a str,
@@ -78,6 +85,17 @@ impl<'a> Source<'a> {
         match rest.filter(|_| path.contains('.')) {
             Some(rest) => self.error(path, rest.trim_start()),
             None => self.error(path, &text),
+        }
+    }
+
+    /// An error of the TOML reader about a file that is to be of this kind, or that it is of the other one.
+    pub fn misread(&self, kind: Kind, error: &toml::de::Error) -> ScenarioError {
+        let of_scenario = self.has("run");
+        let of_robot = self.has("limits") && self.has("robot");
+        match kind {
+            Kind::Scenario if of_robot && !of_scenario => self.error("limits", "is a robot's, not a scenario's: `--base` takes it, beside a trajectory file, or `verify`"),
+            Kind::Robot if of_scenario => self.error("run", "is a scenario's, not a robot's: `run` takes it"),
+            _ => self.reader_error(error),
         }
     }
 
