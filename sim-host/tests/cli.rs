@@ -327,6 +327,13 @@ fn scenarios_are_listed_and_shown() {
     fs::write(here.path().join("own/copy.toml"), &shown).expect("written");
     let listed = succeeds(here.path(), &["list", "own"]);
     assert!(listed.starts_with("copy  Straight line"), "{listed}");
+    fs::create_dir(here.path().join("none")).expect("made");
+    let output = sim_host(here.path(), &["list", "none"]);
+    assert!(output.status.success() && output.stdout.is_empty());
+    assert_eq!(
+        text(&output.stderr),
+        "note: none: has no scenarios (*.toml)\n"
+    );
 }
 
 /// A file comes before what is built in, a directory does not: results of an earlier run may be in one.

@@ -1,7 +1,7 @@
 //! `list` and `show`.
 
 use super::error::CommandError;
-use super::say;
+use super::{say, tell};
 use sim_host::mission::Mission;
 use sim_host::plain_text::written_out;
 use sim_host::scenario::{BUILT_IN, MISSIONS, Scenario, ScenarioError};
@@ -27,6 +27,10 @@ pub fn list(directory: Option<&Path>) -> Result<(), CommandError> {
     let width = width.unwrap_or(0);
     for (name, description) in &scenarios {
         say(&written_out(&format!("{name:width$}  {description}\n")))?;
+    }
+    if let Some(directory) = directory.filter(|_| scenarios.is_empty() && failed.is_empty()) {
+        let directory = directory.display();
+        tell(&format!("note: {directory}: has no scenarios (*.toml)\n"));
     }
     CommandError::all(failed)
 }
