@@ -6,6 +6,7 @@ use controller_core::maths::Libm;
 use controller_core::paper::stability::{
     longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
 };
+use controller_core::tuning::motion::margins;
 
 /// Warnings about gains and speeds, each one sentence.
 ///
@@ -42,6 +43,25 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
         );
     }
     warnings
+}
+
+/// The longest period with which the default law is stable, linearised, with a base's gains \[s\]: a torque is held for a tick, and so comes half
+/// of one late. Some robots weave and still park with half as much again.
+pub fn longest_period_s(base: &BaseSpec) -> f64 {
+    2.0 * margins::<f64, Libm>(&base.motion().gains)
+        .worst()
+        .torque_delay_s
+}
+
+/// A warning about a period that is too long for a base's gains, if it is.
+pub fn period_warning(base: &BaseSpec, period_s: f64) -> Option<String> {
+    let longest_s = longest_period_s(base);
+    (period_s > longest_s).then(|| {
+        format!(
+            "with a period of {period_s} s the robot weaves or runs off: these gains take at most {longest_s:.3} s; choose a shorter period, or \
+             slower gains"
+        )
+    })
 }
 
 /// What rubber holds on a dry floor at best \[m/s²\]: 2 g.

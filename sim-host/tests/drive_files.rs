@@ -1,12 +1,13 @@
 //! Trajectory files from end to end: run, parked, within limits; refused with place and reason.
 
 use controller_core::motion::{Limits, MotionGains};
+use sim_host::advice::{longest_period_s, period_warning};
 use sim_host::drive::{ChipTable, DriveMetrics, FileRun, Retiming, fitted, trajectory};
 use sim_host::import::{Options, Pace, import};
-use sim_host::mission::BaseSpec;
+use sim_host::mission::{BaseSpec, Mission};
 use sim_host::precision::Precision;
 use sim_host::run::drive;
-use sim_host::scenario::Scenario;
+use sim_host::scenario::{BASES, BuiltInBase, MISSIONS, Scenario};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -303,6 +304,34 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
         let error = BaseSpec::parse("b.toml", &text).err().ok_or(key)?;
         assert_eq!(error.key, key, "{error}");
         assert!(error.line.is_some(), "{error}");
+    }
+    Ok(())
+}
+
+/// With ticks of four fifths of the longest period that a base's gains take it parks, with twice as long ones it does not.
+#[test]
+fn a_period_too_long_for_the_gains_is_warned_of_and_runs_off() -> Result<(), Box<dyn Error>> {
+    let built_in = BASES.iter().map(BuiltInBase::base);
+    let mut bases = built_in.collect::<Result<Vec<_>, _>>()?;
+    bases.push(BaseSpec::default());
+    for base in bases {
+        assert_eq!(period_warning(&base, base.period_s()), None);
+        let longest_s = longest_period_s(&base);
+        for (share, parks) in [(0.8, true), (2.0, false)] {
+            let period_s = share * longest_s;
+            assert_eq!(period_warning(&base, period_s).is_none(), parks);
+            let run = FileRun {
+                period_s,
+                ..FileRun::default()
+            };
+            let found = metrics("wpilib_gaps.json", &run, &base)?;
+            let parked = found.outcome == "parked";
+            assert_eq!(parked, parks, "{}: {period_s} s", base.name);
+        }
+    }
+    for mission in MISSIONS {
+        let mission = Mission::parse("m.toml", mission.text)?;
+        assert_eq!(period_warning(&mission.base, mission.period_s), None);
     }
     Ok(())
 }

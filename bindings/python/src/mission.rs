@@ -5,6 +5,7 @@ use crate::trajectory::{Trajectory, retiming};
 use crate::{arguments, error};
 use controller_core::types::{Measured, Pose, Twist};
 use pyo3::prelude::*;
+use sim_host::advice::{period_warning, warnings};
 use sim_host::drive::FileRun;
 use sim_host::job::{Content, Job};
 use sim_host::mission::{BaseSpec, Course, End, Mission as Plan, check_length};
@@ -309,8 +310,11 @@ impl Mission {
     #[getter]
     fn warnings(&self) -> Vec<String> {
         match &*self.job {
-            Job::Scenario(scenario) => sim_host::advice::warnings(scenario),
-            Job::Mission { mission, .. } => mission.base.notes.clone(),
+            Job::Scenario(scenario) => warnings(scenario),
+            Job::Mission { mission, .. } => {
+                let warning = period_warning(&mission.base, mission.period_s);
+                mission.base.notes.iter().cloned().chain(warning).collect()
+            }
         }
     }
 

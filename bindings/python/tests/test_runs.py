@@ -119,6 +119,9 @@ def test_laws_and_worlds_can_be_chosen() -> None:
     in_world = twb.simulate("park-beside", robot=None, world="even", seed=3)
     assert set(in_world["state"]) >= {"parking", "parked"}
     assert twb.Mission.load("weaving").warnings
+    for period_s, warned in ((0.01, False), (0.5, True)):
+        warnings = twb.Mission.park((0, 0, 0), (1, 0, 0), period_s=period_s).warnings
+        assert any("a period of 0.5 s" in warning for warning in warnings) == warned, warnings
 
 
 BAD_GAIN = twb.Robot.load("lab-10kg").text.replace("\nheading = ", "\nheading = -")

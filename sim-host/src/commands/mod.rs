@@ -24,7 +24,7 @@ mod write;
 
 use crate::cli::{Cli, Command};
 use error::CommandError;
-use sim_host::advice::{base_warnings, warnings};
+use sim_host::advice::{base_warnings, period_warning, warnings};
 use sim_host::campaign::Campaign;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::plain_text::written_out;
@@ -128,6 +128,7 @@ fn simulate(scenario: &Scenario) -> Result<Finished, CommandError> {
 }
 
 fn drive_alone(mission: &Mission) -> Result<Finished, CommandError> {
+    warn_of_period(&mission.name, &mission.base, mission.period_s);
     let trace = sim_host::run::drive(mission)?;
     Finished::mission(mission, trace).ok_or(CommandError::NoRows)
 }
@@ -159,6 +160,13 @@ fn note_named(base: &BaseSpec) {
     note(base);
     for warning in base_warnings(base) {
         tell(&format!("warning: {}: {warning}\n", base.name));
+    }
+}
+
+/// Warns of a period that is too long for a base's gains.
+fn warn_of_period(name: &str, base: &BaseSpec, period_s: f64) {
+    if let Some(warning) = period_warning(base, period_s) {
+        tell(&format!("warning: {name}: {warning}\n"));
     }
 }
 
