@@ -151,7 +151,7 @@ impl<T: Scalar> Command<T> {
         }
     }
 
-    /// `needed` within acceleration, braking and the wheels' share for the command; `None` where it is.
+    /// `needed` within acceleration, braking and the wheels' share for the command; `None` as of [`within_accel`](Self::within_accel).
     fn slew(&self, motion: &ValidMotionParams<T>, needed: &Accel<T>) -> Option<Accel<T>> {
         let params = motion.params();
         let limits = &params.limits;
@@ -181,7 +181,7 @@ impl<T: Scalar> Command<T> {
         })
     }
 
-    /// `rate` within the limits; `None` where it is. Braking is towards rest, accelerating away from it.
+    /// `rate` within the limits; `None` where it is by both limits of driving. Braking is towards rest, accelerating away from it.
     fn within_accel(&self, motion: &ValidMotionParams<T>, rate: &Accel<T>) -> Option<Accel<T>> {
         let limits = &motion.params().limits;
         let gentle = rate.linear.abs() <= motion.gentle;
