@@ -5,7 +5,6 @@ use crate::work::work;
 use crate::{arguments, error, sheet};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sim_host::campaign::{
     Bases, Campaign as Settings, CampaignError, Mutation, Record, RunOutcome, cells, run_sheet,
@@ -171,12 +170,11 @@ pub fn faults(
     let total = numbers.len() as u64;
     let outcomes = work(py, threads, (progress, total), |progress| {
         // Run by run, so that it can be stopped between two: each is settled by seed and number alone.
-        let run = |number: &u64| {
-            let one = [*number];
+        let run = |place: usize| {
+            let one = [numbers[place]];
             progress.part(|| study(&bases, seed, one, &Mutation::None, || {}))
         };
-        let some = |numbers: &[u64]| -> Result<Vec<_>, _> { numbers.par_iter().map(run).collect() };
-        let runs: Result<Vec<Vec<Vec<_>>>, _> = numbers.chunks(part::AT_ONCE).map(some).collect();
+        let runs: Result<Vec<Vec<Vec<_>>>, _> = part::in_pieces(0..numbers.len(), run).collect();
         runs.map(|runs| runs.into_iter().flatten().flatten().collect())
     })?;
     Ok(Campaign {

@@ -7,12 +7,11 @@ use crate::{arguments, error, sheet};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use rayon::prelude::*;
 use sim_host::csv_out::{self, trace_sheet, unit};
 use sim_host::drive::{DriveMetrics, summary};
 use sim_host::figure::{Labelled, five_panels};
 use sim_host::job::Job;
-use sim_host::part::AT_ONCE;
+use sim_host::part::in_pieces;
 use sim_host::record::{self, DriveRecord, Finished, Record};
 use sim_host::run::{RunError, finish};
 use sim_host::trace::{Trace, TraceRow};
@@ -190,9 +189,9 @@ fn in_order<T>(results: Vec<Result<T, RunError>>) -> PyResult<Vec<T>> {
 }
 
 /// What comes of each, in order.
-fn in_turn<T: Send>(jobs: &[Arc<Job>], one: impl Fn(&Arc<Job>) -> T + Sync) -> Vec<T> {
-    let some = |jobs: &[Arc<Job>]| jobs.par_iter().map(&one).collect::<Vec<_>>();
-    jobs.chunks(AT_ONCE).flat_map(some).collect()
+fn of_each<T: Send>(jobs: &[Arc<Job>], one: impl Fn(&Arc<Job>) -> T + Sync) -> Vec<T> {
+    let pieces = in_pieces(0..jobs.len(), |place| one(&jobs[place]));
+    pieces.flat_map(|piece: Vec<T>| piece).collect()
 }
 
 fn jobs(missions: &[PyRef<'_, Mission>]) -> Vec<Arc<Job>> {
@@ -215,7 +214,7 @@ pub fn run_all(
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
         let one = |job: &Arc<Job>| progress.part(|| job.run());
-        in_turn(&jobs, one)
+        of_each(&jobs, one)
     })?;
     let traces = in_order(results)?;
     let runs = jobs.into_iter().zip(traces);
@@ -266,7 +265,7 @@ pub fn finish_all<'py>(
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
         let one = |job: &Arc<Job>| progress.part(|| ended(job));
-        in_turn(&jobs, one)
+        of_each(&jobs, one)
     })?;
     let ends: Option<Vec<Ended>> = in_order(results)?.into_iter().collect();
     let ends = ends.ok_or_else(|| error::run("a run has no ticks"))?;

@@ -22,6 +22,7 @@ pub use merge::Parts;
 pub use shard::{NoShard, Shard, shard};
 
 use crate::csv_out::Sheet;
+use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::num::NonZeroU32;
@@ -29,6 +30,18 @@ use std::ops::Range;
 
 /// Runs that are given to all threads together: a study that is to stop unwinds once for each piece that Rayon has split them into.
 pub const AT_ONCE: usize = 16_384;
+
+/// `one` of all places, in their order, by all threads together: what is collected of each piece of [`AT_ONCE`] places, one piece after the other.
+pub fn in_pieces<T: Send, C: FromParallelIterator<T>>(
+    places: Range<usize>,
+    one: impl Fn(usize) -> T + Sync,
+) -> impl Iterator<Item = C> {
+    places.clone().step_by(AT_ONCE).map(move |from| {
+        let piece = from..places.end.min(from.saturating_add(AT_ONCE));
+        piece.into_par_iter().map(&one).collect()
+    })
+}
+
 /// Most worlds of each case of a study: results of all are kept, some 0.4 GB.
 pub const MAX_SEEDS: NonZeroU32 = NonZeroU32::new(100_000).unwrap();
 

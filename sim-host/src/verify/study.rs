@@ -3,12 +3,11 @@
 use super::{badness, grid, shortcoming};
 use crate::closed_loop::ClosedLoopError;
 use crate::mission::{BaseSpec, Mission};
-use crate::part::AT_ONCE;
+use crate::part;
 use crate::rate::Rate;
 use crate::run::Watch;
 use crate::trace::Trace;
 use crate::trials::{self, Condition, Course, Figures};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -120,13 +119,8 @@ pub(super) fn runs_at(
         })
     };
     let places = places.start..places.end.min(cases.len() * seeds);
-    let mut runs = Vec::new();
-    for from in places.clone().step_by(AT_ONCE) {
-        let some = from..places.end.min(from.saturating_add(AT_ONCE));
-        let some: Vec<Run> = some.into_par_iter().map(run).collect::<Result<_, _>>()?;
-        runs.extend(some);
-    }
-    Ok(runs)
+    let pieces: Result<Vec<Vec<Run>>, _> = part::in_pieces(places, run).collect();
+    Ok(pieces?.into_iter().flatten().collect())
 }
 
 fn run(
