@@ -49,7 +49,7 @@
 //! one part, two if it is longer than [`PART_US`], all four if it is longer than [`BRIEF_US`], and both looks if it is longer than [`SINGLE_US`].
 //! Each look then is [`LOOK_US`] after the last one of its wheel at most, or a tick where that is longer.
 //! It takes all that was exerted and counted since then, so nothing is left out, and what it shows stands until the next.
-//! What lasts is timed by looks: it is found so much and three ticks later at most, a tenth of `stuck.after` as bases have it. The
+//! What lasts is timed by looks: it is found [`LOOK_US`] and three ticks later at most, a tenth of `stuck.after` as bases have it. The
 //! filters have four looks in their window at least.
 //!
 //! A velocity loop of bandwidth κ on reversed encoders drives the speed up as v_c (e^(κt) − 1) and the force
@@ -106,8 +106,8 @@ impl<T: Scalar> Monitor<T> {
     }
 }
 
-/// Longest time between two looks at a wheel \[µs\], where no tick is longer: a quarter of the window, and of ticks of 5 and 10 ms
-/// four and two, with a quarter of jitter.
+/// Longest time between two looks at a wheel \[µs\], where no tick is longer: a quarter of the window. Ticks of 5 and 10 ms that come up to a quarter
+/// late still share the looks.
 pub const LOOK_US: u32 = 25_000;
 /// Longest tick that takes no more than a part of a look; both looks have eight [parts](Part).
 const PART_US: u32 = LOOK_US / 8;

@@ -301,6 +301,7 @@ fn holding_a_place_is_not_being_stuck_and_a_wall_is_not_an_encoder() {
         outside: Some(Twist::default()),
         ..pushing(k, 0, 0)
     };
+    // 250 ms from the first tick, which looks at the right wheel, in looks every 20 ms.
     assert_eq!(
         found_in(&mut walled, 100, FaultKind::Stalled, blocked),
         Some(27)
