@@ -14,7 +14,7 @@ use crate::range::{check_ranges, larger, smaller};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Twist, Wrench};
-use crate::wheels::WheelMap;
+use crate::wheels::{WheelGeometry, WheelMap};
 
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
 /// localisation, or of the reference, that nobody declared.
@@ -126,8 +126,7 @@ impl<T: Scalar> MotionParams<T> {
         let noise_radius = f(5.0) * self.pose_noise_m;
         let least = f(3.0e-4);
         let noisy = noise_radius > least;
-        let force = largest_force(&self);
-        let bound = gains.disturbance_share * force;
+        let bound = gains.disturbance_share * largest_force(&self);
         let approach_decay = gains.approach_decay();
         Ok(ValidMotionParams {
             params: self,
@@ -163,18 +162,22 @@ impl<T: Scalar> MotionParams<T> {
 
 /// The largest force that the wheels exert \[N\].
 fn largest_force<T: Scalar>(params: &MotionParams<T>) -> T {
-    let limit = params.limits.wheel_torque_nm;
-    let wheels = &params.robot.wheels;
-    limit / wheels.radius_right_m + limit / wheels.radius_left_m
+    force_of(params.limits.wheel_torque_nm, &params.robot.wheels)
+}
+
+/// What both wheels push with by a torque each, straight on \[N\].
+fn force_of<T: Scalar>(torque: T, wheels: &WheelGeometry<T>) -> T {
+    torque / wheels.radius_right_m + torque / wheels.radius_left_m
 }
 
 /// The limits with no more acceleration than the wheels have to give to a command.
 fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
-    let wheels = &robot.wheels;
-    let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
-    let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
+    let force = force_of(
+        T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm,
+        &robot.wheels,
+    );
     let linear = force / robot.mass_kg;
-    let angular = T::HALF * wheels.track_m * force / robot.inertia_kg_m2;
+    let angular = T::HALF * robot.wheels.track_m * force / robot.inertia_kg_m2;
     // Parameters that are not checked yet: a reach that is not a number limits nothing.
     Limits {
         accel: smaller(linear, limits.accel),
