@@ -273,15 +273,22 @@ fn build(
     Ok((flash(&sections), size, archive))
 }
 
-/// What gives functions that nobody calls by name, and their sections, short names: paths and hashes would take 12 to 16 kB.
+/// What gives functions and constants that nobody calls by name, and their sections, short names: paths and hashes would take 20 kB.
 fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Error>> {
     let mut arguments = Vec::new();
     let mut shorts = Vec::new();
     let symbols = run(tools.run("llvm-nm").arg("--just-symbol-name").arg(object))?;
-    for name in symbols.lines().filter(|name| name.starts_with("_ZN")) {
-        // `..4tick17h` and 16 digits, `E`.
-        let path = name.get(..name.len().saturating_sub(20)).unwrap_or(name);
-        let last = path.rsplit(|c: char| c.is_ascii_digit()).next();
+    for name in symbols.lines() {
+        let last = if name.starts_with("_ZN") {
+            // `..4tick17h` and 16 digits, `E`.
+            let path = name.get(..name.len().saturating_sub(20)).unwrap_or(name);
+            path.rsplit(|c: char| c.is_ascii_digit()).next()
+        } else if name.starts_with(".Lanon.") || name.starts_with(".Lswitch.table.") {
+            // Constants and jump tables.
+            Some("c")
+        } else {
+            continue;
+        };
         let short = format!("{}.{}", last.unwrap_or_default(), shorts.len());
         arguments.push(format!("--redefine-sym={name}={short}"));
         shorts.push((name, short));
