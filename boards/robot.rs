@@ -8,7 +8,7 @@ use controller_core::localiser::LocaliserParams;
 use controller_core::motion::{
     Arrival, AtRest, Limits, MotionGains, MotionParams, Parking, SaturationPolicy,
 };
-use controller_core::motor::{MotorParams, WheelFriction};
+use controller_core::motor::{DriverParams, MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{Emergency, IdleOutput, RestLimits, SupervisorParams};
@@ -91,7 +91,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         fusion: None,
         gyro: None,
     },
-    motor: Some(MotorParams {
+    driver: DriverParams::Motors(MotorParams {
         gear_ratio: 30.0,
         gear_efficiency: 1.0,
         torque_constant_nm_per_a: 0.0085,

@@ -7,6 +7,7 @@ use controller_core::hal::{
     Clock, Error as _, ErrorKind, ErrorType, WheelCounts, WheelDrive, WheelEncoders, accepts,
 };
 use controller_core::localiser::LocaliserParams;
+use controller_core::motor::DriverParams;
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::safety::supervisor::{Event, State};
 use controller_core::{
@@ -117,7 +118,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         fusion: None,
         gyro: None,
     };
-    let base = BaseParams::new(robot, LIMITS, localiser, None, TICK_US)?.validate()?;
+    let base =
+        BaseParams::new(robot, LIMITS, localiser, DriverParams::Torques, TICK_US)?.validate()?;
     let mut controller: BaseController = BaseController::new(&base, Pose::default());
     let mut board = Board {
         plant: Plant::new(robot)?,

@@ -4,6 +4,7 @@ mod plant;
 
 use controller_core::hal::WheelCounts;
 use controller_core::localiser::LocaliserParams;
+use controller_core::motor::DriverParams;
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::safety::supervisor::{Event, State};
 use controller_core::{BaseController, BaseParams, Order, Pose, Robot, Sensed};
@@ -25,7 +26,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         fusion: None,
         gyro: None,
     };
-    let base = BaseParams::new(robot, LIMITS, localiser, None, TICK_US)?.validate()?;
+    let base =
+        BaseParams::new(robot, LIMITS, localiser, DriverParams::Torques, TICK_US)?.validate()?;
     let mut controller: BaseController = BaseController::new(&base, Pose::default());
     let mut plant = Plant::new(robot)?;
     // Angles of the wheels [rad].

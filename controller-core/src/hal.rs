@@ -203,6 +203,63 @@ impl<D: WheelSpeedDrive + ?Sized> WheelSpeedDrive for &mut D {
     }
 }
 
+/// Drivers that close their own speed loop, as the wheels of a base whose [`DriverParams`](crate::motor::DriverParams) say so: what the base desires goes out,
+/// and of torques nothing is asked and nothing known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BySpeed<D> {
+    drive: D,
+    desired: WheelSpeeds<f32>,
+}
+
+impl<D: WheelSpeedDrive> BySpeed<D> {
+    /// Of a pair of drivers.
+    pub const fn new(drive: D) -> Self {
+        let (right, left) = (0.0, 0.0);
+        Self {
+            drive,
+            desired: WheelSpeeds { right, left },
+        }
+    }
+
+    /// The drivers.
+    pub const fn drive(&self) -> &D {
+        &self.drive
+    }
+
+    /// The drivers.
+    pub const fn drive_mut(&mut self) -> &mut D {
+        &mut self.drive
+    }
+}
+
+impl<D: ErrorType> ErrorType for BySpeed<D> {
+    type Error = D::Error;
+}
+
+impl<D: WheelSpeedDrive> WheelDrive for BySpeed<D> {
+    /// Any: torques are not its business.
+    fn max_torque_nm(&self) -> f32 {
+        f32::MAX
+    }
+
+    fn observe(&mut self, observed: &Observed) {
+        self.desired = observed.desired;
+    }
+
+    /// Sets the speeds that were observed last.
+    fn set_torques(&mut self, _: WheelTorques<f32>) -> Result<(), Self::Error> {
+        self.drive.set_speeds(self.desired)
+    }
+
+    fn release(&mut self) -> Result<(), Self::Error> {
+        self.drive.release()
+    }
+
+    fn brake(&mut self) -> Result<(), Self::Error> {
+        self.drive.brake()
+    }
+}
+
 /// Both speeds are finite and within the limit: the check that every [`WheelSpeedDrive`] makes.
 pub fn accepts_speeds(speeds: &WheelSpeeds<f32>, max_speed_rad_s: f32) -> bool {
     speeds.right.abs() <= max_speed_rad_s && speeds.left.abs() <= max_speed_rad_s

@@ -8,6 +8,7 @@ use controller_core::hal::WheelCounts;
 use controller_core::localiser::{Fix, FusionParams, LocaliserParams};
 use controller_core::maths::{Maths, Single};
 use controller_core::motion::{Limits, Remaining};
+use controller_core::motor::DriverParams;
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::paper::params::{Params, ValidParams};
 use controller_core::robot::Robot;
@@ -88,7 +89,7 @@ pub fn params(wheel_torque_nm: f32, fixes: bool) -> Result<BaseParams<f32>, Base
             ..limits()
         },
         localiser,
-        None,
+        DriverParams::Torques,
         PERIOD_US,
     )?)
 }

@@ -149,7 +149,9 @@ impl Recorder {
                 [right, left].map(|torque| torque / tick.max_torque_nm)
             }
             // A driver failed in this tick: what acts is not what was asked.
-            WheelOutput::Release | WheelOutput::Brake => return Err(RecordingEnd::Stopped),
+            WheelOutput::Speed { .. } | WheelOutput::Release | WheelOutput::Brake => {
+                return Err(RecordingEnd::Stopped);
+            }
         };
         let current = currents.map(|currents| [currents.right, currents.left]);
         Ok(RecordedRow {

@@ -1,9 +1,16 @@
 //! The control task that drives by velocity.
 
-use crate::rig::Rig;
+use crate::rig::{PERIOD_US, Rig, params};
+use controller_core::base::{BaseParams, Sensed, WheelAction};
+use controller_core::hal::{BySpeed, ErrorKind, WheelCounts};
 use controller_core::motion::Mode;
+use controller_core::motor::{DriverParams, SpeedParams};
+use controller_core::queue::ReferenceQueue;
 use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State, Then};
+use controller_core::types::Pose;
+use firmware_demo::control::ControlTask;
+use firmware_demo::drive::{MockSpeedDrive, Script};
 use protocol::{Command, RejectReason, WireTwist, tick_flags};
 
 fn drive(v: f32, w: f32) -> Command {
@@ -120,4 +127,51 @@ fn a_stop_beside_an_order_prevails() {
     assert_eq!(rig.command(drive(0.3, 0.0)), Err(RejectReason::State));
     rig.tick();
     assert_eq!(rig.is(), (State::Stopping(Then::Stopped), Cause::Host));
+}
+
+/// Drivers that close their own speed loop, behind the same task: they get the speeds that the base desires, none before it drives, and are let go when
+/// they fail.
+#[test]
+fn speed_drives_get_what_the_base_desires() {
+    let speeds = SpeedParams {
+        max_speed_rad_s: 30.0,
+        min_speed_rad_s: 0.0,
+        lag_s: 0.02,
+    };
+    let params = BaseParams {
+        driver: DriverParams::Speeds(speeds),
+        ..params()
+    };
+    let mut queue = ReferenceQueue::<f32, 2>::new();
+    let wheels = BySpeed::new(MockSpeedDrive::<8>::new(30.0));
+    let mut task = ControlTask::new(wheels, queue.split().1, params, Pose::default()).unwrap();
+    let mut now_us = 0;
+    let mut tick = |task: &mut ControlTask<'_, BySpeed<MockSpeedDrive>>| {
+        now_us += PERIOD_US;
+        task.tick(now_us, &Sensed::of_counts(WheelCounts::default()));
+        *task.output()
+    };
+    tick(&mut task);
+    task.command(&Command::Arm).unwrap();
+    assert_eq!(tick(&mut task), WheelAction::Release);
+    assert_eq!(task.drive().drive().sets(), 0);
+    task.command(&drive(0.2, 0.1)).unwrap();
+    for _ in 0..50 {
+        let WheelAction::Drive(command) = tick(&mut task) else {
+            panic!("{:?}", task.report());
+        };
+        assert_eq!(task.drive().drive().applied(), Some(command.desired));
+    }
+    let applied = task.drive().drive().applied().unwrap();
+    assert!(applied.right > applied.left && applied.left > 0.0);
+    task.drive_mut().drive_mut().fail(Script {
+        from: 0,
+        count: 1,
+        kind: Some(ErrorKind::OverCurrent),
+    });
+    assert_eq!(tick(&mut task), WheelAction::Release);
+    assert_eq!(task.drive().drive().applied(), None);
+    tick(&mut task);
+    let fault = Fault::Driver(ErrorKind::OverCurrent);
+    assert_eq!(task.cause(), Cause::Fault(fault));
 }

@@ -305,6 +305,52 @@ fn bases_are_refused_with_line_and_key() -> Result<(), Box<dyn Error>> {
         assert_eq!(error.key, key, "{error}");
         assert!(error.line.is_some(), "{error}");
     }
+    // Drivers with a speed loop, around known motors and around unknown ones.
+    let driven = format!("{good}\n[speed_driver]\nmax_speed_rad_s = 20.0\nlag_s = 0.02\n");
+    for (from, to, key) in [
+        ("lag_s = 0.02", "lag_s = 1.5", "speed_driver.lag_s"),
+        (
+            "max_speed_rad_s = 20.0",
+            "max_speed_rad_s = 0.0",
+            "speed_driver.max_speed_rad_s",
+        ),
+        (
+            "lag_s = 0.02",
+            "lag_s = 0.02\nmin_speed_rad_s = 11.0",
+            "speed_driver.min_speed_rad_s",
+        ),
+        // 15 rad/s on 75 mm are 1.125 m/s.
+        (
+            "max_speed_rad_s = 20.0",
+            "max_speed_rad_s = 15.0",
+            "limits.speed",
+        ),
+    ] {
+        let text = driven.replacen(from, to, 1);
+        let error = BaseSpec::parse("b.toml", &text).err().ok_or(key)?;
+        assert_eq!(error.key, key, "{error}");
+    }
+    let mut table: toml::Table = driven.parse()?;
+    table.remove("motor");
+    table.remove("battery");
+    let base = BaseSpec::parse("b.toml", &table.to_string())?;
+    assert_eq!(base.robot_with_rotors(), base.robot, "of unknown motors");
+    let driver = table
+        .get_mut("speed_driver")
+        .and_then(toml::Value::as_table_mut);
+    driver.ok_or("a table")?.remove("max_speed_rad_s");
+    let error = BaseSpec::parse("b.toml", &table.to_string())
+        .err()
+        .ok_or("taken")?;
+    assert_eq!(error.key, "speed_driver.max_speed_rad_s", "{error}");
+    table.remove("speed_driver");
+    let error = BaseSpec::parse("b.toml", &table.to_string())
+        .err()
+        .ok_or("taken")?;
+    assert!(
+        error.message.contains("[motor] or a [speed_driver]"),
+        "{error}"
+    );
     Ok(())
 }
 

@@ -297,3 +297,14 @@ fn a_policy_that_ignores_a_stuck_encoder_is_refused() {
         assert!(study(&bases(), KEPT, 0..1, &mutation, || {}).is_err());
     }
 }
+
+/// Bases whose drivers close their own speed loop, every trouble in every state: no more runs are against the rules than docs/faults.md says.
+#[test]
+fn with_speed_drivers_the_campaign_fails_no_more_than_stated() {
+    let bases = Bases::with_speed_driver().expect("built in");
+    let all = (bases.kinds().len() * Target::ALL.len() * 3) as u64;
+    let outcomes = study(&bases, KEPT + 5, 0..all, &Mutation::None, || {}).expect("valid");
+    assert!(outcomes.len() >= 500);
+    let of = At::Phrase("The campaign on bases with `parts/speed-driver.toml`: # of # runs");
+    no_more_than_stated(&outcomes, "docs/faults.md", of);
+}

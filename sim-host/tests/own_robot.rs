@@ -108,6 +108,24 @@ fn the_robot_of_the_c_examples_is_that_of_its_file() -> Result<(), Box<dyn Error
     Ok(())
 }
 
+/// Constants of a base whose drivers close their own speed loop are those that the simulator runs.
+#[test]
+fn speed_drivers_are_in_the_constants() -> Result<(), Box<dyn Error>> {
+    let built_in = BuiltInBase::find("lab-10kg").ok_or("not built in")?;
+    let base = built_in.with_speed_driver()?;
+    let constants = rust("mine.toml", &base).map_err(|e| e.to_string())?;
+    // 24 V over 26 · 45 mV s.
+    let driver = "    driver: DriverParams::Speeds(SpeedParams {
+        max_speed_rad_s: 20.512821,
+        min_speed_rad_s: 0.0,
+        lag_s: 0.02,
+    }),
+";
+    assert!(constants.contains(driver), "{constants}");
+    assert!(constants.contains("use controller_core::motor::{DriverParams, SpeedParams};\n"));
+    Ok(())
+}
+
 /// The owner of a robot changes a reaction in its file; what cannot work is refused with its place.
 #[test]
 fn reactions_to_faults_come_from_the_file() -> Result<(), Box<dyn Error>> {
@@ -355,6 +373,30 @@ fn a_gyro_keeps_no_base_from_parking() -> Result<(), Box<dyn Error>> {
         At::Phrase("of the runs of the test # of # fail (30 kg), # of # (10 kg), # of # (1 kg)"),
         &figures,
     );
+    Ok(())
+}
+
+/// Drivers that close their own speed loop around the shipped bases' motors.
+#[test]
+fn bases_with_speed_drivers_park_as_stated() -> Result<(), Box<dyn Error>> {
+    let mut page = Stated::of("docs/your-robot.md");
+    for built_in in BASES {
+        let base = built_in.with_speed_driver()?;
+        let seeds = NonZeroU32::new(10).ok_or("0")?;
+        let runs = verify(&base, KEPT_SEED, seeds, || {})?.runs;
+        let mut times: Vec<f64> = runs
+            .iter()
+            .filter(|run| run.course == Course::Park && run.figures.parked)
+            .map(|run| run.figures.time_s)
+            .collect();
+        times.sort_by(f64::total_cmp);
+        let half = times[times.len() / 2];
+        let last = times[times.len() - 1];
+        page.exactly(
+            At::Row("Drivers with a speed loop", built_in.name),
+            &[runs.len() as f64, failing(&runs), half, last],
+        );
+    }
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use controller_core::hal::{Clock, ErrorKind, WheelDrive, WheelEncoders};
 use controller_core::maths::Single;
-use controller_core::motor::{MotorParams, WheelFriction, electrical_brake};
+use controller_core::motor::{Driver, MotorParams, WheelFriction, electrical_brake};
 use controller_core::odometry::{Calibration, Odometry, OdometryParams};
 use controller_core::paper::demand::Demand;
 use controller_core::paper::neural::NeuralController;
@@ -18,7 +18,7 @@ const LIMIT: f32 = 10.0;
 
 fn plant(keys: &WorldKeys, start: &Measured<f64>) -> PlantHal {
     let world = World::new(&keys.params(&Robot::paper()), start, 1).expect("in order");
-    PlantHal::new(world, None, LIMIT)
+    PlantHal::new(world, &Driver::Torques, LIMIT)
 }
 
 fn both(torque: f32) -> WheelTorques<f32> {
@@ -95,7 +95,6 @@ fn braked_wheels_stop_where_the_core_says() {
             current_limit_a: f64::INFINITY,
             dead_band: 0.0,
             strength: [1.0; 2],
-            speed_loop_s: world::SPEED_LOOP_S,
         }),
         ..WorldKeys::default()
     };

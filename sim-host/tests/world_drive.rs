@@ -90,10 +90,11 @@ fn a_gear_takes_its_share() {
 fn the_speed_loop_is_a_first_order_lag_and_integrates_a_load_away() {
     for mut params in [perfect(), with_motor()] {
         let command = Actuation::Speed {
-            right: 2.0,
+            right: -2.0,
             left: 2.0,
         };
-        let lag = params.motor.map_or(0.02, |motor| motor.speed_loop_s);
+        let lag = if params.motor.is_some() { 0.05 } else { 0.02 };
+        params.speed_loop_s = lag;
         let mut world = at_rest(&params);
         run(&mut world, command, 0.05);
         // The loop's model is exact, the wheel second order: 1e-4 of a 0.25 ms step in 20 ms.

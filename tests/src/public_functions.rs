@@ -59,15 +59,15 @@ macro_rules! numbers {
                 share::<T>, Task::<T>::cast_with::<f32, Single>,
                 motor::Motor::<T>::params, motor::Motor::<T>::max_torque_nm, motor::Motor::<T>::no_load_speed_rad_s,
                 motor::Motor::<T>::short_current_a, motor::Motor::<T>::command, motor::MotorParams::<T>::validate, motor::MotorParams::<T>::rotor_at_wheel_kg_m2,
-                motor::SpeedParams::<T>::validate, motor::SpeedOutput::<T>::params, motor::SpeedOutput::<T>::command,
+                motor::DriverParams::<T>::validate, motor::DriverParams::<T>::motor, motor::Driver::<T>::motor, motor::Driver::<T>::speeds, motor::SpeedParams::<T>::validate, motor::SpeedOutput::<T>::params, motor::SpeedOutput::<T>::command,
                 motor::Decay::<T>::time_constant_s, motor::Decay::<T>::distance, motor::electrical_brake::<T>, motor::coast::<T>,
-                safety::DetectorParams::<T>::validate, safety::DetectorParams::<T>::for_base, safety::ValidDetectorParams::<T>::params,
+                safety::DetectorParams::<T>::validate, safety::DetectorParams::<T>::for_base, safety::SupplyDetectorParams::<T>::for_nominal, safety::ValidDetectorParams::<T>::params,
                 safety::Monitor::<T>::new, safety::Monitor::<T>::check, safety::Monitor::<T>::late_ticks,
                 safety::StopPlan::<T>::new::<M>, safety::StopPlan::<T>::duration_s, safety::StopPlan::<T>::at,
                 safety::StopPlan::<T>::task::<M>, safety::controlled_stop::<T, M>, safety::controlled_stop_distance::<T, M>,
                 BaseParams::<T>::new, BaseParams::<T>::with_gains, BaseParams::<T>::validate,
                 BaseParams::<T>::new_with::<M>, BaseParams::<T>::validate_with::<M>, ValidBaseParams::<T>::motion,
-                ValidBaseParams::<T>::localisation, ValidBaseParams::<T>::motor, ValidBaseParams::<T>::policy,
+                ValidBaseParams::<T>::localisation, ValidBaseParams::<T>::motor, ValidBaseParams::<T>::driver, ValidBaseParams::<T>::policy,
                 ValidBaseParams::<T>::detectors, Sensed::<T>::of_counts, WheelAction::<T>::torques,
                 paper::backstepping::tracking_command::<T>, paper::backstepping::tracking_command_rate::<T>,
                 paper::backstepping::parking_command::<T>, paper::backstepping::parking_command_rate::<T>,
@@ -142,9 +142,11 @@ fn is_short(remaining: &Remaining<f32>, command: &Twist<f32>, distance: fn(f32) 
     remaining.is_short::<Single>(command, 0.25, distance)
 }
 
+type Drives = hal::BySpeed<&'static mut dyn hal::WheelSpeedDrive<Error = hal::ErrorKind>>;
+
 fn others() {
     keep![
-        is_short, Field::name, tuning::DesignParameter::name, hal::accepts, hal::accepts_speeds, hal::Widened::new, hal::Widened::update,
+        is_short, Field::name, tuning::DesignParameter::name, hal::accepts, hal::accepts_speeds, Drives::new, Drives::drive, Drives::drive_mut, hal::Widened::new, hal::Widened::update,
         motor::MotorLimited::torque, motor::Motor::<f32>::commands, DriveCommand::<f32>::observed, motor::WheelCommands::exerted, motor::WheelCommands::is_invalid,
         single::asin, single::atan2, single::exp_m1, single::inverse_sqrt, single::sin_cos, single::sin_cos_near, single::sqrt, single::wrap,
         safety::Side::of, safety::Fault::kind, safety::FaultKind::code, safety::FaultKind::name, safety::FaultKind::from_code,

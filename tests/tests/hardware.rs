@@ -20,4 +20,5 @@ mod odometry_slow;
 mod safety_detectors;
 mod safety_quiet;
 mod safety_supervisor;
+mod speed_base;
 mod stopping;

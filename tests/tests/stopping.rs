@@ -204,12 +204,14 @@ fn stopping_distances_from_top_speed_are_those_stated() {
         let controlled = controlled_stop_distance::<f64, Libm>(&motion, v);
 
         let params = closed_loop::params(&file, period_us(&file)).expect("in range");
-        let valid = params.motor.expect("motors").validate().expect("in range");
+        let driver = params.driver.motor().expect("motors");
+        let valid = driver.validate().expect("in range");
         let slowing = electrical_brake(&valid, &params.motion.robot);
         let slowing = slowing.expect("a robot").linear;
         let shorted = v * f64::from(slowing.time_constant_s().expect("a shorted motor brakes"));
         // Both wheels brake by 2 c at most, c from the current that the driver lets pass.
-        let (robot, motor) = (&file.robot, &hardware.motor);
+        let robot = &file.robot;
+        let motor = hardware.drivers.motor().expect("motors");
         let radius = robot.wheels.radius_right_m;
         let c = motor.gear_ratio * motor.kt_nm_per_a * motor.current_limit_a / radius;
         // With the rotors, which turn on.

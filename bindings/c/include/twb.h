@@ -21,7 +21,7 @@ extern "C" {
 #endif
 
 /* Version of what stands here; twb_api() is that of the archive. */
-#define TWB_API 5u
+#define TWB_API 6u
 
 /* What a call answers. */
 #define TWB_OK 0
@@ -121,6 +121,7 @@ typedef struct twb_sensed {
 #define TWB_ACTION_DUTY 1u           /* the robot has motors on bridges */
 #define TWB_ACTION_LIMITED 2u        /* current or supply limit a torque; the base knows */
 #define TWB_ACTION_BEYOND_COULOMB 4u /* while it creeps, by velocity or beside a goal */
+#define TWB_ACTION_SPEEDS 8u         /* the robot's drivers close their own speed loop: give them desired */
 
 /* What the wheels are to do until the next tick. */
 typedef struct twb_action {
@@ -128,7 +129,7 @@ typedef struct twb_action {
     uint32_t flags;
     twb_wheels torque;         /* N m at the wheels, without friction */
     twb_wheels duty;           /* -1 to 1 of the supply; negative drives backward */
-    twb_wheels desired;        /* commanded, rad/s */
+    twb_wheels desired;        /* commanded, rad/s; with TWB_ACTION_SPEEDS led by the drivers' lag, and within what they do */
     twb_wheels speed;          /* measured, rad/s */
     twb_wheels beyond_coulomb; /* friction beyond the Coulomb part, N m */
 } twb_action;

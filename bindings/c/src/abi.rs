@@ -1,7 +1,7 @@
 //! The structs of the header. Every number is 32 bits wide, so that no compiler pads.
 
 /// Version of these structs and of the calls: the caller's header has the same one.
-pub const API: u32 = 5;
+pub const API: u32 = 6;
 
 /// What a call answers that did nothing. None is 0, which the call answers that did what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,6 +193,8 @@ pub mod action {
     pub const LIMITED: u32 = 1 << 1;
     /// `beyond_coulomb` is there.
     pub const BEYOND_COULOMB: u32 = 1 << 2;
+    /// `desired` is for drivers that close their own speed loop.
+    pub const SPEEDS: u32 = 1 << 3;
 }
 
 /// `twb_report`.

@@ -148,7 +148,7 @@ pub unsafe extern "C" fn twb_emergency_stop(
         let out = checked(action)?;
         let done = handle.stop(convert::flag(brake)?)?;
         // SAFETY: of the caller.
-        unsafe { out.write(without_duties(&done)) };
+        unsafe { out.write(without_duties(&done, 0)) };
         Ok(())
     };
     code(result())
@@ -191,7 +191,9 @@ pub unsafe extern "C" fn twb_tick(
             Ok(())
         };
         // SAFETY: of the caller.
-        handle.with(work, |stop| unsafe { action.write(without_duties(stop)) })
+        handle.with(work, |stop| unsafe {
+            action.write(without_duties(stop, 0))
+        })
     };
     code(result())
 }
@@ -215,16 +217,16 @@ fn first_refusal(
     first.unwrap_or(Status::Null)
 }
 
-/// An action without duties.
+/// An action without duties; `flags` are those of a drive.
 #[inline]
-fn without_duties(from: &WheelAction<f32>) -> Action {
+fn without_duties(from: &WheelAction<f32>, flags: u32) -> Action {
     let mut to = Action {
         kind: convert::kind(from),
         ..Action::default()
     };
     if let WheelAction::Drive(drive) = from {
         // SAFETY: it is an action.
-        unsafe { write_drive(drive, 0, &raw mut to) };
+        unsafe { write_drive(drive, flags, &raw mut to) };
     }
     to
 }
@@ -261,8 +263,10 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
     let report = body.controller.report();
     let (WheelAction::Drive(drive), Some(motor)) = (&report.action, body.controller.base().motor())
     else {
+        let speeds = body.controller.base().driver().speeds();
+        let flags = u32::from(speeds.is_some()) * action::SPEEDS;
         // SAFETY: of the caller.
-        unsafe { out.write(without_duties(&report.action)) };
+        unsafe { out.write(without_duties(&report.action, flags)) };
         return;
     };
     let observed = drive.observed(supply_v);
@@ -292,7 +296,7 @@ unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
 unsafe fn limited(body: &mut Body, invalid: bool, exerted: WheelTorques<f32>, out: *mut Action) {
     let exerted = if invalid {
         // SAFETY: of the caller.
-        unsafe { out.write(without_duties(&WheelAction::Release)) };
+        unsafe { out.write(without_duties(&WheelAction::Release, 0)) };
         body.answer = Err(ErrorKind::Other);
         WheelTorques::default()
     } else {

@@ -11,6 +11,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::{env, fs};
 
 use controller_core::base::BaseParams;
+use controller_core::motor::{DriverParams, SpeedParams};
 use firmware_demo::robots::LAB_10KG;
 use protocol::{CRC, MAX_ROBOT_BLOB, ROBOT_BLOB_VERSION, encode_robot};
 use tests::program::package;
@@ -110,6 +111,13 @@ fn write_robots() -> PathBuf {
     other_version[4..6].copy_from_slice(&(ROBOT_BLOB_VERSION + 1).to_le_bytes());
     let mut heavy = LAB_10KG.base;
     heavy.motion.robot.mass_kg = -1.0;
+    let mut speeds = LAB_10KG.base;
+    speeds.driver = DriverParams::Speeds(SpeedParams {
+        max_speed_rad_s: 20.0,
+        min_speed_rad_s: 0.0,
+        lag_s: 0.02,
+    });
+    speeds.detectors.wheels.stuck.torque_nm = 0.0;
     let mut no_parameters = good[..24].to_vec();
     no_parameters[6..8].copy_from_slice(&12_u16.to_le_bytes());
     let kept = fs::read_to_string(here().join("examples/lab_10kg.h")).expect("the examples' robot");
@@ -123,6 +131,7 @@ fn write_robots() -> PathBuf {
         ("other_version", checked(other_version)),
         ("out_of_range", blob(&heavy)),
         ("no_parameters", checked(no_parameters)),
+        ("with_speed_drivers", blob(&speeds)),
     ] {
         writeln!(text, "static const uint8_t {name}[] = {{").expect("text");
         for byte in bytes {

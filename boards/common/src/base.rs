@@ -98,7 +98,7 @@ where
         memory,
     } = parts;
     enable.set_low().map_err(|_| StartError::Motors)?;
-    let motor = robot::BASE.motor.ok_or(StartError::Config)?;
+    let motor = robot::BASE.driver.motor().ok_or(StartError::Config)?;
     let motor = motor.validate().map_err(|_| StartError::Config)?;
     let bridges = Bridges {
         off_phase: config::OFF_PHASE,

@@ -8,14 +8,15 @@ use super::motor_bias::MotorBias;
 use super::orders::{self, Leading};
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
+use super::speed_drive::{SpeedDrive, SpeedTick};
 use super::wheel_friction::{Creeps, Turning};
 use crate::error::{Input, StepFault};
 use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome};
-use crate::motor::Motor;
+use crate::motor::{Motor, SpeedLimited};
 use crate::odometry::Accelerations;
 use crate::range::larger;
-use crate::robot::acceleration;
+use crate::robot::{acceleration, wrench_for};
 use crate::safety::supervisor::{Action, Event, State, Supervisor};
 use crate::safety::{ActiveFaults, DetectorInputs, Detectors, Fault, OutputMode, Side};
 use crate::scalar::{Scalar, seconds};
@@ -36,6 +37,7 @@ const SLIDES_S: f64 = 0.15;
 /// use controller_core::localiser::LocaliserParams;
 /// use controller_core::maths::Single;
 /// use controller_core::motion::{Limits, SaturationPolicy};
+/// use controller_core::motor::DriverParams;
 /// use controller_core::odometry::{Calibration, OdometryParams};
 /// use controller_core::robot::Robot;
 /// use controller_core::safety::supervisor::{Event, State};
@@ -53,7 +55,7 @@ const SLIDES_S: f64 = 0.15;
 ///     fusion: None,
 ///     gyro: None,
 /// };
-/// let base = BaseParams::new(robot, limits, localiser, None, 10_000)?.validate()?;
+/// let base = BaseParams::new(robot, limits, localiser, DriverParams::Torques, 10_000)?.validate()?;
 /// let mut controller: BaseController = BaseController::new(&base, Pose::default());
 /// let sensed = Sensed::of_counts(WheelCounts::default());
 /// controller.tick(10_000, &Order::None, &sensed);
@@ -77,6 +79,8 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
     locator: Locator<T, N>,
     motors: MotorBias<T>,
     driving: Driving<T, M, U>,
+    /// Of drivers that close their own speed loop.
+    speeds: SpeedDrive<T>,
 }
 
 impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<T, M, U, N> {
@@ -89,6 +93,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             detectors: Detectors::default(),
             driving: Driving::IDLE,
             motors: MotorBias::default(),
+            speeds: SpeedDrive::default(),
             exerted: WheelTorques::default(),
             host: HostWatch::NEW,
             report: BaseReport::new(supervisor.state(), supervisor.cause()),
@@ -138,7 +143,10 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         // Whether that can be believed, the supervisor knows from the active faults.
         let rests = self.supervisor.state().ends_at_rest() && self.rests();
         self.supervisor.tick(dt_us, rests);
-        let action = self.act(dt, &located, taken.other_goal, sensed);
+        let mut action = self.act(dt, &located, taken.other_goal, sensed);
+        if self.base.driver.speeds().is_some() {
+            action = self.by_speeds(action, dt, sensed);
+        }
         self.exerted = action.torques().unwrap_or_default();
         let report = &mut self.report;
         report.action = action;
@@ -279,7 +287,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         sensed: &Sensed<T>,
     ) -> WheelAction<T> {
         let speeds = self.back_emf_speeds(dt);
-        let turning = match (self.driving.creeps(), &self.base.motor) {
+        let turning = match (self.driving.creeps(), self.base.motor()) {
             (Some(creeps), Some(motor)) => Some(self.turning(motor, creeps, dt, sensed)),
             _ => None,
         };
@@ -311,15 +319,60 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         driven.action
     }
 
+    /// An action for drivers that close their own speed loop: the law's command as wheel speeds. What such drivers exert is not known,
+    /// and the law is told so; odometry and detectors go by what accelerates the base as it is commanded.
+    #[cold]
+    #[inline(never)]
+    fn by_speeds(&mut self, action: WheelAction<T>, dt: T, sensed: &Sensed<T>) -> WheelAction<T> {
+        self.report.speed_limited = SpeedLimited::default();
+        let (Some(output), WheelAction::Drive(mut drive), Some(report)) =
+            (self.base.driver.speeds(), action, &self.report.motion)
+        else {
+            self.speeds = SpeedDrive::default();
+            return match action {
+                // No law is at work. A speed of 0 would stop a base that rolls with all that its drivers have.
+                WheelAction::Drive(_) => WheelAction::Release,
+                WheelAction::Release | WheelAction::Brake => action,
+            };
+        };
+        self.driving.note_not_driven();
+        let motion = &self.base.motion;
+        let tick = SpeedTick {
+            output,
+            wheels: motion.wheels(),
+            command: (&report.command, &report.command_rate),
+            creeps: self.driving.creeps().is_some(),
+            counts: sensed.counts.ok(),
+            per_count: self.per_count(),
+            most: larger(
+                self.base.detectors.params().wheels.stuck.speed_rad_s,
+                output.params().min_speed_rad_s,
+            ),
+            dt,
+        };
+        match self.speeds.command(&tick) {
+            Ok(command) => {
+                let wrench = wrench_for(&motion.params().robot, &report.command_rate);
+                drive.torques = motion.wheels().torques(&wrench);
+                drive.desired = command.speeds;
+                self.report.speed_limited = command.limited;
+                WheelAction::Drive(drive)
+            }
+            Err(fault) => self.act_after(fault),
+        }
+    }
+
     /// Speeds of the wheels for which their back-EMF is to be made up, by motors that are not quite alike. How much they are not is learnt while
     /// torque flows.
     fn back_emf_speeds(&mut self, dt: T) -> WheelSpeeds<T> {
         let Some(odometry) = self.locator.odometry() else {
             return WheelSpeeds::default();
         };
-        if let (Some(_), Some(_), Some(measured)) =
-            (&self.base.motor, &self.report.motion, &self.report.measured)
-        {
+        if let (Some(_), Some(_), Some(measured)) = (
+            self.base.motor(),
+            &self.report.motion,
+            &self.report.measured,
+        ) {
             self.motors
                 .advance(measured.twist.linear, odometry.made_up_right(), dt);
             self.report.motor_bias = self.motors.share;
@@ -347,16 +400,20 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         dt: T,
         sensed: &Sensed<T>,
     ) -> Turning<'a, T> {
-        let counts_per_turn = self.base.localisation.params().odometry.counts_per_turn;
         Turning {
             creeps,
             motor,
-            per_count: (T::PI + T::PI) / counts_per_turn,
+            per_count: self.per_count(),
             counts: sensed.counts.ok(),
             commanded: self.base.motion.wheels().wheel_speeds(&self.commanded()),
             torques: self.exerted,
             dt,
         }
+    }
+
+    /// Turn of a wheel for a count of its encoder \[rad\].
+    fn per_count(&self) -> T {
+        (T::PI + T::PI) / self.base.localisation.params().odometry.counts_per_turn
     }
 
     /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or
@@ -438,6 +495,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         self.base = *base;
         self.locator.begin_anew(self.report.measured.as_ref());
         self.motors = MotorBias::default();
+        self.speeds = SpeedDrive::default();
         self.detectors = Detectors::default();
         self.supervisor.reconfigure(&base.supervisor);
         self.idle();
@@ -463,6 +521,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     pub fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<(), StepFault> {
         if self.report.motion.is_some() {
             self.driving.note_exerted(&self.base.motion, torques)?;
+            if self.base.driver.speeds().is_some() {
+                self.driving.note_not_driven();
+            }
             self.exerted = *torques;
         }
         Ok(())

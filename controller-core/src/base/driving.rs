@@ -183,6 +183,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         self.task = None;
     }
 
+    /// What the wheels exert until the next tick is not known.
+    pub(super) fn note_not_driven(&mut self) {
+        self.law.note_not_driven();
+    }
+
     /// What the wheels really exert until the next tick, for a law at work.
     ///
     /// # Errors

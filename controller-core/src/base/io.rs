@@ -82,12 +82,14 @@ impl<T: Copy> WheelAction<T> {
     }
 }
 
-/// Torques, and what a motor driver needs beside them.
+/// Torques, and what a motor driver needs beside them. A driver that closes its own speed loop takes `desired` and nothing else.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveCommand<T = f32> {
-    /// Within ± `wheel_torque_nm` \[N m\].
+    /// Within ± `wheel_torque_nm` \[N m\]. With [`DriverParams::Speeds`](crate::motor::DriverParams::Speeds) nobody knows what the drivers exert: what
+    /// accelerates the base as it is commanded, without friction.
     pub torques: WheelTorques<T>,
-    /// Speeds that are commanded, for the compensation of friction \[rad/s\].
+    /// Speeds that are commanded \[rad/s\], for the compensation of friction; with `DriverParams::Speeds` those that the drivers are to hold, led by
+    /// their lag ([`SpeedOutput`](crate::motor::SpeedOutput)).
     pub desired: WheelSpeeds<T>,
     /// Speeds in the middle of the tick, for the back-EMF \[rad/s\]: [`Odometry::back_emf_speeds`](crate::odometry::Odometry::back_emf_speeds), and half a tick of the commanded acceleration.
     pub speeds: WheelSpeeds<T>,

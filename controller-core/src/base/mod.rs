@@ -13,6 +13,7 @@
 //! | how long the host has been silent | [`BaseController::watch_link`] for frames, [`BaseController::tick`] for orders |
 //! | where to, with what torque | [`crate::motion`] |
 //! | torque to duty, for motors on bridges | [`crate::motor`], by the driver |
+//! | wheel speeds, for drivers that close their own speed loop | [`DriveCommand::desired`], [`crate::motor::SpeedOutput`] |
 //!
 //! A tick never fails. Whatever comes in, what goes out is one [`WheelAction`]: torques within their
 //! limit, an electrical brake, or a release; what was wrong stands in [`BaseReport`].
@@ -26,6 +27,7 @@ mod motor_bias;
 mod orders;
 mod params;
 mod report;
+mod speed_drive;
 mod wheel_friction;
 
 pub use controller::{BaseController, REMEMBERED};

@@ -6,13 +6,13 @@ use crate::error::{Field, ParamError, Problem};
 use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
 use crate::motion::{Limits, MotionGains, MotionParams, NOISE_HEADING_RAD, ValidMotionParams};
-use crate::motor::{Motor, MotorParams};
+use crate::motor::{Driver, DriverParams, Motor, MotorParams, SpeedParams};
 use crate::range::larger;
 use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
 use crate::safety::{
-    DetectorParams, PolicyError, PolicyParams, SupplyDetectorParams, Timeout, ValidDetectorParams,
-    ValidPolicyParams,
+    DetectorParams, LEAST_STUCK_TORQUE_NM, PolicyError, PolicyParams, SLOW, StuckDetectorParams,
+    SupplyDetectorParams, Timeout, ValidDetectorParams, ValidPolicyParams,
 };
 use crate::scalar::{Scalar, seconds};
 
@@ -24,8 +24,8 @@ pub struct BaseParams<T = f32> {
     pub motion: MotionParams<T>,
     /// Odometry and external poses.
     pub localiser: LocaliserParams<T>,
-    /// Motors on bridges; `None` where the driver takes torques itself.
-    pub motor: Option<MotorParams<T>>,
+    /// What drives the wheels.
+    pub driver: DriverParams<T>,
     /// Thresholds and timeouts.
     pub detectors: DetectorParams<T>,
     /// What is done about each kind of fault.
@@ -34,9 +34,12 @@ pub struct BaseParams<T = f32> {
     pub supervisor: SupervisorParams,
 }
 
-/// A motor's supply is too low below this share of its nominal voltage, and good again above the other.
-/// Lead and lithium batteries are empty at 0.8 to 0.85 and sag by a tenth under load.
-const LOW_SUPPLY: (f64, f64) = (0.7, 0.75);
+/// Wheel torque limit of a base whose drivers close their own speed loop \[N m\]: none. What they exert is not known, and a limit would set the command back for a
+/// reason that does not exist: a wheel that is blocked or counts backward would be commanded what it does, and nobody would find it.
+const ANY_TORQUE_NM: f64 = 1.0e5;
+
+/// Share of the weight that friction in bearings and gear may be, in [`own_loop_breaks_loose`]: of small geared motors without load.
+const FRICTION_SHARE: f64 = 0.2;
 
 impl<T: Usual> BaseParams<T> {
     /// [`new_with`](Self::new_with) the usual mathematics of the number type.
@@ -47,16 +50,16 @@ impl<T: Usual> BaseParams<T> {
         robot: Robot<T>,
         limits: Limits<T>,
         localiser: LocaliserParams<T>,
-        motor: Option<MotorParams<T>>,
+        driver: DriverParams<T>,
         period_us: u32,
     ) -> Result<Self, ParamError> {
-        Self::new_with::<T::Maths>(robot, limits, localiser, motor, period_us)
+        Self::new_with::<T::Maths>(robot, limits, localiser, driver, period_us)
     }
 
     /// [`validate_with`](Self::validate_with) the usual mathematics of the number type.
     ///
     /// # Errors
-    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
+    /// As [`validate_with`](Self::validate_with).
     pub fn validate(self) -> Result<ValidBaseParams<T>, BaseError> {
         self.validate_with::<T::Maths>()
     }
@@ -67,7 +70,8 @@ impl<T: Scalar> BaseParams<T> {
     /// localisation, thresholds from the body, responses are the defaults.
     ///
     /// `robot` is what a scale and a ruler tell. The law and the detectors reckon with the robot as its wheels feel it, with the
-    /// rotors of its motors ([`Robot::with_wheel_inertia`]); what slopes and pushes may be follows from the weight alone.
+    /// rotors of its motors ([`Robot::with_wheel_inertia`]); what slopes and pushes may be follows from the weight alone. The torque limit is not that of drivers that
+    /// close their own speed loop: theirs is unknown.
     ///
     /// # Errors
     /// The localiser's parameters, on whose noise the others depend.
@@ -75,12 +79,19 @@ impl<T: Scalar> BaseParams<T> {
         robot: Robot<T>,
         limits: Limits<T>,
         localiser: LocaliserParams<T>,
-        motor: Option<MotorParams<T>>,
+        driver: DriverParams<T>,
         period_us: u32,
     ) -> Result<Self, ParamError> {
         let localisation = localiser.validate_with::<M>()?;
-        let rotor = motor.as_ref().map(MotorParams::rotor_at_wheel_kg_m2);
+        let rotor = driver.motor().map(MotorParams::rotor_at_wheel_kg_m2);
         let with_rotors = robot.with_wheel_inertia(rotor.unwrap_or(T::ZERO));
+        let limits = match &driver {
+            DriverParams::Torques | DriverParams::Motors(_) => limits,
+            DriverParams::Speeds(_) => Limits {
+                wheel_torque_nm: T::from_f64(ANY_TORQUE_NM),
+                ..limits
+            },
+        };
         let motion = MotionParams {
             pose_noise_m: localisation.pose_noise_m(),
             arrival: localisation.arrival(),
@@ -92,13 +103,8 @@ impl<T: Scalar> BaseParams<T> {
             robot: with_rotors,
             ..DetectorParams::for_base(&body, counts_per_turn, period_us)
         };
-        if let Some(motor) = &motor {
-            detectors.supply = SupplyDetectorParams {
-                low_v: T::from_f64(LOW_SUPPLY.0) * motor.supply_v,
-                recovered_v: T::from_f64(LOW_SUPPLY.1) * motor.supply_v,
-                // Longer than the current of a start from rest.
-                after: Timeout::AfterUs(500_000),
-            };
+        if let Some(motor) = driver.motor() {
+            detectors.supply = SupplyDetectorParams::for_nominal(motor.supply_v);
             // A controller limits the current by itself; a tenth more is a driver that does not.
             detectors.current.limit_a = T::from_f64(1.1) * motor.max_current_a;
             detectors.current.after = Timeout::AfterUs(200_000);
@@ -109,6 +115,11 @@ impl<T: Scalar> BaseParams<T> {
             let loose = detectors.wheels.stuck.torque_nm + motor.friction.coulomb_nm;
             detectors.wheels.stuck.torque_nm = if loose < most { loose } else { most };
         }
+        if let DriverParams::Speeds(speeds) = &driver {
+            let stuck = &mut detectors.wheels.stuck;
+            stuck.torque_nm = T::ZERO;
+            stuck.after = own_loop_breaks_loose(speeds, stuck, &robot);
+        }
         if let Some(fusion) = &localiser.fusion {
             // Ten fixes; odometry alone is worth a second.
             let us = fusion.stale_s * T::from_f64(1.0e6);
@@ -117,7 +128,7 @@ impl<T: Scalar> BaseParams<T> {
         let base = Self {
             motion,
             localiser,
-            motor,
+            driver,
             detectors,
             policy: PolicyParams::DEFAULT,
             supervisor: SupervisorParams {
@@ -154,20 +165,38 @@ impl<T: Scalar> BaseParams<T> {
     /// Checks every part, and that they fit each other.
     ///
     /// # Errors
-    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it.
+    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it, [`Field::MaxRimSpeed`] if the drivers do not
+    /// turn wheels so fast, [`Field::StuckTorque`] if it is not that of such drivers.
     pub fn validate_with<M: Maths<T>>(self) -> Result<ValidBaseParams<T>, BaseError> {
-        let motor = match self.motor {
-            Some(params) => Some(params.validate()?),
-            None => None,
+        let driver = self.driver.validate()?;
+        let limits = &self.motion.limits;
+        let (field, asked, most) = match &driver {
+            Driver::Torques => (Field::MaxWheelTorque, T::ZERO, T::ZERO),
+            Driver::Motors(motor) => (
+                Field::MaxWheelTorque,
+                limits.wheel_torque_nm,
+                motor.max_torque_nm(),
+            ),
+            Driver::Speeds(speeds) => (
+                Field::MaxRimSpeed,
+                limits.rim_speed,
+                fastest_rim(speeds.params(), &self.motion.robot),
+            ),
         };
-        if let Some(motor) = &motor {
-            let most = motor.max_torque_nm();
-            if self.motion.limits.wheel_torque_nm > most {
-                return Err(BaseError::Param(ParamError {
-                    field: Field::MaxWheelTorque,
-                    problem: Problem::Above(most.to_f64()),
-                }));
-            }
+        if asked > most {
+            let problem = Problem::Above(most.to_f64());
+            return Err(BaseError::Param(ParamError { field, problem }));
+        }
+        // Torques that nobody knows push no wheel, and where they are known none of 0 does.
+        let by_torque = self.detectors.wheels.stuck.torque_nm != T::ZERO;
+        let problem = match (driver.speeds().is_some(), by_torque) {
+            (true, true) => Some(Problem::Above(0.0)),
+            (false, false) => Some(Problem::Below(LEAST_STUCK_TORQUE_NM)),
+            _ => None,
+        };
+        if let Some(problem) = problem {
+            let field = Field::StuckTorque;
+            return Err(BaseError::Param(ParamError { field, problem }));
         }
         Ok(ValidBaseParams {
             motion: self.motion.validate()?,
@@ -175,12 +204,39 @@ impl<T: Scalar> BaseParams<T> {
                 &self.motion.robot,
                 larger(self.motion.gains.turn_loop, self.motion.gains.speed_loop),
             )?,
-            motor,
+            driver,
             detectors: self.detectors.validate()?,
             policy: self.policy.validate()?,
             supervisor: self.supervisor.validate()?,
         })
     }
+}
+
+/// After what time a wheel stands that a driver with its own speed loop is to turn at [`SLOW`] times the slowest speed that is watched.
+///
+/// Such a driver integrates what its wheel lacks, so what it exerts on one that stands grows with the way that was commanded. A loop that settles as
+/// its lag T lets it (J/(4 T²) of torque per angle) overcomes a friction of a share c of the weight after 4 T² c g.
+fn own_loop_breaks_loose<T: Scalar>(
+    speeds: &SpeedParams<T>,
+    stuck: &StuckDetectorParams<T>,
+    robot: &Robot<T>,
+) -> Timeout {
+    let least = match stuck.after {
+        Timeout::AfterUs(us) => us,
+        Timeout::Off => return Timeout::Off,
+    };
+    let way = T::from_f64(4.0 * FRICTION_SHARE * 9.81) * speeds.lag_s * speeds.lag_s;
+    let wheels = &robot.wheels;
+    let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
+    let speed = T::from_f64(SLOW) * stuck.speed_rad_s * radius;
+    Timeout::AfterUs(larger_us(T::from_f64(1.0e6) * (way / speed), least))
+}
+
+/// Speed of a rim whose driver turns it as fast as it can \[m/s\]: that of the smaller wheel.
+fn fastest_rim<T: Scalar>(speeds: &SpeedParams<T>, robot: &Robot<T>) -> T {
+    let wheels = &robot.wheels;
+    let (right, left) = (wheels.radius_right_m, wheels.radius_left_m);
+    speeds.max_speed_rad_s * if right < left { right } else { left }
 }
 
 /// The larger of a time \[µs\] and a least one; a time that is no number is the least one.
@@ -198,7 +254,7 @@ fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
 pub struct ValidBaseParams<T = f32> {
     pub(super) motion: ValidMotionParams<T>,
     pub(super) localisation: ValidLocaliserParams<T>,
-    pub(super) motor: Option<Motor<T>>,
+    pub(super) driver: Driver<T>,
     pub(super) detectors: ValidDetectorParams<T>,
     pub(super) policy: ValidPolicyParams,
     pub(super) supervisor: ValidSupervisorParams,
@@ -215,9 +271,14 @@ impl<T: Scalar> ValidBaseParams<T> {
         &self.localisation
     }
 
-    /// The motors', if they are on bridges.
+    /// What drives the wheels.
+    pub const fn driver(&self) -> &Driver<T> {
+        &self.driver
+    }
+
+    /// The motors, if they are on bridges.
     pub const fn motor(&self) -> Option<&Motor<T>> {
-        self.motor.as_ref()
+        self.driver.motor()
     }
 
     /// The responses to faults.

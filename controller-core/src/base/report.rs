@@ -4,6 +4,7 @@ use super::io::WheelAction;
 use crate::gyro::GyroReport;
 use crate::localiser::FixOutcome;
 use crate::motion::MotionReport;
+use crate::motor::SpeedLimited;
 use crate::odometry::drift_angle;
 use crate::safety::ActiveFaults;
 use crate::safety::supervisor::{Cause, State};
@@ -35,6 +36,8 @@ pub struct BaseReport<T = f32> {
     /// By what share the motor constant of the right wheel is above what is stated, and that of the left one below it: motors that are not
     /// alike. Learnt while torque flows, within ± 0.1; 0 of a base without motors.
     pub motor_bias: T,
+    /// What limited the speeds that drivers with their own speed loop are to hold; nothing of a base without such.
+    pub speed_limited: SpeedLimited,
     /// What became of an external pose.
     pub fix: FixOutcome<T>,
     /// What is known of the gyro, where there is one.
@@ -60,6 +63,7 @@ impl<T: Scalar> BaseReport<T> {
             turn_bias: T::ZERO,
             tyre_slip: T::ZERO,
             motor_bias: T::ZERO,
+            speed_limited: SpeedLimited::default(),
             fix: FixOutcome::Absent,
             gyro: GyroReport::default(),
             active_faults: ActiveFaults::NONE,

@@ -48,7 +48,7 @@
 //!
 //! # Speed output
 //!
-//! [`SpeedOutput`] is for drivers that close their own speed loop.
+//! [`SpeedOutput`] is for drivers that close their own speed loop; [`DriverParams`] says which kind a base has.
 //!
 //! # Stopping
 //!
@@ -56,6 +56,7 @@
 
 mod command;
 mod dead_band;
+mod driver;
 mod gear;
 mod pair;
 mod params;
@@ -63,6 +64,7 @@ mod speed;
 mod stopping;
 
 pub use command::{MotorCommand, MotorLimited, WheelDemand};
+pub use driver::{Driver, DriverParams};
 pub use pair::WheelCommands;
 pub use params::{MAX_SUPPLY_SHARE, MIN_SUPPLY_SHARE, Motor, MotorParams, WheelFriction};
 pub use speed::{SpeedLimited, SpeedOutput, SpeedParams, SpeedState, WheelSpeedCommand};

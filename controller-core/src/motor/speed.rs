@@ -24,12 +24,14 @@
 //! the wheels exert: limits of torque are not enforced and not reported, nor are current, slip and disturbance seen. Limits
 //! of speed, acceleration, braking and jerk are enforced all the same, by the governor, on the command that
 //! is handed on here; so choose them such that the driver can follow. A torque limit of the controller below what the base needs
-//! would set its command back for a reason that does not exist: leave it far above. And call
+//! would set its command back for a reason that does not exist: leave it above what the accelerations take.
+//!
+//! A [`BaseController`](crate::base::BaseController) with [`DriverParams::Speeds`](crate::motor::DriverParams) reckons with all that. Who has the law alone calls
 //! [`note_not_driven`](crate::motion::MotionController::note_not_driven) in every tick, or the estimates of disturbance and load take the
-//! report's torques for what the wheels exert, and limits and plans follow from these. The example `speed_drive` does both.
+//! report's torques for what the wheels exert, and limits and plans follow from these. The example `speed_drive` does.
 
-use crate::error::{Field, Input, ParamError, StepFault};
-use crate::range::{clamp, within};
+use crate::error::{Field, Input, ParamError, Problem, StepFault};
+use crate::range::{check_ranges, clamp};
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, WheelSpeeds};
 use crate::wheels::WheelMap;
@@ -40,7 +42,8 @@ const START: f64 = 0.75;
 
 /// What a driver of wheel speeds can do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpeedParams<T> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SpeedParams<T = f32> {
     /// φ̇_max \[rad/s\], 1e-3 to 1e5.
     pub max_speed_rad_s: T,
     /// φ̇_min \[rad/s\]: slowest speed that the driver executes; 0 to half of the largest.
@@ -51,7 +54,7 @@ pub struct SpeedParams<T> {
 
 /// [`SpeedParams`] that passed `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpeedOutput<T> {
+pub struct SpeedOutput<T = f32> {
     params: SpeedParams<T>,
     start: T,
     stop: T,
@@ -88,10 +91,17 @@ impl<T: Scalar> SpeedParams<T> {
     /// # Errors
     /// The first one out of its range.
     pub fn validate(self) -> Result<SpeedOutput<T>, ParamError> {
-        let largest = within(Field::MaxWheelSpeed, self.max_speed_rad_s, 1.0e-3, 1.0e5)?;
-        let half = (T::HALF * largest).to_f64();
-        let slowest = within(Field::MinWheelSpeed, self.min_speed_rad_s, 0.0, half)?;
-        within(Field::DriverLag, self.lag_s, 0.0, 1.0)?;
+        let slowest = self.min_speed_rad_s;
+        check_ranges![
+            (Field::MaxWheelSpeed, self.max_speed_rad_s, 1.0e-3, 1.0e5),
+            (Field::MinWheelSpeed, slowest, 0.0, 1.0e5),
+            (Field::DriverLag, self.lag_s, 0.0, 1.0),
+        ]?;
+        let half = T::HALF * self.max_speed_rad_s;
+        if slowest > half {
+            let (field, problem) = (Field::MinWheelSpeed, Problem::Above(half.to_f64()));
+            return Err(ParamError { field, problem });
+        }
         Ok(SpeedOutput {
             params: self,
             start: T::from_f64(START) * slowest,
@@ -120,6 +130,25 @@ impl<T: Scalar> SpeedOutput<T> {
         command: &Twist<T>,
         command_rate: &Accel<T>,
     ) -> Result<WheelSpeedCommand<T>, StepFault> {
+        self.command_with(
+            state,
+            wheels,
+            (command, command_rate),
+            &WheelSpeeds::default(),
+        )
+    }
+
+    /// [`command`](Self::command) with `more` speed of each wheel.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn command_with(
+        &self,
+        state: &mut SpeedState,
+        wheels: &WheelMap<T>,
+        (command, command_rate): (&Twist<T>, &Accel<T>),
+        more: &WheelSpeeds<T>,
+    ) -> Result<WheelSpeedCommand<T>, StepFault> {
         if !(command.is_finite() && command_rate.is_finite()) {
             return Err(StepFault::NotFinite(Input::Reference));
         }
@@ -128,7 +157,11 @@ impl<T: Scalar> SpeedOutput<T> {
             linear: command.linear + lag * command_rate.linear,
             angular: command.angular + lag * command_rate.angular,
         };
-        let asked = wheels.wheel_speeds(&led);
+        let led = wheels.wheel_speeds_apart(&led);
+        let asked = WheelSpeeds {
+            right: led.right + more.right,
+            left: led.left + more.left,
+        };
         if !(asked.right.is_finite() && asked.left.is_finite()) {
             return Err(StepFault::Overflow);
         }
@@ -146,7 +179,9 @@ impl<T: Scalar> SpeedOutput<T> {
         })
     }
 
+    // Once for both wheels: no other base comes here.
     /// What the driver executes of a wheel's speed, and which way that is, after a command to turn `before`.
+    #[inline(never)]
     fn executable(&self, speed: T, before: i8) -> (T, i8) {
         let way = if speed > T::ZERO {
             1

@@ -49,16 +49,23 @@ pub struct TickDetectorParams {
     pub long: Timeout,
 }
 
+/// A driver that closes its own speed loop exerts on a wheel that stands what grows with the way that was commanded, so the wheel is stuck after a way rather
+/// than after a time: that of [`StuckDetectorParams::after`] at this many times [`StuckDetectorParams::speed_rad_s`], and at any higher speed the time.
+pub(crate) const SLOW: f64 = 4.0;
+
+/// Of [`StuckDetectorParams::torque_nm`], where it is not 0 \[N m\].
+pub(crate) const LEAST_STUCK_TORQUE_NM: f64 = 1.0e-6;
+
 /// When a wheel that is commanded to turn counts as stuck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StuckDetectorParams<T> {
     /// Torque that turns a free wheel in any case \[N m\]: above friction, and above what a slope that the
-    /// base drives on needs. 1e-6 to 1e6.
+    /// base drives on needs. 1e-6 to 1e6; or 0 of drivers that close their own speed loop, which exert what it takes.
     pub torque_nm: T,
     /// A wheel commanded slower than this need not turn \[rad/s\]; at least 3 counts in the time, up to 1e3.
     pub speed_rad_s: T,
-    /// For how long.
+    /// For how long; of drivers that close their own speed loop, at four times `speed_rad_s` and faster: more slowly, after the same way.
     pub after: Timeout,
 }
 
@@ -171,8 +178,15 @@ impl<T: Scalar> DetectorParams<T> {
         check_ranges![
             (Field::CountsPerTurn, wheels.counts_per_turn, 1.0, 1.0e7),
             (Field::WheelLoad, wheels.load_nm, 1.0e-6, 1.0e6),
-            (Field::StuckTorque, stuck.torque_nm, 1.0e-6, 1.0e6),
         ]?;
+        if stuck.torque_nm != T::ZERO {
+            within(
+                Field::StuckTorque,
+                stuck.torque_nm,
+                LEAST_STUCK_TORQUE_NM,
+                1.0e6,
+            )?;
+        }
         let per_count = (T::PI + T::PI) / wheels.counts_per_turn;
         let least = match stuck.after {
             Timeout::AfterUs(us) => T::from_f64(3.0e6) * per_count / T::from_u32(us),
@@ -199,6 +213,11 @@ impl<T: Scalar> DetectorParams<T> {
             load_travel: load_accel(robot, &map, wheels.load_nm) / area,
             slip_travel: slip.accel_rad_s2 / area,
             least_travel: T::from_i32(LEAST_COUNTS) * per_count,
+            pushed_nm: if stuck.torque_nm == T::ZERO {
+                T::from_f64(f64::INFINITY)
+            } else {
+                stuck.torque_nm
+            },
             own_accel: WheelAccels {
                 right: by_right.0,
                 left: by_left.1,
@@ -275,6 +294,8 @@ pub struct ValidDetectorParams<T> {
     pub(super) slip_travel: T,
     /// Turn in the filters below which nothing is said of a wheel \[rad\].
     pub(super) least_travel: T,
+    /// Torque from which on a wheel is pushed \[N m\]; none where `stuck.torque_nm` is 0.
+    pub(super) pushed_nm: T,
 }
 
 impl<T: Scalar> ValidDetectorParams<T> {

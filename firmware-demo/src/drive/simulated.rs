@@ -1,15 +1,14 @@
-//! Drivers of a base whose motors are a simulation: what a bridge would put out is there to be read.
+//! Drivers of a base whose motors are a simulation: what they would put out is there to be read.
 
 use controller_core::hal::{ErrorKind, ErrorType, Observed, WheelDrive, accepts};
-use controller_core::motor::Motor;
+use controller_core::motor::Driver;
 use controller_core::types::WheelTorques;
 use protocol::pil::WheelOutput;
 
-/// A drive that computes what its bridges put out, and answers what it was given to answer.
+/// A drive that computes what it puts out, and answers what it was given to answer.
 #[derive(Clone, Debug)]
 pub struct SimulatedDrive {
-    /// `None` where the drivers control torque by themselves.
-    motor: Option<Motor<f32>>,
+    driver: Driver<f32>,
     max_torque_nm: f32,
     observed: Observed,
     exerted: Option<WheelTorques<f32>>,
@@ -18,13 +17,13 @@ pub struct SimulatedDrive {
 }
 
 impl SimulatedDrive {
-    /// Released wheels. Without `motor` the wheels take torques up to `max_torque_nm`.
-    pub fn new(motor: Option<Motor<f32>>, max_torque_nm: f32) -> Self {
+    /// Released wheels. Without motors they take torques up to `max_torque_nm`.
+    pub fn new(driver: &Driver<f32>, max_torque_nm: f32) -> Self {
         Self {
-            max_torque_nm: motor
-                .as_ref()
+            max_torque_nm: driver
+                .motor()
                 .map_or(max_torque_nm, |motor| motor.max_torque_nm()),
-            motor,
+            driver: *driver,
             observed: Observed::default(),
             exerted: None,
             output: WheelOutput::Release,
@@ -73,8 +72,8 @@ impl WheelDrive for SimulatedDrive {
         if !accepts(&torques, self.max_torque_nm) {
             return Err(ErrorKind::OutOfRange);
         }
-        self.output = match &self.motor {
-            Some(motor) => {
+        self.output = match &self.driver {
+            Driver::Motors(motor) => {
                 let commands = motor.commands(&torques, &self.observed);
                 if commands.is_invalid() {
                     return Err(ErrorKind::Other);
@@ -85,9 +84,13 @@ impl WheelDrive for SimulatedDrive {
                     left: commands.left.duty,
                 }
             }
-            None => WheelOutput::Torque {
+            Driver::Torques => WheelOutput::Torque {
                 right: torques.right,
                 left: torques.left,
+            },
+            Driver::Speeds(_) => WheelOutput::Speed {
+                right: self.observed.desired.right,
+                left: self.observed.desired.left,
             },
         };
         self.answer

@@ -39,7 +39,7 @@ impl<'queue> BasePil<'queue> {
             return BaseAnswer::Nack(RejectReason::State);
         };
         let most = self.params.motion.limits.wheel_torque_nm;
-        let drive = SimulatedDrive::new(base.motor().copied(), most);
+        let drive = SimulatedDrive::new(base.driver(), most);
         match ControlTask::new(drive, references, self.params, start) {
             Ok(task) => {
                 self.task = Some(task);

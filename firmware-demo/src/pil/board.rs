@@ -46,7 +46,7 @@ impl<'queue> BoardPil<'queue> {
         };
         let (references, ends, receiver) = queues.split(decimate);
         let most = self.params.motion.limits.wheel_torque_nm;
-        let drive = SimulatedDrive::new(base.motor().copied(), most);
+        let drive = SimulatedDrive::new(base.driver(), most);
         match ControlTask::new(drive, references, self.params, start) {
             Ok(task) => {
                 self.running = Some(Running {

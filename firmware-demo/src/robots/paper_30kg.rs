@@ -8,7 +8,7 @@ use controller_core::localiser::{FusionParams, LocaliserParams};
 use controller_core::motion::{
     Arrival, AtRest, Limits, MotionGains, MotionParams, Parking, SaturationPolicy,
 };
-use controller_core::motor::{MotorParams, WheelFriction};
+use controller_core::motor::{DriverParams, MotorParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{Emergency, IdleOutput, RestLimits, SupervisorParams};
@@ -102,7 +102,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         }),
         gyro: None,
     },
-    motor: Some(MotorParams {
+    driver: DriverParams::Motors(MotorParams {
         gear_ratio: 30.0,
         gear_efficiency: 0.8,
         torque_constant_nm_per_a: 0.055,

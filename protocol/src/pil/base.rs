@@ -3,7 +3,7 @@
 use controller_core::base::{BaseParams, Order, Sensed};
 use controller_core::localiser::LocaliserParams;
 use controller_core::motion::MotionParams;
-use controller_core::motor::MotorParams;
+use controller_core::motor::DriverParams;
 use controller_core::safety::supervisor::SupervisorParams;
 use controller_core::safety::{DetectorParams, PolicyParams};
 use controller_core::types::Pose;
@@ -60,8 +60,8 @@ pub enum BasePart {
     Motion(MotionParams<f32>),
     /// Odometry and external poses.
     Localiser(LocaliserParams<f32>),
-    /// Motors, if the base has bridges.
-    Motor(Option<MotorParams<f32>>),
+    /// What drives the wheels.
+    Driver(DriverParams<f32>),
     /// Thresholds and timeouts.
     Detectors(DetectorParams<f32>),
     /// Reactions to faults.
@@ -76,7 +76,7 @@ impl BasePart {
         [
             Self::Motion(params.motion),
             Self::Localiser(params.localiser),
-            Self::Motor(params.motor),
+            Self::Driver(params.driver),
             Self::Detectors(params.detectors),
             Self::Policy(params.policy),
             Self::Supervisor(params.supervisor),
@@ -88,7 +88,7 @@ impl BasePart {
         match self {
             Self::Motion(motion) => params.motion = *motion,
             Self::Localiser(localiser) => params.localiser = *localiser,
-            Self::Motor(motor) => params.motor = *motor,
+            Self::Driver(driver) => params.driver = *driver,
             Self::Detectors(detectors) => params.detectors = *detectors,
             Self::Policy(policy) => params.policy = *policy,
             Self::Supervisor(supervisor) => params.supervisor = *supervisor,
@@ -190,6 +190,15 @@ pub enum WheelOutput {
     },
     /// Share of the supply at each motor, −1 to 1.
     Duty {
+        /// Right wheel.
+        #[serde(deserialize_with = "crate::values::real")]
+        right: f32,
+        /// Left wheel.
+        #[serde(deserialize_with = "crate::values::real")]
+        left: f32,
+    },
+    /// Speed of each wheel, which its driver holds \[rad/s\].
+    Speed {
         /// Right wheel.
         #[serde(deserialize_with = "crate::values::real")]
         right: f32,

@@ -77,7 +77,10 @@ impl Bounds {
         let wheels = &robot.wheels;
         let radius = wheels.radius_right_m.min(wheels.radius_left_m);
         let half_track = 0.5 * wheels.track_m;
-        let motor = base.hardware.map(|hardware| hardware.motor);
+        let motor = base
+            .hardware
+            .as_ref()
+            .and_then(|hardware| hardware.drivers.motor());
         let believed = base.robot_with_rotors();
         let mass = believed.mass_kg + robot.mass_kg * (body.mass_factor - 1.0);
         let inertia = believed.inertia_kg_m2 + robot.inertia_kg_m2 * (body.inertia_factor - 1.0);

@@ -46,9 +46,10 @@ pub(super) fn outputs(
         (WheelAction::Drive(_), Actuation::Duty { right, left }) => {
             right.abs() <= 1.0 && left.abs() <= 1.0
         }
-        (WheelAction::Drive(_), Actuation::Torque { right, left }) => {
-            right.is_finite() && left.is_finite()
-        }
+        (
+            WheelAction::Drive(_),
+            Actuation::Torque { right, left } | Actuation::Speed { right, left },
+        ) => right.is_finite() && left.is_finite(),
         _ => false,
     };
     if !applied {

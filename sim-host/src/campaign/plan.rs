@@ -161,6 +161,20 @@ impl Bases {
         })
     }
 
+    /// Those built in, each with [`SPEED_DRIVER`](crate::scenario::SPEED_DRIVER).
+    ///
+    /// # Errors
+    /// As [`BaseSpec::parse`]; a test reads them all.
+    pub fn with_speed_driver() -> Result<Self, ScenarioError> {
+        let bases = BASES
+            .iter()
+            .map(crate::scenario::BuiltInBase::with_speed_driver);
+        Ok(Self {
+            all: bases.collect::<Result<_, _>>()?,
+            kinds: FaultInjectionKind::ALL.to_vec(),
+        })
+    }
+
     /// Kinds of trouble that they can have.
     pub fn kinds(&self) -> &[FaultInjectionKind] {
         &self.kinds

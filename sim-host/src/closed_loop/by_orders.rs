@@ -82,7 +82,7 @@ impl Parts {
             World::new(&keys.params(robot), start, setup.seed).map_err(ClosedLoopError::World)?;
         let most = params.motion.limits.wheel_torque_nm;
         Ok(Self {
-            hal: PlantHal::new(world, valid.motor().copied(), most),
+            hal: PlantHal::new(world, valid.driver(), most),
             params,
             start: start.pose.cast(),
             period_us,

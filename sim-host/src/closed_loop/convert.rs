@@ -7,13 +7,14 @@ use controller_core::gyro::GyroReading;
 use controller_core::localiser::{Fix, LocaliserParams};
 use controller_core::maths::Single;
 use controller_core::motion::Task;
+use controller_core::motor::DriverParams;
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::robot::Robot;
-use controller_core::safety::Currents;
+use controller_core::safety::{Currents, SupplyDetectorParams};
 use controller_core::wheels::WheelGeometry;
 use protocol::pil::WheelOutput;
 
-use crate::mission::BaseSpec;
+use crate::mission::{BaseSpec, Drivers};
 use crate::world::{Actuation, World};
 
 /// Counts per turn and bandwidth of a base that says nothing about its encoders.
@@ -27,16 +28,23 @@ const PLAIN_ENCODER: (f64, f64) = (4096.0, 50.0);
 pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamError> {
     let robot: Robot = base.robot.cast();
     let limits = base.limits.cast();
-    let (localiser, motor) = match &base.hardware {
+    let (localiser, driver) = match &base.hardware {
         Some(hardware) => (
             hardware.localiser(&base.robot.wheels),
-            Some(hardware.motor(base.limits.speed, smaller_radius(base))),
+            hardware.driver(base.limits.speed, smaller_radius(base)),
         ),
-        None => (plain_localiser(robot.wheels), None),
+        None => (plain_localiser(robot.wheels), DriverParams::Torques),
     };
-    let mut params = BaseParams::new(robot, limits, localiser, motor, period_us)?;
+    let mut params = BaseParams::new(robot, limits, localiser, driver, period_us)?;
     if let Some(gains) = &base.gains {
         params = params.with_gains(gains.cast());
+    }
+    if let Some(hardware) = &base.hardware
+        && let Drivers::SpeedLoops(_, Some(_)) = hardware.drivers
+    {
+        // Motors and battery are the drivers' own, but the battery is measured as that of bridges is.
+        let volts = hardware.battery.nominal_v as f32;
+        params.detectors.supply = SupplyDetectorParams::for_nominal(volts);
     }
     params.policy = base.policy;
     Ok(params)
@@ -75,6 +83,9 @@ pub(super) fn with_hardware(
     let plain = crate::world::WorldKeys::default();
     let mut all = keys.clone();
     all.motor = all.motor.or(own.motor);
+    if all.speed_loop_s == plain.speed_loop_s {
+        all.speed_loop_s = own.speed_loop_s;
+    }
     if all.battery == plain.battery {
         all.battery = own.battery;
     }
@@ -131,6 +142,10 @@ impl From<&WheelOutput> for Actuation {
                 left: f64::from(left),
             },
             WheelOutput::Duty { right, left } => Self::Duty {
+                right: f64::from(right),
+                left: f64::from(left),
+            },
+            WheelOutput::Speed { right, left } => Self::Speed {
                 right: f64::from(right),
                 left: f64::from(left),
             },

@@ -7,7 +7,7 @@ use controller_core::gyro::GyroReading;
 use controller_core::hal::{
     Clock, ErrorKind, ErrorType, Observed, WheelCounts, WheelDrive, WheelEncoders, YawGyro,
 };
-use controller_core::motor::Motor;
+use controller_core::motor::Driver;
 use controller_core::types::WheelTorques;
 use firmware_demo::drive::{DriveOutput, SimulatedDrive};
 use protocol::pil::WheelOutput;
@@ -24,11 +24,11 @@ pub struct PlantHal {
 }
 
 impl PlantHal {
-    /// Released wheels in a world. Without `motor` the wheels take torques up to `max_torque_nm`.
-    pub fn new(world: World, motor: Option<Motor<f32>>, max_torque_nm: f32) -> Self {
+    /// Released wheels in a world. Without motors they take torques up to `max_torque_nm`.
+    pub fn new(world: World, driver: &Driver<f32>, max_torque_nm: f32) -> Self {
         Self {
             world,
-            drive: SimulatedDrive::new(motor, max_torque_nm),
+            drive: SimulatedDrive::new(driver, max_torque_nm),
             actuation: Actuation::Release,
         }
     }

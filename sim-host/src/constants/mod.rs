@@ -17,6 +17,7 @@ mod literal;
 use crate::closed_loop;
 use crate::mission::BaseSpec;
 use controller_core::error::ParamError;
+use controller_core::motor::DriverParams;
 
 pub use c_header::c_header;
 pub use literal::NoLiteral;
@@ -57,10 +58,11 @@ pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
     let params = closed_loop::params(base, period_us)?;
     // A name goes into comments: on one line, and in no sentence, whatever its grammar.
     let name = base.name.replace(['\n', '\r'], " ");
-    let motor = params.motor.map_or(
-        "",
-        |_| "use controller_core::motor::{MotorParams, WheelFriction};\n",
-    );
+    let driver = match &params.driver {
+        DriverParams::Torques => "DriverParams",
+        DriverParams::Motors(_) => "{DriverParams, MotorParams, WheelFriction}",
+        DriverParams::Speeds(_) => "{DriverParams, SpeedParams}",
+    };
     let localiser = params
         .localiser
         .fusion
@@ -82,7 +84,8 @@ use controller_core::base::BaseParams;
 use controller_core::motion::{{
     Arrival, AtRest, {jump}Limits, MotionGains, MotionParams, Parking, SaturationPolicy,
 }};
-{motor}use controller_core::odometry::{{Calibration, OdometryParams}};
+use controller_core::motor::{driver};
+use controller_core::odometry::{{Calibration, OdometryParams}};
 use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{{Emergency, IdleOutput, RestLimits, SupervisorParams}};
 use controller_core::safety::{{

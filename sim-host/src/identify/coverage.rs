@@ -4,7 +4,7 @@ use super::record::base_log;
 use super::{Entry, IdentifyError, Known, Options, Quantity as Q, SIDES, Verdict, identify};
 use crate::mission::{BaseSpec, Hardware};
 use crate::rate::clopper_pearson;
-use crate::world::WorldError;
+use crate::world::{MotorParams, WorldError};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -64,8 +64,9 @@ impl Rate {
 pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, CoverageError> {
     let hardware = base.hardware.as_ref().ok_or(CoverageError::NoMotors)?;
     let mut known = Known::default();
-    known.gear = Some(hardware.motor.gear_ratio);
-    known.current_limit_a = Some(hardware.motor.current_limit_a);
+    let motor = hardware.drivers.motor().ok_or(CoverageError::NoMotors)?;
+    known.gear = Some(motor.gear_ratio);
+    known.current_limit_a = Some(motor.current_limit_a);
     let options = Options {
         known,
         latency_s: hardware.pose_source.map_or(0.0, |source| source.latency_s),
@@ -74,12 +75,12 @@ pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, Co
     let logs: Vec<Vec<Entry>> = (0..runs as u64)
         .into_par_iter()
         .map(|run| {
-            let log = base_log(base, hardware, seed.wrapping_add(run))?;
+            let log = base_log(base, (hardware, motor), seed.wrapping_add(run))?;
             let found = identify(&log, &options)?;
             Ok([found.quantities, found.combinations].concat())
         })
         .collect::<Result<_, CoverageError>>()?;
-    let truths = truths(base, hardware).into_iter();
+    let truths = truths(base, (hardware, motor)).into_iter();
     let rates = truths.map(|(name, truth)| {
         let mut rate = Rate {
             name,
@@ -107,8 +108,8 @@ pub fn coverage(base: &BaseSpec, runs: usize, seed: u64) -> Result<Vec<Rate>, Co
 }
 
 /// True values by name, of all that a log with duties, supply, currents, counts and poses can determine.
-pub fn truths(base: &BaseSpec, hardware: &Hardware) -> Vec<(String, f64)> {
-    let (robot, motor) = (base.robot_with_rotors(), &hardware.motor);
+pub fn truths(base: &BaseSpec, (hardware, motor): (&Hardware, &MotorParams)) -> Vec<(String, f64)> {
+    let robot = base.robot_with_rotors();
     let wheels = &robot.wheels;
     let named = |q: Q, value: f64| (q.name().to_owned(), value);
     let constant = motor

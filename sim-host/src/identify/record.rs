@@ -4,7 +4,7 @@
 
 use super::log::{Drive, Fix, Log, voltages};
 use crate::mission::{BaseSpec, Hardware};
-use crate::world::{Actuation, World, WorldError, WorldKeys, WorldParams};
+use crate::world::{Actuation, MotorParams, World, WorldError, WorldKeys, WorldParams};
 use controller_core::types::{Measured, Pose, Twist};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
@@ -89,20 +89,26 @@ pub fn sensed_world(hardware: &Hardware) -> WorldKeys {
     let mut keys = hardware.world();
     keys.substep_us = SUBSTEP_US;
     keys.noise.supply_v = SUPPLY_NOISE * hardware.battery.nominal_v;
-    if hardware.motor.current_limit_a.is_finite() {
-        keys.noise.current_a = CURRENT_NOISE * hardware.motor.current_limit_a;
+    if let Some(motor) = hardware.drivers.motor()
+        && motor.current_limit_a.is_finite()
+    {
+        keys.noise.current_a = CURRENT_NOISE * motor.current_limit_a;
     }
     keys
 }
 
-/// A drive of the base with all of its own hardware, as it is recommended: another one for each seed.
+/// A drive of the base with all of its own hardware, whose motors take duties, as it is recommended: another one for each seed.
 ///
 /// # Errors
 /// Hardware that is no plant.
-pub fn base_log(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Result<Log, WorldError> {
+pub fn base_log(
+    base: &BaseSpec,
+    (hardware, motor): (&Hardware, &MotorParams),
+    seed: u64,
+) -> Result<Log, WorldError> {
     let params = sensed_world(hardware).params(&base.robot);
     let period_us = (1.0e6 * hardware.period_s).round() as u32;
-    let duties = drive(base, hardware, seed);
+    let duties = drive(base, (hardware, motor), seed);
     record(&params, period_us, seed, DURATION_S, |row, _| {
         duties.get(row).copied().unwrap_or_default()
     })
@@ -122,9 +128,13 @@ const PARTS: [Part; 4] = [
 const PAUSE_S: f64 = 0.5;
 
 /// Duties row by row: levels of 30 to 80 % for 0.3 to 1 s, drawn by `seed`, joined by ramps.
-fn drive(base: &BaseSpec, hardware: &Hardware, seed: u64) -> Vec<[f64; 2]> {
+fn drive(
+    base: &BaseSpec,
+    (hardware, motor): (&Hardware, &MotorParams),
+    seed: u64,
+) -> Vec<[f64; 2]> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let (robot, motor) = (base.robot_with_rotors(), &hardware.motor);
+    let robot = base.robot_with_rotors();
     let r2 = robot.wheels.radius_right_m * robot.wheels.radius_left_m;
     let straight = 0.5 * robot.mass_kg * r2;
     let turning = 2.0 * robot.inertia_kg_m2 * r2 / robot.wheels.track_m.powi(2);

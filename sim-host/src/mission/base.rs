@@ -79,8 +79,9 @@ impl BaseSpec {
 
     /// The robot as its wheels feel it: with the rotors of its motors.
     pub fn robot_with_rotors(&self) -> Robot<f64> {
-        let rotor = |hardware: &Hardware| hardware.motor.rotor_at_wheel_kg_m2();
-        let inertia = self.hardware.as_ref().map_or(0.0, rotor);
+        let hardware = self.hardware.as_ref();
+        let motor = hardware.and_then(|hardware| hardware.drivers.motor());
+        let inertia = motor.map_or(0.0, |motor| motor.rotor_at_wheel_kg_m2());
         self.robot.with_wheel_inertia(inertia)
     }
 

@@ -1,12 +1,12 @@
 //! What a base has beside its body: motors, battery, encoders, a localisation.
 
 use crate::world::{
-    BatteryParams, EncoderParams, FrictionParams, GyroParams as TrueGyro, MotorParams as TrueMotor,
-    PoseSourceParams, WorldKeys,
+    BatteryParams, EncoderParams, FrictionParams, GyroParams as TrueGyro, LEAST_LOOP_S,
+    MotorParams as TrueMotor, PoseSourceParams, WorldKeys,
 };
 use controller_core::gyro::GyroParams;
 use controller_core::localiser::{FusionParams, LocaliserParams};
-use controller_core::motor::{MotorParams, WheelFriction};
+use controller_core::motor::{DriverParams, MotorParams, SpeedParams, WheelFriction};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::scalar::Scalar;
 use controller_core::wheels::WheelGeometry;
@@ -17,8 +17,8 @@ pub const OLDEST_POSE: f64 = 1.5;
 /// Hardware of a base, as its data sheets and an identification have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hardware {
-    /// Both motors.
-    pub motor: TrueMotor,
+    /// What drives the wheels.
+    pub drivers: Drivers,
     /// Battery.
     pub battery: BatteryParams,
     /// Friction at the wheels.
@@ -33,6 +33,25 @@ pub struct Hardware {
     pub gyro: Option<Gyro>,
     /// Control period \[s\].
     pub period_s: f64,
+}
+
+/// What drives the wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drivers {
+    /// Motors on bridges, which the base commands by duty.
+    Bridges(TrueMotor),
+    /// Drivers that close their own speed loop; their motors where they are known.
+    SpeedLoops(SpeedParams<f64>, Option<TrueMotor>),
+}
+
+impl Drivers {
+    /// Both motors, where they are known.
+    pub const fn motor(&self) -> Option<&TrueMotor> {
+        match self {
+            Self::Bridges(motor) | Self::SpeedLoops(_, Some(motor)) => Some(motor),
+            Self::SpeedLoops(_, None) => None,
+        }
+    }
 }
 
 /// A gyro, and what the base makes of it.
@@ -81,12 +100,22 @@ const BLEND_SHARE: f64 = 0.001;
 const BREAK_LOOSE: f64 = 1.3;
 
 impl Hardware {
-    /// The core's motor layer for a base of this largest speed \[m/s\] and wheel radius \[m\].
-    ///
-    /// Rolling resistance is not known to a motor; it is left to the disturbance estimate.
-    pub fn motor<T: Scalar>(&self, speed: f64, radius: f64) -> MotorParams<T> {
+    /// What drives a base of this largest speed \[m/s\] and wheel radius \[m\], for the core.
+    pub fn driver<T: Scalar>(&self, speed: f64, radius: f64) -> DriverParams<T> {
         let f = T::from_f64;
-        let motor = &self.motor;
+        match &self.drivers {
+            Drivers::Bridges(motor) => DriverParams::Motors(self.motor_layer(motor, speed, radius)),
+            Drivers::SpeedLoops(speeds, _) => DriverParams::Speeds(SpeedParams {
+                max_speed_rad_s: f(speeds.max_speed_rad_s),
+                min_speed_rad_s: f(speeds.min_speed_rad_s),
+                lag_s: f(speeds.lag_s),
+            }),
+        }
+    }
+
+    /// The core's motor layer. Rolling resistance is not known to a motor; it is left to the disturbance estimate.
+    fn motor_layer<T: Scalar>(&self, motor: &TrueMotor, speed: f64, radius: f64) -> MotorParams<T> {
+        let f = T::from_f64;
         let friction = &self.friction;
         let stiction = BREAK_LOOSE * friction.static_nm - friction.coulomb_nm;
         MotorParams {
@@ -126,8 +155,13 @@ impl Hardware {
 
     /// This hardware on a perfect floor.
     pub fn world(&self) -> WorldKeys {
+        let plain = WorldKeys::default();
         WorldKeys {
-            motor: Some(self.motor),
+            motor: self.drivers.motor().copied(),
+            speed_loop_s: match self.drivers {
+                Drivers::SpeedLoops(SpeedParams { lag_s, .. }, _) => lag_s.max(LEAST_LOOP_S),
+                Drivers::Bridges(_) => plain.speed_loop_s,
+            },
             battery: self.battery,
             friction: self.friction,
             encoder: EncoderParams {
@@ -136,7 +170,7 @@ impl Hardware {
             },
             pose_source: self.pose_source,
             gyro: self.gyro.map(|gyro| gyro.sensor),
-            ..WorldKeys::default()
+            ..plain
         }
     }
 }

@@ -216,6 +216,7 @@ fn signals(ticked: &BaseTicked) -> Vec<(&'static str, f32)> {
         WheelOutput::Brake => (1, 0.0, 0.0),
         WheelOutput::Torque { right, left } => (2, right, left),
         WheelOutput::Duty { right, left } => (3, right, left),
+        WheelOutput::Speed { right, left } => (4, right, left),
     };
     // Halves of words are exact as floats; states and outcomes by their names.
     let half = |word: u32, shift: u32| f32::from((word >> shift) as u16);

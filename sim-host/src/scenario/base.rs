@@ -1,7 +1,9 @@
 //! Files that describe a base, and the tables of them that a mission may have.
 
 use super::file::PoseKeys;
-use super::hardware::{ControlKeys, EncoderKeys, GainKeys, GyroKeys, HardwareKeys};
+use super::hardware::{
+    ControlKeys, EncoderKeys, GainKeys, GyroKeys, HardwareKeys, SpeedDriverKeys,
+};
 use super::source::{self, Checked, Source};
 use super::{ScenarioError, renamed};
 use crate::mission::BaseSpec;
@@ -24,6 +26,7 @@ struct File {
     robot: RobotKeys,
     limits: LimitKeys,
     motor: Option<world::MotorParams>,
+    speed_driver: Option<SpeedDriverKeys>,
     battery: Option<world::BatteryParams>,
     friction: Option<world::FrictionParams>,
     encoder: Option<EncoderKeys>,
@@ -102,6 +105,7 @@ impl BaseSpec {
         let mut base = base(name, Some(&keys.robot), Some(&keys.limits), &place)?;
         let hardware = HardwareKeys {
             motor: keys.motor,
+            speed_driver: keys.speed_driver,
             battery: keys.battery,
             friction: keys.friction,
             encoder: keys.encoder,

@@ -29,6 +29,9 @@ bases!["paper-30kg", "lab-10kg", "hobby-1kg"];
 /// A gyro for any of them: the file `parts/icm-42688-p.toml`, which is appended to a base's.
 pub const GYRO: &str = include_str!("../../../parts/icm-42688-p.toml");
 
+/// Drivers with a speed loop for any of them: `parts/speed-driver.toml`, likewise.
+pub const SPEED_DRIVER: &str = include_str!("../../../parts/speed-driver.toml");
+
 impl BuiltInBase {
     /// The built-in base of this name.
     pub fn find(name: &str) -> Option<&'static Self> {
@@ -53,7 +56,19 @@ impl BuiltInBase {
     /// # Errors
     /// As [`BaseSpec::parse`].
     pub fn with_gyro(&self) -> Result<BaseSpec, ScenarioError> {
-        let text = format!("{}\n{GYRO}", self.text);
+        self.with(GYRO)
+    }
+
+    /// The base with [`SPEED_DRIVER`].
+    ///
+    /// # Errors
+    /// As [`BaseSpec::parse`].
+    pub fn with_speed_driver(&self) -> Result<BaseSpec, ScenarioError> {
+        self.with(SPEED_DRIVER)
+    }
+
+    fn with(&self, part: &str) -> Result<BaseSpec, ScenarioError> {
+        let text = format!("{}\n{part}", self.text);
         BaseSpec::parse(&format!("{}.toml", self.name), &text)
     }
 }

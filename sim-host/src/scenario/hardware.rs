@@ -2,7 +2,7 @@
 
 use super::ScenarioError;
 use super::source::{Checked, Source};
-use crate::mission::{BaseSpec, Gyro, Hardware, OLDEST_POSE};
+use crate::mission::{BaseSpec, Drivers, Gyro, Hardware, OLDEST_POSE};
 use crate::world::{
     BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams, WorldError,
 };
@@ -10,11 +10,13 @@ use controller_core::base::REMEMBERED;
 use controller_core::error::Field;
 use controller_core::localiser::LEAST_APART_S;
 use controller_core::motion::MotionGains;
+use controller_core::motor::{Driver, SpeedParams};
 use serde::Deserialize;
 
-/// Tables of the hardware: all of those without a default, or none of them.
+/// Tables of the hardware: all of those without a default, or none of them. `[motor]` or `[speed_driver]` makes them needed.
 pub(super) struct HardwareKeys {
     pub motor: Option<MotorParams>,
+    pub speed_driver: Option<SpeedDriverKeys>,
     pub battery: Option<BatteryParams>,
     pub friction: Option<FrictionParams>,
     pub encoder: Option<EncoderKeys>,
@@ -34,6 +36,28 @@ pub(super) struct EncoderKeys {
 
 fn speed_bandwidth() -> f64 {
     50.0
+}
+
+/// Drivers that close their own speed loop.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpeedDriverKeys {
+    /// That of the motors without load, where they are known.
+    max_speed_rad_s: Option<f64>,
+    #[serde(default)]
+    min_speed_rad_s: f64,
+    lag_s: f64,
+}
+
+impl SpeedDriverKeys {
+    fn params(&self, motor: Option<&MotorParams>, nominal_v: f64) -> Option<SpeedParams<f64>> {
+        let free = |motor: &MotorParams| nominal_v / (motor.gear_ratio * motor.kt_nm_per_a);
+        Some(SpeedParams {
+            max_speed_rad_s: self.max_speed_rad_s.or(motor.map(free))?,
+            min_speed_rad_s: self.min_speed_rad_s,
+            lag_s: self.lag_s,
+        })
+    }
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -103,26 +127,53 @@ pub(super) struct GainKeys {
 }
 
 impl HardwareKeys {
+    /// What drives the wheels; none where nothing says so, or how fast drivers turn them.
+    fn drivers(&self, battery: &BatteryParams) -> Option<Drivers> {
+        let motor = self.motor.as_ref();
+        match &self.speed_driver {
+            Some(driver) => {
+                let speeds = driver.params(motor, battery.nominal_v)?;
+                Some(Drivers::SpeedLoops(speeds, self.motor))
+            }
+            None => self.motor.map(Drivers::Bridges),
+        }
+    }
+
     /// The hardware, if any of it is described.
     pub fn hardware(&self, base: &BaseSpec, place: &Source<'_>) -> Checked<Option<Hardware>> {
-        let Some(motor) = self.motor else {
-            let given = [
-                ("battery", self.battery.is_some()),
-                ("friction", self.friction.is_some()),
-                ("encoder", self.encoder.is_some()),
-                ("pose_source", self.pose_source.is_some()),
-                ("gyro", self.gyro.is_some()),
-                ("control", self.control.is_some()),
-            ];
-            return match given.iter().find(|(_, is_given)| *is_given) {
-                Some((table, _)) => Err(place.error(table, "needs a [motor] as well")),
-                None => Ok(None),
-            };
+        let by = match (self.motor, self.speed_driver) {
+            (_, Some(_)) => "speed_driver",
+            (Some(_), None) => "motor",
+            (None, None) => {
+                let given = [
+                    ("battery", self.battery.is_some()),
+                    ("friction", self.friction.is_some()),
+                    ("encoder", self.encoder.is_some()),
+                    ("pose_source", self.pose_source.is_some()),
+                    ("gyro", self.gyro.is_some()),
+                    ("control", self.control.is_some()),
+                ];
+                return match given.iter().find(|(_, is_given)| *is_given) {
+                    Some((table, _)) => {
+                        Err(place.error(table, "needs a [motor] or a [speed_driver] as well"))
+                    }
+                    None => Ok(None),
+                };
+            }
         };
-        let missing = |table: &str| place.error(table, "is missing: [motor] needs it");
+        let missing = |table: &str| place.error(table, format!("is missing: [{by}] needs it"));
+        let battery = match self.battery {
+            Some(battery) => battery,
+            None if self.motor.is_some() => return Err(missing("battery")),
+            None => BatteryParams::default(),
+        };
+        let drivers = self.drivers(&battery).ok_or_else(|| {
+            let key = "speed_driver.max_speed_rad_s";
+            place.error(key, "is missing; with [motor] it is that without load")
+        })?;
         let hardware = Hardware {
-            motor,
-            battery: self.battery.ok_or_else(|| missing("battery"))?,
+            drivers,
+            battery,
             friction: self.friction.unwrap_or_default(),
             counts_per_turn: self
                 .encoder
@@ -144,18 +195,29 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     plant.map_err(|error| plant_error(&error.key, &error, place))?;
     let wheels = &base.robot.wheels;
     let radius = wheels.radius_right_m.min(wheels.radius_left_m);
-    let motor = hardware
-        .motor::<f64>(base.limits.speed, radius)
-        .validate()
-        .map_err(|error| place.param_error(motor_key(error.field), &error))?;
-    let most = motor.max_torque_nm();
-    if base.limits.wheel_torque_nm > most {
-        let message =
-            format!("is more than the {most:.3} N m that [motor] gives at its current limit");
-        return Err(place.error("limits.wheel_torque", message));
-    }
-    let fastest = motor.no_load_speed_rad_s() * radius;
     let limits = &base.limits;
+    let driver = hardware
+        .driver::<f64>(limits.speed, radius)
+        .validate()
+        .map_err(|error| place.param_error(driver_key(error.field), &error))?;
+    let (fastest, how) = match &driver {
+        Driver::Torques => (f64::INFINITY, ""),
+        Driver::Motors(motor) => {
+            let most = motor.max_torque_nm();
+            if limits.wheel_torque_nm > most {
+                let message = format!(
+                    "is more than the {most:.3} N m that [motor] gives at its current limit"
+                );
+                return Err(place.error("limits.wheel_torque", message));
+            }
+            let fastest = motor.no_load_speed_rad_s() * radius;
+            (fastest, "[motor] runs without load")
+        }
+        Driver::Speeds(speeds) => {
+            let fastest = speeds.params().max_speed_rad_s * radius;
+            (fastest, "[speed_driver] turns it at most")
+        }
+    };
     let turning = 0.5 * wheels.track_m * limits.turn_rate;
     for (key, rim) in [
         ("limits.speed", limits.speed),
@@ -164,7 +226,7 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     ] {
         if rim > fastest {
             let message = format!(
-                "asks a wheel for {rim:.2} m/s, more than the {fastest:.2} m/s at which [motor] runs without load"
+                "asks a wheel for {rim:.2} m/s, more than the {fastest:.2} m/s at which {how}"
             );
             return Err(place.error(key, message));
         }
@@ -208,8 +270,8 @@ pub(super) fn plant_error(key: &str, error: &WorldError, place: &Source<'_>) -> 
     }
 }
 
-/// The key that sets a parameter of the motor layer, or the table that does.
-const fn motor_key(field: Field) -> &'static str {
+/// The key that sets a parameter of what drives the wheels, or the table that does.
+const fn driver_key(field: Field) -> &'static str {
     match field {
         Field::GearRatio => "motor.gear_ratio",
         Field::GearEfficiency => "motor.gear_efficiency",
@@ -218,6 +280,9 @@ const fn motor_key(field: Field) -> &'static str {
         Field::MaxCurrent => "motor.current_limit_a",
         Field::DeadBand => "motor.dead_band",
         Field::RotorInertia => "motor.rotor_inertia_kg_m2",
+        Field::MaxWheelSpeed => "speed_driver.max_speed_rad_s",
+        Field::MinWheelSpeed => "speed_driver.min_speed_rad_s",
+        Field::DriverLag => "speed_driver.lag_s",
         Field::Supply => "battery.nominal_v",
         Field::CoulombFriction => "friction.coulomb_nm",
         Field::Stiction => "friction.static_nm",

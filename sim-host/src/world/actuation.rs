@@ -40,7 +40,7 @@ pub enum Actuation {
         left: f64,
     },
     /// Speed of each wheel \[rad/s\], held by the driver's own loop: without load the speed
-    /// follows as a first-order lag, and a load is integrated away.
+    /// follows as a first-order lag (of turns on the spot or straight lines, whichever moves more of the body; of the others sooner), and a load is integrated away.
     Speed {
         /// Right wheel.
         right: f64,

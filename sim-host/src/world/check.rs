@@ -1,7 +1,7 @@
 //! Ranges of all parameters: outside them the equations have no meaning or the solver no digits.
 
 use super::error::WorldError;
-use super::params::{FloorParams, MotorParams, WorldParams};
+use super::params::{FloorParams, LEAST_LOOP_S, MotorParams, WorldParams};
 use super::sense_params::{GyroParams, PoseSourceParams};
 
 const TINY: f64 = 1.0e-9;
@@ -94,7 +94,6 @@ fn check_motor(m: &MotorParams) -> Result<(), WorldError> {
             ("dead_band", m.dead_band, 0.0, 0.99),
             ("strength", m.strength[0], 0.01, 100.0),
             ("strength", m.strength[1], 0.01, 100.0),
-            ("speed_loop_s", m.speed_loop_s, 1.0e-3, 100.0),
         ],
     )
 }
@@ -153,6 +152,7 @@ fn check_senses(p: &WorldParams) -> Result<(), WorldError> {
             ("late_spread", t.late_spread, 0.0, 3.0),
         ],
     )?;
+    row("", ("speed_loop_s", p.speed_loop_s, LEAST_LOOP_S, 100.0))?;
     row("", ("substep_us", f64::from(p.substep_us), 1.0, 10_000.0))
 }
 

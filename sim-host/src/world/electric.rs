@@ -2,7 +2,7 @@
 
 use super::actuation::Actuation;
 use super::pair::Pair;
-use super::params::{BatteryParams, MotorParams, SPEED_LOOP_S};
+use super::params::{BatteryParams, MotorParams};
 use super::speed_loop::SpeedLoop;
 use controller_core::maths::{Libm, Maths};
 
@@ -86,9 +86,12 @@ struct Mean {
 }
 
 impl Electric {
-    pub fn new(params: Option<MotorParams>, battery: &BatteryParams, moved_kg_m2: Pair) -> Self {
+    pub fn new(
+        (params, loop_s): (Option<MotorParams>, f64),
+        battery: &BatteryParams,
+        moved_kg_m2: Pair,
+    ) -> Self {
         let open_circuit_v = battery.open_circuit_v.unwrap_or(battery.nominal_v);
-        let loop_s = params.map_or(SPEED_LOOP_S, |params| params.speed_loop_s);
         Self {
             motors: params.map(|params| Motors::new(params, battery.internal_ohm, open_circuit_v)),
             open_circuit_v,

@@ -34,7 +34,11 @@ impl World {
     pub fn new(params: &WorldParams, start: &Measured<f64>, seed: u64) -> Result<Self, WorldError> {
         params.check()?;
         let body = Body::new(params, start);
-        let electric = Electric::new(params.motor, &params.battery, body.moved());
+        let electric = Electric::new(
+            (params.motor, params.speed_loop_s),
+            &params.battery,
+            body.moved(),
+        );
         Ok(Self {
             body,
             electric,

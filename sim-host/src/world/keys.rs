@@ -1,8 +1,8 @@
 //! The table `[world]` of a file: what is not said is perfect.
 
 use super::params::{
-    BatteryParams, BodyParams, FloorParams, FrictionParams, MotorParams, PushParams, SUBSTEP_US,
-    WorldParams,
+    BatteryParams, BodyParams, FloorParams, FrictionParams, MotorParams, PushParams, SPEED_LOOP_S,
+    SUBSTEP_US, WorldParams,
 };
 use super::sense_params::{EncoderParams, GyroParams, NoiseParams, PoseSourceParams, TickParams};
 use controller_core::robot::Robot;
@@ -30,6 +30,8 @@ pub struct WorldKeys {
     pub body: BodyKeys,
     /// `[world.motor]`; without it torques are ideal.
     pub motor: Option<MotorParams>,
+    /// As [`WorldParams::speed_loop_s`].
+    pub speed_loop_s: f64,
     /// `[world.battery]`.
     pub battery: BatteryParams,
     /// `[world.friction]`.
@@ -58,6 +60,7 @@ impl Default for WorldKeys {
         Self {
             body: BodyKeys::default(),
             motor: None,
+            speed_loop_s: SPEED_LOOP_S,
             battery: BatteryParams::default(),
             friction: FrictionParams::default(),
             floor: FloorParams::default(),
@@ -125,6 +128,7 @@ impl WorldKeys {
         WorldParams {
             body: self.body.params(robot),
             motor: self.motor,
+            speed_loop_s: self.speed_loop_s,
             battery: self.battery,
             friction: self.friction,
             floor: self.floor.clone(),

@@ -61,8 +61,8 @@ pub use gyro::GyroSample;
 pub use handle::World;
 pub use keys::{BodyKeys, WorldKeys, WorldSetup};
 pub use params::{
-    BatteryParams, BodyParams, FloorParams, FrictionParams, GRAVITY, MotorParams, PatchParams,
-    PushParams, SPEED_LOOP_S, SUBSTEP_US, WorldParams,
+    BatteryParams, BodyParams, FloorParams, FrictionParams, GRAVITY, LEAST_LOOP_S, MotorParams,
+    PatchParams, PushParams, SPEED_LOOP_S, SUBSTEP_US, WorldParams,
 };
 pub use plant_fault::PlantFault;
 pub use sense_params::{EncoderParams, GyroParams, NoiseParams, PoseSourceParams, TickParams};

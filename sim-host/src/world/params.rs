@@ -13,6 +13,8 @@ pub struct WorldParams {
     pub body: BodyParams,
     /// Both motors; none for ideal sources of torque.
     pub motor: Option<MotorParams>,
+    /// Time constant of drivers that close their own speed loop \[s\].
+    pub speed_loop_s: f64,
     /// What feeds the motors.
     pub battery: BatteryParams,
     /// Bearings and tyres.
@@ -41,9 +43,12 @@ pub struct WorldParams {
 /// wheels slip.
 pub const SUBSTEP_US: u32 = 500;
 
-/// Default of [`MotorParams::speed_loop_s`], also without motors: what a driver reaches that closes
+/// Default of [`WorldParams::speed_loop_s`]: what a driver reaches that closes
 /// its loop at 1 kHz on an encoder of some hundred counts \[s\].
 pub const SPEED_LOOP_S: f64 = 0.02;
+
+/// Least of it: a driver cannot hold a wheel more stiffly than its own ticks let it.
+pub const LEAST_LOOP_S: f64 = 1.0e-3;
 
 /// The body on its two wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,9 +101,6 @@ pub struct MotorParams {
     /// Factors on the torque constant of the right and the left motor.
     #[serde(default = "alike")]
     pub strength: [f64; 2],
-    /// Time constant of the driver's own speed loop \[s\].
-    #[serde(default = "loop_s")]
-    pub speed_loop_s: f64,
 }
 
 impl MotorParams {
@@ -221,10 +223,6 @@ fn endless() -> f64 {
 
 fn alike() -> [f64; 2] {
     [1.0, 1.0]
-}
-
-fn loop_s() -> f64 {
-    SPEED_LOOP_S
 }
 
 fn everywhere() -> [f64; 2] {

@@ -313,9 +313,13 @@ impl Body {
         self.slipping = solved.slipping;
     }
 
-    /// Half of the mass each, and the wheel: what a driver moves on a straight line \[kg m²\].
+    /// Half of what a wheel moves of the body on a straight line or turning on the spot, whichever is more, and the wheel: what a driver's loop is
+    /// tuned for \[kg m²\].
     pub fn moved(&self) -> Pair {
-        let r = self.frame.radius;
-        0.5 * self.mass_kg * r * r + self.wheel_inertia
+        let (r, frame) = (self.frame.radius, &self.frame);
+        let half = frame.lever[0];
+        let turning =
+            (1.0 / frame.per_inertia + self.mass_kg * frame.ahead * frame.ahead) / (half * half);
+        0.5 * self.mass_kg.max(turning) * r * r + self.wheel_inertia
     }
 }

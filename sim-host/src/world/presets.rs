@@ -105,7 +105,6 @@ pub fn hobby_1kg() -> WorldKeys {
             dead_band: 0.03,
             // Brushed motors of one lot differ by 5 to 10 %.
             strength: [1.03, 0.97],
-            speed_loop_s: 0.02,
         },
         // Eight NiMH cells of 30 mΩ with leads, half empty.
         (12.0, 11.4, 0.35),
@@ -132,7 +131,6 @@ pub fn lab_10kg() -> WorldKeys {
             current_limit_a: 6.0,
             dead_band: 0.02,
             strength: [1.03, 0.97],
-            speed_loop_s: 0.02,
         },
         // Two lead batteries in row, half empty.
         (24.0, 23.5, 0.15),
@@ -158,7 +156,6 @@ pub fn paper_30kg() -> WorldKeys {
             current_limit_a: 12.0,
             dead_band: 0.02,
             strength: [1.03, 0.97],
-            speed_loop_s: 0.02,
         },
         // Thirteen lithium cells in row with fuse and leads, half empty.
         (48.0, 47.0, 0.1),

@@ -5,7 +5,7 @@ use controller_core::maths::{Libm, Maths};
 /// A loop demands torque `gain` ω_c + `integral` − `gain` ω.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpeedLoop {
-    /// Half the body and a wheel, as the loop sees them \[kg m²\].
+    /// What the loop is tuned for \[kg m²\]; a wheel with less to move follows sooner.
     moved_kg_m2: f64,
     loop_s: f64,
     /// Speed that its model has reached, and what the wheel lacked of it at the start of the substep \[rad/s\].

@@ -86,14 +86,15 @@ fn intervals_hold_on_the_paper_base() {
 fn voltages_behind_a_battery_that_sags_tell_no_motion() {
     const LOGS: u64 = 5;
     let base = base("lab-10kg");
-    let mut hardware = base.hardware.expect("motors");
+    let mut hardware = base.hardware.expect("hardware");
+    let motor = *hardware.drivers.motor().expect("motors");
     let mut identified = |ohm: f64| {
         hardware.battery.internal_ohm = ohm;
         let of = |seed: u64| {
-            let mut log = base_log(&base, &hardware, SEED + 200 + seed).expect("a plant");
+            let mut log = base_log(&base, (&hardware, &motor), SEED + 200 + seed).expect("a plant");
             let supply = log.supply.take().expect("measured");
             for (pair, supply) in log.command.iter_mut().zip(supply) {
-                let lost = hardware.motor.dead_band * supply;
+                let lost = motor.dead_band * supply;
                 *pair = pair.map(|v| (v.abs() - lost).max(0.0).copysign(v));
             }
             let found = identify(&log, &Options::default()).expect("signs agree");

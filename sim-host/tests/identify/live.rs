@@ -14,7 +14,7 @@ use sim_host::identify::coverage::truths;
 use sim_host::identify::live::{Bench, BenchError, record_live};
 use sim_host::identify::record::sensed_world;
 use sim_host::identify::{Identified, Log, Options, Verdict, identify};
-use sim_host::mission::BaseSpec;
+use sim_host::mission::{BaseSpec, Drivers};
 use sim_host::monitor::{Lost, Monitor, MonitorError, RecordedDrive};
 use sim_host::teleop::{Line, Simulated};
 use sim_host::world::{PlantFault, Side, WorldSetup};
@@ -49,8 +49,11 @@ fn believed(truth: &BaseSpec, seed: u32) -> (BaseSpec, WorldSetup) {
     body.radius_left_factor = off(&mut robot.wheels.radius_left_m, 1.01);
     body.track_factor = off(&mut robot.wheels.track_m, 0.97);
     let hardware = believed.hardware.as_mut().expect("motors");
-    off(&mut hardware.motor.kt_nm_per_a, 1.04);
-    off(&mut hardware.motor.resistance_ohm, 0.85);
+    let Drivers::Bridges(motor) = &mut hardware.drivers else {
+        panic!("no motors on bridges");
+    };
+    off(&mut motor.kt_nm_per_a, 1.04);
+    off(&mut motor.resistance_ohm, 0.85);
     off(&mut hardware.friction.coulomb_nm, 0.7);
     off(&mut hardware.friction.static_nm, 0.7);
     off(&mut hardware.friction.viscous_nm_s, 0.7);
@@ -121,14 +124,17 @@ fn found(drive: &RecordedDrive, truth: &BaseSpec) -> Identified {
     drive.write(&mut csv).expect("written");
     let log = Log::read(&csv[..], Some(hardware.counts_per_turn)).expect("a log");
     let mut options = Options::default();
-    options.known.gear = Some(hardware.motor.gear_ratio);
-    options.known.current_limit_a = Some(hardware.motor.current_limit_a);
+    let motor = hardware.drivers.motor().expect("motors");
+    options.known.gear = Some(motor.gear_ratio);
+    options.known.current_limit_a = Some(motor.current_limit_a);
     identify(&log, &options).expect("signs agree")
 }
 
 /// Of all that was identified, by name: the error as a share of the interval's half width, and that of the true value.
 fn errors(found: &Identified, truth: &BaseSpec) -> BTreeMap<String, [f64; 2]> {
-    let truths = truths(truth, truth.hardware.as_ref().expect("motors"));
+    let hardware = truth.hardware.as_ref().expect("hardware");
+    let motor = hardware.drivers.motor().expect("motors");
+    let truths = truths(truth, (hardware, motor));
     let entries = || found.quantities.iter().chain(&found.combinations);
     let known = truths.into_iter().filter_map(|(name, truth)| {
         match &entries().find(|entry| entry.name == name)?.verdict {
@@ -544,18 +550,14 @@ fn the_program_identifies_a_base_over_a_socket() {
     let table: toml::Table = file.parse().expect("TOML");
     let number =
         |table: &toml::Table, name: &str, key: &str| table[name][key].as_float().expect("a number");
-    let hardware = truth.hardware.expect("motors");
+    let hardware = truth.hardware.expect("hardware");
+    let motor = hardware.drivers.motor().expect("motors");
     // The intervals of a drive of 12 s, and more: they are the other tests' business.
     for (name, key, truth, off) in [
         ("robot", "r_right", truth.robot.wheels.radius_right_m, 0.01),
         ("robot", "l", truth.robot.wheels.track_m, 0.01),
-        ("motor", "kt_nm_per_a", hardware.motor.kt_nm_per_a, 0.005),
-        (
-            "motor",
-            "resistance_ohm",
-            hardware.motor.resistance_ohm,
-            0.05,
-        ),
+        ("motor", "kt_nm_per_a", motor.kt_nm_per_a, 0.005),
+        ("motor", "resistance_ohm", motor.resistance_ohm, 0.05),
         ("friction", "coulomb_nm", hardware.friction.coulomb_nm, 0.1),
     ] {
         let found = number(&table, name, key);

@@ -6,7 +6,7 @@ use sim_host::identify::Log;
 use sim_host::identify::record::{self, SUBSTEP_US};
 use sim_host::world::{
     BatteryParams, BodyParams, EncoderParams, FloorParams, FrictionParams, MotorParams,
-    NoiseParams, PoseSourceParams, TickParams, WorldParams,
+    NoiseParams, PoseSourceParams, SPEED_LOOP_S, TickParams, WorldParams,
 };
 
 /// Gear of the motors that move the robots here.
@@ -51,8 +51,8 @@ pub fn plant(robot: &Robot) -> WorldParams {
             current_limit_a: f64::INFINITY,
             dead_band: 0.0,
             strength: robot.constant.map(|k| k / mean),
-            speed_loop_s: 0.02,
         }),
+        speed_loop_s: SPEED_LOOP_S,
         battery: BatteryParams {
             nominal_v: robot.supply,
             ..BatteryParams::default()

@@ -75,7 +75,9 @@ fn sides_with_one_key_get_their_mean_and_a_note() {
             (Q::ResistanceLeft, 0.92, 0.05),
         ],
     );
-    assert_eq!(base.hardware.expect("motors").motor.resistance_ohm, 0.91);
+    let hardware = base.hardware.expect("hardware");
+    let motor = hardware.drivers.motor().expect("motors");
+    assert_eq!(motor.resistance_ohm, 0.91);
     assert!(alike.notes.is_empty(), "{:?}", alike.notes);
     let (unlike, _) = updated(
         LAB,
@@ -146,7 +148,8 @@ fn losses_that_were_found_are_written() {
     }
     let updated = update(LAB, &found, None).expect("TOML");
     let base = BaseSpec::parse("robot.toml", &updated.text).expect("a base");
-    let motor = base.hardware.expect("motors").motor;
+    let hardware = base.hardware.expect("hardware");
+    let motor = hardware.drivers.motor().expect("motors");
     assert_eq!(motor.gear_efficiency, 1.0);
     assert_eq!(motor.dead_band, 0.025);
     // No gear gives torque back, which is said; nor is there a loss that was not found.

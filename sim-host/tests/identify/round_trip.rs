@@ -82,6 +82,8 @@ fn a_wrong_file_becomes_that_of_the_true_robot() {
     let base = BaseSpec::load(&path).unwrap_or_else(|error| panic!("{error}\n{text}"));
 
     let (is, was) = (base.hardware.expect("motors"), hardware);
+    let is_motor = is.drivers.motor().expect("motors");
+    let was_motor = was.drivers.motor().expect("motors");
     let strong = |motor: &sim_host::world::MotorParams, i: usize| {
         motor.gear_ratio * motor.kt_nm_per_a * motor.strength[i]
     };
@@ -107,18 +109,18 @@ fn a_wrong_file_becomes_that_of_the_true_robot() {
         ),
         (
             &[Q::MotorConstantRight],
-            strong(&is.motor, 0),
-            strong(&was.motor, 0),
+            strong(is_motor, 0),
+            strong(was_motor, 0),
         ),
         (
             &[Q::MotorConstantLeft],
-            strong(&is.motor, 1),
-            strong(&was.motor, 1),
+            strong(is_motor, 1),
+            strong(was_motor, 1),
         ),
         (
             &[Q::ResistanceRight, Q::ResistanceLeft],
-            is.motor.resistance_ohm,
-            was.motor.resistance_ohm,
+            is_motor.resistance_ohm,
+            was_motor.resistance_ohm,
         ),
         (
             &[Q::CoulombRight, Q::CoulombLeft],

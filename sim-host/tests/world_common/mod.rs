@@ -32,7 +32,6 @@ pub fn motor() -> MotorParams {
         current_limit_a: f64::INFINITY,
         dead_band: 0.0,
         strength: [1.0, 1.0],
-        speed_loop_s: 0.05,
     }
 }
 

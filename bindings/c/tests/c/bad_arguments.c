@@ -181,6 +181,25 @@ static void texts(void) {
     EXPECT(strcmp(twb_fault_name(0xFFFFFFFFu), "unknown") == 0);
 }
 
+/* Drivers that close their own speed loop get speeds and no duties; a base that is only armed lets them go. */
+static void by_speeds(void) {
+    twb_base other;
+    twb_order go;
+    int tick;
+    memset(&go, 0, sizeof go);
+    EXPECT(twb_init(&other, sizeof other, TWB_API, with_speed_drivers, sizeof with_speed_drivers, &pose) == TWB_OK);
+    EXPECT(twb_tick(&other, 10000, &go, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_RELEASE);
+    EXPECT(twb_arm(&other) == TWB_OK);
+    EXPECT(twb_tick(&other, 10000, &go, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_RELEASE);
+    go.kind = TWB_ORDER_VELOCITY;
+    go.twist.v = 0.3f;
+    for (tick = 0; tick < 10; ++tick) {
+        EXPECT(twb_tick(&other, 10000, &go, &sensed, &action) == TWB_OK && action.kind == TWB_ACTION_DRIVE);
+        EXPECT((action.flags & (TWB_ACTION_SPEEDS | TWB_ACTION_DUTY)) == TWB_ACTION_SPEEDS);
+    }
+    EXPECT(action.desired.right > 0.0f && action.desired.right <= 20.0f && action.duty.right == 0.0f);
+}
+
 int main(void) {
     EXPECT(twb_api() == TWB_API);
     refuses_all(NULL, TWB_NULL);
@@ -222,6 +241,7 @@ int main(void) {
     EXPECT(twb_get_report(&base, &report) == TWB_OK && report.state == TWB_STATE_FAULT);
     EXPECT(twb_arm(&base) == TWB_REFUSED);
     EXPECT(twb_reset(&base) == TWB_OK && twb_arm(&base) == TWB_OK && twb_disarm(&base) == TWB_OK);
+    by_speeds();
     texts();
     printf("%u checks, %u failed\n", checks, failures);
     return failures != 0;

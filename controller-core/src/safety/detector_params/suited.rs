@@ -7,6 +7,22 @@ use super::{
 use crate::motion::MotionParams;
 use crate::scalar::Scalar;
 
+/// A supply is too low below this share of its nominal voltage, and good again above the other.
+/// Lead and lithium batteries are empty at 0.8 to 0.85 and sag by a tenth under load.
+const LOW_SUPPLY: (f64, f64) = (0.7, 0.75);
+
+impl<T: Scalar> SupplyDetectorParams<T> {
+    /// What suits a battery of this nominal voltage \[V\]: [`DetectorParams::for_base`] does not know it, a base with motors does.
+    pub fn for_nominal(volts: T) -> Self {
+        Self {
+            low_v: T::from_f64(LOW_SUPPLY.0) * volts,
+            recovered_v: T::from_f64(LOW_SUPPLY.1) * volts,
+            // Longer than the current of a start from rest.
+            after: Timeout::AfterUs(500_000),
+        }
+    }
+}
+
 impl<T: Scalar> DetectorParams<T> {
     /// What suits a base with encoders and a host, ticking every `period_us`.
     ///

@@ -269,8 +269,8 @@ impl<T: Scalar> Detectors<T> {
         if !self.right.signs.and(self.left.signs).is_empty() {
             let outside = inputs
                 .outside
-                .map(|twist| settings.map.wheel_speeds(&twist));
-            let command = settings.map.wheel_speeds(&inputs.command);
+                .map(|twist| settings.map.wheel_speeds_apart(&twist));
+            let command = settings.map.wheel_speeds_apart(&inputs.command);
             self.find(settings, &command, outside.as_ref(), found);
         }
     }

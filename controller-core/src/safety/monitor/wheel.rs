@@ -1,7 +1,7 @@
 //! One wheel: stuck, reversed, slipping.
 
 use super::debounce::Debounce;
-use crate::safety::detector_params::{LEAST_COUNTS, Timeout, ValidDetectorParams, WINDOW};
+use crate::safety::detector_params::{LEAST_COUNTS, SLOW, Timeout, ValidDetectorParams, WINDOW};
 use crate::scalar::{Scalar, residue, seconds};
 
 /// Without a count for so long a wheel stands: half of the window, for one that moves by half of
@@ -211,9 +211,15 @@ impl<T: Scalar> Wheel<T> {
         let (stands, turned) = match now.effort {
             Some(effort)
                 if is_commanded(settings, now.command)
-                    && effort.impulse.abs() >= stuck.torque_nm * seconds(now.us) =>
+                    && effort.impulse.abs() >= settings.pushed_nm * seconds(now.us) =>
             {
                 self.pushed.advance(stuck.after, effort.impulse, now)
+            }
+            Some(_) if stuck.torque_nm == T::ZERO => {
+                let Look {
+                    us, moved, command, ..
+                } = *now;
+                self.pushed.advance_by_way(settings, us, moved, command)
             }
             _ => self.pushed.not(),
         };
@@ -346,15 +352,44 @@ impl Pushed {
 
     /// Pushed hard enough; whether it stands, and whether it turns back.
     #[inline(always)]
-    fn advance<T: Scalar>(&mut self, after: Timeout, impulse: T, now: &Look<T>) -> (bool, bool) {
+    fn advance<T: Scalar>(&mut self, after: Timeout, push: T, now: &Look<T>) -> (bool, bool) {
         let forward = now.command > T::ZERO;
         // Without a reading the wheel is not known to stand or to turn; that is a fault of its own.
-        let moved = now.moved.filter(|_| forward == (impulse > T::ZERO));
+        let moved = now.moved.filter(|_| forward == (push > T::ZERO));
         let Some(moved) = moved else {
             return self.not();
         };
         let stands = self.stands_still(moved, now.us, after);
         (stands, self.turns_back(now.along(moved), now.us, after))
+    }
+
+    /// Of a driver that closes its own speed loop, which pushes the way that it is commanded: the slower that is, the less of the time counts. See [`SLOW`].
+    #[cold]
+    #[inline(never)]
+    fn advance_by_way<T: Scalar>(
+        &mut self,
+        settings: &ValidDetectorParams<T>,
+        us: u32,
+        moved: Option<i32>,
+        command: T,
+    ) -> (bool, bool) {
+        if !is_commanded(settings, command) {
+            return self.not();
+        }
+        let stuck = &settings.params.wheels.stuck;
+        let share = command.abs() / (T::from_f64(SLOW) * stuck.speed_rad_s);
+        let counts = if share < T::ONE {
+            (share * T::from_u32(us)).to_u32()
+        } else {
+            us
+        };
+        let now = Look {
+            us: counts,
+            moved,
+            command,
+            ..Look::default()
+        };
+        self.advance(stuck.after, command, &now)
     }
 
     /// No more than one count to and fro (the edge on which an encoder may tremble) all the while. A wheel

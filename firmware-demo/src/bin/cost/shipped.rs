@@ -134,7 +134,7 @@ fn mission(robot: &RobotConstants, meter: &mut Meter, rows: &mut Rows) -> Option
         });
         let sensed = black_box(Sensed {
             fix,
-            supply_v: Some(robot.base.motor?.supply_v),
+            supply_v: Some(robot.base.driver.motor()?.supply_v),
             ..Sensed::of_counts(counts)
         });
         let order = black_box(if tick < curve_ends {
