@@ -1,7 +1,7 @@
 //! The control task that drives by velocity.
 
 use crate::rig::{PERIOD_US, Rig, params};
-use controller_core::base::{BaseParams, Sensed, WheelAction};
+use controller_core::base::{Sensed, WheelAction};
 use controller_core::hal::{BySpeed, ErrorKind, WheelCounts};
 use controller_core::motion::Mode;
 use controller_core::motor::{DriverParams, SpeedParams};
@@ -138,10 +138,9 @@ fn speed_drives_get_what_the_base_desires() {
         min_speed_rad_s: 0.0,
         lag_s: 0.02,
     };
-    let params = BaseParams {
-        driver: DriverParams::Speeds(speeds),
-        ..params()
-    };
+    let mut params = params();
+    params.driver = DriverParams::Speeds(speeds);
+    params.detectors.wheels.stuck.torque_nm = 0.0;
     let mut queue = ReferenceQueue::<f32, 2>::new();
     let wheels = BySpeed::new(MockSpeedDrive::<8>::new(30.0));
     let mut task = ControlTask::new(wheels, queue.split().1, params, Pose::default()).unwrap();
