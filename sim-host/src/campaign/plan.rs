@@ -4,7 +4,7 @@ use super::fault_injection::{FaultInjection, FaultInjectionKind};
 use super::path::{Path, VelocityOrders};
 use super::random::Random;
 use crate::mission::BaseSpec;
-use crate::scenario::{BASES, ScenarioError};
+use crate::scenario::{BASES, BuiltInBase, ScenarioError};
 use crate::world::WorldSetup;
 use crate::world::{BodyKeys, FloorParams, FrictionParams, NoiseParams, TickParams, WorldKeys};
 use controller_core::safety::supervisor::State;
@@ -142,11 +142,7 @@ impl Bases {
     /// # Errors
     /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn built_in() -> Result<Self, ScenarioError> {
-        let bases = BASES.iter().map(crate::scenario::BuiltInBase::base);
-        Ok(Self {
-            all: bases.collect::<Result<_, _>>()?,
-            kinds: FaultInjectionKind::ALL.to_vec(),
-        })
+        Self::all_with(BuiltInBase::base, &[])
     }
 
     /// Those built in, each with [`GYRO`](crate::scenario::GYRO), and what can go wrong with it.
@@ -154,11 +150,7 @@ impl Bases {
     /// # Errors
     /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn with_gyro() -> Result<Self, ScenarioError> {
-        let bases = BASES.iter().map(crate::scenario::BuiltInBase::with_gyro);
-        Ok(Self {
-            all: bases.collect::<Result<_, _>>()?,
-            kinds: [&FaultInjectionKind::ALL[..], &FaultInjectionKind::GYRO].concat(),
-        })
+        Self::all_with(BuiltInBase::with_gyro, &FaultInjectionKind::GYRO)
     }
 
     /// Those built in, each with [`SPEED_DRIVER`](crate::scenario::SPEED_DRIVER).
@@ -166,12 +158,17 @@ impl Bases {
     /// # Errors
     /// As [`BaseSpec::parse`]; a test reads them all.
     pub fn with_speed_driver() -> Result<Self, ScenarioError> {
-        let bases = BASES
-            .iter()
-            .map(crate::scenario::BuiltInBase::with_speed_driver);
+        Self::all_with(BuiltInBase::with_speed_driver, &[])
+    }
+
+    /// Those built in, as `base` reads them, and what can go wrong with them beside what can with all.
+    fn all_with(
+        base: fn(&BuiltInBase) -> Result<BaseSpec, ScenarioError>,
+        also: &[FaultInjectionKind],
+    ) -> Result<Self, ScenarioError> {
         Ok(Self {
-            all: bases.collect::<Result<_, _>>()?,
-            kinds: FaultInjectionKind::ALL.to_vec(),
+            all: BASES.iter().map(base).collect::<Result<_, _>>()?,
+            kinds: [&FaultInjectionKind::ALL[..], also].concat(),
         })
     }
 
