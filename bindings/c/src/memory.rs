@@ -163,9 +163,8 @@ impl Handle {
         work: impl FnOnce(&mut Body) -> Result<R, Status>,
         stopped: impl Fn(&WheelAction<f32>),
     ) -> Result<R, Status> {
-        let body = self.open()?;
-        let result = work(body);
-        self.close(body, stopped);
+        let result = work(self.open()?);
+        self.close(stopped);
         result
     }
 
@@ -174,9 +173,8 @@ impl Handle {
         self,
         work: impl FnOnce(&mut Body) -> Result<R, Status>,
     ) -> Result<R, Status> {
-        let body = self.open_apart()?;
-        let result = work(body);
-        self.close_apart(body);
+        let result = work(self.open_apart()?);
+        self.close_apart();
         result
     }
 
@@ -186,8 +184,8 @@ impl Handle {
     }
 
     #[inline(never)]
-    fn close_apart(self, body: &mut Body) {
-        self.close(body, |_| ());
+    fn close_apart(self) {
+        self.close(|_| ());
     }
 
     /// The body, which is this call's until [`close`](Self::close).
@@ -205,22 +203,36 @@ impl Handle {
     }
 
     #[inline]
-    fn close(self, body: &mut Body, stopped: impl Fn(&WheelAction<f32>)) {
-        let mark = self.mark();
-        loop {
+    fn close(self, stopped: impl Fn(&WheelAction<f32>)) {
+        self.give_back();
+        // Looked for once the mark is off: an interrupt that stopped before it saw a base in a call, one after it does it itself.
+        if self.asked().load(Ordering::Relaxed) != NO_STOP {
+            self.catch_up(stopped);
+        }
+    }
+
+    #[inline]
+    fn give_back(self) {
+        fence();
+        self.mark().store(READY, Ordering::Relaxed);
+        fence();
+    }
+
+    /// Does what was asked during a call. Apart, so that a tick does not carry it along.
+    #[cold]
+    #[inline(never)]
+    fn catch_up(self, stopped: impl Fn(&WheelAction<f32>)) {
+        // Another call that took the body meanwhile does it when it gives it back.
+        while let Ok(body) = self.open() {
             let asked = self.asked().load(Ordering::Relaxed);
+            self.asked().store(NO_STOP, Ordering::Relaxed);
             if asked != NO_STOP {
-                self.asked().store(NO_STOP, Ordering::Relaxed);
                 stopped(&body.stop(asked));
             }
-            fence();
-            mark.store(READY, Ordering::Relaxed);
-            fence();
-            // An interrupt that stopped between the look and the mark saw a base in a call.
+            self.give_back();
             if self.asked().load(Ordering::Relaxed) == NO_STOP {
                 return;
             }
-            mark.store(BUSY, Ordering::Relaxed);
         }
     }
 

@@ -221,6 +221,8 @@ fn refused<T: Scalar>(report: &mut BaseReport<T>, fault: StepFault) -> Located {
 }
 
 /// Goes on along the arc of the present twist: Eq. (6) over `dt`.
+// As a call, a tick of C's archives takes 20 instructions more.
+#[inline(always)]
 pub(super) fn coast<T: Scalar, M: Maths<T>>(from: &Measured<T>, dt: T) -> Measured<T> {
     let Measured { pose, twist } = from;
     let turn = twist.angular * dt;
