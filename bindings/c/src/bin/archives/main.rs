@@ -303,6 +303,7 @@ fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Erro
             let renamed = section.replace(name, short);
             arguments.push(format!("--rename-section={section}={renamed}"));
         } else if section.starts_with(".rodata..Lanon.") {
+            // The assembler for x86-64 leaves out symbols of constants that code reaches by their sections.
             arguments.push(format!("--rename-section={section}=.rodata.{number}"));
         }
     }
