@@ -1,8 +1,17 @@
 //! `sim-host pil` from outside. The emulator is part of the test: it is not skipped without it.
 
+use controller_core::base::BaseParams;
+use controller_core::types::Pose;
 use firmware_demo::host::{Image, Machine, build_image};
+use protocol::pil::{BaseInput, BaseTicked, WheelOutput};
+use protocol::{Command as Order, RejectReason};
 use serde_json::Value;
+use sim_host::closed_loop::{Mirror, MirrorError};
 use sim_host::csv_out::Columns;
+use sim_host::mission::Mission;
+use sim_host::run::fly;
+use sim_host::scenario::{BuiltInBase, SPEED_DRIVER};
+use sim_host::verify::{DISTANCE_M, HEADING_RAD};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -198,23 +207,44 @@ noise_m = 0.002
 noise_rad = 0.003
 ";
 
+/// Flies `floor.toml`, of which every number is the same here: what the record says, and how many ticks were flown.
+fn flown_bit_for_bit(here: &Path, machine: &str) -> (Value, u64) {
+    let output = pil(here, &["floor.toml", "--machine", machine]);
+    let shown = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(shown.contains("bit-equal to the host: 0 of"), "{shown}");
+    let record = json(&here.join("out/floor-pil.json"));
+    let parity = &record["chip"]["parity"];
+    // 28 numbers of each.
+    let flown = parity["ticks"].as_u64().expect("a number");
+    assert_eq!(parity["numbers"], flown * 28);
+    assert_eq!(parity["numbers_apart"], 0);
+    (record, flown)
+}
+
+/// What the chip drove of `floor.toml` is what `run` shows.
+fn is_that_of_run(here: &Path) {
+    let flown = fs::read_to_string(here.join("out/floor-pil.csv")).expect("CSV");
+    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .args(["run", "floor.toml", "--csv", "--out", "here"])
+        .current_dir(here)
+        .output()
+        .expect("the program runs");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let simulated = fs::read_to_string(here.join("here/floor.csv")).expect("CSV");
+    assert!(flown == simulated, "the chip's run is not that of `run`");
+}
+
 /// The control task on the chip and the one here do the same in every bit, and what the chip drove is what `run` shows.
 #[test]
 fn the_whole_base_is_flown_bit_for_bit() {
     let here = tempfile::tempdir().expect("a directory");
     fs::write(here.path().join("floor.toml"), FLOOR).expect("written");
     for machine in ["cortex-m4f", "riscv32"] {
-        let output = pil(here.path(), &["floor.toml", "--machine", machine]);
-        let shown = text(&output.stdout);
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        assert!(shown.contains("bit-equal to the host: 0 of"), "{shown}");
-        let record = json(&here.path().join("out/floor-pil.json"));
-        let chip = &record["chip"];
-        // 4 s of 5 ms at most, first and last included; a base that parked sooner is flown a second longer. 28 numbers of each.
-        let flown = chip["parity"]["ticks"].as_u64().expect("a number");
+        let (record, flown) = flown_bit_for_bit(here.path(), machine);
+        // 4 s of 5 ms at most, first and last included; a base that parked sooner is flown a second longer.
         assert!((400..=801).contains(&flown), "{flown}");
-        assert_eq!(chip["parity"]["numbers"], flown * 28);
-        assert_eq!(chip["parity"]["numbers_apart"], 0);
+        let chip = &record["chip"];
         let states = chip["instructions"].as_object().expect("by state");
         let ticks = |state: &str| states.get(state).and_then(|cost| cost["ticks"].as_u64());
         let all: u64 = states
@@ -226,15 +256,71 @@ fn the_whole_base_is_flown_bit_for_bit() {
         let least = chip["instructions"]["parking"]["least"].as_u64();
         assert!(least.is_some_and(|count| (1_000..20_000).contains(&count)));
     }
-    let flown = fs::read_to_string(here.path().join("out/floor-pil.csv")).expect("CSV");
-    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .args(["run", "floor.toml", "--csv", "--out", "here"])
-        .current_dir(here.path())
-        .output()
-        .expect("the program runs");
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let simulated = fs::read_to_string(here.path().join("here/floor.csv")).expect("CSV");
-    assert!(flown == simulated, "the chip's run is not that of `run`");
+    is_that_of_run(here.path());
+}
+
+/// What the wheels get of a base here, tick by tick.
+#[derive(Default)]
+struct Outputs(Vec<WheelOutput>);
+
+impl Mirror for Outputs {
+    fn begin(&mut self, _: &BaseParams<f32>, _: Pose<f32>) -> Result<(), MirrorError> {
+        Ok(())
+    }
+
+    fn command(&mut self, _: &Order, _: Result<(), RejectReason>) -> Result<(), MirrorError> {
+        Ok(())
+    }
+
+    fn tick(&mut self, _: &BaseInput, here: &BaseTicked) -> Result<WheelOutput, MirrorError> {
+        self.0.push(here.output);
+        Ok(here.output)
+    }
+}
+
+/// A base whose file has a `[speed_driver]`: the chip commands speeds, the same bits as here, and parks by them.
+#[test]
+fn a_base_with_speed_drivers_is_flown_bit_for_bit() {
+    let here = tempfile::tempdir().expect("a directory");
+    let lab = BuiltInBase::find("lab-10kg").expect("built in");
+    let robot = format!("{}\n{SPEED_DRIVER}", lab.text);
+    fs::write(here.path().join("robot.toml"), robot).expect("written");
+    let floor = FLOOR.replace("hobby-1kg", "robot.toml");
+    let scenario = here.path().join("floor.toml");
+    fs::write(&scenario, &floor).expect("written");
+    let (record, flown) = flown_bit_for_bit(here.path(), "cortex-m4f");
+    assert_eq!(record["base"], "10 kg lab base");
+    assert!((400..=801).contains(&flown), "{flown}");
+    let parking = &record["chip"]["instructions"]["parking"]["ticks"];
+    assert!(parking.as_u64() > Some(flown / 2), "{parking}");
+    let metrics = &record["metrics"];
+    assert_eq!(metrics["outcome"], "parked");
+    let figure = |part: &str, key: &str| metrics["run"][part][key].as_f64().expect("a number");
+    let distance_m = figure("final_error", "position_m");
+    let heading_rad = figure("final_error", "e_theta_rad");
+    assert!(distance_m < DISTANCE_M, "{distance_m}");
+    assert!(heading_rad.abs() < HEADING_RAD, "{heading_rad}");
+    is_that_of_run(here.path());
+
+    // The kind of output and both of its numbers are among what is equal in every tick: what is put out here went over the wire.
+    let mission = Mission::parse(scenario.to_str().expect("a path"), &floor).expect("in order");
+    let setup = mission.setup.clone().expect("a world");
+    let mut outputs = Outputs::default();
+    fly(&mission, &setup, &mut outputs, None).expect("it runs");
+    assert_eq!(outputs.0.len() as u64, flown);
+    // Released until it is armed, and speeds in every tick from then on.
+    let (first, driven) = outputs.0.split_first().expect("ticks");
+    assert_eq!(*first, WheelOutput::Release);
+    let fastest = driven.iter().fold(0.0_f32, |fastest, output| {
+        let WheelOutput::Speed { right, left } = output else {
+            panic!("{output:?} in place of speeds");
+        };
+        fastest.max(0.5 * (right + left))
+    });
+    // As fast as the base went.
+    let rim = f64::from(fastest) * mission.base.robot.wheels.radius_right_m;
+    let peak = figure("speed_m_s", "peak");
+    assert!(peak > 0.3 && (rim / peak - 1.0).abs() < 0.1, "{rim} {peak}");
 }
 
 /// A trajectory file with a base's file, and a scenario of the paper's law, in one call.
