@@ -148,7 +148,7 @@ impl Recorder {
             WheelOutput::Torque { right, left } => {
                 [right, left].map(|torque| torque / tick.max_torque_nm)
             }
-            // A driver failed in this tick: what acts is not what was asked.
+            // A driver failed in this tick: what acts is not what was asked. Where speeds are commanded no drive for a recording begins.
             WheelOutput::Speed { .. } | WheelOutput::Release | WheelOutput::Brake => {
                 return Err(RecordingEnd::Stopped);
             }

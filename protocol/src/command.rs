@@ -63,6 +63,7 @@ pub enum Command {
         hold_heading: bool,
     },
     /// Drive for a bench recording, by itself and within a stated space, and send every tick as a row; from Armed. A heartbeat is
-    /// due all the while, as an order is in other drives: other frames, of a camera perhaps, are no sign of who watches.
+    /// due all the while, as an order is in other drives: other frames, of a camera perhaps, are no sign of who watches. Unsupported where
+    /// the drivers close their own speed loop: a row has torques or duties, of which nothing is known there.
     Excite(Excite),
 }

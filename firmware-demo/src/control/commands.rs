@@ -4,6 +4,7 @@ use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;
 use controller_core::maths::Single;
 use controller_core::motion::check_order;
+use controller_core::motor::DriverParams;
 use controller_core::safety::controlled_stop_distance;
 use controller_core::safety::supervisor::{Action, Event, State, next};
 use controller_core::types::Pose;
@@ -62,6 +63,10 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 Ok(())
             }
             Command::Excite(order) => {
+                if matches!(self.params.driver, DriverParams::Speeds(_)) {
+                    // What such drivers exert nobody here knows, and a row is to have it.
+                    return Err(RejectReason::Unsupported);
+                }
                 if self.state() != State::Armed {
                     return Err(RejectReason::State);
                 }

@@ -86,6 +86,11 @@ fn hint(why: RejectReason, what: &str) -> &'static str {
         (RejectReason::Value, DRIVE) => {
             "; the space is too small, or the speed or the turn rate above the base's limits"
         }
+        (RejectReason::Unsupported, DRIVE) => {
+            "; its drivers close their own speed loop ([speed_driver]), and what they exert is not recorded. State mass, inertia and lengths \
+             (scales, ruler) in [robot] and the drivers' lag in [speed_driver]; if the drivers report torques, voltages or duties, log these \
+             beside the encoders: `identify LOG`"
+        }
         _ => "",
     }
 }

@@ -16,6 +16,7 @@ use sim_host::identify::record::sensed_world;
 use sim_host::identify::{Identified, Log, Options, Verdict, identify};
 use sim_host::mission::{BaseSpec, Drivers};
 use sim_host::monitor::{Lost, Monitor, MonitorError, RecordedDrive};
+use sim_host::scenario::BuiltInBase;
 use sim_host::teleop::{Line, Simulated};
 use sim_host::world::{PlantFault, Side, WorldSetup};
 use std::collections::BTreeMap;
@@ -492,6 +493,51 @@ fn what_cannot_be_driven_or_recorded_is_refused_before_anything_moves() {
         );
         assert!(value, "{wrong:?}: {error}");
     }
+}
+
+/// A base whose drivers close their own speed loop, and the world in which it is what its file says.
+fn by_speed() -> (BaseSpec, WorldSetup) {
+    let lab = BuiltInBase::find("lab-10kg").expect("built in");
+    let base = lab.with_speed_driver().expect("a base");
+    let world = sensed_world(base.hardware.as_ref().expect("drivers"));
+    let seed = u64::from(SEED);
+    (base, WorldSetup { world, seed })
+}
+
+/// Of its torques nothing is known, so it does not drive for nothing; and who asks is told why, and what to do.
+#[test]
+fn a_base_that_commands_speeds_refuses_to_be_recorded_and_says_why() {
+    let (base, world) = by_speed();
+    let mut queues = Queues::default();
+    let base = Simulated::new(&mut queues, &base, &world, false).expect("a base");
+    let mut states = Vec::new();
+    let mut host = Host::new(base, |base, _| {
+        states.push(base.board_mut().task().state());
+        true
+    });
+    let outcome = record_live(&mut host, &bench([2.0, 1.0], 20.0, SEED), |_| {});
+    let mut base = host.base;
+    let error = outcome.expect_err("no torque is known");
+    assert!(
+        matches!(
+            error,
+            BenchError::Refused {
+                why: RejectReason::Unsupported,
+                ..
+            }
+        ),
+        "{error:?}"
+    );
+    let said = error.to_string();
+    for part in ["speed loop", "[speed_driver]", "[robot]", "identify LOG"] {
+        assert!(said.contains(part), "{part} is not in {said}");
+    }
+    // It was armed, has not driven, and is not left armed.
+    assert!(states.contains(&State::Armed), "{states:?}");
+    assert!(!states.iter().any(|state| state.drives()), "{states:?}");
+    assert!(!base.board_mut().task().state().is_live());
+    let truth = base.world().truth();
+    assert!(truth.pose.x.abs() < 1.0e-6, "{truth:?}");
 }
 
 /// The program at one end of a socket, the firmware at the other, in real time: the base's file is what it is.
