@@ -9,10 +9,11 @@ use controller_core::localiser::LocaliserParams;
 use controller_core::motion::{Limits, Outcome, SaturationPolicy};
 use controller_core::motor::{DriverParams, SpeedParams};
 use controller_core::odometry::{Calibration, OdometryParams};
+use controller_core::reference::Reference;
 use controller_core::robot::Robot;
 use controller_core::safety::supervisor::{Event, State};
 use controller_core::safety::{Fault, Side, Timeout};
-use controller_core::types::{Pose, Twist, WheelSpeeds, WheelTorques};
+use controller_core::types::{Accel, Pose, Twist, WheelSpeeds, WheelTorques};
 
 const TICK_US: u32 = 10_000;
 const DT: f32 = 0.01;
@@ -311,6 +312,37 @@ fn a_wheel_that_does_not_turn_is_found() {
         ..SPEEDS
     });
     assert_eq!(soft.detectors.wheels.stuck.after, Timeout::AfterUs(981_000));
+}
+
+/// What is slower than a driver executes turns no wheel, and that is no fault; what is faster is one, if nothing turns.
+#[test]
+fn a_wheel_that_is_to_turn_more_slowly_than_its_driver_can_is_not_stuck() {
+    let slow = SpeedParams {
+        min_speed_rad_s: 1.0,
+        ..SPEEDS
+    };
+    let radius = Robot::<f32>::paper().wheels.radius_right_m;
+    // A reference that moves without going away: the command stays what it says.
+    let beside = |speed: f32| {
+        let twist = Twist::new(speed * radius, 0.0);
+        Order::Follow(Reference::new(Pose::default(), twist, Accel::default()))
+    };
+    let mut rig = Rig::new(slow);
+    // Three times what finds a wheel whose driver has no slowest speed; a base that does not go on at all is stalled after two seconds.
+    for _ in 0..100 {
+        let report = rig.tick(&beside(0.7));
+        assert!(report.active_faults.is_empty(), "{:?}", report.active_faults);
+        assert!(!matches!(&report.action, WheelAction::Drive(drive) if drive.desired.right != 0.0));
+    }
+    let command = rig.base.report().motion.expect("it follows").command;
+    assert!(command.linear > 0.6 * radius, "{command:?}");
+    // At the slowest speed it is found after four times the time: that is the way of SLOW.
+    for (speed, most) in [(1.1, 140), (4.4, 70)] {
+        let mut rig = Rig::new(slow);
+        rig.blocked = [true, false];
+        let ticks = rig.until(&beside(speed), Fault::EncoderStuck(Side::Right));
+        assert!(ticks <= most, "{speed}: {ticks}");
+    }
 }
 
 #[test]

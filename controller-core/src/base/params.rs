@@ -118,6 +118,8 @@ impl<T: Scalar> BaseParams<T> {
         if let DriverParams::Speeds(speeds) = &driver {
             let stuck = &mut detectors.wheels.stuck;
             stuck.torque_nm = T::ZERO;
+            // What the driver does not execute turns no wheel.
+            stuck.speed_rad_s = larger(stuck.speed_rad_s, speeds.min_speed_rad_s);
             stuck.after = own_loop_breaks_loose(speeds, stuck, &robot);
         }
         if let Some(fusion) = &localiser.fusion {
