@@ -209,6 +209,19 @@ impl<D: WheelSpeedDrive + ?Sized> WheelSpeedDrive for &mut D {
 pub struct BySpeed<D> {
     drive: D,
     desired: WheelSpeeds<f32>,
+    asked: SpeedCall,
+}
+
+/// What was asked of drivers that close their own speed loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SpeedCall {
+    /// To let the wheels coast.
+    #[default]
+    Release,
+    /// To brake them electrically.
+    Brake,
+    /// To hold these speeds.
+    Hold(WheelSpeeds<f32>),
 }
 
 impl<D: WheelSpeedDrive> BySpeed<D> {
@@ -218,7 +231,13 @@ impl<D: WheelSpeedDrive> BySpeed<D> {
         Self {
             drive,
             desired: WheelSpeeds { right, left },
+            asked: SpeedCall::Release,
         }
+    }
+
+    /// What was asked of the drivers last; after an error not what they do.
+    pub const fn asked(&self) -> &SpeedCall {
+        &self.asked
     }
 
     /// The drivers.
@@ -248,14 +267,17 @@ impl<D: WheelSpeedDrive> WheelDrive for BySpeed<D> {
 
     /// Sets the speeds that were observed last.
     fn set_torques(&mut self, _: WheelTorques<f32>) -> Result<(), Self::Error> {
+        self.asked = SpeedCall::Hold(self.desired);
         self.drive.set_speeds(self.desired)
     }
 
     fn release(&mut self) -> Result<(), Self::Error> {
+        self.asked = SpeedCall::Release;
         self.drive.release()
     }
 
     fn brake(&mut self) -> Result<(), Self::Error> {
+        self.asked = SpeedCall::Brake;
         self.drive.brake()
     }
 }

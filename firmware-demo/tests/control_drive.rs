@@ -8,9 +8,10 @@ use controller_core::motor::{DriverParams, SpeedParams};
 use controller_core::queue::ReferenceQueue;
 use controller_core::safety::Fault;
 use controller_core::safety::supervisor::{Cause, State, Then};
-use controller_core::types::Pose;
+use controller_core::types::{Pose, WheelSpeeds};
 use firmware_demo::control::ControlTask;
-use firmware_demo::drive::{MockSpeedDrive, Script};
+use firmware_demo::drive::{DriveOutput as _, MockSpeedDrive, Script};
+use protocol::pil::WheelOutput;
 use protocol::{Command, RejectReason, WireTwist, tick_flags};
 
 fn drive(v: f32, w: f32) -> Command {
@@ -160,6 +161,8 @@ fn speed_drives_get_what_the_base_desires() {
             panic!("{:?}", task.report());
         };
         assert_eq!(task.drive().drive().applied(), Some(command.desired));
+        let WheelSpeeds { right, left } = command.desired;
+        assert_eq!(task.drive().output(), WheelOutput::Speed { right, left });
     }
     let applied = task.drive().drive().applied().unwrap();
     assert!(applied.right > applied.left && applied.left > 0.0);
@@ -170,6 +173,7 @@ fn speed_drives_get_what_the_base_desires() {
     });
     assert_eq!(tick(&mut task), WheelAction::Release);
     assert_eq!(task.drive().drive().applied(), None);
+    assert_eq!(task.drive().output(), WheelOutput::Release);
     tick(&mut task);
     let fault = Fault::Driver(ErrorKind::OverCurrent);
     assert_eq!(task.cause(), Cause::Fault(fault));

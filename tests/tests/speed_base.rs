@@ -331,7 +331,11 @@ fn a_wheel_that_is_to_turn_more_slowly_than_its_driver_can_is_not_stuck() {
     // Three times what finds a wheel whose driver has no slowest speed; a base that does not go on at all is stalled after two seconds.
     for _ in 0..100 {
         let report = rig.tick(&beside(0.7));
-        assert!(report.active_faults.is_empty(), "{:?}", report.active_faults);
+        assert!(
+            report.active_faults.is_empty(),
+            "{:?}",
+            report.active_faults
+        );
         assert!(!matches!(&report.action, WheelAction::Drive(drive) if drive.desired.right != 0.0));
     }
     let command = rig.base.report().motion.expect("it follows").command;

@@ -7,7 +7,7 @@ use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
 use crate::motion::{Limits, MotionGains, MotionParams, NOISE_HEADING_RAD, ValidMotionParams};
 use crate::motor::{Driver, DriverParams, Motor, MotorParams, SpeedParams};
-use crate::range::larger;
+use crate::range::{larger, smaller};
 use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
 use crate::safety::{
@@ -237,8 +237,7 @@ fn own_loop_breaks_loose<T: Scalar>(
 /// Speed of a rim whose driver turns it as fast as it can \[m/s\]: that of the smaller wheel.
 fn fastest_rim<T: Scalar>(speeds: &SpeedParams<T>, robot: &Robot<T>) -> T {
     let wheels = &robot.wheels;
-    let (right, left) = (wheels.radius_right_m, wheels.radius_left_m);
-    speeds.max_speed_rad_s * if right < left { right } else { left }
+    speeds.max_speed_rad_s * smaller(wheels.radius_right_m, wheels.radius_left_m)
 }
 
 /// The larger of a time \[µs\] and a least one; a time that is no number is the least one.

@@ -13,7 +13,8 @@ pub use mock_gyro::MockGyro;
 pub use motor::MotorPair;
 pub use simulated::SimulatedDrive;
 
-use controller_core::hal::WheelDrive;
+use controller_core::hal::{BySpeed, SpeedCall, WheelDrive, WheelSpeedDrive};
+use controller_core::types::WheelSpeeds;
 use protocol::pil::WheelOutput;
 
 /// A drive that says what it puts out, which a bench recording has of every tick.
@@ -25,5 +26,16 @@ pub trait DriveOutput: WheelDrive {
 impl<D: DriveOutput + ?Sized> DriveOutput for &mut D {
     fn output(&self) -> WheelOutput {
         (**self).output()
+    }
+}
+
+impl<D: WheelSpeedDrive> DriveOutput for BySpeed<D> {
+    /// What was asked for last; after an error not what acts.
+    fn output(&self) -> WheelOutput {
+        match *self.asked() {
+            SpeedCall::Release => WheelOutput::Release,
+            SpeedCall::Brake => WheelOutput::Brake,
+            SpeedCall::Hold(WheelSpeeds { right, left }) => WheelOutput::Speed { right, left },
+        }
     }
 }
