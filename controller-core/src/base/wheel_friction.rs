@@ -8,8 +8,9 @@
 //! is its static friction; two thirds of that remain while it rolls.
 //!
 //! A base beside its goal ([`Creeps::BesideGoal`]) moves by steps rather than steadily. The motor layer's stiction stays, since what it gives too
-//! much ends with the step, and what rises comes on top. It rises as far as the disturbance estimate would go: nobody may have stated what holds the
-//! wheels, such as a floor that they sink into. The estimate takes seconds to get there, at the speeds that millimetres ask for.
+//! much ends with the step, and what rises comes on top. It rises as far as the disturbance estimate would go, and half as far again, since what
+//! holds a wheel at rest is half as much again as what brakes it while it turns: nobody may have stated what holds the wheels, such as a floor that they
+//! sink into. The estimate takes seconds to get there, at the speeds that millimetres ask for.
 
 use crate::hal::WheelCounts;
 use crate::motor::Motor;
@@ -24,7 +25,7 @@ const RISE_S: f64 = 0.1;
 const RISE_BESIDE_S: f64 = 0.5;
 /// Beside a goal a wheel is without a count for longer: than half a period of a base that hunts about its goal, at 5 Hz or more \[s\].
 const STILL_S: f64 = 0.1;
-/// Most static friction that is compensated, in stictions.
+/// Most static friction that is compensated, in stictions; beside a goal in what may hold a wheel, stated or not.
 const MOST: f64 = 1.5;
 /// Dry friction while turning over that at rest, of bearings and gears: currents to turn free and to start are as 2 to 3.
 const SLIDING: f64 = 2.0 / 3.0;
@@ -130,8 +131,8 @@ impl<T: Scalar> FrictionWatch<T> {
             },
             Creeps::BesideGoal => {
                 let motor = now.motor;
-                let most = T::from_f64(MOST - 1.0) * motor.params().friction.stiction_nm;
-                let most = most + unknown_nm;
+                let stiction = motor.params().friction.stiction_nm;
+                let most = T::from_f64(MOST) * (stiction + unknown_nm) - stiction;
                 let (beyond_right, beyond_left) = (
                     right.nudge(now, moved.0, commanded.right, most),
                     left.nudge(now, moved.1, commanded.left, most),
@@ -342,8 +343,8 @@ pub(super) mod tests {
         assert!(last > 0.03, "{last}");
     }
 
-    /// 0.1 rad/s are a count in 30 ms: at a halt after 75 ms and a tenth of a second, then within half a second to half a stiction and what nobody has stated;
-    /// two thirds of that remain when the wheel turns, either way, and nothing when it is to turn back.
+    /// 0.1 rad/s are a count in 30 ms: at a halt after 75 ms and a tenth of a second, then within half a second to half a stiction and 3/2 of what nobody has
+    /// stated; two thirds of that remain when the wheel turns, either way, and nothing when it is to turn back.
     #[test]
     fn beside_a_goal_a_standing_wheel_is_nudged() {
         for way in [1, -1] {
@@ -354,18 +355,18 @@ pub(super) mod tests {
             };
             let rise: [f64; 160] = core::array::from_fn(|_| turn(0, 0.1));
             assert!(rise[..36].iter().all(|more| *more == 0.0));
-            assert!((rise[87] - rise[37] - 0.02).abs() < 1e-12, "{rise:?}");
-            assert!((rise[159] - 0.04).abs() < 1e-12);
+            assert!((rise[87] - rise[37] - 0.025).abs() < 1e-12, "{rise:?}");
+            assert!((rise[159] - 0.05).abs() < 1e-12);
             for counts in [1, 0, 1] {
-                assert!((turn(counts, 0.1) - 0.08 / 3.0).abs() < 1e-12);
+                assert!((turn(counts, 0.1) - 0.1 / 3.0).abs() < 1e-12);
             }
             let again: [f64; 160] = core::array::from_fn(|_| turn(1, 0.1));
             assert!(
                 again[..35]
                     .iter()
-                    .all(|more| (more - 0.08 / 3.0).abs() < 1e-12)
+                    .all(|more| (more - 0.1 / 3.0).abs() < 1e-12)
             );
-            assert!((again[159] - 0.04).abs() < 1e-12);
+            assert!((again[159] - 0.05).abs() < 1e-12);
             assert_eq!(turn(1, -0.1), 0.0);
         }
     }
