@@ -18,7 +18,8 @@
 //!
 //! **Electrical brake.** [`electrical_brake`] gives v₀ T_v, times f. That holds while the current that v₀ needs is
 //! below the driver's limit; beyond it the base slows down by 2 c/m at least when both wheels roll forward,
-//! hence v₀²/(2 · 2c/m), and by half of that while it also turns, for at most |w₀| I/(c l/2).
+//! hence v₀²/(2 · 2c/m), and by half of that while it also turns, for at most |w₀| I/(c l/2). Drivers of speeds brake by the
+//! motors that their file states; where it states none the simulated ones have no windings to short, and brake as they release.
 //!
 //! **Release.** Friction of both wheels takes from the kinetic energy E at least τ (|v_R| + |v_L|) ≥ 2 τ |v|, also
 //! while one of them stands: the way is at most E/(2 τ). It holds for brakes too, with c beside τ.
@@ -38,6 +39,10 @@ const SLACK: f64 = 1.02;
 /// while the disturbance estimate still pushes \[m\].
 const CREEP_M: f64 = 0.01;
 
+/// Tolerances of distance and heading within which a base that parked says that it still is, once it has settled. Written here
+/// anew, as noise of poses is left out.
+const LEAVES: (f64, f64) = (2.0, 1.3);
+
 /// Numbers of a true base that bounds follow from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
@@ -47,8 +52,8 @@ pub(super) struct Bounds {
     heavier: f64,
     half_track: f64,
     radius: f64,
-    /// T_v as it is believed \[s\].
-    brake_s: f64,
+    /// T_v as it is believed \[s\]; none without motors, which then brake nothing.
+    brake_s: Option<f64>,
     /// c without grip, and grip \[N\].
     current_n: f64,
     grip: f64,
@@ -84,17 +89,24 @@ impl Bounds {
         let believed = base.robot_with_rotors();
         let mass = believed.mass_kg + robot.mass_kg * (body.mass_factor - 1.0);
         let inertia = believed.inertia_kg_m2 + robot.inertia_kg_m2 * (body.inertia_factor - 1.0);
-        let brake_s = core.motor().and_then(|motor| {
-            let slowing = electrical_brake(motor, &core.motion().params().robot).ok()?;
-            slowing.linear.time_constant_s()
-        });
+        let brake_s = match core.motor() {
+            Some(motor) => electrical_brake(motor, &core.motion().params().robot)
+                .ok()
+                .and_then(|slowing| slowing.linear.time_constant_s())
+                .map(f64::from),
+            // Those of drivers of speeds are not the core's: T_v = m̂ R r²/(2 K²) by their file.
+            None => motor.map(|m| {
+                let tread = m.gear_ratio * m.kt_nm_per_a / radius;
+                believed.mass_kg * m.resistance_ohm / (2.0 * tread * tread)
+            }),
+        };
         Self {
             mass,
             inertia,
             heavier: (mass / believed.mass_kg).max(1.0),
             half_track,
             radius,
-            brake_s: brake_s.map_or(0.0, f64::from),
+            brake_s,
             current_n: motor.map_or(f64::INFINITY, |m| {
                 m.gear_ratio * m.kt_nm_per_a * m.current_limit_a / radius
             }),
@@ -135,6 +147,9 @@ impl Bounds {
     pub fn brake(&self, twist: &Twist<f64>, wheels: &Wheels) -> f64 {
         let (v, w) = (twist.linear.abs(), twist.angular.abs());
         let friction = self.release(twist, wheels);
+        let Some(brake_s) = self.brake_s else {
+            return friction;
+        };
         let grip = wheels.ice.map_or(self.grip, |mu| mu.min(self.grip));
         let most = self.current_n.min(grip * self.load);
         let way = if wheels.ice.is_some() || wheels.blocked {
@@ -142,14 +157,14 @@ impl Bounds {
             // brake ends with the larger of both time constants, about the wheel that stands.
             let lever = self.half_track;
             let pivot = self.inertia + self.mass * lever * lever;
-            let damping = 2.0 * self.mass / (self.heavier * self.brake_s.max(1.0e-3));
+            let damping = 2.0 * self.mass / (self.heavier * brake_s.max(1.0e-3));
             let tau = 2.0 * pivot / (damping * lever * lever);
             let fastest = v + lever * w;
             self.by_energy(twist, 0.5 * most) + fastest * tau
         } else {
             let slowest = 0.5 * self.mass / most;
             let turning = w * self.inertia / (most * self.half_track);
-            v * self.brake_s * self.heavier + 0.5 * v * v * slowest + v * turning
+            v * brake_s * self.heavier + 0.5 * v * v * slowest + v * turning
         };
         // Sliding tyres reach the brake's speed late; both are bounds.
         (SLACK * way + CREEP_M).min(friction)
@@ -202,10 +217,12 @@ impl Bounds {
         SLACK * way + CREEP_M
     }
 
-    /// How far from its goal a base may truly be that says it is parked: \[m\] and \[rad\].
+    /// How far from its goal a base may truly be that says it is parked: \[m\] and \[rad\]. Of one that gets no poses, by its own pose:
+    /// nothing takes away what odometry was wrong by, on all of the way since it was switched on, so all that can be held is that it
+    /// stays where it says it does: a parked base leaves its goal, and says so, at [`LEAVES`] times D and H.
     ///
     /// ```text
-    /// D + 5 σ + ε ℓ (1 + δ ℓ) + b τ ℓ + G q(x₁)        H + 5 σ_θ + δ ℓ + b τ ℓ π/x₀ + G_θ q(x₁)
+    /// D + 5 σ + ε ℓ (1 + δ ℓ) + b τ ℓ + G q(x₁) + |β| + |β_θ| ℓ        H + 5 σ_θ + δ ℓ + b τ ℓ π/x₀ + G_θ q(x₁) + |β_θ|
     /// ```
     ///
     /// | symbol | what |
@@ -214,12 +231,13 @@ impl Bounds {
     /// | σ, σ_θ | what the filter leaves of the fixes' noise; 5 of them are passed once in a million times |
     /// | ε, δ | true radii: error of the way, and turn per way, that odometry has |
     /// | τ | by how much poses are older than they say: the line's delay |
+    /// | β, β_θ | constant error of the poses, as the file states it; a heading that is wrong leads odometry aside, by β_θ of the way |
     /// | G, G_θ | most that the pose may be off before the approach, of a brake in which wheels slid for example: more is an outlier |
     /// | ℓ | way of which the fixes have not yet taken away what odometry was wrong by |
     ///
-    /// Fixes take an error away as e^(−bt), b by the share of them that arrives. The approach from x₀ goes as e^(−gt) until D is left, and then it rests for
+    /// Fixes take an error away as e^(−bt), b by the share of them that arrives: what neither the source drops nor the line loses. The approach from x₀ goes as e^(−gt) until D is left, and then it rests for
     /// the dwell t_d: q(x₀) = (D/x₀)^(b/g) e^(−b t_d) is left of what there was at its beginning, and ℓ = x₀ g/(g − b) q(x₀).
-    /// The farthest goal of a plan is x₀ = 2 s times the top speed away, and half a turn; the nearest one x₁ = 0.6 s. The pose source's latency is stated, and its bias is 0.
+    /// The farthest goal of a plan is x₀ = 2 s times the top speed away, and half a turn; the nearest one x₁ = 0.6 s. The pose source's latency is stated.
     pub fn parked(
         &self,
         core: &Core<f32>,
@@ -232,6 +250,15 @@ impl Bounds {
             f64::from(arrival.heading_rad),
         );
         let localisation = core.localisation();
+        if localisation.params().fusion.is_none() {
+            return (LEAVES.0 * distance, LEAVES.1 * heading);
+        }
+        let source = base.hardware.and_then(|hardware| hardware.pose_source);
+        let (dropped, bias, bias_rad) = source.map_or((0.0, 0.0, 0.0), |source| {
+            let [x, y] = source.bias_m;
+            (source.drop_probability, x.hypot(y), source.bias_rad.abs())
+        });
+        let share = share * (1.0 - dropped);
         let noise = 5.0 * f64::from(localisation.filtered_noise_m());
         let noise_rad = 5.0 * f64::from(localisation.filtered_noise_rad());
         let fusion = localisation.params().fusion;
@@ -252,12 +279,19 @@ impl Bounds {
         let (wrong, curvature_bias) = self.odometry;
         let late = fixes * late_s * way;
         (
-            distance + noise + wrong * way * (1.0 + curvature_bias * way) + late + gates.0 * before,
+            distance
+                + noise
+                + wrong * way * (1.0 + curvature_bias * way)
+                + late
+                + gates.0 * before
+                + bias
+                + bias_rad * way,
             heading
                 + noise_rad
                 + curvature_bias * way
                 + late * std::f64::consts::PI / farthest
-                + gates.1 * before,
+                + gates.1 * before
+                + bias_rad,
         )
     }
 

@@ -310,10 +310,10 @@ impl Rule {
                 after(detectors.pose)
                     .map(|s| s.max(carried) + source.latency_s + 1.0 / source.rate_hz + ticks(1.0))
             }
-            // As many outliers as have to agree, after the one that was on its way.
+            // As many outliers as have to agree, after the one that was on its way; those that the source drops come on top.
             U::PoseJump => {
                 let (source, fusion) = (source?, params.localiser.fusion?);
-                let fixes = f64::from(fusion.relocalise_after) + 1.0;
+                let fixes = sent_for(fusion.relocalise_after + 1, source.drop_probability)?;
                 Some(fixes / source.rate_hz + source.latency_s + ticks(2.0))
             }
             // Ordered in a tick, answered in it, judged in the next.
@@ -370,6 +370,31 @@ pub fn known(outcomes: &[RunOutcome]) -> Vec<(Known, Rate)> {
         .map(|known| (*known, rate(known)))
         .filter(|(_, rate)| rate.runs > 0)
         .collect()
+}
+
+/// So rarely a bound on what is random may be passed: what is normally distributed passes 5 σ as often, either way.
+const RARELY: f64 = 5.733e-7;
+
+/// How many poses a source has to send for `arriving` of them to arrive, but for [`RARELY`], if it drops them with this
+/// probability: as many more as make fewer arrivals, binomially distributed, as improbable as that. None if none arrives.
+fn sent_for(arriving: u8, dropped: f64) -> Option<f64> {
+    if dropped >= 1.0 {
+        return None;
+    }
+    // Probabilities that 0, 1, … of those sent until now arrived, as long as that is too few.
+    let mut few = vec![0.0; usize::from(arriving)];
+    if let Some(none) = few.first_mut() {
+        *none = 1.0;
+    }
+    let mut sent = 0.0;
+    while few.iter().sum::<f64>() > RARELY {
+        for arrived in (0..few.len()).rev() {
+            let one_less = arrived.checked_sub(1).map_or(0.0, |less| few[less]);
+            few[arrived] = dropped * few[arrived] + (1.0 - dropped) * one_less;
+        }
+        sent += 1.0;
+    }
+    Some(sent)
 }
 
 /// What a late tick adds to a deadline \[s\].
@@ -454,6 +479,21 @@ pub(super) const fn least(kind: FaultKind) -> Response {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Sums of the binomial distribution, worked out by hand for three terms or fewer.
+    #[test]
+    fn poses_that_are_dropped_have_to_be_sent_as_well() {
+        assert_eq!(sent_for(4, 0.0), Some(4.0));
+        assert_eq!(sent_for(4, 1.0), None);
+        for dropped in [0.05, 0.3, 0.9_f64] {
+            let few = |sent: f64| {
+                let one = sent * (1.0 - dropped) * dropped.powf(sent - 1.0);
+                dropped.powf(sent) + one
+            };
+            let sent = sent_for(2, dropped).expect("some arrive");
+            assert!(few(sent) <= RARELY && few(sent - 1.0) > RARELY, "{sent}");
+        }
+    }
 
     #[test]
     fn every_trouble_has_its_row() {

@@ -4,8 +4,11 @@ use super::host::Manner;
 use super::line::LineFault;
 use super::random::Random;
 use crate::mission::BaseSpec;
-use crate::world::{PlantFault, Side, World};
+use crate::world::{LONGEST_TICK_US, PlantFault, Side, World};
 use serde::{Deserialize, Serialize};
+
+/// For jitter and lateness of a plan's ticks \[µs\]: 0.2 ms, and 5 σ of the lateness, 0.5 ms e^(5 · 0.5).
+const ROOM_US: f64 = 200.0 + 6_092.0;
 
 /// Kinds of trouble: every [`PlantFault`] of a world, and what host and links can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -72,6 +75,14 @@ impl FaultInjectionKind {
     /// Of the line between host and base.
     pub const fn is_line(self) -> bool {
         matches!(self, Self::LineFull | Self::LineDamaged | Self::LineDelayed)
+    }
+
+    /// Of the poses from outside.
+    pub const fn is_of_poses(self) -> bool {
+        matches!(
+            self,
+            Self::PoseSilent | Self::PoseJump | Self::PoseNan | Self::FixAgeNan
+        )
     }
 
     /// All of a base without a gyro.
@@ -154,6 +165,11 @@ impl FaultInjectionKind {
         let period_us = base
             .hardware
             .map_or(10_000.0, |hardware| 1.0e6 * hardware.period_s);
+        // No tick is longer than the plant takes, by what a plan's jitter and lateness may add to it.
+        let late = |periods: f64| {
+            let most = f64::from(LONGEST_TICK_US) - ROOM_US - period_us;
+            (period_us * periods).min(most) as u32
+        };
         let what = match self {
             Self::Nothing => What::Nothing,
             Self::EncoderStuck => What::PlantFault(PlantFault::EncoderStuck(side)),
@@ -184,8 +200,8 @@ impl FaultInjectionKind {
                 side,
                 mu: random.between(0.05, 0.2),
             }),
-            Self::LateTick => What::LateOnce((period_us * random.between(1.0, 19.0)) as u32),
-            Self::LateTicks => What::Late((period_us * random.between(0.7, 3.0)) as u32),
+            Self::LateTick => What::LateOnce(late(random.between(1.0, 19.0))),
+            Self::LateTicks => What::Late(late(random.between(0.7, 3.0))),
             Self::HostSilent => What::HostSilent,
             Self::OrderNan => What::OrderNan {
                 park: random.chance(0.5),

@@ -11,6 +11,9 @@ use super::senses::Senses;
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::types::{Measured, Pose, WheelSpeeds, WheelTorques};
 
+/// The longest tick that a plant takes \[µs\].
+pub(crate) const LONGEST_TICK_US: u32 = 1_000_000;
+
 /// A plant that runs. Nothing moves but in [`advance`](Self::advance).
 #[derive(Clone, Debug)]
 pub struct World {
@@ -58,7 +61,7 @@ impl World {
     /// A command or a tick that cannot be; nothing has moved then.
     pub fn advance(&mut self, command: &Actuation, dt_us: u32) -> Result<(), ActuationError> {
         command.check(self.electric.has_motor())?;
-        if !(1..=1_000_000).contains(&dt_us) {
+        if !(1..=LONGEST_TICK_US).contains(&dt_us) {
             return Err(ActuationError::BadTick);
         }
         let acting = match self.faults.drive_fails {

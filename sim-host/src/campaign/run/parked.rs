@@ -1,4 +1,4 @@
-//! A base that says it is parked truly is where it should be.
+//! A base that says it is parked truly is where it should be; one that gets no poses is there as far as it can know.
 
 use super::Checked;
 use super::timeline::Timeline;
@@ -24,20 +24,28 @@ impl ParkedCheck {
         timeline: &Timeline<'_>,
     ) -> Checked<()> {
         let pose = board.world().truth().pose;
-        let off = (
-            (pose.x - goal.x).hypot(pose.y - goal.y),
-            wrap(pose.theta - goal.theta).abs(),
-        );
+        let off = |pose: &Pose<f64>| {
+            (
+                (pose.x - goal.x).hypot(pose.y - goal.y),
+                wrap(pose.theta - goal.theta).abs(),
+            )
+        };
+        let truly = off(&pose);
         let worst = self.worst.unwrap_or_default();
-        self.worst = Some((worst.0.max(off.0), worst.1.max(off.1)));
+        self.worst = Some((worst.0.max(truly.0), worst.1.max(truly.1)));
         let (shift, turn) = timeline.pose_offset();
         let carried = timeline.carried(base);
         let (shift, turn) = (shift + carried.0, turn + carried.1);
         let core = board.task().controller().base();
+        let own = board.report().measured.map(|measured| measured.pose.cast());
+        let (off, whose) = match (core.localisation().params().fusion, own) {
+            (None, Some(own)) => (off(&own), " by its own pose"),
+            _ => (truly, ""),
+        };
         let (most_m, most_rad) = bounds.parked(core, base, timeline.poses());
         if off.0 > most_m + shift || off.1 > most_rad + turn {
             return Err(format!(
-                "parked {:.1} mm and {:.1} mrad off, beyond {:.1} and {:.1}",
+                "parked {:.1} mm and {:.1} mrad off{whose}, beyond {:.1} and {:.1}",
                 1.0e3 * off.0,
                 1.0e3 * off.1,
                 1.0e3 * (most_m + shift),
