@@ -172,19 +172,23 @@ Examples:
     },
     /// The fault campaign: random trouble in every state, on the realistic plant
     ///
-    /// Drives the three built-in bases in turn into each state of the supervisor, puts something out
+    /// Drives the three built-in bases in turn, or the robot of a file, into each state of the supervisor, puts something out
     /// of order (encoders, wheels, motor drivers, battery, poses, ticks, host, the button), and checks
     /// every tick and the end: torques, type and time of what is found, the way of the stop, and that
     /// nothing moves that must not. Prints a table, writes faults.csv (a row for each run) and
-    /// faults.json. Exit code 1 if a run breaks a rule. Runs on all processors; the results do not
-    /// depend on how many. --log is of the run of --run, or else of the first that breaks a rule.
+    /// faults.json, of a robot NAME-faults.csv and .json. Exit code 1 if a run breaks a rule. Runs on all processors; the
+    /// results do not depend on how many. --log is of the run of --run, or else of the first that breaks a rule.
     #[command(after_help = "\
 Examples:
   sim-host faults --runs 10000 --seed 1
+  sim-host faults mine.toml --runs 600             a robot of your own; its gyro fails as well if it has one
   sim-host faults --runs 10000 --fresh             runs that nobody has seen
   sim-host faults --runs 1000 --only ice --fresh
   sim-host faults --runs 1 --seed 1 --run 4711     one of them again, every tick in faults-4711.csv")]
     Faults {
+        /// The robot's file, as in bases/, or one of paper-30kg, lab-10kg, hobby-1kg; else these three in turn
+        #[arg(value_name = "ROBOT.toml")]
+        robot: Option<PathBuf>,
         /// Number of runs
         #[arg(long, value_name = "N", default_value = "1000")]
         runs: NonZeroU64,
@@ -196,8 +200,8 @@ Examples:
         /// Begin with this run, and write its trace
         #[arg(long, value_name = "K")]
         run: Option<u64>,
-        /// Bases with the gyro of parts/, which can fail as well
-        #[arg(long)]
+        /// The built-in bases with the gyro of parts/, which can fail as well; a robot's file has its own, or none
+        #[arg(long, conflicts_with = "robot")]
         gyro: bool,
         #[command(flatten)]
         log: LogArgs,

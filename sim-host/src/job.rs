@@ -283,7 +283,7 @@ fn looks_like_toml(text: &str) -> Option<bool> {
 }
 
 /// A robot with the text that describes it. Its serialised form is the text with its names.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RobotText", into = "RobotText")]
 pub struct RobotFile {
     /// File name without its extension.

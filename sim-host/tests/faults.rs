@@ -5,8 +5,13 @@ use sim_host::campaign::{
     Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Violation, Why, cells,
     known, study, violation,
 };
+use sim_host::job::RobotFile;
+use sim_host::mission::BaseSpec;
 use sim_host::rate::Rate;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
 use tests::stated::{At, Stated};
 
 /// Every trouble in every state on every base, once.
@@ -307,4 +312,236 @@ fn with_speed_drivers_the_campaign_fails_no_more_than_stated() {
     assert!(outcomes.len() >= 500);
     let of = At::Phrase("The campaign on bases with `parts/speed-driver.toml`: # of # runs");
     no_more_than_stated(&outcomes, "docs/faults.md", of);
+}
+
+/// A robot whose file is another one's with `more` at its end and each of `changes` made, which has to be possible once.
+fn robot(file: &str, changes: &[(&str, &str)], more: &str) -> RobotFile {
+    let mut text = fs::read_to_string(tests::root().join(file)).expect("a base");
+    for (old, new) in changes {
+        assert_eq!(text.matches(old).count(), 1, "{old}");
+        text = text.replace(old, new);
+    }
+    text += more;
+    RobotFile {
+        name: "mine".to_owned(),
+        file: "mine.toml".to_owned(),
+        base: BaseSpec::parse("mine.toml", &text).expect("valid"),
+        text,
+    }
+}
+
+/// Without its table of poses.
+fn blind(file: &str) -> RobotFile {
+    let text = fs::read_to_string(tests::root().join(file)).expect("a base");
+    let from = text.find("[pose_source]").expect("poses");
+    let rest = text[from + 1..].find("\n[").expect("a next table");
+    let poses = &text[from..from + 1 + rest];
+    robot(file, &[(poses, "")], "")
+}
+
+const POSES: &str = "noise_rad = 0.005\n";
+
+/// The rules are those of any base, by the numbers of its file: what the built-in ones do not have is not against them.
+#[test]
+fn bases_of_other_files_keep_the_rules_as_well() {
+    let driver = fs::read_to_string(tests::root().join("parts/speed-driver.toml")).expect("a part");
+    let gyro = fs::read_to_string(tests::root().join("parts/icm-42688-p.toml")).expect("a part");
+    let bias = "noise_rad = 0.005\nbias_m = [0.003, 0.002]\nbias_rad = 0.004\n";
+    let drops = "noise_rad = 0.005\ndrop_probability = 0.3\n";
+    let base = "bases/lab-10kg.toml";
+    for (what, robot) in [
+        ("speed drivers", robot(base, &[], &format!("\n{driver}"))),
+        ("a gyro", robot(base, &[], &format!("\n{gyro}"))),
+        ("poses that are off", robot(base, &[(POSES, bias)], "")),
+        ("poses that are dropped", robot(base, &[(POSES, drops)], "")),
+        ("no poses", blind(base)),
+    ] {
+        let bases = Bases::of_robot(&robot);
+        let hardware = robot.base.hardware.expect("hardware");
+        let kinds = bases.kinds();
+        for kind in FaultInjectionKind::GYRO {
+            assert_eq!(kinds.contains(&kind), hardware.gyro.is_some(), "{what}");
+        }
+        let jumps = kinds.contains(&FaultInjectionKind::PoseJump);
+        assert_eq!(jumps, hardware.pose_source.is_some(), "{what}");
+        let all = (kinds.len() * Target::ALL.len()) as u64;
+        let outcomes = study(&bases, KEPT + 6, 0..all, &Mutation::None, || {}).expect("valid");
+        let broken = broken(&outcomes);
+        assert!(broken.is_empty(), "{what}:\n{}", broken.join("\n"));
+        assert!(outcomes.iter().all(|outcome| outcome.base_name() == "mine"));
+        // The rules are of what happens: all states are reached, and bases park.
+        let states: BTreeSet<_> = outcomes.iter().map(|outcome| outcome.target).collect();
+        let parked = outcomes.iter().filter(|o| o.end == Ok(End::Parked)).count();
+        assert!(
+            states.len() == Target::ALL.len() && parked > 20,
+            "{what}: {parked}"
+        );
+        // Nobody corrects a base that gets no poses: it is truly elsewhere, which is not against a rule.
+        let off = outcomes.iter().filter_map(|outcome| outcome.parked);
+        let far = off.filter(|(m, _)| *m > 0.02).count();
+        assert!(hardware.pose_source.is_some() || far > 10, "{what}: {far}");
+    }
+}
+
+/// Ticks of a slow base are as late as the plant takes them, and no later.
+#[test]
+fn late_ticks_of_a_slow_base_are_no_longer_than_the_plant_takes() {
+    let slow = [("period_s = 0.01", "period_s = 0.1")];
+    let bases = Bases::of_robot(&robot("bases/paper-30kg.toml", &slow, ""));
+    let late = [FaultInjectionKind::LateTick, FaultInjectionKind::LateTicks];
+    let numbers = (0..4 * ALL).filter(|number| late.contains(&bases.trouble(*number)));
+    let numbers: Vec<u64> = numbers.collect();
+    assert!(numbers.len() > 100);
+    let outcomes = study(&bases, KEPT + 7, numbers, &Mutation::None, || {}).expect("valid");
+    let too_long = broken(&outcomes);
+    let too_long: Vec<_> = too_long
+        .iter()
+        .filter(|text| text.contains("a tick lasts"))
+        .collect();
+    assert!(too_long.is_empty(), "{too_long:?}");
+}
+
+fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
+    let command = command.args(arguments).current_dir(directory);
+    command.output().expect("the program runs")
+}
+
+fn said(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// A robot whose policy ignores missing poses breaks the campaign's own list. The command that is printed runs it again, with its
+/// trace; parts of the campaign together leave the bytes of the whole, that command among them.
+#[test]
+fn the_campaign_of_a_file_is_run_again_and_in_parts() {
+    let here = tempfile::tempdir().expect("a directory");
+    let ignores = "\n[policy]\npose_stale = { reaction = \"ignore\", latch = false }\n";
+    let robot = robot("bases/hobby-1kg.toml", &[], ignores);
+    let path = here.path().join("my robot's.toml");
+    fs::write(&path, &robot.text).expect("written");
+    let campaign = [
+        "faults",
+        "my robot's.toml",
+        "--only",
+        "missing",
+        "--runs",
+        "9",
+        "--seed",
+        "5",
+    ];
+    let whole = sim_host(
+        here.path(),
+        &[&campaign[..], &["--parquet", "all.parquet"]].concat(),
+    );
+    assert_eq!(whole.status.code(), Some(1));
+    let printed = said(&whole.stdout);
+    assert!(
+        printed.starts_with("my robot's: 1 kg hobby base, seed 5\n"),
+        "{printed}"
+    );
+    let broken = |text: &str| {
+        let mut lines = text.lines().filter(|line| line.starts_with("run "));
+        lines.next().expect("a run against the rules").to_owned()
+    };
+    assert!(
+        broken(&printed).contains(": my robot's, poses missing in "),
+        "{printed}"
+    );
+    let again = printed
+        .lines()
+        .find_map(|line| line.strip_prefix("again, with a trace: sim-host "));
+    let again = again.expect("a command");
+    let number = again
+        .split(" --run ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next());
+    let number = number.expect("a number");
+    let repeated = Command::new("sh")
+        .args([
+            "-euc",
+            &format!("\"$0\" {again} --out again"),
+            env!("CARGO_BIN_EXE_sim-host"),
+        ])
+        .current_dir(here.path())
+        .output()
+        .expect("a shell");
+    assert_eq!(
+        repeated.status.code(),
+        Some(1),
+        "{}",
+        said(&repeated.stderr)
+    );
+    assert_eq!(broken(&said(&repeated.stdout)), broken(&printed));
+    let trace = here
+        .path()
+        .join(format!("again/my robot's-faults-{number}.csv"));
+    let trace = fs::read_to_string(trace).expect("a trace");
+    assert!(trace.lines().count() > 100);
+
+    for number in ["1/3", "3/3", "2/3"] {
+        let part = format!("{}.parquet", &number[..1]);
+        let shard = sim_host(
+            here.path(),
+            &[&campaign[..], &["--shard", number, "--parquet", &part]].concat(),
+        );
+        assert!(shard.status.success(), "{}", said(&shard.stderr));
+    }
+    let results = ["my robot's-faults.csv", "my robot's-faults.json"]
+        .map(|name| here.path().join("out").join(name));
+    let left = || {
+        results
+            .each_ref()
+            .map(|path| fs::read(path).expect("results"))
+    };
+    let expected = left();
+    fs::remove_dir_all(here.path().join("out")).expect("removed");
+    // The robot itself is in the parts.
+    fs::remove_file(&path).expect("removed");
+    let parts = [
+        "merge",
+        "2.parquet",
+        "3.parquet",
+        "1.parquet",
+        "--parquet",
+        "merged.parquet",
+    ];
+    let merged = sim_host(here.path(), &parts);
+    assert_eq!(merged.status.code(), Some(1), "{}", said(&merged.stderr));
+    assert_eq!(said(&merged.stdout), printed);
+    assert!(left() == expected);
+    let rows = ["all.parquet", "merged.parquet"]
+        .map(|name| fs::read(here.path().join(name)).expect("rows"));
+    assert!(rows[0] == rows[1]);
+}
+
+#[test]
+fn a_robot_that_cannot_be_put_to_the_campaign_is_refused() {
+    let here = tempfile::tempdir().expect("a directory");
+    let text = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let bare = &text[..text.find("[motor]").expect("motors")];
+    fs::write(here.path().join("bare.toml"), bare).expect("written");
+    for (arguments, code, message) in [
+        (
+            &["faults", "bare.toml"][..],
+            1,
+            "error: bare.toml:1: motor: is missing: the campaign puts encoders, motor drivers, battery and poses out of order",
+        ),
+        (
+            &["faults", "none.toml"],
+            1,
+            "error: none.toml: cannot be read",
+        ),
+        (
+            &["faults", "hobby-1kg", "--gyro"],
+            2,
+            "error: the argument '[ROBOT.toml]' cannot be used with '--gyro'",
+        ),
+    ] {
+        let output = sim_host(here.path(), arguments);
+        let told = said(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        assert!(told.contains(message), "{told}");
+        assert!(output.stdout.is_empty() && !here.path().join("out").exists());
+    }
 }

@@ -276,6 +276,8 @@ fn what_only_a_whole_can_have_is_refused_of_a_part() {
 /// Two runs of the campaign and their part, one of three.
 fn small() -> (Campaign, Shard, Vec<RunOutcome>) {
     let campaign = Campaign {
+        robot: None,
+        path: PathBuf::new(),
         runs: 6,
         seed: 12,
         only: Vec::new(),

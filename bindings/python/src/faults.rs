@@ -12,6 +12,7 @@ use sim_host::campaign::{
 };
 use sim_host::part;
 use sim_host::record;
+use std::path::PathBuf;
 
 /// Its bases, and the numbers of its runs.
 fn numbers(settings: &Settings) -> PyResult<(Bases, Vec<u64>)> {
@@ -156,6 +157,8 @@ pub fn faults(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Campaign> {
     let parameters = Settings {
+        robot: None,
+        path: PathBuf::new(),
         runs,
         seed,
         only,

@@ -14,7 +14,7 @@
 //! | name | a base is stopped for what is there, by its one name ([`RULES`]); before the trouble for nothing |
 //! | time | what has to be found is found within its deadline |
 //! | way | from the tick in which a stop begins to rest it is within its bound |
-//! | parked | the true pose is at the goal |
+//! | parked | the true pose is at the goal, and of a base that gets no poses its own |
 //! | end | the base parks, waits as it was, or rests in Stopped or Fault |
 //!
 //! Runs end without a trace kept; [`study`] runs them side by side.
@@ -40,5 +40,5 @@ pub use outcome::{Detection, End, Failing, RunOutcome, Stop, Violation, Why};
 pub use plan::{Bases, Plan, Target};
 pub use report::{Record, TraceWriter, run_sheet, table, tick_fields, violation, write_runs};
 pub use run::{Mutation, Tick, run};
-pub use study::{Campaign, CampaignError, MAX_FIRST, MAX_RUNS, NoTrouble, study};
+pub use study::{Campaign, CampaignError, MAX_FIRST, MAX_RUNS, NoTrouble, check, study};
 pub use summary::{Cell, CellRecord, cells};

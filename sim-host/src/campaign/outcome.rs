@@ -1,7 +1,8 @@
 //! What came of a run.
 
 use super::fault_injection::FaultInjectionKind;
-use super::plan::{Plan, Target};
+use super::plan::{Bases, Plan, Target};
+use crate::scenario::BASES;
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::Cause;
 use serde::{Deserialize, Serialize};
@@ -131,6 +132,8 @@ pub struct RunOutcome {
     pub run: u64,
     /// Which base.
     pub base: usize,
+    /// Name of the robot of a file, if that is the base; else it is one of [`BASES`].
+    pub robot: Option<String>,
     /// In what state.
     pub target: Target,
     /// What.
@@ -156,10 +159,17 @@ pub struct RunOutcome {
 }
 
 impl RunOutcome {
-    pub(super) fn begin(plan: &Plan) -> Self {
+    /// Name of the base.
+    pub fn base_name(&self) -> &str {
+        let built_in = || BASES.get(self.base).map_or("", |base| base.name);
+        self.robot.as_deref().unwrap_or_else(built_in)
+    }
+
+    pub(super) fn begin(bases: &Bases, plan: &Plan) -> Self {
         Self {
             run: plan.run,
             base: plan.base,
+            robot: bases.robot().map(str::to_owned),
             target: plan.target,
             injection: plan.injection.kind,
             second: None,

@@ -3,6 +3,7 @@
 use super::fault_injection::{FaultInjection, FaultInjectionKind};
 use super::path::{Path, VelocityOrders};
 use super::random::Random;
+use crate::job::RobotFile;
 use crate::mission::BaseSpec;
 use crate::scenario::{BASES, BuiltInBase, ScenarioError};
 use crate::world::WorldSetup;
@@ -100,7 +101,7 @@ pub struct Plan {
     pub seed: u64,
     /// Number in it.
     pub run: u64,
-    /// Which of [`BASES`].
+    /// Which of [`Bases::all`].
     pub base: usize,
     /// It has a gyro.
     pub gyro: bool,
@@ -133,6 +134,8 @@ pub struct Plan {
 #[derive(Clone, Debug)]
 pub struct Bases {
     all: Vec<BaseSpec>,
+    /// Of the robot of a file, which is then the only one.
+    robot: Option<String>,
     kinds: Vec<FaultInjectionKind>,
 }
 
@@ -161,6 +164,21 @@ impl Bases {
         Self::all_with(BuiltInBase::with_speed_driver, &[])
     }
 
+    /// The robot of a file alone, with what can go wrong with what it has: poses and a gyro only if its file has them.
+    pub fn of_robot(robot: &RobotFile) -> Self {
+        let hardware = robot.base.hardware;
+        let poses = hardware.is_some_and(|hardware| hardware.pose_source.is_some());
+        let gyro = hardware.is_some_and(|hardware| hardware.gyro.is_some());
+        let all = FaultInjectionKind::ALL.into_iter();
+        let has = all.filter(|kind| poses || !kind.is_of_poses());
+        let also = FaultInjectionKind::GYRO.into_iter().filter(|_| gyro);
+        Self {
+            all: vec![robot.base.clone()],
+            robot: Some(robot.name.clone()),
+            kinds: has.chain(also).collect(),
+        }
+    }
+
     /// Those built in, as `base` reads them, and what can go wrong with them beside what can with all.
     fn all_with(
         base: fn(&BuiltInBase) -> Result<BaseSpec, ScenarioError>,
@@ -168,6 +186,7 @@ impl Bases {
     ) -> Result<Self, ScenarioError> {
         Ok(Self {
             all: BASES.iter().map(base).collect::<Result<_, _>>()?,
+            robot: None,
             kinds: [&FaultInjectionKind::ALL[..], also].concat(),
         })
     }
@@ -186,6 +205,11 @@ impl Bases {
     /// All of them.
     pub fn all(&self) -> &[BaseSpec] {
         &self.all
+    }
+
+    /// Name of the robot of a file, if they are that alone.
+    pub fn robot(&self) -> Option<&str> {
+        self.robot.as_deref()
     }
 
     /// Of a plan.

@@ -4,7 +4,6 @@ use super::outcome::{End, RunOutcome};
 use super::run::Tick;
 use super::summary::{Cell, CellRecord};
 use crate::csv_out::{self, Column, Sheet, columns, fields, names, sheet, write_file, write_row};
-use crate::scenario::BASES;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
 use controller_core::base::WheelAction;
@@ -80,7 +79,7 @@ pub fn violation(outcome: &RunOutcome) -> Option<String> {
     Some(format!(
         "run {}: {}, {} in {} at {:.2} s{second}: at {:.2} s {}",
         outcome.run,
-        BASES[outcome.base].name,
+        outcome.base_name(),
         outcome.injection.name(),
         outcome.target.name(),
         outcome.at_s,
@@ -93,7 +92,7 @@ pub fn violation(outcome: &RunOutcome) -> Option<String> {
 fn columns<'a>() -> [Column<&'a RunOutcome>; 18] {
     columns![run;
         "run" => run.run,
-        "base" => BASES.get(run.base).map(|base| base.name),
+        "base" => run.base_name(),
         "state" => run.target.name(),
         "trouble" => run.injection.name(),
         "second" => run.second.map(|second| second.name()),

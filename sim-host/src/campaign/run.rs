@@ -75,6 +75,7 @@ pub fn run(
 type Checked<T> = Result<T, String>;
 
 struct Runner<'a, 'queue> {
+    bases: &'a Bases,
     plan: &'a Plan,
     base: &'a BaseSpec,
     board: Board<'queue>,
@@ -110,6 +111,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         })?;
         let bounds = Bounds::new(base, &plan.setup, board.task().controller().base());
         Ok(Self {
+            bases,
             plan,
             base,
             board,
@@ -140,7 +142,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
             counted_s: self.deadline.longest_s,
             again: self.again,
             end: end.map_err(|what| Violation { at_s: self.t, what }),
-            ..RunOutcome::begin(self.plan)
+            ..RunOutcome::begin(self.bases, self.plan)
         }
     }
 
@@ -174,8 +176,8 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         self.strike(0);
         self.host.plan_stop(self.t);
         let end = self.settle(watch)?;
-        // One that is adrift is on its way yet.
-        if self.plan.again && end != End::Known(Failing::Adrift) {
+        // One that is adrift is on its way yet, as is one that nothing slows down.
+        if self.plan.again && self.travel.rests() && end != End::Known(Failing::Adrift) {
             self.park_again(watch)?;
             self.again = true;
         }
@@ -311,12 +313,16 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         let report = self.board.report();
         let (state, cause) = (report.state, report.cause);
         let rests = self.travel.rests();
+        // Released, a base without dry friction rolls on: no way is too long for it.
+        let coasts = self.stops.present().bound_m.is_infinite();
         let late = quiet_s > 1.5
             && woken
             && !self.host.waits_to_stop()
             && (self.host.is_content() || self.timeline.manner().silent);
         Ok(match state {
-            State::Stopped | State::Fault if rests && late => Some(End::Stopped(Why::of(cause))),
+            State::Stopped | State::Fault if late && (rests || coasts) => {
+                Some(End::Stopped(Why::of(cause)))
+            }
             State::Parked
                 if rests
                     && quiet_s > 2.5

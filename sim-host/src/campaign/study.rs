@@ -7,12 +7,14 @@ use super::report::run_sheet;
 use super::run::{Mutation, run};
 use crate::closed_loop::ClosedLoopError;
 use crate::csv_out::Sheet;
+use crate::job::RobotFile;
 use crate::part::Study;
 use crate::scenario::{BASES, GYRO, ScenarioError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 /// No kind of trouble has one of the words in its name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,15 +45,20 @@ pub const MAX_RUNS: u64 = 100_000_000;
 pub const MAX_FIRST: u64 = 1 << 52;
 
 /// The campaign of a seed, as far as the command line and other front ends settle it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
+    /// All runs on this robot; else in turn on the bases that are built in.
+    pub robot: Option<RobotFile>,
+    /// Where that was read, which says nothing of the campaign.
+    #[serde(skip)]
+    pub path: PathBuf,
     /// Number of runs.
     pub runs: u64,
     /// Of everything that is drawn.
     pub seed: u64,
     /// Words in names of troubles; none for all troubles.
     pub only: Vec<String>,
-    /// Bases with a gyro.
+    /// Built-in bases with a gyro; a robot of one's own has one if its file has.
     pub gyro: bool,
     /// The first run.
     pub first: u64,
@@ -73,7 +80,7 @@ pub enum CampaignError {
         /// The limit.
         most: u64,
     },
-    /// A built-in base that cannot be read.
+    /// A base that cannot be read, or not be put to the campaign.
     #[error(transparent)]
     Base(#[from] ScenarioError),
     /// A world out of range.
@@ -81,11 +88,53 @@ pub enum CampaignError {
     World(#[from] ClosedLoopError),
 }
 
+/// Whether trouble can be made for a robot at all.
+///
+/// # Errors
+/// One whose file has no hardware: what the campaign breaks is not there.
+pub fn check(robot: &RobotFile) -> Result<(), ScenarioError> {
+    if robot.base.hardware.is_some() {
+        return Ok(());
+    }
+    let message = "is missing: the campaign puts encoders, motor drivers, battery and poses out of order, and this file has no \
+                   hardware; state [motor] and [battery], or [speed_driver], with [encoder] and [control]";
+    Err(ScenarioError::of_key(
+        &robot.file,
+        &robot.text,
+        "motor",
+        message,
+    ))
+}
+
 impl Campaign {
+    /// The bases that it runs on.
+    ///
+    /// # Errors
+    /// See [`fn@check`].
+    fn bases(&self) -> Result<Bases, ScenarioError> {
+        match (&self.robot, self.gyro) {
+            (Some(robot), _) => {
+                check(robot)?;
+                Ok(Bases::of_robot(robot))
+            }
+            (None, true) => Bases::with_gyro(),
+            (None, false) => Bases::built_in(),
+        }
+    }
+
+    /// The arguments that say on what bases it runs.
+    pub fn on_what(&self) -> Vec<String> {
+        match (&self.robot, self.gyro) {
+            (Some(_), _) => vec![self.path.to_string_lossy().into_owned()],
+            (None, true) => vec!["--gyro".to_owned()],
+            (None, false) => Vec::new(),
+        }
+    }
+
     /// Its bases, and the numbers of its runs.
     ///
     /// # Errors
-    /// Words that no trouble has, a number above its limit.
+    /// Words that no trouble has, a number above its limit, a robot without hardware.
     pub fn numbers(&self) -> Result<(Bases, Vec<u64>), CampaignError> {
         let limits = [
             ("runs", "runs", self.runs, MAX_RUNS),
@@ -101,10 +150,7 @@ impl Campaign {
                 return Err(CampaignError::Limit { key, what, most });
             }
         }
-        let bases = match self.gyro {
-            true => Bases::with_gyro(),
-            false => Bases::built_in(),
-        }?;
+        let bases = self.bases()?;
         let numbers = numbers(&bases, self.first, self.runs, &self.only)?;
         Ok((bases, numbers))
     }
@@ -116,7 +162,9 @@ impl Study for Campaign {
     type Error = CampaignError;
 
     fn name(&self) -> String {
-        Self::COMMAND.to_owned()
+        let of = |robot: &RobotFile| format!("{}-{}", robot.name, Self::COMMAND);
+        let robot = self.robot.as_ref();
+        robot.map_or_else(|| Self::COMMAND.to_owned(), of)
     }
 
     fn arguments(&self) -> Vec<String> {
@@ -125,11 +173,23 @@ impl Study for Campaign {
         for word in &self.only {
             words.extend(["--only".to_owned(), word.clone()]);
         }
-        words.extend(self.gyro.then(|| "--gyro".to_owned()));
+        // After what may be given several times, which takes one word each.
+        words.extend(self.on_what());
         words
     }
 
+    fn made_by(&mut self, arguments: &[String]) {
+        // The last of its own, as in `on_what`.
+        if let (Some(_), Some(path)) = (&self.robot, arguments.last()) {
+            self.path = path.into();
+        }
+    }
+
     fn built_in(&self) -> Vec<&'static str> {
+        // A robot's own text is among the settings.
+        if self.robot.is_some() {
+            return Vec::new();
+        }
         let bases = BASES.iter().map(|base| base.text);
         bases.chain(self.gyro.then_some(GYRO)).collect()
     }
@@ -181,7 +241,7 @@ pub fn study(
                     at_s: 0.0,
                     what: format!("panic: {}", text.unwrap_or("without a text")),
                 }),
-                ..RunOutcome::begin(&plan)
+                ..RunOutcome::begin(bases, &plan)
             })
         })
     };

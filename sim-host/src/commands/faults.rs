@@ -11,9 +11,8 @@ use sim_host::campaign::{
     tick_fields, violation, write_runs,
 };
 use sim_host::datalog::{DataLog, Source};
+use sim_host::part::{Study as _, quoted};
 
-/// The files' name.
-const NAME: &str = "faults";
 /// So many violations are printed; all are in the file.
 const PRINTED: usize = 20;
 
@@ -47,6 +46,9 @@ pub fn report(
     let writer = Writer::new(output)?;
     let seed = campaign.seed;
     let cells = cells(outcomes, None);
+    if let Some(robot) = &campaign.robot {
+        say(&format!("{}: {}, ", robot.name, robot.base.name))?;
+    }
     say(&format!("seed {seed}\n"))?;
     say(&format!("{}\n", table(&cells)))?;
     say(
@@ -74,7 +76,7 @@ pub fn report(
         let run = first.run;
         say(&format!(
             "again, with a trace: sim-host faults --runs 1 --seed {seed} --run {run}{}\n\n",
-            if campaign.gyro { " --gyro" } else { "" }
+            on_what(campaign)
         ))?;
     }
     if let Some(asked) = log
@@ -88,8 +90,9 @@ pub fn report(
             ))?,
         }
     }
-    writer.rows(NAME, |out| write_runs(outcomes, out))?;
-    writer.json(NAME, &[Record::of(seed, outcomes, &cells)])?;
+    let name = campaign.name();
+    writer.rows(&name, |out| write_runs(outcomes, out))?;
+    writer.json(&name, &[Record::of(seed, outcomes, &cells)])?;
     say(&format!(
         "{} of {} runs against the rules; results are in {}\n",
         violations.len(),
@@ -102,6 +105,15 @@ pub fn report(
     }
 }
 
+/// The words of a command that say on what bases a campaign runs.
+fn on_what(campaign: &Campaign) -> String {
+    let words = campaign.on_what();
+    words
+        .iter()
+        .map(|word| format!(" {}", quoted(word)))
+        .collect()
+}
+
 /// Runs it again, with every tick in a CSV file, and with a log if one is asked for.
 fn trace(
     campaign: &Campaign,
@@ -109,7 +121,7 @@ fn trace(
     log: &LogArgs,
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    let name = format!("{NAME}-{number}.csv");
+    let name = format!("{}-{number}.csv", campaign.name());
     let failed = |error: csv::Error| CommandError::Write {
         path: (&name).into(),
         cause: error.to_string(),

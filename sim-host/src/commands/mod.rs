@@ -88,6 +88,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             robustness::all(&study, part, output)
         }
         Command::Faults {
+            robot,
             runs,
             seed,
             only,
@@ -97,6 +98,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             part,
         } => {
             let campaign = Campaign {
+                robot: robot.as_deref().map(robot::load).transpose()?,
+                path: robot.clone().unwrap_or_default(),
                 runs: runs.get(),
                 seed: part::seed(seed, part)?,
                 only: only.clone(),

@@ -60,7 +60,8 @@ impl Parts {
         }
         let first = first.header.clone();
         let wrong = |error: &dyn std::fmt::Display| MergeError::Study(error.to_string());
-        let study: S = serde_json::from_value(first.settings.clone()).map_err(|e| wrong(&e))?;
+        let mut study: S = serde_json::from_value(first.settings.clone()).map_err(|e| wrong(&e))?;
+        study.made_by(&first.arguments);
         let ours = Program::of(&study);
         if first.program != ours {
             return Err(MergeError::OtherProgram {
@@ -185,8 +186,8 @@ fn command_line(header: &Header, shard: Shard) -> String {
     words.join(" ")
 }
 
-/// For a shell.
-fn quoted(word: &str) -> String {
+/// A word as it is typed in a shell.
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
     match !word.is_empty() && word.chars().all(plain) {
         true => word.to_owned(),

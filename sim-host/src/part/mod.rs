@@ -18,7 +18,7 @@ pub use error::{FileProblem, MergeError, WriteError};
 #[cfg(feature = "parts")]
 pub use file::write;
 #[cfg(feature = "parts")]
-pub use merge::Parts;
+pub use merge::{Parts, quoted};
 pub use shard::{NoShard, Shard, shard};
 
 use crate::csv_out::Sheet;
@@ -59,6 +59,9 @@ pub trait Study: Serialize + DeserializeOwned {
 
     /// The command's arguments, which give the same settings again.
     fn arguments(&self) -> Vec<String>;
+
+    /// Takes what of the arguments of a part the settings leave out, such as where a file was.
+    fn made_by(&mut self, _arguments: &[String]) {}
 
     /// Texts inside the program that it reads, which another program may have otherwise.
     fn built_in(&self) -> Vec<&'static str>;
