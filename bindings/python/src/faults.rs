@@ -1,6 +1,6 @@
 //! The fault campaign, whole or in parts.
 
-use crate::robot::figures;
+use crate::robot::{Robot, figures};
 use crate::work::work;
 use crate::{arguments, error, sheet};
 use pyo3::prelude::*;
@@ -10,6 +10,7 @@ use sim_host::campaign::{
     Bases, Campaign as Settings, CampaignError, Mutation, Record, RunOutcome, cells, run_sheet,
     study, table, violation, write_runs,
 };
+use sim_host::job::RobotFile;
 use sim_host::part;
 use sim_host::record;
 use std::path::PathBuf;
@@ -142,11 +143,12 @@ impl Campaign {
 
 /// The fault campaign of a seed, or part `shard` of it: (index, count), counted from 0.
 #[pyfunction]
-#[pyo3(signature = (runs = 1000, seed = 1, only = Vec::new(), gyro = false, first = 0, shard = None, threads = None,
-    progress = None))]
+#[pyo3(signature = (robot = None, runs = 1000, seed = 1, only = Vec::new(), gyro = false, first = 0, shard = None,
+    threads = None, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
 pub fn faults(
     py: Python<'_>,
+    robot: Option<&Robot>,
     #[pyo3(from_py_with = arguments::runs)] runs: u64,
     #[pyo3(from_py_with = arguments::seed)] seed: u64,
     only: Vec<String>,
@@ -156,8 +158,12 @@ pub fn faults(
     #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Campaign> {
+    if robot.is_some() && gyro {
+        let message = "is of the built-in bases: a robot has a gyro if its file has";
+        return Err(error::argument("gyro", message));
+    }
     let parameters = Settings {
-        robot: None,
+        robot: robot.map(|robot| RobotFile::clone(&robot.file)),
         path: PathBuf::new(),
         runs,
         seed,

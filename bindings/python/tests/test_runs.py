@@ -125,6 +125,7 @@ def test_laws_and_worlds_can_be_chosen() -> None:
 
 
 BAD_GAIN = twb.Robot.load("lab-10kg").text.replace("\nheading = ", "\nheading = -")
+BARE = twb.Robot.load("lab-10kg").text.split("[motor]")[0]
 BLIND = re.sub(r"\[pose_source\][^[]*", "", twb.Robot.load("lab-10kg").text)
 
 
@@ -168,6 +169,8 @@ def bad_scenario() -> object:
         (lambda: twb.faults(0), None, None, "runs"),
         (lambda: twb.faults(10, only=["no such"]), None, None, "only"),
         (lambda: twb.faults(10, shard=(3, 3)), None, None, "shard"),
+        (lambda: twb.faults(10, robot="hobby-1kg", gyro=True), None, None, "gyro"),
+        (lambda: twb.faults(10, robot=twb.Robot.parse(BARE, "bare.toml")), "bare.toml", 1, "motor"),
         (lambda: twb.identify({"t": [1.0, 2.0], "x": [1.0]}), None, None, "log"),
         (lambda: twb.identify({"t": [1.0]}, known={"nose": 1}), None, None, "known"),
     ],

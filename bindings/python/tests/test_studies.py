@@ -49,6 +49,15 @@ def test_any_number_of_shards_gives_the_same_bytes(count: int, campaign: tuple[b
             twb.Campaign.merge([*parts, twb.faults(RUNS, seed=8, shard=(0, count))])
 
 
+def test_a_campaign_on_one_robot_is_the_command_lines(tmp_path: pathlib.Path) -> None:
+    command_line("faults", "hobby-1kg", "--runs", "20", "--seed", "7", out=tmp_path)
+    parts = [twb.faults(20, robot="hobby-1kg", seed=7, shard=(i, 2)) for i in range(2)]
+    merged = twb.Campaign.merge([pickle.loads(pickle.dumps(part)) for part in parts])
+    assert merged.csv() == (tmp_path / "hobby-1kg-faults.csv").read_bytes()
+    assert merged.json() == (tmp_path / "hobby-1kg-faults.json").read_text()
+    assert set(merged.rows["base"]) == {"hobby-1kg"}
+
+
 def test_verification_is_the_command_lines(tmp_path: pathlib.Path) -> None:
     command_line("verify", "hobby-1kg", "--seeds", "1", "--seed", "5", out=tmp_path)
     found = twb.verify("hobby-1kg", seeds=1, seed=5)

@@ -322,6 +322,7 @@ def identify(
 def faults(
     runs: int = 1000,
     *,
+    robot: AnyRobot | None = None,
     seed: int = 1,
     only: Iterable[str] = (),
     gyro: bool = False,
@@ -332,7 +333,10 @@ def faults(
 ) -> Campaign:
     """The fault campaign: random trouble in every state, on the realistic plant.
 
+    On `robot`; without one on the three built-in bases in turn, with gyros if `gyro`.
+
     With `shard` = (index, count) only that part of it, counted from 0; `Campaign.merge` puts the parts together. The
     bytes of the whole do not depend on how many there were.
     """
-    return _twb.faults(runs, seed, _words(only), gyro, first, shard, threads, progress)
+    robot = None if robot is None else _robot(robot)
+    return _twb.faults(robot, runs, seed, _words(only), gyro, first, shard, threads, progress)

@@ -283,6 +283,7 @@ def identify(
     slow_rad_s: float | None = None,
 ) -> Identification: ...
 def faults(
+    robot: Robot | None = None,
     runs: int = 1000,
     seed: int = 1,
     only: Sequence[str] = ...,
