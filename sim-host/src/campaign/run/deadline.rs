@@ -14,6 +14,10 @@ use controller_core::base::BaseReport;
 use controller_core::hal::WheelDrive;
 use controller_core::types::WheelTorques;
 
+/// Drivers that close their own speed loop push a wheel the way that it is commanded, with what grows with the way commanded: up to so many times
+/// the slowest speed that is watched a way counts, not a time. Written here anew.
+const SLOW: f64 = 4.0;
+
 /// Whether a plan's first injection is found in time.
 pub(super) struct Deadline<'a> {
     plan: &'a Plan,
@@ -57,6 +61,7 @@ impl<'a> Deadline<'a> {
             return;
         }
         let dt = 1.0e-6 * f64::from(board.dt_us());
+        let mut share = 1.0;
         let (counts, lasts) = match Rule::of(self.plan.injection.kind).clock {
             Clock::None => return,
             Clock::All | Clock::Beyond | Clock::Long => (true, true),
@@ -65,39 +70,41 @@ impl<'a> Deadline<'a> {
                 (!read && rolls, false)
             }
             Clock::Pushed => {
-                let way = self.pushed(board, before, acting);
+                let (way, counts) = self.pushed(board, before, acting);
                 if way != self.pushed_way {
                     self.counted_s = 0.0;
                 }
                 self.pushed_way = way;
+                share = counts;
                 (way != 0.0, false)
             }
         };
         self.counted_s = match (counts, lasts) {
-            (true, _) => self.counted_s + dt,
+            (true, _) => self.counted_s + share * dt,
             (false, true) => self.counted_s,
             (false, false) => 0.0,
         };
         self.longest_s = self.longest_s.max(self.counted_s);
     }
 
-    /// Which way a wheel in trouble is pushed hard enough to be found: 1, −1, or 0 if it is not.
+    /// Which way a wheel in trouble is pushed hard enough to be found: 1, −1, or 0 if it is not. And what share of the time counts.
     fn pushed(
         &self,
         board: &Board<'_>,
         before: &BaseReport<f32>,
         acting: Option<WheelTorques<f32>>,
-    ) -> f64 {
+    ) -> (f64, f64) {
+        const NOT: (f64, f64) = (0.0, 0.0);
         let What::PlantFault(
             PlantFault::EncoderStuck(side)
             | PlantFault::EncoderReversed(side)
             | PlantFault::WheelBlocked(side),
         ) = self.plan.injection.what
         else {
-            return 0.0;
+            return NOT;
         };
         let (Some(torques), Some(motion)) = (acting, before.motion) else {
-            return 0.0;
+            return NOT;
         };
         let of = |right: f32, left: f32| f64::from(if side == Side::Right { right } else { left });
         let detectors = &board.task().params().detectors;
@@ -113,10 +120,14 @@ impl<'a> Deadline<'a> {
             f64::from(detectors.wheels.stuck.torque_nm),
         );
         let way = speed.signum();
-        if speed.abs() >= fast && way * torque >= hard {
-            way
+        if speed.abs() < fast {
+            NOT
+        } else if core.driver().speeds().is_some() {
+            (way, (speed.abs() / (SLOW * fast)).min(1.0))
+        } else if way * torque >= hard {
+            (way, 1.0)
         } else {
-            0.0
+            NOT
         }
     }
 
