@@ -12,7 +12,7 @@ use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::types::{Measured, Pose, WheelSpeeds, WheelTorques};
 
 /// The longest tick that a plant takes \[µs\].
-pub(crate) const LONGEST_TICK_US: u32 = 1_000_000;
+pub const LONGEST_TICK_US: u32 = 1_000_000;
 
 /// A plant that runs. Nothing moves but in [`advance`](Self::advance).
 #[derive(Clone, Debug)]

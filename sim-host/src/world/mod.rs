@@ -58,8 +58,7 @@ mod tyre;
 pub use actuation::{Actuation, Side};
 pub use error::{ActuationError, WorldError};
 pub use gyro::GyroSample;
-pub(crate) use handle::LONGEST_TICK_US;
-pub use handle::World;
+pub use handle::{LONGEST_TICK_US, World};
 pub use keys::{BodyKeys, WorldKeys, WorldSetup};
 pub use params::{
     BatteryParams, BodyParams, FloorParams, FrictionParams, GRAVITY, LEAST_LOOP_S, MotorParams,
