@@ -1,5 +1,6 @@
 //! The fault campaign: quiet with the base as it is, loud with one that is broken on purpose.
 
+use crate::parts::{names, parts, run, typed};
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
     Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Violation, Why, cells,
@@ -10,8 +11,6 @@ use sim_host::mission::BaseSpec;
 use sim_host::rate::Rate;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 use tests::stated::{At, Stated};
 
 /// Every trouble in every state on every base, once.
@@ -401,12 +400,6 @@ fn late_ticks_of_a_slow_base_are_no_longer_than_the_plant_takes() {
     assert!(too_long.is_empty(), "{too_long:?}");
 }
 
-fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
-    let command = command.args(arguments).current_dir(directory);
-    command.output().expect("the program runs")
-}
-
 fn said(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("UTF-8")
 }
@@ -430,7 +423,7 @@ fn the_campaign_of_a_file_is_run_again_and_in_parts() {
         "--seed",
         "5",
     ];
-    let whole = sim_host(
+    let whole = run(
         here.path(),
         &[&campaign[..], &["--parquet", "all.parquet"]].concat(),
     );
@@ -457,15 +450,7 @@ fn the_campaign_of_a_file_is_run_again_and_in_parts() {
         .nth(1)
         .and_then(|rest| rest.split(' ').next());
     let number = number.expect("a number");
-    let repeated = Command::new("sh")
-        .args([
-            "-euc",
-            &format!("\"$0\" {again} --out again"),
-            env!("CARGO_BIN_EXE_sim-host"),
-        ])
-        .current_dir(here.path())
-        .output()
-        .expect("a shell");
+    let repeated = typed(here.path(), &format!("{again} --out again"));
     assert_eq!(
         repeated.status.code(),
         Some(1),
@@ -479,14 +464,8 @@ fn the_campaign_of_a_file_is_run_again_and_in_parts() {
     let trace = fs::read_to_string(trace).expect("a trace");
     assert!(trace.lines().count() > 100);
 
-    for number in ["1/3", "3/3", "2/3"] {
-        let part = format!("{}.parquet", &number[..1]);
-        let shard = sim_host(
-            here.path(),
-            &[&campaign[..], &["--shard", number, "--parquet", &part]].concat(),
-        );
-        assert!(shard.status.success(), "{}", said(&shard.stderr));
-    }
+    let mut paths = parts(here.path(), &campaign, 3);
+    paths.rotate_left(1);
     let results = ["my robot's-faults.csv", "my robot's-faults.json"]
         .map(|name| here.path().join("out").join(name));
     let left = || {
@@ -498,15 +477,9 @@ fn the_campaign_of_a_file_is_run_again_and_in_parts() {
     fs::remove_dir_all(here.path().join("out")).expect("removed");
     // The robot itself is in the parts.
     fs::remove_file(&path).expect("removed");
-    let parts = [
-        "merge",
-        "2.parquet",
-        "3.parquet",
-        "1.parquet",
-        "--parquet",
-        "merged.parquet",
-    ];
-    let merged = sim_host(here.path(), &parts);
+    let mut merge = vec!["merge", "--parquet", "merged.parquet"];
+    merge.extend(names(&paths));
+    let merged = run(here.path(), &merge);
     assert_eq!(merged.status.code(), Some(1), "{}", said(&merged.stderr));
     assert_eq!(said(&merged.stdout), printed);
     assert!(left() == expected);
@@ -538,7 +511,7 @@ fn a_robot_that_cannot_be_put_to_the_campaign_is_refused() {
             "error: the argument '[ROBOT.toml]' cannot be used with '--gyro'",
         ),
     ] {
-        let output = sim_host(here.path(), arguments);
+        let output = run(here.path(), arguments);
         let told = said(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{told}");
         assert!(told.contains(message), "{told}");

@@ -42,10 +42,18 @@ fn program() -> Command {
     Command::new(env!("CARGO_BIN_EXE_sim-host"))
 }
 
-fn run(directory: &Path, arguments: &[&str]) -> Output {
+pub(super) fn run(directory: &Path, arguments: &[&str]) -> Output {
     let mut command = program();
     command.args(arguments).current_dir(directory);
     command.output().expect("the program runs")
+}
+
+/// What comes of a line that is typed behind the program's name.
+pub(super) fn typed(directory: &Path, line: &str) -> Output {
+    let program = env!("CARGO_BIN_EXE_sim-host");
+    let mut shell = Command::new("sh");
+    shell.args(["-euc", &format!("\"$0\" {line}"), program]);
+    shell.current_dir(directory).output().expect("a shell")
 }
 
 /// Everything that a command leaves: exit code, both streams, all files.
@@ -76,7 +84,7 @@ fn left(directory: &Path, output: Output) -> Left {
 }
 
 /// The parts of a study in a directory, the last one made first.
-fn parts(directory: &Path, study: &[&str], count: usize) -> Vec<PathBuf> {
+pub(super) fn parts(directory: &Path, study: &[&str], count: usize) -> Vec<PathBuf> {
     let numbers = (1..=count).rev();
     let part = |number: usize| {
         let shard = format!("{number}/{count}");
@@ -95,7 +103,7 @@ fn parts(directory: &Path, study: &[&str], count: usize) -> Vec<PathBuf> {
     numbers.map(part).collect()
 }
 
-fn names(paths: &[PathBuf]) -> Vec<&str> {
+pub(super) fn names(paths: &[PathBuf]) -> Vec<&str> {
     paths
         .iter()
         .map(|path| path.to_str().expect("UTF-8"))
@@ -163,15 +171,7 @@ fn a_part_that_died_is_named_and_made_again_alone() {
     let (before, command) = message.split_once(": run sim-host ").expect("a command");
     assert!(before.ends_with("part 2 of 3 is missing"), "{message}");
     let line = command.lines().next().expect("a line");
-    let again = Command::new("sh")
-        .args([
-            "-euc",
-            &format!("\"$0\" {line} --parquet 2.parquet"),
-            env!("CARGO_BIN_EXE_sim-host"),
-        ])
-        .current_dir(here.path())
-        .output()
-        .expect("a shell");
+    let again = typed(here.path(), &format!("{line} --parquet 2.parquet"));
     assert!(
         again.status.success(),
         "{}",

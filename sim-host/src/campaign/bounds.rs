@@ -43,6 +43,24 @@ const CREEP_M: f64 = 0.01;
 /// anew, as noise of poses is left out.
 const LEAVES: (f64, f64) = (2.0, 1.3);
 
+/// How far from its goal the pose of a base may be that gets none from outside and says it is parked: \[m\] and \[rad\].
+///
+/// Nothing takes away what odometry was wrong by, on all of the way since it was switched on, so all that can be held is that it stays where it says it
+/// does: it leaves its goal, and says so, at [`LEAVES`] times its tolerances.
+pub(super) fn stays_parked(core: &Core<f32>) -> (f64, f64) {
+    let (distance, heading) = tolerances(core);
+    (LEAVES.0 * distance, LEAVES.1 * heading)
+}
+
+/// D and H of [`Bounds::parked`].
+fn tolerances(core: &Core<f32>) -> (f64, f64) {
+    let arrival = &core.motion().params().arrival;
+    (
+        f64::from(arrival.distance_m),
+        f64::from(arrival.heading_rad),
+    )
+}
+
 /// Numbers of a true base that bounds follow from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
@@ -217,9 +235,7 @@ impl Bounds {
         SLACK * way + CREEP_M
     }
 
-    /// How far from its goal a base may truly be that says it is parked: \[m\] and \[rad\]. Of one that gets no poses, by its own pose:
-    /// nothing takes away what odometry was wrong by, on all of the way since it was switched on, so all that can be held is that it
-    /// stays where it says it does: a parked base leaves its goal, and says so, at [`LEAVES`] times D and H.
+    /// How far from its goal a base may truly be that gets poses and says it is parked: \[m\] and \[rad\].
     ///
     /// ```text
     /// D + 5 σ + ε ℓ (1 + δ ℓ) + b τ ℓ + G q(x₁) + |β| + |β_θ| ℓ        H + 5 σ_θ + δ ℓ + b τ ℓ π/x₀ + G_θ q(x₁) + |β_θ|
@@ -245,14 +261,8 @@ impl Bounds {
         (share, late_s): (f64, f64),
     ) -> (f64, f64) {
         let arrival = &core.motion().params().arrival;
-        let (distance, heading) = (
-            f64::from(arrival.distance_m),
-            f64::from(arrival.heading_rad),
-        );
+        let (distance, heading) = tolerances(core);
         let localisation = core.localisation();
-        if localisation.params().fusion.is_none() {
-            return (LEAVES.0 * distance, LEAVES.1 * heading);
-        }
         let source = base.hardware.and_then(|hardware| hardware.pose_source);
         let (dropped, bias, bias_rad) = source.map_or((0.0, 0.0, 0.0), |source| {
             let [x, y] = source.bias_m;

@@ -61,51 +61,47 @@ impl<'a> Deadline<'a> {
             return;
         }
         let dt = 1.0e-6 * f64::from(board.dt_us());
-        let mut share = 1.0;
-        let (counts, lasts) = match Rule::of(self.plan.injection.kind).clock {
+        // What share of the tick counts, and whether what was counted before stays where none does.
+        let (share, lasts) = match Rule::of(self.plan.injection.kind).clock {
             Clock::None => return,
-            Clock::All | Clock::Beyond | Clock::Long => (true, true),
+            Clock::All | Clock::Beyond | Clock::Long => (1.0, true),
             Clock::SinceFrame => {
                 let rolls = before.state.is_live() && !check::stops(before.state);
-                (!read && rolls, false)
+                (f64::from(u8::from(!read && rolls)), false)
             }
             Clock::Pushed => {
-                let (way, counts) = self.pushed(board, before, acting);
+                let (way, share) = self.pushed(board, before, acting).unwrap_or_default();
                 if way != self.pushed_way {
                     self.counted_s = 0.0;
                 }
                 self.pushed_way = way;
-                share = counts;
-                (way != 0.0, false)
+                (share, false)
             }
         };
-        self.counted_s = match (counts, lasts) {
-            (true, _) => self.counted_s + share * dt,
-            (false, true) => self.counted_s,
-            (false, false) => 0.0,
+        self.counted_s = if share > 0.0 || lasts {
+            self.counted_s + share * dt
+        } else {
+            0.0
         };
         self.longest_s = self.longest_s.max(self.counted_s);
     }
 
-    /// Which way a wheel in trouble is pushed hard enough to be found: 1, −1, or 0 if it is not. And what share of the time counts.
+    /// Which way a wheel in trouble is pushed, 1 or −1, and what share of the time counts; `None` if not hard enough to be found.
     fn pushed(
         &self,
         board: &Board<'_>,
         before: &BaseReport<f32>,
         acting: Option<WheelTorques<f32>>,
-    ) -> (f64, f64) {
-        const NOT: (f64, f64) = (0.0, 0.0);
+    ) -> Option<(f64, f64)> {
         let What::PlantFault(
             PlantFault::EncoderStuck(side)
             | PlantFault::EncoderReversed(side)
             | PlantFault::WheelBlocked(side),
         ) = self.plan.injection.what
         else {
-            return NOT;
+            return None;
         };
-        let (Some(torques), Some(motion)) = (acting, before.motion) else {
-            return NOT;
-        };
+        let (torques, motion) = (acting?, before.motion?);
         let of = |right: f32, left: f32| f64::from(if side == Side::Right { right } else { left });
         let detectors = &board.task().params().detectors;
         let core = board.task().controller().base();
@@ -121,13 +117,11 @@ impl<'a> Deadline<'a> {
         );
         let way = speed.signum();
         if speed.abs() < fast {
-            NOT
+            None
         } else if core.driver().speeds().is_some() {
-            (way, (speed.abs() / (SLOW * fast)).min(1.0))
-        } else if way * torque >= hard {
-            (way, 1.0)
+            Some((way, (speed.abs() / (SLOW * fast)).min(1.0)))
         } else {
-            NOT
+            (way * torque >= hard).then_some((way, 1.0))
         }
     }
 

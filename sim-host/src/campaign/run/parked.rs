@@ -2,7 +2,7 @@
 
 use super::Checked;
 use super::timeline::Timeline;
-use crate::campaign::bounds::Bounds;
+use crate::campaign::bounds::{Bounds, stays_parked};
 use crate::closed_loop::Board;
 use crate::mission::BaseSpec;
 use controller_core::angle::wrap;
@@ -38,11 +38,10 @@ impl ParkedCheck {
         let (shift, turn) = (shift + carried.0, turn + carried.1);
         let core = board.task().controller().base();
         let own = board.report().measured.map(|measured| measured.pose.cast());
-        let (off, whose) = match (core.localisation().params().fusion, own) {
-            (None, Some(own)) => (off(&own), " by its own pose"),
-            _ => (truly, ""),
+        let (off, whose, (most_m, most_rad)) = match (core.localisation().params().fusion, own) {
+            (None, Some(own)) => (off(&own), " by its own pose", stays_parked(core)),
+            _ => (truly, "", bounds.parked(core, base, timeline.poses())),
         };
-        let (most_m, most_rad) = bounds.parked(core, base, timeline.poses());
         if off.0 > most_m + shift || off.1 > most_rad + turn {
             return Err(format!(
                 "parked {:.1} mm and {:.1} mrad off{whose}, beyond {:.1} and {:.1}",
