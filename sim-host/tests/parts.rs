@@ -2,7 +2,7 @@
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use sim_host::campaign::{Campaign, RunOutcome};
+use sim_host::campaign::{Campaign, Robots, RunOutcome};
 use sim_host::part::{MergeError, Parts, Shard, Study, write};
 use std::collections::BTreeMap;
 use std::fs;
@@ -276,12 +276,10 @@ fn what_only_a_whole_can_have_is_refused_of_a_part() {
 /// Two runs of the campaign and their part, one of three.
 fn small() -> (Campaign, Shard, Vec<RunOutcome>) {
     let campaign = Campaign {
-        robot: None,
-        path: PathBuf::new(),
+        on: Robots::BuiltIn,
         runs: 6,
         seed: 12,
         only: Vec::new(),
-        gyro: false,
         first: 100,
     };
     let shard = Shard::new(2, 3).expect("a part");

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::{Deserialize, Serialize};
 use sim_host::campaign::{
-    Bases, Campaign as Settings, CampaignError, Mutation, Record, RunOutcome, cells, run_sheet,
-    study, table, violation, write_runs,
+    Bases, Campaign as Settings, CampaignError, Mutation, Record, Robots, RunOutcome, cells,
+    run_sheet, study, table, violation, write_runs,
 };
 use sim_host::job::RobotFile;
 use sim_host::part;
@@ -158,17 +158,13 @@ pub fn faults(
     #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Campaign> {
-    if robot.is_some() && gyro {
-        let message = "is of the built-in bases: a robot has a gyro if its file has";
-        return Err(error::argument("gyro", message));
-    }
+    let robot = robot.map(|robot| (RobotFile::clone(&robot.file), PathBuf::new()));
+    let on = Robots::of(robot, gyro).map_err(|e| error::argument("gyro", &e.to_string()))?;
     let parameters = Settings {
-        robot: robot.map(|robot| RobotFile::clone(&robot.file)),
-        path: PathBuf::new(),
+        on,
         runs,
         seed,
         only,
-        gyro,
         first,
     };
     let (bases, all) = numbers(&parameters)?;

@@ -4,12 +4,13 @@ use super::fault_injection::FaultInjectionKind;
 use super::outcome::{RunOutcome, Violation};
 use super::plan::{Bases, Plan};
 use super::report::run_sheet;
+use super::robots::Robots;
 use super::run::{Mutation, run};
 use crate::closed_loop::ClosedLoopError;
 use crate::csv_out::Sheet;
 use crate::job::RobotFile;
 use crate::part::Study;
-use crate::scenario::{BASES, GYRO, ScenarioError};
+use crate::scenario::ScenarioError;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -46,22 +47,57 @@ pub const MAX_FIRST: u64 = 1 << 52;
 
 /// The campaign of a seed, as far as the command line and other front ends settle it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Settings", into = "Settings")]
 pub struct Campaign {
-    /// All runs on this robot; else in turn on the bases that are built in.
-    pub robot: Option<RobotFile>,
-    /// Where that was read, which says nothing of the campaign.
-    #[serde(skip)]
-    pub path: PathBuf,
+    /// What it runs on.
+    pub on: Robots,
     /// Number of runs.
     pub runs: u64,
     /// Of everything that is drawn.
     pub seed: u64,
     /// Words in names of troubles; none for all troubles.
     pub only: Vec<String>,
-    /// Built-in bases with a gyro; a robot of one's own has one if its file has.
-    pub gyro: bool,
     /// The first run.
     pub first: u64,
+}
+
+/// A campaign as files have it.
+#[derive(Serialize, Deserialize)]
+struct Settings {
+    robot: Option<RobotFile>,
+    runs: u64,
+    seed: u64,
+    only: Vec<String>,
+    gyro: bool,
+    first: u64,
+}
+
+impl From<Campaign> for Settings {
+    fn from(campaign: Campaign) -> Self {
+        Self {
+            gyro: campaign.on == Robots::BuiltInWithGyro,
+            robot: campaign.on.own().cloned(),
+            runs: campaign.runs,
+            seed: campaign.seed,
+            only: campaign.only,
+            first: campaign.first,
+        }
+    }
+}
+
+impl TryFrom<Settings> for Campaign {
+    type Error = String;
+
+    fn try_from(settings: Settings) -> Result<Self, String> {
+        let robot = settings.robot.map(|robot| (robot, PathBuf::new()));
+        Ok(Self {
+            on: Robots::of(robot, settings.gyro).map_err(|e| format!("gyro {e}"))?,
+            runs: settings.runs,
+            seed: settings.seed,
+            only: settings.only,
+            first: settings.first,
+        })
+    }
 }
 
 /// Why a campaign does not run.
@@ -88,49 +124,7 @@ pub enum CampaignError {
     World(#[from] ClosedLoopError),
 }
 
-/// Whether trouble can be made for a robot at all.
-///
-/// # Errors
-/// One whose file has no hardware: what the campaign breaks is not there.
-pub fn check(robot: &RobotFile) -> Result<(), ScenarioError> {
-    if robot.base.hardware.is_some() {
-        return Ok(());
-    }
-    let message = "is missing: the campaign puts encoders, motor drivers, battery and poses out of order, and this file has no \
-                   hardware; state [motor] and [battery], or [speed_driver], with [encoder] and [control]";
-    Err(ScenarioError::of_key(
-        &robot.file,
-        &robot.text,
-        "motor",
-        message,
-    ))
-}
-
 impl Campaign {
-    /// The bases that it runs on.
-    ///
-    /// # Errors
-    /// See [`fn@check`].
-    fn bases(&self) -> Result<Bases, ScenarioError> {
-        match (&self.robot, self.gyro) {
-            (Some(robot), _) => {
-                check(robot)?;
-                Ok(Bases::of_robot(robot))
-            }
-            (None, true) => Bases::with_gyro(),
-            (None, false) => Bases::built_in(),
-        }
-    }
-
-    /// The arguments that say on what bases it runs.
-    pub fn on_what(&self) -> Vec<String> {
-        match (&self.robot, self.gyro) {
-            (Some(_), _) => vec![self.path.to_string_lossy().into_owned()],
-            (None, true) => vec!["--gyro".to_owned()],
-            (None, false) => Vec::new(),
-        }
-    }
-
     /// Its bases, and the numbers of its runs.
     ///
     /// # Errors
@@ -150,7 +144,7 @@ impl Campaign {
                 return Err(CampaignError::Limit { key, what, most });
             }
         }
-        let bases = self.bases()?;
+        let bases = self.on.bases()?;
         let numbers = numbers(&bases, self.first, self.runs, &self.only)?;
         Ok((bases, numbers))
     }
@@ -163,7 +157,7 @@ impl Study for Campaign {
 
     fn name(&self) -> String {
         let of = |robot: &RobotFile| format!("{}-{}", robot.name, Self::COMMAND);
-        let robot = self.robot.as_ref();
+        let robot = self.on.own();
         robot.map_or_else(|| Self::COMMAND.to_owned(), of)
     }
 
@@ -174,24 +168,19 @@ impl Study for Campaign {
             words.extend(["--only".to_owned(), word.clone()]);
         }
         // After what may be given several times, which takes one word each.
-        words.extend(self.on_what());
+        words.extend(self.on.arguments());
         words
     }
 
     fn made_by(&mut self, arguments: &[String]) {
-        // The last of its own, as in `on_what`.
-        if let (Some(_), Some(path)) = (&self.robot, arguments.last()) {
-            self.path = path.into();
+        // The last of its own, as in `arguments`.
+        if let (Robots::Own { path, .. }, Some(last)) = (&mut self.on, arguments.last()) {
+            *path = last.into();
         }
     }
 
     fn built_in(&self) -> Vec<&'static str> {
-        // A robot's own text is among the settings.
-        if self.robot.is_some() {
-            return Vec::new();
-        }
-        let bases = BASES.iter().map(|base| base.text);
-        bases.chain(self.gyro.then_some(GYRO)).collect()
+        self.on.built_in()
     }
 
     fn count(&self) -> Result<usize, CampaignError> {

@@ -46,7 +46,7 @@ pub fn report(
     let writer = Writer::new(output)?;
     let seed = campaign.seed;
     let cells = cells(outcomes, None);
-    if let Some(robot) = &campaign.robot {
+    if let Some(robot) = campaign.on.own() {
         say(&format!("{}: {}, ", robot.name, robot.base.name))?;
     }
     say(&format!("seed {seed}\n"))?;
@@ -107,7 +107,7 @@ pub fn report(
 
 /// The words of a command that say on what bases a campaign runs.
 fn on_what(campaign: &Campaign) -> String {
-    let words = campaign.on_what();
+    let words = campaign.on.arguments();
     words
         .iter()
         .map(|word| format!(" {}", quoted(word)))

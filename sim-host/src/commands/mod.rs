@@ -25,7 +25,7 @@ mod write;
 use crate::cli::{Cli, Command};
 use error::CommandError;
 use sim_host::advice::{base_warnings, period_warning, warnings};
-use sim_host::campaign::Campaign;
+use sim_host::campaign::{Campaign, Robots};
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::plain_text::written_out;
 use sim_host::record::Finished;
@@ -97,13 +97,15 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             log,
             part,
         } => {
+            let robot = match robot {
+                Some(path) => Some((robot::load(path)?, path.clone())),
+                None => None,
+            };
             let campaign = Campaign {
-                robot: robot.as_deref().map(robot::load).transpose()?,
-                path: robot.clone().unwrap_or_default(),
+                on: Robots::of(robot, *gyro)?,
                 runs: runs.get(),
                 seed: part::seed(seed, part)?,
                 only: only.clone(),
-                gyro: *gyro,
                 first: run.unwrap_or(0),
             };
             faults::all(&campaign, (*run, log), part, output)
