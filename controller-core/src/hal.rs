@@ -209,19 +209,7 @@ impl<D: WheelSpeedDrive + ?Sized> WheelSpeedDrive for &mut D {
 pub struct BySpeed<D> {
     drive: D,
     desired: WheelSpeeds<f32>,
-    asked: SpeedCall,
-}
-
-/// What was asked of drivers that close their own speed loop.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum SpeedCall {
-    /// To let the wheels coast.
-    #[default]
-    Release,
-    /// To brake them electrically.
-    Brake,
-    /// To hold these speeds.
-    Hold(WheelSpeeds<f32>),
+    asked: Call<WheelSpeeds<f32>>,
 }
 
 impl<D: WheelSpeedDrive> BySpeed<D> {
@@ -231,12 +219,12 @@ impl<D: WheelSpeedDrive> BySpeed<D> {
         Self {
             drive,
             desired: WheelSpeeds { right, left },
-            asked: SpeedCall::Release,
+            asked: Call::Release,
         }
     }
 
     /// What was asked of the drivers last; after an error not what they do.
-    pub const fn asked(&self) -> &SpeedCall {
+    pub const fn asked(&self) -> &Call<WheelSpeeds<f32>> {
         &self.asked
     }
 
@@ -267,19 +255,31 @@ impl<D: WheelSpeedDrive> WheelDrive for BySpeed<D> {
 
     /// Sets the speeds that were observed last.
     fn set_torques(&mut self, _: WheelTorques<f32>) -> Result<(), Self::Error> {
-        self.asked = SpeedCall::Hold(self.desired);
+        self.asked = Call::Set(self.desired);
         self.drive.set_speeds(self.desired)
     }
 
     fn release(&mut self) -> Result<(), Self::Error> {
-        self.asked = SpeedCall::Release;
+        self.asked = Call::Release;
         self.drive.release()
     }
 
     fn brake(&mut self) -> Result<(), Self::Error> {
-        self.asked = SpeedCall::Brake;
+        self.asked = Call::Brake;
         self.drive.brake()
     }
+}
+
+/// What was asked of a pair of driven wheels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Call<V> {
+    /// To exert these torques, or to hold these speeds.
+    Set(V),
+    /// To coast.
+    #[default]
+    Release,
+    /// To brake electrically.
+    Brake,
 }
 
 /// Both speeds are finite and within the limit: the check that every [`WheelSpeedDrive`] makes.

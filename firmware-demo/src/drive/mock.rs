@@ -1,22 +1,10 @@
 //! Wheels that only remember what was applied, and fail on demand.
 
 use controller_core::hal::{
-    ErrorKind, ErrorType, WheelDrive, WheelSpeedDrive, accepts, accepts_speeds,
+    Call, ErrorKind, ErrorType, WheelDrive, WheelSpeedDrive, accepts, accepts_speeds,
 };
 use controller_core::types::{WheelSpeeds, WheelTorques};
 use protocol::pil::WheelOutput;
-
-/// One call; `V` is what is applied to wheels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Call<V = WheelTorques<f32>> {
-    /// Torques or speeds were set, or would have been.
-    Set(V),
-    /// The wheels were made safe.
-    #[default]
-    Release,
-    /// The wheels were braked.
-    Brake,
-}
 
 /// When the driver fails, by the number of calls before, from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,13 +7,13 @@ mod motor;
 mod simulated;
 
 pub use bridge::{Bridges, MotorError, MotorSide, NoPin, OffPhase};
-pub use controller_core::hal::Observed;
-pub use mock::{Call, Mock, MockDrive, MockSpeedDrive, Script};
+pub use controller_core::hal::{Call, Observed};
+pub use mock::{Mock, MockDrive, MockSpeedDrive, Script};
 pub use mock_gyro::MockGyro;
 pub use motor::MotorPair;
 pub use simulated::SimulatedDrive;
 
-use controller_core::hal::{BySpeed, SpeedCall, WheelDrive, WheelSpeedDrive};
+use controller_core::hal::{BySpeed, WheelDrive, WheelSpeedDrive};
 use controller_core::types::WheelSpeeds;
 use protocol::pil::WheelOutput;
 
@@ -33,9 +33,9 @@ impl<D: WheelSpeedDrive> DriveOutput for BySpeed<D> {
     /// What was asked for last; after an error not what acts.
     fn output(&self) -> WheelOutput {
         match *self.asked() {
-            SpeedCall::Release => WheelOutput::Release,
-            SpeedCall::Brake => WheelOutput::Brake,
-            SpeedCall::Hold(WheelSpeeds { right, left }) => WheelOutput::Speed { right, left },
+            Call::Release => WheelOutput::Release,
+            Call::Brake => WheelOutput::Brake,
+            Call::Set(WheelSpeeds { right, left }) => WheelOutput::Speed { right, left },
         }
     }
 }
