@@ -150,8 +150,7 @@ impl Handle {
         // SAFETY: room for a `Base` by the promise at `new`; the mark keeps every other call away from the body.
         unsafe { ptr::addr_of_mut!((*self.0.as_ptr()).body).write(MaybeUninit::new(body)) };
         self.asked().store(NO_STOP, Ordering::Relaxed);
-        fence();
-        self.mark().store(READY, Ordering::Relaxed);
+        self.give_back();
         Ok(())
     }
 
