@@ -143,7 +143,9 @@ pub struct Stopping<T> {
 /// at its limit).
 ///
 /// ```text
-/// d = |v₀| T/2 + |a|/A² + |δ_v|/κ₁          φ = |w₀| T/2 + |α|/A² + |δ_w|/κ₂
+/// d = |v₀| T/2 + |a|/A² + (|δ_v| + b(a, j))/κ₁     φ = |w₀| T/2 + |α|/A² + (|δ_w| + b(α, j_w))/κ₂
+///
+/// b(a, j) = a²/j (1 − q)³ (1 + 4 q),  q = j/(4 A |a|);  0 where q ≥ 1
 /// ```
 ///
 /// | term | what |
@@ -151,6 +153,7 @@ pub struct Stopping<T> {
 /// | v₀ T/2 | the plan |
 /// | a/A² | the acceleration under way when the stop begins fades with the transition offset, of decay A |
 /// | δ/κ | the velocity loop takes the error away as e^(−κt) |
+/// | b/κ | speed that the jerk limit j lets pass: [`held_back`] |
 ///
 /// For ticks without length; for those of dt there come v₀ 2 dt + 2 a dt/A (and the same of w₀, α): the torque of
 /// the last tick still acts, the plan begins with the next, and the transition offset begins with what a adds meanwhile.
@@ -169,17 +172,42 @@ pub fn controlled_stop<T: Scalar, M: Maths<T>>(
     } else {
         gains.turn_loop
     };
-    // e^(-4.6) is a hundredth; 7 of the transition offset, whose pole is double.
-    let fading = T::from_f64(7.0) / gains.decay + T::from_f64(4.6) / slowest;
+    let limits = &motion.params().limits;
+    let (a, alpha) = (rate.linear.abs(), rate.angular.abs());
+    // e^(-4.6) is a hundredth; 7 of the transition offset, whose pole is double, or as long as half of the jerk takes.
+    let two = T::from_f64(2.0);
+    let held = larger(two * a / limits.jerk, two * alpha / limits.turn_jerk);
+    let fading = larger(T::from_f64(7.0) / gains.decay, held) + T::from_f64(4.6) / slowest;
+    let passed = held_back(a, limits.jerk, gains.decay);
+    let turned = held_back(alpha, limits.turn_jerk, gains.decay);
     Stopping {
         distance_m: command.linear.abs() * half
-            + rate.linear.abs() / area
-            + error.linear.abs() / gains.speed_loop,
+            + a / area
+            + (error.linear.abs() + passed) / gains.speed_loop,
         angle_rad: command.angular.abs() * half
-            + rate.angular.abs() / area
-            + error.angular.abs() / gains.turn_loop,
+            + alpha / area
+            + (error.angular.abs() + turned) / gains.turn_loop,
         time_s: plan.duration_s + fading,
     }
+}
+
+/// Bound on the speed that the jerk limit lets pass while an acceleration `a` under way ends \[m/s\] or \[rad/s\].
+///
+/// ```text
+/// b = ∫ max(0, a − j t/2 − a (1 − A t) e^(−A t)) dt ≤ a²/j (1 − q)³ (1 + 4 q),     q = j/(4 A a)
+/// ```
+///
+/// The transition offset wants a to fade as a (1 − A t) e^(−A t), at first by 2 A a a second. The plan takes half of the jerk j, so what is fed
+/// forward fades by j/2 at least and is above what is wanted until the two meet, not at all where q ≥ 1. The bound has both limits of the integral,
+/// a²/j for j → 0 and a zero of third order at q = 1, and is between them above it by 0.13 a²/j at most (a test integrates).
+fn held_back<T: Scalar>(a: T, jerk: T, decay: T) -> T {
+    let q = jerk / (T::from_f64(4.0) * decay * a);
+    let left = T::ONE - q;
+    // Without an acceleration q is infinite.
+    if !(left > T::ZERO) {
+        return T::ZERO;
+    }
+    a * a / jerk * left * left * left * (T::ONE + T::from_f64(4.0) * q)
 }
 
 /// How far a controlled stop goes at most straight on from `speed` \[m\], if the base was speeding up as hard as
@@ -283,9 +311,16 @@ mod tests {
             let found = controlled_stop::<_, Libm>(&motion, &command, &rate, &error);
             let duration = StopPlan::new::<Libm>(&motion, &command).duration_s();
             let square = decay * decay;
+            let Limits {
+                jerk, turn_jerk, ..
+            } = motion.params().limits;
+            let (passed, turned) = (
+                held_back(0.7, jerk, decay),
+                held_back(1.1, turn_jerk, decay),
+            );
             let expected = [
-                0.5 * 1.5 * duration + 0.7 / square + 0.05 / speed_loop,
-                0.5 * 2.0 * duration + 1.1 / square + 0.08 / turn_loop,
+                0.5 * 1.5 * duration + 0.7 / square + (0.05 + passed) / speed_loop,
+                0.5 * 2.0 * duration + 1.1 / square + (0.08 + turned) / turn_loop,
                 duration + 7.0 / decay + 4.6 / (0.8 * fast),
             ];
             let found = [found.distance_m, found.angle_rad, found.time_s];
@@ -295,7 +330,33 @@ mod tests {
             // Straight on from a speed, with the larger of both accelerations, 1.5 m/s².
             let straight = StopPlan::new::<Libm>(&motion, &Twist::new(2.0, 0.0));
             let distance = controlled_stop_distance::<_, Libm>(&motion, 2.0);
-            assert!((distance - (straight.duration_s() + 1.5 / square)).abs() < 1e-12);
+            let passed = held_back(1.5, jerk, decay) / speed_loop;
+            assert!((distance - (straight.duration_s() + 1.5 / square + passed)).abs() < 1e-12);
+        }
+    }
+
+    /// In steps of a ten-thousandth of 1/A: never below the integral, and above it by 0.13 a²/j at most.
+    #[test]
+    fn what_the_jerk_lets_pass_is_bounded_by_its_sum() {
+        let (a, decay) = (1.5, 6.0);
+        assert_eq!(held_back(0.0, 20.0, decay), 0.0);
+        for number in 1..60 {
+            let q = 0.02 * f64::from(number);
+            let jerk = 4.0 * decay * a * q;
+            let step = 1e-4 / decay;
+            let mut sum = 0.0;
+            for k in 0.. {
+                let t = f64::from(k) * step;
+                let more = a - 0.5 * jerk * t - a * (1.0 - decay * t) * (-decay * t).exp();
+                if more < 0.0 && k > 0 {
+                    break;
+                }
+                sum += more.max(0.0) * step;
+            }
+            let bound = held_back(a, jerk, decay);
+            // A step of the sum, of a at most.
+            assert!(bound >= sum - a * step, "{q}: {bound} {sum}");
+            assert!(bound - sum <= 0.13 * a * a / jerk, "{q}: {bound} {sum}");
         }
     }
 
