@@ -259,3 +259,35 @@ fn noise_at_rest_is_not_magnified_by_friction() {
     // Inside the dead band: the bridge does nothing.
     assert!(command.duty.abs() < 0.05 * p.dead_band);
 }
+
+/// Friction that a base finds is compensated by a motor whose file states none, in the sense of the desired speed; without a blend nothing is.
+#[test]
+fn friction_that_is_found_is_compensated_where_none_is_stated() {
+    let stating_none = |blend_rad_s| MotorParams {
+        gear_ratio: 30.0,
+        gear_efficiency: 1.0,
+        torque_constant_nm_per_a: 0.0085,
+        resistance_ohm: 2.2,
+        supply_v: 12.0,
+        max_current_a: 1.0,
+        friction: WheelFriction {
+            blend_rad_s,
+            ..WheelFriction::NONE
+        },
+        dead_band: 0.0,
+        rotor_inertia_kg_m2: 0.0,
+    };
+    for (blend, way, share) in [(0.02, 0.05, 1.0), (0.02, -0.01, -0.5), (0.0, 0.05, 0.0)] {
+        let motor: Motor<f64> = stating_none(blend).validate().expect("in range");
+        let found = WheelDemand {
+            desired_speed_rad_s: way,
+            beyond_coulomb_nm: Some(0.03),
+            ..WheelDemand::default()
+        };
+        let command = motor.command(&found, 12.0);
+        assert_eq!(command.friction_nm, share * 0.03);
+        // 0.255 N m/A, all of it from the friction.
+        let expected = share * 0.03 / (30.0 * 0.0085);
+        assert!((command.current_a - expected).abs() < 1e-12);
+    }
+}

@@ -78,11 +78,16 @@ fn parameters_are_checked_one_by_one() {
         stuck.validate().expect_err("wrong").field,
         Field::CoulombFriction
     );
-    // Nothing to blend needs no blend.
-    let plain = MotorParams {
+    // Nothing to blend needs no blend; what a base finds is blended by one that is stated all the same.
+    let mut plain = MotorParams {
         gear_efficiency: 1.0,
         friction: WheelFriction::NONE,
         ..good
     };
     assert!(plain.validate().is_ok());
+    for (blend, fits) in [(1e-3, true), (1e3, true), (1e-4, false), (-0.1, false)] {
+        plain.friction.blend_rad_s = blend;
+        let found = plain.validate().err().map(|error| error.field);
+        assert_eq!(found, (!fits).then_some(Field::FrictionBlend), "{blend}");
+    }
 }

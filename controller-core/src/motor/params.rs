@@ -39,7 +39,8 @@ pub struct WheelFriction<T> {
     /// b \[N m s/rad\], 0 to 1e6.
     pub viscous_nm_s: T,
     /// ω_b \[rad/s\]: up to this desired speed of the wheel the Coulomb part, and the gear's loss, rise in
-    /// proportion. 1e-3 to 1e3; 0 is accepted where there is nothing to blend.
+    /// proportion, and with it what a base finds that nobody has stated ([`crate::base`]). 1e-3 to 1e3; 0 is accepted where there is nothing
+    /// to blend: then nothing that is found is compensated either.
     ///
     /// A tenth of the slowest speed at which the wheel is to be exact is good: narrower gains nothing, for the
     /// desired speed passes through it in a few ticks, and wider leaves friction uncompensated there.
@@ -125,7 +126,8 @@ impl<T: Scalar> MotorParams<T> {
             (Field::ViscousFriction, friction.viscous_nm_s, 0.0, 1.0e6),
         ]?;
         let blends = coulomb > T::ZERO || stiction > T::ZERO || efficiency < T::ONE;
-        let least = if blends { 1.0e-3 } else { 0.0 };
+        let given = friction.blend_rad_s != T::ZERO;
+        let least = if blends || given { 1.0e-3 } else { 0.0 };
         let blend = within(Field::FrictionBlend, friction.blend_rad_s, least, 1.0e3)?;
         check_ranges![
             (Field::DeadBand, self.dead_band, 0.0, 0.5),
@@ -142,8 +144,8 @@ impl<T: Scalar> MotorParams<T> {
                     supply * T::from_f64(MIN_SUPPLY_SHARE),
                     supply * T::from_f64(MAX_SUPPLY_SHARE),
                 ),
-                per_blend: if blends { T::ONE / blend } else { T::ZERO },
-                per_release: if blends {
+                per_blend: if given { T::ONE / blend } else { T::ZERO },
+                per_release: if given {
                     T::ONE / (T::from_f64(RELEASE) * blend)
                 } else {
                     T::ZERO
