@@ -13,7 +13,8 @@ use crate::types::{Measured, Pose};
 
 /// How much faster than its largest rim speed, which a motor reaches on a low battery and under load, no wheel turns: not on ice, nor
 /// downhill. Counts that say so are no reading, and the next ones are compared with them: counts that are wrong for once cost that tick
-/// and the next, encoders that begin anew cost one, and counts that are always wrong are none, which soon is a fault.
+/// and the next, encoders that begin anew cost one, and counts that are always wrong are none, which soon is a fault. Two counts more
+/// are one that a wheel was about to make and one that is false: where ticks are short a single one may be more than a wheel turns in them.
 const FASTER: f64 = 4.0;
 /// Time between two readings that is allowed for beyond what the ticks say \[s\]: right after a late tick another one may come in no time.
 const SOONEST_S: f64 = 1.0e-3;
@@ -135,10 +136,12 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                     Err(fault) => return refused(report, fault),
                 };
                 let since = self.silent_s + tick_s + T::from_f64(SOONEST_S);
-                if !tick
-                    .rolled
-                    .is_within(T::from_f64(FASTER) * rim_speed * since)
-                {
+                let most = T::from_f64(FASTER) * rim_speed * since;
+                let two_counts = || {
+                    let count = localisation.params().odometry.travel_per_count_m();
+                    count + count
+                };
+                if !(tick.rolled.is_within(most) || tick.rolled.is_within(most + two_counts())) {
                     self.silent_s = T::ZERO;
                     localiser.count_from(counts, dt);
                     return self.go_on::<M>(localisation, tick_s, report);
