@@ -115,7 +115,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         let (localisation, motion) = (&base.localisation, base.motion.params());
         let bounds = (&accelerations, motion.limits.rim_speed);
         let located = locator.advance::<M>(localisation, dt, bounds, sensed, report);
-        self.host.order(dt_us, !matches!(order, Order::None));
+        let period_us = self.base.detectors.params().period_us;
+        let given = !matches!(order, Order::None);
+        self.host.order(dt_us, period_us, given);
         let inputs = self.inputs(dt_us, &located, sensed);
         self.detectors.check(
             &self.base.detectors,

@@ -37,8 +37,10 @@ impl HostWatch {
     }
 
     /// A tick without an order, or with one.
-    pub(super) const fn order(&mut self, dt_us: u32, given: bool) {
-        self.orders = self.orders.after(dt_us, given);
+    pub(super) fn order(&mut self, dt_us: u32, period_us: u32, given: bool) {
+        self.orders = self
+            .orders
+            .after(silent_us(self.orders, dt_us, period_us), given);
     }
 
     /// Time since the last order that was due \[µs\].
@@ -47,19 +49,23 @@ impl HostWatch {
     }
 
     /// A tick of the link; whether the silence would be too long by the next tick, so that the stop begins within the timeout.
-    ///
-    /// In a tick with a frame the host was silent for a period at most: a longer tick says nothing of the host, only of itself,
-    /// and is a fault of its own.
     pub(super) fn is_lost(&mut self, dt_us: u32, period_us: u32, timeout: Timeout) -> bool {
-        let silent_us = match self.frames.us() {
-            0 => dt_us.min(period_us),
-            _ => dt_us,
-        };
-        self.frames = self.frames.after(silent_us, false);
+        self.frames = self
+            .frames
+            .after(silent_us(self.frames, dt_us, period_us), false);
         match timeout {
             Timeout::AfterUs(limit) => self.frames.us().saturating_add(period_us) > limit,
             Timeout::Off => false,
         }
+    }
+}
+
+/// For how long the host was silent in a tick \[µs\]. In one at whose begin nothing was missing that is a period at most: a longer tick says
+/// nothing of the host, only of itself, and is a fault of its own.
+fn silent_us(until_now: Silence, dt_us: u32, period_us: u32) -> u32 {
+    match until_now.us() {
+        0 => dt_us.min(period_us),
+        _ => dt_us,
     }
 }
 
@@ -80,6 +86,18 @@ mod tests {
         assert!(!watch.is_lost(500_000, 10_000, Timeout::Off));
     }
 
+    /// Nor is a late tick a host that gave no order, where none was due at its begin.
+    #[test]
+    fn a_long_tick_says_nothing_of_orders() {
+        let mut watch = HostWatch::NEW;
+        watch.order(150_000, 20_000, false);
+        assert_eq!(watch.order_age_us(), 20_000);
+        watch.order(150_000, 20_000, false);
+        assert_eq!(watch.order_age_us(), 170_000);
+        watch.order(150_000, 20_000, true);
+        assert_eq!(watch.order_age_us(), 0);
+    }
+
     /// A tick of 95 ms in which a frame came is a late tick, not a host that was silent; the next one counts in full.
     #[test]
     fn a_long_tick_with_a_frame_is_no_silence() {
@@ -91,11 +109,11 @@ mod tests {
     #[test]
     fn frames_are_no_orders_and_orders_no_frames() {
         let mut watch = HostWatch::NEW;
-        watch.order(10_000, false);
+        watch.order(10_000, 10_000, false);
         watch.frame_seen();
         assert_eq!(watch.order_age_us(), 10_000);
         assert!(!watch.is_lost(10_000, 10_000, LIMIT));
-        watch.order(10_000, true);
+        watch.order(10_000, 10_000, true);
         assert_eq!(watch.order_age_us(), 0);
         assert_eq!(watch.frames.us(), 10_000);
     }
