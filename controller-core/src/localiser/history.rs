@@ -46,9 +46,8 @@ impl<T: Scalar, const N: usize> History<T, N> {
     }
 
     pub(super) fn push(&mut self, pose: Pose<T>, dt: T) {
-        let since = self.newest_s + dt;
-        if since <= T::from_f64(LEAST_APART_S) {
-            return self.replace(pose, since);
+        if self.newest_s < T::from_f64(LEAST_APART_S) {
+            return self.replace(pose, self.newest_s + dt);
         }
         self.newest_s = dt;
         self.newest = if self.newest + 1 < N {
