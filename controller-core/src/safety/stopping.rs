@@ -153,7 +153,7 @@ pub struct Stopping<T> {
 /// | v₀ T/2 | the plan |
 /// | a/A² | the acceleration under way when the stop begins fades with the transition offset, of decay A |
 /// | δ/κ | the velocity loop takes the error away as e^(−κt) |
-/// | b/κ | speed that the jerk limit j lets pass: [`held_back`] |
+/// | b/κ | b is the speed that the jerk limit j lets pass while a fades |
 ///
 /// For ticks without length; for those of dt there come v₀ 2 dt + 2 a dt/A (and the same of w₀, α): the torque of
 /// the last tick still acts, the plan begins with the next, and the transition offset begins with what a adds meanwhile.

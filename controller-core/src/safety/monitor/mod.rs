@@ -7,7 +7,7 @@
 //! | not finite | measured pose or twist | the tick |
 //! | tick too long, jitter | `ticks` | the tick; `row` late ticks, or `of_64` of the last 64 |
 //! | pose jump, driver | reported by others | the tick |
-//! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a [look](self#wheels) |
+//! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a [look](self#wheels); four times as late where it is pushed with less than `stuck.torque_nm` |
 //! | reversed | turns against its torque, ever faster | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
 //! | reversed | commanded to turn, turns the other way | `stuck.after` and a look, and as long for a wheel to come round |
 //! | stuck, on the way | the same, but its counts ceased, or the other wheel's 0.15 s ago | as reversed |

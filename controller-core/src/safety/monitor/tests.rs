@@ -263,6 +263,31 @@ fn pushing(tick: i32, right: i32, left: i32) -> DetectorInputs<f64> {
     }
 }
 
+/// A hundredth of the torque that turns a free wheel is no push, but the wheel is commanded to turn: four times 250 ms without a count. One count a second,
+/// or a torque that brakes, and nothing is said.
+#[test]
+fn a_wheel_that_stands_while_commanded_is_stuck_however_little_it_is_pushed() {
+    let found = |torque: f64, count_every: i32| {
+        let mut monitor = monitor(params());
+        found_in(&mut monitor, 1000, FaultKind::EncoderStuck, |k| {
+            let mut now = pushing(k, 0, 100);
+            now.torques = Some(WheelTorques {
+                right: torque,
+                left: torque,
+            });
+            if let Some(counts) = &mut now.counts {
+                counts.right = k / count_every;
+            }
+            now
+        })
+    };
+    let little = 0.01 * params().wheels.stuck.torque_nm;
+    // From the first reading, in the first tick, in looks every 20 ms.
+    assert_eq!(found(little, 2000), Some(101));
+    assert_eq!(found(little, 100), None);
+    assert_eq!(found(-little, 2000), None);
+}
+
 #[test]
 fn a_wheel_that_stands_under_torque_is_stuck_and_one_that_creeps_is_not() {
     let stuck = |right, left| {

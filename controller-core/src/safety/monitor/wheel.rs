@@ -11,6 +11,10 @@ const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
 /// A wheel that only changes its direction counts again before.
 const CEASED_BEFORE: Timeout = Timeout::AfterUs(150_000);
 
+/// Of a wheel that stands, so much more slowly its time counts while it is pushed the way that it is commanded with less than what turns a
+/// free one: friction that is compensated on top moves light bases, whose law never asks for as much.
+const HARDLY_PUSHED: u32 = 4;
+
 /// What a wheel exerted since it was looked at last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Effort<T> {
@@ -180,6 +184,8 @@ struct Pushed {
     back: i32,
     stands: Debounce,
     backs: Debounce,
+    /// Stands, not pushed hard enough.
+    hardly: Debounce,
 }
 
 impl<T: Scalar> Wheel<T> {
@@ -220,6 +226,13 @@ impl<T: Scalar> Wheel<T> {
                     us, moved, command, ..
                 } = *now;
                 self.pushed.advance_by_way(settings, us, moved, command)
+            }
+            Some(effort)
+                if now.moved == Some(0)
+                    && is_commanded(settings, now.command)
+                    && effort.impulse * now.command > T::ZERO =>
+            {
+                self.pushed.hardly(stuck.after, now.us)
             }
             _ => self.pushed.not(),
         };
@@ -363,6 +376,17 @@ impl Pushed {
         (stands, self.turns_back(now.along(moved), now.us, after))
     }
 
+    /// Pushed the way that it is commanded, but not hard enough, and without a count.
+    #[cold]
+    #[inline(never)]
+    fn hardly(&mut self, after: Timeout, us: u32) -> (bool, bool) {
+        *self = Self {
+            hardly: self.hardly,
+            ..Self::default()
+        };
+        (self.hardly.holds(true, us / HARDLY_PUSHED, after), false)
+    }
+
     /// Of a driver that closes its own speed loop, which pushes the way that it is commanded: the slower that is, the less of the time counts. See [`SLOW`].
     #[cold]
     #[inline(never)]
@@ -399,6 +423,9 @@ impl Pushed {
         let crept = self.crept.saturating_add(moved);
         let still = (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
+        if !still {
+            self.hardly = Debounce::NONE;
+        }
         self.stands.holds(still, us, after)
     }
 
