@@ -217,7 +217,8 @@ impl<T: Scalar> BaseParams<T> {
 /// After what time a wheel stands that a driver with its own speed loop is to turn at [`SLOW`] times the slowest speed that is watched.
 ///
 /// Such a driver integrates what its wheel lacks, so what it exerts on one that stands grows with the way that was commanded. A loop that settles as
-/// its lag T lets it (J/(4 T²) of torque per angle) overcomes a friction of a share c of the weight after 4 T² c g.
+/// its lag T lets it (J/(4 T²) of torque per angle) overcomes a friction of a share c of the weight after 4 T² c g, and after twice that where
+/// it has just pushed the other way.
 fn own_loop_breaks_loose<T: Scalar>(
     speeds: &SpeedParams<T>,
     stuck: &StuckDetectorParams<T>,
@@ -227,7 +228,7 @@ fn own_loop_breaks_loose<T: Scalar>(
         Timeout::AfterUs(us) => us,
         Timeout::Off => return Timeout::Off,
     };
-    let way = T::from_f64(4.0 * FRICTION_SHARE * 9.81) * speeds.lag_s * speeds.lag_s;
+    let way = T::from_f64(8.0 * FRICTION_SHARE * 9.81) * speeds.lag_s * speeds.lag_s;
     let wheels = &robot.wheels;
     let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
     let speed = T::from_f64(SLOW) * stuck.speed_rad_s * radius;
