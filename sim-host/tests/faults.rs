@@ -354,6 +354,8 @@ fn bases_of_other_files_keep_the_rules_as_well() {
         ("poses that are off", robot(base, &[(POSES, bias)], "")),
         ("poses that are dropped", robot(base, &[(POSES, drops)], "")),
         ("no poses", blind(base)),
+        // Without poses, with ticks of 1 ms, and nobody has stated what holds its wheels.
+        ("boards", robot("boards/robot.toml", &[], "")),
     ] {
         let bases = Bases::of_robot(&robot);
         let hardware = robot.base.hardware.expect("hardware");

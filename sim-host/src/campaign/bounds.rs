@@ -40,16 +40,17 @@ const SLACK: f64 = 1.02;
 const CREEP_M: f64 = 0.01;
 
 /// Tolerances of distance and heading within which a base that parked says that it still is, once it has settled. Written here
-/// anew, as noise of poses is left out.
+/// anew.
 const LEAVES: (f64, f64) = (2.0, 1.3);
 
 /// How far from its goal the pose of a base may be that gets none from outside and says it is parked: \[m\] and \[rad\].
 ///
 /// Nothing takes away what odometry was wrong by, on all of the way since it was switched on, so all that can be held is that it stays where it says it
-/// does: it leaves its goal, and says so, at [`LEAVES`] times its tolerances.
+/// does: it leaves its goal, and says so, at [`LEAVES`] times its tolerances, and five deviations of its pose's noise, which counts have as well.
 pub(super) fn stays_parked(core: &Core<f32>) -> (f64, f64) {
     let (distance, heading) = tolerances(core);
-    (LEAVES.0 * distance, LEAVES.1 * heading)
+    let noise = 5.0 * f64::from(core.localisation().pose_noise_m());
+    (LEAVES.0 * distance + noise, LEAVES.1 * heading)
 }
 
 /// D and H of [`Bounds::parked`].
