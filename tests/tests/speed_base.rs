@@ -306,12 +306,15 @@ fn a_wheel_that_does_not_turn_is_found() {
         rig.base.base().detectors().params().wheels.stuck.after,
         Timeout::AfterUs(250_000)
     );
-    // 4 T² c g = 4 · 0.01 · 0.2 · 9.81 m at 8 cm/s: 0.98 s.
+    // 8 T² c g = 8 · 0.01 · 0.2 · 9.81 m at 8 cm/s: 1.96 s.
     let soft = params(SpeedParams {
         lag_s: 0.1,
         ..SPEEDS
     });
-    assert_eq!(soft.detectors.wheels.stuck.after, Timeout::AfterUs(981_000));
+    assert_eq!(
+        soft.detectors.wheels.stuck.after,
+        Timeout::AfterUs(1_962_000)
+    );
 }
 
 /// What is slower than a driver executes turns no wheel, and that is no fault; what is faster is one, if nothing turns.

@@ -274,6 +274,8 @@ mod tests {
 
     /// A base that drives along x.
     struct Bench {
+        /// Of a tick.
+        dt: f64,
         localisation: ValidLocaliserParams<f64>,
         locator: Locator<f64, 16>,
         report: BaseReport<f64>,
@@ -283,6 +285,7 @@ mod tests {
     impl Bench {
         fn at(start: Pose<f64>) -> Self {
             Self {
+                dt: DT,
                 localisation: LocaliserParams::for_test().validate().expect("valid"),
                 locator: Locator::new(start),
                 report: BaseReport::new(State::Idle, Cause::PowerOn),
@@ -321,7 +324,7 @@ mod tests {
             let accelerations = Accelerations::exerted(Accel::default());
             self.locator.advance::<Libm>(
                 &self.localisation,
-                DT,
+                self.dt,
                 (&accelerations, RIM_SPEED),
                 &sensed,
                 &mut self.report,
@@ -379,6 +382,26 @@ mod tests {
         assert!(located.fix_age_us.abs_diff(2_040_000) <= 1, "{located:?}");
         assert!(bench.is_at(START.x + 204.0 * 16.0 * COUNT_M, START.y));
         assert!((bench.measured().twist.linear / before.twist.linear - 1.0).abs() < 1e-3);
+    }
+
+    /// Of wheels with 48 counts a turn one is 13 mm, which at 0.75 m/s is more than four ticks of 1 ms have and another 3 mm; two may come at once.
+    #[test]
+    fn single_counts_are_read_where_ticks_are_short() {
+        let mut bench = Bench::at(START);
+        let mut params = LocaliserParams::for_test();
+        params.odometry.counts_per_turn = 48.0;
+        bench.localisation = params.validate().expect("valid");
+        bench.dt = 1.0e-3;
+        for tick in 0..200 {
+            bench.tick(i32::from(tick % 26 == 25), true, None);
+            assert!(!bench.report.blind, "{tick}");
+        }
+        let count_m = COUNT_M * 2048.0 / 48.0;
+        assert!((bench.measured().pose.x - (START.x + 7.0 * count_m)).abs() < 1e-9);
+        bench.tick(2, true, None);
+        assert!(!bench.report.blind);
+        bench.tick(3, true, None);
+        assert!(bench.report.blind);
     }
 
     /// The base goes on as it moved, and is afterwards where it would be. Encoders that begin anew, or one that lost its count, cost a tick.

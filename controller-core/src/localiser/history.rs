@@ -131,6 +131,27 @@ mod tests {
         }
     }
 
+    /// Ticks that are no part of 4 ms, or a little longer than one: all but the newest pose are 4 ms apart at least.
+    #[test]
+    fn poses_are_as_far_apart_as_stated_however_long_ticks_are() {
+        for tick_s in [
+            0.3e-3, 0.97e-3, 1.01e-3, 2.02e-3, 3.0e-3, 4.0e-3, 4.1e-3, 1.0e-2,
+        ] {
+            let mut history = History::<f64, 32>::new();
+            history.begin(Pose::default());
+            for _ in 0..1000 {
+                history.push(Pose::default(), tick_s);
+                let apart = LEAST_APART_S.max(tick_s);
+                let full = history.filled == 32;
+                let oldest = history.at(10.0).expect_err("too old");
+                assert!(
+                    !full || oldest > 30.0 * apart + tick_s - 1e-9,
+                    "{tick_s}: {oldest}"
+                );
+            }
+        }
+    }
+
     /// Nothing is forgotten of a start that is more recent than that.
     #[test]
     fn a_start_stays_the_oldest() {

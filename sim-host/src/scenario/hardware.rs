@@ -244,8 +244,8 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     if !(1.0e-4..=0.1).contains(&period) {
         return Err(place.error("control.period_s", "must be in 1e-4 to 0.1"));
     }
-    // The pose of this tick is one of those.
-    let remembered = (REMEMBERED - 1) as f64 * period.max(LEAST_APART_S);
+    // The pose of this tick is one of those, and may be a tick from the one before it.
+    let remembered = (REMEMBERED - 2) as f64 * period.max(LEAST_APART_S) + period;
     let most = (remembered - period) / OLDEST_POSE;
     match &hardware.pose_source {
         Some(source) if source.latency_s > most => {
