@@ -204,7 +204,7 @@ fn held_back<T: Scalar>(a: T, jerk: T, decay: T) -> T {
     let q = jerk / (T::from_f64(4.0) * decay * a);
     let left = T::ONE - q;
     // Without an acceleration q is infinite.
-    if !(left > T::ZERO) {
+    if left <= T::ZERO {
         return T::ZERO;
     }
     a * a / jerk * left * left * left * (T::ONE + T::from_f64(4.0) * q)
