@@ -306,7 +306,7 @@ fn a_wheel_that_does_not_turn_is_found() {
         rig.base.base().detectors().params().wheels.stuck.after,
         Timeout::AfterUs(250_000)
     );
-    // 8 T² c g = 8 · 0.01 · 0.2 · 9.81 m at 8 cm/s: 1.96 s.
+    // To overcome friction c from as much pushed the other way, twice 4 T² c g: 8 · 0.01 · 0.2 · 9.81 m at 8 cm/s, 1.96 s.
     let soft = params(SpeedParams {
         lag_s: 0.1,
         ..SPEEDS

@@ -137,6 +137,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 };
                 let since = self.silent_s + tick_s + T::from_f64(SOONEST_S);
                 let most = T::from_f64(FASTER) * rim_speed * since;
+                // Asked for last, since it divides and nearly every reading is within the rest.
                 let two_counts = || {
                     let count = localisation.params().odometry.travel_per_count_m();
                     count + count
