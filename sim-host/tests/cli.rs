@@ -1,5 +1,6 @@
 //! The program from outside, in an empty directory.
 
+use sim_host::verify::likely_causes;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -572,17 +573,51 @@ fn a_run_on_the_ideal_plant_says_so() {
 
 /// Where a number of the file says why it fails: with 48 counts a turn one of them turns the base by more than is asked.
 #[test]
-fn coarse_encoders_are_named_as_the_likely_cause() {
+fn coarse_encoders_and_noisy_poses_are_named_as_the_likely_cause() {
     let here = directory();
     let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
-    let coarse = base.replacen("counts_per_turn = 2048.0", "counts_per_turn = 48.0", 1);
-    fs::write(here.path().join("coarse.toml"), coarse).expect("written");
-    let output = sim_host(here.path(), &["verify", "coarse.toml", "--seeds", "1"]);
-    assert_eq!(output.status.code(), Some(1));
-    let said = text(&output.stdout);
-    // 2 pi 35 mm/48, over 140 mm.
-    let line = "\nlikely     [encoder] counts_per_turn = 48: one count is 4.6 mm of a wheel's way and turns the base by 32.7 mrad\n";
-    assert!(said.contains(line), "{said}");
+    for (from, to, cause) in [
+        // 2 pi 35 mm/48, over 140 mm.
+        (
+            "counts_per_turn = 2048.0",
+            "counts_per_turn = 48.0",
+            "[encoder] counts_per_turn = 48: one count is 4.6 mm of a wheel's way and turns the base by 32.7 mrad",
+        ),
+        // A filter of 0.8 rad/s leaves 0.139 of it at 20 Hz; four of these are the tolerance.
+        (
+            "noise_m = 0.005",
+            "noise_m = 0.02",
+            "[pose_source] noise_m = 0.02: the base takes any place within 11.1 mm for its goal, and the filter leaves 2.8 mm of noise in its pose",
+        ),
+    ] {
+        assert!(base.contains(from), "{from}");
+        fs::write(here.path().join("odd.toml"), base.replacen(from, to, 1)).expect("written");
+        let output = sim_host(here.path(), &["verify", "odd.toml", "--seeds", "1"]);
+        assert_eq!(output.status.code(), Some(1));
+        let said = text(&output.stdout);
+        let causes = said
+            .lines()
+            .filter_map(|line| line.strip_prefix("likely     "));
+        assert_eq!(causes.collect::<Vec<_>>(), [cause], "{said}");
+    }
+}
+
+/// From 7.2 mm at 20 Hz on, five times what the filter leaves is more than the 5 mm that are asked; of shipped bases nothing is.
+#[test]
+fn noise_is_a_cause_from_where_tolerance_and_noise_are_more_than_is_asked() {
+    for built_in in sim_host::scenario::BASES {
+        let mut base = built_in.base().expect("valid");
+        assert!(likely_causes(&base).is_empty(), "{}", built_in.name);
+        for (noise_m, is_cause) in [(0.0071, false), (0.0073, true)] {
+            let hardware = base.hardware.as_mut().expect("hardware");
+            hardware.pose_source.as_mut().expect("poses").noise_m = noise_m;
+            assert_eq!(
+                likely_causes(&base).len(),
+                usize::from(is_cause),
+                "{noise_m}"
+            );
+        }
+    }
 }
 
 /// `docs/your-robot.md` has the beginning of what `constants` writes.

@@ -14,7 +14,7 @@ use sim_host::figure::Labelled;
 use sim_host::job::RobotFile;
 use sim_host::part::Study as _;
 use sim_host::verify::{
-    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, check, likely_cause,
+    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, check, likely_causes,
     shortcoming, verdict, write_csv,
 };
 
@@ -70,8 +70,10 @@ pub fn report(
          is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
     )?;
     say(&format!("{}\n", verdict(&verification)))?;
-    if let Some(cause) = likely_cause(base).filter(|_| !verification.holds()) {
-        say(&format!("likely     {cause}\n"))?;
+    if !verification.holds() {
+        for cause in likely_causes(base) {
+            say(&format!("likely     {cause}\n"))?;
+        }
     }
     say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
     let name = study.name();
