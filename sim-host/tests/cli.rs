@@ -684,6 +684,12 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "pose_source.noise_m = 5: the base takes any place within ",
         ),
         (
+        // 34 of 0.75 times 10.5 mN m/A by 3 A, less 0.04 N m.
+        (
+            "\nwheel_torque = 0.15",
+            "\nwheel_torque = 0.8",
+            "limits.wheel_torque: is more than the 0.763 N m that [motor] gives at its current limit, after friction",
+        ),
             "noise_rad = 0.005",
             "noise_rad = 1.0",
             "pose_source.noise_rad = 1: the base takes any heading within ",

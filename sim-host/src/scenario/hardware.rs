@@ -206,7 +206,7 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
             let most = motor.max_torque_nm();
             if limits.wheel_torque_nm > most {
                 let message = format!(
-                    "is more than the {most:.3} N m that [motor] gives at its current limit"
+                    "is more than the {most:.3} N m that [motor] gives at its current limit, after friction"
                 );
                 return Err(place.error("limits.wheel_torque", message));
             }
