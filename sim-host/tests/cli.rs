@@ -366,6 +366,29 @@ fn only_files_come_before_built_in_names() {
     }
 }
 
+/// A refusal repeats what was typed, which a terminal does not obey either.
+#[test]
+fn control_signs_of_arguments_are_written_out() {
+    let here = directory();
+    for (arguments, told) in [
+        (&["\u{1b}[31mfoo"][..], r"'\u001B[31mfoo'"),
+        (&["run", "a.toml", "--sp\u{9b}2Jeed"], r"'--sp\u009B2Jeed'"),
+        (
+            &["verify", "hobby-1kg", "--seeds", "\u{7}5"],
+            r"invalid value '\u00075' for '--seeds <N>': must be a whole number",
+        ),
+    ] {
+        let output = sim_host(here.path(), arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(said.starts_with("error: ") && said.contains(told), "{said}");
+        assert!(
+            !said.contains(|c: char| c.is_control() && c != '\n'),
+            "{said:?}"
+        );
+    }
+}
+
 /// A terminal obeys no file, and no name of one.
 #[cfg(unix)]
 #[test]
