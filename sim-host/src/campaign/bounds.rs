@@ -99,7 +99,7 @@ impl Bounds {
         let robot = &base.robot;
         let body = &setup.world.body;
         let wheels = &robot.wheels;
-        let radius = wheels.radius_right_m.min(wheels.radius_left_m);
+        let radius = base.smaller_radius_m();
         let half_track = 0.5 * wheels.track_m;
         let motor = base
             .hardware

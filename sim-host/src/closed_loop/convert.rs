@@ -31,7 +31,7 @@ pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamE
     let (localiser, driver) = match &base.hardware {
         Some(hardware) => (
             hardware.localiser(&base.robot.wheels),
-            hardware.driver(base.limits.speed, smaller_radius(base)),
+            hardware.driver(base.limits.speed, base.smaller_radius_m()),
         ),
         None => (plain_localiser(robot.wheels), DriverParams::Torques),
     };
@@ -48,11 +48,6 @@ pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamE
     }
     params.policy = base.policy;
     Ok(params)
-}
-
-fn smaller_radius(base: &BaseSpec) -> f64 {
-    let wheels = &base.robot.wheels;
-    wheels.radius_right_m.min(wheels.radius_left_m)
 }
 
 fn plain_localiser(wheels: WheelGeometry<f32>) -> LocaliserParams<f32> {

@@ -98,6 +98,12 @@ impl BaseSpec {
         self.motion().validate().map(|_| ())
     }
 
+    /// Radius of the smaller wheel, which turns fastest for a speed of the base \[m\].
+    pub fn smaller_radius_m(&self) -> f64 {
+        let wheels = &self.robot.wheels;
+        wheels.radius_right_m.min(wheels.radius_left_m)
+    }
+
     /// Limits for a reference, with room for feedback.
     pub fn reference_limits(&self) -> import::ReferenceLimits {
         let (robot, limits) = (&self.robot_with_rotors(), &self.limits);

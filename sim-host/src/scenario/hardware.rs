@@ -194,7 +194,7 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     let plant = hardware.world().params(&base.robot).check();
     plant.map_err(|error| plant_error(&error.key, &error, place))?;
     let wheels = &base.robot.wheels;
-    let radius = wheels.radius_right_m.min(wheels.radius_left_m);
+    let radius = base.smaller_radius_m();
     let limits = &base.limits;
     let driver = hardware
         .driver::<f64>(limits.speed, radius)
