@@ -1,20 +1,12 @@
 //! The program from outside, in an empty directory.
 
+use crate::program::sim_host;
 use sim_host::verify::likely_causes;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 use tempfile::TempDir;
 use tests::fixtures::path;
 use tests::stated::{Stated, picture};
-
-fn sim_host(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .expect("the program runs")
-}
 
 fn directory() -> TempDir {
     tempfile::tempdir().expect("a directory")
@@ -594,7 +586,7 @@ fn a_run_on_the_ideal_plant_says_so() {
     }
 }
 
-/// Where a number of the file says why it fails: with 48 counts a turn one of them turns the base by more than is asked.
+/// Where a number of the file says why it fails, that number is named and no other.
 #[test]
 fn coarse_encoders_and_noisy_poses_are_named_as_the_likely_cause() {
     let here = directory();
@@ -693,6 +685,12 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "\nspeed = 800.0",
             "limits.speed: is above its largest value 1e2",
         ),
+        // 34 of 0.75 times 10.5 mN m/A by 3 A, less 0.04 N m.
+        (
+            "\nwheel_torque = 0.15",
+            "\nwheel_torque = 0.8",
+            "limits.wheel_torque: is more than the 0.763 N m that [motor] gives at its current limit, after friction",
+        ),
     ] {
         let (done, said) = with(from, to);
         assert!(
@@ -707,12 +705,6 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "pose_source.noise_m = 5: the base takes any place within ",
         ),
         (
-        // 34 of 0.75 times 10.5 mN m/A by 3 A, less 0.04 N m.
-        (
-            "\nwheel_torque = 0.15",
-            "\nwheel_torque = 0.8",
-            "limits.wheel_torque: is more than the 0.763 N m that [motor] gives at its current limit, after friction",
-        ),
             "noise_rad = 0.005",
             "noise_rad = 1.0",
             "pose_source.noise_rad = 1: the base takes any heading within ",

@@ -1,16 +1,10 @@
 //! `run`, `check` and `compile` of trajectory files and motion scenarios, from outside.
 
+use crate::program::{program, sim_host};
 use sim_host::csv_out::Columns;
 use std::error::Error;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 use tests::fixtures;
-
-fn sim_host(directory: &Path, arguments: &[&str]) -> Result<Output, Box<dyn Error>> {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
-    Ok(command.args(arguments).current_dir(directory).output()?)
-}
 
 fn fixture(name: &str) -> String {
     fixtures::path(name).display().to_string()
@@ -20,7 +14,7 @@ fn fixture(name: &str) -> String {
 fn a_file_is_run_with_figure_metrics_and_trace() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;
     let file = fixture("wpilib_gaps.json");
-    let output = sim_host(here.path(), &["run", &file, "--csv"])?;
+    let output = sim_host(here.path(), &["run", &file, "--csv"]);
     let said = String::from_utf8(output.stdout)?;
     assert!(output.status.success(), "{said}");
     for part in [
@@ -77,14 +71,14 @@ fn what_is_refused_says_where_and_why() -> Result<(), Box<dyn Error>> {
             "line 22, sample 21, field `z`: not planar",
         ),
     ] {
-        let checked = sim_host(here.path(), &["check", &fixture(name)])?;
+        let checked = sim_host(here.path(), &["check", &fixture(name)]);
         assert_eq!(checked.status.code(), Some(1), "{name}");
         let said = String::from_utf8(checked.stdout)?;
         assert!(
             said.contains("verdict    refused") && said.contains(reason),
             "{said}"
         );
-        let run = sim_host(here.path(), &["run", &fixture(name)])?;
+        let run = sim_host(here.path(), &["run", &fixture(name)]);
         assert_eq!(run.status.code(), Some(1), "{name}");
         assert!(String::from_utf8(run.stderr)?.contains(reason), "{name}");
     }
@@ -101,7 +95,7 @@ fn check_says_what_is_drivable_without_running() -> Result<(), Box<dyn Error>> {
         "tum_planar.txt",
         "table_bare.csv",
     ] {
-        let output = sim_host(here.path(), &["check", &fixture(name)])?;
+        let output = sim_host(here.path(), &["check", &fixture(name)]);
         let said = String::from_utf8(output.stdout)?;
         assert!(
             output.status.success() && said.contains("verdict    drivable"),
@@ -112,7 +106,7 @@ fn check_says_what_is_drivable_without_running() -> Result<(), Box<dyn Error>> {
     // Scenarios of both laws as well.
     for (name, code) in [("paper-line", 0), ("park-beside", 0), ("no-such.toml", 1)] {
         assert_eq!(
-            sim_host(here.path(), &["check", name])?.status.code(),
+            sim_host(here.path(), &["check", name]).status.code(),
             Some(code),
             "{name}"
         );
@@ -131,7 +125,7 @@ fn check_judges_every_file() -> Result<(), Box<dyn Error>> {
         "park-beside",
         &fixture("table.csv"),
     ];
-    let output = sim_host(here.path(), &[&["check"], files.as_slice()].concat())?;
+    let output = sim_host(here.path(), &[&["check"], files.as_slice()].concat());
     let (said, failed) = (
         String::from_utf8(output.stdout)?,
         String::from_utf8(output.stderr)?,
@@ -163,7 +157,7 @@ fn a_file_is_run_at_the_period_of_its_base() -> Result<(), Box<dyn Error>> {
     let file = fixture("small_table.csv");
     for (more, period_s) in [(&[][..], 0.005), (&["--period", "0.02"][..], 0.02)] {
         let arguments = [&["run", &file, "--csv", "--base", "hobby-1kg"], more].concat();
-        assert!(sim_host(here.path(), &arguments)?.status.success());
+        assert!(sim_host(here.path(), &arguments).status.success());
         let mut trace = csv::Reader::from_path(here.path().join("out/small_table.csv"))?;
         let second = trace.records().nth(1).ok_or("no rows")??;
         let t: f64 = second.get(0).ok_or("no cells")?.parse()?;
@@ -183,7 +177,7 @@ fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dy
         &["--precision", "f32"],
         &["--period", "0.01"],
     ] {
-        let output = sim_host(here.path(), &[&["run", "park-beside"], option].concat())?;
+        let output = sim_host(here.path(), &[&["run", "park-beside"], option].concat());
         let said = String::from_utf8(output.stderr)?;
         assert_eq!(output.status.code(), Some(1), "{option:?}");
         let expected = format!(
@@ -194,7 +188,7 @@ fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dy
     }
     assert!(!here.path().join("out").exists());
     let both = ["run", "park-beside", &fixture("table.csv"), "--offset", "0"];
-    assert!(sim_host(here.path(), &both)?.status.success());
+    assert!(sim_host(here.path(), &both).status.success());
     Ok(())
 }
 
@@ -208,7 +202,7 @@ fn a_name_that_leads_to_nothing_is_told_what_is_built_in() -> Result<(), Box<dyn
         (&["run", "mine.csv"], false),
         (&["run", "here/mine"], false),
     ] {
-        let said = String::from_utf8(sim_host(here.path(), arguments)?.stderr)?;
+        let said = String::from_utf8(sim_host(here.path(), arguments).stderr)?;
         assert!(said.contains("cannot be read: No such file"), "{said}");
         let told = said.contains("built in are the scenarios of `sim-host list` and the bases");
         assert_eq!(told, is_name, "{said}");
@@ -232,7 +226,7 @@ fn files_beside_scenarios_are_told_after_them() -> Result<(), Box<dyn Error>> {
     ] {
         fs::write(here.path().join(name), text)?;
     }
-    let output = sim_host(here.path(), &["list", "."])?;
+    let output = sim_host(here.path(), &["list", "."]);
     let (said, failed) = (
         String::from_utf8(output.stdout)?,
         String::from_utf8(output.stderr)?,
@@ -283,7 +277,7 @@ fn exit_codes_tell_what_was_not_done() -> Result<(), Box<dyn Error>> {
         ),
     ] {
         fs::write(here.path().join("mine.toml"), &text)?;
-        let output = sim_host(here.path(), &["run", "mine.toml"])?;
+        let output = sim_host(here.path(), &["run", "mine.toml"]);
         let said = String::from_utf8(output.stderr)?;
         assert_eq!(
             output.status.code(),
@@ -312,7 +306,7 @@ fn every_failure_is_told() -> Result<(), Box<dyn Error>> {
     let output = sim_host(
         here.path(),
         &["run", "far.toml", "near.toml", "farther.toml"],
-    )?;
+    );
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(
         String::from_utf8(output.stderr)?,
@@ -324,7 +318,7 @@ fn every_failure_is_told() -> Result<(), Box<dyn Error>> {
     // What cannot be used is told before anything runs.
     fs::write(here.path().join("bad.toml"), "[run]\nspan = 1.0\n")?;
     let arguments = &["run", "no.toml", "far.toml", "bad.toml", "--out", "none"];
-    let output = sim_host(here.path(), arguments)?;
+    let output = sim_host(here.path(), arguments);
     let said = String::from_utf8(output.stderr)?;
     let told: Vec<_> = said.lines().filter(|l| l.starts_with("error")).collect();
     assert!(
@@ -341,7 +335,7 @@ fn every_failure_is_told() -> Result<(), Box<dyn Error>> {
 fn a_pipe_is_a_file() -> Result<(), Box<dyn Error>> {
     use std::io::Write as _;
     use std::process::Stdio;
-    let mut child = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+    let mut child = program()
         .args(["check", "/dev/stdin"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -365,7 +359,7 @@ fn two_files_of_one_name_are_refused_as_what_they_are() -> Result<(), Box<dyn Er
         )?;
     }
     for command in ["run", "compile"] {
-        let output = sim_host(here.path(), &[command, "a/x.csv", "b/x.csv"])?;
+        let output = sim_host(here.path(), &[command, "a/x.csv", "b/x.csv"]);
         assert_eq!(output.status.code(), Some(1));
         assert_eq!(
             String::from_utf8(output.stderr)?,
@@ -382,11 +376,11 @@ fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>
     fs::copy(fixture("table.csv"), here.path().join("a.toml"))?;
     fs::write(here.path().join("b.json"), "# mine\n\n[run]\nduration = \n")?;
     fs::write(here.path().join("c.toml"), "")?;
-    let checked = sim_host(here.path(), &["check", "a.toml"])?;
+    let checked = sim_host(here.path(), &["check", "a.toml"]);
     assert!(String::from_utf8(checked.stdout)?.contains("format     CSV"));
-    let run = sim_host(here.path(), &["run", "b.json"])?;
+    let run = sim_host(here.path(), &["run", "b.json"]);
     assert!(String::from_utf8(run.stderr)?.starts_with("error: b.json:4"));
-    let run = sim_host(here.path(), &["run", "c.toml"])?;
+    let run = sim_host(here.path(), &["run", "c.toml"]);
     assert!(String::from_utf8(run.stderr)?.starts_with("error: c.toml:1: run: is missing"));
     Ok(())
 }
@@ -394,7 +388,7 @@ fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>
 #[test]
 fn files_are_compiled_for_a_chip() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;
-    let output = sim_host(here.path(), &["compile", &fixture("choreo_v1.traj")])?;
+    let output = sim_host(here.path(), &["compile", &fixture("choreo_v1.traj")]);
     assert!(output.status.success());
     let rust = fs::read_to_string(here.path().join("out/choreo_v1.rs"))?;
     assert!(rust.contains("pub static CHOREO_V1: [[f32; 9];") && rust.contains("within 0."));
@@ -402,7 +396,7 @@ fn files_are_compiled_for_a_chip() -> Result<(), Box<dyn Error>> {
         fs::read(here.path().join("out/choreo_v1.bin"))?.len() % 36,
         0
     );
-    let output = sim_host(here.path(), &["compile", "paper-line"])?;
+    let output = sim_host(here.path(), &["compile", "paper-line"]);
     assert_eq!(output.status.code(), Some(1));
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The fault campaign: quiet with the base as it is, loud with one that is broken on purpose.
 
-use crate::parts::{names, parts, run, typed};
+use crate::parts::{names, parts, typed};
+use crate::program::sim_host;
 use controller_core::safety::{FaultKind, PolicyParams, Reaction, Response};
 use sim_host::campaign::{
     Bases, End, FaultInjectionKind, Mutation, RULES, RunOutcome, Target, Violation, Why, cells,
@@ -425,7 +426,7 @@ fn the_campaign_of_a_file_is_run_again_and_in_parts() {
         "--seed",
         "5",
     ];
-    let whole = run(
+    let whole = sim_host(
         here.path(),
         &[&campaign[..], &["--parquet", "all.parquet"]].concat(),
     );
@@ -481,7 +482,7 @@ fn the_campaign_of_a_file_is_run_again_and_in_parts() {
     fs::remove_file(&path).expect("removed");
     let mut merge = vec!["merge", "--parquet", "merged.parquet"];
     merge.extend(names(&paths));
-    let merged = run(here.path(), &merge);
+    let merged = sim_host(here.path(), &merge);
     assert_eq!(merged.status.code(), Some(1), "{}", said(&merged.stderr));
     assert_eq!(said(&merged.stdout), printed);
     assert!(left() == expected);
@@ -513,7 +514,7 @@ fn a_robot_that_cannot_be_put_to_the_campaign_is_refused() {
             "error: the argument '[ROBOT.toml]' cannot be used with '--gyro'",
         ),
     ] {
-        let output = run(here.path(), arguments);
+        let output = sim_host(here.path(), arguments);
         let told = said(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{told}");
         assert!(told.contains(message), "{told}");

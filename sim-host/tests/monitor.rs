@@ -1,5 +1,6 @@
 //! The monitor against a pseudo-terminal and a socket that play a board by a script.
 
+use crate::program::program;
 use controller_core::safety::FaultKind;
 use controller_core::safety::supervisor::{Cause, State};
 use firmware_demo::storage::NotLoaded;
@@ -182,7 +183,7 @@ fn a_terminal_is_raw_and_tells_silence_from_the_end() {
 }
 
 fn monitor(directory: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
+    let mut command = program();
     command
         .arg("monitor")
         .args(arguments)

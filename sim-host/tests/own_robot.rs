@@ -1,5 +1,6 @@
 //! A robot's file to gains, a verification and constants.
 
+use crate::program::sim_host;
 use firmware_demo::robots;
 use sim_host::constants::{c_header, module_name, period_us, rust};
 use sim_host::mission::BaseSpec;
@@ -12,7 +13,7 @@ use std::error::Error;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tests::boards_target;
 use tests::stated::{At, Stated};
@@ -34,12 +35,7 @@ fn a_board_drives_the_robot_of_a_file() -> Result<(), Box<dyn Error>> {
     let mine = mine.replace("l = 0.160", "l = 0.16543");
     let path = folder.path().join("mine.toml");
     std::fs::write(&path, mine)?;
-    let made = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .arg("constants")
-        .arg(&path)
-        .arg("--out")
-        .arg(folder.path())
-        .output()?;
+    let made = sim_host(folder.path(), &["constants", "mine.toml", "--out", "."]);
     assert!(made.status.success(), "{made:?}");
     let image = |robot: Option<PathBuf>| -> Result<Vec<u8>, Box<dyn Error>> {
         let mut build = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
@@ -284,7 +280,7 @@ fn the_page_shows_what_the_programs_print() -> Result<(), Box<dyn Error>> {
     std::fs::write(here.path().join("robot.toml"), &text)?;
     let mut page = Stated::of("docs/your-robot.md");
     let mut shown = |heading: &str, arguments: &[&str]| -> Result<(), Box<dyn Error>> {
-        let printed = String::from_utf8(sim_host(here.path(), arguments)?.stdout)?;
+        let printed = String::from_utf8(sim_host(here.path(), arguments).stdout)?;
         let (printed, _) = printed.rsplit_once("results are in").ok_or("no end")?;
         page.block(heading, printed);
         Ok(())
@@ -461,11 +457,6 @@ fn a_robot_that_does_not_know_where_it_is_fails() -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-fn sim_host(directory: &Path, arguments: &[&str]) -> Result<Output, Box<dyn Error>> {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sim-host"));
-    Ok(command.args(arguments).current_dir(directory).output()?)
-}
-
 #[test]
 fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;
@@ -474,7 +465,7 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
     let tuned = sim_host(
         here.path(),
         &["tune", "My Robot.toml", "--evaluations", "4", "--write"],
-    )?;
+    );
     assert!(tuned.status.success(), "{tuned:?}");
     let said = String::from_utf8(tuned.stdout)?;
     assert!(
@@ -483,7 +474,7 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
     );
     let written = std::fs::read_to_string(here.path().join("My Robot.toml"))?;
     assert!(written.contains("# a small dual driver") && written.contains("approach = "));
-    let verification = sim_host(here.path(), &["verify", "My Robot.toml", "--seeds", "1"])?;
+    let verification = sim_host(here.path(), &["verify", "My Robot.toml", "--seeds", "1"]);
     let said = String::from_utf8(verification.stdout)?;
     let passed = said.contains("PASS:");
     assert!(passed != said.contains("FAIL:"), "{said}");
@@ -496,7 +487,7 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
         &["constants", "My Robot.toml"][..],
         &["constants", "My Robot.toml", "--c"],
     ] {
-        let constants = sim_host(here.path(), arguments)?;
+        let constants = sim_host(here.path(), arguments);
         assert!(constants.status.success(), "{constants:?}");
     }
     for name in [
@@ -513,14 +504,14 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
         assert!(here.path().join("out").join(name).exists(), "{name}");
     }
     // The old name of `verify` is there for one release more, and says so.
-    let old = sim_host(here.path(), &["prove", "no robot.toml"])?;
+    let old = sim_host(here.path(), &["prove", "no robot.toml"]);
     let said = String::from_utf8(old.stderr)?;
     assert!(
         said.starts_with("note: `prove` is `verify`") && said.contains("no robot.toml"),
         "{said}"
     );
     // Built-in robots are known by name, but are nobody's to write to.
-    let refused = sim_host(here.path(), &["tune", "lab-10kg", "--write"])?;
+    let refused = sim_host(here.path(), &["tune", "lab-10kg", "--write"]);
     assert_eq!(refused.status.code(), Some(1));
     Ok(())
 }

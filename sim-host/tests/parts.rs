@@ -1,5 +1,6 @@
 //! Studies in parts: the same bytes as in one piece, and nothing that does not belong together.
 
+use crate::program::sim_host;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use sim_host::campaign::{Campaign, Robots, RunOutcome};
@@ -37,16 +38,6 @@ const STUDIES: [(&[&str], &[usize]); 4] = [
         &[2],
     ),
 ];
-
-fn program() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_sim-host"))
-}
-
-pub(super) fn run(directory: &Path, arguments: &[&str]) -> Output {
-    let mut command = program();
-    command.args(arguments).current_dir(directory);
-    command.output().expect("the program runs")
-}
 
 /// What comes of a line that is typed behind the program's name.
 pub(super) fn typed(directory: &Path, line: &str) -> Output {
@@ -89,7 +80,7 @@ pub(super) fn parts(directory: &Path, study: &[&str], count: usize) -> Vec<PathB
     let part = |number: usize| {
         let shard = format!("{number}/{count}");
         let file = format!("{number}.parquet");
-        let output = run(
+        let output = sim_host(
             directory,
             &[study, &["--shard", &shard, "--parquet", &file]].concat(),
         );
@@ -112,7 +103,7 @@ pub(super) fn names(paths: &[PathBuf]) -> Vec<&str> {
 
 /// All that merging says against these files.
 fn refusal(directory: &Path, paths: &[PathBuf]) -> String {
-    let output = run(directory, &[&["merge"], names(paths).as_slice()].concat());
+    let output = sim_host(directory, &[&["merge"], names(paths).as_slice()].concat());
     assert_eq!(output.status.code(), Some(1));
     assert!(!directory.join("out").exists(), "nothing is written");
     String::from_utf8(output.stderr).expect("UTF-8")
@@ -122,7 +113,7 @@ fn refusal(directory: &Path, paths: &[PathBuf]) -> String {
 fn any_number_of_parts_leaves_the_same_bytes() {
     for (study, counts) in STUDIES {
         let whole = tempfile::tempdir().expect("a directory");
-        let output = run(
+        let output = sim_host(
             whole.path(),
             &[study, &["--parquet", "out/all.parquet"]].concat(),
         );
@@ -139,7 +130,7 @@ fn any_number_of_parts_leaves_the_same_bytes() {
             paths.rotate_left(count / 2);
             let mut merge = vec!["merge", "--parquet", "out/all.parquet"];
             merge.extend(names(&paths));
-            let merged = left(here.path(), run(here.path(), &merge));
+            let merged = left(here.path(), sim_host(here.path(), &merge));
             for (name, bytes) in &expected.files {
                 assert!(
                     merged.files.get(name) == Some(bytes),
@@ -186,7 +177,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     let faults = |more: &[&str], name: &str| {
         let path = here.path().join(name);
         let file = path.to_str().expect("UTF-8");
-        let output = run(
+        let output = sim_host(
             here.path(),
             &[&["faults", "--runs", "2", "--parquet", file], more].concat(),
         );
@@ -233,7 +224,7 @@ fn parts_that_do_not_belong_together_are_refused() {
             "--parquet",
             file,
         ];
-        assert!(run(here.path(), &study).status.success());
+        assert!(sim_host(here.path(), &study).status.success());
         path
     };
     let text = fs::read_to_string("../bases/hobby-1kg.toml").expect("a robot");
@@ -263,12 +254,12 @@ fn what_only_a_whole_can_have_is_refused_of_a_part() {
         &["faults", "--run", "3", "--runs", "1", "--shard", "1/2"],
         &["verify", "hobby-1kg", "--fresh", "--shard", "1/2"],
     ] {
-        let output = run(here.path(), arguments);
+        let output = sim_host(here.path(), arguments);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(message.contains("is not for a part"), "{message}");
         assert_eq!(output.status.code(), Some(1));
     }
-    let output = run(here.path(), &["faults", "--shard", "3/2"]);
+    let output = sim_host(here.path(), &["faults", "--shard", "3/2"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("i from 1 to n"));
 }
@@ -351,7 +342,7 @@ fn a_flipped_bit_never_becomes_another_result() {
 #[test]
 fn parquet_columns_are_those_of_the_csv_file() {
     let here = tempfile::tempdir().expect("a directory");
-    let output = run(
+    let output = sim_host(
         here.path(),
         &["faults", "--runs", "40", "--seed", "9", "--parquet", "runs"],
     );
@@ -397,7 +388,7 @@ fn as_whole(here: &Path, study: &[&str]) {
         .output()
         .expect("a shell");
     let whole = tempfile::tempdir().expect("a directory");
-    let output = run(whole.path(), study);
+    let output = sim_host(whole.path(), study);
     assert_eq!(left(here, merged), left(whole.path(), output));
 }
 
@@ -443,7 +434,7 @@ fn the_slurm_array_does_the_whole_study() {
         .output()
         .expect("a shell");
     let whole = tempfile::tempdir().expect("a directory");
-    let output = run(whole.path(), &study);
+    let output = sim_host(whole.path(), &study);
     assert_eq!(left(here.path(), merged), left(whole.path(), output));
     let text = fs::read_to_string(jobs.join("slurm-array.sh")).expect("text");
     assert!(text.contains("#SBATCH --array=1-8\n") && text.contains("${PARTS:-8}"));

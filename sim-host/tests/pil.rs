@@ -1,5 +1,6 @@
 //! `sim-host pil` from outside. The emulator is part of the test: it is not skipped without it.
 
+use crate::program::{program, sim_host};
 use controller_core::base::BaseParams;
 use controller_core::types::Pose;
 use firmware_demo::host::{Image, Machine, build_image};
@@ -14,7 +15,7 @@ use sim_host::scenario::{BuiltInBase, SPEED_DRIVER};
 use sim_host::verify::{DISTANCE_M, HEADING_RAD};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// Short, with a hand-over, other parking gains and a torque limit.
 const MINE: &str = "\
@@ -36,12 +37,7 @@ target_at = 0.8
 ";
 
 fn pil(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .arg("pil")
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .expect("the program runs")
+    sim_host(directory, &[&["pil"], arguments].concat())
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -166,7 +162,7 @@ fn a_missing_emulator_is_named_with_its_package() {
     let tools: Vec<_> = std::env::split_paths(&path)
         .filter(|directory| !directory.join("qemu-system-arm").exists())
         .collect();
-    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+    let output = program()
         .args(["pil", "paper-line"])
         .current_dir(here.path())
         .env("PATH", std::env::join_paths(tools).expect("a path"))
@@ -225,11 +221,8 @@ fn flown_bit_for_bit(here: &Path, machine: &str) -> (Value, u64) {
 /// What the chip drove of `floor.toml` is what `run` shows.
 fn is_that_of_run(here: &Path) {
     let flown = fs::read_to_string(here.join("out/floor-pil.csv")).expect("CSV");
-    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .args(["run", "floor.toml", "--csv", "--out", "here"])
-        .current_dir(here)
-        .output()
-        .expect("the program runs");
+    let arguments = ["run", "floor.toml", "--csv", "--out", "here"];
+    let output = sim_host(here, &arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let simulated = fs::read_to_string(here.join("here/floor.csv")).expect("CSV");
     assert!(flown == simulated, "the chip's run is not that of `run`");

@@ -9,5 +9,6 @@ mod own_robot;
 mod own_robot_tune;
 mod parts;
 mod pil;
+mod program;
 mod robustness;
 mod scenario_errors;

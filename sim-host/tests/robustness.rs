@@ -1,11 +1,11 @@
 //! The study of robustness: against an independent calculation, and as a program.
 
+use crate::program::sim_host;
 use sim_host::robustness::{
     Case, ComparedLaw, Condition, Expected, Group, RunVerdict, Spread, StudyOutcome, StudyRow,
     catalogue, column_names, study, three_digits, write_csv,
 };
 use std::num::NonZeroU32;
-use std::process::Command;
 use std::sync::OnceLock;
 use tests::stated::{At, Stated};
 
@@ -410,11 +410,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn the_program_writes_table_figure_and_numbers() {
     let here = tempfile::tempdir().expect("a directory");
-    let run = |arguments: &[&str]| {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_sim-host"));
-        let program = program.arg("robustness").args(arguments);
-        program.current_dir(here.path()).output().expect("it runs")
-    };
+    let run = |arguments: &[&str]| sim_host(here.path(), &[&["robustness"], arguments].concat());
     let done = run(&[
         "--only", "5 mm", "--only", "single", "--seeds", "2", "--out", "here",
     ]);
