@@ -4,11 +4,12 @@ mod board;
 mod identify;
 
 use crate::bench_args::BenchArgs;
+use crate::count_args::seeds;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
 use crate::part_args::{MergeArgs, PartArgs};
 use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
-use crate::seed_args::{SeedArgs, seeds};
+use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;

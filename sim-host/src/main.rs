@@ -3,6 +3,7 @@
 mod bench_args;
 mod cli;
 mod commands;
+mod count_args;
 mod drive_args;
 mod log_args;
 mod part_args;

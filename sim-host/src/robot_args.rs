@@ -1,10 +1,10 @@
 //! Arguments for a robot of one's own.
 
+use crate::count_args::{evaluations, seeds};
 use crate::log_args::LogArgs;
 use crate::part_args::PartArgs;
-use crate::seed_args::{self, SeedArgs};
+use crate::seed_args::SeedArgs;
 use clap::Args;
-use sim_host::tune::MAX_EVALUATIONS;
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ pub struct VerifyArgs {
     #[arg(value_name = "ROBOT.toml")]
     pub robot: PathBuf,
     /// Worlds that are drawn for each course and condition
-    #[arg(long, value_name = "N", default_value = "10", value_parser = seed_args::seeds)]
+    #[arg(long, value_name = "N", default_value = "10", value_parser = seeds)]
     pub seeds: NonZeroU32,
     #[command(flatten)]
     pub log: LogArgs,
@@ -59,8 +59,4 @@ pub struct ConstantsArgs {
     /// A header for the C interface, NAME.h, instead of Rust
     #[arg(long)]
     pub c: bool,
-}
-
-fn evaluations(text: &str) -> Result<NonZeroU64, String> {
-    seed_args::up_to(MAX_EVALUATIONS, text)
 }

@@ -1,9 +1,6 @@
-//! Where random numbers begin, and how many worlds are drawn by them.
+//! Where random numbers begin.
 
 use clap::Args;
-use sim_host::part::MAX_SEEDS;
-use std::num::{NonZeroU32, NonZeroU64};
-use std::str::FromStr;
 
 /// Where random numbers begin.
 #[derive(Clone, Copy, Debug, Args)]
@@ -29,17 +26,4 @@ impl SeedArgs {
             Ok(self.seed)
         }
     }
-}
-
-/// Worlds of each case.
-pub fn seeds(text: &str) -> Result<NonZeroU32, String> {
-    up_to(MAX_SEEDS.get().into(), text)
-}
-
-/// A whole number above 0 with a limit.
-pub fn up_to<N: FromStr + Copy + Into<NonZeroU64>>(most: u64, text: &str) -> Result<N, String> {
-    let number = text.parse::<N>().ok();
-    number
-        .filter(|number| (*number).into().get() <= most)
-        .ok_or_else(|| format!("must be a whole number in 1 to {most}"))
 }
