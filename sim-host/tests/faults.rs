@@ -330,16 +330,23 @@ fn robot(file: &str, changes: &[(&str, &str)], more: &str) -> RobotFile {
     }
 }
 
-/// Without its table of poses.
-fn blind(file: &str) -> RobotFile {
+/// Changed, and without its table of poses.
+fn blind(file: &str, changes: &[(&str, &str)]) -> RobotFile {
     let text = fs::read_to_string(tests::root().join(file)).expect("a base");
     let from = text.find("[pose_source]").expect("poses");
     let rest = text[from + 1..].find("\n[").expect("a next table");
     let poses = &text[from..from + 1 + rest];
-    robot(file, &[(poses, "")], "")
+    robot(file, &[&[(poses, "")], changes].concat(), "")
 }
 
 const POSES: &str = "noise_rad = 0.005\n";
+
+/// Of a 1 kg base: as much friction at rest as toy gears have, twice that while it turns, and a loop of 50 Hz in which a wheel that breaks loose is noticed
+/// late. Of 300 runs 7 broke a rule, hunting about their goal until they gave up, when what was compensated did not come down.
+const STICKY: [(&str, &str); 2] = [
+    ("static_nm = 0.06", "static_nm = 0.08"),
+    ("period_s = 0.005", "period_s = 0.02"),
+];
 
 /// The rules are those of any base, by the numbers of its file: what the built-in ones do not have is not against them.
 #[test]
@@ -354,7 +361,11 @@ fn bases_of_other_files_keep_the_rules_as_well() {
         ("a gyro", robot(base, &[], &format!("\n{gyro}"))),
         ("poses that are off", robot(base, &[(POSES, bias)], "")),
         ("poses that are dropped", robot(base, &[(POSES, drops)], "")),
-        ("no poses", blind(base)),
+        ("no poses", blind(base, &[])),
+        (
+            "twice the friction at rest",
+            blind("bases/hobby-1kg.toml", &STICKY),
+        ),
         // Without poses, with ticks of 1 ms, and nobody has stated what holds its wheels.
         ("boards", robot("boards/robot.toml", &[], "")),
     ] {

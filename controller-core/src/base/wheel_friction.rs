@@ -11,9 +11,14 @@
 //! much ends with the step, and what rises comes on top. It rises as far as the disturbance estimate would go, and half as far again, since what
 //! holds a wheel at rest is half as much again as what brakes it while it turns: nobody may have stated what holds the wheels, such as a floor that they
 //! sink into. The estimate takes seconds to get there, at the speeds that millimetres ask for.
+//!
+//! Friction that is compensated too much makes a base hunt: it drives past its goal and back, and since what is compensated changes its sign with the
+//! command, the estimate of a steady disturbance never finds it. So a wheel that has turned beside a goal and is commanded the other way, which is how it
+//! went too far, is compensated by [`LESS`] less from there on.
 
 use crate::hal::WheelCounts;
 use crate::motor::Motor;
+use crate::range::{larger, smaller};
 use crate::scalar::Scalar;
 use crate::types::{WheelSpeeds, WheelTorques};
 
@@ -27,6 +32,11 @@ const RISE_BESIDE_S: f64 = 0.5;
 const STILL_S: f64 = 0.1;
 /// Most static friction that is compensated, in stictions; beside a goal in what may hold a wheel, stated or not.
 const MOST: f64 = 1.5;
+/// Taken off what is compensated beside a goal whenever a wheel that has turned is commanded the other way, in Coulomb frictions of the parameters: three
+/// times, and what was stated a third too high, as friction is known, is no longer too much.
+const LESS: f64 = 0.1;
+/// Most that is taken off so, in the same: beyond half of it nothing but the goal's tolerance makes a base hunt.
+const LEAST: f64 = 0.5;
 /// Dry friction while turning over that at rest, of bearings and gears: currents to turn free and to start are as 2 to 3.
 const SLIDING: f64 = 2.0 / 3.0;
 
@@ -53,12 +63,14 @@ pub(super) struct FrictionWatch<T> {
 struct Wheel<T> {
     /// By velocity: compensated beyond the Coulomb friction of the parameters while it rolls, in the sense of the command \[N m\].
     rolling: T,
-    /// On top, since it came to a halt.
+    /// On top, since it came to a halt. Beside a goal below 0 where it hunts.
     gathered: T,
     /// Time since the last count \[s\].
     silent_s: T,
     commanded: T,
     halted: bool,
+    /// Beside a goal: it has turned since it was last commanded the other way.
+    turned: bool,
 }
 
 /// What counts tell of a wheel.
@@ -153,6 +165,7 @@ impl<T: Scalar> Wheel<T> {
         silent_s: T::ZERO,
         commanded: T::ZERO,
         halted: false,
+        turned: false,
     };
 
     /// A tick by velocity; what is compensated \[N m\].
@@ -183,12 +196,21 @@ impl<T: Scalar> Wheel<T> {
         self.rolling + self.gathered
     }
 
-    /// A tick beside a goal; what is compensated beyond the stiction, `most` at most \[N m\]. What is left of it when the wheel turns shortens the next halt.
+    /// A tick beside a goal; what is compensated beyond Coulomb friction and stiction, `most` at most \[N m\]. What is left of it when the wheel turns shortens
+    /// the next halt.
     fn nudge(&mut self, now: &Turning<'_, T>, moved: i32, commanded: T, most: T) -> T {
         let f = T::from_f64;
+        self.turned |= moved != 0;
         match self.listen(now, moved != 0, commanded, f(STILL_S)) {
-            Heard::TurnedBack => self.gathered = T::ZERO,
-            Heard::Freed => self.gathered = f(SLIDING) * self.gathered,
+            Heard::TurnedBack => {
+                let coulomb = now.motor.params().friction.coulomb_nm;
+                let less = if self.turned { f(LESS) } else { T::ZERO };
+                let left = smaller(self.gathered, T::ZERO) - less * coulomb;
+                self.gathered = larger(left, -f(LEAST) * coulomb);
+                self.turned = false;
+            }
+            Heard::Freed if self.gathered > T::ZERO => self.gathered = f(SLIDING) * self.gathered,
+            Heard::Freed => {}
             Heard::Halted => self.gather(most * now.dt / f(RISE_BESIDE_S), most),
             Heard::Turns => {}
         }
@@ -344,7 +366,7 @@ pub(super) mod tests {
     }
 
     /// 0.1 rad/s are a count in 30 ms: at a halt after 75 ms and a tenth of a second, then within half a second to half a stiction and 3/2 of what nobody has
-    /// stated; two thirds of that remain when the wheel turns, either way, and nothing when it is to turn back.
+    /// stated; two thirds of that remain when the wheel turns, either way, and none when it is to turn back.
     #[test]
     fn beside_a_goal_a_standing_wheel_is_nudged() {
         for way in [1, -1] {
@@ -367,8 +389,31 @@ pub(super) mod tests {
                     .all(|more| (more - 0.1 / 3.0).abs() < 1e-12)
             );
             assert!((again[159] - 0.05).abs() < 1e-12);
-            assert_eq!(turn(1, -0.1), 0.0);
+            assert!(turn(1, -0.1) <= 0.0);
         }
+    }
+
+    /// Back and forth across its goal: a tenth of the Coulomb friction of 0.04 N m less each time, down to half of it. One that stands is none that hunts,
+    /// wherever it is commanded.
+    #[test]
+    fn beside_a_goal_a_wheel_that_hunts_is_pushed_less() {
+        let mut watch = FrictionWatch::NEW;
+        let mut turn = |counts, speed| creep(&mut watch, Creeps::BesideGoal, counts, speed, 0.0);
+        for number in 0..20 {
+            let way = if number % 2 == 0 { 0.1 } else { -0.1 };
+            assert_eq!(turn(0, way), 0.04);
+        }
+        for number in 0..20 {
+            let (way, counts) = if number % 2 == 0 { (0.1, 1) } else { (-0.1, 0) };
+            let taken = f64::min(0.004 * f64::from(number + 1), 0.02);
+            for _ in 0..3 {
+                assert!((turn(counts, way) - (0.04 - taken)).abs() < 1e-12);
+            }
+        }
+        // Short of it at last: nudged from there.
+        let rise: [f64; 160] = core::array::from_fn(|_| turn(0, -0.1));
+        assert!((rise[31] - 0.02).abs() < 1e-12, "{rise:?}");
+        assert!(rise[40] > rise[39] && rise[159] > 0.06, "{rise:?}");
     }
 
     /// What one way of creeping found is none of the other's.
