@@ -73,6 +73,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         max_speed_rad_s: MAX_SPEED_RAD_S,
         min_speed_rad_s: 0.0,
         lag_s: LAG_S,
+        breakaway_nm: 0.0,
     }
     .validate()?;
     let (mut drivers, mut state) = (Drivers::default(), SpeedState::default());

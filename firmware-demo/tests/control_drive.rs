@@ -138,6 +138,7 @@ fn speed_drives_get_what_the_base_desires() {
         max_speed_rad_s: 30.0,
         min_speed_rad_s: 0.0,
         lag_s: 0.02,
+        breakaway_nm: 0.0,
     };
     let mut params = params();
     params.driver = DriverParams::Speeds(speeds);

@@ -18,6 +18,7 @@ const OUTPUT: SpeedParams<f64> = SpeedParams {
     max_speed_rad_s: 10.0,
     min_speed_rad_s: 0.4,
     lag_s: 0.05,
+    breakaway_nm: 0.0,
 };
 
 #[test]
@@ -142,6 +143,13 @@ fn speed_parameters_are_checked() {
                 ..OUTPUT
             },
             Field::DriverLag,
+        ),
+        (
+            SpeedParams {
+                breakaway_nm: -0.1,
+                ..OUTPUT
+            },
+            Field::BreakawayTorque,
         ),
     ] {
         assert_eq!(params.validate().unwrap_err().field, field);

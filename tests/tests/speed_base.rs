@@ -21,6 +21,7 @@ const SPEEDS: SpeedParams = SpeedParams {
     max_speed_rad_s: 14.0,
     min_speed_rad_s: 0.0,
     lag_s: 0.03,
+    breakaway_nm: 0.0,
 };
 const COUNTS: f32 = 4096.0;
 
@@ -314,6 +315,16 @@ fn a_wheel_that_does_not_turn_is_found() {
     assert_eq!(
         soft.detectors.wheels.stuck.after,
         Timeout::AfterUs(1_962_000)
+    );
+    // What more holds a wheel is overcome later: 8 T² · 2 τ/(m r), by 9 N m on 30 kg and wheels of 0.1 m 8 · 0.01 · 6 m at 8 cm/s.
+    let held = params(SpeedParams {
+        lag_s: 0.1,
+        breakaway_nm: 9.0,
+        ..SPEEDS
+    });
+    assert_eq!(
+        held.detectors.wheels.stuck.after,
+        Timeout::AfterUs(6_000_000)
     );
 }
 

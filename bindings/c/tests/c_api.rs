@@ -116,6 +116,7 @@ fn write_robots() -> PathBuf {
         max_speed_rad_s: 20.0,
         min_speed_rad_s: 0.0,
         lag_s: 0.02,
+        breakaway_nm: 0.0,
     });
     speeds.detectors.wheels.stuck.torque_nm = 0.0;
     let mut no_parameters = good[..24].to_vec();

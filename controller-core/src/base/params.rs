@@ -38,7 +38,7 @@ pub struct BaseParams<T = f32> {
 /// reason that does not exist: a wheel that is blocked or counts backward would be commanded what it does, and nobody would find it.
 const ANY_TORQUE_NM: f64 = 1.0e5;
 
-/// Share of the weight that friction in bearings and gear may be, in [`own_loop_breaks_loose`]: of small geared motors without load.
+/// Share of the weight that friction in bearings and gear may be wherever no more is stated, in [`own_loop_breaks_loose`]: of small geared motors without load.
 const FRICTION_SHARE: f64 = 0.2;
 
 impl<T: Usual> BaseParams<T> {
@@ -217,7 +217,7 @@ impl<T: Scalar> BaseParams<T> {
 /// After what time a wheel stands that a driver with its own speed loop is to turn at [`SLOW`] times the slowest speed that is watched.
 ///
 /// Such a driver integrates what its wheel lacks, so what it exerts on one that stands grows with the way that was commanded. A loop that settles as
-/// its lag T lets it (J/(4 T²) of torque per angle) overcomes a friction of a share c of the weight after 4 T² c g, and after twice that where
+/// its lag T lets it (J/(4 T²) of torque per angle) overcomes a torque τ at each wheel after 4 T² · 2 τ/(m r), and after twice that where
 /// it has just pushed the other way.
 fn own_loop_breaks_loose<T: Scalar>(
     speeds: &SpeedParams<T>,
@@ -228,9 +228,11 @@ fn own_loop_breaks_loose<T: Scalar>(
         Timeout::AfterUs(us) => us,
         Timeout::Off => return Timeout::Off,
     };
-    let way = T::from_f64(8.0 * FRICTION_SHARE * 9.81) * speeds.lag_s * speeds.lag_s;
     let wheels = &robot.wheels;
     let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
+    let stated = T::from_f64(2.0) * speeds.breakaway_nm / (robot.mass_kg * radius);
+    let holds = larger(stated, T::from_f64(FRICTION_SHARE * 9.81));
+    let way = T::from_f64(8.0) * speeds.lag_s * speeds.lag_s * holds;
     let speed = T::from_f64(SLOW) * stuck.speed_rad_s * radius;
     Timeout::AfterUs(larger_us(T::from_f64(1.0e6) * (way / speed), least))
 }

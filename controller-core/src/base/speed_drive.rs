@@ -131,6 +131,7 @@ mod tests {
             max_speed_rad_s: 10.0,
             min_speed_rad_s: 0.0,
             lag_s: LAG_S,
+            breakaway_nm: 0.0,
         };
         params.validate().expect("valid")
     }

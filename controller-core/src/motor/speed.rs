@@ -50,6 +50,9 @@ pub struct SpeedParams<T = f32> {
     pub min_speed_rad_s: T,
     /// T_d \[s\]: lag of the driver's speed loop that is made up for, 0 to 1.
     pub lag_s: T,
+    /// What it takes to break a standing wheel loose \[N m\], 0 to 1e6: how long a wheel may stand before it is stuck goes by that. A fifth of the weight at the
+    /// wheels is reckoned with in any case, so 0 does where no more holds them.
+    pub breakaway_nm: T,
 }
 
 /// [`SpeedParams`] that passed `validate`.
@@ -96,6 +99,7 @@ impl<T: Scalar> SpeedParams<T> {
             (Field::MaxWheelSpeed, self.max_speed_rad_s, 1.0e-3, 1.0e5),
             (Field::MinWheelSpeed, slowest, 0.0, 1.0e5),
             (Field::DriverLag, self.lag_s, 0.0, 1.0),
+            (Field::BreakawayTorque, self.breakaway_nm, 0.0, 1.0e6),
         ]?;
         let half = T::HALF * self.max_speed_rad_s;
         if slowest > half {

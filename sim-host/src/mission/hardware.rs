@@ -91,13 +91,18 @@ impl Gyro {
 /// thousandth is below 2 mm for the bases here. With a hundredth most runs end stuck beside the goal.
 const BLEND_SHARE: f64 = 0.001;
 
-/// Torque to break a standing wheel loose, as a share of what the file says.
+/// Torque to break a standing wheel loose, as a share of what its file says; see [`breakaway_nm`].
 ///
 /// Bearings differ by a third with load, wear and cold. A wheel with too little compensation stands until the
 /// disturbance estimate has gathered the rest, tens of seconds on a light base; one with too much
 /// turns, and within a few ticks its encoder takes the excess away. At ±30 % of friction 8 of 90 runs of the 1 kg
 /// base ended beside the goal with 1.0, none with 1.15 to 1.5.
 const BREAK_LOOSE: f64 = 1.3;
+
+/// The most that it takes to break a wheel with such friction loose \[N m\].
+pub fn breakaway_nm(friction: &FrictionParams) -> f64 {
+    BREAK_LOOSE * friction.static_nm
+}
 
 impl Hardware {
     /// What drives a base of this largest speed \[m/s\] and wheel radius \[m\], for the core.
@@ -109,6 +114,7 @@ impl Hardware {
                 max_speed_rad_s: f(speeds.max_speed_rad_s),
                 min_speed_rad_s: f(speeds.min_speed_rad_s),
                 lag_s: f(speeds.lag_s),
+                breakaway_nm: f(speeds.breakaway_nm),
             }),
         }
     }
@@ -117,7 +123,7 @@ impl Hardware {
     fn motor_layer<T: Scalar>(&self, motor: &TrueMotor, speed: f64, radius: f64) -> MotorParams<T> {
         let f = T::from_f64;
         let friction = &self.friction;
-        let stiction = BREAK_LOOSE * friction.static_nm - friction.coulomb_nm;
+        let stiction = breakaway_nm(friction) - friction.coulomb_nm;
         MotorParams {
             gear_ratio: f(motor.gear_ratio),
             gear_efficiency: f(motor.gear_efficiency),

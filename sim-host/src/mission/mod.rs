@@ -8,7 +8,7 @@ mod reference_sampler;
 mod sequencer;
 
 pub use base::BaseSpec;
-pub use hardware::{Drivers, Gyro, Hardware, OLDEST_POSE};
+pub use hardware::{Drivers, Gyro, Hardware, OLDEST_POSE, breakaway_nm};
 pub(crate) use reference_sampler::AccelerationAt;
 pub(crate) use sequencer::{Orders, Sequencer};
 

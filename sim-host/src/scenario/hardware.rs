@@ -2,7 +2,7 @@
 
 use super::ScenarioError;
 use super::source::{Checked, Source};
-use crate::mission::{BaseSpec, Drivers, Gyro, Hardware, OLDEST_POSE};
+use crate::mission::{BaseSpec, Drivers, Gyro, Hardware, OLDEST_POSE, breakaway_nm};
 use crate::world::{
     BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams, WorldError,
 };
@@ -50,12 +50,18 @@ pub(super) struct SpeedDriverKeys {
 }
 
 impl SpeedDriverKeys {
-    fn params(&self, motor: Option<&MotorParams>, nominal_v: f64) -> Option<SpeedParams<f64>> {
+    fn params(
+        &self,
+        motor: Option<&MotorParams>,
+        friction: &FrictionParams,
+        nominal_v: f64,
+    ) -> Option<SpeedParams<f64>> {
         let free = |motor: &MotorParams| nominal_v / (motor.gear_ratio * motor.kt_nm_per_a);
         Some(SpeedParams {
             max_speed_rad_s: self.max_speed_rad_s.or(motor.map(free))?,
             min_speed_rad_s: self.min_speed_rad_s,
             lag_s: self.lag_s,
+            breakaway_nm: breakaway_nm(friction),
         })
     }
 }
@@ -132,7 +138,8 @@ impl HardwareKeys {
         let motor = self.motor.as_ref();
         match &self.speed_driver {
             Some(driver) => {
-                let speeds = driver.params(motor, battery.nominal_v)?;
+                let friction = self.friction.unwrap_or_default();
+                let speeds = driver.params(motor, &friction, battery.nominal_v)?;
                 Some(Drivers::SpeedLoops(speeds, self.motor))
             }
             None => self.motor.map(Drivers::Bridges),
@@ -285,7 +292,7 @@ const fn driver_key(field: Field) -> &'static str {
         Field::DriverLag => "speed_driver.lag_s",
         Field::Supply => "battery.nominal_v",
         Field::CoulombFriction => "friction.coulomb_nm",
-        Field::Stiction => "friction.static_nm",
+        Field::Stiction | Field::BreakawayTorque => "friction.static_nm",
         Field::ViscousFriction => "friction.viscous_nm_s",
         _ => "motor",
     }
