@@ -588,7 +588,7 @@ fn a_run_on_the_ideal_plant_says_so() {
 
 /// Where a number of the file says why it fails, that number is named and no other.
 #[test]
-fn coarse_encoders_and_noisy_poses_are_named_as_the_likely_cause() {
+fn coarse_encoders_noisy_poses_and_soft_drivers_are_named_as_the_likely_cause() {
     let here = directory();
     let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
     for (from, to, cause) in [
@@ -603,6 +603,12 @@ fn coarse_encoders_and_noisy_poses_are_named_as_the_likely_cause() {
             "noise_m = 0.005",
             "noise_m = 0.02",
             "[pose_source] noise_m = 0.02: the base takes any place within 11.1 mm for its goal, and the filter leaves 2.8 mm of noise in its pose",
+        ),
+        // 4 · 0.06² · 2 · 0.06/0.035.
+        (
+            "period_s = 0.005",
+            "period_s = 0.005\n\n[speed_driver]\nlag_s = 0.06",
+            "[speed_driver] lag_s = 0.06: so soft a loop breaks a wheel that 0.06 N m hold loose after 49.4 mm of its way",
         ),
     ] {
         assert!(base.contains(from), "{from}");
