@@ -9,7 +9,7 @@
 //! | pose jump, driver | reported by others | the tick |
 //! | stuck, stalled | [`wheel`](self#wheels): commanded to turn, stands | `stuck.after` and a [look](self#wheels); four times as late where it is pushed with less than `stuck.torque_nm` |
 //! | reversed | turns against its torque, ever faster | 0.3 s and `reversed` once what is exerted is 2.5 times the load |
-//! | reversed | commanded to turn, turns the other way | `stuck.after` and a look, and as long for a wheel to come round |
+//! | reversed | commanded to turn, turns the other way | `stuck.after` and a look, and as long for a wheel to come round; four times as late where it is pushed with less |
 //! | stuck, on the way | the same, but its counts ceased, or the other wheel's 0.15 s ago | as reversed |
 //! | slip | moves more than its torque explains, the way that it is commanded, or than the robot does | 0.1 s and `slip.after` |
 //! | over-current, under-voltage | beyond the limit | their time and a tick |

@@ -288,6 +288,33 @@ fn a_wheel_that_stands_while_commanded_is_stuck_however_little_it_is_pushed() {
     assert_eq!(found(-little, 2000), None);
 }
 
+/// As little pushed, and it counts against its command all the while: 8 counts or more in a second are an encoder that is the wrong way round, fewer a
+/// wheel that stands. A count the way that it is commanded, and all begins anew.
+#[test]
+fn a_wheel_that_turns_against_its_command_is_reversed_however_little_it_is_pushed() {
+    let found = |kind: FaultKind, torque: f64, count_every: i32, ahead_at: i32| {
+        let mut monitor = monitor(params());
+        found_in(&mut monitor, 300, kind, |k| {
+            let mut now = pushing(k, 0, 100);
+            now.torques = Some(WheelTorques {
+                right: torque,
+                left: torque,
+            });
+            if let Some(counts) = &mut now.counts {
+                counts.right = i32::from(k >= ahead_at) * 40 - k / count_every;
+            }
+            now
+        })
+    };
+    let little = 0.01 * params().wheels.stuck.torque_nm;
+    let (reversed, stuck) = (FaultKind::EncoderReversed, FaultKind::EncoderStuck);
+    assert_eq!(found(reversed, little, 4, 300), Some(101));
+    assert_eq!(found(stuck, little, 4, 300), None);
+    assert_eq!(found(stuck, little, 15, 300), Some(101));
+    assert_eq!(found(reversed, little, 4, 50), Some(151));
+    assert_eq!(found(reversed, -little, 4, 300), None);
+}
+
 #[test]
 fn a_wheel_that_stands_under_torque_is_stuck_and_one_that_creeps_is_not() {
     let stuck = |right, left| {

@@ -11,8 +11,8 @@ const MOVED_WITHIN: Timeout = Timeout::AfterUs(50_000);
 /// A wheel that only changes its direction counts again before.
 const CEASED_BEFORE: Timeout = Timeout::AfterUs(150_000);
 
-/// Of a wheel that stands, so much more slowly its time counts while it is pushed the way that it is commanded with less than what turns a
-/// free one: friction that is compensated on top moves light bases, whose law never asks for as much.
+/// Of a wheel that stands or turns back, so much more slowly its time counts while it is pushed the way that it is commanded with less than what
+/// turns a free one: friction that is compensated on top moves light bases, whose law never asks for as much.
 const HARDLY_PUSHED: u32 = 4;
 
 /// What a wheel exerted since it was looked at last.
@@ -184,8 +184,10 @@ struct Pushed {
     back: i32,
     stands: Debounce,
     backs: Debounce,
-    /// Stands, not pushed hard enough.
+    /// Stands or turns back, not pushed hard enough,
     hardly: Debounce,
+    /// and counts since then, below zero.
+    hardly_back: i32,
 }
 
 impl<T: Scalar> Wheel<T> {
@@ -228,11 +230,10 @@ impl<T: Scalar> Wheel<T> {
                 self.pushed.advance_by_way(settings, us, moved, command)
             }
             Some(effort)
-                if now.moved == Some(0)
-                    && is_commanded(settings, now.command)
+                if is_commanded(settings, now.command)
                     && effort.impulse * now.command > T::ZERO =>
             {
-                self.pushed.hardly(stuck.after, now.us)
+                self.pushed.hardly(stuck.after, now)
             }
             _ => self.pushed.not(),
         };
@@ -376,15 +377,27 @@ impl Pushed {
         (stands, self.turns_back(now.along(moved), now.us, after))
     }
 
-    /// Pushed the way that it is commanded, but not hard enough, and without a count.
+    /// Pushed the way that it is commanded, but not hard enough.
+    #[inline(always)]
+    fn hardly<T: Scalar>(&mut self, after: Timeout, now: &Look<T>) -> (bool, bool) {
+        match now.moved.map(|moved| now.along(moved)) {
+            Some(along) if along <= 0 => self.hardly_back(after, along, now.us),
+            _ => self.not(),
+        }
+    }
+
+    /// The same without a count that way: it stands, or turns back by at least [`LEAST_COUNTS`].
     #[cold]
     #[inline(never)]
-    fn hardly(&mut self, after: Timeout, us: u32) -> (bool, bool) {
+    fn hardly_back(&mut self, after: Timeout, along: i32, us: u32) -> (bool, bool) {
         *self = Self {
             hardly: self.hardly,
+            hardly_back: self.hardly_back.saturating_add(along),
             ..Self::default()
         };
-        (self.hardly.holds(true, us / HARDLY_PUSHED, after), false)
+        let lasts = self.hardly.holds(true, us / HARDLY_PUSHED, after);
+        let turns = self.hardly_back <= -LEAST_COUNTS;
+        (lasts && !turns, lasts && turns)
     }
 
     /// Of a driver that closes its own speed loop, which pushes the way that it is commanded: the slower that is, the less of the time counts. See [`SLOW`].
@@ -424,7 +437,7 @@ impl Pushed {
         let still = (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
         if !still {
-            self.hardly = Debounce::NONE;
+            (self.hardly, self.hardly_back) = (Debounce::NONE, 0);
         }
         self.stands.holds(still, us, after)
     }
