@@ -209,8 +209,7 @@ impl<T: Scalar> Wheel<T> {
                 self.gathered = larger(left, -f(LEAST) * coulomb);
                 self.turned = false;
             }
-            Heard::Freed if self.gathered > T::ZERO => self.gathered = f(SLIDING) * self.gathered,
-            Heard::Freed => {}
+            Heard::Freed => self.gathered = f(SLIDING) * self.gathered,
             Heard::Halted => self.gather(most * now.dt / f(RISE_BESIDE_S), most),
             Heard::Turns => {}
         }

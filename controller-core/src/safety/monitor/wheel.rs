@@ -49,6 +49,11 @@ impl<T: Scalar> Look<T> {
         }
     }
 
+    /// It counts the way that it is commanded to turn.
+    fn runs_ahead(&self) -> bool {
+        self.moved.is_some_and(|moved| self.along(moved) > 0)
+    }
+
     /// It counts the other way than it is commanded to turn.
     fn runs_back(&self) -> bool {
         self.command.abs() > T::ZERO && self.moved.is_some_and(|moved| self.along(moved) < 0)
@@ -184,10 +189,8 @@ struct Pushed {
     back: i32,
     stands: Debounce,
     backs: Debounce,
-    /// Stands or turns back, not pushed hard enough,
+    /// Stands or turns back, not pushed hard enough.
     hardly: Debounce,
-    /// and counts since then, below zero.
-    hardly_back: i32,
 }
 
 impl<T: Scalar> Wheel<T> {
@@ -229,11 +232,8 @@ impl<T: Scalar> Wheel<T> {
                 } = *now;
                 self.pushed.advance_by_way(settings, us, moved, command)
             }
-            Some(effort)
-                if is_commanded(settings, now.command)
-                    && effort.impulse * now.command > T::ZERO =>
-            {
-                self.pushed.hardly(stuck.after, now)
+            Some(effort) if is_commanded(settings, now.command) && !now.runs_ahead() => {
+                self.pushed.hardly(stuck.after, effort.impulse, now)
             }
             _ => self.pushed.not(),
         };
@@ -377,26 +377,22 @@ impl Pushed {
         (stands, self.turns_back(now.along(moved), now.us, after))
     }
 
-    /// Pushed the way that it is commanded, but not hard enough.
-    #[inline(always)]
-    fn hardly<T: Scalar>(&mut self, after: Timeout, now: &Look<T>) -> (bool, bool) {
-        match now.moved.map(|moved| now.along(moved)) {
-            Some(along) if along <= 0 => self.hardly_back(after, along, now.us),
-            _ => self.not(),
-        }
-    }
-
-    /// The same without a count that way: it stands, or turns back by at least [`LEAST_COUNTS`].
+    /// Not pushed hard enough, and without a count the way that it is commanded: where it is pushed that way, it stands, or turns back by at least
+    /// [`LEAST_COUNTS`].
     #[cold]
     #[inline(never)]
-    fn hardly_back(&mut self, after: Timeout, along: i32, us: u32) -> (bool, bool) {
+    fn hardly<T: Scalar>(&mut self, after: Timeout, push: T, now: &Look<T>) -> (bool, bool) {
+        let moved = now.moved.filter(|_| push * now.command > T::ZERO);
+        let Some(moved) = moved else {
+            return self.not();
+        };
         *self = Self {
             hardly: self.hardly,
-            hardly_back: self.hardly_back.saturating_add(along),
+            back: self.back.saturating_add(now.along(moved)),
             ..Self::default()
         };
-        let lasts = self.hardly.holds(true, us / HARDLY_PUSHED, after);
-        let turns = self.hardly_back <= -LEAST_COUNTS;
+        let lasts = self.hardly.holds(true, now.us / HARDLY_PUSHED, after);
+        let turns = self.back <= -LEAST_COUNTS;
         (lasts && !turns, lasts && turns)
     }
 
@@ -437,7 +433,7 @@ impl Pushed {
         let still = (-1..=1).contains(&crept);
         self.crept = if still { crept } else { 0 };
         if !still {
-            (self.hardly, self.hardly_back) = (Debounce::NONE, 0);
+            self.hardly = Debounce::NONE;
         }
         self.stands.holds(still, us, after)
     }

@@ -283,6 +283,9 @@ fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Erro
             // `..4tick17h` and 16 digits, `E`.
             let path = name.get(..name.len().saturating_sub(20)).unwrap_or(name);
             path.rsplit(|c: char| c.is_ascii_digit()).next()
+        } else if name.starts_with("_R") {
+            // Of the compiler's own library, in the newer scheme: the path is in front.
+            name.rsplit(|c: char| c.is_ascii_digit()).next()
         } else if name.starts_with(".Lanon.") || name.starts_with(".Lswitch.table.") {
             // Constants and jump tables.
             Some("c")
