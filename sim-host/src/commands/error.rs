@@ -1,6 +1,6 @@
 //! Why a command failed.
 
-use sim_host::campaign::CampaignError;
+use sim_host::campaign::{CampaignError, GyroOfRobot};
 use sim_host::constants::ConstantsError;
 use sim_host::drive::FileError;
 use sim_host::figure::FigureError;
@@ -81,6 +81,8 @@ pub enum CommandError {
     Apart,
     #[error(transparent)]
     Campaign(#[from] CampaignError),
+    #[error("--gyro {0}")]
+    Gyro(#[from] GyroOfRobot),
     #[error(transparent)]
     Merge(#[from] MergeError),
     #[error("{0} is not for a part: give it to the whole, or draw a seed once and give it to all")]

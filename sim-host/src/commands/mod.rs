@@ -97,17 +97,12 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             log,
             part,
         } => {
-            // `--gyro` beside a robot is refused as usage.
-            let on = match robot {
-                Some(path) => Robots::Own {
-                    robot: Box::new(robot::load(path)?),
-                    path: path.clone(),
-                },
-                None if *gyro => Robots::BuiltInWithGyro,
-                None => Robots::BuiltIn,
+            let robot = match robot {
+                Some(path) => Some((robot::load(path)?, path.clone())),
+                None => None,
             };
             let campaign = Campaign {
-                on,
+                on: Robots::of(robot, *gyro)?,
                 runs: runs.get(),
                 seed: part::seed(seed, part)?,
                 only: only.clone(),
