@@ -32,6 +32,11 @@ impl<T: Scalar> WheelGeometry<T> {
             (Field::Track, self.track_m, 1.0e-2, 100.0),
         ]
     }
+
+    /// What both wheels push straight on with \[N\] that exert `torque_nm` each \[N m\]: τ/r_R + τ/r_L, Eq. (3).
+    pub fn force_n(&self, torque_nm: T) -> T {
+        torque_nm / self.radius_right_m + torque_nm / self.radius_left_m
+    }
 }
 
 /// An invertible linear map between a [`Wrench`] and [`WheelTorques`].

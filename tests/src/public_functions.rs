@@ -59,7 +59,7 @@ macro_rules! numbers {
                 share::<T>, Task::<T>::cast_with::<f32, Single>,
                 motor::Motor::<T>::params, motor::Motor::<T>::max_torque_nm, motor::Motor::<T>::no_load_speed_rad_s,
                 motor::Motor::<T>::short_current_a, motor::Motor::<T>::command, motor::MotorParams::<T>::validate, motor::MotorParams::<T>::rotor_at_wheel_kg_m2,
-                motor::DriverParams::<T>::validate, motor::DriverParams::<T>::motor, motor::Driver::<T>::motor, motor::Driver::<T>::speeds, motor::SpeedParams::<T>::validate, motor::SpeedOutput::<T>::params, motor::SpeedOutput::<T>::command,
+                motor::DriverParams::<T>::validate, motor::DriverParams::<T>::motor, motor::Driver::<T>::motor, motor::Driver::<T>::speeds, motor::SpeedParams::<T>::validate, motor::SpeedParams::<T>::way_to_push_m, WheelGeometry::<T>::force_n, motor::SpeedOutput::<T>::params, motor::SpeedOutput::<T>::command,
                 motor::Decay::<T>::time_constant_s, motor::Decay::<T>::distance, motor::electrical_brake::<T>, motor::coast::<T>,
                 safety::DetectorParams::<T>::validate, safety::DetectorParams::<T>::for_base, safety::SupplyDetectorParams::<T>::for_nominal, safety::ValidDetectorParams::<T>::params,
                 safety::Monitor::<T>::new, safety::Monitor::<T>::check, safety::Monitor::<T>::late_ticks,

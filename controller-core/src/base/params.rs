@@ -216,9 +216,7 @@ impl<T: Scalar> BaseParams<T> {
 
 /// After what time a wheel stands that a driver with its own speed loop is to turn at [`SLOW`] times the slowest speed that is watched.
 ///
-/// Such a driver integrates what its wheel lacks, so what it exerts on one that stands grows with the way that was commanded. A loop that settles as
-/// its lag T lets it (J/(4 T²) of torque per angle) overcomes a torque τ at each wheel after 4 T² · 2 τ/(m r), and after twice that where
-/// it has just pushed the other way.
+/// After twice the [way](SpeedParams::way_to_push_m) to what may hold it, for the driver may just have pushed the other way.
 fn own_loop_breaks_loose<T: Scalar>(
     speeds: &SpeedParams<T>,
     stuck: &StuckDetectorParams<T>,
@@ -230,9 +228,9 @@ fn own_loop_breaks_loose<T: Scalar>(
     };
     let wheels = &robot.wheels;
     let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
-    let stated = T::from_f64(2.0) * speeds.breakaway_nm / (robot.mass_kg * radius);
-    let holds = larger(stated, T::from_f64(FRICTION_SHARE * 9.81));
-    let way = T::from_f64(8.0) * speeds.lag_s * speeds.lag_s * holds;
+    // On each wheel is half of the weight.
+    let usual = T::from_f64(FRICTION_SHARE * 9.81) * T::HALF * robot.mass_kg * radius;
+    let way = T::from_f64(2.0) * speeds.way_to_push_m(larger(speeds.breakaway_nm, usual), robot);
     let speed = T::from_f64(SLOW) * stuck.speed_rad_s * radius;
     Timeout::AfterUs(larger_us(T::from_f64(1.0e6) * (way / speed), least))
 }

@@ -36,7 +36,7 @@ const MOST: f64 = 1.5;
 /// times, and what was stated a third too high, as friction is known, is no longer too much.
 const LESS: f64 = 0.1;
 /// Most that is taken off so, in the same: beyond half of it nothing but the goal's tolerance makes a base hunt.
-const LEAST: f64 = 0.5;
+const MOST_LESS: f64 = 0.5;
 /// Dry friction while turning over that at rest, of bearings and gears: currents to turn free and to start are as 2 to 3.
 const SLIDING: f64 = 2.0 / 3.0;
 
@@ -206,7 +206,7 @@ impl<T: Scalar> Wheel<T> {
                 let coulomb = now.motor.params().friction.coulomb_nm;
                 let less = if self.turned { f(LESS) } else { T::ZERO };
                 let left = smaller(self.gathered, T::ZERO) - less * coulomb;
-                self.gathered = larger(left, -f(LEAST) * coulomb);
+                self.gathered = larger(left, -f(MOST_LESS) * coulomb);
                 self.turned = false;
             }
             Heard::Freed => self.gathered = f(SLIDING) * self.gathered,

@@ -67,6 +67,6 @@ pub use saturation::share;
 pub use task::Task;
 
 pub(crate) use law::MotionLaw;
-pub(crate) use limits::COMMAND_SHARE;
+pub(crate) use params::reach;
 pub(crate) use retry::NEW_APPROACH;
 pub(crate) use task::Asked;

@@ -14,7 +14,7 @@ use crate::range::{check_ranges, larger, smaller};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Twist, Wrench};
-use crate::wheels::{WheelGeometry, WheelMap};
+use crate::wheels::WheelMap;
 
 /// A change of the pose error in one tick beyond what the robot can have moved: a jump of the
 /// localisation, or of the reference, that nobody declared.
@@ -162,22 +162,20 @@ impl<T: Scalar> MotionParams<T> {
 
 /// The largest force that the wheels exert \[N\].
 fn largest_force<T: Scalar>(params: &MotionParams<T>) -> T {
-    force_of(params.limits.wheel_torque_nm, &params.robot.wheels)
+    params.robot.wheels.force_n(params.limits.wheel_torque_nm)
 }
 
-/// What both wheels push with by a torque each, straight on \[N\].
-fn force_of<T: Scalar>(torque: T, wheels: &WheelGeometry<T>) -> T {
-    torque / wheels.radius_right_m + torque / wheels.radius_left_m
+/// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] that the wheels have to give to a command.
+pub(crate) fn reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> (T, T) {
+    let wheels = &robot.wheels;
+    let force = wheels.force_n(T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm);
+    let moment = T::HALF * wheels.track_m * force;
+    (force / robot.mass_kg, moment / robot.inertia_kg_m2)
 }
 
 /// The limits with no more acceleration than the wheels have to give to a command.
 fn within_reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> Limits<T> {
-    let force = force_of(
-        T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm,
-        &robot.wheels,
-    );
-    let linear = force / robot.mass_kg;
-    let angular = T::HALF * robot.wheels.track_m * force / robot.inertia_kg_m2;
+    let (linear, angular) = reach(robot, limits);
     // Parameters that are not checked yet: a reach that is not a number limits nothing.
     Limits {
         accel: smaller(linear, limits.accel),

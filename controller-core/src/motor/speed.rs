@@ -32,6 +32,7 @@
 
 use crate::error::{Field, Input, ParamError, Problem, StepFault};
 use crate::range::{check_ranges, clamp};
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Twist, WheelSpeeds};
 use crate::wheels::WheelMap;
@@ -111,6 +112,16 @@ impl<T: Scalar> SpeedParams<T> {
             start: T::from_f64(START) * slowest,
             stop: T::from_f64(1.0 - START) * slowest,
         })
+    }
+
+    /// Way of the rims that is commanded before the drivers push standing wheels with `torque_nm` each \[N m\]: 4 T_d² F/m \[m\], with
+    /// [F](crate::WheelGeometry::force_n) of both.
+    ///
+    /// A driver integrates what its wheel lacks, so what it exerts on one that stands grows with the way that was commanded: by m/(4 T_d²) of force
+    /// in a loop that settles as its lag lets it.
+    pub fn way_to_push_m(&self, torque_nm: T, robot: &Robot<T>) -> T {
+        let accel = robot.wheels.force_n(torque_nm) / robot.mass_kg;
+        T::from_f64(4.0) * self.lag_s * self.lag_s * accel
     }
 }
 

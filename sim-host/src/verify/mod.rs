@@ -21,7 +21,6 @@ use crate::mission::{BaseSpec, Drivers, Hardware};
 use crate::scenario::ScenarioError;
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::maths::Libm;
-use controller_core::motor::SpeedParams;
 use controller_core::wheels::WheelGeometry;
 use std::f64::consts::TAU;
 
@@ -93,18 +92,18 @@ fn noisy_poses(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Option<Strin
     })
 }
 
-/// A driver's own loop breaks a standing wheel loose only after a way, 4 T² · 2 τ/(m r), of which it then makes up much at once: twice of what is asked and
-/// more. Of 360 runs each 9 of the 1 kg base fail with 12 mm and 48 with 22, 5 of the 10 kg base with 13 mm and none with 9.
+/// A driver's own loop breaks a standing wheel loose only after a [way](controller_core::motor::SpeedParams::way_to_push_m), of which it then makes up much at once: twice of what
+/// is asked and more. Of 360 runs each 9 of the 1 kg base fail with 12 mm and 48 with 22, 5 of the 10 kg base with 13 mm and none with 9.
 fn soft_drivers(hardware: &Hardware, base: &BaseSpec) -> Option<String> {
-    let Drivers::SpeedLoops(SpeedParams { lag_s, .. }, _) = hardware.drivers else {
+    let Drivers::SpeedLoops(speeds, _) = &hardware.drivers else {
         return None;
     };
     let holds_nm = hardware.friction.static_nm;
-    let pushes_m_s2 = 2.0 * holds_nm / (base.robot.mass_kg * base.smaller_radius_m());
-    let way_m = 4.0 * lag_s * lag_s * pushes_m_s2;
+    let way_m = speeds.way_to_push_m(holds_nm, &base.robot);
     (way_m > 2.0 * DISTANCE_M).then(|| {
         format!(
-            "[speed_driver] lag_s = {lag_s}: so soft a loop breaks a wheel that {holds_nm} N m hold loose after {:.1} mm of its way",
+            "[speed_driver] lag_s = {}: so soft a loop breaks a wheel that {holds_nm} N m hold loose after {:.1} mm of its way",
+            speeds.lag_s,
             1e3 * way_m
         )
     })

@@ -158,7 +158,5 @@ fn solve<T: Scalar, M: Maths<T>>(base: &Params<T>, spec: &DesignSpec<T>) -> Resu
 }
 
 fn largest_force<T: Scalar>(base: &Params<T>) -> Option<T> {
-    let limit = base.max_wheel_torque_nm?;
-    let wheels = &base.robot.wheels;
-    Some(limit / wheels.radius_right_m + limit / wheels.radius_left_m)
+    Some(base.robot.wheels.force_n(base.max_wheel_torque_nm?))
 }

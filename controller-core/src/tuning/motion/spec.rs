@@ -4,7 +4,7 @@ use super::loops::{lateral_start, longitudinal_start};
 use super::margins;
 use crate::maths::Maths;
 use crate::motion::{
-    COMMAND_SHARE, MotionGains, MotionParams, NOISE_HEADING_RAD, lateral_pair, turning_limits,
+    MotionGains, MotionParams, NOISE_HEADING_RAD, lateral_pair, reach, turning_limits,
 };
 use crate::range::smaller;
 use crate::scalar::Scalar;
@@ -94,7 +94,7 @@ pub fn gains<T: Scalar, M: Maths<T>>(
     let a = base.gains.decay;
     let damping = spec.damping;
     let limits = &base.limits;
-    let (accel, turn_accel) = reach(base);
+    let (accel, turn_accel) = reach(&base.robot, limits);
     let brake = smaller(limits.accel, limits.brake);
     let fastest = f(1.2) * M::sqrt(smaller(accel, brake) / f(0.6));
 
@@ -214,13 +214,4 @@ fn survive_delays<T: Scalar, M: Maths<T>>(
         }
     }
     Ok(())
-}
-
-/// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] that the wheels have to give to a command.
-fn reach<T: Scalar>(base: &MotionParams<T>) -> (T, T) {
-    let (robot, wheels) = (&base.robot, &base.robot.wheels);
-    let torque = T::from_f64(COMMAND_SHARE) * base.limits.wheel_torque_nm;
-    let force = torque / wheels.radius_right_m + torque / wheels.radius_left_m;
-    let moment = T::HALF * wheels.track_m * force;
-    (force / robot.mass_kg, moment / robot.inertia_kg_m2)
 }
