@@ -279,19 +279,19 @@ fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Erro
     let mut shorts = Vec::new();
     let symbols = run(tools.run("llvm-nm").arg("--just-symbol-name").arg(object))?;
     for name in symbols.lines() {
-        let last = if name.starts_with("_ZN") {
+        let path = if name.starts_with("_ZN") {
             // `..4tick17h` and 16 digits, `E`.
-            let path = name.get(..name.len().saturating_sub(20)).unwrap_or(name);
-            path.rsplit(|c: char| c.is_ascii_digit()).next()
+            name.get(..name.len().saturating_sub(20)).unwrap_or(name)
         } else if name.starts_with("_R") {
             // Of the compiler's own library, in the newer scheme: the path is in front.
-            name.rsplit(|c: char| c.is_ascii_digit()).next()
+            name
         } else if name.starts_with(".Lanon.") || name.starts_with(".Lswitch.table.") {
             // Constants and jump tables.
-            Some("c")
+            "c"
         } else {
             continue;
         };
+        let last = path.rsplit(|c: char| c.is_ascii_digit()).next();
         let short = format!("{}.{}", last.unwrap_or_default(), shorts.len());
         arguments.push(format!("--redefine-sym={name}={short}"));
         shorts.push((name, short));
