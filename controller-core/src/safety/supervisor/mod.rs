@@ -8,6 +8,8 @@
 //!   without torque.
 //! * Out of Fault leads nothing but a reset, and it leads to Idle; nothing moves by a reset or by arming.
 //! * No fault leads to a milder output than is in force: release, then brake, then controlled stop.
+//! * What was braked or released stays so until the base is armed or reset: on a slope nothing that was stopped in haste rolls away.
+//!   An emergency stop brakes what is at rest as well, for it may be rolling, but not what a reaction released.
 //!
 //! A driver without an electrical brake does for [`OutputMode::Brake`] what it can, which is to release. A
 //! host whose stop is to let go at once sends `Event::Fault(Response::passing(Reaction::Release))`.

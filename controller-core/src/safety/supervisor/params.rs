@@ -10,14 +10,14 @@ use crate::safety::detector_params::{Timeout, time, whole};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Emergency {
-    /// Short the motors until at rest.
+    /// Short the motors until a reset.
     #[default]
     Brake,
     /// Let go.
     Release,
 }
 
-/// What the wheels do in Idle, Stopped and Fault.
+/// What the wheels do in Idle, Stopped and Fault, where no reaction braked or released them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -25,7 +25,7 @@ pub enum IdleOutput {
     /// Free: the base can be pushed by hand, and rolls on a slope.
     #[default]
     Release,
-    /// Shorted: on a slope the base creeps instead of rolling. After a reaction that released, released.
+    /// Shorted: on a slope the base creeps instead of rolling.
     Brake,
 }
 
@@ -48,7 +48,7 @@ pub struct SupervisorParams {
     /// Longest controlled stop; then the wheels are braked. At least what
     /// [`crate::safety::controlled_stop`] gives for the top speed.
     pub stop_limit: Timeout,
-    /// Longest electrical braking; then it ends as if the base stood. With `Off` a braking after
+    /// Longest electrical braking; then it ends as if the base stood, with the motors still shorted. With `Off` a braking after
     /// a fault that broke the measurement ends by an emergency stop that releases only.
     pub brake_limit: Timeout,
     /// When a stop has come to its end.
@@ -57,7 +57,7 @@ pub struct SupervisorParams {
     pub emergency: Emergency,
     /// What the wheels do while parked.
     pub parked: AtRest,
-    /// What they do in Idle, Stopped and Fault.
+    /// What they do in Idle, Stopped and Fault, unless they were braked or released: that lasts until the base is armed or reset.
     pub idle_output: IdleOutput,
 }
 

@@ -205,11 +205,10 @@ impl Supervisor {
             State::Stopping(_) => OutputMode::ControlledStop,
             State::Braking(_) => OutputMode::Brake,
             State::Idle | State::Stopped | State::Fault => {
-                match (self.params.idle_output, self.worst) {
-                    (IdleOutput::Release, _) | (IdleOutput::Brake, Reaction::Release) => {
-                        OutputMode::Release
-                    }
-                    (IdleOutput::Brake, _) => OutputMode::Brake,
+                match (self.worst, self.params.idle_output) {
+                    (Reaction::Release, _) => OutputMode::Release,
+                    (Reaction::Brake, _) | (_, IdleOutput::Brake) => OutputMode::Brake,
+                    (_, IdleOutput::Release) => OutputMode::Release,
                 }
             }
         }
@@ -248,9 +247,13 @@ impl Supervisor {
     }
 
     fn apply(&mut self, event: Event, cause: Cause) -> Action {
-        let event = not_milder(event, self.output().severity());
+        let event = not_milder(event, self.output().severity(), self.worst);
         let (state, action) = next(self.state, event);
-        let reaction = demanded(event);
+        let reaction = match action {
+            // A controlled stop that does not end demands it too.
+            Action::Brake => Reaction::Brake,
+            _ => demanded(event),
+        };
         if reaction > self.worst {
             self.worst = reaction;
         }
@@ -288,15 +291,17 @@ const fn demanded(event: Event) -> Reaction {
 }
 
 /// The event, but with the severity of what is in force where it demands something milder: what was
-/// released, such as a parked base, is not braked by a fault.
-fn not_milder(event: Event, force: Reaction) -> Event {
+/// released, such as a parked base, is not braked by a fault. The button brakes it, unless the worst reaction released it.
+fn not_milder(event: Event, force: Reaction, worst: Reaction) -> Event {
     let milder = demanded(event) > Reaction::Ignore && demanded(event) < force;
     match event {
         Event::Fault(Response { latch, .. }) if milder => Event::Fault(Response {
             reaction: force,
             latch,
         }),
-        Event::EmergencyStop { .. } if milder => Event::EmergencyStop { brake: false },
+        Event::EmergencyStop { .. } if worst == Reaction::Release => {
+            Event::EmergencyStop { brake: false }
+        }
         other => other,
     }
 }

@@ -76,10 +76,11 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
             S::Stopping(_) | S::Braking(_),
             E::TrajectoryEnded | E::Reached | E::GoalUnreachable | E::Stop | E::LinkLost,
         ) => (state, A::Continue),
-        (S::Stopping(then) | S::Braking(then), E::Halted) => (then.state(), A::Release),
+        (S::Stopping(then), E::Halted) => (then.state(), A::Release),
         // A controlled stop that does not end is none.
         (S::Stopping(then), E::StopTimedOut) => (S::Braking(then), A::Brake),
-        (S::Braking(then), E::StopTimedOut) => (then.state(), A::Release),
+        // On a slope shorted motors only creep: they stay so.
+        (S::Braking(then), E::Halted | E::StopTimedOut) => (then.state(), A::Brake),
 
         (S::Stopped, E::Arm) => (S::Armed, A::Enable),
         (S::Stopped, E::Track | E::Park | E::Drive | E::Reset) => (S::Stopped, A::Refuse),
@@ -87,13 +88,13 @@ pub const fn next(state: State, event: Event) -> (State, Action) {
             (S::Stopped, A::Continue)
         }
         (S::Stopped, E::Halted | E::StopTimedOut) => (S::Stopped, A::Continue),
-        // Ordered again: a stop is never too much.
-        (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, A::Release),
+        // Ordered again: a stop is never too much, nor does it let go.
+        (S::Stopped, E::Stop | E::LinkLost) => (S::Stopped, A::Continue),
 
         (S::Fault, E::Arm | E::Track | E::Park | E::Drive) => (S::Fault, A::Refuse),
         (S::Fault, E::TrajectoryEnded | E::Reached | E::GoalUnreachable) => (S::Fault, A::Continue),
         (S::Fault, E::Halted | E::StopTimedOut) => (S::Fault, A::Continue),
-        (S::Fault, E::Stop | E::LinkLost) => (S::Fault, A::Release),
+        (S::Fault, E::Stop | E::LinkLost) => (S::Fault, A::Continue),
         (S::Fault, E::Reset) => (S::Idle, A::Release),
     }
 }
@@ -124,8 +125,8 @@ const fn fault(state: State, response: Response) -> (State, Action) {
         (R::Brake, S::Armed | S::Parked | S::Tracking | S::Parking | S::Stopping(_)) => {
             (S::Braking(then), A::Brake)
         }
-        // No torque already, and never a milder output than there is.
-        (R::Brake, S::Idle | S::Stopped | S::Fault) => (then.state(), A::Release),
+        // What stands may be rolling as well. What was released is not braked: the supervisor asks for a release then.
+        (R::Brake, S::Idle | S::Stopped | S::Fault) => (then.state(), A::Brake),
 
         (
             R::Release,

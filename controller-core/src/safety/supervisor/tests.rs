@@ -14,17 +14,17 @@ mod run;
 /// Arm Track Park Drive | trajectory ended, reached, goal unreachable | halted, timed out | stop, link lost |
 /// emergency brake, release | ignored | controlled | brake | release, each passing and latched | reset
 const TABLE: [&str; 11] = [
-    "Ae I! I! I! I. I. I. I. I. Sr I. Xr Xr I. I. Sr Xr Sr Xr Sr Xr I!",
+    "Ae I! I! I! I. I. I. I. I. Sr I. Xb Xr I. I. Sr Xr Sb Xb Sr Xr I!",
     "A. Tt Pp Tt A. A. A. A. A. Sr Sr Bb Xr A. A. Sr Xr bb Bb Sr Xr A!",
     "T! T. Pp T. Pl T. cc T. T. cc cc Bb Xr T. T. cc Cc bb Bb Sr Xr T!",
     "P! P! Pp Tt P. Dr cc P. P. cc cc Bb Xr P. P. cc Cc bb Bb Sr Xr P!",
     "Ae Tt Pp Tt D. D. D. D. D. Sr Sr Bb Xr D. D. Sr Xr bb Bb Sr Xr D!",
     "c! c! c! c! c. c. c. Sr bb c. c. Bb Xr c. c. c. C. bb Bb Sr Xr c!",
     "C! C! C! C! C. C. C. Xr Bb C. C. Bb Xr C. C. C. C. Bb Bb Xr Xr C!",
-    "b! b! b! b! b. b. b. Sr Sr b. b. B. Xr b. b. b. B. b. B. Sr Xr b!",
-    "B! B! B! B! B. B. B. Xr Xr B. B. B. Xr B. B. B. B. B. B. Xr Xr B!",
-    "Ae S! S! S! S. S. S. S. S. Sr Sr Xr Xr S. S. Sr Xr Sr Xr Sr Xr S!",
-    "X! X! X! X! X. X. X. X. X. Xr Xr Xr Xr X. X. Xr Xr Xr Xr Xr Xr Ir",
+    "b! b! b! b! b. b. b. Sb Sb b. b. B. Xr b. b. b. B. b. B. Sr Xr b!",
+    "B! B! B! B! B. B. B. Xb Xb B. B. B. Xr B. B. B. B. B. B. Xr Xr B!",
+    "Ae S! S! S! S. S. S. S. S. S. S. Xb Xr S. S. Sr Xr Sb Xb Sr Xr S!",
+    "X! X! X! X! X. X. X. X. X. X. X. Xb Xr X. X. Xr Xr Xb Xb Xr Xr Ir",
 ];
 
 fn letters(state: State, action: Action) -> [u8; 2] {
@@ -138,12 +138,12 @@ fn emergency_stop_brake_and_release_end_torque_at_once() {
     }
 }
 
-/// No fault and no button ever makes the output milder, whatever is set up.
+/// No fault ever makes the output milder, whatever is set up.
 #[test]
 fn faults_never_make_the_output_milder() {
     for setup in setups() {
         for (state, event) in pairs() {
-            if !matches!(event, Event::Fault(_) | Event::EmergencyStop { .. }) {
+            if !matches!(event, Event::Fault(_)) {
                 continue;
             }
             let mut supervisor = supervisor_in(state, setup);
@@ -151,6 +151,61 @@ fn faults_never_make_the_output_milder() {
             supervisor.on(event);
             let after = supervisor.output().severity();
             assert!(after >= before, "{event:?} in {state:?} with {setup:?}");
+        }
+    }
+}
+
+/// What was braked stays braked, at rest, after the brake's limit, and whatever is found or ordered, until a reset or, where nothing latched, until it is
+/// armed; what was released stays so too, and the button does not brake it.
+#[test]
+fn what_was_braked_or_released_stays_so() {
+    let outputs = [
+        (Reaction::Brake, OutputMode::Brake),
+        (Reaction::Release, OutputMode::Release),
+    ];
+    for setup in setups() {
+        for ((state, (reaction, output)), latch) in State::ALL
+            .into_iter()
+            .flat_map(|state| outputs.map(|what| (state, what)))
+            .flat_map(|case| [(case, false), (case, true)])
+        {
+            for rests in [false, true] {
+                let mut supervisor = supervisor_in(state, setup);
+                let releases = supervisor.output() == OutputMode::Release;
+                if reaction == Reaction::Brake && latch {
+                    supervisor.on(Event::EmergencyStop { brake: true });
+                } else {
+                    supervisor.on(Event::Fault(Response { reaction, latch }));
+                }
+                // A fault does not brake what stands released, the button does; the way to Fault was a release.
+                let released = state == State::Fault || (releases && !latch);
+                let output = if released {
+                    OutputMode::Release
+                } else {
+                    output
+                };
+                for _ in 0..2_000 {
+                    supervisor.tick(10_000, rests);
+                    assert_eq!(supervisor.output(), output, "{state:?} {reaction:?}");
+                }
+                for event in [Event::Stop, Event::LinkLost, Event::Halted, Event::Track] {
+                    supervisor.on(event);
+                }
+                supervisor.on(Event::Fault(Response::passing(Reaction::ControlledStop)));
+                assert_eq!(supervisor.output(), output, "{state:?} {reaction:?}");
+                if output == OutputMode::Release {
+                    supervisor.on(Event::EmergencyStop { brake: true });
+                    assert_eq!(supervisor.output(), output, "{state:?} {reaction:?}");
+                }
+                let again = match supervisor.state() {
+                    State::Fault => Event::Reset,
+                    _ => Event::Arm,
+                };
+                supervisor.on(again);
+                supervisor.on(Event::Stop);
+                let idle = supervisor_in(State::Idle, setup).output();
+                assert_eq!(supervisor.output(), idle, "{state:?} {reaction:?}");
+            }
         }
     }
 }

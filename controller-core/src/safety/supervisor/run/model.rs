@@ -7,7 +7,7 @@ use super::{Cause, Supervisor};
 use crate::hal::ErrorKind;
 use crate::motion::AtRest;
 use crate::safety::supervisor::{
-    Action, Emergency, Event, IdleOutput, RestLimits, State, SupervisorParams, Then,
+    Action, Emergency, Event, IdleOutput, OutputMode, RestLimits, State, SupervisorParams, Then,
 };
 use crate::safety::{
     ActiveFaults, Fault, PolicyParams, Reaction, Response, Side, Timeout, ValidPolicyParams,
@@ -130,9 +130,18 @@ fn obeys(
         "{}",
         context()
     );
-    // The button takes torque away in one step, from anywhere, and what was released stays so.
-    if matches!(step, Step::Button | Step::On(Event::EmergencyStop { .. })) {
-        assert!(next.severity() >= Reaction::Brake, "{}", context());
+    // The button takes torque away in one step, from anywhere, and what a reaction released stays so; what only stands is braked.
+    if let Step::Button | Step::On(Event::EmergencyStop { .. }) = step {
+        let brake = match step {
+            Step::On(Event::EmergencyStop { brake }) => *brake,
+            _ => before.params.emergency == Emergency::Brake,
+        };
+        let expected = if brake && before.worst < Reaction::Release {
+            OutputMode::Brake
+        } else {
+            OutputMode::Release
+        };
+        assert_eq!(next, expected, "{}", context());
         assert!(
             matches!(to, State::Fault | State::Braking(Then::Fault)),
             "{}",
@@ -158,11 +167,14 @@ fn obeys(
         );
         assert!(!latches || ends_in_fault, "{}", context());
     }
-    if matches!(
-        step,
-        Step::Found(_) | Step::Button | Step::On(Event::Fault(_))
-    ) {
+    if matches!(step, Step::Found(_) | Step::On(Event::Fault(_))) {
         assert!(next.severity() >= output.severity(), "{}", context());
+    }
+    // What was braked or released stays so until it is armed or reset.
+    let lets_go = matches!(step, Step::On(Event::Arm | Event::Reset)) && action != Action::Refuse;
+    if before.worst >= Reaction::Brake && !lets_go {
+        assert!(after.worst >= before.worst, "{}", context());
+        assert!(next.severity() >= before.worst, "{}", context());
     }
     // What latched stays until a reset, and a base that is to end in Fault ends there.
     let bound_for_fault = |state| {

@@ -33,16 +33,17 @@ fn stops_are_bounded_in_time() {
     let mut braked = 0;
     for k in 1..=1000 {
         if supervisor.tick(10_000, false) == Action::Brake {
-            assert_eq!(k, 500);
+            assert!(k == 500 || k == 1000, "{k}");
             braked += 1;
         }
     }
-    assert_eq!((supervisor.state(), braked), (State::Stopped, 1));
+    assert_eq!((supervisor.state(), braked), (State::Stopped, 2));
     // A single endless tick is no way around it.
     let mut supervisor = supervisor_in(State::Tracking, SupervisorParams::DEFAULT);
     supervisor.on(Event::Stop);
     assert_eq!(supervisor.tick(u32::MAX, false), Action::Brake);
-    assert_eq!(supervisor.tick(u32::MAX, false), Action::Release);
+    assert_eq!(supervisor.tick(u32::MAX, false), Action::Brake);
+    assert_eq!(supervisor.state(), State::Stopped);
 }
 
 /// A milder fault during a stop latches it without giving it more time.
@@ -219,8 +220,9 @@ fn rest_is_not_believed_from_a_broken_measurement() {
         assert_eq!(supervisor.tick(10_000, true), Action::Continue);
         assert_eq!(supervisor.output(), OutputMode::Brake);
     }
-    assert_eq!(supervisor.tick(10_000, true), Action::Release);
+    assert_eq!(supervisor.tick(10_000, true), Action::Brake);
     assert_eq!(supervisor.state(), State::Fault);
+    assert_eq!(supervisor.output(), OutputMode::Brake);
 }
 
 /// Rest is slower than both limits, whichever way; parameters for what is to come change it, and neither state nor cause; changes of
