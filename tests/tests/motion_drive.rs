@@ -323,10 +323,21 @@ fn orders_are_refused_typed_and_limited_orders_said() {
             assert_eq!(refused, Err(StepFault::Overflow));
             let (right, left) = (linear, angular);
             let noted = robot.controller.note_applied(&WheelTorques { right, left });
-            assert_eq!(noted, Err(StepFault::Overflow));
+            assert_eq!(noted, Err(StepFault::OutOfRange(Input::Applied)));
             assert_eq!(robot.controller, before);
         }
     }
+    // Nor has a wheel more than ten times what the robot's have, in whatever unit it is told.
+    let ten = 10.0 * robot.controller.motion().params().limits.wheel_torque_nm;
+    for (right, left) in [(1.001 * ten, 0.0), (0.0, -1.001 * ten)] {
+        let noted = robot.controller.note_applied(&WheelTorques { right, left });
+        assert_eq!(noted, Err(StepFault::OutOfRange(Input::Applied)));
+        assert_eq!(robot.controller, before);
+    }
+    let mut noting = robot.controller;
+    let (right, left) = (ten, -ten);
+    let noted = noting.note_applied(&WheelTorques { right, left });
+    assert_eq!(noted, Ok(()));
     // Alone each goes to its limit; both together to what turns no wheel faster than 2.5 m/s at its rim, along the same arc.
     for ((v, w), (to, turn)) in [
         ((100.0, 0.0), (2.5, 0.0)),

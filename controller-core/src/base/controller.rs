@@ -207,7 +207,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             },
             pose_age_us: located.fix_age_us,
             command_age_us: self.host.order_age_us(),
-            pose_jumped: located.jumped,
+            pose_jumped: located.poses_jumped,
             driver: sensed.driver.err(),
             supply_v: sensed.supply_v,
             currents: sensed.currents,
@@ -425,7 +425,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         self.supervisor.on(event)
     }
 
-    /// The button. What it returns is to reach the wheels at once; the ticks that follow say the same.
+    /// The button. What it returns is to reach the wheels at once; the ticks that follow say the same until a reset.
     pub fn emergency_stop(&mut self) -> WheelAction<T> {
         self.supervisor.emergency_stop();
         self.cut()
@@ -471,7 +471,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         }
     }
 
-    /// Puts the base elsewhere on the map. Command and torque go on without a step.
+    /// Puts the base elsewhere on the map. Command and torque go on without a step, and no [`Fault::PoseJump`] comes of it.
     ///
     /// # Errors
     /// A pose that is not finite; nothing has changed then.
@@ -519,7 +519,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// commanded: for the estimates of speed and disturbance.
     ///
     /// # Errors
-    /// A torque that is not finite, or as large as no wheel's; nothing is noted then.
+    /// A torque that is not finite, or above ten times [`Limits::wheel_torque_nm`](crate::motion::Limits); nothing is noted then.
     pub fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<(), StepFault> {
         if self.report.motion.is_some() {
             self.driving.note_exerted(&self.base.motion, torques)?;

@@ -41,7 +41,10 @@ pub(super) struct Located {
     /// How long the base has been without poses, and without a gyro that carries it instead \[µs\]; 0 without a localisation
     /// that could be stale.
     pub(super) fix_age_us: u32,
+    /// The pose is elsewhere than the base has driven.
     pub(super) jumped: bool,
+    /// Poses said so, and not who set it.
+    pub(super) poses_jumped: bool,
 }
 
 impl Located {
@@ -49,6 +52,7 @@ impl Located {
     const NOT: Self = Self {
         fix_age_us: 0,
         jumped: false,
+        poses_jumped: false,
     };
 }
 
@@ -180,9 +184,9 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         &mut self,
         localisation: &ValidLocaliserParams<T>,
         report: &mut BaseReport<T>,
-        jumped: bool,
+        poses_jumped: bool,
     ) -> Located {
-        let jumped = jumped || self.set;
+        let jumped = poses_jumped || self.set;
         self.set = false;
         let Some(localiser) = &self.localiser else {
             report.curvature_bias = T::ZERO;
@@ -191,6 +195,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
             return Located {
                 fix_age_us: 0,
                 jumped,
+                poses_jumped,
             };
         };
         report.curvature_bias = localiser.curvature_bias();
@@ -204,6 +209,7 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
                 0
             },
             jumped,
+            poses_jumped,
         }
     }
 }
@@ -474,7 +480,8 @@ mod tests {
         } = &mut bench;
         locator.set_pose(localisation, ELSEWHERE);
         let twist = bench.measured().twist;
-        assert!(bench.tick(COUNTS, false, None).jumped);
+        let located = bench.tick(COUNTS, false, None);
+        assert!(located.jumped && !located.poses_jumped);
         assert!(bench.is_at(ELSEWHERE.x + DT * twist.linear, ELSEWHERE.y));
         assert_eq!(bench.measured().twist, twist);
         assert!(!bench.tick(COUNTS, true, None).jumped);

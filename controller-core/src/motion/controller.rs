@@ -129,7 +129,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// asks for: a motor layer or a supervisor limited it. The disturbance estimate needs it.
     ///
     /// # Errors
-    /// A torque that is not finite, or as large as no wheel's (10⁹ N or N m of both); nothing is noted then.
+    /// A torque that is not finite, or above ten times [`Limits::wheel_torque_nm`](super::Limits); nothing is noted then.
     pub fn note_applied(&mut self, applied: &WheelTorques<T>) -> Result<(), StepFault> {
         self.law.note_applied(&self.motion, applied)
     }

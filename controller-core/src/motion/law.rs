@@ -31,6 +31,11 @@ use core::marker::PhantomData;
 /// the parameters are: such a tick is not refused after it has changed a manoeuvre, which so need not be kept to be brought back.
 const REACH: f64 = 1.0e9;
 
+/// Largest torque of a wheel that is noted, in limits of the parameters. A driver exerts less than it is asked for, or, while it brakes wheels that are
+/// turned faster than its supply turns them, what its current limit allows: a few times the limit. Torques in another unit, N cm or N mm, are
+/// beyond it from a tenth of the limit on: believed, they would be taken for accelerations that are not there, and the base would run away.
+const MOST_EXERTED: f64 = 10.0;
+
 /// What the law remembers from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MotionLaw<T, M, U> {
@@ -400,18 +405,20 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
     /// [`MotionController::note_applied`](super::MotionController::note_applied).
     ///
     /// # Errors
-    /// A torque that is not finite, or as large as no wheel's; nothing is noted then.
+    /// A torque that is not finite, or above [`MOST_EXERTED`]; nothing is noted then.
     pub(crate) fn note_applied(
         &mut self,
         motion: &ValidMotionParams<T>,
         applied: &WheelTorques<T>,
     ) -> Result<(), StepFault> {
         let exerted = motion.wheels.wrench(applied);
-        if exerted.force.abs() + exerted.moment.abs() < T::from_f64(REACH) {
+        let most = T::from_f64(MOST_EXERTED) * motion.params().limits.wheel_torque_nm;
+        let is_a_wheels = applied.right.abs() <= most && applied.left.abs() <= most;
+        if is_a_wheels && exerted.force.abs() + exerted.moment.abs() < T::from_f64(REACH) {
             self.exerted = Some(exerted);
             Ok(())
         } else if applied.right.is_finite() && applied.left.is_finite() {
-            Err(StepFault::Overflow)
+            Err(StepFault::OutOfRange(Input::Applied))
         } else {
             Err(StepFault::NotFinite(Input::Applied))
         }
