@@ -740,6 +740,24 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
     }
 }
 
+/// Numbers that no file states are not written in silence.
+#[test]
+fn constants_of_a_robot_without_hardware_say_what_they_assume() {
+    let here = directory();
+    let text_of_file = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml"));
+    let base = text_of_file.expect("a base");
+    let end = base.find("[motor]").expect("motors");
+    fs::write(here.path().join("bare.toml"), &base[..end]).expect("written");
+    let output = sim_host(here.path(), &["constants", "bare.toml", "--c"]);
+    assert!(output.status.success());
+    assert_eq!(
+        text(&output.stderr),
+        "warning: 1 kg hobby base: states no hardware: encoders of 4096 counts a turn, a tick of 10 ms, no poses and drivers of torques are assumed\n"
+    );
+    let header = fs::read_to_string(here.path().join("out/bare.h")).expect("a header");
+    assert!(header.contains("_COUNTS_PER_TURN 4096.0f\n"), "{header}");
+}
+
 /// Encoders alone bring no base to where `verify` asks it to be and `tune` wants it: that is said before anything runs.
 #[test]
 fn a_robot_without_poses_is_neither_tuned_nor_verified() {

@@ -11,3 +11,4 @@ mod metrics;
 mod motion;
 mod plant;
 mod plant_hal;
+mod slopes;

@@ -47,7 +47,17 @@ pub fn params(base: &BaseSpec, period_us: u32) -> Result<BaseParams<f32>, ParamE
         params.detectors.supply = SupplyDetectorParams::for_nominal(volts);
     }
     params.policy = base.policy;
+    params.supervisor.idle_output = base.idle_output;
     Ok(params)
+}
+
+/// What [`params`] assume of a base whose file has no hardware, for people.
+pub fn assumed(base: &BaseSpec) -> Option<String> {
+    let (counts, _) = PLAIN_ENCODER;
+    let period_ms = 1e3 * base.period_s();
+    base.hardware.is_none().then(|| {
+        format!("states no hardware: encoders of {counts} counts a turn, a tick of {period_ms} ms, no poses and drivers of torques are assumed")
+    })
 }
 
 fn plain_localiser(wheels: WheelGeometry<f32>) -> LocaliserParams<f32> {

@@ -16,6 +16,6 @@ mod mirror;
 pub use board::Board;
 pub use by_orders::{ClosedLoop, ClosedLoopError};
 pub(crate) use convert::order;
-pub use convert::params;
+pub use convert::{assumed, params};
 pub use hal::PlantHal;
 pub use mirror::{LineMirror, Mirror, MirrorError};

@@ -2,14 +2,18 @@
 
 use super::error::CommandError;
 use super::robot::load;
-use super::say;
 use super::write::Writer;
+use super::{say, tell};
 use crate::cli::Output;
 use crate::robot_args::ConstantsArgs;
+use sim_host::closed_loop::assumed;
 use sim_host::constants::{c_header, module_name, rust};
 
 pub fn write(arguments: &ConstantsArgs, output: &Output) -> Result<(), CommandError> {
     let robot = load(&arguments.robot)?;
+    if let Some(assumed) = assumed(&robot.base) {
+        tell(&format!("warning: {}: {assumed}\n", robot.base.name));
+    }
     let (text, extension) = if arguments.c {
         (c_header(&robot.file, &robot.name, &robot.base), "h")
     } else {

@@ -7,6 +7,7 @@ use controller_core::maths::Libm;
 use controller_core::motion::{Limits, MotionGains, MotionParams, REFERENCE_TURN_SHARE};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
+use controller_core::safety::supervisor::IdleOutput;
 
 /// A base: what it is, and what it can do.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +24,8 @@ pub struct BaseSpec {
     pub hardware: Option<Hardware>,
     /// Reaction to each kind of fault.
     pub policy: PolicyParams,
+    /// What the wheels do while nothing is ordered.
+    pub idle_output: IdleOutput,
     /// What its owner should change in its file: names that are read for the last time.
     pub notes: Vec<String>,
 }
@@ -38,6 +41,7 @@ impl Default for BaseSpec {
             gains: None,
             hardware: None,
             policy: PolicyParams::DEFAULT,
+            idle_output: IdleOutput::Release,
             notes: Vec::new(),
         }
     }

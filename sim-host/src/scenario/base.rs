@@ -13,6 +13,7 @@ use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, SaturationPolicy};
 use controller_core::robot::Robot;
 use controller_core::safety::PolicyParams;
+use controller_core::safety::supervisor::IdleOutput;
 use controller_core::types::Pose;
 use controller_core::wheels::WheelGeometry;
 use serde::Deserialize;
@@ -37,6 +38,15 @@ struct File {
     gains: GainKeys,
     #[serde(default)]
     policy: PolicyParams,
+    #[serde(default)]
+    stops: StopKeys,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StopKeys {
+    #[serde(default)]
+    idle_output: IdleOutput,
 }
 
 /// All keys are needed: a robot that is half somebody else's is nobody's.
@@ -123,6 +133,7 @@ impl BaseSpec {
             return Err(place.error(&format!("policy.{}", error.kind.name()), error));
         }
         base.policy = keys.policy;
+        base.idle_output = keys.stops.idle_output;
         base.notes = renamed::notes(file, text);
         Ok(base)
     }
