@@ -60,7 +60,7 @@ const QUIET: f64 = 1e-6;
 const SIDES: usize = 16;
 
 /// The quickest motion near the one given, from its first pose to its last; `rest` says whether
-/// first and last stand. `None` if none was found.
+/// first and last stand, and else they are as fast as they are. `None` if none was found.
 pub(super) fn quickest(
     mut stages: Vec<Stage>,
     limits: &ReferenceLimits,
@@ -263,8 +263,12 @@ impl Linearised {
             if let Some(stage) = stage {
                 for i in 0..7 {
                     let middle = stage.middle.get(i);
-                    wanted[i] = middle.copied().unwrap_or_default() - stage.z[i];
-                    weight[i] = if i < 3 || rests { ENDS } else { 0.0 };
+                    (wanted[i], weight[i]) = match middle {
+                        Some(middle) => (middle - stage.z[i], ENDS),
+                        None if rests => (-stage.z[i], ENDS),
+                        None if i < A => (0.0, ENDS),
+                        None => (0.0, 0.0),
+                    };
                 }
             }
             (wanted, weight)

@@ -3,6 +3,7 @@
 use super::limits::{Bound, LimitError, Loads, ReferenceLimits};
 use super::time_optimal::{JerkRow, Problem, Row, Spline, dot};
 use super::time_warp::{Tick, TimeWarp};
+use super::trajectory::is_rest;
 use super::{Closeness, Sample, Trajectory};
 use std::fmt;
 
@@ -69,7 +70,7 @@ impl Trajectory {
     /// The same path, run more slowly where `limits` would be exceeded, and what was scaled.
     ///
     /// Within the limits nothing changes, with [`Pace::Own`]. Elsewhere it is the fastest law of
-    /// time that keeps them (`time_optimal`); it ends as it began, at rest if the file does.
+    /// time that keeps them (`time_optimal`); it begins and ends at rest if the file does, else no faster than the file.
     ///
     /// # Errors
     /// A limit that is not positive.
@@ -105,12 +106,19 @@ impl Trajectory {
         most: &dyn Fn(f64) -> f64,
         pace: Pace,
     ) -> (Self, f64) {
+        // A robot does not begin faster than it is said to, nor does it have to stop from more.
+        let moves = [0.0, self.path_duration()].map(|s| (s, self.at(s)));
+        let moves = moves.map(|(s, end)| (s, !is_rest(end.v, end.w)));
+        let most = |s: f64| {
+            let kept = moves.iter().any(|(end, moves)| *moves && s == *end);
+            if kept { most(s).min(1.0) } else { most(s) }
+        };
         let mut search = Search {
             spline: self.first_knots(),
             tight: Vec::new(),
             plain: self,
             limits,
-            most,
+            most: &most,
             pace,
         };
         let mut c = search.problem().slow();

@@ -49,6 +49,15 @@ pub struct Trajectory {
 
 /// Speed \[m/s\] and turn rate \[rad/s\] below which a file means rest.
 const REST: [f64; 2] = [1e-3, 1e-2];
+
+/// Poses that stay for so long where they are, but for [`REST`], mean rest where no speed says what is meant \[s\].
+const STAND_S: f64 = 0.1;
+
+/// Whether a speed \[m/s\] and a turn rate \[rad/s\] mean rest.
+pub(super) fn is_rest(v: f64, w: f64) -> bool {
+    v.abs() < REST[0] && w.abs() < REST[1]
+}
+
 /// A path that is fitted creeps by less than this about a stand \[m\].
 const CREEP: f64 = 1e-3;
 /// Implied angular accelerations from here on are reported when they are smoothed \[rad/s²\].
@@ -71,14 +80,9 @@ impl Trajectory {
                 theta: s.theta,
             })
             .collect();
-        let at_rest = |sample: Option<&RawSample>| {
-            sample.is_some_and(|s| {
-                s.v.is_some_and(|v| v.abs() < REST[0]) && s.w.is_none_or(|w| w.abs() < REST[1])
-            })
-        };
         let rest = Rest {
-            start: at_rest(samples.first()),
-            end: at_rest(samples.last()),
+            start: at_rest(samples.iter()),
+            end: at_rest(samples.iter().rev()),
         };
         // Relative to the first position: coordinates may be large, the path is not.
         let origin = targets.first().map_or([0.0; 2], |t| [t.x, t.y]);
@@ -281,10 +285,30 @@ impl Trajectory {
     }
 }
 
+/// Whether the first of these samples stands: by its speed, or by where those after it are.
+fn at_rest<'a>(mut samples: impl Iterator<Item = &'a RawSample>) -> bool {
+    let Some(end) = samples.next() else {
+        return false;
+    };
+    if let Some(v) = end.v {
+        return is_rest(v, end.w.unwrap_or(0.0));
+    }
+    for sample in samples {
+        let way = libm::hypot(sample.x - end.x, sample.y - end.y);
+        if !is_rest(way / STAND_S, (sample.theta - end.theta) / STAND_S) {
+            return false;
+        }
+        if (sample.t - end.t).abs() >= STAND_S {
+            return true;
+        }
+    }
+    false
+}
+
 /// The way to the end from each node behind the last stand or change of direction, from the end backward; below 0 where it is driven
 /// backward \[m\]. Empty if the path does not rest at its end.
 fn last_drive(nodes: &[Node]) -> Vec<f64> {
-    let rests = |end: &Node| end.z[3].abs() < REST[0] && end.z[4].abs() < REST[1];
+    let rests = |end: &Node| is_rest(end.z[3], end.z[4]);
     if !nodes.last().is_some_and(rests) {
         return Vec::new();
     }

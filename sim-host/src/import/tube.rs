@@ -10,6 +10,7 @@ use super::fit::motion::{Jerk, State};
 use super::joint::{self, Stage};
 use super::limits::{LimitError, ReferenceLimits};
 use super::time_scaling::{FASTEST, Pace, TimeScaling};
+use super::trajectory::is_rest;
 use super::{Sample, Trajectory};
 
 /// Places of the tube are at most so far apart on the file's path, by way \[m\], turn \[rad\] and
@@ -35,8 +36,6 @@ const SAVED: f64 = 4e-3;
 const KEPT: f64 = 0.99;
 /// Places that lose less than this are not worth a line \[s\].
 const MARKED: f64 = 1e-3;
-/// Slower than this \[m/s, rad/s\] is rest.
-const REST: f64 = 1e-6;
 
 /// A place of the tube.
 struct Place {
@@ -52,7 +51,7 @@ struct Place {
 
 impl Trajectory {
     /// The fastest run within `limits` on a path that is no farther than `tube` from this one
-    /// \[m\], from its first pose to its last. The path is left as it is where nothing is slowed,
+    /// \[m\], from its first pose to its last, at rest there where the file means rest, else as fast as [`time_scaled`](Self::time_scaled) has it. The path is left as it is where nothing is slowed,
     /// where nothing is saved, if `tube` is 0, and if the run is so long (at least ten minutes) that the
     /// search would be too large.
     ///
@@ -71,7 +70,7 @@ impl Trajectory {
         }
         let rest = [0.0, self.duration()].map(|t| {
             let end = self.at(t);
-            end.v.abs() < REST && end.w.abs() < REST
+            is_rest(end.v, end.w)
         });
         let mut places = self.places(&best, &scaling, pace);
         if places.len() > MAX_PLACES {
