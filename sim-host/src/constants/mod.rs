@@ -38,7 +38,9 @@ pub fn module_name(name: &str) -> String {
     });
     let mut name: String = letters.collect();
     let reserved = RESERVED.split(' ').any(|word| word == name);
-    if reserved || !name.starts_with(|c: char| c.is_ascii_lowercase()) {
+    // What twb.h names and guards, and what C's own headers keep for types.
+    let of_headers = format!("{name}_").starts_with("twb_") || name.ends_with("_t");
+    if reserved || of_headers || !name.starts_with(|c: char| c.is_ascii_lowercase()) {
         name.insert_str(0, "robot_");
     }
     name
@@ -140,6 +142,10 @@ mod tests {
             ("int", "robot_int"),
             ("match", "robot_match"),
             ("Main", "robot_main"),
+            ("twb", "robot_twb"),
+            ("twb-base", "robot_twb_base"),
+            ("twbot", "twbot"),
+            ("uint8_t", "robot_uint8_t"),
         ] {
             assert_eq!(module_name(file), name);
         }
