@@ -172,13 +172,44 @@ typedef struct twb_action {
 #define TWB_OUTCOME_STALLED 2u
 #define TWB_OUTCOME_OUT_OF_TOLERANCE 3u
 
+/* Why the state is what it is. */
+#define TWB_CAUSE_POWER_ON 0u
+#define TWB_CAUSE_HOST 1u
+#define TWB_CAUSE_REFERENCES 2u
+#define TWB_CAUSE_TRAJECTORY_ENDED 3u
+#define TWB_CAUSE_REACHED 4u
+#define TWB_CAUSE_GOAL_UNREACHABLE 5u
+#define TWB_CAUSE_LINK_LOST 6u
+#define TWB_CAUSE_EMERGENCY_STOP 7u
+#define TWB_CAUSE_DEMANDED 8u
+#define TWB_CAUSE_FAULT 9u /* cause_fault says which */
+
+/* Faults: docs/faults.md says what finds each. What is done is as there and here unless the robot's file says otherwise. */
+#define TWB_FAULT_MEASUREMENT_STALE 1u
+#define TWB_FAULT_POSE_STALE 2u
+#define TWB_FAULT_COMMAND_STALE 3u
+#define TWB_FAULT_NOT_FINITE 4u
+#define TWB_FAULT_TICK_JITTER 5u
+#define TWB_FAULT_TICK_TOO_LONG 6u
+#define TWB_FAULT_POSE_JUMP 7u
+#define TWB_FAULT_ENCODER_STUCK 8u
+#define TWB_FAULT_ENCODER_REVERSED 9u
+#define TWB_FAULT_WHEEL_SLIP 10u
+#define TWB_FAULT_DRIVER 11u
+#define TWB_FAULT_OVER_CURRENT 12u
+#define TWB_FAULT_UNDER_VOLTAGE 13u
+#define TWB_FAULT_STEP_REFUSED 14u
+#define TWB_FAULT_STALLED 15u
+#define TWB_FAULT_GOAL_UNREACHABLE 16u
+#define TWB_FAULT_GYRO 17u
+
 /* Everything about the last tick; state and cause are those of this instant. */
 typedef struct twb_report {
     uint32_t tick;
     uint32_t state;         /* TWB_STATE_... */
-    uint32_t cause;         /* twb_cause_name */
-    uint32_t cause_fault;   /* code of the fault that is the cause, or 0 */
-    uint32_t latched_fault; /* code of the fault that a reset acknowledges, or 0 */
+    uint32_t cause;         /* TWB_CAUSE_... */
+    uint32_t cause_fault;   /* TWB_FAULT_... that is the cause, or 0 */
+    uint32_t latched_fault; /* TWB_FAULT_... that a reset acknowledges, or 0 */
     uint32_t active_faults; /* bit n - 1: the fault with code n was found in the last tick */
     uint32_t ignored;       /* faults ignored so far */
     uint32_t changes;       /* of state so far */

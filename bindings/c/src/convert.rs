@@ -196,3 +196,51 @@ pub(crate) const fn cause(cause: Cause) -> (u32, u32) {
         _ => (u32::MAX, 0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::{Cause, State};
+    use crate::names;
+    use controller_core::safety::Fault;
+    use std::format;
+    use std::string::String;
+
+    /// `StoppingFault` in words, which the header has with underlines.
+    fn words(name: &str) -> String {
+        let words = name.char_indices().map(|(at, c)| match c {
+            'A'..='Z' if at > 0 => format!(" {}", c.to_ascii_lowercase()),
+            _ => String::from(c.to_ascii_lowercase()),
+        });
+        words.collect()
+    }
+
+    #[test]
+    fn codes_have_the_names_of_what_they_stand_for() {
+        for cause in [
+            Cause::PowerOn,
+            Cause::Host,
+            Cause::References,
+            Cause::TrajectoryEnded,
+            Cause::Reached,
+            Cause::GoalUnreachable,
+            Cause::LinkLost,
+            Cause::EmergencyStop,
+            Cause::Demanded,
+            Cause::Fault(Fault::Stalled),
+        ] {
+            let (code, _) = super::cause(cause);
+            let name = format!("{cause:?}").replace("(Stalled)", "");
+            assert_eq!(names::cause(code).to_str(), Ok(words(&name).as_str()));
+        }
+        for state in State::ALL {
+            let name = words(&format!("{state:?}"));
+            let name = name
+                .replace("( stopped)", "")
+                .replace("( fault)", " for a fault");
+            let code = super::state(state);
+            assert_eq!(names::state(code).to_str(), Ok(name.as_str()));
+        }
+    }
+}

@@ -4,12 +4,14 @@
 mod mission;
 
 use std::collections::BTreeMap;
+use std::ffi::CStr;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::{env, fs};
 
+use capi::names;
 use controller_core::base::BaseParams;
 use controller_core::motor::{DriverParams, SpeedParams};
 use firmware_demo::robots::LAB_10KG;
@@ -240,6 +242,34 @@ fn headers_are_clean_in_every_standard() {
             );
         }
     }
+}
+
+/// Each number of an enumeration has the name that it has in Rust, and there are no others.
+#[test]
+fn the_header_has_every_state_cause_and_fault() {
+    let header = fs::read_to_string(here().join("include/twb.h")).expect("the header");
+    let of_header = |prefix: &str| {
+        let defined = header.lines().filter_map(|line| {
+            let (name, value) = line.strip_prefix("#define ")?.split_once(' ')?;
+            let name = name.strip_prefix(prefix)?.to_ascii_lowercase();
+            let value = value.split(' ').next()?.strip_suffix('u')?;
+            Some((value.parse().ok()?, name))
+        });
+        defined.collect::<Vec<(u32, String)>>()
+    };
+    let of_rust = |first: u32, name: fn(u32) -> &'static CStr| {
+        let names =
+            (first..).map(|code| (code, name(code).to_str().expect("a name").replace(' ', "_")));
+        let known = names.take_while(|(_, name)| name != "unknown");
+        known.collect::<Vec<_>>()
+    };
+    assert_eq!(of_header("TWB_FAULT_"), of_rust(1, names::fault));
+    assert_eq!(of_header("TWB_CAUSE_"), of_rust(0, names::cause));
+    let mut states = of_rust(0, names::state);
+    for (_, name) in &mut states {
+        *name = name.replace("_for_a_fault", "_fault");
+    }
+    assert_eq!(of_header("TWB_STATE_"), states);
 }
 
 /// What `bad_arguments.c` prints.
