@@ -392,6 +392,7 @@ fn cmake_finds_the_archive_and_its_example_parks() {
                 .arg("-B")
                 .arg(&build)
                 .arg(format!("-DTWB_CORE={core}"))
+                .arg(format!("-DCMAKE_C_FLAGS={}", STRICT.join(" ")))
                 .arg(format!("-Dtwb_DIR={}", archives().display())),
         );
         succeed(Command::new("cmake").arg("--build").arg(&build));

@@ -8,7 +8,7 @@
 int main(void) {
     static twb_base base;
     const twb_pose start = {0.0f, 0.0f, 0.0f};
-    twb_order order = {TWB_ORDER_PARK, 0, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}};
+    twb_order order = {TWB_ORDER_PARK, 0, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}, 0.0f};
     twb_sensed sensed = {0};
     twb_action action;
     twb_report report;
