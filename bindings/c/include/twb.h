@@ -7,8 +7,12 @@
  *
  * SI units and radians; x forward, y left, counter-clockwise positive, right before left. No heap, no globals, no I/O. One
  * thread at a time for each base. Every call returns TWB_OK or an error, after which nothing has changed: neither the base
- * nor what the pointers point to. NULL and misaligned pointers are such errors; unknown kinds, flags and device states too. A
- * number that is NaN or infinite in an order or a measurement is a fault that the base reacts to, not an error.
+ * nor what the pointers point to (twb_emergency_stop alone stops all the same). NULL and misaligned pointers are such errors;
+ * unknown kinds, flags and device states too. A number that is NaN or infinite in an order or a measurement is a fault that the
+ * base reacts to, not an error.
+ *
+ * On a Cortex-M4F twb_init takes 4,392, twb_tick 2,400 and twb_get_report 232 bytes of stack; as portable C 4,800, 3,280 and 276.
+ * No other call takes more than twb_tick.
  */
 #ifndef TWB_H
 #define TWB_H

@@ -106,17 +106,21 @@ static void order_at(uint32_t cycle, uint32_t at, twb_order *order) {
     }
 }
 
-void mission_run(twb_base *base, const uint8_t *robot, size_t length, uint32_t ticks, struct mission_result *result) {
+static const twb_pose start = {0.0f, 0.0f, 0.0f};
+
+int32_t mission_begin(twb_base *base, const uint8_t *robot, size_t length) {
+    return twb_init(base, sizeof *base, TWB_API, robot, length, &start);
+}
+
+void mission_run(twb_base *base, uint32_t ticks, struct mission_result *result) {
     struct plant plant;
     twb_action action;
     twb_report report;
-    const twb_pose start = {0.0f, 0.0f, 0.0f};
     uint32_t seed = 1, tick;
     memset(&plant, 0, sizeof plant);
     memset(&report, 0, sizeof report);
     memset(result, 0, sizeof *result);
     result->hash = 0xCBF29CE484222325u;
-    result->error = twb_init(base, sizeof *base, TWB_API, robot, length, &start);
     for (tick = 0; tick < ticks && result->error == TWB_OK; tick++) {
         uint32_t cycle = tick / CYCLE, at = tick % CYCLE, dt_us = 10000;
         int32_t answer = TWB_OK;

@@ -13,6 +13,9 @@ struct mission_result {
     int32_t error;    /* the first other answer than TWB_OK and TWB_REFUSED */
 };
 
-void mission_run(twb_base *base, const uint8_t *robot, size_t length, uint32_t ticks, struct mission_result *result);
+/* Makes a base at the mission's begin. */
+int32_t mission_begin(twb_base *base, const uint8_t *robot, size_t length);
+
+void mission_run(twb_base *base, uint32_t ticks, struct mission_result *result);
 
 #endif
