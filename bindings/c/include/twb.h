@@ -222,7 +222,7 @@ typedef struct twb_report {
     uint32_t outcome; /* TWB_OUTCOME_... */
     uint32_t retries; /* new approaches to the goal */
     uint32_t action;  /* TWB_ACTION_... */
-    twb_pose pose;
+    twb_pose pose;   /* before the encoders gave anything, where the base was put */
     twb_twist twist;
     twb_pose error; /* in the body frame */
     twb_twist command;
@@ -254,7 +254,9 @@ TWB_ASSERT_SIZE(twb_report, 140);
 uint32_t twb_api(void);
 
 /* Makes a base of `size` bytes, disarmed, at `start`. `robot` is what `sim-host constants FILE --c` wrote; it is not needed
- * afterwards. A base that is there already begins anew, unless something is wrong: then it stays as it is. */
+ * afterwards. A base that is there already begins anew, unless something is wrong: then it stays as it is. The memory is taken
+ * as it is, also where a reset of the chip left a base within a call: that one answers TWB_BUSY until then, and stops of it are
+ * lost. So this call alone is not to come from an interrupt within another one on the same base. */
 int32_t twb_init(twb_base *base, size_t size, uint32_t api, const uint8_t *robot, size_t length, const twb_pose *start);
 
 /* Enables the outputs at zero torque. TWB_REFUSED while driving, stopping or in a fault. */
@@ -267,10 +269,15 @@ int32_t twb_disarm(twb_base *base);
 int32_t twb_reset(twb_base *base);
 
 /* The button: brake (1) or release (0). *action is to reach the wheels at once, and the ticks that follow say the same until a
- * reset. Never refused; also from an interrupt within another call on the same base, whose tick then has this action. */
+ * reset. Never refused; also from an interrupt within another call on the same base, whose tick then has this action. A base
+ * stops whatever else is wrong, and the answer says what: without a sound pointer there is no *action, and a `brake` that is
+ * neither brakes. */
 int32_t twb_emergency_stop(twb_base *base, uint32_t brake, twb_action *action);
 
-/* One tick, dt_us after the last one. Orders are the host's sign of life: see twb_watch_host. */
+/* One tick, dt_us after the last one that answered TWB_OK, as measured: of another time than was, speeds are wrong. From 1.5
+ * periods on it is late, too often TWB_FAULT_TICK_JITTER; from 10 periods and 50 ms on it is TWB_FAULT_TICK_TOO_LONG, a latched
+ * stop, beyond 0.5 s without torques. 0 is TWB_FAULT_STEP_REFUSED, a latched brake, but in the first tick. Orders are the host's
+ * sign of life: see twb_watch_host. After an error *action is not of this tick: release the wheels. */
 int32_t twb_tick(twb_base *base, uint32_t dt_us, const twb_order *order, const twb_sensed *sensed, twb_action *action);
 
 /* What the wheels really exert until the next tick, N m, where the driver could not do what it was commanded. Not needed for
@@ -286,10 +293,11 @@ int32_t twb_set_pose(twb_base *base, const twb_pose *pose);
 int32_t twb_host_seen(twb_base *base);
 int32_t twb_watch_host(twb_base *base, uint32_t dt_us);
 
-/* Time between ticks that the robot's file states, in us. */
+/* Time between ticks that the robot's file states, in us. At any time, also from an interrupt within another call. */
 int32_t twb_period_us(const twb_base *base, uint32_t *period_us);
 
-/* Everything about the last tick. */
+/* Everything about the last tick. Call it where twb_tick is called, right after it: a base is marked during this call as well, in
+ * memory that therefore has to be writable, and a tick from an interrupt within it answers TWB_BUSY and is lost. */
 int32_t twb_get_report(const twb_base *base, twb_report *report);
 
 /* Texts, static and never NULL: "unknown" for what has none. A fault's name is that of robots' files. */

@@ -1,8 +1,9 @@
 //! The functions of the header.
 //!
 //! Each checks its arguments before it changes anything: after an error the base, and what the pointers point to, are as they
-//! were. What stands in Safety holds of every pointer of a type: NULL and misaligned ones are refused, any other one points to
-//! its type (a `twb_base`: to memory that only these calls access).
+//! were, but that a base stops by [`twb_emergency_stop`] whatever else is wrong. What stands in Safety holds of every pointer of a
+//! type: NULL and misaligned ones are refused, any other one points to its type (a `twb_base`: to memory that only these calls
+//! access).
 
 #![allow(unsafe_code)]
 
@@ -67,7 +68,8 @@ pub extern "C" fn twb_api() -> u32 {
 /// Makes a base of the caller's memory, disarmed, at `start`.
 ///
 /// # Safety
-/// Of `base` and `start`, as the [module](self) says; `robot` is NULL or points to `length` bytes.
+/// Of `base` and `start`, as the [module](self) says; `robot` is NULL or points to `length` bytes. Not from within another call on
+/// the same base.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn twb_init(
     base: *mut Base,
@@ -79,7 +81,7 @@ pub unsafe extern "C" fn twb_init(
 ) -> i32 {
     let result = || {
         // SAFETY: of the caller.
-        let (handle, start) = unsafe { (Handle::new(base)?, read(start)?) };
+        let (handle, at) = unsafe { (Handle::new(base)?, read(start)?) };
         let blob = checked(blob)?;
         if api != abi::API || size < memory::SIZE {
             return Err(Status::Api);
@@ -87,17 +89,21 @@ pub unsafe extern "C" fn twb_init(
         if length > protocol::MAX_ROBOT_BLOB {
             return Err(Status::RobotLength);
         }
-        let start: controller_core::types::Pose<f32> = (&start).into();
+        let start: controller_core::types::Pose<f32> = (&at).into();
         if !start.is_finite() {
             return Err(Status::NotFinite);
         }
         // SAFETY: of the caller; the length is a blob's, so that no address wraps around.
         let params = robot(unsafe { slice::from_raw_parts(blob.as_ptr(), length) })?;
-        handle.put(Body {
+        let body = Body {
             controller: BaseController::new(&params, start),
             ticks: 0,
+            start: at,
             answer: Ok(()),
-        })
+        };
+        // SAFETY: of the caller.
+        unsafe { handle.put(body, params.detectors().params().period_us) };
+        Ok(())
     };
     code(result())
 }
@@ -145,11 +151,12 @@ pub unsafe extern "C" fn twb_emergency_stop(
     let result = || {
         // SAFETY: of the caller.
         let handle = unsafe { Handle::new(base) }?;
+        // Before anything else is looked at: a button that is wired wrong still stops.
+        let done = handle.stop(brake != 0)?;
         let out = checked(action)?;
-        let done = handle.stop(convert::flag(brake)?)?;
         // SAFETY: of the caller.
         unsafe { out.write(without_duties(&done, 0)) };
-        Ok(())
+        convert::flag(brake).map(|_| ())
     };
     code(result())
 }
@@ -348,7 +355,9 @@ pub unsafe extern "C" fn twb_set_pose(base: *mut Base, pose: *const Pose) -> i32
             with(base, |body| {
                 body.controller
                     .set_pose((&pose).into())
-                    .map_err(|_| Status::NotFinite)
+                    .map_err(|_| Status::NotFinite)?;
+                body.start = pose;
+                Ok(())
             })
         },
     }
@@ -390,19 +399,13 @@ pub unsafe extern "C" fn twb_watch_host(base: *mut Base, dt_us: u32) -> i32 {
 /// As the [module](self) says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn twb_period_us(base: *const Base, period_us: *mut u32) -> i32 {
-    match checked(period_us) {
-        Err(status) => status as i32,
-        Ok(out) => {
-            // SAFETY: of the caller.
-            unsafe {
-                with(base, |body| {
-                    let detectors = body.controller.base().detectors();
-                    out.write(detectors.params().period_us);
-                    Ok(())
-                })
-            }
-        }
-    }
+    let result = || {
+        let out = checked(period_us)?;
+        // SAFETY: of the caller.
+        unsafe { out.write(Handle::new(base)?.period_us()?) };
+        Ok(())
+    };
+    code(result())
 }
 
 /// Everything about the last tick.
@@ -453,11 +456,11 @@ fn of(body: &Body) -> Report {
         outcome: tick.outcome as u32,
         retries: tick.retries.into(),
         action: convert::kind(&report.action),
-        pose: Pose {
+        pose: report.measured.map_or(body.start, |_| Pose {
             x: tick.x,
             y: tick.y,
             theta: tick.theta,
-        },
+        }),
         twist: abi::Twist {
             v: tick.v,
             w: tick.w,

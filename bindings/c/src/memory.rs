@@ -9,7 +9,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use controller_core::base::{BaseController, WheelAction};
 use controller_core::hal::ErrorKind;
 
-use crate::abi::Status;
+use crate::abi::{Pose, Status};
 
 /// Bytes of `twb_base`: room for [`Base`] on every target. The header has the same number.
 pub const SIZE: usize = 4096;
@@ -47,6 +47,8 @@ pub struct Base {
     mark: AtomicU32,
     stop: AtomicU32,
     body: MaybeUninit<Body>,
+    /// Constant while there is a base: read within any call, without the body.
+    period_us: AtomicU32,
 }
 
 const _: () = assert!(size_of::<Base>() <= SIZE && align_of::<Base>() == ALIGN);
@@ -56,6 +58,8 @@ pub(crate) struct Body {
     pub controller: BaseController,
     /// Ticks so far.
     pub ticks: u32,
+    /// Where the base was put, which its report says until the encoders gave a first reading.
+    pub start: Pose,
     /// The last duties could not be worked out: what a driver would answer.
     pub answer: Result<(), ErrorKind>,
 }
@@ -140,18 +144,35 @@ impl Handle {
         unsafe { &*ptr::addr_of!((*self.0.as_ptr()).stop) }
     }
 
-    /// Makes a base of the memory; one that a call is under way on stays as it is.
-    pub fn put(self, body: Body) -> Result<(), Status> {
-        if self.mark().load(Ordering::Relaxed) == BUSY {
-            return Err(Status::Busy);
-        }
+    fn period(&self) -> &AtomicU32 {
+        // SAFETY: as `mark`.
+        unsafe { &*ptr::addr_of!((*self.0.as_ptr()).period_us) }
+    }
+
+    /// Makes a base of the memory, whatever its mark says: that of a call which a reset of the chip cut short would stay for ever.
+    /// `period_us` is that of `body`, which is a number of its own here, for the whole body would be copied to look into it.
+    ///
+    /// # Safety
+    /// Not from within another call on the same base. Calls from within this one are as from within any other.
+    pub unsafe fn put(self, body: Body, period_us: u32) {
+        self.period().store(period_us, Ordering::Relaxed);
+        // Before the mark: a stop that sees it is for the new base.
+        self.asked().store(NO_STOP, Ordering::Relaxed);
+        fence();
         self.mark().store(BUSY, Ordering::Relaxed);
         fence();
-        // SAFETY: room for a `Base` by the promise at `new`; the mark keeps every other call away from the body.
+        // SAFETY: room for a `Base` by the promise at `new`; no other call has the body by the caller's, and the mark keeps every one
+        // from an interrupt away from it.
         unsafe { ptr::addr_of_mut!((*self.0.as_ptr()).body).write(MaybeUninit::new(body)) };
-        self.asked().store(NO_STOP, Ordering::Relaxed);
-        self.give_back();
-        Ok(())
+        self.close_apart();
+    }
+
+    /// What every call may read, also within another one.
+    pub fn period_us(self) -> Result<u32, Status> {
+        match self.mark().load(Ordering::Relaxed) {
+            READY | BUSY => Ok(self.period().load(Ordering::Relaxed)),
+            _ => Err(Status::NotInitialised),
+        }
     }
 
     /// Works on an initialised base that no other call is under way on. `stopped` gets what an emergency stop that came meanwhile

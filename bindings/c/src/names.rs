@@ -13,7 +13,7 @@ static STATUS: [&CStr; 14] = [
     c"a pointer is not aligned",
     c"the base is not initialised",
     c"called from within another call on the same base",
-    c"header and archive are of different versions",
+    c"header and archive are of different versions, or the memory is too small",
     c"the bytes are no robot",
     c"the robot has another length than it states",
     c"the robot is damaged",

@@ -305,7 +305,10 @@ fn an_emergency_stop_from_an_interrupt_is_obeyed_by_the_tick_that_it_interrupts(
         let program = program_with(functions, "interrupted", "gcc", "-std=c99", &sources);
         let output = succeed(&mut Command::new(program));
         let text = String::from_utf8_lossy(&output.stdout);
-        assert_eq!(text.trim(), "100 stops within a tick, all obeyed");
+        assert_eq!(
+            text.trim(),
+            "100 stops within a tick, 10 within a begin, all obeyed"
+        );
     }
 }
 

@@ -69,8 +69,6 @@ static void refuses_all(twb_base *to, int32_t status) {
 }
 
 static void bad_pointers(void) {
-    ANSWERS(twb_emergency_stop(&base, 0, NULL), TWB_NULL);
-    ANSWERS(twb_emergency_stop(&base, 0, BESIDE(twb_action, &action)), TWB_MISALIGNED);
     ANSWERS(twb_tick(&base, 10000, NULL, &sensed, &action), TWB_NULL);
     ANSWERS(twb_tick(&base, 10000, &order, NULL, &action), TWB_NULL);
     ANSWERS(twb_tick(&base, 10000, &order, &sensed, NULL), TWB_NULL);
@@ -106,7 +104,6 @@ static void bad_values(void) {
     torque.right = infinite;
     ANSWERS(twb_note_exerted(&base, &torque), TWB_NOT_FINITE);
     torque.right = 0.0f;
-    ANSWERS(twb_emergency_stop(&base, 2, &action), TWB_BAD_VALUE);
     order.kind = 4;
     ANSWERS(twb_tick(&base, 10000, &order, &sensed, &action), TWB_BAD_VALUE);
     order.kind = 0xFFFFFFFFu;
@@ -158,6 +155,50 @@ static void bad_robots(void) {
     ANSWERS(twb_init(&base, sizeof base, TWB_API, no_parameters, sizeof no_parameters, &pose), TWB_ROBOT_CONTENT);
 }
 
+/* Whatever else is wrong, a base stops: what it says afterwards, and what its next tick does. */
+static void stops(uint32_t brake, twb_action *to, int32_t status, uint32_t kind) {
+    static twb_base driving;
+    driving = base;
+    remember();
+    EXPECT(twb_emergency_stop(&driving, brake, to) == status);
+    EXPECT(to == &action ? action.kind == kind : memcmp(&action, &action_before, sizeof action) == 0);
+    EXPECT(twb_get_report(&driving, &report) == TWB_OK && report.cause == TWB_CAUSE_EMERGENCY_STOP);
+    EXPECT(twb_tick(&driving, 10000, &order, &sensed, &action) == TWB_OK && action.kind == kind);
+    EXPECT(twb_arm(&driving) == TWB_REFUSED);
+}
+
+static void stops_all_the_same(void) {
+    stops(1, &action, TWB_OK, TWB_ACTION_BRAKE);
+    stops(0, &action, TWB_OK, TWB_ACTION_RELEASE);
+    stops(1, NULL, TWB_NULL, TWB_ACTION_BRAKE);
+    stops(0, NULL, TWB_NULL, TWB_ACTION_RELEASE);
+    stops(1, BESIDE(twb_action, &action), TWB_MISALIGNED, TWB_ACTION_BRAKE);
+    stops(2, &action, TWB_BAD_VALUE, TWB_ACTION_BRAKE);
+    stops(2, NULL, TWB_NULL, TWB_ACTION_BRAKE);
+}
+
+/* Before the encoders gave anything a base is where it was put. */
+static void placed(void) {
+    static twb_base other;
+    const twb_pose here = {3.0f, 4.0f, 0.5f}, there = {5.0f, 6.0f, -0.5f};
+    twb_sensed silent;
+    memset(&silent, 0, sizeof silent);
+    silent.encoders = TWB_DEVICE_BUS;
+    EXPECT(twb_init(&other, sizeof other, TWB_API, lab_10kg, sizeof lab_10kg, &here) == TWB_OK);
+    EXPECT(twb_get_report(&other, &report) == TWB_OK && memcmp(&report.pose, &here, sizeof here) == 0);
+    EXPECT(twb_set_pose(&other, &there) == TWB_OK);
+    EXPECT(twb_get_report(&other, &report) == TWB_OK && memcmp(&report.pose, &there, sizeof there) == 0);
+    EXPECT(twb_tick(&other, 10000, &order, &silent, &action) == TWB_OK);
+    EXPECT(twb_get_report(&other, &report) == TWB_OK && memcmp(&report.pose, &there, sizeof there) == 0);
+    EXPECT(twb_tick(&other, 10000, &order, &sensed, &action) == TWB_OK);
+    EXPECT(twb_get_report(&other, &report) == TWB_OK && memcmp(&report.pose, &there, sizeof there) == 0);
+    /* Afterwards its report is that of the last tick. */
+    EXPECT(twb_set_pose(&other, &here) == TWB_OK);
+    EXPECT(twb_get_report(&other, &report) == TWB_OK && memcmp(&report.pose, &there, sizeof there) == 0);
+    EXPECT(twb_tick(&other, 10000, &order, &sensed, &action) == TWB_OK);
+    EXPECT(twb_get_report(&other, &report) == TWB_OK && memcmp(&report.pose, &here, sizeof here) == 0);
+}
+
 static void texts(void) {
     int32_t status;
     uint32_t code;
@@ -172,11 +213,12 @@ static void texts(void) {
     }
     EXPECT(strcmp(twb_state_name(TWB_STATE_FAULT + 1u), "unknown") == 0);
     EXPECT(strcmp(twb_state_name(0xFFFFFFFFu), "unknown") == 0);
-    EXPECT(strcmp(twb_cause_name(9), "fault") == 0);
-    EXPECT(strcmp(twb_cause_name(10), "unknown") == 0);
+    EXPECT(strcmp(twb_cause_name(TWB_CAUSE_FAULT), "fault") == 0);
+    EXPECT(strcmp(twb_cause_name(TWB_CAUSE_FAULT + 1u), "unknown") == 0);
     EXPECT(strcmp(twb_fault_name(0), "unknown") == 0);
-    EXPECT(strcmp(twb_fault_name(1), "measurement_stale") == 0);
-    EXPECT(strcmp(twb_fault_name(16), "goal_unreachable") == 0);
+    EXPECT(strcmp(twb_fault_name(TWB_FAULT_MEASUREMENT_STALE), "measurement_stale") == 0);
+    EXPECT(strcmp(twb_fault_name(TWB_FAULT_GYRO), "gyro") == 0);
+    EXPECT(strcmp(twb_fault_name(TWB_FAULT_GYRO + 1u), "unknown") == 0);
     EXPECT(strcmp(twb_fault_name(33), "unknown") == 0);
     EXPECT(strcmp(twb_fault_name(0xFFFFFFFFu), "unknown") == 0);
 }
@@ -227,6 +269,8 @@ int main(void) {
     bad_pointers();
     bad_values();
     bad_robots();
+    stops_all_the_same();
+    placed();
     EXPECT(twb_arm(&base) == TWB_REFUSED);
     /* A base is a value: its copy goes on where it was. */
     before = base;
