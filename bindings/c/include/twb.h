@@ -69,12 +69,13 @@ typedef struct twb_wheels {
 } twb_wheels;
 
 /* Kinds of orders. */
-#define TWB_ORDER_NONE 0u     /* nothing new: what was ordered last goes on */
+#define TWB_ORDER_NONE 0u     /* nothing new: what was ordered last goes on, while the host is heard (twb_watch_host) */
 #define TWB_ORDER_FOLLOW 1u   /* be at pose with twist and accel, now */
 #define TWB_ORDER_PARK 2u     /* go to pose and stay */
 #define TWB_ORDER_VELOCITY 3u /* drive with twist until the next order, which is due in time */
 
-/* What this tick is asked. Fields that the kind does not name are not looked at. */
+/* What this tick is asked. Fields that the kind does not name are not looked at. What is beyond the base's limits is driven at
+ * the limits; a velocity of more than 100 m/s or rad/s, or a goal from some 1e9 m on, is TWB_FAULT_STEP_REFUSED: a latched brake. */
 typedef struct twb_order {
     uint32_t kind;
     uint32_t hold_heading; /* velocity: 1 keeps the heading that the turn rates lead to, else 0 */
@@ -82,7 +83,7 @@ typedef struct twb_order {
     twb_twist twist;
     twb_twist accel;
     float left; /* follow: m until the path comes to rest, all forward or all backward; 0 where that is not so or not known. A base
-                 * that is beside its path is led to the end by it */
+                 * that is beside its path is led to the end by it. NaN is as 0 */
 } twb_order;
 
 /* What of twb_sensed is there beside the encoders. */
@@ -107,12 +108,13 @@ typedef struct twb_sensed {
     int32_t left;
     uint32_t encoders; /* TWB_DEVICE_...; counts are not looked at unless it is OK */
     uint32_t driver;   /* TWB_DEVICE_...: what the driver answered to the last action */
-    twb_pose fix;      /* external pose, in the ticks in which one arrived */
+    twb_pose fix;      /* external pose, in the ticks in which one arrived. One that is NaN or infinite is TWB_FLAG_FIX_REFUSED, and
+                        * TWB_FAULT_POSE_STALE once that lasts */
     float fix_age_s;   /* how long ago it was valid */
-    float gyro_rate;   /* rad/s about the vertical: mean since the last reading */
+    float gyro_rate;   /* rad/s about the vertical: mean since the last reading. Of a robot without a gyro none is looked at */
     float gyro_heading; /* rad, where the sensor fuses one */
     float gyro_age_s;
-    float supply_v;      /* of the motors */
+    float supply_v;      /* of the motors. Duties are for the nominal one where this is below half of it, above twice, or NaN */
     twb_wheels currents; /* A */
 } twb_sensed;
 
@@ -127,7 +129,7 @@ typedef struct twb_sensed {
 #define TWB_ACTION_BEYOND_COULOMB 4u /* while it creeps, by velocity or beside a goal */
 #define TWB_ACTION_SPEEDS 8u         /* the robot's drivers close their own speed loop: give them desired */
 
-/* What the wheels are to do until the next tick. */
+/* What the wheels are to do until the next tick. Unless kind is TWB_ACTION_DRIVE all of both wheels is 0, speed too. */
 typedef struct twb_action {
     uint32_t kind;
     uint32_t flags;
@@ -222,7 +224,7 @@ typedef struct twb_report {
     uint32_t outcome; /* TWB_OUTCOME_... */
     uint32_t retries; /* new approaches to the goal */
     uint32_t action;  /* TWB_ACTION_... */
-    twb_pose pose;   /* before the encoders gave anything, where the base was put */
+    twb_pose pose; /* before the encoders gave anything, where the base was put */
     twb_twist twist;
     twb_pose error; /* in the body frame */
     twb_twist command;
