@@ -39,7 +39,7 @@ extern "C" {
 #define TWB_ROBOT_CHECK (-8)     /* a bit of the robot is wrong */
 #define TWB_ROBOT_VERSION (-9)   /* the robot is of another version: write it again */
 #define TWB_ROBOT_CONTENT (-10)  /* parameters out of range */
-#define TWB_NOT_FINITE (-11)     /* a pose or torque is NaN or infinite, or a torque as large as no wheel's */
+#define TWB_NOT_FINITE (-11)     /* a pose or torque is NaN or infinite, or a torque that no wheel has */
 #define TWB_BAD_VALUE (-12)      /* a kind, flag or device state that is not below */
 #define TWB_REFUSED (-13)        /* the base's state does not allow it */
 
@@ -264,14 +264,15 @@ int32_t twb_init(twb_base *base, size_t size, uint32_t api, const uint8_t *robot
 /* Enables the outputs at zero torque. TWB_REFUSED while driving, stopping or in a fault. */
 int32_t twb_arm(twb_base *base);
 
-/* A controlled stop: to rest within the limits, then released until armed again. Never refused. */
+/* A controlled stop: to rest within the limits, then released, or shorted if the robot's file says so ([stops]), until armed
+ * again. Never refused. */
 int32_t twb_disarm(twb_base *base);
 
 /* Acknowledges a fault or an emergency stop: TWB_STATE_FAULT becomes TWB_STATE_IDLE. TWB_REFUSED in any other state. */
 int32_t twb_reset(twb_base *base);
 
 /* The button: brake (1) or release (0). *action is to reach the wheels at once, and the ticks that follow say the same until a
- * reset. Never refused; also from an interrupt within another call on the same base, whose tick then has this action. A base
+ * reset, at rest as well: on a slope nothing rolls away. What a fault released stays released. Never refused; also from an interrupt within another call on the same base, whose tick then has this action. A base
  * stops whatever else is wrong, and the answer says what: without a sound pointer there is no *action, and a `brake` that is
  * neither brakes. */
 int32_t twb_emergency_stop(twb_base *base, uint32_t brake, twb_action *action);
@@ -282,8 +283,9 @@ int32_t twb_emergency_stop(twb_base *base, uint32_t brake, twb_action *action);
  * sign of life: see twb_watch_host. After an error *action is not of this tick: release the wheels. */
 int32_t twb_tick(twb_base *base, uint32_t dt_us, const twb_order *order, const twb_sensed *sensed, twb_action *action);
 
-/* What the wheels really exert until the next tick, N m, where the driver could not do what it was commanded. Not needed for
- * duties: twb_tick knows what motors on bridges exert. */
+/* What the wheels really exert until the next tick, N m at the wheel and positive forward as action.torque, where the driver could
+ * not do what it was commanded. Not needed for duties: twb_tick knows what motors on bridges exert. It is believed: the base
+ * drives by it. More than ten times the robot's wheel_torque, such as another unit's, is TWB_NOT_FINITE. */
 int32_t twb_note_exerted(twb_base *base, const twb_wheels *torque);
 
 /* Puts the base elsewhere on the map; command and torque go on without a step. */
