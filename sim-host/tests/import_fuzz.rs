@@ -1,8 +1,16 @@
 //! No input panics, hangs, or comes out as a reference that is not finite.
 
+use byteorder::LittleEndian;
+use cdr_encoding::to_vec;
+use mcap::records::MessageHeader;
+use mcap::{Compression, WriteOptions, Writer};
 use proptest::prelude::*;
-use sim_host::import::{Options, import};
+use sim_host::import::{Options, bag_poses, import};
+use sim_host::ros::messages::{Header, JointState, Path, Pose, Quaternion, Stamped, Time, Vector};
+use sim_host::ros::read::{Field, Messages};
+use std::collections::BTreeMap;
 use std::error::Error;
+use std::io::Cursor;
 use std::time::{Duration, Instant};
 use tests::fixtures;
 
@@ -68,6 +76,105 @@ fn every_byte_flip_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> {
                     *b = byte;
                 }
             }
+        }
+    }
+    Ok(())
+}
+
+/// A bag of a few poses, a path and some joints; a chunk for every few messages.
+fn bag(options: WriteOptions) -> Result<Vec<u8>, Box<dyn Error>> {
+    let mut bytes = Vec::new();
+    let mut writer = Writer::with_options(Cursor::new(&mut bytes), options.chunk_size(Some(512)))?;
+    let mut channel = |topic: &str, kind: &str| {
+        let schema = writer.add_schema(kind, "ros2msg", b"fields")?;
+        writer.add_channel(schema, topic, "cdr", &BTreeMap::new())
+    };
+    let poses = channel("/pose", "geometry_msgs/msg/PoseStamped")?;
+    let path = channel("/path", "nav_msgs/msg/Path")?;
+    let joints = channel("/joint_states", "sensor_msgs/msg/JointState")?;
+    let mut put = |channel_id: u16, log_time: u64, mut message: Vec<u8>| {
+        message.splice(0..0, [0, 1, 0, 0]);
+        let header = MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time,
+            publish_time: log_time,
+        };
+        writer.write_to_known_channel(&header, &message)
+    };
+    let mut way = Vec::new();
+    for n in 0..6_u32 {
+        let ns = 1_000_000_000 + 100_000_000 * u64::from(n);
+        let header = Header {
+            stamp: Time::of_ns(ns),
+            frame_id: "map".to_owned(),
+        };
+        let value = Pose {
+            position: Vector {
+                x: 0.01 * f64::from(n * n),
+                ..Vector::default()
+            },
+            orientation: Quaternion::of_heading(0.0),
+        };
+        let pose = Stamped {
+            header: header.clone(),
+            value,
+        };
+        way.push(pose.clone());
+        put(poses, ns, to_vec::<_, LittleEndian>(&pose)?)?;
+        let state = JointState {
+            header,
+            name: ["r", "l"].map(str::to_owned).into(),
+            position: vec![0.1, 0.2],
+            ..JointState::default()
+        };
+        put(joints, ns, to_vec::<_, LittleEndian>(&state)?)?;
+    }
+    let path_of = Path {
+        header: Header::default(),
+        poses: way,
+    };
+    put(path, 2_000_000_000, to_vec::<_, LittleEndian>(&path_of)?)?;
+    writer.finish()?;
+    drop(writer);
+    Ok(bytes)
+}
+
+/// With checksums a flip is found; without them it comes as far as the messages.
+#[test]
+fn every_byte_flip_of_a_bag_gives_a_result_or_a_refusal() -> Result<(), Box<dyn Error>> {
+    let joints = ["r", "l"].map(str::to_owned);
+    for compression in [Some(Compression::Zstd), None] {
+        for checked in [true, false] {
+            let options = WriteOptions::new().compression(compression);
+            let options = options
+                .calculate_chunk_crcs(checked)
+                .calculate_data_section_crc(checked);
+            let mut bytes = bag(options)?;
+            let whole = bag_poses(&bytes, Some("/pose"))?;
+            survives(whole.as_bytes());
+            let mut changed = 0;
+            for at in 0..bytes.len() {
+                for flip in [1, 0x80, 0xff] {
+                    if let Some(b) = bytes.get_mut(at) {
+                        *b ^= flip;
+                    }
+                    if let Ok(text) = bag_poses(&bytes, Some("/pose"))
+                        && text != whole
+                    {
+                        changed += 1;
+                        survives(text.as_bytes());
+                    }
+                    if let Ok(messages) = Messages::read(&bytes) {
+                        let _ = messages.poses(Some("/path"));
+                        let _ = messages.pairs("/joint_states", Field::Position, &joints);
+                    }
+                    if let Some(b) = bytes.get_mut(at) {
+                        *b ^= flip;
+                    }
+                }
+            }
+            assert!(checked == (changed == 0), "{changed} of {}", bytes.len());
         }
     }
     Ok(())

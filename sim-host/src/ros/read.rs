@@ -1,13 +1,13 @@
 //! Messages of a bag, by their topics.
 
+use super::container;
 use super::messages::{
     BatteryBegin, Float64MultiArray, Header, JointState, Odometry, Path, Pose, Stamped, TfMessage,
     WithCovariance,
 };
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
-use mcap::read::Options;
-use mcap::{MAGIC, MessageStream};
+use mcap::MAGIC;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 
@@ -115,34 +115,20 @@ impl Messages {
     /// # Errors
     /// Bytes that are no bag.
     pub fn read(bytes: &[u8]) -> Result<Self, ReadError> {
-        let stream = MessageStream::new_with_options(bytes, Options::ValidateChunkCrcs.into())
-            .map_err(|error| ReadError::Mcap(error.to_string()))?;
         let mut messages = Self {
             topics: BTreeMap::new(),
             cut: None,
         };
-        for message in stream {
-            let message = match message {
-                Ok(message) => message,
-                Err(error) => {
-                    messages.cut = Some(error.to_string());
-                    break;
-                }
-            };
-            let channel = &message.channel;
-            if channel.message_encoding != "cdr" {
-                continue;
+        let read = container::read(bytes, |channel, log_ns, data| {
+            if channel.encoding != "cdr" {
+                return;
             }
-            let kind = channel.schema.as_ref().map(|schema| schema.name.clone());
-            let of_topic = messages
-                .topics
-                .entry(channel.topic.clone())
-                .or_insert_with(|| (kind.unwrap_or_default(), Vec::new()));
-            of_topic.1.push(Entry {
-                log_ns: message.log_time,
-                data: message.data.into_owned(),
-            });
-        }
+            let data = data.to_vec();
+            let of_topic = messages.topics.entry(channel.topic.clone());
+            let (_, entries) = of_topic.or_insert_with(|| (channel.kind.clone(), Vec::new()));
+            entries.push(Entry { log_ns, data });
+        });
+        messages.cut = read.err();
         match (&messages.cut, messages.topics.is_empty()) {
             (Some(why), true) => Err(ReadError::Mcap(why.clone())),
             _ => Ok(messages),
