@@ -88,7 +88,12 @@ const toBase64 = (bytes) => { let s = ""; for (let i = 0; i < bytes.length; i +=
 let wasm, about, started = performance.now();
 const view = () => new Uint8Array(wasm.memory.buffer, wasm.output(), wasm.output_length());
 const said = () => new TextDecoder().decode(view());
-const send = (bytes) => new Uint8Array(wasm.memory.buffer, wasm.input(bytes.length), bytes.length).set(bytes);
+function send(bytes) {
+  // Room first: memory that grows for it is another buffer.
+  const at = wasm.input(bytes.length);
+  if (!at) throw new Error("too much at once: 2 MB are the most");
+  new Uint8Array(wasm.memory.buffer, at, bytes.length).set(bytes);
+}
 const numbers = (count) => new Float32Array(wasm.memory.buffer.slice(wasm.output(), wasm.output() + 4 * count));
 
 async function load() {

@@ -6,8 +6,11 @@ const START = { base: 1, gyro: false, floor: 1, seed: 1 };
 let hintTimer;
 function hint(text, bad = false) {
   const h = $("hint"); h.textContent = text; h.className = "shown" + (bad ? " bad" : "");
-  clearTimeout(hintTimer); hintTimer = setTimeout(() => (h.className = ""), bad ? 6000 : 2500);
+  clearTimeout(hintTimer); hintTimer = setTimeout(() => (h.className = ""), bad ? 6000 + 40 * Math.min(text.length, 500) : 2500);
 }
+// What nobody catches is at least said.
+addEventListener("error", (e) => hint(`Something went wrong: ${e.message}`, true));
+addEventListener("unhandledrejection", (e) => hint(`Something went wrong: ${e.reason && e.reason.message || e.reason}`, true));
 function apply(bytes) {
   touched = true;
   send(bytes);

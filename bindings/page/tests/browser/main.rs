@@ -217,6 +217,73 @@ fn a_run_with_everything_in_it_has_the_bits_of_the_native_run() {
     assert_eq!(other.errors, Vec::<String>::new());
 }
 
+/// What drops a file.
+fn dropped(name: &str, text: &str) -> String {
+    format!(
+        "(() => {{ const transfer = new DataTransfer(); transfer.items.add(new File([{}], {})); \
+         window.dispatchEvent(new DragEvent('drop', {{ dataTransfer: transfer, cancelable: true }})); }})()",
+        json!(text),
+        json!(name)
+    )
+}
+
+/// The program's memory grows for it.
+#[test]
+fn a_long_file_is_followed_by_a_fresh_page_and_so_is_its_link() {
+    let _turn = one_at_a_time();
+    let rows = 3200;
+    let mut text = "t,x,y,theta,v,w\n".to_owned();
+    for row in 0..rows {
+        let (t, v) = (
+            0.1 * f64::from(row),
+            if row == 0 || row == rows - 1 {
+                0.0
+            } else {
+                0.3
+            },
+        );
+        text += &format!("{t:.3},{:.6},0.000000,0.000000,{v:.6},0.000000\n", 0.3 * t);
+    }
+    assert!(text.len() > 130_000, "{}", text.len());
+    let mut browser = opened();
+    browser.evaluate(&dropped("long.csv", &text));
+    browser.until("$('hint').textContent === 'Follows long.csv'");
+    browser.evaluate("running = false");
+    let link = browser.evaluate("link()");
+    let fragment = link.as_str().and_then(|link| link.split_once('#'));
+    let fragment = fragment.expect("a fragment").1.to_owned();
+    let mut other = Chromium::open(1000, 700, true);
+    other.go_to_file(page(), &format!("#{fragment}"));
+    let said = other.evaluate("$('hint').textContent");
+    assert!(
+        said.as_str()
+            .is_some_and(|said| said.starts_with("A shared run")),
+        "{said}"
+    );
+    assert_eq!(
+        other.evaluate("status.hash"),
+        browser.evaluate("readStatus(), status.hash")
+    );
+    assert_eq!(browser.errors, Vec::<String>::new());
+    assert_eq!(other.errors, Vec::<String>::new());
+}
+
+#[test]
+fn what_goes_wrong_is_said() {
+    let _turn = one_at_a_time();
+    let mut browser = opened();
+    for fails in [
+        "setTimeout(() => { throw new Error('one') }), true",
+        "Promise.reject(new Error('two')), true",
+        "setTimeout(() => send(new Uint8Array(1 << 22))), true",
+    ] {
+        browser.evaluate("$('hint').className = ''");
+        browser.evaluate(fails);
+        browser.until("$('hint').classList.contains('bad') && $('hint').textContent.startsWith('Something went wrong: ')");
+    }
+    assert_eq!(browser.errors.len(), 3, "{:?}", browser.errors);
+}
+
 #[test]
 fn a_drawn_line_and_dropped_files_are_followed_with_the_bits_of_the_native_run() {
     let _turn = one_at_a_time();
@@ -242,14 +309,6 @@ fn a_drawn_line_and_dropped_files_are_followed_with_the_bits_of_the_native_run()
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../sim-host/tests/fixtures/wpilib_gaps.json");
     let text = std::fs::read_to_string(fixture).expect("a fixture");
-    let dropped = |name: &str, text: &str| {
-        format!(
-            "(() => {{ const transfer = new DataTransfer(); transfer.items.add(new File([{}], {})); \
-             window.dispatchEvent(new DragEvent('drop', {{ dataTransfer: transfer, cancelable: true }})); }})()",
-            json!(text),
-            json!(name)
-        )
-    };
     browser.evaluate(&dropped("path.json", &text));
     browser.until("path.length > 50 && status.state === 'tracking'");
     browser.until("status.state === 'parked'");
