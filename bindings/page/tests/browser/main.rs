@@ -152,6 +152,59 @@ fn a_finger_drags_the_goal_and_keys_drive() {
     assert_eq!(browser.errors, Vec::<String>::new());
 }
 
+/// Nothing is wider than the window, nothing lies on another button, and a reason is read to its end.
+#[test]
+fn narrow_windows_show_everything() {
+    let _turn = one_at_a_time();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for (width, dark) in [
+        (300, true),
+        (320, false),
+        (320, true),
+        (360, false),
+        (385, false),
+        (1000, true),
+    ] {
+        let mut browser = Chromium::open(width, 700, dark);
+        browser.go_to_file(page(), "");
+        let wider = browser.number("document.documentElement.scrollWidth") - f64::from(width);
+        assert!(wider <= 0.0, "{width}: {wider} points too wide");
+        // A button is what is seen where it is.
+        let hidden = browser.evaluate(
+            "[...document.querySelectorAll('nav button, nav select, #bars button')].filter((button) => { \
+             const r = button.getBoundingClientRect(); \
+             return [[r.left + 2, r.top + r.height / 2], [r.right - 2, r.top + r.height / 2]].some((p) => !button.contains(document.elementFromPoint(...p))); \
+             }).map((button) => button.id || button.dataset.tool)",
+        );
+        assert_eq!(hidden, json!([]), "{width}");
+        let name = format!("{}.toml", "a_long_name_".repeat(12));
+        let mine = include_str!("../../../../bases/hobby-1kg.toml");
+        browser.evaluate(&dropped(
+            &name,
+            &mine.replace("[limits]", "[limits]\nspead = 1"),
+        ));
+        browser.until("$('hint').classList.contains('bad')");
+        // It has faded in.
+        std::thread::sleep(Duration::from_millis(500));
+        let theme = if dark { "dark" } else { "light" };
+        browser.picture(&folder.join(format!("narrow-{width}-{theme}.png")));
+        let said = browser.evaluate("$('hint').innerText");
+        let said = said.as_str().expect("a text").to_owned();
+        let lines: Vec<&str> = said.lines().collect();
+        let at = lines
+            .iter()
+            .position(|line| line.contains("^^^^^"))
+            .expect("a mark");
+        assert_eq!(lines[at].find('^'), lines[at - 1].find("spead"), "{said}");
+        let cut = browser.number("Math.max($('hint').scrollWidth - $('hint').clientWidth, -$('hint').getBoundingClientRect().top + $('stage').getBoundingClientRect().top)");
+        assert!(cut <= 0.0, "{width}: {cut} points cut off");
+        let wider = browser.number("document.documentElement.scrollWidth") - f64::from(width);
+        assert!(wider <= 0.0, "{width}: {wider} points too wide");
+        assert_eq!(browser.errors, Vec::<String>::new());
+    }
+}
+
 /// Inputs of every kind, some ticks between them.
 const EVERYTHING: &str = "(() => { \
     running = false; \
