@@ -124,13 +124,15 @@ function showPlay() {
 }
 const step = () => { running = false; showPlay(); wasm.advance(1); };
 
-// Sharing: all inputs so far, packed, in the fragment.
+// Sharing: all inputs so far, packed, in the fragment: how, a checksum, which older links do not have, and they.
+const sumOf = (text) => { let sum = 0x811c9dc5; for (const c of text) sum = Math.imul(sum ^ c.charCodeAt(0), 0x01000193); return (sum >>> 0).toString(36); };
 async function through(stream, bytes) { return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer()); }
 async function link() {
   wasm.share();
   let bytes = view().slice(), kind = "r";
   if (typeof CompressionStream === "function") { bytes = await through(new CompressionStream("deflate-raw"), bytes); kind = "z"; }
-  return `${location.href.split("#")[0]}#${kind}=${toBase64(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
+  const text = toBase64(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+  return `${location.href.split("#")[0]}#${kind}${sumOf(kind + text)}=${text}`;
 }
 async function share() {
   running = false; showPlay();
@@ -139,12 +141,17 @@ async function share() {
   try { await navigator.clipboard.writeText(url); hint("Link copied: it plays this run again, bit for bit, up to this tick"); }
   catch { hint("The link is in the address bar: it plays this run again, bit for bit, up to this tick"); }
 }
+async function packedIn(fragment) {
+  const [, kind, sum, text] = /^#([rz])(\w*)=([\w-]+)$/.exec(fragment);
+  if (sum && sum !== sumOf(kind + text)) throw new Error("another checksum");
+  const bytes = fromBase64(text.replaceAll("-", "+").replaceAll("_", "/"));
+  return kind === "z" ? through(new DecompressionStream("deflate-raw"), bytes) : bytes;
+}
 async function open(fragment) {
-  const [, kind, text] = /^#([rz])=([\w-]+)$/.exec(fragment) || [];
-  if (!kind) return false;
+  if (!fragment) return false;
   try {
-    let bytes = fromBase64(text.replaceAll("-", "+").replaceAll("_", "/"));
-    if (kind === "z") bytes = await through(new DecompressionStream("deflate-raw"), bytes);
+    // Why it cannot be unpacked, each browser says otherwise.
+    const bytes = await packedIn(fragment).catch(() => { throw new Error("it is damaged, cut off perhaps"); });
     send(bytes);
     if (!wasm.replay()) throw new Error(said());
   } catch (error) { hint(`This link cannot be opened: ${error.message}`, true); return false; }

@@ -258,6 +258,30 @@ fn a_run_with_everything_in_it_has_the_bits_of_the_native_run() {
     assert_eq!(other.evaluate("status.hash"), run["hash"]);
     assert_eq!(other.evaluate("status.ticks"), run["ticks"]);
     assert_eq!(other.evaluate("running"), json!(false));
+    // One without a checksum, as links were, opens as well; one with a letter that is another one does not.
+    let (kind, text) = fragment
+        .split_once('=')
+        .expect("a checksum and what it is of");
+    assert!(kind.len() > 5, "{kind}");
+    let says = |browser: &mut Chromium, fragment: &str| {
+        browser.evaluate(&format!("open({})", json!(fragment)));
+        let said = browser.evaluate("$('hint').textContent");
+        said.as_str().expect("a text").to_owned()
+    };
+    let old = says(&mut other, &format!("#z={text}"));
+    assert!(old.starts_with("A shared run"), "{old}");
+    let damaged = "This link cannot be opened: it is damaged, cut off perhaps";
+    let whole = format!("#{fragment}");
+    for at in (1..whole.len()).step_by(whole.len() / 90 + 1).chain(1..12) {
+        for other_letter in ["A", "z", "_", "="] {
+            if !whole[at..].starts_with(other_letter) {
+                let other_link = format!("{}{other_letter}{}", &whole[..at], &whole[at + 1..]);
+                assert_eq!(says(&mut other, &other_link), damaged, "{at}");
+            }
+        }
+        assert_eq!(says(&mut other, &whole[..at]), damaged, "{at}");
+    }
+    assert_eq!(other.evaluate("status.hash"), run["hash"]);
     // What is not a link is reported, and something runs all the same.
     other.evaluate(
         "open('#r=AAECAwQ').then((opened) => { if (opened) throw new Error('opened'); })",
