@@ -9,14 +9,15 @@ use protocol::{
     tick_flags,
 };
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use sim_host::monitor::{Log, Monitor, Port, Received, column_names};
+use sim_host::monitor::{BoardServer, Log, Monitor, Port, Received, column_names};
 use sim_host::ros::read::Messages;
 use std::fs::File;
 use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
 use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 fn frame(sequence: u16, message: &Telemetry) -> Vec<u8> {
     let mut out = [0; MAX_FRAME];
@@ -334,6 +335,91 @@ fn it_serves_a_page_and_what_the_board_says() {
         .expect("runs");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!output.status.success(), "{said}");
+}
+
+/// A client that asks this, and then neither says nor reads anything.
+fn client(address: SocketAddr, asks: &str) -> TcpStream {
+    let mut line = TcpStream::connect(address).expect("connected");
+    line.set_read_timeout(Some(Duration::from_secs(20)))
+        .expect("set");
+    line.write_all(asks.as_bytes()).expect("asked");
+    line
+}
+
+const PAGE: &str = "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n";
+const EVENTS: &str = "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+#[test]
+fn what_one_client_does_or_leaves_keeps_no_other_waiting() {
+    let page = [b"<head></head>".as_slice(), &[b'x'; 400_000]].concat();
+    let server = BoardServer::start(0, &page).expect("a server");
+    let address = server.address();
+    let pipelined = PAGE.repeat(60);
+    let mut held = Vec::new();
+    for asks in [
+        "GET / HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\nContent-Length: 10\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n",
+        "POST /x HTTP/1.1\r\nHost: evil.example\r\nContent-Length: 5000000\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nab",
+        "GET / HTTP/1.1\r\nHo",
+        "",
+        &pipelined,
+        EVENTS,
+    ] {
+        held.push(client(address, asks));
+        // Whatever the server does with it, it does now.
+        std::thread::sleep(Duration::from_millis(100));
+        let begun = Instant::now();
+        let mut answer = String::new();
+        let mut other = client(address, PAGE);
+        other.read_to_string(&mut answer).expect("answered");
+        assert!(answer.starts_with("HTTP/1.1 200 OK"), "{asks}");
+        assert!(answer.ends_with("xxx"), "{asks}");
+        let mut listener = client(address, EVENTS);
+        while server.listeners() < 1 + usize::from(asks == EVENTS) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        server.send(&[0]);
+        let mut events = String::new();
+        while !events.ends_with("data: AA==\n\n") {
+            let mut piece = [0; 256];
+            let count = listener.read(&mut piece).expect("an event");
+            assert!(count > 0, "{asks}");
+            events += std::str::from_utf8(&piece[..count]).expect("text");
+        }
+        // What is not waited for is waited for 5 s.
+        assert!(begun.elapsed() < Duration::from_secs(3), "{asks}");
+        // A listener that has gone is found by what it does not hear.
+        drop(listener);
+        while server.listeners() > usize::from(asks == EVENTS) {
+            server.send(&[0]);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// It gets neither all that it has not read, nor a place among those that listen.
+#[test]
+fn a_listener_that_reads_nothing_is_let_go() {
+    let server = BoardServer::start(0, b"").expect("a server");
+    let mut lazy = client(server.address(), EVENTS);
+    while server.listeners() == 0 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let begun = Instant::now();
+    let piece = [0; 3000];
+    let mut sent = 0;
+    while server.listeners() > 0 {
+        server.send(&piece);
+        sent += 4 * piece.len() / 3;
+        std::thread::sleep(Duration::from_micros(200));
+        assert!(begun.elapsed() < Duration::from_secs(30));
+    }
+    std::thread::sleep(Duration::from_secs(6));
+    let mut got = Vec::new();
+    // Its end, or that it was cut off.
+    let _ = lazy.read_to_end(&mut got);
+    assert!(got.len() < sent, "{} of {sent} bytes", got.len());
 }
 
 #[test]

@@ -1,20 +1,30 @@
 //! The page, served with what the board says: to browsers on this machine only.
 //!
 //! Bytes go on as they come, as server-sent events; the page has the same decoder as [`Monitor`](super::Monitor).
+//!
+//! A request is answered on a thread of its own, within a time, and is the only one of its connection; a body is nowhere
+//! asked for. So nothing that a client does or leaves keeps another one waiting.
 
 use super::MonitorError;
-use std::io::{self, Write};
-use std::net::SocketAddr;
+use std::io::{self, BufRead as _, BufReader, Read, Write};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
-use tiny_http::{Header, Request, Response, StatusCode};
 
 /// Pieces that wait for a browser that does not read; one that is further behind is let go, and has to come again.
 const WAITING: usize = 10_000;
 /// A browser that hears nothing for so long hears that nothing is said.
 const QUIET: Duration = Duration::from_secs(5);
+/// A client has so long to say what it wants and to take it, and for each event.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Longest head of a request \[bytes\].
+const HEAD: u64 = 1 << 14;
+/// Connections at once, listeners among them; a further one is closed at once.
+const CONNECTIONS: usize = 256;
+/// Where the system takes no connection, it is asked again after so long.
+const PAUSE: Duration = Duration::from_millis(20);
 /// One that does not read is not waited for longer than this at the end.
 const FAREWELL: Duration = Duration::from_millis(500);
 /// After the page's first `<head>`: by this it knows that there is a board to listen to.
@@ -37,11 +47,12 @@ impl BoardServer {
     /// # Errors
     /// [`MonitorError::Serve`]: the port is taken.
     pub fn start(port: u16, page: &[u8]) -> Result<Self, MonitorError> {
-        let failed = |cause: String| MonitorError::Serve { port, cause };
-        let server = tiny_http::Server::http((std::net::Ipv4Addr::LOCALHOST, port))
-            .map_err(|cause| failed(cause.to_string()))?;
-        let address = server.server_addr().to_ip();
-        let address = address.ok_or_else(|| failed("no address".to_owned()))?;
+        let failed = |cause: io::Error| MonitorError::Serve {
+            port,
+            cause: cause.to_string(),
+        };
+        let server = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
+        let address = server.local_addr().map_err(failed)?;
         let mark = page.windows(MARK.0.len()).position(|word| word == MARK.0);
         let (head, rest) = page.split_at(mark.map_or(0, |at| at + MARK.0.len()));
         let mark = if head.is_empty() { &[] } else { MARK.1 };
@@ -51,8 +62,23 @@ impl BoardServer {
         // Weak, since this thread does not end.
         let (joining, writer) = (Arc::clone(&listeners), Arc::downgrade(&telling));
         thread::spawn(move || {
-            for request in server.incoming_requests() {
-                answer(request, &page, &joining, &writer);
+            let open = Arc::new(());
+            loop {
+                let Ok((line, _)) = server.accept() else {
+                    thread::sleep(PAUSE);
+                    continue;
+                };
+                if Arc::strong_count(&open) > CONNECTIONS {
+                    continue;
+                }
+                let (page, joining) = (Arc::clone(&page), Arc::clone(&joining));
+                let (writer, held) = (writer.clone(), Arc::clone(&open));
+                // Without a thread for it, it is closed as well.
+                let _ = thread::Builder::new().spawn(move || {
+                    // A client that has gone, or is not waited for any longer, is no error.
+                    let _ = answer(line, &page, &joining, &writer);
+                    drop(held);
+                });
             }
         });
         Ok(Self {
@@ -102,60 +128,101 @@ impl BoardServer {
     }
 }
 
-/// Answers a request. A browser that has gone is no error.
-fn answer(request: Request, page: &[u8], listeners: &Listeners, telling: &Weak<()>) {
-    let local = request.headers().iter().any(|header| {
-        let host = header.value.as_str();
-        let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
-        header.field.equiv("Host") && matches!(name, "127.0.0.1" | "localhost")
-    });
-    if !local {
-        // Another site's name that leads here: its scripts would read the board.
-        let _ = request.respond(Response::empty(StatusCode(403)));
-        return;
+/// A connection until an instant, after which reading and writing fail.
+struct Until(TcpStream, Instant);
+
+impl Until {
+    /// Zero, which is no timeout, fails as well.
+    fn left(&self) -> Option<Duration> {
+        Some(self.1.saturating_duration_since(Instant::now()))
     }
-    match request.url() {
-        "/" | "/index.html" => {
-            // The page says itself how its letters are encoded.
-            let kind = Header::from_bytes("Content-Type", "text/html");
-            let mut response = Response::from_data(page);
-            if let Ok(kind) = kind {
-                response.add_header(kind);
-            }
-            let _ = request.respond(response);
+}
+
+impl Read for Until {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.0.set_read_timeout(self.left())?;
+        self.0.read(bytes)
+    }
+}
+
+impl Write for Until {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.set_write_timeout(self.left())?;
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+/// Answers the first request of a connection, and ends it.
+fn answer(
+    line: TcpStream,
+    page: &[u8],
+    listeners: &Listeners,
+    telling: &Weak<()>,
+) -> io::Result<()> {
+    let mut line = Until(line, Instant::now() + PATIENCE);
+    let mut head = BufReader::new((&mut line).take(HEAD)).lines();
+    let asked = head.next().unwrap_or(Ok(String::new()))?;
+    let mut local = false;
+    loop {
+        let header = head.next().ok_or(io::ErrorKind::UnexpectedEof)??;
+        if header.is_empty() {
+            break;
         }
-        "/events" => {
+        let (field, host) = header.split_once(':').unwrap_or_default();
+        let host = host.trim();
+        let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
+        local |= field.eq_ignore_ascii_case("Host") && matches!(name, "127.0.0.1" | "localhost");
+    }
+    let mut words = asked.split(' ');
+    let (status, body): (_, &[u8]) = match (words.next(), words.next()) {
+        // Another site's name that leads here: its scripts would read the board.
+        _ if !local => ("403 Forbidden", &[]),
+        (Some("GET"), Some("/" | "/index.html")) => ("200 OK", page),
+        (Some("GET"), Some("/events")) => {
             let (sender, receiver) = sync_channel(WAITING);
+            let telling = telling.upgrade();
             listeners
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .push(sender);
-            let (writer, telling) = (request.into_writer(), telling.upgrade());
-            thread::spawn(move || {
-                // A browser that has gone ends it.
-                let _ = tell(writer, &receiver);
-                drop(telling);
-            });
+            let told = tell(line, &receiver);
+            drop(telling);
+            return told;
         }
-        _ => {
-            let _ = request.respond(Response::empty(StatusCode(404)));
-        }
-    }
+        (Some("GET"), _) => ("404 Not Found", &[]),
+        _ => ("405 Method Not Allowed", &[]),
+    };
+    // The page says itself how its letters are encoded.
+    write!(
+        line,
+        "HTTP/1.1 {status}\r\nContent-Type: text/html\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+        body.len()
+    )?;
+    line.write_all(body)?;
+    line.0.shutdown(Shutdown::Write)?;
+    // Closed with something unread, the connection would be reset, and the answer lost with it.
+    io::copy(&mut line, &mut io::sink())?;
+    Ok(())
 }
 
-/// Every event at once: a response of the library's own would gather 8 kB of them.
-fn tell(mut writer: Box<dyn Write + Send>, events: &Receiver<Arc<str>>) -> io::Result<()> {
-    writer.write_all(
+/// Every event as it comes, and each within its time.
+fn tell(mut line: Until, events: &Receiver<Arc<str>>) -> io::Result<()> {
+    line.0.set_nodelay(true)?;
+    line.write_all(
         b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n",
     )?;
-    writer.flush()?;
     loop {
-        match events.recv_timeout(QUIET) {
-            Ok(event) => writer.write_all(event.as_bytes())?,
-            Err(RecvTimeoutError::Timeout) => writer.write_all(b": quiet\n\n")?,
+        let event = events.recv_timeout(QUIET);
+        line.1 = Instant::now() + PATIENCE;
+        match event {
+            Ok(event) => line.write_all(event.as_bytes())?,
+            Err(RecvTimeoutError::Timeout) => line.write_all(b": quiet\n\n")?,
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
-        writer.flush()?;
     }
 }
 
