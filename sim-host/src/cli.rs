@@ -12,7 +12,7 @@ use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
 use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use board::{Chip, LawArg, Link, MonitorArgs, TeleopArgs};
 pub use identify::{IdentifyArgs, LiveArgs};
@@ -350,6 +350,20 @@ impl Cli {
     /// The command, `paper` if none was given.
     pub fn command(&self) -> &Command {
         self.command.as_ref().unwrap_or(&Command::Paper)
+    }
+
+    /// Where the command's log goes.
+    pub fn log(&self) -> Option<&Path> {
+        let log = match self.command() {
+            Command::Run { log, .. } | Command::Pil { log, .. } | Command::Faults { log, .. } => {
+                log
+            }
+            Command::Verify(arguments) | Command::Prove(arguments) => &arguments.log,
+            Command::Merge(arguments) => &arguments.log,
+            Command::Monitor(arguments) => &arguments.log,
+            _ => return None,
+        };
+        log.log.as_deref()
     }
 
     /// Where results go.

@@ -192,6 +192,28 @@ fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dy
     Ok(())
 }
 
+/// Not when the runs are made that it would be of.
+#[test]
+fn the_name_of_a_log_is_checked_first() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    for command in [
+        &["run", "park-beside"][..],
+        &["faults", "--runs", "1"],
+        &["verify", "hobby-1kg"],
+        &["pil", "paper-line"],
+        &["monitor", "no-such"],
+        &["merge", "no-such"],
+    ] {
+        let output = sim_host(here.path(), &[command, &["--log", "f.txt"]].concat());
+        let said = String::from_utf8(output.stderr)?;
+        assert_eq!(output.status.code(), Some(1), "{command:?}");
+        assert!(said.contains("f.txt: the name of a log ends in"), "{said}");
+        assert_eq!(String::from_utf8(output.stdout)?, "", "{command:?}");
+    }
+    assert!(!here.path().join("out").exists());
+    Ok(())
+}
+
 #[test]
 fn a_name_that_leads_to_nothing_is_told_what_is_built_in() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;

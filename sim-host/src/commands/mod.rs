@@ -22,10 +22,11 @@ mod tune;
 mod verify;
 mod write;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, LawArg};
 use error::CommandError;
 use sim_host::advice::{base_warnings, period_warning, warnings};
 use sim_host::campaign::{Campaign, Robots};
+use sim_host::datalog::check_name;
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::plain_text::written_out;
 use sim_host::record::Finished;
@@ -37,6 +38,10 @@ use std::path::PathBuf;
 /// Does what the arguments say.
 pub fn execute(cli: &Cli) -> Result<(), CommandError> {
     let output = cli.output();
+    if let Some(log) = cli.log() {
+        // Before anything runs: some know only at the end of which run it is.
+        check_name(log)?;
+    }
     match cli.command() {
         Command::Paper => compare::paper(&PAPER, output),
         Command::Run {

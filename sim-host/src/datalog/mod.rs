@@ -86,6 +86,27 @@ enum Format {
     Wpilog(Wpilog<File>),
 }
 
+enum Kind {
+    Bag,
+    Wpilog,
+}
+
+fn kind(path: &Path) -> Result<Kind, DataLogError> {
+    match path.extension().and_then(|ending| ending.to_str()) {
+        Some("mcap") => Ok(Kind::Bag),
+        Some("wpilog") => Ok(Kind::Wpilog),
+        _ => Err(DataLogError::Ending(path.to_owned())),
+    }
+}
+
+/// Whether a log can be named so, for those who have to run something first.
+///
+/// # Errors
+/// [`DataLogError::Ending`].
+pub fn check_name(path: &Path) -> Result<(), DataLogError> {
+    kind(path).map(|_| ())
+}
+
 /// The fields of a row, with the names of their columns.
 pub type Fields = [(&'static str, Cell)];
 
@@ -100,16 +121,15 @@ impl DataLog {
             cause,
         };
         let begin = || File::create(path).map_err(|error| failed(error.to_string()));
-        let format = match path.extension().and_then(|ending| ending.to_str()) {
-            Some("mcap") => {
+        let format = match kind(path)? {
+            Kind::Bag => {
                 let bag = Bag::new(begin()?, about);
                 Format::Bag(Box::new(bag.map_err(|error| failed(error.to_string()))?))
             }
-            Some("wpilog") => {
+            Kind::Wpilog => {
                 let log = Wpilog::new(begin()?, about.epoch_s);
                 Format::Wpilog(log.map_err(|error| failed(error.to_string()))?)
             }
-            _ => return Err(DataLogError::Ending(path.to_owned())),
         };
         Ok(Self {
             path: path.to_owned(),
