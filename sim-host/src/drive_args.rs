@@ -42,9 +42,10 @@ impl DriveArgs {
         }
     }
 
-    /// The first that was given of those that a scenario has in its file.
-    pub fn given(&self) -> Option<&'static str> {
+    /// The first that was given of those that a scenario has in its file; its base is not one of them where `by_base`.
+    pub fn given(&self, by_base: bool) -> Option<&'static str> {
         let options = [
+            ("--base", self.base.is_some() && !by_base),
             ("--offset", self.offset.is_some()),
             ("--fastest", self.route.fastest),
             ("--tolerance", self.route.tolerance.is_some()),

@@ -270,14 +270,17 @@ fn of_bag(path: &Path) -> (PathBuf, Option<String>) {
 
 /// By the first line that says something; none if no line does.
 ///
-/// TOML begins with `key = ` or `[table]`, where JSON has `{`, or `[` and then no name; the other
+/// TOML begins with `key = `, `[table]` or `[[table]]`, where JSON has `{`, or brackets and then no name; the other
 /// formats have neither.
 fn looks_like_toml(text: &str) -> Option<bool> {
     let text = text.trim_start_matches('\u{feff}');
     let line = text.lines().find(|line| !import::says_nothing(line))?;
     let line = line.trim();
     Some(match line.strip_prefix('[') {
-        Some(rest) => rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '[' || c == '"'),
+        Some(rest) => {
+            let name = rest.strip_prefix('[').unwrap_or(rest);
+            name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '"')
+        }
         None => line.contains('=') && !line.starts_with('{'),
     })
 }

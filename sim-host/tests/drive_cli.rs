@@ -171,7 +171,8 @@ fn a_file_is_run_at_the_period_of_its_base() -> Result<(), Box<dyn Error>> {
 fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dyn Error>> {
     let here = tempfile::tempdir()?;
     for option in [
-        &["--offset", "0.3"][..],
+        &["--base", "lab-10kg"][..],
+        &["--offset", "0.3"],
         &["--fastest"],
         &["--tolerance", "0"],
         &["--precision", "f32"],
@@ -186,7 +187,11 @@ fn options_of_trajectory_files_are_refused_with_scenarios() -> Result<(), Box<dy
         );
         assert!(said.contains(&expected), "{said}");
     }
+    let paper = ["compare", "paper-line", "--base", "lab-10kg"];
+    assert!(!sim_host(here.path(), &paper).status.success());
     assert!(!here.path().join("out").exists());
+    let by_base = [&paper[..], &["--law", "motion"]].concat();
+    assert!(sim_host(here.path(), &by_base).status.success());
     let both = ["run", "park-beside", &fixture("table.csv"), "--offset", "0"];
     assert!(sim_host(here.path(), &both).status.success());
     Ok(())
@@ -404,6 +409,12 @@ fn the_content_tells_a_scenario_from_a_trajectory() -> Result<(), Box<dyn Error>
     assert!(String::from_utf8(run.stderr)?.starts_with("error: b.json:4"));
     let run = sim_host(here.path(), &["run", "c.toml"]);
     assert!(String::from_utf8(run.stderr)?.starts_with("error: c.toml:1: run: is missing"));
+    // Of brackets alone nothing is TOML.
+    let deep = here.path().join("deep.json");
+    fs::write(&deep, "[".repeat(200_000))?;
+    let output = sim_host(here.path(), &["run", "deep.json"]);
+    let said = String::from_utf8(output.stderr)?;
+    assert!(said.contains("EOF while parsing a list"), "{said}");
     Ok(())
 }
 

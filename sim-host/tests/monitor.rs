@@ -285,6 +285,12 @@ fn logs_of_a_board_have_every_report() {
     );
     // All reports came within a tenth of a second, in which there is one odometry.
     assert_eq!(messages.poses(Some("/odom")).expect("poses").len(), 1);
+    let why = messages.poses(Some("/tf:nobody")).expect_err("no frame");
+    let why = why.to_string();
+    assert!(
+        why.contains("no child frame nobody; there are: base_link"),
+        "{why}"
+    );
 
     let output = monitor(&here, &["no-such", "--log", "board.bag"])
         .output()

@@ -246,11 +246,12 @@ fn compiled<'a>(
     Ok((name, table))
 }
 
-/// All files of a `run`. Of those that cannot be used every one is told.
+/// All files of a `run`; whether scenarios are driven by the base as well. Of those that cannot be used every one is told.
 pub fn load_all(
     files: &[std::path::PathBuf],
     arguments: &DriveArgs,
     base: &BaseSpec,
+    by_base: bool,
 ) -> Result<Vec<Job>, CommandError> {
     let run = arguments.file_run(base);
     let mut jobs: Vec<Job> = Vec::new();
@@ -267,7 +268,7 @@ pub fn load_all(
     }
     CommandError::all(failed)?;
     let follows = |job: &Job| matches!(job, Job::Mission { file: Some(_), .. });
-    match arguments.given() {
+    match arguments.given(by_base) {
         Some(option) if !jobs.iter().any(follows) => Err(CommandError::ForTrajectories(option)),
         _ => Ok(jobs),
     }

@@ -51,7 +51,7 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             drive,
         } => {
             let base = drive::base(drive.base.as_deref())?;
-            let jobs = drive::load_all(files, drive, &base)?;
+            let jobs = drive::load_all(files, drive, &base, false)?;
             run::all(&jobs, *csv, log, output)
         }
         Command::Check(arguments) => drive::check(arguments),
@@ -63,7 +63,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
             drive,
         } => {
             let base = drive::base(drive.base.as_deref())?;
-            let jobs = drive::load_all(files, drive, &base)?;
+            let by_base = laws.contains(&LawArg::Motion);
+            let jobs = drive::load_all(files, drive, &base, by_base)?;
             let chosen = drive.base.as_ref().map(|_| &base);
             compare::jobs(&jobs, laws, chosen, *csv, output)
         }
@@ -76,8 +77,8 @@ pub fn execute(cli: &Cli) -> Result<(), CommandError> {
         } => {
             let base = drive::base(drive.base.as_deref())?;
             let jobs = match files.as_slice() {
-                [] => drive::load_all(&PAPER.map(PathBuf::from), drive, &base)?,
-                files => drive::load_all(files, drive, &base)?,
+                [] => drive::load_all(&PAPER.map(PathBuf::from), drive, &base, false)?,
+                files => drive::load_all(files, drive, &base, false)?,
             };
             let board = pil::Board {
                 machine: (*machine).into(),

@@ -9,7 +9,7 @@ use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
 use mcap::MAGIC;
 use serde::de::DeserializeOwned;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A bag's beginning and end.
 pub fn is_bag(bytes: &[u8]) -> bool {
@@ -192,6 +192,7 @@ impl Messages {
         };
         let (kind, entries) = self.of(topic)?;
         let mut poses = Vec::new();
+        let mut frames = BTreeSet::new();
         // A path is sent again and again, as it grows: the last one is the whole.
         let from = match kind {
             PATH => entries.len().saturating_sub(1),
@@ -228,6 +229,8 @@ impl Messages {
                             "{topic} has transforms: name a child frame, as in {topic}:base_link"
                         )));
                     };
+                    let names = tf.transforms.iter().map(|t| t.child_frame_id.clone());
+                    frames.extend(names);
                     let those = tf.transforms.iter();
                     let those = those.filter(|transform| transform.child_frame_id == frame);
                     poses.extend(those.map(|t| decode.stamped(&t.header, &t.transform)));
@@ -241,7 +244,15 @@ impl Messages {
                 }
             }
         }
-        Ok(poses)
+        match (poses.is_empty(), frame) {
+            (false, _) => Ok(poses),
+            (true, Some(frame)) if kind == TF => {
+                let names = Vec::from_iter(frames).join(", ");
+                let problem = format!("{topic} has no child frame {frame}; there are: {names}");
+                Err(ReadError::Content(problem))
+            }
+            (true, _) => Err(ReadError::Content(format!("{topic} has no poses"))),
+        }
     }
 
     /// Pairs of a topic, right before left: of the named `joints` the `field`, or the first two numbers of an array.
