@@ -226,9 +226,9 @@ fn the_program_logs_a_terminal_until_it_is_unplugged() {
     assert_eq!(asked, Ask::GetCounters);
     board.write_all(&script()).expect("written");
     let log = here.path().join("bench.csv");
-    let until = std::time::Instant::now() + Duration::from_secs(20);
+    let until = Instant::now() + Duration::from_secs(20);
     while std::fs::read_to_string(&log).map_or(0, |text| text.lines().count()) < 4 {
-        assert!(std::time::Instant::now() < until, "no rows");
+        assert!(Instant::now() < until, "no rows");
         std::thread::sleep(Duration::from_millis(10));
     }
     drop(board);
@@ -315,7 +315,7 @@ fn it_serves_a_page_and_what_the_board_says() {
     std::io::BufRead::read_line(&mut shown, &mut line).expect("a line");
     let address = line.trim().strip_prefix("http://").expect("an address");
     let address = address.trim_end_matches('/');
-    let mut events = std::net::TcpStream::connect(address).expect("connected");
+    let mut events = TcpStream::connect(address).expect("connected");
     write!(events, "GET /events HTTP/1.1\r\nHost: {address}\r\n\r\n").expect("asked");
     let mut events = std::io::BufReader::new(events);
     let mut next = || {
