@@ -255,19 +255,18 @@ fn the_link_is_not_watched_only_when_told_so() {
 fn the_button_reaches_the_wheels_in_the_same_call() {
     for (brake, call) in [(true, Call::Brake), (false, Call::Release)] {
         for mut rig in [Rig::tracking(), Rig::parking(), Rig::new()] {
-            let idle = rig.task.state() == State::Idle;
             rig.command(Command::EmergencyStop { brake }).unwrap();
-            // Idle wheels are released, and stay so.
-            let call = if idle { Call::Release } else { call };
             assert_eq!(rig.task.drive_mut().output(), call, "before any tick");
             rig.tick();
             assert_eq!(rig.task.drive_mut().output(), call);
             assert_eq!(rig.task.cause(), Cause::EmergencyStop);
             rig.run_until(6000, |rig| rig.task.state() == State::Fault);
             assert_eq!(rig.command(Command::Arm), Err(RejectReason::State));
+            assert_eq!(rig.task.drive_mut().output(), call, "until the reset");
             rig.command(Command::ResetFault).unwrap();
             rig.tick();
             assert_eq!(rig.task.state(), State::Idle);
+            assert_eq!(rig.task.drive_mut().output(), Call::Release);
             rig.command(Command::Arm).unwrap();
         }
     }

@@ -12,7 +12,7 @@ use controller_core::safety::{FaultKind, Timeout};
 use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::drive::Call;
 use firmware_demo::mission;
-use protocol::{Command, WirePose};
+use protocol::Command;
 
 #[test]
 fn lost_encoders_brake_after_five_ticks() {
@@ -112,15 +112,20 @@ fn one_long_tick_stops() {
 
 #[test]
 fn jump_of_the_pose_is_ignored() {
-    reaches(FaultKind::PoseJump, 1, Rig::tracking(), |rig, _| {
-        let pose = WirePose {
-            x: 0.1,
-            y: 0.2,
-            theta: 0.3,
-        };
-        rig.command(Command::SetPose { pose }).unwrap();
-        rig.tick();
-    });
+    let fused = Rig::with(mission::params(MAX_TORQUE, true).unwrap(), Pose::default());
+    let fix = |rig: &mut Rig, aside: f32| {
+        let mut pose = rig.model.measured().pose;
+        pose.y += aside;
+        rig.tick_with(PERIOD_US, |sensed| {
+            sensed.fix = Some(Fix { pose, age_s: 0.0 });
+        });
+    };
+    let mut rig = moving(fused);
+    for _ in 0..100 {
+        fix(&mut rig, 0.0);
+    }
+    // So many as have to agree.
+    reaches(FaultKind::PoseJump, 10, rig, |rig, _| fix(rig, 1.0));
 }
 
 /// 250 ms after the torque has passed what turns a free wheel: from standstill, where nothing else is to be seen.

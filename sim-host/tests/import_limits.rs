@@ -606,13 +606,15 @@ fn runs_begin_and_end_no_faster_than_the_file() -> Result<(), Box<dyn Error>> {
         let p = ((t - 2.0) / 10.0).clamp(0.0, 1.0);
         format!("{t},{:.4},0,0", 2.0 * p * p * (3.0 - 2.0 * p))
     });
-    // 1 m in 0.5 s, with 16 m/s² up and down.
+    // 1 m in 0.5 s, with 25 m/s² up and down.
     let brisk = rows(25, 0.02, &|t| {
-        let left = 0.5 - t;
-        let (x, v) = if t < 0.25 {
-            (8.0 * t * t, 16.0 * t)
+        let left = (0.5 - t).max(0.0);
+        let (x, v) = if t < 0.1 {
+            (12.5 * t * t, 25.0 * t)
+        } else if left > 0.1 {
+            (0.125 + 2.5 * (t - 0.1), 2.5)
         } else {
-            (1.0 - 8.0 * left * left, 16.0 * left)
+            (1.0 - 12.5 * left * left, 25.0 * left)
         };
         format!("{t},{x},0,0,{v}")
     });
@@ -622,10 +624,8 @@ fn runs_begin_and_end_no_faster_than_the_file() -> Result<(), Box<dyn Error>> {
         ("t,x,y,theta,v", brisk, 0.0),
         ("t,x,y,theta,v", moves, 0.5),
     ] {
-        let file = import(
-            format!("{header}\n{rows}\n").as_bytes(),
-            &Options::default(),
-        )?;
+        let text = format!("{header}\n{rows}\n");
+        let file = trajectory(text.as_bytes(), &Retiming::default())?;
         for (pace, tube) in [
             (Pace::Own, 0.0),
             (Pace::Own, 0.01),

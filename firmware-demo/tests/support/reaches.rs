@@ -53,7 +53,12 @@ pub fn reaches(kind: FaultKind, within: u32, mut rig: Rig, mut tick: impl FnMut(
     rig.run_until(10_500, |rig| rig.task.state() == then.state());
     rig.run(200);
     assert_eq!(rig.task.state(), then.state(), "{kind}");
-    assert_eq!(rig.task.drive_mut().output(), Call::Release, "{kind}");
+    // What was braked stays braked.
+    let output = match response.reaction {
+        Reaction::Brake => Call::Brake,
+        _ => Call::Release,
+    };
+    assert_eq!(rig.task.drive_mut().output(), output, "{kind}");
     assert_eq!(rig.park(1.0, 0.0, 0.0), Err(RejectReason::State));
     if response.latch {
         assert_eq!(rig.command(Command::Arm), Err(RejectReason::State));

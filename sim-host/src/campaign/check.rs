@@ -78,17 +78,28 @@ pub(super) const fn stops(state: State) -> bool {
     )
 }
 
-/// A base that stops does not go back to a milder output until it is freed, nor leaves a latched state before a reset.
+/// What of the frames that reached a base may change its output.
+pub(super) struct Heard {
+    /// One that may lead out of a stop.
+    pub(super) frees: bool,
+    /// A reset.
+    pub(super) reset: bool,
+    /// The button.
+    pub(super) button: bool,
+}
+
+/// A base that stops does not go back to a milder output until it is freed, nor leaves a latched state before a reset. The button brakes one that stands
+/// released.
 pub(super) fn milder(
     before: (State, Reaction),
     report: &BaseReport<f32>,
-    freed: bool,
-    reset: bool,
+    heard: &Heard,
 ) -> Result<(), String> {
     let (state, was) = before;
-    let stopping = stops(state);
     let now = severity(report);
-    if stopping && !freed && now < was {
+    let stands = matches!(state, State::Stopped | State::Fault);
+    let braked = stands && now == Reaction::Brake && heard.button;
+    if stops(state) && !heard.frees && !braked && now < was {
         return Err(format!(
             "{was:?} in {state:?} became {now:?} in {:?}",
             report.state
@@ -100,7 +111,7 @@ pub(super) fn milder(
             State::Fault | State::Stopping(Then::Fault) | State::Braking(Then::Fault)
         )
     };
-    if latched(state) && !reset && !latched(report.state) {
+    if latched(state) && !heard.reset && !latched(report.state) {
         return Err(format!("latched {state:?} became {:?}", report.state));
     }
     Ok(())
