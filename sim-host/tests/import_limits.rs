@@ -661,6 +661,7 @@ fn files_take_the_least_time_but_for_what_the_document_says() -> Result<(), Box<
         .collect();
     // Ten files on three bases at two paces.
     assert_eq!(rows.len(), 60);
+    // Of files that rest at both ends by their two paces, then of those that do not.
     let mut most = [[0.0_f64; 3]; 4];
     for row in rows {
         let [name, base, pace, least] = row[..] else {

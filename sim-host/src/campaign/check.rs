@@ -78,14 +78,19 @@ pub(super) const fn stops(state: State) -> bool {
     )
 }
 
-/// What of the frames that reached a base may change its output.
-pub(super) struct Heard {
+/// Frames that reached the base between two ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Received {
+    /// Any, with every byte as it was sent.
+    pub(super) any: bool,
+    /// Any that the protocol reads.
+    pub(super) read: bool,
     /// One that may lead out of a stop.
     pub(super) frees: bool,
     /// A reset.
     pub(super) reset: bool,
-    /// The button.
-    pub(super) button: bool,
+    /// A stop, with no such frame after it; an emergency stop if so.
+    pub(super) stop: Option<bool>,
 }
 
 /// A base that stops does not go back to a milder output until it is freed, nor leaves a latched state before a reset. The button brakes one that stands
@@ -93,13 +98,13 @@ pub(super) struct Heard {
 pub(super) fn milder(
     before: (State, Reaction),
     report: &BaseReport<f32>,
-    heard: &Heard,
+    received: &Received,
 ) -> Result<(), String> {
     let (state, was) = before;
     let now = severity(report);
     let stands = matches!(state, State::Stopped | State::Fault);
-    let braked = stands && now == Reaction::Brake && heard.button;
-    if stops(state) && !heard.frees && !braked && now < was {
+    let braked = stands && now == Reaction::Brake && received.stop == Some(true);
+    if stops(state) && !received.frees && !braked && now < was {
         return Err(format!(
             "{was:?} in {state:?} became {now:?} in {:?}",
             report.state
@@ -111,7 +116,7 @@ pub(super) fn milder(
             State::Fault | State::Stopping(Then::Fault) | State::Braking(Then::Fault)
         )
     };
-    if latched(state) && !heard.reset && !latched(report.state) {
+    if latched(state) && !received.reset && !latched(report.state) {
         return Err(format!("latched {state:?} became {:?}", report.state));
     }
     Ok(())

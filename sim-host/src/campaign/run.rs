@@ -407,12 +407,7 @@ impl<'a, 'queue> Runner<'a, 'queue> {
         self.obedience.check(&self.board, received, &report)?;
         let limit = self.base.limits.wheel_torque_nm as f32;
         check::outputs(&report, self.board.actuation(), limit)?;
-        let heard = check::Heard {
-            frees: received.frees,
-            reset: received.reset,
-            button: received.stop == Some(true),
-        };
-        check::milder(was, &report, &heard)?;
+        check::milder(was, &report, received)?;
         check::reacted(was.0, &report)?;
         if let Some(why) = check::wrong(&before, &report, |why| self.timeline.allows(why)) {
             return Err(format!("{why} is found, which it is not"));

@@ -2,6 +2,7 @@
 
 use super::Checked;
 use super::mutation::Mutation;
+use crate::campaign::check::Received;
 use crate::campaign::expected::no_number;
 use crate::campaign::fault_injection::{FaultInjection, What};
 use crate::campaign::host::{Answered, Course, Host, Manner, park};
@@ -21,21 +22,6 @@ pub(super) enum Intent {
     Quiet,
     Follow,
     Park(Pose<f64>),
-}
-
-/// Frames that reached the base between two ticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Received {
-    /// Any, with every byte as it was sent.
-    pub(super) any: bool,
-    /// Any that the protocol reads.
-    pub(super) read: bool,
-    /// One that may lead out of a stop.
-    pub(super) frees: bool,
-    /// A reset.
-    pub(super) reset: bool,
-    /// A stop, with no such frame after it; an emergency stop if so.
-    pub(super) stop: Option<bool>,
 }
 
 /// The host of a plan, and what of its frames reached the base.

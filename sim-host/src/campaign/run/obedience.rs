@@ -1,8 +1,8 @@
 //! A stop that has arrived is obeyed, and a host that is silent is missed in time.
 
 use super::Checked;
-use super::host::Received;
-use crate::campaign::check;
+
+use crate::campaign::check::{self, Received};
 use crate::closed_loop::Board;
 use controller_core::base::BaseReport;
 use controller_core::safety::Timeout;

@@ -33,6 +33,7 @@ fn stops_are_bounded_in_time() {
     let mut braked = 0;
     for k in 1..=1000 {
         if supervisor.tick(10_000, false) == Action::Brake {
+            // The second time as it ends: shorted motors stay so.
             assert!(k == 500 || k == 1000, "{k}");
             braked += 1;
         }
