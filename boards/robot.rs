@@ -170,6 +170,7 @@ pub const BASE: BaseParams<f32> = BaseParams {
         stalled: Response::passing(Reaction::ControlledStop),
         goal_unreachable: Response::passing(Reaction::ControlledStop),
         gyro: Response::passing(Reaction::Ignore),
+        over_speed: Response::latched(Reaction::Brake),
     },
     supervisor: SupervisorParams {
         stop_limit: Timeout::AfterUs(5_000_000),

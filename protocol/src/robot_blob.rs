@@ -19,7 +19,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 /// How every blob begins.
 const MAGIC: [u8; 4] = *b"BASE";
 /// Version of the content: whatever changes the fields of [`BaseParams`] raises it.
-pub const ROBOT_BLOB_VERSION: u16 = 5;
+pub const ROBOT_BLOB_VERSION: u16 = 6;
 /// Most bytes of a blob.
 pub const MAX_ROBOT_BLOB: usize = 1024;
 /// That of frames without its table, which takes a kB of flash: a blob is checked once.

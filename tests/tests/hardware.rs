@@ -17,6 +17,7 @@ mod motor_speed;
 mod odometry;
 mod odometry_reset;
 mod odometry_slow;
+mod over_speed;
 mod safety_detectors;
 mod safety_quiet;
 mod safety_supervisor;

@@ -11,7 +11,7 @@ use controller_core::motor::{DriverParams, SpeedParams};
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::reference::Reference;
 use controller_core::robot::Robot;
-use controller_core::safety::supervisor::{Event, State};
+use controller_core::safety::supervisor::{Event, State, Then};
 use controller_core::safety::{Fault, Side, Timeout};
 use controller_core::types::{Accel, Pose, Twist, WheelSpeeds, WheelTorques};
 
@@ -63,6 +63,8 @@ fn params(speeds: SpeedParams) -> BaseParams {
 struct Rig {
     base: BaseController,
     lag_s: f32,
+    /// Speed that a driver turns its wheel at, over what it is told.
+    faster: f32,
     speeds: [f32; 2],
     turned: [f32; 2],
     /// A wheel that does not turn, and one whose counts have the wrong sign.
@@ -76,6 +78,7 @@ impl Rig {
         let mut rig = Self {
             base: BaseController::new(&base, Pose::default()),
             lag_s: speeds.lag_s,
+            faster: 1.0,
             speeds: [0.0; 2],
             turned: [0.0; 2],
             blocked: [false; 2],
@@ -98,7 +101,7 @@ impl Rig {
         };
         for (i, asked) in asked.into_iter().enumerate() {
             let share = 1.0 - (-DT / self.lag_s).exp();
-            self.speeds[i] += share * (asked - self.speeds[i]);
+            self.speeds[i] += share * (self.faster * asked - self.speeds[i]);
             if self.blocked[i] {
                 self.speeds[i] = 0.0;
             }
@@ -183,6 +186,18 @@ fn without_a_law_at_work_the_wheels_are_free() {
     assert!(matches!(rig.base.report().action, WheelAction::Drive(_)));
     assert_eq!(rig.base.emergency_stop(), WheelAction::Brake);
     assert_eq!(rig.tick(&drive(0.5)).action, WheelAction::Brake);
+}
+
+/// A driver that takes rad/s for turns per second: a base that is told to go at half of its speed goes three times as fast as it ever should.
+#[test]
+fn a_driver_that_takes_radians_for_turns_is_over_speed() {
+    let mut rig = Rig::new(SPEEDS);
+    rig.faster = core::f32::consts::TAU;
+    let ticks = rig.until(&drive(0.5), Fault::OverSpeed(Side::Both));
+    assert_eq!(rig.base.report().action, WheelAction::Brake);
+    assert_eq!(rig.base.report().state, State::Braking(Then::Fault));
+    // Up to the limit of 1.5 m/s within 0.4 s, by accelerations of 0.8 m/s² as they are told; and a tenth of a second.
+    assert!(ticks < 60, "{ticks}");
 }
 
 /// What a driver says of torques is taken for the next tick's speed and for nothing else.

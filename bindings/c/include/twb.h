@@ -208,6 +208,7 @@ typedef struct twb_action {
 #define TWB_FAULT_STALLED 15u
 #define TWB_FAULT_GOAL_UNREACHABLE 16u
 #define TWB_FAULT_GYRO 17u
+#define TWB_FAULT_OVER_SPEED 18u
 
 /* Everything about the last tick; state and cause are those of this instant. */
 typedef struct twb_report {

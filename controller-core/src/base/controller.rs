@@ -6,6 +6,7 @@ use super::io::{Order, Sensed, WheelAction};
 use super::locate::{Located, Locator};
 use super::motor_bias::MotorBias;
 use super::orders::{self, Leading};
+use super::over_speed::OverSpeed;
 use super::params::ValidBaseParams;
 use super::report::BaseReport;
 use super::speed_drive::{SpeedDrive, SpeedTick};
@@ -74,6 +75,7 @@ pub struct BaseController<T = f32, M = Single, U = RationalMean, const N: usize 
     detectors: Detectors<T>,
     report: BaseReport<T>,
     host: HostWatch,
+    over_speed: OverSpeed,
     supervisor: Supervisor,
     base: ValidBaseParams<T>,
     locator: Locator<T, N>,
@@ -96,6 +98,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             speeds: SpeedDrive::default(),
             exerted: WheelTorques::default(),
             host: HostWatch::NEW,
+            over_speed: OverSpeed::default(),
             report: BaseReport::new(supervisor.state(), supervisor.cause()),
             supervisor,
         }
@@ -125,12 +128,14 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
             !self.report.blind,
             &mut self.report.active_faults,
         );
+        let over_speed = self.over_speed(dt_us);
         let given_up = self.given_up();
         if self.report.gyro.slides_s > T::ZERO {
             self.yield_to_slide();
         }
         let gyro = self.report.gyro.fault;
         let active_faults = &mut self.report.active_faults;
+        active_faults.add_some(over_speed);
         active_faults.add_some(given_up);
         active_faults.add_some(gyro.map(Fault::Gyro));
         self.supervisor
@@ -265,6 +270,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         } else {
             Side::Left
         }
+    }
+
+    /// Wheels that turn too fast.
+    #[inline(always)]
+    fn over_speed(&mut self, dt_us: u32) -> Option<Fault> {
+        let twist = &self.report.measured.as_ref()?.twist;
+        let limits = &self.base.over_speed;
+        self.over_speed
+            .check(limits, &self.base.motion, twist, dt_us)
     }
 
     /// What the motion law said in the last tick about getting there.
@@ -499,6 +513,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         self.motors = MotorBias::default();
         self.speeds = SpeedDrive::default();
         self.detectors = Detectors::default();
+        self.over_speed = OverSpeed::default();
         self.supervisor.reconfigure(&base.supervisor);
         self.idle();
         Ok(())

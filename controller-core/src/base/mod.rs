@@ -25,6 +25,7 @@ mod io;
 mod locate;
 mod motor_bias;
 mod orders;
+mod over_speed;
 mod params;
 mod report;
 mod speed_drive;

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::over_speed::OverSpeedLimits;
 use crate::error::{Field, ParamError, Problem};
 use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
@@ -200,14 +201,17 @@ impl<T: Scalar> BaseParams<T> {
             let field = Field::StuckTorque;
             return Err(BaseError::Param(ParamError { field, problem }));
         }
+        let motion = self.motion.validate()?;
+        let detectors = self.detectors.validate()?;
         Ok(ValidBaseParams {
-            motion: self.motion.validate()?,
+            over_speed: OverSpeedLimits::of_base(&motion, &detectors),
+            motion,
             localisation: self.localiser.validate_with::<M>()?.with_robot(
                 &self.motion.robot,
                 larger(self.motion.gains.turn_loop, self.motion.gains.speed_loop),
             )?,
             driver,
-            detectors: self.detectors.validate()?,
+            detectors,
             policy: self.policy.validate()?,
             supervisor: self.supervisor.validate()?,
         })
@@ -255,6 +259,7 @@ fn larger_us<T: Scalar>(us: T, least: u32) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValidBaseParams<T = f32> {
     pub(super) motion: ValidMotionParams<T>,
+    pub(super) over_speed: OverSpeedLimits<T>,
     pub(super) localisation: ValidLocaliserParams<T>,
     pub(super) driver: Driver<T>,
     pub(super) detectors: ValidDetectorParams<T>,

@@ -303,4 +303,10 @@ impl<T: Scalar> ValidDetectorParams<T> {
     pub fn params(&self) -> &DetectorParams<T> {
         &self.params
     }
+
+    /// Largest acceleration of a wheel by the load \[rad/s²\].
+    pub(crate) fn load_accel(&self) -> T {
+        let window = T::from_f64(WINDOW);
+        window * window * self.load_travel
+    }
 }

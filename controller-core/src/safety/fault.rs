@@ -269,6 +269,11 @@ faults! {
         None,
         // What is left is a base without a gyro.
         Response::IGNORE;
+    /// A wheel turns faster than any command and any load explain: what drives it does not do what it is told.
+    OverSpeed (Side) = 18, over_speed,
+        None,
+        // The velocity loop is what does not hold the speed; an electrical brake needs none.
+        Response::latched(Reaction::Brake);
 }
 
 impl FaultKind {
@@ -314,7 +319,8 @@ impl fmt::Display for Fault {
             Self::EncoderStuck(side)
             | Self::EncoderReversed(side)
             | Self::WheelSlip(side)
-            | Self::OverCurrent(side) => write!(f, "{name} ({side:?})"),
+            | Self::OverCurrent(side)
+            | Self::OverSpeed(side) => write!(f, "{name} ({side:?})"),
             Self::Driver(kind) => write!(f, "{name}: {kind}"),
             Self::StepRefused(fault) => write!(f, "{name}: {fault}"),
             Self::Gyro(fault) => write!(f, "{name}: {fault}"),
@@ -336,7 +342,7 @@ mod tests {
             assert_eq!(FaultKind::from_code(kind.code()), Some(kind));
         }
         assert_eq!(FaultKind::from_code(0), None);
-        assert_eq!(FaultKind::from_code(18), None);
+        assert_eq!(FaultKind::from_code(19), None);
     }
 
     #[test]

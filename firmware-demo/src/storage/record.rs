@@ -5,7 +5,7 @@ use protocol::{CRC, FieldParams};
 /// Bytes of a record: a multiple of every flash's write unit.
 pub const RECORD: usize = 256;
 /// Version of what is in it.
-pub const RECORD_VERSION: u8 = 3;
+pub const RECORD_VERSION: u8 = 4;
 const HEADER: usize = 5;
 
 /// What a slot holds.

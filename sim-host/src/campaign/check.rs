@@ -89,7 +89,9 @@ pub(super) struct Received {
     pub(super) frees: bool,
     /// A reset.
     pub(super) reset: bool,
-    /// A stop, with no such frame after it; an emergency stop if so.
+    /// An emergency stop, be it of a frame that arrived with other bytes around it.
+    pub(super) button: bool,
+    /// A stop that arrived with every byte as it was sent, and no such frame after it; an emergency stop if so.
     pub(super) stop: Option<bool>,
 }
 
@@ -103,7 +105,7 @@ pub(super) fn milder(
     let (state, was) = before;
     let now = severity(report);
     let stands = matches!(state, State::Stopped | State::Fault);
-    let braked = stands && now == Reaction::Brake && received.stop == Some(true);
+    let braked = stands && now == Reaction::Brake && received.button;
     if stops(state) && !received.frees && !braked && now < was {
         return Err(format!(
             "{was:?} in {state:?} became {now:?} in {:?}",

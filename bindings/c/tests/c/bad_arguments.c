@@ -218,7 +218,8 @@ static void texts(void) {
     EXPECT(strcmp(twb_fault_name(0), "unknown") == 0);
     EXPECT(strcmp(twb_fault_name(TWB_FAULT_MEASUREMENT_STALE), "measurement_stale") == 0);
     EXPECT(strcmp(twb_fault_name(TWB_FAULT_GYRO), "gyro") == 0);
-    EXPECT(strcmp(twb_fault_name(TWB_FAULT_GYRO + 1u), "unknown") == 0);
+    EXPECT(strcmp(twb_fault_name(TWB_FAULT_OVER_SPEED), "over_speed") == 0);
+    EXPECT(strcmp(twb_fault_name(TWB_FAULT_OVER_SPEED + 1u), "unknown") == 0);
     EXPECT(strcmp(twb_fault_name(33), "unknown") == 0);
     EXPECT(strcmp(twb_fault_name(0xFFFFFFFFu), "unknown") == 0);
 }

@@ -251,6 +251,7 @@ impl Received {
                 self.reset |= *command == Command::ResetFault;
                 self.stop = None;
             }
+            Command::EmergencyStop { .. } => self.button = true,
             Command::Park { .. } | Command::Sample(_) | Command::Drive { .. } => self.frees = true,
             _ => {}
         }
