@@ -141,6 +141,7 @@ def test_the_base_is_the_real_one() -> None:
         (lambda: ParkVectorEnv(10**12), "size"),
         (lambda: ParkVectorEnv(3, threads=0), "threads"),
         (lambda: ParkEnv(start_m=np.nan), "start_m"),
+        (lambda: ParkEnv(start_m=10.0), "start_m"),
         (lambda: ParkEnv(act_s=1e12), "act_s"),
         (lambda: ParkEnv(longest_s=np.inf), "longest_s"),
         (lambda: ParkVectorEnv(2).reset(options={"reset_mask": [True]}), "reset_mask"),

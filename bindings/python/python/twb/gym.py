@@ -30,6 +30,8 @@ _Flags: TypeAlias = NDArray[np.bool_]
 PARKED = (0.02, 0.05, 0.02, 0.05)
 #: Farther than this from the goal [m] an episode is over.
 FAR_M = 10.0
+#: Farthest start in x and in y [m]: in the corner of the square it is nearer than `FAR_M`.
+START_M = 7.0
 #: States of the supervisor in which orders are not obeyed any more.
 STOPPED = ("stopping", "braking", "stopped", "fault")
 
@@ -49,7 +51,7 @@ class _Course:
     ) -> None:
         # An action is one call that nothing stops.
         for key, value, least, most in (
-            ("start_m", start_m, 0.0, FAR_M),
+            ("start_m", start_m, 0.0, START_M),
             ("act_s", act_s, 1e-4, 10.0),
             ("longest_s", longest_s, 1e-4, 1e6),
         ):
@@ -73,7 +75,7 @@ class _Course:
         self.cost: NDArray[np.float64] = np.zeros(size)
 
     def begin(self, random: np.random.Generator, which: NDArray[np.int64]) -> None:
-        """New episodes: at rest anywhere within `start_m` of the goal, with any heading, in a new world."""
+        """New episodes: at rest, in x and in y within `start_m` of the goal, with any heading, in a new world."""
         count = len(which)
         if count == 0:
             return
