@@ -6,9 +6,9 @@ use sim_host::constants::{c_header, module_name, period_us, rust};
 use sim_host::mission::BaseSpec;
 use sim_host::part::{AT_ONCE, MAX_SEEDS};
 use sim_host::scenario::{BASES, BuiltInBase};
-use sim_host::trials::Course;
+use sim_host::trials::{Condition, Course, Figures};
 use sim_host::tune::{KNOBS, update};
-use sim_host::verify::{Run, shortcoming, verify};
+use sim_host::verify::{Run, Verification, shortcoming, verdict, verify};
 use std::error::Error;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -515,4 +515,32 @@ fn the_way_from_a_file_to_constants() -> Result<(), Box<dyn Error>> {
     let refused = sim_host(here.path(), &["tune", "lab-10kg", "--write"]);
     assert_eq!(refused.status.code(), Some(1));
     Ok(())
+}
+
+/// Runs that did not park have no time after which they did, and that is said in words.
+#[test]
+fn parks_that_never_happen_have_no_time() {
+    let run = |parked, time_s| Run {
+        course: Course::Line,
+        condition: Condition::Drawn,
+        seed: 1,
+        figures: Figures {
+            parked,
+            time_s,
+            error_m: 0.0,
+            error_rad: 0.0,
+            tracking_m: None,
+            ripple: None,
+            effort: 0.0,
+            peak: None,
+            stopped: None,
+            found: Vec::new(),
+        },
+    };
+    let text = verdict(&Verification {
+        runs: vec![run(true, 8.0), run(true, 9.0), run(false, 60.0)],
+        cases: Vec::new(),
+    });
+    let line = "half parked within 9.0 s, 99 % never, the last never";
+    assert!(text.contains(line) && !text.contains("inf"), "{text}");
 }

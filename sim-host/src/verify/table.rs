@@ -87,12 +87,16 @@ pub fn verdict(verification: &Verification) -> String {
         format!("FAIL: {failures} ({}; 95 % confidence)", list.join(", "))
     };
     for course in Course::ALL {
-        let within = |share| verification.parked_within_s(course, share);
-        let (half, most, all) = (within(0.5), within(0.99), within(1.0));
+        let parked = |share, word: &str| match verification.parked_within_s(course, share) {
+            time_s if time_s.is_finite() => format!("{word} {time_s:.1} s"),
+            _ => "never".to_owned(),
+        };
+        let [half, most, all] = [(0.5, "within"), (0.99, "within"), (1.0, "after")]
+            .map(|(share, word)| parked(share, word));
         // Writing to a string does not fail.
         let _ = write!(
             text,
-            "\n{:10} half parked within {half:.1} s, 99 % within {most:.1} s, the last after {all:.1} s",
+            "\n{:10} half parked {half}, 99 % {most}, the last {all}",
             course.name()
         );
     }
