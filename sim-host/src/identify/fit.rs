@@ -52,6 +52,33 @@ pub(super) struct Fit {
     pub(super) windows: usize,
 }
 
+/// Added to the information of each parameter, as a share of it: what the data do not show is uncertain without end.
+const UNSHOWN: f64 = 1.0e-9;
+
+impl Fit {
+    /// Whether a parameter is below zero, and not by chance: by three standard deviations, with all others as uncertain as they
+    /// are.
+    pub(super) fn is_negative(&self, index: usize) -> bool {
+        // Parameters differ by orders of magnitude: by their own information all are alike.
+        let unit = self.information.diagonal().map(|own| own.max(0.0).sqrt());
+        let count = unit.len();
+        let scaled = DMatrix::from_fn(count, count, |i, j| {
+            let product = unit[i] * unit[j];
+            let shown = if product > 0.0 {
+                self.information[(i, j)] / product
+            } else {
+                0.0
+            };
+            shown + if i == j { UNSHOWN } else { 0.0 }
+        });
+        let Some(covariance) = scaled.cholesky().map(|c| c.inverse()) else {
+            return false;
+        };
+        let value = self.value[index] * unit[index];
+        value < 0.0 && value * value > 9.0 * covariance[(index, index)]
+    }
+}
+
 /// Steps until a fit has certainly converged: from a start within 50 % it takes five to ten.
 const STEPS: usize = 40;
 /// A step that lowers the sum of squares by less than this part is the last: a hundredth of a

@@ -21,6 +21,10 @@ use std::f64::consts::TAU;
 pub const WINDOW_S: f64 = 5.0;
 /// Fewer fixes in a window say no more than its start pose.
 const MIN_FIXES: usize = 5;
+/// Headings this far off, root mean square, follow no wheels \[rad\]: any heading whatever is 1.8 rad off.
+pub(super) const ANY_HEADING_RAD: f64 = 1.0;
+/// Missing rows over which the wheels' angles still say the way \[s\]: a turn changes little meanwhile.
+const BRIDGED_S: f64 = 0.1;
 /// Time over which residuals may be correlated \[s\].
 const CORRELATED_S: f64 = 0.5;
 
@@ -39,11 +43,12 @@ struct Poses<'a> {
     windows: Vec<Vec<Sighting>>,
 }
 
-/// Fits (r_R, r_L, 1/l). Nothing if the log has too few fixes.
-pub(super) fn kinematics(log: &Log, latency_s: f64) -> Option<Fit> {
+/// Fits (r_R, r_L, 1/l). Nothing if the log has too few fixes. No window goes over a longer time that is `missing`: which way a
+/// robot took meanwhile the wheels' angles do not say.
+pub(super) fn kinematics(log: &Log, latency_s: f64, missing: &[bool]) -> Option<Fit> {
     let model = Poses {
         log,
-        windows: windows(log, latency_s),
+        windows: windows(log, latency_s, missing),
     };
     if model.windows.is_empty() {
         return None;
@@ -57,9 +62,11 @@ pub(super) fn kinematics(log: &Log, latency_s: f64) -> Option<Fit> {
     fit(&model, start, &scale, vec![1.0e-2, 1.0e-2], lags, ROUNDS)
 }
 
-fn windows(log: &Log, latency_s: f64) -> Vec<Vec<Sighting>> {
+fn windows(log: &Log, latency_s: f64, missing: &[bool]) -> Vec<Vec<Sighting>> {
     let mut windows: Vec<Vec<Sighting>> = vec![Vec::new()];
     let mut begun = f64::NEG_INFINITY;
+    let lost = |row: usize| missing[row] && log.t[row + 1] - log.t[row] > BRIDGED_S;
+    let mut last = 0;
     for fix in &log.fixes {
         let time = log.t[fix.row] - fix.age_s - latency_s;
         let after = log.t.partition_point(|&t| t <= time);
@@ -69,7 +76,12 @@ fn windows(log: &Log, latency_s: f64) -> Vec<Vec<Sighting>> {
         }
         let row = (after - 1).min(log.t.len() - 2);
         let part = (time - log.t[row]) / (log.t[row + 1] - log.t[row]);
-        if time - begun > WINDOW_S {
+        if lost(row) {
+            continue;
+        }
+        let over = (last..row).any(lost);
+        last = row;
+        if over || time - begun > WINDOW_S {
             windows.push(Vec::new());
             begun = time;
         }

@@ -4,6 +4,7 @@
 //! | step | module |
 //! | --- | --- |
 //! | read the log | [`log`] |
+//! | rows that are missing, angles that jump, currents of the wrong sign | `rows` |
 //! | radii and track from poses: dead reckoning with free start poses | `kinematics` |
 //! | wheel motion and current from commands: simulated stretches with free start states | `stretches`, `wheels`, `motor`, `start`, `dynamics` |
 //! | lags, gear losses and dead bands, fitted with the rest; the battery behind the supply | `drivetrain`, `source` |
@@ -38,6 +39,7 @@ pub mod quantity;
 pub mod record;
 pub mod report;
 mod ride;
+mod rows;
 mod source;
 mod start;
 mod stretches;
@@ -240,6 +242,47 @@ pub enum IdentifyError {
          sides swapped?"
     )]
     Against(&'static str),
+    /// Wheels turn the robot the other way than the poses do.
+    #[error(
+        "the robot turns to the right by its poses where it turns to the left by its wheels: sides swapped, or is theta clockwise, \
+         or y to the right?"
+    )]
+    Mirrored,
+    /// Headings that no wheels follow.
+    #[error(
+        "headings of the poses are {off_rad:.1} rad off those by the wheels (root mean square), which is nearly any heading: is \
+         theta in rad?"
+    )]
+    Headings {
+        /// Root mean square.
+        off_rad: f64,
+    },
+    /// A wheel's angle jumps.
+    #[error(
+        "the {side} wheel's angle jumps by {step_rad:.3} rad in one row, to t = {t_s} s: a counter that wraps or was reset, counts \
+         that were lost, a damaged row?"
+    )]
+    Jump {
+        /// The wheel.
+        side: &'static str,
+        /// Of the row after the jump.
+        t_s: f64,
+        /// How far.
+        step_rad: f64,
+    },
+    /// A wheel's angle stays while its motor is driven and the other wheel turns.
+    #[error("the {0} wheel's angle never changes, whatever its command: is the encoder connected?")]
+    Still(&'static str),
+    /// A current flows against its command.
+    #[error(
+        "the {side} motor's current flows against its {commands} commands: has the sensor no sign, or the wrong one?"
+    )]
+    Current {
+        /// The motor.
+        side: &'static str,
+        /// Which ones.
+        commands: &'static str,
+    },
     /// A quantity that no file of a base can have.
     #[error("{quantity} comes out as {value:.4e} {unit}, {}: {UNITS}", beyond(.problem))]
     Implausible {
@@ -287,24 +330,37 @@ const VAGUE: f64 = 0.5;
 /// # Errors
 /// Signs of the log that contradict each other, and quantities that no robot has.
 pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyError> {
+    rows::check(log)?;
+    let missing = rows::missing(log);
     let speeds = stretches::speeds(log);
-    let mut used = stretches::stretches(log, &speeds, options.slow_rad_s, &[]);
+    let stretches = |limited: &[bool]| {
+        stretches::stretches(log, &speeds, options.slow_rad_s, limited, &missing)
+    };
+    let mut used = stretches(&[]);
     let mut limited = Vec::new();
     // Twice: rows at the limit hide how much current a command makes.
     for _ in 0..2 {
         limited = start::limited(log, &speeds, &used, options.known.current_limit_a);
         if limited.contains(&true) {
-            used = stretches::stretches(log, &speeds, options.slow_rad_s, &limited);
+            used = stretches(&limited);
         }
     }
-    let poses = kinematics::kinematics(log, options.latency_s);
+    let poses = kinematics::kinematics(log, options.latency_s, &missing);
     let (motion, train) = dynamics::dynamics(log, &options.known, &speeds, &used, &limited).unzip();
     if let Some(fit) = &poses {
+        if fit.sigma[1] > kinematics::ANY_HEADING_RAD {
+            return Err(IdentifyError::Headings {
+                off_rad: fit.sigma[1],
+            });
+        }
         for (i, side) in SIDES.into_iter().enumerate() {
             // Not by chance: three standard deviations.
             if fit.value[i] < 0.0 && fit.value[i].powi(2) * fit.information[(i, i)] > 9.0 {
                 return Err(IdentifyError::Backwards(side));
             }
+        }
+        if fit.is_negative(2) {
+            return Err(IdentifyError::Mirrored);
         }
     }
     if let Some(fit) = &motion {
@@ -314,8 +370,8 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
             }
         }
     }
-    // Of voltages that are not those that acted, motion determines nothing.
-    let spoilt = train.as_ref().and_then(|train| train.sags(log));
+    // Of commands or voltages that are not those that acted, motion determines nothing.
+    let spoilt = rows::lost(log).or_else(|| train.as_ref().and_then(|train| train.sags(log)));
     let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {
         drive: log.drive,
@@ -324,8 +380,8 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         known: options.known.clone(),
     };
     let combined = combine::combine(&given, poses.as_ref(), motion.as_ref());
-    let driven = verdict::Driven::new(log, options, &speeds, &used, spoilt);
-    let found = verdict::judge(
+    let driven = verdict::Driven::new(log, options, &speeds, &used, &missing, spoilt);
+    let mut found = verdict::judge(
         &given,
         &combined,
         &driven,
@@ -334,5 +390,6 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
     );
     found.plausible()?;
     found.can_be(log)?;
+    found.warnings.extend(rows::warning(log, &missing));
     Ok(found)
 }

@@ -43,13 +43,15 @@ pub(super) fn speeds(log: &Log) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// All stretches with both wheels faster than `slow` \[rad/s\] without rows that are `limited`. None begins at the
-/// first row: the current there belongs to a command that is not in the log.
+/// All stretches with both wheels faster than `slow` \[rad/s\] without rows that are `limited`, and that go over none after which
+/// others are `missing`. None begins at the first row, or at one after missing ones: the current there belongs to a command that is
+/// not in the log.
 pub(super) fn stretches(
     log: &Log,
     speeds: &[[f64; 2]],
     slow: f64,
     limited: &[bool],
+    missing: &[bool],
 ) -> Vec<Stretch> {
     let turns = |row: usize| {
         let speed = speeds[row];
@@ -70,16 +72,17 @@ pub(super) fn stretches(
         let same = |other: usize| turns(other) == Some(here);
         (about.all(same) && after.all(same)).then_some(here)
     };
+    let begins = |row: usize| direction(row).filter(|_| !missing[row - 1]);
     let mut found = Vec::new();
     let mut row = 1;
     while row < speeds.len() {
-        let Some(sign) = direction(row) else {
+        let Some(sign) = begins(row) else {
             row += 1;
             continue;
         };
         let first = row;
         while row < speeds.len()
-            && direction(row) == Some(sign)
+            && begins(row) == Some(sign)
             && log.t[row] - log.t[first] <= LONGEST_S
         {
             row += 1;

@@ -27,6 +27,8 @@ pub(super) struct Driven {
     apart: f64,
     slow_rad_s: f64,
     stretches: usize,
+    /// Whether rows are missing.
+    gaps: bool,
     step_rad: Option<f64>,
     /// Why the motion determines nothing.
     spoilt: Option<&'static str>,
@@ -38,6 +40,7 @@ impl Driven {
         options: &Options,
         speeds: &[[f64; 2]],
         used: &[Stretch],
+        missing: &[bool],
         spoilt: Option<&'static str>,
     ) -> Self {
         let mean = |of: fn(&[f64; 2]) -> f64| {
@@ -48,6 +51,7 @@ impl Driven {
             apart: mean(|s| 0.5 * (s[0] - s[1])),
             slow_rad_s: options.slow_rad_s,
             stretches: used.len(),
+            gaps: missing.contains(&true),
             step_rad: log.step_rad,
             spoilt,
         }
@@ -62,8 +66,13 @@ impl Driven {
         if self.stretches == 0 && !lengths {
             return format!(
                 "no stretch of {SHORTEST_S} s in which both wheels turn faster than {} rad/s \
-                 without reversing",
-                self.slow_rad_s
+                 without reversing{}",
+                self.slow_rad_s,
+                if self.gaps {
+                    ", and no row is missing"
+                } else {
+                    ""
+                }
             );
         }
         if matches!(quantity, Q::Track | Q::Inertia) && self.apart < HARDLY * self.together {

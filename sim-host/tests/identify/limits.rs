@@ -3,8 +3,8 @@
 use crate::robot::{RECORDER, Recorder, Robot, random, recommended};
 use Quantity as Q;
 use sim_host::identify::{
-    Drive, Identified, IdentifyError, Known, KnownError, Log, LogError, Options, Quantity, Verdict,
-    identify,
+    Drive, Fix, Identified, IdentifyError, Known, KnownError, Log, LogError, Options, Quantity,
+    Verdict, identify,
 };
 
 fn robot() -> Robot {
@@ -293,4 +293,159 @@ fn a_duty_counts_with_the_supply_under_it() {
     let under: Vec<_> = log.command.iter().map(|[right, _]| 2.0 * right).collect();
     let next: Vec<_> = (1..20).rev().chain([1]).map(f64::from).collect();
     assert_eq!(under, next);
+}
+
+/// The rows of `log` that `kept` says, and the poses in them.
+fn without_rows(log: &Log, kept: impl Fn(usize) -> bool) -> Log {
+    let rows: Vec<usize> = (0..log.t.len()).filter(|row| kept(*row)).collect();
+    let pairs = |of: &[[f64; 2]]| rows.iter().map(|row| of[*row]).collect();
+    let fixes = log.fixes.iter().filter_map(|fix| {
+        let row = rows.binary_search(&fix.row).ok()?;
+        Some(Fix { row, ..*fix })
+    });
+    Log {
+        t: rows.iter().map(|row| log.t[*row]).collect(),
+        command: pairs(&log.command),
+        angle: pairs(&log.angle),
+        current: log.current.as_deref().map(pairs),
+        fixes: fixes.collect(),
+        ..log.clone()
+    }
+}
+
+/// Loggers lose rows, and pause: a command that is not in the log acted meanwhile. What the rest says is true, and it is said that
+/// rows are missing.
+#[test]
+fn rows_that_are_missing_make_nothing_false() {
+    // By ramps, so that many of the lost rows had commands of their own.
+    let ramps = |t: f64| {
+        let wave = |period: f64| 0.55 + 0.25 * (std::f64::consts::TAU * t / period).sin();
+        match t {
+            t if t < 8.0 => [wave(0.7); 2],
+            t if t < 13.0 => [wave(0.7), -wave(0.7)],
+            t if t < 19.0 => [-wave(0.8), -wave(1.1)],
+            _ => [wave(1.1), wave(0.7)],
+        }
+    };
+    for (seed, drive) in [(1, recommended as fn(f64) -> [f64; 2]), (2, ramps)] {
+        let mut random = random(seed);
+        let robot = Robot::draw(&mut random);
+        let whole = robot.record(&RECORDER, &mut random, drive);
+        type Kept<'a> = &'a dyn Fn(usize) -> bool;
+        let losses: [(&str, Kept); 2] = [
+            ("pause of 0.4 s", &|row| !(401..440).contains(&row)),
+            ("pause of 4 s", &|row| !(401..800).contains(&row)),
+        ];
+        let all = identify(&whole, &options()).expect("nothing contradicts");
+        assert!(all.warnings.is_empty(), "{:?}", all.warnings);
+        for (name, kept) in losses {
+            let found = identify(&without_rows(&whole, kept), &options()).expect(name);
+            let missing = found
+                .warnings
+                .iter()
+                .any(|w| w.contains("rows are missing"));
+            assert!(missing, "{name}: {:?}", found.warnings);
+            for quantity in Q::ALL {
+                let (
+                    Some(Verdict::Identified { value, half_width }),
+                    Some(Verdict::Identified {
+                        value: of_all,
+                        half_width: wide,
+                    }),
+                ) = (found.of(quantity), all.of(quantity))
+                else {
+                    continue;
+                };
+                assert!(
+                    (value - of_all).abs() <= half_width + wide && *half_width < 8.0 * wide,
+                    "seed {seed}, {name}, {}: {value} ± {half_width} and {of_all} ± {wide}",
+                    quantity.name()
+                );
+            }
+            value(&found, Q::Mass);
+        }
+        // Every stretch has such rows: only the poses say something.
+        let found = without_rows(&whole, |row| row % 17 != 5);
+        let found = identify(&found, &options()).expect("nothing contradicts");
+        for quantity in [Q::Mass, Q::ResistanceLeft, Q::CoulombRight] {
+            let why = why(&found, quantity);
+            assert!(why.contains("rows are missing so often"), "{why}");
+        }
+        value(&found, Q::Track);
+    }
+}
+
+#[test]
+fn counters_that_jump_or_stand_are_named() {
+    let log = recorded(recommended);
+    let turn = std::f64::consts::TAU;
+    // A tenth of a turn lost, a counter of 16 bits, a reset in the midst of the drive.
+    let angles: [fn(f64, f64) -> f64; 3] = [
+        |angle, turn| angle - 0.1 * turn,
+        |angle, turn| angle - 32.0 * turn,
+        |_, _| 0.0,
+    ];
+    for change in angles {
+        let mut log = log.clone();
+        let from = log.angle[1500];
+        for angle in &mut log.angle[1500..] {
+            angle[1] = angle[1] - from[1] + change(from[1], turn);
+        }
+        let error = identify(&log, &options()).expect_err("a jump");
+        let at = matches!(error, IdentifyError::Jump { side: "left", t_s, .. } if (t_s - 15.0).abs() < 1e-9);
+        assert!(at, "{error}");
+    }
+    let mut dead = log;
+    for angle in &mut dead.angle {
+        angle[0] = 1.0;
+    }
+    assert_eq!(
+        identify(&dead, &options()),
+        Err(IdentifyError::Still("right"))
+    );
+}
+
+#[test]
+fn currents_without_a_sign_are_named() {
+    let log = recorded(recommended);
+    let with = |change: fn(f64) -> f64| {
+        let mut log = log.clone();
+        for current in log.current.iter_mut().flatten() {
+            current[1] = change(current[1]);
+        }
+        identify(&log, &options())
+    };
+    let named = |commands| {
+        Err(IdentifyError::Current {
+            side: "left",
+            commands,
+        })
+    };
+    assert_eq!(with(f64::abs), named("negative"));
+    assert_eq!(with(|current| -current), named("positive"));
+}
+
+/// Poses of another frame fit some robot, too, which is another one.
+#[test]
+fn poses_of_another_frame_are_named() {
+    let with = |change: fn(&mut [f64; 3])| {
+        let mut log = recorded(recommended);
+        for fix in &mut log.fixes {
+            change(&mut fix.pose);
+        }
+        identify(&log, &options())
+    };
+    let mirrored = with(|pose| *pose = [pose[0], -pose[1], -pose[2]]);
+    assert_eq!(mirrored, Err(IdentifyError::Mirrored));
+    let degrees = with(|pose| pose[2] = pose[2].to_degrees());
+    assert!(
+        matches!(degrees, Err(IdentifyError::Headings { off_rad }) if off_rad > 1.0),
+        "{degrees:?}"
+    );
+    let mut swapped = recorded(recommended);
+    let pairs = swapped.command.iter_mut().chain(&mut swapped.angle);
+    for pair in pairs.chain(swapped.current.iter_mut().flatten()) {
+        pair.reverse();
+    }
+    assert_eq!(identify(&swapped, &options()), Err(IdentifyError::Mirrored));
 }
