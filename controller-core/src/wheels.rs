@@ -33,6 +33,10 @@ impl<T: Scalar> WheelGeometry<T> {
         ]
     }
 
+    pub(crate) fn mean_radius_m(&self) -> T {
+        T::HALF * (self.radius_right_m + self.radius_left_m)
+    }
+
     /// What both wheels push straight on with \[N\] that exert `torque_nm` each \[N m\]: τ/r_R + τ/r_L, Eq. (3).
     pub fn force_n(&self, torque_nm: T) -> T {
         torque_nm / self.radius_right_m + torque_nm / self.radius_left_m

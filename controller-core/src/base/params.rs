@@ -231,7 +231,7 @@ fn own_loop_breaks_loose<T: Scalar>(
         Timeout::Off => return Timeout::Off,
     };
     let wheels = &robot.wheels;
-    let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
+    let radius = wheels.mean_radius_m();
     // On each wheel is half of the weight.
     let usual = T::from_f64(FRICTION_SHARE * 9.81) * T::HALF * robot.mass_kg * radius;
     let way = T::from_f64(2.0) * speeds.way_to_push_m(larger(speeds.breakaway_nm, usual), robot);

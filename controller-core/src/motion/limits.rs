@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 use crate::types::Twist;
 
 /// Share of the wheels' torque that the command may use; the rest is the velocity loop's.
-pub(crate) const COMMAND_SHARE: f64 = 0.75;
+const COMMAND_SHARE: f64 = 0.75;
 
 /// Limits of a base, each positive and finite. The controller stays inside all of them at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +84,11 @@ impl<T: Scalar> Limits<T> {
     /// max(v, l w/2) \[m/s\]. The [`rim_speed`](Self::rim_speed) of motors that are made for either and not for both.
     pub fn least_rim_speed(speed: T, turn_rate: T, track_m: T) -> T {
         larger(speed, T::HALF * track_m * turn_rate)
+    }
+
+    /// What a command may use of a wheel's torque \[N m\].
+    pub(crate) fn command_torque_nm(&self) -> T {
+        T::from_f64(COMMAND_SHARE) * self.wheel_torque_nm
     }
 
     pub(crate) fn check(&self) -> Result<(), ParamError> {

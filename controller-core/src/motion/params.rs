@@ -3,7 +3,7 @@
 use super::arrival::Arrival;
 use super::gains::{MotionGains, NOISE_HEADING_RAD};
 use super::lag::Lag;
-use super::limits::{COMMAND_SHARE, Limits};
+use super::limits::Limits;
 use super::load;
 use super::manoeuvre::{AxisLimits, OffsetLimits, PLAN_SHARE, PlanLimits};
 use super::observer_limits::ObserverLimits;
@@ -139,7 +139,7 @@ impl<T: Scalar> MotionParams<T> {
                 self.robot.mass_kg * gains.speed_loop,
                 self.robot.inertia_kg_m2 * gains.turn_loop,
             ),
-            command_torque_nm: f(COMMAND_SHARE) * self.limits.wheel_torque_nm,
+            command_torque_nm: self.limits.command_torque_nm(),
             lateral: gains.lateral / gains.heading,
             gentle: smaller(self.limits.accel, self.limits.brake),
             observer: ObserverLimits::of(&self.limits),
@@ -168,7 +168,7 @@ fn largest_force<T: Scalar>(params: &MotionParams<T>) -> T {
 /// Acceleration \[m/s²\] and angular acceleration \[rad/s²\] that the wheels have to give to a command.
 pub(crate) fn reach<T: Scalar>(robot: &Robot<T>, limits: &Limits<T>) -> (T, T) {
     let wheels = &robot.wheels;
-    let force = wheels.force_n(T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm);
+    let force = wheels.force_n(limits.command_torque_nm());
     let moment = T::HALF * wheels.track_m * force;
     (force / robot.mass_kg, moment / robot.inertia_kg_m2)
 }
@@ -201,7 +201,7 @@ fn plan_limits<T: Scalar>(params: &MotionParams<T>) -> PlanLimits<T> {
     let driving = T::HALF * robot.mass_kg * larger(limits.accel, limits.brake);
     let turning = robot.inertia_kg_m2 * limits.turn_accel / wheels.track_m;
     let needed = radius * (driving + turning);
-    let torque = T::from_f64(COMMAND_SHARE) * limits.wheel_torque_nm;
+    let torque = limits.command_torque_nm();
     let share = T::from_f64(PLAN_SHARE);
     let accel = if needed > torque {
         share * torque / needed

@@ -30,7 +30,7 @@ impl<T: Scalar> DetectorParams<T> {
     pub fn for_base(motion: &MotionParams<T>, counts_per_turn: T, period_us: u32) -> Self {
         let f = T::from_f64;
         let wheels = &motion.robot.wheels;
-        let radius = T::HALF * (wheels.radius_right_m + wheels.radius_left_m);
+        let radius = wheels.mean_radius_m();
         // Half of the weight is on each wheel. 5 % of it is a ramp of 3 degrees; ramps and pushes of 15 % are
         // still not taken for a fault.
         let share = f(0.05 * 9.81) * T::HALF * motion.robot.mass_kg * radius;
