@@ -203,7 +203,8 @@ pub fn fitted(
 }
 
 /// The reference of a file, within [`TOLERANCE`] of its poses, recorded (TUM) ones within the importer's own; where no base drives that,
-/// because they are noisy, within that of `retiming`.
+/// because they are noisy, within that of `retiming`. It begins and ends at rest where the file states no speeds: the robot starts from rest and parks at the
+/// last pose.
 ///
 /// # Errors
 /// A file that cannot be driven.
@@ -212,6 +213,7 @@ pub fn trajectory(bytes: &[u8], retiming: &Retiming) -> Result<Trajectory, Refus
     let options = Options {
         tolerance: planned.then_some(TOLERANCE),
         tube_m: Some(retiming.tolerance_m),
+        rests: true,
     };
     import(bytes, &options)
 }

@@ -46,6 +46,7 @@ mod json;
 mod limits;
 mod noise;
 mod options;
+mod ramps;
 mod raw;
 mod refusal;
 mod repair;

@@ -20,6 +20,8 @@ pub struct Options {
     /// Poses with more noise than the tolerance, as recorded ones, may be passed as far off as the noise needs, within a tube of this
     /// radius \[m\]; that is listed as a repair.
     pub tube_m: Option<f64>,
+    /// A file that states no speeds begins and ends at rest, however it moves there, if that passes its poses; else as it moves.
+    pub rests: bool,
 }
 
 impl Options {

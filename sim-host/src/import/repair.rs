@@ -8,7 +8,7 @@ use std::fmt;
 pub struct Repair {
     /// The first sample concerned.
     pub place: Place,
-    /// Its time \[s\], on the clock of the trajectory, which starts at 0.
+    /// Its time in the file \[s\], from that of the first sample on.
     pub t: f64,
     /// How many samples in all.
     pub count: usize,

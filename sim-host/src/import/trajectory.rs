@@ -3,6 +3,7 @@
 use super::fit::motion::{Jerk, advance, travel};
 use super::fit::{self, CLUSTER, Ends, Node, Rest, Target};
 use super::noise::{self, Noise};
+use super::ramps::{Ramps, fit_at_rest};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::{Fix, Repair};
@@ -102,7 +103,7 @@ impl Trajectory {
         } else {
             Ends::Noisy
         };
-        let Some((mut nodes, close)) = fit::fit(&local, rest, tolerance, ends) else {
+        let Some((mut nodes, mut close)) = fit::fit(&local, rest, tolerance, ends) else {
             let span = samples.last().map_or(0.0, |s| s.t);
             let place = samples.last().map(|s| s.place.clone()).unwrap_or_default();
             return Err(Refusal::new(format, place, Reason::TooShort(span)));
@@ -110,6 +111,16 @@ impl Trajectory {
         if close.excess > 1.0 {
             return Err(undrivable(format, &samples, &close, tolerance, &noise));
         }
+        let mut ramps = None;
+        if options.rests
+            && !(rest.start && rest.end)
+            && samples.iter().all(|sample| sample.v.is_none())
+            && let Some(found) = fit_at_rest(&local, &nodes, rest, tolerance, ends)
+        {
+            (nodes, close) = (found.1, found.2);
+            ramps = Some(found.0);
+        }
+        let passes = |t: f64| ramps.map_or(t, |ramps: Ramps| ramps.passes(t));
         for node in &mut nodes {
             node.z[0] += origin[0];
             node.z[1] += origin[1];
@@ -133,9 +144,9 @@ impl Trajectory {
                 repairs.add(to.place.clone(), to.t + start, Fix::SharedKnot);
             } else if let (Some(a), Some(b)) = (from.w, to.w) {
                 let implied = ((b - a) / (to.t - from.t)).abs();
-                let mid = trajectory.at(0.5 * (from.t + to.t)).alpha.abs();
-                let now = trajectory.at(from.t).alpha.abs().max(mid);
-                let now = now.max(trajectory.at(to.t).alpha.abs());
+                let turned = |t: f64| trajectory.at(passes(t)).alpha.abs();
+                let mid = turned(0.5 * (from.t + to.t));
+                let now = turned(from.t).max(mid).max(turned(to.t));
                 if implied > HARSH && now < 0.5 * implied {
                     let what = Fix::Smoothed { implied, now };
                     repairs.add(to.place.clone(), to.t + start, what);
