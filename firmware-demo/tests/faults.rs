@@ -2,16 +2,17 @@
 //! until it is reset.
 
 use crate::reaches::{moving, reaches, with};
-use crate::rig::{MAX_TORQUE, PERIOD_US, Rig};
+use crate::rig::{MAX_TORQUE, PERIOD_US, Rig, body};
 use controller_core::hal::{ErrorKind, WheelCounts};
 use controller_core::localiser::Fix;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{State, Then};
 use controller_core::safety::{FaultKind, Timeout};
-use controller_core::types::{Accel, Pose, Twist};
+use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::drive::Call;
 use firmware_demo::mission;
+use firmware_demo::model::Model;
 use protocol::Command;
 
 #[test]
@@ -209,7 +210,12 @@ fn wall_stops() {
         params.detectors.wheels.reversed = Timeout::Off;
     });
     let there = rig.counts;
+    let at_wall = Measured {
+        pose: rig.model.measured().pose,
+        ..Measured::default()
+    };
     reaches(FaultKind::Stalled, 4000, rig, |rig, _| {
+        rig.model = Model::new(body(), at_wall);
         rig.tick_with(PERIOD_US, |sensed| sensed.counts = Ok(there));
     });
 }

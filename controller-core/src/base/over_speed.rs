@@ -26,7 +26,7 @@ use crate::types::Twist;
 /// What no detector takes for a fault: three times the load.
 const LOADS: f64 = 3.0;
 
-/// Share of the largest rim speed that it may be exceeded by. A mass that is off by 30 % leaves 0.3 a/κ of a commanded acceleration a, 1 to 6 % of the shipped
+/// Share of the largest rim speed that it may be exceeded by. A mass that is off by 30 % leaves 0.3 a/κ of a commanded acceleration a, 3 to 5 % of the shipped
 /// bases' rim speeds; the rest is for speeds that odometry measures with noise, and wheels that are larger than stated.
 const SHARE: f64 = 0.25;
 
@@ -42,6 +42,12 @@ pub(super) struct OverSpeedLimits<T> {
 }
 
 impl<T: Scalar> OverSpeedLimits<T> {
+    /// No rim is.
+    pub(super) const NONE: Self = Self {
+        above: T::ZERO,
+        after: Timeout::Off,
+    };
+
     /// What follows from limits, gains and load.
     pub(super) fn of_base(
         motion: &ValidMotionParams<T>,
