@@ -6,7 +6,7 @@ use crate::work::work;
 use crate::{arguments, error, sheet};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyIterator};
 use sim_host::csv_out::{self, trace_sheet, unit};
 use sim_host::drive::{DriveMetrics, summary};
 use sim_host::figure::{Labelled, five_panels};
@@ -104,6 +104,18 @@ impl Run {
         }
     }
 
+    /// Whether there is such a column; other things than names are none.
+    fn __contains__(&self, column: &Bound<'_, PyAny>) -> bool {
+        let name = column.extract::<std::borrow::Cow<'_, str>>();
+        name.is_ok_and(|name| self.columns().contains(&&*name))
+    }
+
+    /// Names of the columns, as of a table.
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.columns().into_pyobject(py)?.try_iter()
+    }
+
+    /// Rows of each column.
     fn __len__(&self) -> usize {
         self.trace.rows.len()
     }

@@ -81,6 +81,15 @@ def test_arrays_have_the_bits_of_the_csv_file(name: str) -> None:
         run["nothing"]
 
 
+def test_a_run_is_a_table_of_its_columns() -> None:
+    run = twb.simulate("paper-line")
+    assert list(run) == run.columns and set(run) == set(run.trace)
+    assert all(column in run for column in run)
+    assert "nothing" not in run and 0 not in run and None not in run
+    # As of a data frame, what it holds is columns and how long it is are rows.
+    assert len(run) == len(run["t"]) > len(run.columns)
+
+
 def test_many_are_one_at_a_time_bit_for_bit() -> None:
     starts = np.array([[0.1 * k, 0.5 - 0.1 * k, 0.3 * k] for k in range(8)])
     planned = twb.missions(
