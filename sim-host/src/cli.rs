@@ -304,7 +304,7 @@ Examples:
     /// Each with its 95 % interval, or with the reason why this log cannot tell it and what would.
     /// Prints a table, writes LOG-identify.json. Exit code 0 also where something is not
     /// identifiable, 1 if the log cannot be read or contradicts itself, or if --coverage finds an
-    /// interval that holds the true value in less than 90 % of the drives.
+    /// interval that holds the true value in less than 90 % of the drives, by more than chance.
     ///
     /// The log is CSV with a header, SI units; a row holds what is measured at t and the command
     /// that acts from t on:

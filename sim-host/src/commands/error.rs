@@ -129,7 +129,7 @@ pub enum CommandError {
     #[error(transparent)]
     Coverage(#[from] sim_host::identify::coverage::CoverageError),
     #[error(
-        "intervals hold the true value in less than 90 % of the drives: {}",
+        "intervals hold the true value in less than 90 % of the drives, by more than chance: {}",
         .0.join(", ")
     )]
     NotCovered(Vec<String>),

@@ -54,10 +54,7 @@ fn covered(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(),
         rates: &rates,
     };
     Writer::new(output)?.json(&format!("{name}-coverage"), &[record])?;
-    let missed: Vec<_> = rates
-        .iter()
-        .filter(|r| r.share() < coverage::LEAST)
-        .collect();
+    let missed: Vec<_> = rates.iter().filter(|rate| rate.fails()).collect();
     match missed[..] {
         [] => Ok(()),
         _ => Err(CommandError::NotCovered(

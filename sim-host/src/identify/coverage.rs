@@ -10,6 +10,9 @@ use serde::Serialize;
 
 /// Share of the logs in which intervals have to hold the true value. They are meant for 95 %.
 pub const LEAST: f64 = 0.9;
+/// Probability, at most, at which a quantity whose true share is [`LEAST`] fails by chance. At a share of 95 %, which intervals are
+/// meant for, that of 20 logs or more is below 1.7e-4, so that one of 21 quantities fails in less than one of 250 studies.
+pub const CHANCE: f64 = 0.01;
 
 /// Why there is no coverage.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +52,12 @@ impl Rate {
             0 => 1.0,
             given => self.within as f64 / given as f64,
         }
+    }
+
+    /// Whether the share is below [`LEAST`], and not by chance: the upper bound of Clopper and Pearson's with the tail [`CHANCE`], which
+    /// is the one-sided binomial test.
+    pub fn fails(&self) -> bool {
+        self.given > 0 && clopper_pearson(self.within, self.given, CHANCE).1 < LEAST
     }
 
     /// 95 % interval of that share for all logs of this kind.
@@ -143,4 +152,29 @@ pub fn truths(base: &BaseSpec, (hardware, motor): (&Hardware, &MotorParams)) -> 
         all.push((format!("dead_band_{side}"), motor.dead_band));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rate;
+
+    /// Sums of the binomial distribution at 90 %: up to 30 of 40 are 0.5 %, up to 31 are 1.5 %; of 200 it is up to 169 and 170;
+    /// and a single log never tells.
+    #[test]
+    fn a_share_fails_that_chance_hardly_makes() {
+        let fails = |within: usize, given: usize| {
+            let rate = Rate {
+                name: "mass".to_owned(),
+                truth: 1.0,
+                given,
+                within,
+                half_width: 0.0,
+                error: 0.0,
+            };
+            rate.fails()
+        };
+        assert!(fails(30, 40) && !fails(31, 40) && !fails(35, 40));
+        assert!(fails(169, 200) && !fails(170, 200));
+        assert!(!fails(0, 1) && fails(0, 2) && !fails(0, 0));
+    }
 }

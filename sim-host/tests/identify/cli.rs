@@ -136,7 +136,7 @@ fn coverage_names_its_seeds() {
     let json = fs::read_to_string(json).expect("written");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let rates = json[0]["rates"].as_array().expect("rates");
-    // Of a single drive a rate is 0 or 1, so one miss is an exit code of 1.
-    let missed = rates.iter().any(|rate| rate["within"] == 0);
-    assert_eq!(output.status.code(), Some(i32::from(missed)), "{shown}");
+    assert_eq!(rates.len(), 21, "{shown}");
+    // A single drive is no evidence against any interval.
+    assert_eq!(output.status.code(), Some(0), "{shown}");
 }
