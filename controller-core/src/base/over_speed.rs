@@ -42,12 +42,6 @@ pub(super) struct OverSpeedLimits<T> {
 }
 
 impl<T: Scalar> OverSpeedLimits<T> {
-    /// No rim is.
-    pub(super) const NONE: Self = Self {
-        above: T::ZERO,
-        after: Timeout::Off,
-    };
-
     /// What follows from limits, gains and load.
     pub(super) fn of_base(
         motion: &ValidMotionParams<T>,

@@ -201,21 +201,20 @@ impl<T: Scalar> BaseParams<T> {
             let field = Field::StuckTorque;
             return Err(BaseError::Param(ParamError { field, problem }));
         }
-        let mut base = ValidBaseParams {
-            motion: self.motion.validate()?,
-            over_speed: OverSpeedLimits::NONE,
+        let motion = self.motion.validate()?;
+        let detectors = self.detectors.validate()?;
+        Ok(ValidBaseParams {
+            over_speed: OverSpeedLimits::of_base(&motion, &detectors),
+            motion,
             localisation: self.localiser.validate_with::<M>()?.with_robot(
                 &self.motion.robot,
                 larger(self.motion.gains.turn_loop, self.motion.gains.speed_loop),
             )?,
             driver,
-            detectors: self.detectors.validate()?,
+            detectors,
             policy: self.policy.validate()?,
             supervisor: self.supervisor.validate()?,
-        };
-        // In place: parts that are made before the whole are copied into it, and the stack holds them twice.
-        base.over_speed = OverSpeedLimits::of_base(&base.motion, &base.detectors);
-        Ok(base)
+        })
     }
 }
 
