@@ -175,6 +175,6 @@ mod tests {
         };
         assert!(fails(30, 40) && !fails(31, 40) && !fails(35, 40));
         assert!(fails(169, 200) && !fails(170, 200));
-        assert!(!fails(0, 1) && fails(0, 2) && !fails(0, 0));
+        assert!(!fails(0, 0) && !fails(0, 1) && !fails(1, 2) && fails(0, 3));
     }
 }

@@ -137,7 +137,6 @@ impl Before {
             value: std::array::from_fn(|i| self.0[i].value + fit.value[kept + i]),
             deviation: std::array::from_fn(|i| covariance[(kept + i, kept + i)].max(0.0).sqrt()),
             before: *self,
-            slow_motors: false,
         };
         let fit = Fit {
             value: fit.value.rows(0, kept).into_owned(),
@@ -165,8 +164,6 @@ pub(super) struct Found {
     value: [f64; COUNT],
     deviation: [f64; COUNT],
     before: Before,
-    /// Whether torques follow commands hardly sooner than wheels settle.
-    pub(super) slow_motors: bool,
 }
 
 /// Information about the first `kept` parameters a with all others b free (Schur's complement):
@@ -216,19 +213,8 @@ impl Found {
         (0..2).any(|i| self.value[i] + SAMPLED_S + 3.0 * self.deviation[i] < 0.0)
     }
 
-    /// Why this is the motion of no motors that are solved here.
-    pub(super) fn spoilt(&self, log: &Log) -> Option<&'static str> {
-        if self.slow_motors {
-            return Some(
-                "the motors' torque follows the commands with a lag of nearly a fifth of the time in which the wheels settle, or more, \
-                 for which there is no model",
-            );
-        }
-        self.sags(log)
-    }
-
     /// Whether voltages sag within their rows, and not by chance. How, only duties and the supply show.
-    fn sags(&self, log: &Log) -> Option<&'static str> {
+    pub(super) fn sags(&self, log: &Log) -> Option<&'static str> {
         let sags = self.value[6].abs() > 3.0 * self.deviation[6];
         (log.supply.is_none() && sags && !self.early()).then_some(
             "the voltages sag while currents rise, and by how much within a row only duties with the supply tell",

@@ -371,7 +371,7 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         }
     }
     // Of commands or voltages that are not those that acted, motion determines nothing.
-    let spoilt = rows::lost(log).or_else(|| train.as_ref().and_then(|train| train.spoilt(log)));
+    let spoilt = rows::lost(log).or_else(|| train.as_ref().and_then(|train| train.sags(log)));
     let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {
         drive: log.drive,

@@ -34,9 +34,7 @@
 //! c = F (a q V_0 + T M E^-1 s sign(w))
 //! ```
 //!
-//! M and N follow by iteration. Of one wheel with the rate r = A at tau = 0, the slow root x = tau A of x (1 - x) = tau r is what M
-//! converges to, each turn leaving 2 x of what the one before was off by, and N half of that: it converges while x is below 1/2,
-//! beyond which the wheel swings. z fades as exp(-(F T)^-1 t). A piece ends where M w + c + z of a motor passes 0.
+//! M and N follow by iteration, z fades as exp(-(F T)^-1 t). A piece ends where M w + c + z of a motor passes 0.
 //!
 //! **No lag.** A fit begins at lags of 0, and one that finds 0 is free to be a little below. There F T has no inverse, and z is
 //! gone at once: what it does is then taken to first order of tau, which goes on smoothly below 0.
@@ -51,15 +49,8 @@ use nalgebra::{Matrix2, Vector2};
 
 /// Names and order of the parameters of [`Wheels`].
 pub(super) const DYNAMIC: usize = 8;
-/// Turns of the iterations of M and N end when one changes them by less than this share, which is less than any log shows by
-/// orders of magnitude. A fixed number would not do: what four leave at tau r = 0.08, 4e-5 of the torque, is a hundredth of
-/// the friction of a base whose motors are strong, and more than its interval.
-const CONVERGED: f64 = 1.0e-10;
-/// Most turns. At tau A = 0.3 they suffice, for 0.6^45 is 1e-10; above there is no solution.
-const TURNS: usize = 45;
-/// tau A above which a lag is too near to where there is no solution for the fit to be free to either side. Then tau r, which is the lag
-/// over the settling time, is 0.1875.
-const NEAR_SLOWEST: f64 = 0.25;
+/// Steps to M and N, each of which leaves a share tau/T of what the one before did: 0.05^4 is 6e-6.
+const TURNS: usize = 4;
 
 /// 1/n!, as far as a step takes them: 3^25/27! is 8e-17.
 const PER_FACTORIAL: [f64; 28] = {
@@ -174,25 +165,7 @@ impl Wheels {
         }
     }
 
-    /// Whether a lag is too near to the time in which the wheels settle for what is slow and what is fast to be apart. Braking
-    /// motors settle sooner; the battery, which delays them, is left out.
-    pub(super) fn slow_motors(&self) -> bool {
-        let motors = Motors {
-            feed: Vector2::zeros(),
-            feedback: Matrix2::from_diagonal(&self.emf),
-            lag: Matrix2::from_diagonal(&self.lag),
-        };
-        let Some(mode) = self.mode(&motors, [false; 2]) else {
-            return true;
-        };
-        let half = 0.5 * mode.rate.trace().abs();
-        let apart = (half * half - mode.rate.determinant()).max(0.0).sqrt();
-        let share = self.lag.max() * (half + apart);
-        share.is_nan() || share > NEAR_SLOWEST
-    }
-
-    /// The system under `motors` of which the right and the left one drive or brake. None where it does not come apart in what is
-    /// slow and what is fast.
+    /// The system under `motors` of which the right and the left one drive or brake.
     pub(super) fn mode(&self, motors: &Motors, drives: [bool; 2]) -> Option<Mode> {
         let gain = Vector2::from_fn(|i, _| {
             if drives[i] {
@@ -203,13 +176,17 @@ impl Wheels {
         });
         let pull = self.per_inertia * Matrix2::from_diagonal(&gain);
         let drag = self.per_inertia * Matrix2::from_diagonal(&self.bearing);
-        let feedback = converged(-motors.feedback, |m| {
-            -motors.feedback - motors.lag * m * (pull * m - drag)
-        })?;
+        let mut feedback = -motors.feedback;
+        for _ in 0..TURNS {
+            feedback = -motors.feedback - motors.lag * feedback * (pull * feedback - drag);
+        }
         let rate = pull * feedback - drag;
         let ahead = (Matrix2::identity() + motors.lag * feedback * pull).try_inverse()?;
         let fading = ahead * motors.lag;
-        let late = converged(Matrix2::zeros(), |n| (pull - rate * n) * fading)?;
+        let mut late = Matrix2::zeros();
+        for _ in 0..TURNS {
+            late = (pull - rate * late) * fading;
+        }
         Some(Mode {
             pull,
             feedback,
@@ -219,22 +196,6 @@ impl Wheels {
             fading,
         })
     }
-}
-
-/// Where `turn` leaves a matrix as it is; None if that is nowhere near.
-fn converged(
-    mut from: Matrix2<f64>,
-    turn: impl Fn(&Matrix2<f64>) -> Matrix2<f64>,
-) -> Option<Matrix2<f64>> {
-    for _ in 0..TURNS {
-        let to = turn(&from);
-        let change = (to - from).amax();
-        from = to;
-        if change <= CONVERGED * from.amax() {
-            return Some(from);
-        }
-    }
-    None
 }
 
 impl Motors {

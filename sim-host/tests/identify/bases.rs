@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use sim_host::identify::coverage::coverage;
 use sim_host::identify::record::base_log;
 use sim_host::identify::{Options, Quantity, Verdict, identify};
-use sim_host::mission::{BaseSpec, Drivers};
+use sim_host::mission::BaseSpec;
 use std::path::Path;
 use tests::stated::{At, Stated};
 
@@ -78,42 +78,6 @@ fn intervals_hold_on_the_lab_base() {
 #[test]
 fn intervals_hold_on_the_paper_base() {
     check("paper-30kg");
-}
-
-/// The lab base with windings of this inductance \[H\].
-fn lab_with_inductance(inductance_h: f64) -> BaseSpec {
-    let mut base = base("lab-10kg");
-    let hardware = base.hardware.as_mut().expect("hardware");
-    let Drivers::Bridges(motor) = &mut hardware.drivers else {
-        panic!("no bridges");
-    };
-    motor.inductance_h = inductance_h;
-    base
-}
-
-/// The lab base with five times the inductance, whose wheels settle in some eight lags of the windings.
-#[test]
-fn intervals_hold_where_windings_are_slow() {
-    let rates = coverage(&lab_with_inductance(2.0e-3), LOGS, SEED).expect("motors");
-    let missed: Vec<_> = rates
-        .iter()
-        .filter(|rate| rate.given < LOGS || rate.within < LEAST)
-        .map(|rate| format!("{}: {} of {}", rate.name, rate.within, rate.given))
-        .collect();
-    assert!(missed.is_empty(), "{missed:#?}");
-}
-
-/// With a lag of half the settling time, and of twice that, motion has no model: only lengths get numbers.
-#[test]
-fn windings_as_slow_as_the_wheels_give_no_numbers() {
-    const LOGS: usize = 3;
-    for inductance_h in [8.0e-3, 3.2e-2] {
-        let rates = coverage(&lab_with_inductance(inductance_h), LOGS, SEED).expect("motors");
-        for rate in rates {
-            let length = ["radius", "track"].iter().any(|s| rate.name.starts_with(s));
-            assert_eq!(rate.given, if length { LOGS } else { 0 }, "{rate:?}");
-        }
-    }
 }
 
 /// The lab base's logs with voltages at the motors in place of duties and supply: what the battery does within a row is
