@@ -82,6 +82,7 @@ fn files_are_parked_soon_after_their_planned_end() {
         .map(|bytes| trajectory(&bytes, &Retiming::default()).expect("drivable"))
         .flat_map(|path| BASES.map(|base| (path.clone(), base)))
         .collect();
+    assert_eq!(cases.len(), 14 * BASES.len());
     assert!(cases.iter().all(|(path, _)| stops(path)));
     let late = on_all_cores(&cases, |(path, base)| {
         let spec = file(base);

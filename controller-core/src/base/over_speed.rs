@@ -11,27 +11,21 @@
 //! | symbol | what | unit |
 //! | --- | --- | --- |
 //! | s | [largest rim speed](crate::motion::Limits::rim_speed) | m/s |
-//! | a_d | acceleration of a rim by [`LOADS`] times the [load](crate::safety::WheelDetectorParams::load_nm) | m/s² |
+//! | a_d | acceleration of a rim by three times the [load](crate::safety::WheelDetectorParams::load_nm) | m/s² |
 //! | κ | bandwidth of the slower one of the velocity loops | 1/s |
 //!
-//! A torque that is noted with the wrong sign, a speed driver that takes rad/s for turns per second, motors that are stronger than their parameters, a gear
-//! of another ratio: in all of them the base does not obey, and all are found here, whatever else finds them.
+//! and a fault once it has been for [`UNNOTICED`]. That finds drivers that turn wheels faster than they are told, as one of speeds that takes rad/s for turns per second, and
+//! velocity loops that run away, as by torques that are noted wrong. What feedback still makes up for, such as motors that are stronger than stated, is no fault.
 
 use crate::motion::ValidMotionParams;
 use crate::range::{larger, smaller};
-use crate::safety::{Fault, Side, Silence, Timeout, ValidDetectorParams};
+use crate::safety::{Fault, LOADS, Side, Silence, Timeout, UNNOTICED, ValidDetectorParams};
 use crate::scalar::Scalar;
 use crate::types::Twist;
-
-/// What no detector takes for a fault: three times the load.
-const LOADS: f64 = 3.0;
 
 /// Share of the largest rim speed that it may be exceeded by. A mass that is off by 30 % leaves 0.3 a/κ of a commanded acceleration a, 3 to 5 % of the shipped
 /// bases' rim speeds; the rest is for speeds that odometry measures with noise, and wheels that are larger than stated.
 const SHARE: f64 = 0.25;
-
-/// How long a rim may be too fast, in ticks and in time \[µs\]: what no base is noticed to go on for, as without orders.
-const AFTER: (u32, u32) = (5, 100_000);
 
 /// From where on and after what time rims are too fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +45,11 @@ impl<T: Scalar> OverSpeedLimits<T> {
         let wheels = &motion.robot.wheels;
         let radius = larger(wheels.radius_right_m, wheels.radius_left_m);
         let accel = T::from_f64(LOADS) * radius * detectors.load_accel();
-        let ticks_us = detectors.params().period_us.saturating_mul(AFTER.0);
+        let ticks_us = detectors.params().period_us.saturating_mul(UNNOTICED.0);
         Self {
             above: T::from_f64(1.0 + SHARE) * motion.limits.rim_speed
                 + accel / smaller(gains.speed_loop, gains.turn_loop),
-            after: Timeout::AfterUs(ticks_us.max(AFTER.1)),
+            after: Timeout::AfterUs(ticks_us.max(UNNOTICED.1)),
         }
     }
 }

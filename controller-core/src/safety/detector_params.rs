@@ -15,6 +15,10 @@ pub(super) const WINDOW: f64 = 10.0;
 /// Below this many counts of expected travel nothing is said: each of the two high-passes may double the one
 /// count by which a reading is rounded, and that has to stay below half of it.
 pub(super) const LEAST_COUNTS: i32 = 8;
+/// So many times [`WheelDetectorParams::load_nm`] is not taken for a fault by any detector.
+pub(crate) const LOADS: f64 = 3.0;
+/// What nobody notices a base to go on for: so many ticks, and at least this time \[µs\].
+pub(crate) const UNNOTICED: (u32, u32) = (5, 100_000);
 /// How long something may last, or that it is not watched at all. Being off is never a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -32,7 +32,7 @@ pub use detector_params::{
     CurrentDetectorParams, DetectorParams, SlipDetectorParams, StuckDetectorParams,
     SupplyDetectorParams, TickDetectorParams, Timeout, ValidDetectorParams, WheelDetectorParams,
 };
-pub(crate) use detector_params::{LEAST_STUCK_TORQUE_NM, SLOW};
+pub(crate) use detector_params::{LEAST_STUCK_TORQUE_NM, LOADS, SLOW, UNNOTICED};
 pub use fault::{Fault, FaultKind, PolicyParams, Side};
 pub use inputs::{ActiveFaults, Currents, DetectorInputs};
 pub(crate) use monitor::Detectors;

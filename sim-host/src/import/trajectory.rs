@@ -115,10 +115,10 @@ impl Trajectory {
         if options.rests
             && !(rest.start && rest.end)
             && samples.iter().all(|sample| sample.v.is_none())
-            && let Some(found) = fit_at_rest(&local, &nodes, rest, tolerance, ends)
+            && let Some((later, at_rest, as_close)) =
+                fit_at_rest(&local, &nodes, rest, tolerance, ends)
         {
-            (nodes, close) = (found.1, found.2);
-            ramps = Some(found.0);
+            (ramps, nodes, close) = (Some(later), at_rest, as_close);
         }
         let passes = |t: f64| ramps.map_or(t, |ramps: Ramps| ramps.passes(t));
         for node in &mut nodes {

@@ -1,8 +1,8 @@
 //! Thresholds and times that follow from a base.
 
 use super::{
-    CurrentDetectorParams, DetectorParams, SlipDetectorParams, StuckDetectorParams,
-    SupplyDetectorParams, TickDetectorParams, Timeout, WheelDetectorParams,
+    CurrentDetectorParams, DetectorParams, LOADS, SlipDetectorParams, StuckDetectorParams,
+    SupplyDetectorParams, TickDetectorParams, Timeout, UNNOTICED, WheelDetectorParams,
 };
 use crate::motion::MotionParams;
 use crate::scalar::Scalar;
@@ -52,8 +52,7 @@ impl<T: Scalar> DetectorParams<T> {
             // Five readings lost in a row are no accident.
             measurement: ticks(5, 0),
             pose: Timeout::Off,
-            // A tenth of a second is what a base drives on without anybody noticing.
-            command: ticks(5, 100_000),
+            command: ticks(UNNOTICED.0, UNNOTICED.1),
             ticks: TickDetectorParams {
                 late: Timeout::AfterUs(period_us.saturating_add(period_us / 2)),
                 row: 5,
@@ -66,7 +65,7 @@ impl<T: Scalar> DetectorParams<T> {
                 load_nm,
                 stuck: StuckDetectorParams {
                     // The load that a reversed wheel may not be confused with, too.
-                    torque_nm: f(3.0) * load_nm,
+                    torque_nm: f(LOADS) * load_nm,
                     // 2 cm/s: slower, and nothing is lost by waiting.
                     speed_rad_s: if slow > counts { slow } else { counts },
                     after: ticks(10, 250_000),

@@ -1,7 +1,6 @@
 //! A stop that has arrived is obeyed, and a host that is silent is missed in time.
 
 use super::Checked;
-
 use crate::campaign::check::{self, Received};
 use crate::closed_loop::Board;
 use controller_core::base::BaseReport;
