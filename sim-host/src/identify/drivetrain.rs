@@ -137,6 +137,7 @@ impl Before {
             value: std::array::from_fn(|i| self.0[i].value + fit.value[kept + i]),
             deviation: std::array::from_fn(|i| covariance[(kept + i, kept + i)].max(0.0).sqrt()),
             before: *self,
+            largest_lag_s: None,
         };
         let fit = Fit {
             value: fit.value.rows(0, kept).into_owned(),
@@ -164,6 +165,8 @@ pub(super) struct Found {
     value: [f64; COUNT],
     deviation: [f64; COUNT],
     before: Before,
+    /// The largest lag that is solved \[s\], of a log that shows lags.
+    largest_lag_s: Option<f64>,
 }
 
 /// Information about the first `kept` parameters a with all others b free (Schur's complement):
@@ -213,8 +216,28 @@ impl Found {
         (0..2).any(|i| self.value[i] + SAMPLED_S + 3.0 * self.deviation[i] < 0.0)
     }
 
+    /// The same, of a log that shows lags if there is a largest one that is solved \[s\].
+    pub(super) fn with_lags(mut self, largest_lag_s: Option<f64>) -> Self {
+        self.largest_lag_s = largest_lag_s;
+        self
+    }
+
+    /// Why this is the motion of no motors that are solved here.
+    pub(super) fn spoilt(&self, log: &Log) -> Option<&'static str> {
+        // Not by chance.
+        let beyond =
+            |largest_s| (0..2).any(|i| self.value[i] - 3.0 * self.deviation[i] > largest_s);
+        if self.largest_lag_s.is_some_and(beyond) {
+            return Some(
+                "the torque follows the commands with a lag of a sixth of the time in which the wheels settle, or more: drivers at a \
+                 current limit that is not stated (current_limit), or motors for which there is no model",
+            );
+        }
+        self.sags(log)
+    }
+
     /// Whether voltages sag within their rows, and not by chance. How, only duties and the supply show.
-    pub(super) fn sags(&self, log: &Log) -> Option<&'static str> {
+    fn sags(&self, log: &Log) -> Option<&'static str> {
         let sags = self.value[6].abs() > 3.0 * self.deviation[6];
         (log.supply.is_none() && sags && !self.early()).then_some(
             "the voltages sag while currents rise, and by how much within a row only duties with the supply tell",
@@ -272,7 +295,7 @@ impl Found {
                 return None;
             }
             let (name, unit, meaning, value) = match i / 2 {
-                0 if self.early() => return None,
+                0 if self.early() || self.largest_lag_s.is_none() => return None,
                 0 => (
                     "lag",
                     "s",

@@ -54,6 +54,7 @@ pub(super) fn dynamics(
         before: Before::new(log, known, &first),
         feeds: first.feeds,
     };
+    let mut level = first.level;
     let mut start = guess.value.insert_rows(count, drivetrain::COUNT, 0.0);
     (start.rows_mut(count, drivetrain::COUNT))
         .copy_from_slice(&model.before.start(guess.loss, guess.band));
@@ -81,15 +82,21 @@ pub(super) fn dynamics(
         let band = model.before.of(whole.value.as_slice()).band;
         let again = source(log, limited, band, noise);
         model.before = Before::new(log, known, &again);
-        model.feeds = again.feeds;
+        (model.feeds, level) = (again.feeds, again.level);
         whole = fit(&model, whole.value, &scale, whole.sigma, correlated, 1)?;
     }
+    let (wheels, _) = model.wheels(whole.value.as_slice())?;
+    whole.information = blurred(&whole, model.by_level(&whole), level);
     let (found, train) = model.before.set_apart(whole);
+    // Lags show where a command steps, which is where limits act.
+    let shows_lags = !limited.contains(&true);
+    let train = train.with_lags(shows_lags.then(|| wheels.largest_lag()));
     if train.early() {
         // No lag but something else that would pull mass and resistance along.
         let early = train;
         model.before = model.before.without_lag();
-        let without = fit(&model, start, &scale, sigma, correlated, ROUNDS)?;
+        let mut without = fit(&model, start, &scale, sigma, correlated, ROUNDS)?;
+        without.information = blurred(&without, model.by_level(&without), level);
         let (found, train) = model.before.set_apart(without);
         return Some((found, train.but_for_lag(&early)));
     }
@@ -107,7 +114,41 @@ fn scale(p: &DVector<f64>) -> DVector<f64> {
     DVector::from_vec(scale)
 }
 
+/// The information of a fit whose volts are all off by an unknown share of this standard `deviation`, g being what moves with it: the
+/// covariance grows by deviation^2 g g^T, so that of the information H is left (Sherman and Morrison)
+///
+/// ```text
+/// H - H g g^T H/(1/deviation^2 + g^T H g)
+/// ```
+fn blurred(fit: &Fit, by_level: DVector<f64>, deviation: f64) -> DMatrix<f64> {
+    let h = &fit.information;
+    if deviation == 0.0 {
+        return h.clone();
+    }
+    let moved = h * &by_level;
+    let weight = deviation.powi(-2) + by_level.dot(&moved);
+    h - &moved * moved.transpose() / weight
+}
+
 impl Motion<'_> {
+    /// How the fit moves with the level of the supply, by its share: the same motion and the same currents follow of volts that are
+    /// larger by a share if E, D, s and the battery's volts are larger by it and alpha is less. No residual shows it, so that it is no
+    /// parameter.
+    fn by_level(&self, fit: &Fit) -> DVector<f64> {
+        let mut by = fit.value.clone();
+        let (count, train) = (by.len(), self.before.of(fit.value.as_slice()));
+        for i in DYNAMIC..count {
+            by[i] = match i {
+                _ if i + 2 == count => train.source_ohm,
+                _ if i + 1 == count => train.drain,
+                // alpha, beta = k/R, alpha, beta; then lags and shares.
+                _ if i + drivetrain::COUNT < count && (i - DYNAMIC).is_multiple_of(2) => -by[i],
+                _ => 0.0,
+            };
+        }
+        by
+    }
+
     fn per_sample(&self) -> usize {
         if self.log.current.is_some() { 4 } else { 2 }
     }

@@ -340,7 +340,7 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
     let mut limited = Vec::new();
     // Twice: rows at the limit hide how much current a command makes.
     for _ in 0..2 {
-        limited = start::limited(log, &speeds, &used, options.known.current_limit_a);
+        limited = start::limited(log, &used, options.known.current_limit_a);
         if limited.contains(&true) {
             used = stretches(&limited);
         }
@@ -371,7 +371,7 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         }
     }
     // Of commands or voltages that are not those that acted, motion determines nothing.
-    let spoilt = rows::lost(log).or_else(|| train.as_ref().and_then(|train| train.sags(log)));
+    let spoilt = rows::lost(log).or_else(|| train.as_ref().and_then(|train| train.spoilt(log)));
     let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {
         drive: log.drive,

@@ -40,6 +40,8 @@ pub(super) struct Source {
     pub(super) ohm: Stated,
     /// Volts over the log by which the even course of the supply may be off.
     pub(super) drain: Stated,
+    /// Share by which all of that course may be off (standard deviation); 0 of one that is not averaged.
+    pub(super) level: f64,
 }
 
 /// No battery, or one whose current nobody knows.
@@ -85,6 +87,7 @@ pub(super) fn source(log: &Log, limited: &[bool], band: [f64; 2], noise: f64) ->
             feeds: log.command.iter().zip(ends).map(plain).collect(),
             ohm: if currents_of_voltages { soft } else { STIFF },
             drain: STIFF,
+            level: 0.0,
         };
     };
     let duty: Vec<_> = (log.command.iter().zip(supply))
@@ -103,6 +106,7 @@ pub(super) fn source(log: &Log, limited: &[bool], band: [f64; 2], noise: f64) ->
             feeds: fed.map(feed).collect(),
             ohm: STIFF,
             drain: STIFF,
+            level: 0.0,
         };
     };
     let acting = |duty: &[f64; 2], i: usize| (duty[i].abs() - band[i]).max(0.0).copysign(duty[i]);
@@ -132,12 +136,16 @@ pub(super) fn source(log: &Log, limited: &[bool], band: [f64; 2], noise: f64) ->
         // Of a robot that stands.
         false => STIFF,
     };
+    // Of a mean.
+    let mean = even_supply.iter().sum::<f64>() / even_supply.len() as f64;
+    let level = off(0.0, spread / count.sqrt() / mean).deviation;
     let fed = even_supply.into_iter().zip(even_drawn).enumerate();
     Source {
         feeds: fed.map(feed).collect(),
         ohm: off(value, spread / own.sqrt()),
         // Of a regression on times spread evenly over 1, whose variance is 1/12.
         drain: off(0.0, spread * (12.0 / count).sqrt()),
+        level,
     }
 }
 

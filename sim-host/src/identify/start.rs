@@ -30,7 +30,7 @@ pub(super) struct Start {
 pub(super) fn guess(log: &Log, speeds: &[[f64; 2]], stretches: &[Stretch]) -> Option<Start> {
     let motors = match &log.current {
         Some(current) => {
-            let of = |i| electric(log, speeds, stretches, current, i);
+            let of = |i| electric(log, stretches, current, i);
             Some([of(0)?, of(1)?])
         }
         None => None,
@@ -131,17 +131,12 @@ const NEAR_LIMIT: f64 = 0.9;
 
 /// Rows in which a driver may have held its current at the limit \[A\], so that its command did not act. None without
 /// a limit or currents.
-pub(super) fn limited(
-    log: &Log,
-    speeds: &[[f64; 2]],
-    stretches: &[Stretch],
-    limit_a: Option<f64>,
-) -> Vec<bool> {
+pub(super) fn limited(log: &Log, stretches: &[Stretch], limit_a: Option<f64>) -> Vec<bool> {
     let (Some(limit), Some(current)) = (limit_a, &log.current) else {
         return Vec::new();
     };
     let high = |current: f64| current.abs() >= NEAR_LIMIT * limit;
-    let alpha = [0, 1].map(|i| electric(log, speeds, stretches, current, i).map(|m| m.alpha));
+    let alpha = [0, 1].map(|i| electric(log, stretches, current, i).map(|m| m.alpha));
     let rows = 0..log.t.len();
     rows.map(|row| {
         (0..2).any(|i| {
@@ -162,25 +157,23 @@ struct Motor {
     band: f64,
 }
 
-/// i = alpha (u - band) - beta w, at the end of each row.
-fn electric(
-    log: &Log,
-    speeds: &[[f64; 2]],
-    stretches: &[Stretch],
-    current: &[[f64; 2]],
-    i: usize,
-) -> Option<Motor> {
+/// i = alpha (u - band) - beta w, at the end of each row. Speeds are of the rows about it: means over longer times are slower than
+/// currents, so that alpha would be too small, a fifth of what it is where steps are left out.
+fn electric(log: &Log, stretches: &[Stretch], current: &[[f64; 2]], i: usize) -> Option<Motor> {
     let rows: Vec<_> = stretches.iter().flat_map(|s| s.first..=s.last).collect();
     if rows.is_empty() {
         return None;
     }
     let mut a = DMatrix::zeros(rows.len(), 3);
     let mut b = DVector::zeros(rows.len());
+    let last = log.t.len() - 1;
     for (n, &row) in rows.iter().enumerate() {
+        let (before, after) = (row - 1, (row + 1).min(last));
+        let speed = (log.angle[after][i] - log.angle[before][i]) / (log.t[after] - log.t[before]);
         a[(n, 0)] = log.command[row - 1][i];
         a[(n, 1)] = match log.drive {
             Drive::Torque => 0.0,
-            Drive::Voltage | Drive::Duty => -speeds[row][i],
+            Drive::Voltage | Drive::Duty => -speed,
         };
         a[(n, 2)] = -full(log, row - 1, i);
         b[n] = current[row][i];
