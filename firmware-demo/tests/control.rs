@@ -143,7 +143,11 @@ fn parks_from_standstill_and_changes_its_goal_on_the_way() {
     let mut rig = Rig::new();
     assert_eq!(rig.park(1.0, 0.0, 0.0), Err(RejectReason::State));
     rig.command(Command::Arm).unwrap();
-    assert_eq!(rig.park(f32::NAN, 0.0, 0.0), Err(RejectReason::Value));
+    // No pose, and one where nobody parks: such a torque would be infinite, and a fault.
+    for x in [f32::NAN, 1.1e6, -1.0e12] {
+        assert_eq!(rig.park(x, 0.0, 0.0), Err(RejectReason::Value));
+        assert_eq!(rig.park(0.0, x, 0.0), Err(RejectReason::Value));
+    }
     assert_eq!(rig.task.state(), State::Armed);
     rig.park(1.0, 0.0, 0.0).unwrap();
     rig.run(700);

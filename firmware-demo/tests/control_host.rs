@@ -95,6 +95,12 @@ fn a_pose_is_set_and_a_fix_fused_without_a_torque_step() {
     assert_eq!(rig.task.report().fix, FixOutcome::Fused);
     rig.tick();
     assert_eq!(rig.task.report().fix, FixOutcome::Absent);
+    let far = WirePose { x: 1.0e9, ..pose };
+    let fix = Command::Fix {
+        pose: far,
+        age_s: 0.02,
+    };
+    assert_eq!(rig.command(fix), Err(RejectReason::Value));
     for age_s in [-1.0, f32::NAN] {
         let fix = Command::Fix { pose, age_s };
         assert_eq!(rig.command(fix), Err(RejectReason::Value));

@@ -48,7 +48,7 @@ macro_rules! numbers {
                 gyro::ValidGyroParams::<T>::params, gyro::GyroHeading::<T>::new, gyro::GyroHeading::<T>::advance,
                 gyro::GyroHeading::<T>::carries, gyro::GyroHeading::<T>::slides_now, gyro::GyroHeading::<T>::heading_variance,
                 gyro::GyroHeading::<T>::bias_variance, gyro::GyroHeading::<T>::report,
-                Arrival::<T>::exact, check_order::<T>, Limits::<T>::least_rim_speed, Limits::<T>::reachable, MotionGains::<T>::for_limits::<M>,
+                Arrival::<T>::exact, check_goal::<T>, check_order::<T>, Limits::<T>::least_rim_speed, Limits::<T>::reachable, MotionGains::<T>::for_limits::<M>,
                 MotionGains::<T>::slow_for,
                 ValidMotionParams::<T>::hand_over_distance, ValidMotionParams::<T>::parking_is_due::<M>, Remaining::<T>::with_error,
                 PathEnd::<T>::lead::<M>,

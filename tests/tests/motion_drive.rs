@@ -4,7 +4,7 @@ use controller_core::angle::wrap;
 use controller_core::error::{Input, StepFault};
 use controller_core::maths::{Libm, Maths, Single};
 use controller_core::motion::{
-    Mode, MotionController, SaturationPolicy, Task, ValidMotionParams, check_order,
+    Mode, MotionController, SaturationPolicy, Task, ValidMotionParams, check_goal, check_order,
 };
 use controller_core::reference::{ConstantTwist, Reference};
 use controller_core::scalar::Scalar;
@@ -287,6 +287,21 @@ fn a_small_order_is_obeyed_at_once() {
         let least = (2.0 * 0.045 / base.limits.jerk).sqrt();
         assert!(robot.t > least, "{name}: not within its limits");
     }
+}
+
+/// What is no goal is a typed error, by whoever asks before it is one.
+#[test]
+fn goals_are_finite_and_not_beyond_a_thousand_kilometres() {
+    for (wrong, fault) in [
+        (f32::NAN, StepFault::NotFinite(Input::Goal)),
+        (f32::NEG_INFINITY, StepFault::NotFinite(Input::Goal)),
+        (1.1e6, StepFault::OutOfRange(Input::Goal)),
+        (-1e30, StepFault::OutOfRange(Input::Goal)),
+    ] {
+        assert_eq!(check_goal(&Pose::new(wrong, 0.0, 0.0)), Err(fault));
+        assert_eq!(check_goal(&Pose::new(0.0, wrong, 0.0)), Err(fault));
+    }
+    assert_eq!(check_goal(&Pose::new(1e6_f32, -1e6, 90.0)), Ok(()));
 }
 
 /// What is no order is a typed error and changes nothing; what is beyond the limits is driven at the limits, and said.

@@ -12,7 +12,7 @@ use crate::maths::Maths;
 use crate::range::{clamp, larger, smaller};
 use crate::scalar::Scalar;
 use crate::scalar::residue;
-use crate::types::{Accel, Twist};
+use crate::types::{Accel, Pose, Twist};
 
 /// Largest speed \[m/s\] and turn rate \[rad/s\] of an order: as of [`Limits`](super::Limits), so that every base can be
 /// ordered its limits, and what is beyond is a mistake in the unit or in the sender.
@@ -29,6 +29,26 @@ pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
         Err(StepFault::NotFinite(Input::Order))
     } else if twist.linear.abs() > most || twist.angular.abs() > most {
         Err(StepFault::OutOfRange(Input::Order))
+    } else {
+        Ok(())
+    }
+}
+
+/// Farthest goal from the origin of its frame in x and in y \[m\]: in single precision a pose out there is known to 6 cm, so that
+/// what is farther is a mistake in the unit or in the sender.
+const FARTHEST: f64 = 1.0e6;
+
+/// Looks whether a goal is one, or a pose that somebody states: finite, and within ±1e6 m. A controller parks at any finite goal, and
+/// refuses one so far that a torque comes out infinite as [`StepFault::Overflow`]; this is to be asked where goals come in.
+///
+/// # Errors
+/// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`] of [`Input::Goal`].
+pub fn check_goal<T: Scalar>(goal: &Pose<T>) -> Result<(), StepFault> {
+    let most = T::from_f64(FARTHEST);
+    if !goal.is_finite() {
+        Err(StepFault::NotFinite(Input::Goal))
+    } else if goal.x.abs() > most || goal.y.abs() > most {
+        Err(StepFault::OutOfRange(Input::Goal))
     } else {
         Ok(())
     }

@@ -3,7 +3,7 @@
 use controller_core::hal::WheelDrive;
 use controller_core::localiser::Fix;
 use controller_core::maths::Single;
-use controller_core::motion::check_order;
+use controller_core::motion::{check_goal, check_order};
 use controller_core::motor::DriverParams;
 use controller_core::safety::controlled_stop_distance;
 use controller_core::safety::supervisor::{Action, Event, State, next};
@@ -37,7 +37,7 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 Ok(())
             }
             Command::Park { goal } => {
-                let goal = finite(goal.into())?;
+                let goal = checked(goal.into())?;
                 if matches!(next(self.state(), Event::Park).1, Action::Refuse) {
                     return Err(RejectReason::State);
                 }
@@ -83,13 +83,13 @@ impl<D: WheelDrive> ControlTask<'_, D> {
                 Ok(())
             }
             Command::SetPose { pose } => {
-                let pose = finite(pose.into())?;
+                let pose = checked(pose.into())?;
                 self.controller
                     .set_pose(pose)
                     .map_err(|_| RejectReason::Value)
             }
             Command::Fix { pose, age_s } => {
-                let pose = finite(pose.into())?;
+                let pose = checked(pose.into())?;
                 if !(age_s.is_finite() && *age_s >= 0.0) {
                     return Err(RejectReason::Value);
                 }
@@ -128,10 +128,9 @@ impl From<SetError> for RejectReason {
     }
 }
 
-fn finite(pose: Pose<f32>) -> Result<Pose<f32>, RejectReason> {
-    if pose.is_finite() {
-        Ok(pose)
-    } else {
-        Err(RejectReason::Value)
+fn checked(pose: Pose<f32>) -> Result<Pose<f32>, RejectReason> {
+    match check_goal(&pose) {
+        Ok(()) => Ok(pose),
+        Err(_) => Err(RejectReason::Value),
     }
 }
