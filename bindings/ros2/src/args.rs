@@ -10,7 +10,7 @@ pub struct Args {
     /// The base: its serial port, or the Unix socket of an emulator
     #[arg(value_name = "PORT")]
     pub port: PathBuf,
-    /// The base's file: its wheels, and the parameters that it gets
+    /// The base's file, or one of paper-30kg, lab-10kg, hobby-1kg: its wheels, and the parameters that it gets
     #[arg(long, value_name = "FILE")]
     pub base: PathBuf,
     /// Bits per second of a serial port

@@ -2,6 +2,8 @@
 
 use crate::course::Samples;
 use crate::lifecycle::{Stage, Transition};
+use controller_core::error::StepFault;
+use controller_core::motion::check_order;
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{Fault, Timeout};
 use protocol::{Command, FieldParams, Frame, RejectReason, Telemetry, WirePose, WireTwist};
@@ -57,6 +59,8 @@ pub enum Event {
     },
     /// The base does not do it.
     Refused(String),
+    /// The base does what was ordered; what was refused before is past.
+    Taken,
     /// What came of a reset.
     Reset(Result<(), String>),
 }
@@ -218,12 +222,17 @@ impl Bridge {
         if self.stage != Stage::Active || self.under.is_some() {
             return;
         }
-        if !(twist.v.is_finite() && twist.w.is_finite()) {
-            self.refuse("a velocity that is not a number");
+        // The base would refuse it too, but a velocity is said, not asked.
+        if let Err(why) = check_order::<f32>(&(&twist).into()) {
+            self.refuse(match why {
+                StepFault::OutOfRange(_) => "a velocity beyond 100 m/s or 100 rad/s",
+                _ => "a velocity that is not a number",
+            });
             return;
         }
         self.supersede();
         self.velocity = Some((twist, now_us, now_us));
+        self.events.push_back(Event::Taken);
         self.order(twist);
     }
 
@@ -328,12 +337,13 @@ impl Bridge {
                 Ok(()) => self.state = Some((State::Armed, Cause::Host)),
                 Err(_) => self.refused = true,
             },
-            Purpose::Order => {
-                if let Err(why) = result {
+            Purpose::Order => match result {
+                Ok(()) => self.events.push_back(Event::Taken),
+                Err(why) => {
                     self.supersede();
                     self.refuse(format!("{}: {why}", name(command)));
                 }
-            }
+            },
             Purpose::Transition => self.advance(command, result),
         }
     }

@@ -21,7 +21,7 @@ use sim_host::datalog::messages::{diagnosis, header, joints, odometry, transform
 use sim_host::mission::BaseSpec;
 use sim_host::monitor::{LatestTelemetry, Monitor, MonitorError, Port, Received};
 use sim_host::ros::messages::{DiagnosticArray, DiagnosticStatus, TfMessage, Time};
-use sim_host::scenario::ScenarioError;
+use sim_host::scenario::{BuiltInBase, ScenarioError};
 use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -65,7 +65,10 @@ pub enum BridgeError {
 /// # Errors
 /// [`BridgeError`].
 pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
-    let base = BaseSpec::load(&args.base)?;
+    let base = match BuiltInBase::at(&args.base) {
+        Some(built_in) => built_in.base()?,
+        None => BaseSpec::load(&args.base)?,
+    };
     let params = closed_loop::params(&base, period_us(&base))?;
     let field = FieldParams::from(&params);
     let settings = Settings {
@@ -343,6 +346,7 @@ impl Loop<'_> {
                 }
             }
             Event::Refused(why) => self.problem(why),
+            Event::Taken => self.published.problem.clear(),
             Event::Reset(result) => {
                 for id in std::mem::take(&mut self.resets) {
                     let answer = Triggered {

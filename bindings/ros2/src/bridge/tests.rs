@@ -145,6 +145,10 @@ fn is_drive(command: &Command) -> bool {
     matches!(command, Command::Drive { .. })
 }
 
+fn is_park(command: &Command) -> bool {
+    matches!(command, Command::Park { .. })
+}
+
 fn is_arm(command: &Command) -> bool {
     *command == Command::Arm
 }
@@ -238,6 +242,34 @@ fn a_velocity_is_sent_once_or_as_long_as_it_is_held() {
     }
 }
 
+/// A velocity that no base has is not said to it, and ends nothing that goes on.
+#[test]
+fn a_velocity_that_is_none_is_refused_and_changes_nothing() {
+    let mut rig = Rig::active(0);
+    rig.bridge.park(WirePose::default(), rig.now_us);
+    rig.run(0.02);
+    rig.says(State::Parking, Cause::Host);
+    assert_eq!(rig.bridge.event(), Some(Event::Taken));
+    for (v, told) in [(f32::NAN, "not a number"), (1.0e4, "beyond 100 m/s")] {
+        for twist in [WireTwist { v, w: 0.0 }, WireTwist { v: 0.0, w: v }] {
+            rig.bridge.drive(twist, rig.now_us);
+            rig.run(0.02);
+            let event = rig.bridge.event();
+            assert!(
+                matches!(&event, Some(Event::Refused(why)) if why.contains(told)),
+                "{event:?}"
+            );
+        }
+    }
+    assert_eq!((rig.count(is_drive), rig.count(is_park)), (0, 1));
+    rig.says(State::Stopped, Cause::LinkLost);
+    let event = rig.bridge.event();
+    assert!(
+        matches!(event, Some(Event::Refused(_))),
+        "the goal was given up before: {event:?}"
+    );
+}
+
 /// The base stops by itself when orders are stale. It is armed again, which moves nothing; not after any other fault.
 #[test]
 fn only_harmless_stops_are_left_again() {
@@ -282,7 +314,6 @@ fn a_goal_waits_for_a_base_that_is_about_to_be_ready() {
         y: 0.0,
         theta: 0.0,
     };
-    let is_park = |command: &Command| matches!(command, Command::Park { .. });
     let mut rig = Rig::active(0);
     rig.says(State::Stopping(Then::Stopped), Cause::Host);
     rig.bridge.park(goal, rig.now_us);
@@ -314,6 +345,7 @@ fn whoever_gave_a_goal_is_told_that_it_is_given_up() {
     rig.bridge.park(WirePose::default(), rig.now_us);
     rig.run(0.02);
     rig.says(State::Parking, Cause::Host);
+    assert_eq!(rig.bridge.event(), Some(Event::Taken));
     assert_eq!(rig.bridge.event(), None);
     rig.says(State::Stopping(Then::Stopped), Cause::LinkLost);
     rig.says(State::Stopped, Cause::LinkLost);
@@ -332,6 +364,9 @@ fn whoever_gave_a_goal_is_told_that_it_is_given_up() {
             rig.says(State::Parked, Cause::Reached);
         }
         rig.says(State::Stopped, Cause::LinkLost);
+        for _ in 0..=usize::from(ended) {
+            assert_eq!(rig.bridge.event(), Some(Event::Taken));
+        }
         assert_eq!(rig.bridge.event(), None);
         rig.says(State::Armed, Cause::Host);
     }
