@@ -1,12 +1,14 @@
 //! What a user should know of a scenario or a base before the robot finds out.
 
-use crate::mission::BaseSpec;
+use crate::mission::{BaseSpec, Hardware};
 use crate::scenario::{ControlLaw, Scenario};
+use crate::world::PoseSourceParams;
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
     longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
 };
 use controller_core::tuning::motion::margins;
+use controller_core::wheels::WheelGeometry;
 
 /// Warnings about gains and speeds, each one sentence.
 ///
@@ -72,7 +74,8 @@ const HEADING_RAD: f64 = 0.5;
 /// Warnings about a base that can be, but hardly is meant as its file has it; each one sentence.
 pub fn base_warnings(base: &BaseSpec) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (robot, limits) = (&base.robot, &base.limits);
+    // Wheels turn the rotors of their motors along.
+    let (robot, limits) = (&base.robot_with_rotors(), &base.limits);
     let wheels = &robot.wheels;
     let radius_m = wheels.radius_right_m.max(wheels.radius_left_m);
     for (key, accel, force_n) in [
@@ -99,28 +102,73 @@ pub fn base_warnings(base: &BaseSpec) -> Vec<String> {
             ));
         }
     }
-    let hardware = base.hardware.as_ref();
-    let localiser = hardware.and_then(|hardware| {
-        let source = hardware.pose_source?;
-        let localiser = hardware.localiser::<f64>(wheels);
-        Some((source, localiser.validate_with::<Libm>().ok()?))
+    if let Some(hardware) = base.hardware.as_ref() {
+        warnings.extend(stuck(hardware, limits.wheel_torque_nm));
+        warnings.extend(arrives_anywhere(hardware, wheels));
+    }
+    warnings
+}
+
+/// A warning about friction that no wheel breaks away from.
+fn stuck(hardware: &Hardware, wheel_torque_nm: f64) -> Option<String> {
+    let given = hardware.drivers.motor().map(|motor| {
+        let share = motor.gear_ratio * motor.gear_efficiency;
+        let current_a = motor
+            .current_limit_a
+            .min(hardware.battery.nominal_v / motor.resistance_ohm);
+        (
+            share * motor.kt_nm_per_a * current_a,
+            "what a motor gives at rest",
+        )
     });
-    if let Some((source, localiser)) = localiser {
-        let arrival = localiser.arrival();
-        if arrival.distance_m > 0.5 * wheels.track_m {
-            warnings.push(format!(
-                "pose_source.noise_m = {}: the base takes any place within {:.3} m for its goal, and half of its track is {} m",
-                source.noise_m,
-                arrival.distance_m,
-                0.5 * wheels.track_m
-            ));
-        }
-        if arrival.heading_rad > HEADING_RAD {
-            warnings.push(format!(
-                "pose_source.noise_rad = {}: the base takes any heading within {:.2} rad for its goal's",
-                source.noise_rad, arrival.heading_rad
-            ));
-        }
+    let limit = (wheel_torque_nm, "limits.wheel_torque");
+    let (most_nm, what) = given.filter(|given| given.0 < limit.0).unwrap_or(limit);
+    let static_nm = hardware.friction.static_nm;
+    (static_nm >= most_nm).then(|| {
+        format!("friction.static_nm = {static_nm} N m is not less than {what}, {most_nm:.3} N m: the base does not move")
+    })
+}
+
+/// Warnings about what is measured so badly that a base takes places far from its goal for it.
+fn arrives_anywhere(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Vec<String> {
+    let arrival = |hardware: &Hardware| {
+        let localiser = hardware.localiser::<f64>(wheels);
+        Some(localiser.validate_with::<Libm>().ok()?.arrival())
+    };
+    let (Some(source), Some(now)) = (hardware.pose_source, arrival(hardware)) else {
+        return Vec::new();
+    };
+    // With a source without noise; what is left is the encoders'.
+    let exact = PoseSourceParams {
+        noise_m: 1.0e-3 * source.noise_m,
+        noise_rad: 1.0e-3 * source.noise_rad,
+        ..source
+    };
+    let exact = arrival(&Hardware {
+        pose_source: Some(exact),
+        ..*hardware
+    });
+    let key = |by_encoders: bool, key: &str, noise: f64| match by_encoders {
+        true => format!("encoder.counts_per_turn = {}", hardware.counts_per_turn),
+        false => format!("pose_source.{key} = {noise}"),
+    };
+    let mut warnings = Vec::new();
+    let half_m = 0.5 * wheels.track_m;
+    if now.distance_m > half_m {
+        let coarse = exact.is_some_and(|exact| exact.distance_m > half_m);
+        warnings.push(format!(
+            "{}: the base takes any place within {:.3} m for its goal, and half of its track is {half_m} m",
+            key(coarse, "noise_m", source.noise_m),
+            now.distance_m,
+        ));
+    }
+    if now.heading_rad > HEADING_RAD {
+        let coarse = exact.is_some_and(|exact| exact.heading_rad > HEADING_RAD);
+        warnings.push(format!(
+            "{}: the base takes any heading within {:.2} rad for its goal's",
+            key(coarse, "noise_rad", source.noise_rad),
+            now.heading_rad
+        ));
     }
     warnings
 }

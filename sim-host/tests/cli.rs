@@ -358,6 +358,22 @@ fn only_files_come_before_built_in_names() {
     }
 }
 
+/// A file of the law for a real base that does not say so is told that, and not that its base is no key.
+#[test]
+fn a_scenario_with_a_base_and_no_law_is_told_what_it_lacks() {
+    let here = directory();
+    for (from, to) in [("kind = ", "kid = "), ("kind = \"motion\"", "")] {
+        assert!(BY_NAME.contains(from), "{from}");
+        fs::write(here.path().join("typo.toml"), BY_NAME.replace(from, to)).expect("written");
+        let refused = sim_host(here.path(), &["run", "typo.toml"]);
+        let said = text(&refused.stderr);
+        assert!(
+            said.contains(": controller.kind: is missing: a file with a base"),
+            "{said}"
+        );
+    }
+}
+
 /// A refusal repeats what was typed, which a terminal does not obey either.
 #[test]
 fn control_signs_of_arguments_are_written_out() {
@@ -718,12 +734,29 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
         (
             "\naccel = 1.5",
             "\naccel = 30.0",
-            "limits.accel = 30 takes 0.525 N m of each wheel",
+            // Of 1.94 kg, with the rotors.
+            "limits.accel = 30 takes 1.020 N m of each wheel",
         ),
         (
             "\nbrake = 1.5",
             "\nbrake = 25.0",
             "limits.brake = 25 is more than the 20 m/s² that rubber holds",
+        ),
+        // What the body alone takes: rotors take as much again.
+        (
+            "\nwheel_torque = 0.15",
+            "\nwheel_torque = 0.045",
+            "limits.accel = 1.5 takes 0.051 N m of each wheel",
+        ),
+        (
+            "counts_per_turn = 2048.0",
+            "counts_per_turn = 1.0",
+            "encoder.counts_per_turn = 1: the base takes any place within ",
+        ),
+        (
+            "static_nm = 0.06",
+            "static_nm = 0.81",
+            "friction.static_nm = 0.81 N m is not less than limits.wheel_torque, 0.150 N m: the base does not move",
         ),
     ] {
         let (done, said) = with(from, to);

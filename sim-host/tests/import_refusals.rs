@@ -195,6 +195,9 @@ fn other_bases_and_other_dimensions_are_refused() -> Result<(), Box<dyn Error>> 
             if (sideways_m - 0.03).abs() < 1e-9 && forward_m.abs() < 1e-9),
         "{sideways}"
     );
+    // A pose aside, from which the way back is as long: the first of both.
+    let spike = refusal(b"t,x,y,theta\n0,0,0,0\n1,0.1,0,0\n2,0.2,0.5,0\n3,0.3,0,0\n4,0.4,0,0\n")?;
+    assert_eq!(spike.place.line, Some(4), "{spike}");
     Ok(())
 }
 

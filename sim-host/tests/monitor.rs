@@ -108,6 +108,31 @@ fn reports_are_told_from_damage_whatever_the_chunks() {
     }
 }
 
+/// Whoever listens to a board that runs already sees its state, and one that is no board is told from silence.
+#[test]
+fn a_line_shows_the_state_of_a_running_board_and_bytes_that_are_no_frames() {
+    let mut monitor = Monitor::default();
+    assert!(
+        monitor.line().starts_with("no report yet |"),
+        "{}",
+        monitor.line()
+    );
+    let boot = b"rst:0x1 (POWERON_RESET),boot:0x13 (SPI_FAST_FLASH_BOOT)\r\n";
+    monitor.take(boot, |_, _| panic!("a report"));
+    let line = monitor.line();
+    assert!(
+        line.contains(&format!("{} bytes without a frame", boot.len())),
+        "{line}"
+    );
+    let report = BaseTick {
+        state: State::Parking,
+        ..report(7)
+    };
+    monitor.take(&frame(0, &Telemetry::Tick(report)), |_, _| ());
+    let line = monitor.line();
+    assert!(line.starts_with("Parking "), "{line}");
+}
+
 #[test]
 fn log_reads_back_bit_for_bit() {
     let mut bytes = Vec::new();

@@ -143,6 +143,28 @@ fn any_number_of_parts_leaves_the_same_bytes() {
     }
 }
 
+/// Of a set without nearly all of its parts the first are named, and how many more.
+#[test]
+fn a_list_of_missing_parts_ends() {
+    let here = tempfile::tempdir().expect("a directory");
+    let faults = [
+        "faults",
+        "--runs",
+        "1",
+        "--shard",
+        "1/40",
+        "--parquet",
+        "one.parquet",
+    ];
+    let run = sim_host(here.path(), &faults);
+    assert!(run.status.success(), "{run:?}");
+    let merged = sim_host(here.path(), &["merge", "one.parquet"]);
+    let said = String::from_utf8_lossy(&merged.stderr).into_owned();
+    assert_eq!(merged.status.code(), Some(1), "{said}");
+    assert_eq!(said.matches("of 40 is missing: run ").count(), 10, "{said}");
+    assert!(said.contains("and 29 more are missing"), "{said}");
+}
+
 /// What is printed is what helps: the command that is printed makes the part that is missing.
 #[test]
 fn a_part_that_died_is_named_and_made_again_alone() {

@@ -29,7 +29,7 @@ pub use law::{Flavour, Law, LawKind};
 pub use study::{BenchError, Run, Settings, runs, study};
 pub use summary::{ALLOWED_S, Row, Spread, Summary, summaries};
 pub use table::{Cell, HEADER, better, cells, console, label, markdown, verdict};
-pub use tracks::{FILES, Named, TrackFile};
+pub use tracks::{BadFile, FILES, Named, TrackFile};
 pub use tuned::Tuned;
 pub use tuning::{evaluations, tune};
 

@@ -1,11 +1,10 @@
 //! All runs, side by side.
 
 use super::law::{Law, LawKind};
-use super::tracks::{Case, Named, TrackFile, cases};
+use super::tracks::{BadFile, Case, Named, TrackFile, cases};
 use super::tuned::Tuned;
 use super::{Class, Figures};
 use crate::closed_loop::ClosedLoopError;
-use crate::drive::FileError;
 use crate::mission::{AccelerationAt, BaseSpec, Change, Mission, Sequencer};
 use crate::precision::Precision;
 use crate::run::{self, Driver, RivalLaw, RunError, motion_law, on_ideal_plant};
@@ -38,7 +37,7 @@ pub struct Settings<'a> {
 pub enum BenchError {
     /// A file that cannot be driven.
     #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] BadFile),
     /// A parameter of a base.
     #[error("{0}")]
     Param(ParamError),

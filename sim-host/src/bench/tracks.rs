@@ -71,6 +71,16 @@ pub(super) struct Case {
 /// A base and its name.
 pub type Named = (String, BaseSpec);
 
+/// A file that cannot be driven.
+#[derive(Debug, thiserror::Error)]
+#[error("{name}: {cause}")]
+pub struct BadFile {
+    /// Its name.
+    pub name: String,
+    /// Why.
+    pub cause: FileError,
+}
+
 /// Cases of a class on a base: `runs` of parking; on plants with noise as many of each other course as fit into `runs`.
 pub(super) fn cases(
     class: Class,
@@ -78,15 +88,20 @@ pub(super) fn cases(
     files: &[TrackFile<'_>],
     runs: usize,
     seed: u64,
-) -> Result<Vec<Case>, FileError> {
+) -> Result<Vec<Case>, BadFile> {
     let courses = match class.track {
         Track::Parking => parking(name, base, runs, seed),
         Track::Paper => [trials::Course::Line, trials::Course::Curve]
             .map(|course| paper(course, base))
             .to_vec(),
         Track::Files => {
-            let all = files.iter().map(|file| self::file(file, base));
-            all.collect::<Result<_, _>>()?
+            let case = |file: &TrackFile<'_>| {
+                self::file(file, base).map_err(|cause| BadFile {
+                    name: file.name.to_owned(),
+                    cause,
+                })
+            };
+            files.iter().map(case).collect::<Result<_, _>>()?
         }
         Track::Velocity => vec![velocity(base)],
     };

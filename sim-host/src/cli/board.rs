@@ -21,7 +21,7 @@ pub struct MonitorArgs {
     #[arg(long, value_name = "N", default_value = "115200")]
     pub baud: u32,
     /// Stop after so many seconds
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = positive)]
     pub seconds: Option<f64>,
     /// Ask for the board's own counters once a second. To the board this is a host that lives!
     #[arg(long)]

@@ -374,7 +374,9 @@ fn undrivable(
             sideways.abs() - 0.5 * (forward * turn).abs()
         })
     };
-    let most = (1..samples.len()).max_by(|&a, &b| slip(a).total_cmp(&slip(b)));
+    // The first of equal ones, but for rounding.
+    let most = (1..samples.len()).map(slip).fold(0.0, f64::max);
+    let most = (1..samples.len()).find(|&i| slip(i) >= (1.0 - 1.0e-9) * most);
     let worst = most
         .filter(|&i| slip(i) > tolerance[0])
         .unwrap_or(close.worst.max(1));

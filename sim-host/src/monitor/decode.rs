@@ -13,6 +13,7 @@ use std::fmt::Write as _;
 #[derive(Clone, Debug, Default)]
 pub struct Monitor {
     decoder: Decoder<Telemetry, MAX_CONTENT>,
+    bytes: u64,
     reports: u64,
     latest: LatestTelemetry,
     /// A command whose answer counts, and the answer.
@@ -53,6 +54,7 @@ impl Monitor {
         bytes: &[u8],
         mut each: impl FnMut(&Frame<Telemetry>, &LatestTelemetry),
     ) {
+        self.bytes += bytes.len() as u64;
         for &byte in bytes {
             let Some(Ok(frame)) = self.decoder.push(byte) else {
                 continue;
@@ -123,12 +125,22 @@ impl Monitor {
     /// One line for people.
     pub fn line(&self) -> String {
         let mut line = String::new();
-        if let Some((state, cause)) = &self.latest.state {
-            // Writing to a string does not fail.
-            let _ = write!(line, "{state:?} ({cause:?}) ");
+        // Writing to a string does not fail. A board says why its state changed when it does: before, reports have the state alone.
+        match (&self.latest.state, &self.latest.report) {
+            (Some((state, cause)), _) => {
+                let _ = write!(line, "{state:?} ({cause:?}) ");
+            }
+            (None, Some(report)) => {
+                let _ = write!(line, "{:?} ", report.state);
+            }
+            (None, None) => {}
         }
         match &self.latest.report {
             Some(report) => tick(&mut line, report),
+            // A line with bytes and no frame is of another baud rate, or of another program.
+            None if self.frames() == FrameCounters::default() && self.bytes > 0 => {
+                let _ = write!(line, "no report yet, {} bytes without a frame", self.bytes);
+            }
             None => line.push_str("no report yet"),
         }
         if let Some(origin) = &self.latest.origin {

@@ -114,5 +114,12 @@ fn missing_lines(missing: &[(Shard, String)]) -> String {
         let (number, count) = (shard.number(), shard.count());
         format!("part {number} of {count} is missing: run {command}")
     };
-    missing.iter().map(line).collect::<Vec<_>>().join("\n  ")
+    let mut lines: Vec<_> = missing.iter().take(LISTED).map(line).collect();
+    if let Some(more @ 1..) = missing.len().checked_sub(LISTED) {
+        lines.push(format!("and {more} more are missing"));
+    }
+    lines.join("\n  ")
 }
+
+/// Missing parts that are listed, each with its command.
+const LISTED: usize = 10;

@@ -32,8 +32,11 @@ pub struct Shard {
 
 /// Not a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a part is i/n, for example 3/8: two whole numbers, i from 1 to n")]
+#[error("a part is i/n, for example 3/8: two whole numbers, i from 1 to n, n up to {MOST}")]
 pub struct NoShard;
+
+/// Most parts: more than any cluster has machines, and no more than a list of those that are missing can hold.
+const MOST: usize = 100_000;
 
 impl Shard {
     /// All of it.
@@ -49,7 +52,7 @@ impl Shard {
     pub fn new(number: usize, count: usize) -> Result<Self, NoShard> {
         let count = NonZeroUsize::new(count).ok_or(NoShard)?;
         let index = number.checked_sub(1).ok_or(NoShard)?;
-        match index < count.get() {
+        match index < count.get() && count.get() <= MOST {
             true => Ok(Self { index, count }),
             false => Err(NoShard),
         }
@@ -132,7 +135,7 @@ mod tests {
             );
         }
         for text in [
-            "", "0/4", "5/4", "1/0", "1", "a/b", "-1/4", "1/4/4", "1.5/4", " 1/4",
+            "", "0/4", "5/4", "1/0", "1", "a/b", "-1/4", "1/4/4", "1.5/4", " 1/4", "1/100001",
         ] {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }

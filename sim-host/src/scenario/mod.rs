@@ -142,6 +142,9 @@ pub struct Scenario {
     pub period_s: f64,
 }
 
+/// Keys of files of the law for a real base that the paper's have not.
+const MOTION_ONLY: [&str; 4] = ["base", "limits", "event", "world"];
+
 impl Scenario {
     /// Reads a scenario file.
     ///
@@ -159,6 +162,9 @@ impl Scenario {
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
         let place = source::Source::new(file, text);
         let wrong = match crate::mission::Mission::kind(text).as_deref() {
+            None if MOTION_ONLY.iter().any(|key| place.has(key)) => {
+                Some("is missing: a file with a base is of the law for a real base, \"motion\"")
+            }
             None | Some("neural" | "plain") => None,
             Some("motion") => {
                 Some("is the law for a real base, which `run` takes and this does not")
