@@ -6,7 +6,7 @@
 //! the more so the later the round, so that what was linearised holds in the end.
 
 use super::fit::motion::{ByState, Jerk, State, linearise};
-use super::interior::{Active, Convex, Row, descend};
+use super::interior::{Convex, Row, Start, descend};
 use super::limits::ReferenceLimits;
 use super::time_scaling;
 use nalgebra::{SMatrix, SVector};
@@ -28,7 +28,6 @@ pub(super) struct Stage {
 
 /// Variables of a stage: changes of its state, of its jerk and of its time.
 const WIDTH: usize = 10;
-type Variables = [f64; WIDTH];
 type Stacked = SVector<f64, WIDTH>;
 type Square = SMatrix<f64, WIDTH, WIDTH>;
 type Forward = SMatrix<f64, 7, WIDTH>;
@@ -61,24 +60,26 @@ const SIDES: usize = 16;
 
 /// The quickest motion near the one given, from its first pose to its last; `rest` says whether
 /// first and last stand, and else they are as fast as they are. `None` if none was found.
+/// What the search took is added to `work`.
 pub(super) fn quickest(
     mut stages: Vec<Stage>,
     limits: &ReferenceLimits,
     rest: [bool; 2],
+    work: &mut usize,
 ) -> Option<Vec<Stage>> {
     let time = |stages: &[Stage]| -> f64 { stages.iter().map(|stage| stage.h).sum() };
     let rounds = (WORK / stages.len().max(1)).clamp(ROUNDS.start, ROUNDS.end);
     let mut trust = FIRST_TRUST;
     for _ in 0..rounds {
         let before = time(&stages);
-        improve(&mut stages, limits, rest, Aim::Quick(trust))?;
+        improve(&mut stages, limits, rest, Aim::Quick(trust), work)?;
         trust *= NEXT_TRUST;
         if time(&stages) > before * (1.0 - SAVED) {
             break;
         }
     }
     for _ in 0..CLOSING {
-        if improve(&mut stages, limits, rest, Aim::Closed)? < CLOSED {
+        if improve(&mut stages, limits, rest, Aim::Closed, work)? < CLOSED {
             // The last goes nowhere.
             let on_the_way = stages.split_last().map_or(&[][..], |(_, others)| others);
             return on_the_way
@@ -106,6 +107,7 @@ fn improve(
     limits: &ReferenceLimits,
     rest: [bool; 2],
     aim: Aim,
+    work: &mut usize,
 ) -> Option<f64> {
     let mut problem = Linearised::of(stages, rest, aim);
     let gap = problem.loose();
@@ -115,9 +117,14 @@ fn improve(
         let arrived = problem.factorise();
         (problem.solve(), arrived)
     } else {
-        let rows = limit_rows(stages, limits, aim);
-        let active = rows.into_iter().map(Active::new).collect();
-        descend(&mut problem, start, active, GAIN)
+        let rows = limit_rows(stages, limits, aim).into_iter();
+        let mut start = Start {
+            c: start,
+            ..Start::default()
+        };
+        let found = descend(&mut problem, &mut start, rows, GAIN);
+        *work += start.work;
+        found
     };
     for (stage, change) in stages.iter_mut().zip(change.chunks_exact(WIDTH)) {
         let change = Stacked::from_column_slice(change);
@@ -138,8 +145,23 @@ const JERK: usize = 7;
 const TURN_JERK: usize = 8;
 const TIME: usize = 9;
 
+/// What a limit is on: one or two of a stage's variables, with factors.
+#[derive(Clone, Copy, Debug)]
+struct Factors([(usize, f64); 2]);
+
+impl Factors {
+    fn of(pairs: &[(usize, f64)], scale: f64) -> Self {
+        let pair = |i: usize| {
+            pairs
+                .get(i)
+                .map_or((TIME, 0.0), |(at, by)| (*at, by * scale))
+        };
+        Self([pair(0), pair(1)])
+    }
+}
+
 /// Rows of limits on the changes of every stage.
-fn limit_rows(stages: &[Stage], limits: &ReferenceLimits, aim: Aim) -> Vec<Row<WIDTH>> {
+fn limit_rows(stages: &[Stage], limits: &ReferenceLimits, aim: Aim) -> Vec<Row<Factors>> {
     let mut rows = Vec::new();
     let last = stages.len().saturating_sub(1);
     let jerks = time_scaling::jerk_limits(limits);
@@ -150,12 +172,7 @@ fn limit_rows(stages: &[Stage], limits: &ReferenceLimits, aim: Aim) -> Vec<Row<W
             if !most.is_finite() {
                 return;
             }
-            let mut g = [0.0; WIDTH];
-            for &(i, factor) in factors {
-                if let Some(g) = g.get_mut(i) {
-                    *g = factor / most;
-                }
-            }
+            let g = Factors::of(factors, most.recip());
             let h = 1.0 - now / most;
             rows.push(Row { piece, g, h });
         };
@@ -207,8 +224,7 @@ fn limit_rows(stages: &[Stage], limits: &ReferenceLimits, aim: Aim) -> Vec<Row<W
                 Aim::Closed => FIRST_TRUST,
             };
             for (sign, most) in [(1.0, trust), (-1.0, trust.min(1.0 - stage.least / stage.h))] {
-                let mut g = [0.0; WIDTH];
-                g[TIME] = sign / stage.h;
+                let g = Factors::of(&[(TIME, sign)], stage.h.recip());
                 rows.push(Row { piece, g, h: most });
             }
         }
@@ -328,13 +344,11 @@ fn stacked(variables: &[f64], piece: usize) -> Stacked {
     part.map_or(Stacked::zeros(), Stacked::from_column_slice)
 }
 
-impl Convex<WIDTH> for Linearised {
-    fn dot(&self, g: &Variables, variables: &[f64], piece: usize) -> f64 {
-        let part = variables.get(WIDTH * piece..WIDTH * (piece + 1));
-        g.iter()
-            .zip(part.unwrap_or_default())
-            .map(|(g, c)| g * c)
-            .sum()
+impl Convex<Factors> for Linearised {
+    fn dot(&self, g: &Factors, variables: &[f64], piece: usize) -> f64 {
+        let part = variables.get(WIDTH * piece..).unwrap_or_default();
+        let by = |(i, factor): (usize, f64)| factor * part.get(i).copied().unwrap_or_default();
+        by(g.0[0]) + by(g.0[1])
     }
 
     fn cost(&mut self, variables: &[f64]) -> f64 {
@@ -393,23 +407,23 @@ impl Convex<WIDTH> for Linearised {
         left.fold(0.0, f64::max)
     }
 
-    fn weigh(&mut self, piece: usize, g: &Variables, weight: f64) {
+    fn weigh(&mut self, piece: usize, g: &Factors, weight: f64) {
         let Some(weights) = self.weights.get_mut(piece) else {
             return;
         };
-        for (i, a) in g.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            for (j, b) in g.iter().enumerate().filter(|(_, b)| **b != 0.0) {
+        for (i, a) in g.0 {
+            for (j, b) in g.0 {
                 weights[(i, j)] += weight * a * b;
             }
         }
     }
 
-    fn push(&mut self, piece: usize, g: &Variables, push: f64) {
+    fn push(&mut self, piece: usize, g: &Factors, push: f64) {
         let Some(right) = self.right.get_mut(piece) else {
             return;
         };
-        for (right, g) in right.iter_mut().zip(g) {
-            *right += push * g;
+        for (i, factor) in g.0 {
+            right[i] += push * factor;
         }
     }
 

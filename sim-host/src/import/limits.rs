@@ -128,11 +128,11 @@ impl Loads {
         }
     }
 
-    /// Multiplies by the loads beyond 1, and a little.
-    pub(super) fn tighten(&mut self, passed: &Self) {
+    /// Multiplies by the loads beyond 1, and by `more`.
+    pub(super) fn tighten(&mut self, passed: &Self, more: f64) {
         for (tight, load) in self.0.iter_mut().zip(passed.0) {
             if load > 1.0 {
-                *tight = tight.max(1.0) * load * 1.001;
+                *tight = tight.max(1.0) * load * more;
             }
         }
     }
@@ -239,7 +239,11 @@ impl ReferenceLimits {
             let turn = drive.inertia * drive.wheel_radius / drive.track;
             right = (push * s.a + turn * s.alpha, push * s.v + turn * s.w);
             left = (push * s.a - turn * s.alpha, push * s.v - turn * s.w);
-            torque = drive.wheel_torque;
+            // Where accelerations within their limits need no more, nobody has to look at it.
+            let most = push * up.max(down) + turn * self.max_angular_accel;
+            if most > drive.wheel_torque {
+                torque = drive.wheel_torque;
+            }
         }
         [
             row(Bound::Acceleration, s.a, s.v, low, high),

@@ -11,10 +11,10 @@
 //! spline's piece depends on three coefficients, so that each step solves equations with five
 //! diagonals: linear in the number of pieces.
 
-use super::interior::{Active, Convex, descend};
+use super::interior::{self, Active, Convex, Start};
 
 /// A row of limits on the coefficients of a piece.
-pub(super) type Row = super::interior::Row<3>;
+pub(super) type Row = interior::Row<[f64; 3]>;
 
 /// |√q g| is at most 1, with q from `value` on the coefficients of the piece.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,9 @@ pub(super) struct Problem {
     pub(super) spline: Spline,
     /// Of every coefficient.
     pub(super) most: Vec<f64>,
+    /// Of every knot, equally many, so that what one has can be found again.
     pub(super) rows: Vec<Row>,
+    /// The same of every piece.
     pub(super) jerks: Vec<JerkRow>,
 }
 
@@ -126,52 +128,108 @@ impl Problem {
     }
 
     /// Coefficients of the fastest law but for a part `gain` of its time, from positive ones that may
-    /// be beyond limits.
-    pub(super) fn solve(&self, start: &[f64], gain: f64) -> Vec<f64> {
-        let found = self.descend(start.to_vec(), gain);
+    /// be beyond limits; `start` becomes one for problems like this one.
+    pub(super) fn solve(&self, start: &mut Start, gain: f64) -> Vec<f64> {
+        let found = self.descend(start, gain);
         if found.1 {
             return found.0;
         }
         // The way from beyond the limits may lead nowhere; the way from within them is longer.
-        let within = INSIDE / self.load(start).max(INSIDE);
-        self.descend(start.iter().map(|c| c * within).collect(), gain)
-            .0
+        let within = INSIDE / self.load(&start.c).max(INSIDE);
+        start.c.iter_mut().for_each(|c| *c *= within);
+        start.pairs.clear();
+        self.descend(start, gain).0
     }
 
     /// The same by one descent; and whether it arrived.
-    fn descend(&self, c: Vec<f64>, gain: f64) -> (Vec<f64>, bool) {
-        let mut active: Vec<Active<3>> = Vec::new();
-        for (i, (most, here)) in self.most.iter().zip(&c).enumerate() {
-            // A coefficient alone, as a row of a piece that has it: positive, and at most so large.
-            let piece = i.min(self.spline.pieces().saturating_sub(1));
-            for (factor, h) in [(1.0 / most, 1.0), (-1.0 / here, 0.0)] {
-                let mut g = [0.0; 3];
-                if let Some(one) = g.get_mut(i - piece) {
-                    *one = factor;
-                }
-                active.push(Active::new(Row { piece, g, h }));
-            }
+    fn descend(&self, start: &mut Start, gain: f64) -> (Vec<f64>, bool) {
+        let pieces = self.spline.pieces();
+        let c = start.c.clone();
+        // Coefficients are positive in parts of themselves.
+        for pair in start.pairs.iter_mut().take(2 * c.len()).skip(1).step_by(2) {
+            *pair = pair.of_rest();
         }
-        active.extend(self.rows.iter().map(|row| Active::new(*row)));
-        let first_jerk = active.len();
-        for row in &self.jerks {
-            let blank = Row {
-                piece: row.piece,
-                g: row.g,
-                h: 1.0,
-            };
-            active.extend([Active::new(blank), Active::new(blank)]);
-        }
+        // A coefficient alone, as a row of a piece that has it: positive, and at most so large.
+        let boxes = self
+            .most
+            .iter()
+            .zip(&c)
+            .enumerate()
+            .flat_map(|(i, (most, here))| {
+                let piece = i.min(pieces.saturating_sub(1));
+                [(1.0 / most, 1.0), (-1.0 / here, 0.0)].map(|(factor, h)| {
+                    let mut g = [0.0; 3];
+                    if let Some(one) = g.get_mut(i - piece) {
+                        *one = factor;
+                    }
+                    Row { piece, g, h }
+                })
+            });
+        let blanks = self.jerks.iter().flat_map(|row| {
+            let (piece, g) = (row.piece, row.g);
+            [Row { piece, g, h: 1.0 }; 2]
+        });
         let mut descent = Descent {
             problem: self,
             system: Banded::new(c.len()),
-            first_jerk,
+            first_jerk: 2 * c.len() + self.rows.len(),
         };
-        descend(&mut descent, c, active, gain)
+        let rows = boxes.chain(self.rows.iter().copied()).chain(blanks);
+        interior::descend(&mut descent, start, rows, gain)
+    }
+
+    /// The start of a descent on pieces that are parts of these, from that of one on these: `parents` has,
+    /// of every piece of `spline`, the one that it is of, and the part of it that it is.
+    pub(super) fn divided(
+        &self,
+        spline: &Spline,
+        parents: &[(usize, f64)],
+        start: &Start,
+    ) -> Start {
+        let knots = &spline.knots;
+        // A coefficient acts at the middle of three knots.
+        let middles = knots.windows(2).map(|pair| 0.5 * pair.iter().sum::<f64>());
+        let first = knots.first().copied().into_iter();
+        let places = first.chain(middles).chain(knots.last().copied());
+        let pieces = self.spline.pieces();
+        let mut pairs = Vec::new();
+        let mut rest = start.pairs.as_slice();
+        let mut inherit = |count: usize, per: usize, parents: &[(usize, f64)]| {
+            let (here, after) = rest.split_at_checked(count * per).unwrap_or_default();
+            rest = after;
+            for (parent, part) in parents {
+                let of = here.get(per * parent..per * (parent + 1));
+                let of = of.unwrap_or_default().iter();
+                pairs.extend(of.map(|pair| pair.of_part(*part)));
+            }
+        };
+        let mut coefficients = vec![(0, 1.0)];
+        coefficients.extend(parents.iter().map(|(piece, part)| (piece + 1, *part)));
+        coefficients.push((pieces + 1, 1.0));
+        inherit(pieces + 2, 2, &coefficients);
+        let last = [(pieces, 1.0)];
+        let at_knots = self.rows.len() / (pieces + 1);
+        inherit(pieces + 1, at_knots, &[parents, &last].concat());
+        inherit(pieces, 2 * self.jerks.len() / pieces.max(1), parents);
+        Start {
+            c: places.map(|s| self.value(&start.c, s)).collect(),
+            pairs,
+            ..*start
+        }
+    }
+
+    /// q at a place of the path.
+    fn value(&self, c: &[f64], s: f64) -> f64 {
+        let knots = &self.spline.knots;
+        let after = knots.partition_point(|knot| *knot <= s);
+        let piece = after.clamp(1, self.spline.pieces()) - 1;
+        let from = knots.get(piece).copied().unwrap_or_default();
+        let p = ((s - from) / self.spline.length(Some(piece))).clamp(0.0, 1.0);
+        dot(&self.spline.factors(piece, p)[0], c, piece)
     }
 
     /// Tangents of what jerk may be.
-    fn renew(&self, c: &[f64], limits: &mut [Active<3>]) {
+    fn renew(&self, c: &[f64], limits: &mut [Active<[f64; 3]>]) {
         for (row, pair) in self.jerks.iter().zip(limits.chunks_exact_mut(2)) {
             let q = dot(&row.value, c, row.piece).max(f64::MIN_POSITIVE);
             let root = q.sqrt();
@@ -211,12 +269,12 @@ struct Descent<'a> {
     first_jerk: usize,
 }
 
-impl Convex<3> for Descent<'_> {
+impl Convex<[f64; 3]> for Descent<'_> {
     fn dot(&self, g: &[f64; 3], variables: &[f64], piece: usize) -> f64 {
         dot(g, variables, piece)
     }
 
-    fn renew(&self, variables: &[f64], limits: &mut [Active<3>]) {
+    fn renew(&self, variables: &[f64], limits: &mut [Active<[f64; 3]>]) {
         let tangents = limits.get_mut(self.first_jerk..).unwrap_or_default();
         self.problem.renew(variables, tangents);
     }

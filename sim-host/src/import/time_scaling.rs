@@ -1,5 +1,6 @@
 //! Time scaling: the reference runs more slowly where a base could not follow, or as fast as it can.
 
+use super::interior::{Start, WARM};
 use super::limits::{Bound, LimitError, Loads, ReferenceLimits};
 use super::time_optimal::{JerkRow, Problem, Row, Spline, dot};
 use super::time_warp::{Tick, TimeWarp};
@@ -32,6 +33,8 @@ pub struct TimeScaling {
     pub load: f64,
     /// How far the path departs from the file's, if it was smoothed.
     pub departure: Option<Closeness>,
+    /// What the search took: its steps, each as often as there were limits to look at.
+    pub work: usize,
 }
 
 /// How fast a trajectory may be run.
@@ -44,25 +47,31 @@ pub enum Pace {
     Fastest,
 }
 
-/// Pieces of the law are this long in the path's own time at first \[s\], then at most so long in
-/// the time of the run, unless there would be too many.
-const SPACING: f64 = 0.008;
-const RUN_SPACING: f64 = 0.006;
+/// Pieces of the law are at most this long \[s\], in the path's own time at first, then in that of the
+/// run, unless there would be too many.
+const SPACING: f64 = 0.006;
 const MAX_PIECES: f64 = 1e5;
 /// Times that the pieces are divided.
 const REFINEMENTS: usize = 3;
 /// Rounds of tightening where a limit is passed between the points that the problem looks at, before
 /// everything is slowed by what is left.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
+/// By how much more than it is passed a limit is tightened in the first of them, and by twice as much
+/// in each one more: where nothing else helped, by an eighth.
+const MORE: f64 = 1e-3;
 /// The problem leaves this part of every limit to what is between those points.
 const MARGIN: f64 = 0.002;
 /// Accelerations take this long to rise to their limit, whatever jerk may be \[s\]: two ticks.
 const RISE: f64 = 0.02;
 /// Largest pace, in the path's own: where it stands, nothing else says how fast time may pass.
 pub(super) const FASTEST: f64 = 100.0;
-/// Part of the time that the optimum on pieces yet to be divided, and on the last ones, may lack.
-const COARSE: f64 = 1e-3;
-const FINE: f64 = 1e-8;
+/// Part of the time that the optimum on pieces yet to be divided, and on the last ones, may lack: what
+/// others begin with; a millisecond in a quarter of an hour.
+const COARSE: f64 = WARM;
+const FINE: f64 = 1e-6;
+/// The search begins with a path's own pace if that uses the limits but for such a factor: paths that
+/// were sought together with time use 0.999 to 1.002 of them, others mostly ten times as much.
+const NEARLY: f64 = 2.0;
 /// Within this part of its own pace a trajectory keeps it.
 const KEPT: f64 = 1e-5;
 
@@ -88,24 +97,27 @@ impl Trajectory {
                 places: Vec::new(),
                 load,
                 departure: None,
+                work: 0,
             };
             return Ok((self.clone(), untouched));
         }
         let own = |s: f64| self.most(s, pace);
-        let (run, load) = self.without_time_warp().fastest(limits, &own, pace);
+        let (run, load, work) = self.without_time_warp().fastest(limits, &own, pace);
         let ticks = run.time_warp.iter().flat_map(TimeWarp::ticks);
         let places: Vec<_> = ticks.map(|tick| (tick.s, tick.t, tick.rate)).collect();
-        let scaling = self.scaling(limits, &run, load, &places);
+        let mut scaling = self.scaling(limits, &run, load, &places);
+        scaling.work = work;
         Ok((run, scaling))
     }
 
-    /// The fastest run of the path, with squared rates of time up to `most`; and its load.
+    /// The fastest run of the path, with squared rates of time up to `most`; its load; and
+    /// what the search took.
     pub(super) fn fastest(
         &self,
         limits: &ReferenceLimits,
         most: &dyn Fn(f64) -> f64,
         pace: Pace,
-    ) -> (Self, f64) {
+    ) -> (Self, f64, usize) {
         // A robot does not begin faster than it is said to, nor does it have to stop from more.
         let moves = [0.0, self.path_duration()].map(|s| (s, self.at(s)));
         let moves = moves.map(|(s, end)| (s, !is_rest(end.v, end.w)));
@@ -121,28 +133,39 @@ impl Trajectory {
             most: &most,
             pace,
         };
-        let mut c = search.problem().slow();
+        let problem = search.problem();
+        let (_, load) = self.loads(limits).largest();
+        let c = if (NEARLY.recip()..NEARLY).contains(&load) {
+            vec![1.0; problem.most.len()]
+        } else {
+            problem.slow()
+        };
+        let mut start = Start {
+            c,
+            ..Start::default()
+        };
         for _ in 0..REFINEMENTS {
-            c = search.problem().solve(&c, COARSE);
-            if !search.refine(&mut c) {
+            let problem = search.problem();
+            problem.solve(&mut start, COARSE);
+            if !search.refine(&problem, &mut start) {
                 break;
             }
         }
         let mut rounds = 0;
         loop {
-            c = search.problem().solve(&c, FINE);
+            let mut c = search.problem().solve(&mut start, FINE);
             search.snap(&mut c);
             let law = search.law(&c);
             let run = self.with_time_warp(law);
-            let load = search.tighten(&run);
+            let load = search.tighten(&run, rounds);
             rounds += 1;
             if load <= 1.0 {
-                return (run, load);
+                return (run, load, start.work);
             }
             if rounds == ROUNDS {
                 // All loads fall at least as fast as time is slowed.
                 let slower = search.law(&c).slower(load);
-                return (self.with_time_warp(slower), 1.0);
+                return (self.with_time_warp(slower), 1.0, start.work);
             }
         }
     }
@@ -187,6 +210,7 @@ impl Trajectory {
             places: Vec::new(),
             load,
             departure: None,
+            work: 0,
         };
         let plain = self.without_time_warp();
         let mut open: Option<ScaledSpan> = None;
@@ -275,25 +299,25 @@ impl Search<'_> {
         let limits = self.limits;
         let jerks_within = jerk_limits(limits);
         let pieces = self.spline.pieces();
+        let points: Vec<Sample> = knots.iter().map(|s| self.plain.at(*s)).collect();
         for (piece, pair) in knots.windows(2).enumerate() {
             let [from, to] = pair else { continue };
             // Next to a knot the direction may change: there the limits of both hold.
-            let near = knots.get(piece.saturating_sub(1)..(piece + 3).min(knots.len()));
-            let speeds = near.unwrap_or_default().iter().map(|s| self.plain.at(*s).v);
+            let near = points.get(piece.saturating_sub(1)..(piece + 3).min(points.len()));
+            let speeds = near.unwrap_or_default().iter().map(|point| point.v);
             let (back, ahead) = speeds.fold((0.0_f64, 0.0_f64), |(b, a), v| (b.min(v), a.max(v)));
             let reverses = back < 0.0 && ahead > 0.0;
-            let last = (piece + 1 == pieces).then_some((*to, 1.0));
-            for (s, p) in [Some((*from, 0.0)), last].into_iter().flatten() {
-                let point = self.plain.at(s);
+            let last = points.last().filter(|_| piece + 1 == pieces);
+            let ends = [points.get(piece).zip(Some(0.0)), last.zip(Some(1.0))];
+            for (point, p) in ends.into_iter().flatten() {
                 let [value, slope, _] = self.spline.factors(piece, p);
-                for (bound, high) in self.limits.ceilings(&point) {
-                    if high.is_finite() {
-                        let share = high * tight(piece, bound).powi(2);
-                        let g = value.map(|v| v / share);
-                        rows.push(Row { piece, g, h: 1.0 });
-                    }
-                }
-                for row in self.limits.rows(&point, reverses) {
+                // The lowest is the only one that counts.
+                let ceilings = self.limits.ceilings(point);
+                let shares = ceilings.map(|(bound, high)| high * tight(piece, bound).powi(2));
+                let share = shares.into_iter().fold(f64::INFINITY, f64::min);
+                let g = value.map(|v| v / share);
+                rows.push(Row { piece, g, h: 1.0 });
+                for row in self.limits.rows(point, reverses) {
                     if !row.high.is_finite() && !row.low.is_finite() {
                         continue;
                     }
@@ -359,43 +383,26 @@ impl Search<'_> {
     }
 
     /// Divides the pieces that take long, and the law with them; false if none does.
-    fn refine(&mut self, c: &mut Vec<f64>) -> bool {
-        let law = self.law(c);
-        let spacing = RUN_SPACING.max(law.duration() / MAX_PIECES);
+    fn refine(&mut self, problem: &Problem, start: &mut Start) -> bool {
+        let law = self.law(&start.c);
+        let spacing = SPACING.max(law.duration() / MAX_PIECES);
         let mut knots = Vec::new();
+        // Of every new piece: the one that it is of, and the part of it that it is.
+        let mut parents = Vec::new();
         let mut divided = false;
-        for pair in law.ticks().windows(2) {
+        for (piece, pair) in law.ticks().windows(2).enumerate() {
             let [from, to] = pair else { continue };
             let parts = ((to.t - from.t) / spacing).ceil().clamp(1.0, 64.0);
             divided |= parts > 2.0;
-            knots.extend((0..parts as usize).map(|i| {
+            for i in 0..parts as usize {
                 let p = i as f64 / parts;
-                from.s + p * (to.s - from.s)
-            }));
+                knots.push(from.s + p * (to.s - from.s));
+                parents.push((piece, parts.recip()));
+            }
         }
         knots.extend(self.spline.knots.last());
-        let spline = Spline { knots };
-        // The old law at the middles of three knots, which is where a coefficient acts.
-        let old = std::mem::replace(&mut self.spline, spline);
-        let value = |s: f64| {
-            let after = old.knots.partition_point(|knot| *knot <= s);
-            let piece = after.clamp(1, old.pieces()) - 1;
-            let h = old
-                .knots
-                .get(piece..piece + 2)
-                .map_or([0.0, 1.0], |k| [k[0], k[1]]);
-            let p = ((s - h[0]) / (h[1] - h[0])).clamp(0.0, 1.0);
-            dot(&old.factors(piece, p)[0], c, piece)
-        };
-        let knots = &self.spline.knots;
-        let mut finer = vec![value(0.0)];
-        finer.extend(
-            knots
-                .windows(2)
-                .map(|pair| value(0.5 * (pair[0] + pair[1]))),
-        );
-        finer.push(value(knots.last().copied().unwrap_or_default()));
-        *c = finer;
+        self.spline = Spline { knots };
+        *start = problem.divided(&self.spline, &parents, start);
         divided
     }
 
@@ -438,7 +445,8 @@ impl Search<'_> {
     }
 
     /// Tightens the limits that a law passes, where it does, and returns the largest load.
-    fn tighten(&mut self, time_scaled: &Trajectory) -> f64 {
+    fn tighten(&mut self, time_scaled: &Trajectory, round: usize) -> f64 {
+        let more = 1.0 + MORE * f64::from(1 << round);
         let pieces = time_scaled.piece_loads(self.limits);
         let mut largest: f64 = 0.0;
         self.tight.resize(pieces.len(), Loads::default());
@@ -450,7 +458,7 @@ impl Search<'_> {
             }
             let near = piece.saturating_sub(1)..(piece + 2).min(pieces.len());
             for tight in self.tight.get_mut(near).unwrap_or_default() {
-                tight.tighten(loads);
+                tight.tighten(loads, more);
             }
         }
         largest

@@ -76,9 +76,10 @@ impl Trajectory {
         if places.len() > MAX_PLACES {
             return Ok((best, scaling));
         }
-        for _ in 0..ROUNDS {
+        let mut work = scaling.work;
+        for round in 0..ROUNDS {
             let stages = stages(&places, &best, pace, tube);
-            let Some(found) = joint::quickest(stages, limits, rest) else {
+            let Some(found) = joint::quickest(stages, limits, rest, &mut work) else {
                 break;
             };
             let mut nodes = Vec::with_capacity(found.len());
@@ -88,13 +89,18 @@ impl Trajectory {
                 nodes.push(Node { t, z, u });
                 t += h;
             }
+            if round > 0 && t > best.duration() {
+                // A path that is no quicker than the last, which was sought in the same way.
+                break;
+            }
             let path = self.with_nodes(nodes);
             let close = departure(&places, &path);
             let most = |s: f64| match pace {
                 Pace::Fastest => FASTEST * FASTEST,
                 Pace::Own => pace_at(&places, s).powi(2),
             };
-            let (run, load) = path.fastest(limits, &most, pace);
+            let (run, load, took) = path.fastest(limits, &most, pace);
+            work += took;
             let saved = 1.0 - run.duration() / best.duration();
             if saved <= 0.0 || close.position_m > tube {
                 break;
@@ -121,6 +127,7 @@ impl Trajectory {
                 break;
             }
         }
+        scaling.work = work;
         Ok((best, scaling))
     }
 
