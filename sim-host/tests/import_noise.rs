@@ -1,7 +1,7 @@
 //! Recordings with noise: smoothed within the tolerance and said so, or refused with the tolerance that they need.
 
 use sim_host::drive::{DriveMetrics, FileRun, Retiming, trajectory};
-use sim_host::import::{Fix, Reason, Trajectory};
+use sim_host::import::{Fix, Pace, Reason, Trajectory};
 use sim_host::mission::BaseSpec;
 use sim_host::run::drive;
 use std::error::Error;
@@ -151,5 +151,26 @@ fn noise_beyond_the_tolerance_is_refused_with_the_tolerance_that_it_needs()
             "{seed}: {said}"
         );
     }
+    Ok(())
+}
+
+/// What the search for the quickest run of a noisy recording takes, in limits looked at, which no machine changes: noise moves curvature and limits at
+/// every pose, so that such files take longest. A tenth more fails.
+#[test]
+fn searching_takes_no_more_work_than_it_did() -> Result<(), Box<dyn Error>> {
+    let text = recording(1, [2e-3, 5e-3], false)?;
+    let reference = trajectory(text.as_bytes(), &Retiming::default())?;
+    let retiming = Retiming {
+        pace: Pace::Fastest,
+        ..Retiming::default()
+    };
+    let mut millions = Vec::new();
+    for base in BASES {
+        let (_, scaling) = retiming.of(&reference, &file(base))?;
+        millions.push(scaling.work as f64 * 1e-6);
+    }
+    let mut usual = [4.9, 4.9, 9.0].into_iter();
+    let no_more = |now: &f64| usual.next().is_some_and(|usual| *now < 1.1 * usual);
+    assert!(millions.iter().all(no_more), "{millions:?}");
     Ok(())
 }
