@@ -13,7 +13,7 @@ use controller_core::types::{Accel, Measured, Pose, Twist};
 use firmware_demo::drive::Call;
 use firmware_demo::mission;
 use firmware_demo::model::Model;
-use protocol::Command;
+use protocol::{Command, RejectReason};
 
 #[test]
 fn lost_encoders_brake_after_five_ticks() {
@@ -194,12 +194,14 @@ fn slipping_wheel_stops() {
     });
 }
 
+/// It is refused where it comes in, and the base goes on to the goal that it has.
 #[test]
-fn goal_beyond_all_numbers_brakes() {
-    reaches(FaultKind::StepRefused, 2, Rig::parking(), |rig, _| {
-        rig.park(3.0e38, 3.0e38, 0.0).unwrap();
-        rig.tick();
-    });
+fn goal_beyond_all_numbers_is_refused() {
+    let mut rig = Rig::parking();
+    let before = rig.task.state();
+    assert_eq!(rig.park(3.0e38, 3.0e38, 0.0), Err(RejectReason::Value));
+    rig.run(10);
+    assert_eq!((rig.task.state(), before), (State::Parking, State::Parking));
 }
 
 /// Against a wall, with the detector of encoders off, which would be faster: 2 s.

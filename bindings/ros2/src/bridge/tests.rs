@@ -328,6 +328,7 @@ fn a_goal_waits_for_a_base_that_is_about_to_be_ready() {
     rig.says(State::Stopping(Then::Stopped), Cause::Host);
     rig.bridge.park(goal, rig.now_us);
     rig.run(6.0);
+    assert_eq!(rig.bridge.event(), Some(Event::Taken));
     let event = rig.bridge.event();
     assert!(matches!(event, Some(Event::Refused(_))), "{event:?}");
     assert_eq!(rig.count(is_park), 1);
