@@ -332,7 +332,7 @@ const VAGUE: f64 = 0.5;
 pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyError> {
     rows::check(log)?;
     let missing = rows::missing(log);
-    let speeds = stretches::speeds(log);
+    let speeds = stretches::speeds(log, stretches::HALF_S);
     let stretches = |limited: &[bool]| {
         stretches::stretches(log, &speeds, options.slow_rad_s, limited, &missing)
     };

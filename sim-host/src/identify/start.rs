@@ -4,7 +4,7 @@
 //! Noisy speeds bias it by some percent, which a start may be.
 
 use super::log::{Drive, Log};
-use super::stretches::Stretch;
+use super::stretches::{self, Stretch};
 use super::wheels::DYNAMIC;
 use nalgebra::{DMatrix, DVector};
 
@@ -12,6 +12,10 @@ use nalgebra::{DMatrix, DVector};
 const OVER_S: f64 = 0.2;
 /// Weight of "the other wheel does not matter" against the data: decides where they do not.
 const ALONE: f64 = 1.0e-3;
+
+/// Half of the time over which speeds beside currents are taken \[s\]: rows of 10 ms with their neighbours, and at 1 kHz noise of a count in 25 ms.
+/// Means over longer times are slower than currents, which makes alpha too small: with 50 ms a fifth of what it is, where steps are left out.
+const SHARP_S: f64 = 0.0125;
 
 /// Where the fit begins.
 pub(super) struct Start {
@@ -27,10 +31,11 @@ pub(super) struct Start {
 /// ```text
 /// E (w(t+T) - w(t)) + D (a(t+T) - a(t)) + s sign T + loss sign integral of |v| = integral of u
 /// ```
-pub(super) fn guess(log: &Log, speeds: &[[f64; 2]], stretches: &[Stretch]) -> Option<Start> {
+pub(super) fn guess(log: &Log, speeds: &[[f64; 2]], used: &[Stretch]) -> Option<Start> {
     let motors = match &log.current {
         Some(current) => {
-            let of = |i| electric(log, stretches, current, i);
+            let sharp = stretches::speeds(log, SHARP_S);
+            let of = |i| electric(log, &sharp, used, current, i);
             Some([of(0)?, of(1)?])
         }
         None => None,
@@ -38,7 +43,7 @@ pub(super) fn guess(log: &Log, speeds: &[[f64; 2]], stretches: &[Stretch]) -> Op
     let lossy = motors.is_some() && log.drive != Drive::Torque;
     let mut all = Vec::new();
     for i in 0..2 {
-        all.push(side(log, speeds, stretches, motors.as_ref(), lossy, i)?);
+        all.push(side(log, speeds, used, motors.as_ref(), lossy, i)?);
     }
     let [right, left] = [&all[0], &all[1]];
     let mut value = vec![
@@ -131,12 +136,13 @@ const NEAR_LIMIT: f64 = 0.9;
 
 /// Rows in which a driver may have held its current at the limit \[A\], so that its command did not act. None without
 /// a limit or currents.
-pub(super) fn limited(log: &Log, stretches: &[Stretch], limit_a: Option<f64>) -> Vec<bool> {
+pub(super) fn limited(log: &Log, used: &[Stretch], limit_a: Option<f64>) -> Vec<bool> {
     let (Some(limit), Some(current)) = (limit_a, &log.current) else {
         return Vec::new();
     };
     let high = |current: f64| current.abs() >= NEAR_LIMIT * limit;
-    let alpha = [0, 1].map(|i| electric(log, stretches, current, i).map(|m| m.alpha));
+    let sharp = stretches::speeds(log, SHARP_S);
+    let alpha = [0, 1].map(|i| electric(log, &sharp, used, current, i).map(|m| m.alpha));
     let rows = 0..log.t.len();
     rows.map(|row| {
         (0..2).any(|i| {
@@ -157,23 +163,25 @@ struct Motor {
     band: f64,
 }
 
-/// i = alpha (u - band) - beta w, at the end of each row. Speeds are of the rows about it: means over longer times are slower than
-/// currents, so that alpha would be too small, a fifth of what it is where steps are left out.
-fn electric(log: &Log, stretches: &[Stretch], current: &[[f64; 2]], i: usize) -> Option<Motor> {
-    let rows: Vec<_> = stretches.iter().flat_map(|s| s.first..=s.last).collect();
+/// i = alpha (u - band) - beta w, at the end of each row, with `sharp` speeds.
+fn electric(
+    log: &Log,
+    sharp: &[[f64; 2]],
+    used: &[Stretch],
+    current: &[[f64; 2]],
+    i: usize,
+) -> Option<Motor> {
+    let rows: Vec<_> = used.iter().flat_map(|s| s.first..=s.last).collect();
     if rows.is_empty() {
         return None;
     }
     let mut a = DMatrix::zeros(rows.len(), 3);
     let mut b = DVector::zeros(rows.len());
-    let last = log.t.len() - 1;
     for (n, &row) in rows.iter().enumerate() {
-        let (before, after) = (row - 1, (row + 1).min(last));
-        let speed = (log.angle[after][i] - log.angle[before][i]) / (log.t[after] - log.t[before]);
         a[(n, 0)] = log.command[row - 1][i];
         a[(n, 1)] = match log.drive {
             Drive::Torque => 0.0,
-            Drive::Voltage | Drive::Duty => -speed,
+            Drive::Voltage | Drive::Duty => -sharp[row][i],
         };
         a[(n, 2)] = -full(log, row - 1, i);
         b[n] = current[row][i];

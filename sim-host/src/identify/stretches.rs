@@ -11,7 +11,7 @@ pub const LONGEST_S: f64 = 4.0;
 /// Shortest stretch \[s\]: its start state takes what little it holds.
 pub const SHORTEST_S: f64 = 0.3;
 /// Half of the time over which a speed is taken from the angles \[s\].
-const HALF_S: f64 = 0.05;
+pub(super) const HALF_S: f64 = 0.05;
 /// Fewest samples for the start state of four and something beside it.
 const FEWEST: usize = 12;
 
@@ -24,14 +24,14 @@ pub(super) struct Stretch {
     pub(super) sign: [f64; 2],
 }
 
-/// Wheel speeds \[rad/s\] from the angles some rows before and after.
-pub(super) fn speeds(log: &Log) -> Vec<[f64; 2]> {
+/// Wheel speeds \[rad/s\] from the angles up to so long before and after \[s\], or of the next rows.
+pub(super) fn speeds(log: &Log, half_s: f64) -> Vec<[f64; 2]> {
     let last = log.t.len() - 1;
     (0..=last)
         .map(|row| {
             let t = log.t[row];
-            let from = log.t.partition_point(|&other| other < t - HALF_S).min(row);
-            let to = log.t.partition_point(|&other| other <= t + HALF_S) - 1;
+            let from = log.t.partition_point(|&other| other < t - half_s).min(row);
+            let to = log.t.partition_point(|&other| other <= t + half_s) - 1;
             let (from, to) = if to > from {
                 (from, to)
             } else {

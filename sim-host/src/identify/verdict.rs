@@ -169,12 +169,21 @@ fn numeric(
     } else {
         (wide * value, wide <= VAGUE)
     };
-    if sharp {
+    // Not by chance: three standard deviations.
+    let pushes = quantity.is_friction() && value + 3.0 * half_width / quantile < 0.0;
+    if sharp && !pushes {
         return Verdict::Identified { value, half_width };
     }
     let spread = (!quantity.is_friction()).then_some(wide);
     Verdict::NotIdentifiable {
-        why: driven.why(quantity, spread, hidden),
+        why: match pushes {
+            true => format!(
+                "{value:.2e} ± {half_width:.1e} {} came out, and friction does not push: what is commanded is not all of the torque, as where \
+                 a firmware makes up for friction",
+                quantity.unit()
+            ),
+            false => driven.why(quantity, spread, hidden),
+        },
         would_help: vec![
             "the drive that docs/identify.md recommends".to_owned(),
             format!("--known {}=...", quantity.name()),

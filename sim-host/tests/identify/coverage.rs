@@ -3,7 +3,7 @@
 use crate::robot::{RECORDER, Recorder, Robot, random, recommended};
 use crate::tally::{self, Tallies};
 use Quantity as Q;
-use sim_host::identify::{Drive, Known, Options, Quantity, identify};
+use sim_host::identify::{Drive, Known, Options, Quantity, Verdict, identify};
 
 const LOGS: usize = 200;
 
@@ -174,4 +174,42 @@ fn torques_and_poses_tell_the_body() {
             Q::CoulombLeft,
         ],
     });
+}
+
+/// Efforts of a firmware that makes up for friction are less than the torque by it, and more: what is left is no friction.
+#[test]
+fn friction_that_pushes_is_no_number() {
+    let robot = Robot::draw(&mut random(7));
+    let recorder = Recorder {
+        drive: Drive::Torque,
+        current_sd: None,
+        ..RECORDER
+    };
+    let mut log = robot.record(&recorder, &mut random(8), recommended);
+    let coulomb = [Q::CoulombRight, Q::CoulombLeft];
+    for row in 1..log.t.len() {
+        for i in 0..2 {
+            let turned = log.angle[row][i] - log.angle[row - 1][i];
+            if turned != 0.0 {
+                log.command[row][i] -= 2.0 * robot.truth(coulomb[i]) * turned.signum();
+            }
+        }
+    }
+    let options = Options {
+        latency_s: recorder.latency_s,
+        ..Options::default()
+    };
+    let found = identify(&log, &options).expect("signs agree");
+    for quantity in coulomb {
+        match found.of(quantity) {
+            Some(Verdict::NotIdentifiable { why, .. }) => {
+                assert!(why.contains("friction does not push"), "{why}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(
+        matches!(found.of(Q::Mass), Some(Verdict::Identified { .. })),
+        "{found:?}"
+    );
 }
