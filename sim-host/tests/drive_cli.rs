@@ -64,7 +64,7 @@ fn what_is_refused_says_where_and_why() -> Result<(), Box<dyn Error>> {
         ),
         (
             "table_sideways.csv",
-            "line 21, sample 19: no wheeled base passes here",
+            "line 13, sample 11: no wheeled base passes here",
         ),
         (
             "tum_climbing.txt",

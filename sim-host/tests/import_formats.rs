@@ -284,6 +284,46 @@ fn time_outside_is_standstill_at_the_ends() -> Outcome {
     Ok(())
 }
 
+/// A file that moves at its ends and states no speeds is run from rest to rest, which is said at both; one that states them is not, and
+/// nor is one that only trembles there.
+#[test]
+fn ends_that_are_brought_to_rest_are_listed() -> Outcome {
+    let line = |states: bool, speed: f64| {
+        let mut text = String::from(if states {
+            "t,x,y,theta,v,w\n"
+        } else {
+            "t,x,y,theta\n"
+        });
+        for i in 0..=20 {
+            let t = 0.1 * f64::from(i);
+            text += &format!("{t},{},0,0", speed * t);
+            text += &if states {
+                format!(",{speed},0\n")
+            } else {
+                "\n".to_owned()
+            };
+        }
+        text
+    };
+    let options = Options {
+        rests: true,
+        ..Options::default()
+    };
+    for (states, speed, listed) in [(false, 0.5, 2), (true, 0.5, 0), (false, 0.05, 0)] {
+        let read = import(line(states, speed).as_bytes(), &options)?;
+        let ends = read.repairs().iter().filter(|repair| {
+            matches!(repair.what, Fix::AtRest { speed: found, turn_rate } if (found - speed).abs() < 0.05 && turn_rate.abs() < 0.01)
+        });
+        assert_eq!(
+            ends.count(),
+            listed,
+            "{states}, {speed}: {:?}",
+            read.repairs()
+        );
+    }
+    Ok(())
+}
+
 #[test]
 fn verdict_reads_well() -> Outcome {
     let judged = |file: &str| {

@@ -11,7 +11,7 @@ const BRISK: [f64; 2] = [10.0, 50.0];
 /// How often a fit is tried.
 const TRIES: usize = 4;
 /// From the second try on a ramp takes at least this \[s\], about the time between two knots.
-const LEAST: f64 = 0.02;
+pub(super) const LEAST: f64 = 0.02;
 
 /// Seconds that a motion takes to come to the pace of its file, and to leave it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,14 +26,7 @@ impl Ramps {
     /// Of a motion that moves at ends where it does not rest.
     fn of(nodes: &[Node], rest: Rest) -> Self {
         let duration = nodes.last().map_or(0.0, |node| node.t);
-        let takes = |node: Option<&Node>| {
-            let takes = |node: &Node| {
-                (node.z[3] / BRISK[0])
-                    .abs()
-                    .max((node.z[4] / BRISK[1]).abs())
-            };
-            node.map_or(0.0, takes).min(duration)
-        };
+        let takes = |node: Option<&Node>| node.map_or(0.0, takes).min(duration);
         Self {
             start: takes(nodes.first().filter(|_| !rest.start)),
             end: takes(nodes.last().filter(|_| !rest.end)),
@@ -69,6 +62,12 @@ impl Ramps {
         let whole = self.duration + 0.5 * (self.start + self.end);
         whole - reached(self.duration - t, self.end)
     }
+}
+
+/// Seconds that a ramp to what a node moves at takes, at first.
+pub(super) fn takes(node: &Node) -> f64 {
+    let [v, w] = [node.z[3], node.z[4]];
+    (v / BRISK[0]).abs().max((w / BRISK[1]).abs())
 }
 
 /// The fit to the same poses that rests at both ends, with its ramps; `nodes` and `rest` are those of the file. `None` if it misses poses.

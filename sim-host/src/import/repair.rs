@@ -58,6 +58,13 @@ pub enum Fix {
         /// How far off they are passed.
         off: Closeness,
     },
+    /// The file moves at this end and states no speeds: run from rest to rest.
+    AtRest {
+        /// How fast it moves there by its poses \[m/s\].
+        speed: f64,
+        /// And turns \[rad/s\].
+        turn_rate: f64,
+    },
     /// More repairs than are listed.
     More,
 }
@@ -90,6 +97,10 @@ impl fmt::Display for Fix {
             Self::Noise { scatter, off } => write!(
                 f,
                 "noise of the poses, {scatter} (standard deviation), smoothed: they are passed up to {off} off, farthest here"
+            ),
+            Self::AtRest { speed, turn_rate } => write!(
+                f,
+                "moves here at {speed:.2} m/s and {turn_rate:.2} rad/s, and states no speeds: run from rest to rest"
             ),
             Self::More => f.write_str("further repairs not listed"),
         }

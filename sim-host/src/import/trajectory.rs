@@ -3,7 +3,7 @@
 use super::fit::motion::{Jerk, advance, travel};
 use super::fit::{self, CLUSTER, Ends, Node, Rest, Target};
 use super::noise::{self, Noise};
-use super::ramps::{Ramps, fit_at_rest};
+use super::ramps::{self, Ramps, fit_at_rest};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::{Fix, Repair};
@@ -118,6 +118,21 @@ impl Trajectory {
             && let Some((later, at_rest, as_close)) =
                 fit_at_rest(&local, &nodes, rest, tolerance, ends)
         {
+            let moving = [
+                (rest.start, samples.first(), nodes.first()),
+                (rest.end, samples.last(), nodes.last()),
+            ];
+            for (rests, sample, node) in moving {
+                if let (false, Some(sample), Some(node)) = (rests, sample, node)
+                    && ramps::takes(node) > ramps::LEAST
+                {
+                    let what = Fix::AtRest {
+                        speed: node.z[3],
+                        turn_rate: node.z[4],
+                    };
+                    repairs.add(sample.place.clone(), sample.t + start, what);
+                }
+            }
             (ramps, nodes, close) = (Some(later), at_rest, as_close);
         }
         let passes = |t: f64| ramps.map_or(t, |ramps: Ramps| ramps.passes(t));

@@ -81,8 +81,7 @@ pub(super) enum Ends {
     Noisy,
 }
 
-/// Fits; the closeness says whether the tolerance was reached. `None` for less than two knots, or if
-/// no iterate was finite.
+/// Fits; the closeness says whether the tolerance was reached. `None` for less than two knots.
 pub(super) fn fit(
     targets: &[Target],
     rest: Rest,
@@ -152,7 +151,16 @@ pub(super) fn fit(
             }
         }
     }
-    best.map(|best| (nodes(&knots, &best.iterate), best.closeness))
+    match best {
+        Some(best) => Some((nodes(&knots, &best.iterate), best.closeness)),
+        // The numbers ran away at once, as where nothing near can be driven. What the fit began with is no motion, whatever it passes.
+        None => {
+            let begun = nodes(&knots, &iterate);
+            let (mut closeness, _) = closeness(&begun, targets, box_size);
+            closeness.excess = f64::INFINITY;
+            Some((begun, closeness))
+        }
+    }
 }
 
 /// An iterate that may be the answer.
