@@ -2,7 +2,6 @@
 
 use crate::mission::{BaseSpec, Hardware};
 use crate::scenario::{ControlLaw, Scenario};
-use crate::world::PoseSourceParams;
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
     longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
@@ -138,14 +137,9 @@ fn arrives_anywhere(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Vec<Str
     let (Some(source), Some(now)) = (hardware.pose_source, arrival(hardware)) else {
         return Vec::new();
     };
-    // With a source without noise; what is left is the encoders'.
-    let exact = PoseSourceParams {
-        noise_m: 1.0e-3 * source.noise_m,
-        noise_rad: 1.0e-3 * source.noise_rad,
-        ..source
-    };
-    let exact = arrival(&Hardware {
-        pose_source: Some(exact),
+    // If finer encoders mend it they are what is coarse.
+    let fine = arrival(&Hardware {
+        counts_per_turn: 1.0e3 * hardware.counts_per_turn,
         ..*hardware
     });
     let key = |by_encoders: bool, key: &str, noise: f64| match by_encoders {
@@ -155,7 +149,7 @@ fn arrives_anywhere(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Vec<Str
     let mut warnings = Vec::new();
     let half_m = 0.5 * wheels.track_m;
     if now.distance_m > half_m {
-        let coarse = exact.is_some_and(|exact| exact.distance_m > half_m);
+        let coarse = fine.is_some_and(|fine| fine.distance_m <= half_m);
         warnings.push(format!(
             "{}: the base takes any place within {:.3} m for its goal, and half of its track is {half_m} m",
             key(coarse, "noise_m", source.noise_m),
@@ -163,7 +157,7 @@ fn arrives_anywhere(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Vec<Str
         ));
     }
     if now.heading_rad > HEADING_RAD {
-        let coarse = exact.is_some_and(|exact| exact.heading_rad > HEADING_RAD);
+        let coarse = fine.is_some_and(|fine| fine.heading_rad <= HEADING_RAD);
         warnings.push(format!(
             "{}: the base takes any heading within {:.2} rad for its goal's",
             key(coarse, "noise_rad", source.noise_rad),

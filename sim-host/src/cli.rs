@@ -11,6 +11,7 @@ use crate::part_args::{MergeArgs, PartArgs};
 use crate::robot_args::{ConstantsArgs, TuneArgs, VerifyArgs};
 use crate::seed_args::SeedArgs;
 use clap::{Args, Parser, Subcommand};
+use sim_host::teleop::KEYS;
 use std::num::{NonZeroU32, NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
@@ -275,11 +276,12 @@ Examples:
     /// stops by itself. Ends with q. Without --port the firmware drives in a world drawn for the base, a bad floor
     /// as of `verify`, in real time. If standard input is no terminal it is a script of keys, in which a dot lets
     /// 0.2 s pass; a simulated base then runs as fast as it can.
-    #[command(after_help = "\
+    #[command(after_help = format!("\
+Keys: {KEYS}
 Examples:
   sim-host teleop --base lab-10kg
   sim-host teleop --port /dev/ttyACM0 --base robot.toml --speed 0.3
-  printf 'wwww.......... q' | sim-host teleop --hold-heading")]
+  printf 'wwww.......... q' | sim-host teleop --hold-heading"))]
     Teleop(TeleopArgs),
     /// Show and log what a board sends over its serial port
     ///

@@ -128,7 +128,10 @@ fn a_line_shows_the_state_of_a_running_board_and_bytes_that_are_no_frames() {
         state: State::Parking,
         ..report(7)
     };
-    monitor.take(&frame(0, &Telemetry::Tick(report)), |_, _| ());
+    // The first runs into the rest of the text.
+    for sequence in [0, 1] {
+        monitor.take(&frame(sequence, &Telemetry::Tick(report)), |_, _| ());
+    }
     let line = monitor.line();
     assert!(line.starts_with("Parking "), "{line}");
 }

@@ -8,7 +8,9 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 use sim_host::mission::BaseSpec;
 use sim_host::monitor::{Monitor, Port};
-use sim_host::teleop::{Input, KeySource, Line, PortLine, Script, Simulated, Stick, teleoperate};
+use sim_host::teleop::{
+    Input, KEYS, KeySource, Line, PortLine, Script, Simulated, Stick, teleoperate,
+};
 use sim_host::trials::{Condition, setup};
 use std::io::{self, IsTerminal as _, Write as _, stdin, stdout};
 use std::path::Path;
@@ -17,9 +19,6 @@ use std::path::Path;
 const SHARE: f64 = 0.5;
 /// A terminal sees new numbers with every order, everything else a line with every 25th: once a second.
 const LINES: u32 = 25;
-
-const KEYS: &str = "w s a d or arrows: faster, slower, left, right; space: halt; h: hold the heading; \
-                    x: emergency stop; r: reset and arm; q: quit\n";
 
 pub fn drive_by_keys(arguments: &TeleopArgs) -> Result<(), CommandError> {
     let base = drive::base(Some(

@@ -143,7 +143,7 @@ pub struct Scenario {
 }
 
 /// Keys of files of the law for a real base that the paper's have not.
-const MOTION_ONLY: [&str; 4] = ["base", "limits", "event", "world"];
+const MOTION_ONLY: [&str; 3] = ["base", "event", "world"];
 
 impl Scenario {
     /// Reads a scenario file.

@@ -13,7 +13,7 @@ pub use keys::{Input, KeySource, Script};
 #[cfg(not(target_family = "wasm"))]
 pub use port_line::PortLine;
 pub use simulated::Simulated;
-pub use stick::{Key, KeyReader, Stick};
+pub use stick::{KEYS, Key, KeyReader, Stick};
 
 use crate::monitor::{Monitor, MonitorError};
 use controller_core::safety::supervisor::State;

@@ -26,6 +26,10 @@ pub enum Key {
     Quit,
 }
 
+/// What keys do.
+pub const KEYS: &str = "w s a d or arrows: faster, slower, left, right; space: halt; h: hold the heading; \
+                    x: emergency stop; r: reset and arm; q: quit\n";
+
 /// Reads keys from bytes, arrows included.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KeyReader {
