@@ -188,10 +188,10 @@ fn friction_that_pushes_is_no_number() {
     let mut log = robot.record(&recorder, &mut random(8), recommended);
     let coulomb = [Q::CoulombRight, Q::CoulombLeft];
     for row in 1..log.t.len() {
-        for i in 0..2 {
+        for (i, &quantity) in coulomb.iter().enumerate() {
             let turned = log.angle[row][i] - log.angle[row - 1][i];
             if turned != 0.0 {
-                log.command[row][i] -= 2.0 * robot.truth(coulomb[i]) * turned.signum();
+                log.command[row][i] -= 2.0 * robot.truth(quantity) * turned.signum();
             }
         }
     }
