@@ -108,23 +108,24 @@ pub fn base_warnings(base: &BaseSpec) -> Vec<String> {
     warnings
 }
 
-/// A warning about friction that no wheel breaks away from.
+/// A warning about friction that wheels hardly break away from, or do not.
 fn stuck(hardware: &Hardware, wheel_torque_nm: f64) -> Option<String> {
-    let given = hardware.drivers.motor().map(|motor| {
-        let share = motor.gear_ratio * motor.gear_efficiency;
-        let current_a = motor
-            .current_limit_a
-            .min(hardware.battery.nominal_v / motor.resistance_ohm);
-        (
-            share * motor.kt_nm_per_a * current_a,
-            "what a motor gives at rest",
-        )
-    });
-    let limit = (wheel_torque_nm, "limits.wheel_torque");
-    let (most_nm, what) = given.filter(|given| given.0 < limit.0).unwrap_or(limit);
     let static_nm = hardware.friction.static_nm;
-    (static_nm >= most_nm).then(|| {
-        format!("friction.static_nm = {static_nm} N m is not less than {what}, {most_nm:.3} N m: the base does not move")
+    let given_nm = hardware.drivers.motor().map(|motor| {
+        let nominal_a = hardware.battery.nominal_v / motor.resistance_ohm;
+        let current_a = motor.current_limit_a.min(nominal_a);
+        motor.gear_ratio * motor.gear_efficiency * motor.kt_nm_per_a * current_a
+    });
+    if let Some(given_nm) = given_nm.filter(|given_nm| static_nm >= *given_nm) {
+        return Some(format!(
+            "friction.static_nm = {static_nm} N m is not less than the {given_nm:.3} N m that a motor gives at rest: the base does not move"
+        ));
+    }
+    (static_nm >= wheel_torque_nm).then(|| {
+        format!(
+            "friction.static_nm = {static_nm} N m is not less than limits.wheel_torque = {wheel_torque_nm} N m: wheels break loose with a jerk or \
+             not at all"
+        )
     })
 }
 
@@ -142,25 +143,25 @@ fn arrives_anywhere(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Vec<Str
         counts_per_turn: 1.0e3 * hardware.counts_per_turn,
         ..*hardware
     });
-    let key = |by_encoders: bool, key: &str, noise: f64| match by_encoders {
+    let key = |mended: bool, key: &str, noise: f64| match mended {
         true => format!("encoder.counts_per_turn = {}", hardware.counts_per_turn),
         false => format!("pose_source.{key} = {noise}"),
     };
     let mut warnings = Vec::new();
     let half_m = 0.5 * wheels.track_m;
     if now.distance_m > half_m {
-        let coarse = fine.is_some_and(|fine| fine.distance_m <= half_m);
+        let mended = fine.is_some_and(|fine| fine.distance_m <= half_m);
         warnings.push(format!(
             "{}: the base takes any place within {:.3} m for its goal, and half of its track is {half_m} m",
-            key(coarse, "noise_m", source.noise_m),
+            key(mended, "noise_m", source.noise_m),
             now.distance_m,
         ));
     }
     if now.heading_rad > HEADING_RAD {
-        let coarse = fine.is_some_and(|fine| fine.heading_rad <= HEADING_RAD);
+        let mended = fine.is_some_and(|fine| fine.heading_rad <= HEADING_RAD);
         warnings.push(format!(
             "{}: the base takes any heading within {:.2} rad for its goal's",
-            key(coarse, "noise_rad", source.noise_rad),
+            key(mended, "noise_rad", source.noise_rad),
             now.heading_rad
         ));
     }

@@ -756,7 +756,12 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
         (
             "static_nm = 0.06",
             "static_nm = 0.81",
-            "friction.static_nm = 0.81 N m is not less than limits.wheel_torque, 0.150 N m: the base does not move",
+            "friction.static_nm = 0.81 N m is not less than the 0.803 N m that a motor gives at rest: the base does not move",
+        ),
+        (
+            "static_nm = 0.06",
+            "static_nm = 0.16",
+            "friction.static_nm = 0.16 N m is not less than limits.wheel_torque = 0.15 N m: wheels break loose",
         ),
     ] {
         let (done, said) = with(from, to);

@@ -91,6 +91,16 @@ impl Rig {
         rig
     }
 
+    /// One whose base has taken a goal.
+    fn parking() -> Self {
+        let mut rig = Self::active(0);
+        rig.bridge.park(WirePose::default(), rig.now_us);
+        rig.run(0.02);
+        rig.says(State::Parking, Cause::Host);
+        assert_eq!(rig.bridge.event(), Some(Event::Taken));
+        rig
+    }
+
     fn says(&mut self, state: State, cause: Cause) {
         let message = Telemetry::State {
             tick: 0,
@@ -245,11 +255,7 @@ fn a_velocity_is_sent_once_or_as_long_as_it_is_held() {
 /// A velocity that no base has is not said to it, and ends nothing that goes on.
 #[test]
 fn a_velocity_that_is_none_is_refused_and_changes_nothing() {
-    let mut rig = Rig::active(0);
-    rig.bridge.park(WirePose::default(), rig.now_us);
-    rig.run(0.02);
-    rig.says(State::Parking, Cause::Host);
-    assert_eq!(rig.bridge.event(), Some(Event::Taken));
+    let mut rig = Rig::parking();
     for (v, told) in [(f32::NAN, "not a number"), (1.0e4, "beyond 100 m/s")] {
         for twist in [WireTwist { v, w: 0.0 }, WireTwist { v: 0.0, w: v }] {
             rig.bridge.drive(twist, rig.now_us);
@@ -342,11 +348,7 @@ fn a_goal_waits_for_a_base_that_is_about_to_be_ready() {
 
 #[test]
 fn whoever_gave_a_goal_is_told_that_it_is_given_up() {
-    let mut rig = Rig::active(0);
-    rig.bridge.park(WirePose::default(), rig.now_us);
-    rig.run(0.02);
-    rig.says(State::Parking, Cause::Host);
-    assert_eq!(rig.bridge.event(), Some(Event::Taken));
+    let mut rig = Rig::parking();
     assert_eq!(rig.bridge.event(), None);
     rig.says(State::Stopping(Then::Stopped), Cause::LinkLost);
     rig.says(State::Stopped, Cause::LinkLost);
