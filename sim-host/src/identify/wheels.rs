@@ -181,7 +181,11 @@ impl Wheels {
             + self.per_inertia * Matrix2::from_diagonal(&self.bearing);
         let half = 0.5 * rate.trace();
         let apart = (half * half - rate.determinant()).max(0.0).sqrt();
-        SLOWEST * (1.0 - SLOWEST) / (half + apart)
+        match half + apart {
+            fastest if fastest > 0.0 => SLOWEST * (1.0 - SLOWEST) / fastest,
+            // Wheels that nothing holds back never settle: any lag is short beside that.
+            _ => f64::INFINITY,
+        }
     }
 
     /// The system under `motors` of which the right and the left one drive or brake.
@@ -326,4 +330,35 @@ fn decayed(rate: &Matrix2<f64>, h: f64) -> Matrix2<f64> {
         h * (-m * h).exp()
     };
     Matrix2::from_diagonal_element(0.5 * (slow + quick) + m * apart) - rate * apart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DYNAMIC, Wheels};
+    use crate::identify::drivetrain::Drivetrain;
+
+    /// The largest lag of wheels with an inertia of 0.05 and this damping, and emf as a part of it.
+    fn largest_lag(damping: f64, emf: f64) -> f64 {
+        let train = Drivetrain {
+            lag: [1.0e-3; 2],
+            loss: [0.0; 2],
+            band: [0.0; 2],
+            source_ohm: 0.0,
+            drain: 0.0,
+        };
+        let dynamics: [f64; DYNAMIC] = [0.05, 0.0, 0.0, 0.05, damping, damping, 0.1, 0.1];
+        let wheels = Wheels::new(&dynamics, [emf; 2], [0.0; 2], train).expect("an inertia");
+        wheels.largest_lag()
+    }
+
+    /// tau r = 0.16 at r = D/E; without damping, or with one that is found a little below 0, there is none.
+    #[test]
+    fn a_lag_is_long_beside_the_time_in_which_wheels_settle() {
+        for emf in [0.0, 0.5] {
+            assert!((largest_lag(0.5, emf) - 0.016).abs() < 1.0e-9);
+        }
+        for damping in [0.0, -0.0, -1.0e-6] {
+            assert_eq!(largest_lag(damping, 0.0), f64::INFINITY);
+        }
+    }
 }
