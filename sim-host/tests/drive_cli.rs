@@ -64,6 +64,7 @@ fn what_is_refused_says_where_and_why() -> Result<(), Box<dyn Error>> {
         ),
         (
             "table_sideways.csv",
+            // The first of steps that are all as far aside.
             "line 13, sample 11: no wheeled base passes here",
         ),
         (
