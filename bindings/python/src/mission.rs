@@ -10,7 +10,7 @@ use sim_host::drive::FileRun;
 use sim_host::job::{Content, Job};
 use sim_host::mission::{BaseSpec, Course, End, Mission as Plan, check_length};
 use sim_host::precision::Precision;
-use sim_host::scenario::ControlLaw;
+use sim_host::scenario::{ControlLaw, FAR};
 use sim_host::trials::{self, Condition};
 use sim_host::world::{WorldKeys, WorldSetup};
 use std::path::{Path, PathBuf};
@@ -33,8 +33,6 @@ const WORLDS: [(&str, Condition); 6] = [
 ];
 /// The robot's own hardware on a perfect floor.
 const EVEN: &str = "even";
-/// Largest coordinate [m, rad], as in scenario files.
-const FAR: f64 = 1.0e6;
 /// Longest run [s], as in scenario files.
 const LONGEST_S: f64 = 1.0e4;
 

@@ -24,11 +24,22 @@ const LARGEST: f64 = 100.0;
 /// # Errors
 /// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`] of [`Input::Order`].
 pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
-    let most = T::from_f64(LARGEST);
-    if !twist.is_finite() {
-        Err(StepFault::NotFinite(Input::Order))
-    } else if twist.linear.abs() > most || twist.angular.abs() > most {
-        Err(StepFault::OutOfRange(Input::Order))
+    let both = [twist.linear, twist.angular];
+    within(both, LARGEST, twist.is_finite(), Input::Order)
+}
+
+/// Numbers of an input that is finite, within ±`most`.
+fn within<T: Scalar>(
+    numbers: [T; 2],
+    most: f64,
+    finite: bool,
+    input: Input,
+) -> Result<(), StepFault> {
+    let most = T::from_f64(most);
+    if !finite {
+        Err(StepFault::NotFinite(input))
+    } else if numbers.iter().any(|number| number.abs() > most) {
+        Err(StepFault::OutOfRange(input))
     } else {
         Ok(())
     }
@@ -36,7 +47,7 @@ pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
 
 /// Farthest goal from the origin of its frame in x and in y \[m\]: in single precision a pose out there is known to 6 cm, so that
 /// what is farther is a mistake in the unit or in the sender.
-const FARTHEST: f64 = 1.0e6;
+pub const FARTHEST_M: f64 = 1.0e6;
 
 /// Looks whether a goal is one, or a pose that somebody states: finite, and within ±1e6 m. A controller parks at any finite goal, and
 /// refuses one so far that a torque comes out infinite as [`StepFault::Overflow`]; this is to be asked where goals come in.
@@ -44,14 +55,7 @@ const FARTHEST: f64 = 1.0e6;
 /// # Errors
 /// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`] of [`Input::Goal`].
 pub fn check_goal<T: Scalar>(goal: &Pose<T>) -> Result<(), StepFault> {
-    let most = T::from_f64(FARTHEST);
-    if !goal.is_finite() {
-        Err(StepFault::NotFinite(Input::Goal))
-    } else if goal.x.abs() > most || goal.y.abs() > most {
-        Err(StepFault::OutOfRange(Input::Goal))
-    } else {
-        Ok(())
-    }
+    within([goal.x, goal.y], FARTHEST_M, goal.is_finite(), Input::Goal)
 }
 
 /// A robot that is ordered to stand does so below this speed and turn rate \[m/s, rad/s\].

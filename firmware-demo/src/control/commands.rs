@@ -129,8 +129,6 @@ impl From<SetError> for RejectReason {
 }
 
 fn checked(pose: Pose<f32>) -> Result<Pose<f32>, RejectReason> {
-    match check_goal(&pose) {
-        Ok(()) => Ok(pose),
-        Err(_) => Err(RejectReason::Value),
-    }
+    check_goal(&pose).map_err(|_| RejectReason::Value)?;
+    Ok(pose)
 }

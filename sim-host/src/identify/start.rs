@@ -34,9 +34,8 @@ pub(super) struct Start {
 pub(super) fn guess(log: &Log, speeds: &[[f64; 2]], used: &[Stretch]) -> Option<Start> {
     let motors = match &log.current {
         Some(current) => {
-            let sharp = stretches::speeds(log, SHARP_S);
-            let of = |i| electric(log, &sharp, used, current, i);
-            Some([of(0)?, of(1)?])
+            let [right, left] = electric(log, used, current);
+            Some([right?, left?])
         }
         None => None,
     };
@@ -141,8 +140,8 @@ pub(super) fn limited(log: &Log, used: &[Stretch], limit_a: Option<f64>) -> Vec<
         return Vec::new();
     };
     let high = |current: f64| current.abs() >= NEAR_LIMIT * limit;
-    let sharp = stretches::speeds(log, SHARP_S);
-    let alpha = [0, 1].map(|i| electric(log, &sharp, used, current, i).map(|m| m.alpha));
+    let motors = electric(log, used, current);
+    let alpha = motors.map(|motor| Some(motor?.alpha));
     let rows = 0..log.t.len();
     rows.map(|row| {
         (0..2).any(|i| {
@@ -163,15 +162,21 @@ struct Motor {
     band: f64,
 }
 
-/// i = alpha (u - band) - beta w, at the end of each row, with `sharp` speeds.
-fn electric(
+/// Of either wheel, i = alpha (u - band) - beta w at the end of each row.
+fn electric(log: &Log, used: &[Stretch], current: &[[f64; 2]]) -> [Option<Motor>; 2] {
+    let sharp = stretches::speeds(log, SHARP_S);
+    let rows: Vec<_> = used.iter().flat_map(|s| s.first..=s.last).collect();
+    [0, 1].map(|i| motor(log, &sharp, &rows, current, i))
+}
+
+/// Of one wheel, in these rows and with `sharp` speeds.
+fn motor(
     log: &Log,
     sharp: &[[f64; 2]],
-    used: &[Stretch],
+    rows: &[usize],
     current: &[[f64; 2]],
     i: usize,
 ) -> Option<Motor> {
-    let rows: Vec<_> = used.iter().flat_map(|s| s.first..=s.last).collect();
     if rows.is_empty() {
         return None;
     }

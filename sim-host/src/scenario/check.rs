@@ -116,10 +116,7 @@ fn hand_over(
             return Err(place.error("hand_over", message));
         }
         (None, Some(target)) => Pose::new(target.x, target.y, target.theta),
-        (Some(at), None) if (0.0..=1.0e4).contains(&at) => *motion.at(at).pose(),
-        (Some(_), None) => {
-            return Err(place.error("hand_over.target_at", "must be in 0 to 1e4 s"));
-        }
+        (Some(at), None) => ranges::target_at(at, motion, place)?,
     };
     Ok(ParkingPlan {
         hand_over_s: keys.time,

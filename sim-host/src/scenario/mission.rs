@@ -276,10 +276,7 @@ fn hand_over_rule(
             let message = "says the same as target: leave one of them out";
             return Err(place.error("hand_over.target_at", message));
         }
-        (Some(at), None, _) if (0.0..=1.0e4).contains(&at) => (*motion.at(at).pose(), at),
-        (Some(_), None, _) => {
-            return Err(place.error("hand_over.target_at", "must be in 0 to 1e4 s"));
-        }
+        (Some(at), None, _) => (ranges::target_at(at, motion, place)?, at),
         (None, Some(target), Some(time)) => (pose(target), time),
         (None, Some(_), None) => {
             let message = "needs a time as well: the way to a pose off the reference is not known";

@@ -19,6 +19,7 @@ mod source;
 
 pub use built_in::{BUILT_IN, BuiltIn, MISSIONS, PAPER};
 pub use built_in_base::{BASES, BuiltInBase, GYRO, SPEED_DRIVER};
+pub use ranges::FAR;
 pub use renamed::RENAMED_KEYS;
 pub use source::ScenarioError;
 pub(crate) use source::if_named;

@@ -2,9 +2,14 @@
 
 use super::file::{File, MotionKeys, PoseKeys, Profile, Start};
 use super::source::{Checked, Source};
+use crate::motion::ReferenceMotion;
+use controller_core::motion::FARTHEST_M;
+use controller_core::types::Pose;
 
-/// Largest coordinate \[m, rad\]: beyond, even double precision gets coarse.
-const FAR: f64 = 1.0e6;
+/// Largest coordinate \[m, rad\]: that of goals.
+pub const FAR: f64 = FARTHEST_M;
+/// Latest time on a reference that a robot may be parked at \[s\]: bounds the work of integrating (6).
+const LATEST_S: f64 = 1.0e4;
 /// Largest speed, turn rate, angular frequency \[m/s, rad/s\]: bounds the work of integrating (6).
 const FAST: f64 = 1.0e3;
 
@@ -31,6 +36,19 @@ pub(super) fn refuse(values: &[Value], place: &Source<'_>) -> Checked<()> {
         }
         None => Ok(()),
     }
+}
+
+/// Where the reference is at the time to be parked at.
+pub(super) fn target_at(
+    at: f64,
+    motion: &ReferenceMotion,
+    place: &Source<'_>,
+) -> Checked<Pose<f64>> {
+    if !(0.0..=LATEST_S).contains(&at) {
+        let message = format!("must be in 0 to {LATEST_S:e} s");
+        return Err(place.error("hand_over.target_at", message));
+    }
+    Ok(*motion.at(at).pose())
 }
 
 /// Where a robot starts.
