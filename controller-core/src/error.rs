@@ -18,6 +18,8 @@ pub enum Problem {
     Above(f64),
     /// The matrix of wheels and wrench cannot be inverted.
     Singular,
+    /// Other parameters say something else of the same thing.
+    Differs,
 }
 
 /// A parameter that `validate` refuses.
@@ -37,6 +39,7 @@ impl fmt::Display for ParamError {
             Problem::Below(limit) => write!(f, "{name} is below its smallest value {limit:e}"),
             Problem::Above(limit) => write!(f, "{name} is above its largest value {limit:e}"),
             Problem::Singular => write!(f, "{name} cannot be inverted"),
+            Problem::Differs => write!(f, "{name} is not what other parameters say"),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cast::cast;
 use crate::error::{Field, ParamError, Problem};
-use crate::range::check_ranges;
+use crate::range::{check_ranges, smaller};
 use crate::scalar::Scalar;
 use crate::types::{Twist, WheelSpeeds, WheelTorques, Wrench};
 
@@ -25,12 +25,18 @@ cast!(WheelGeometry {
 });
 
 impl<T: Scalar> WheelGeometry<T> {
+    #[inline(never)]
     pub(crate) fn check(&self) -> Result<(), ParamError> {
         check_ranges![
             (Field::RadiusRight, self.radius_right_m, 1.0e-3, 10.0),
             (Field::RadiusLeft, self.radius_left_m, 1.0e-3, 10.0),
             (Field::Track, self.track_m, 1.0e-2, 100.0),
         ]
+    }
+
+    /// A rim's speed is at least this much times its wheel's.
+    pub(crate) fn smaller_radius_m(&self) -> T {
+        smaller(self.radius_right_m, self.radius_left_m)
     }
 
     pub(crate) fn mean_radius_m(&self) -> T {

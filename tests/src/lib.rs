@@ -32,6 +32,7 @@ pub mod program;
 pub mod random;
 #[cfg(doctest)]
 pub mod readmes;
+pub mod rolling;
 pub mod safety_rig;
 pub mod stated;
 pub mod tolerance;

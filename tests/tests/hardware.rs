@@ -1,6 +1,7 @@
 //! What a real base adds: encoders, poses, motors, faults.
 
 mod base;
+mod base_events;
 mod faults;
 mod gyro;
 mod localiser_biases;

@@ -1,119 +1,12 @@
 //! Bases that turn their wheels faster than they are told, and bases that are only pushed.
 
-use controller_core::base::{BaseController, BaseParams, BaseReport, Order, Sensed, WheelAction};
-use controller_core::hal::WheelCounts;
-use controller_core::safety::supervisor::{Cause, Event, State};
-use controller_core::safety::{FaultKind, PolicyParams, Response, Timeout};
-use controller_core::types::{Pose, Twist, WheelTorques, Wrench};
-use controller_core::wheels::WheelMap;
-use sim_host::closed_loop;
-use sim_host::constants::period_us;
-use sim_host::scenario::BASES;
+use controller_core::base::Order;
+use controller_core::safety::supervisor::{Cause, State};
+use controller_core::safety::{FaultKind, PolicyParams, Response};
+use controller_core::types::{Pose, Twist};
 use tests::random::Random;
+use tests::rolling::{AS_STATED, Rig, Truth, shipped};
 use tests::stated::{At, Stated};
-
-/// The bases as they are shipped, but that nobody gives them poses.
-fn shipped() -> impl Iterator<Item = (&'static str, BaseParams)> {
-    BASES.iter().map(|built_in| {
-        let file = built_in.base().expect("in order");
-        let mut params = closed_loop::params(&file, period_us(&file)).expect("in range");
-        params.detectors.pose = Timeout::Off;
-        (built_in.name, params)
-    })
-}
-
-/// What differs from what the base believes.
-#[derive(Clone, Copy, Debug)]
-struct Truth {
-    /// Mass and inertia, as shares of the stated ones.
-    heavy: f32,
-    /// Torque exerted, and torque that its driver says it exerts, as shares of what is commanded.
-    exerted: f32,
-    noted: f32,
-    /// Force from outside, as a share of what the stated load on both wheels pushes with.
-    loads: f32,
-}
-
-const AS_STATED: Truth = Truth {
-    heavy: 1.0,
-    exerted: 1.0,
-    noted: 1.0,
-    loads: 0.0,
-};
-
-/// A rigid base on wheels that roll.
-struct Rig {
-    params: BaseParams,
-    base: BaseController,
-    truth: Truth,
-    twist: Twist<f32>,
-    turned: [f32; 2],
-}
-
-impl Rig {
-    /// Armed.
-    fn new(params: BaseParams, truth: Truth) -> Self {
-        let base = params.validate().expect("valid");
-        let mut rig = Self {
-            params,
-            base: BaseController::new(&base, Pose::default()),
-            truth,
-            twist: Twist::default(),
-            turned: [0.0; 2],
-        };
-        rig.tick(&Order::None);
-        rig.base.on(Event::Arm);
-        rig
-    }
-
-    fn dt(&self) -> f32 {
-        1e-6 * self.params.detectors.period_us as f32
-    }
-
-    /// Ticks in a time.
-    fn ticks(&self, seconds: f32) -> u32 {
-        (seconds / self.dt()) as u32
-    }
-
-    /// Speed of the faster rim, as a share of the largest.
-    fn rim_speed(&self) -> f32 {
-        let motion = &self.params.motion;
-        let half_track = 0.5 * motion.robot.wheels.track_m;
-        (self.twist.linear.abs() + half_track * self.twist.angular.abs()) / motion.limits.rim_speed
-    }
-
-    fn tick(&mut self, order: &Order) -> BaseReport {
-        let (robot, truth, dt) = (self.params.motion.robot, self.truth, self.dt());
-        let per_radian = self.params.localiser.odometry.counts_per_turn / core::f32::consts::TAU;
-        let [right, left] = self
-            .turned
-            .map(|turned| (turned * per_radian).floor() as i32);
-        let sensed = Sensed::of_counts(WheelCounts { right, left });
-        let report = *self
-            .base
-            .tick(self.params.detectors.period_us, order, &sensed);
-        let torques = report.action.torques().unwrap_or_default();
-        let noted = WheelTorques {
-            right: truth.noted * torques.right,
-            left: truth.noted * torques.left,
-        };
-        self.base.note_exerted(&noted).expect("not too large");
-        let wheels = WheelMap::from_geometry(&robot.wheels).expect("valid");
-        let Wrench { force, moment } = wheels.wrench(&torques);
-        let load_n = 2.0 * self.params.detectors.wheels.load_nm / robot.wheels.radius_right_m;
-        if report.action == WheelAction::Brake {
-            self.twist = Twist::default();
-        } else {
-            let force = truth.exerted * force + truth.loads * load_n;
-            self.twist.linear += dt * force / (truth.heavy * robot.mass_kg);
-            self.twist.angular += dt * truth.exerted * moment / (truth.heavy * robot.inertia_kg_m2);
-        }
-        let speeds = wheels.wheel_speeds(&self.twist);
-        self.turned[0] += dt * speeds.right;
-        self.turned[1] += dt * speeds.left;
-        report
-    }
-}
 
 fn drive(linear: f32, angular: f32) -> Order {
     Order::Drive {

@@ -53,7 +53,7 @@ static CAUSE: [&CStr; 10] = [
     c"fault",
 ];
 
-const WIDTH: usize = 24;
+const WIDTH: usize = 18;
 
 /// A name with zeros behind it; one that is too long does not compile.
 const fn padded(name: &str) -> [u8; WIDTH] {

@@ -234,25 +234,37 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         report.map_or_else(Twist::default, |report| report.command)
     }
 
-    /// A wheel slides: the law is told. It is a fault for longer than [`SLIDES_S`], and where the law yields, for longer than that takes as well:
-    /// 2 a/j, at half the jerk of a manoeuvre that begins in motion.
+    /// A wheel slides, or its encoder is dead. Of a slide the law is told. Either is a fault for longer than [`SLIDES_S`], and a slide where the law
+    /// yields, for longer than that takes as well: 2 a/j, at half the jerk of a manoeuvre that begins in motion.
     #[cold]
     #[inline(never)]
     fn yield_to_slide(&mut self) {
-        self.driving.declare_slide();
+        let slid = self.report.gyro.slid;
+        let (fault, yields_s) = match self.locator.ceased() {
+            // Lifted or turned by hand a base has such wheels as well.
+            Some(_) if !self.supervisor.state().drives() => return,
+            Some(true) => (Fault::EncoderStuck(Side::Right), T::ZERO),
+            Some(false) => (Fault::EncoderStuck(Side::Left), T::ZERO),
+            None => {
+                self.driving.declare_slide();
+                (Fault::WheelSlip(self.sliding(slid)), self.yields_s())
+            }
+        };
+        if self.report.gyro.slides_s > T::from_f64(SLIDES_S) + yields_s {
+            self.report.active_faults.add(fault);
+        }
+    }
+
+    /// How long the law takes to yield to a slide; 0 where it does not.
+    fn yields_s(&self) -> T {
         let limits = &self.base.motion.params().limits;
         let ramp_s = larger(
             limits.accel / limits.jerk,
             limits.turn_accel / limits.turn_jerk,
         );
-        let yields_s = match &self.report.motion {
+        match &self.report.motion {
             Some(report) if report.limited.grip => ramp_s + ramp_s,
             _ => T::ZERO,
-        };
-        let gyro = &self.report.gyro;
-        if gyro.slides_s > T::from_f64(SLIDES_S) + yields_s {
-            let fault = Fault::WheelSlip(self.sliding(gyro.slid));
-            self.report.active_faults.add(fault);
         }
     }
 
@@ -432,11 +444,25 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         (T::PI + T::PI) / self.base.localisation.params().odometry.counts_per_turn
     }
 
-    /// A command of the host or an event of the mission, such as `Event::Arm`, `Event::Stop` or
-    /// `Event::Reset`; what it asks of the wheels happens in the next tick.
+    /// What the host or the firmware says: `Event::Arm`, `Stop`, `Reset`, `LinkLost`, `EmergencyStop`, a `Fault` of its own, or
+    /// `TrajectoryEnded` while the base follows references, which parks it at the last one. What it asks of the wheels happens in
+    /// the next tick.
+    ///
+    /// Anything else is refused and changes nothing: goals, references and velocities are orders of [`tick`](Self::tick), and that the base
+    /// arrived or came to rest it finds itself. No event takes the place of an order that is due.
     pub fn on(&mut self, event: Event) -> Action {
-        self.host.order_seen();
-        self.supervisor.on(event)
+        match event {
+            Event::Arm | Event::Stop | Event::Reset | Event::LinkLost => {}
+            Event::EmergencyStop { .. } | Event::Fault(_) => {}
+            Event::TrajectoryEnded if self.driving.park_at_last_reference() => {}
+            _ => return Action::Refuse,
+        }
+        let action = self.supervisor.on(event);
+        // A base that drives owes its orders to what is said in ticks.
+        if !self.supervisor.state().drives() {
+            self.host.order_seen();
+        }
+        action
     }
 
     /// The button. What it returns is to reach the wheels at once; the ticks that follow say the same until a reset.

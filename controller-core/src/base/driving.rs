@@ -173,6 +173,16 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         }
     }
 
+    /// The references ended, as [`Action::ParkAtLastReference`](crate::safety::supervisor::Action::ParkAtLastReference) says; whether there were
+    /// any.
+    pub(super) fn park_at_last_reference(&mut self) -> bool {
+        let Some(Task::Follow(last)) = &self.task else {
+            return false;
+        };
+        self.task = Some(Task::Park(*last.pose()));
+        true
+    }
+
     /// A wheel slides; see [`MotionController::declare_slide`](crate::motion::MotionController::declare_slide).
     pub(super) fn declare_slide(&mut self) {
         self.law.declare_slide();

@@ -100,6 +100,11 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
+    /// Of [`GyroHeading::ceased`](crate::gyro::GyroHeading): the wheel, right or not.
+    pub(super) fn ceased(&self) -> Option<bool> {
+        self.localiser.as_ref()?.ceased()
+    }
+
     /// `accelerations` are those since the last tick, `rim_speed` is the largest of [`Limits`](crate::motion::Limits). Where the base is goes into `report`.
     ///
     /// What the localiser refuses, a tick or an acceleration that is no number, is a fault there. Nothing has changed then.

@@ -8,7 +8,7 @@ use crate::localiser::{LocaliserParams, ValidLocaliserParams};
 use crate::maths::{Maths, Usual};
 use crate::motion::{Limits, MotionGains, MotionParams, NOISE_HEADING_RAD, ValidMotionParams};
 use crate::motor::{Driver, DriverParams, Motor, MotorParams, SpeedParams};
-use crate::range::{larger, smaller};
+use crate::range::larger;
 use crate::robot::Robot;
 use crate::safety::supervisor::{SupervisorParams, ValidSupervisorParams};
 use crate::safety::{
@@ -168,28 +168,11 @@ impl<T: Scalar> BaseParams<T> {
     /// Checks every part, and that they fit each other.
     ///
     /// # Errors
-    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it, [`Field::MaxRimSpeed`] if the drivers do not
-    /// turn wheels so fast, [`Field::StuckTorque`] if it is not that of such drivers.
+    /// The first field out of range. [`Field::MaxWheelTorque`] also if the motors cannot exert it, [`Field::MaxRimSpeed`] if motors without load or
+    /// drivers do not turn wheels so fast, [`Field::StuckTorque`] if it is not that of such drivers, [`Field::WheelMatrix`] if odometry has other
+    /// wheels than the robot.
     pub fn validate_with<M: Maths<T>>(self) -> Result<ValidBaseParams<T>, BaseError> {
         let driver = self.driver.validate()?;
-        let limits = &self.motion.limits;
-        let (field, asked, most) = match &driver {
-            Driver::Torques => (Field::MaxWheelTorque, T::ZERO, T::ZERO),
-            Driver::Motors(motor) => (
-                Field::MaxWheelTorque,
-                limits.wheel_torque_nm,
-                motor.max_torque_nm(),
-            ),
-            Driver::Speeds(speeds) => (
-                Field::MaxRimSpeed,
-                limits.rim_speed,
-                fastest_rim(speeds.params(), &self.motion.robot),
-            ),
-        };
-        if asked > most {
-            let problem = Problem::Above(most.to_f64());
-            return Err(BaseError::Param(ParamError { field, problem }));
-        }
         // Torques that nobody knows push no wheel, and where they are known none of 0 does.
         let by_torque = self.detectors.wheels.stuck.torque_nm != T::ZERO;
         let problem = match (driver.speeds().is_some(), by_torque) {
@@ -202,6 +185,7 @@ impl<T: Scalar> BaseParams<T> {
             return Err(BaseError::Param(ParamError { field, problem }));
         }
         let motion = self.motion.validate()?;
+        fits(&driver, &self.motion)?;
         let detectors = self.detectors.validate()?;
         Ok(ValidBaseParams {
             over_speed: OverSpeedLimits::of_base(&motion, &detectors),
@@ -239,10 +223,26 @@ fn own_loop_breaks_loose<T: Scalar>(
     Timeout::AfterUs(larger_us(T::from_f64(1.0e6) * (way / speed), least))
 }
 
-/// Speed of a rim whose driver turns it as fast as it can \[m/s\]: that of the smaller wheel.
-fn fastest_rim<T: Scalar>(speeds: &SpeedParams<T>, robot: &Robot<T>) -> T {
-    let wheels = &robot.wheels;
-    speeds.max_speed_rad_s * smaller(wheels.radius_right_m, wheels.radius_left_m)
+/// That drivers give what the limits ask of them.
+// Apart: within its caller, three versions of it would be in flash.
+#[inline(never)]
+fn fits<T: Scalar>(driver: &Driver<T>, motion: &MotionParams<T>) -> Result<(), ParamError> {
+    let limits = &motion.limits;
+    let (torque_nm, wheel_rad_s) = match driver {
+        Driver::Torques => return Ok(()),
+        Driver::Motors(motor) => (motor.max_torque_nm(), motor.no_load_speed_rad_s()),
+        Driver::Speeds(speeds) => (limits.wheel_torque_nm, speeds.params().max_speed_rad_s),
+    };
+    let rim_speed = wheel_rad_s * motion.robot.wheels.smaller_radius_m();
+    let (field, most) = if limits.wheel_torque_nm > torque_nm {
+        (Field::MaxWheelTorque, torque_nm)
+    } else if limits.rim_speed > rim_speed {
+        (Field::MaxRimSpeed, rim_speed)
+    } else {
+        return Ok(());
+    };
+    let problem = Problem::Above(most.to_f64());
+    Err(ParamError { field, problem })
 }
 
 /// The larger of a time \[µs\] and a least one; a time that is no number is the least one.

@@ -27,6 +27,9 @@ const TAKEN: f64 = 0.3;
 const STRAIGHT: f64 = 0.1;
 /// A wheel that turns counts at least once in this time \[s\].
 const COUNTS_S: f64 = 0.05;
+/// One that has not for so long, while the other one turns, stands or has a dead encoder \[s\]: twice the time in which a wheel that changes its
+/// direction counts again.
+const CEASED_S: f64 = 0.3;
 /// The bias is held to what the wheels say with this time constant \[s\], while it is known worse than that.
 const WHEELS_S: f64 = 1.0;
 
@@ -53,8 +56,8 @@ pub struct GyroReport<T> {
     /// Gyro and wheels disagree, by this turn since it began \[rad\]: the wheels' more than the gyro's. A wheel slides, or the
     /// gyro is faulty. 0 while they agree.
     pub slid: T,
-    /// For so long a wheel has been sliding \[s\]: one turns, they have disagreed for more than the 0.05 s in which a faulty gyro shows, and
-    /// nothing speaks against the gyro. 0 if not.
+    /// For so long a wheel has been sliding \[s\]: both count, they have disagreed for more than the 0.05 s in which a faulty gyro shows, and
+    /// nothing speaks against the gyro; or only one counts, and the other has not for 0.3 s. 0 if not.
     pub slides_s: T,
     /// The gyro is faulty; the heading goes by the wheels.
     pub fault: Option<GyroFault>,
@@ -474,20 +477,31 @@ impl<T: Scalar> GyroHeading<T> {
 
     /// What is known after the tick.
     pub fn report(&self) -> GyroReport<T> {
-        // Counts that cease are another fault.
         let counts = |quiet_s: T| quiet_s < T::from_f64(COUNTS_S);
         let turns = counts(self.quiet_s.0) && counts(self.quiet_s.1);
         GyroReport {
             outcome: self.outcome,
             bias: self.bias,
             slid: -self.disagreement.apart,
-            slides_s: if turns {
+            // Counts that have just ceased may come again.
+            slides_s: if turns || self.ceased().is_some() {
                 self.disagreement.slides_s(self.same)
             } else {
                 T::ZERO
             },
             fault: self.fault,
         }
+    }
+
+    /// The wheel, right or not, that has not counted for so long that its encoder is dead if the gyro disagrees, while the other one counts.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn ceased(&self) -> Option<bool> {
+        let (right, left) = self.quiet_s;
+        let (counts, ceased) = (T::from_f64(COUNTS_S), T::from_f64(CEASED_S));
+        let right_ceased = right > ceased && left < counts;
+        let left_ceased = left > ceased && right < counts;
+        (right_ceased || left_ceased).then_some(right_ceased)
     }
 
     /// Both wheels have stood for so long.

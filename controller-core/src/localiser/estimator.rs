@@ -36,6 +36,11 @@ pub(crate) struct Tick<T> {
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
+    /// Of [`GyroHeading::ceased`].
+    pub(crate) fn ceased(&self) -> Option<bool> {
+        self.gyro.as_ref()?.ceased()
+    }
+
     /// A pose to start from.
     pub(crate) fn check(pose: &Pose<T>) -> Result<(), StepFault> {
         if pose.is_finite() {

@@ -2,7 +2,7 @@
 
 use super::covariance::Growth;
 use super::noise::{bandwidth_for, least_noise, pose_noise};
-use crate::error::{Field, ParamError};
+use crate::error::{Field, ParamError, Problem};
 use crate::gyro::{GyroParams, ValidGyroParams};
 use crate::maths::{Maths, Usual};
 #[cfg(test)]
@@ -150,6 +150,8 @@ impl<T: Scalar> LocaliserParams<T> {
     ///
     /// # Errors
     /// The first field out of range, with the limit it passed.
+    // Apart: within its caller it takes a kilobyte more of flash.
+    #[inline(never)]
     pub fn validate_with<M: Maths<T>>(self) -> Result<ValidLocaliserParams<T>, ParamError> {
         self.odometry.check()?;
         let fusion = match &self.fusion {
@@ -204,10 +206,15 @@ impl<T: Scalar> ValidLocaliserParams<T> {
     /// its time constant on tyres that are rigid after all.
     ///
     /// # Errors
-    /// The first field of the robot out of range; [`Field::TurnLoop`] for the bandwidth.
+    /// The first field of the robot out of range; [`Field::WheelMatrix`] if odometry has other wheels than the robot, for what real ones
+    /// deviate by is [calibration](crate::odometry::Calibration); [`Field::TurnLoop`] for the bandwidth.
     pub fn with_robot(mut self, robot: &Robot<T>, bandwidth: T) -> Result<Self, ParamError> {
         robot.check()?;
         robot.wheels.check()?;
+        if self.params.odometry.wheels != robot.wheels {
+            let (field, problem) = (Field::WheelMatrix, Problem::Differs);
+            return Err(ParamError { field, problem });
+        }
         check_ranges![(Field::TurnLoop, bandwidth, 0.1, 1.0e3)]?;
         self.tyres = Tyres::new(robot, bandwidth);
         if let (Some(fusion), Some(params)) = (&mut self.fusion, &self.params.fusion) {

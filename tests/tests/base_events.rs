@@ -1,0 +1,167 @@
+//! What a base is told beside its orders, what does not fit it, and a dead encoder beside a gyro.
+
+use controller_core::base::{BaseError, BaseReport, Order};
+use controller_core::error::{Field, ParamError, Problem};
+use controller_core::gyro::GyroParams;
+use controller_core::maths::Single;
+use controller_core::reference::Reference;
+use controller_core::safety::supervisor::{Action, Event, State};
+use controller_core::safety::{Fault, FaultKind, Side, Timeout};
+use controller_core::types::{Accel, Pose, Twist};
+use tests::rolling::{AS_STATED, Rig, shipped};
+use tests::stated::{At, Stated};
+
+fn drive(v: f32, w: f32) -> Order {
+    Order::Drive {
+        twist: Twist::new(v, w),
+        hold_heading: true,
+    }
+}
+
+/// Whatever is said that is no order and no stop: a base that drives by velocity stops as if nothing had been said, with a link and without one.
+#[test]
+fn events_are_no_orders() {
+    let stops = |event: &Event| {
+        matches!(
+            event,
+            Event::Stop | Event::LinkLost | Event::EmergencyStop { .. } | Event::Fault(_)
+        )
+    };
+    let mut said = 0;
+    for (name, params) in shipped() {
+        let Timeout::AfterUs(patience_us) = params.detectors.command else {
+            panic!("{name} waits for ever");
+        };
+        for link in [false, true] {
+            for event in Event::ALL.into_iter().filter(|event| !stops(event)) {
+                let mut rig = Rig::new(params, AS_STATED);
+                let period_us = params.detectors.period_us;
+                let tick = |rig: &mut Rig, order: &Order| -> BaseReport {
+                    if link {
+                        rig.base.frame_seen();
+                        rig.base.watch_link(period_us);
+                    }
+                    rig.tick(order)
+                };
+                let order = drive(0.5 * params.motion.limits.speed, 0.0);
+                for _ in 0..rig.ticks(2.0) {
+                    assert_eq!(tick(&mut rig, &order).state, State::Tracking);
+                }
+                let mut ticks = 0;
+                let state = loop {
+                    assert_eq!(rig.base.on(event), Action::Refuse, "{name}: {event:?}");
+                    ticks += 1;
+                    match tick(&mut rig, &Order::None).state {
+                        State::Tracking => assert!(ticks * period_us <= patience_us, "{event:?}"),
+                        state => break state,
+                    }
+                };
+                assert!(matches!(state, State::Stopping(_)), "{name}: {event:?}");
+                // A stop ends when the base stands, not when somebody says so.
+                while let State::Stopping(_) = rig.base.report().state {
+                    rig.base.on(Event::Halted);
+                    tick(&mut rig, &Order::None);
+                }
+                assert!(rig.twist.linear.abs() < 0.02, "{name}: {:?}", rig.twist);
+                said += 1;
+            }
+        }
+    }
+    assert_eq!(said, 3 * 2 * 10);
+}
+
+#[test]
+fn a_trajectory_that_ended_is_parked_at_its_last_reference() {
+    for (name, params) in shipped() {
+        let mut rig = Rig::new(params, AS_STATED);
+        let period_us = params.detectors.period_us;
+        let tick = |rig: &mut Rig, order: &Order| {
+            rig.base.frame_seen();
+            rig.base.watch_link(period_us);
+            rig.tick(order).state
+        };
+        for i in 0..rig.ticks(2.0) {
+            let t = i as f32 * rig.dt();
+            let (pose, twist) = (Pose::new(0.05 * t * t, 0.0, 0.0), Twist::new(0.1 * t, 0.0));
+            let reference = Reference::new_with::<Single>(pose, twist, Accel::new(0.1, 0.0));
+            tick(&mut rig, &Order::Follow(reference));
+        }
+        assert_eq!(
+            rig.base.on(Event::TrajectoryEnded),
+            Action::ParkAtLastReference,
+            "{name}"
+        );
+        let parked = (0..rig.ticks(10.0)).any(|_| tick(&mut rig, &Order::None) == State::Parked);
+        assert!(parked, "{name}");
+        let x = rig.base.report().measured.expect("counts").pose.x;
+        assert!((x - 0.2).abs() < 5e-3, "{name}: parked at {x} of 0.2 m");
+    }
+}
+
+#[test]
+fn parameters_that_do_not_fit_each_other_are_refused() {
+    for (name, params) in shipped() {
+        let motor = params.driver.motor().expect("motors");
+        let no_load = motor.supply_v / (motor.gear_ratio * motor.torque_constant_nm_per_a);
+        let radius = params.motion.robot.wheels.radius_left_m;
+        let mut fast = params;
+        fast.motion.limits.rim_speed = 1.01 * no_load * radius;
+        let Err(BaseError::Param(ParamError { field, problem })) = fast.validate() else {
+            panic!("{name} is to be faster than its motors");
+        };
+        assert_eq!(field, Field::MaxRimSpeed);
+        assert!(
+            matches!(problem, Problem::Above(most) if (most - f64::from(no_load * radius)).abs() < 1e-6 * most)
+        );
+        let mut other = params;
+        other.localiser.odometry.wheels.track_m *= 2.0;
+        let (field, problem) = (Field::WheelMatrix, Problem::Differs);
+        assert_eq!(
+            other.validate(),
+            Err(BaseError::Param(ParamError { field, problem })),
+            "{name}"
+        );
+    }
+}
+
+/// The gyro holds the heading, so that nothing else shows that one encoder is dead: the base would drive on, faster than it is told.
+#[test]
+fn a_dead_encoder_beside_a_gyro_is_found() {
+    let (mut longest_s, mut runs) = (0.0_f32, 0_u32);
+    for (name, mut params) in shipped() {
+        params.localiser.gyro = Some(GyroParams::icm_42688_p());
+        for (i, side) in [Side::Right, Side::Left].into_iter().enumerate() {
+            for (v, w) in [
+                (0.015, 0.0),
+                (0.0, 0.1),
+                (0.03, 0.0),
+                (0.05, 0.0),
+                (-0.05, 0.0),
+                (0.1, 0.0),
+                (0.0, 0.2),
+                (0.0, -0.4),
+                (0.3, 0.0),
+            ] {
+                let mut rig = Rig::new(params, AS_STATED);
+                rig.gyro = true;
+                for _ in 0..rig.ticks(3.0) {
+                    rig.tick(&drive(v, w));
+                }
+                rig.counting[i] = false;
+                let ticks = (0..rig.ticks(20.0)).find(|_| {
+                    let found = rig.tick(&drive(v, w)).active_faults;
+                    found.get(FaultKind::EncoderStuck) == Some(Fault::EncoderStuck(side))
+                });
+                let ticks =
+                    ticks.unwrap_or_else(|| panic!("{name}: {side:?} at {v} m/s, {w} rad/s"));
+                longest_s = longest_s.max(ticks as f32 * rig.dt());
+                runs += 1;
+            }
+        }
+    }
+    let mut page = Stated::of("docs/faults.md");
+    page.about(
+        At::Phrase("a gyro shows a dead encoder within # s in all of # such drives"),
+        &[longest_s.into(), runs.into()],
+    );
+}
