@@ -18,10 +18,10 @@ use sim_host::closed_loop;
 use sim_host::constants::period_us;
 use sim_host::datalog::Sample;
 use sim_host::datalog::messages::{diagnosis, header, joints, odometry, transform, value};
+use sim_host::job::{JobError, RobotFile};
 use sim_host::mission::BaseSpec;
 use sim_host::monitor::{LatestTelemetry, Monitor, MonitorError, Port, Received};
 use sim_host::ros::messages::{DiagnosticArray, DiagnosticStatus, TfMessage, Time};
-use sim_host::scenario::{BuiltInBase, ScenarioError};
 use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -42,7 +42,7 @@ const TICK_HZ: u16 = Hello::OURS.tick_hz;
 pub enum BridgeError {
     /// The base's file.
     #[error(transparent)]
-    Base(#[from] ScenarioError),
+    Base(#[from] JobError),
     /// What the base's file comes to.
     #[error("the base's file: {0}")]
     Params(#[from] ParamError),
@@ -65,10 +65,7 @@ pub enum BridgeError {
 /// # Errors
 /// [`BridgeError`].
 pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
-    let base = match BuiltInBase::at(&args.base) {
-        Some(built_in) => built_in.base()?,
-        None => BaseSpec::load(&args.base)?,
-    };
+    let base = RobotFile::load(&args.base)?.base;
     let params = closed_loop::params(&base, period_us(&base))?;
     let field = FieldParams::from(&params);
     let settings = Settings {

@@ -11,27 +11,24 @@ use sim_host::csv_out::Columns;
 use sim_host::drive::{ChipTable, DriveMetrics, summary, trajectory};
 use sim_host::figure::Labelled;
 use sim_host::import::FileVerdict;
-use sim_host::job::{Content, Job, Trajectory};
+use sim_host::job::{Content, Job, RobotFile, Trajectory};
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
 use sim_host::plain_text::written_out;
 use sim_host::record::{ChipRecord, DriveRecord};
 use sim_host::run;
-use sim_host::scenario::{BuiltInBase, Scenario};
+use sim_host::scenario::Scenario;
 use sim_host::trace::Trace;
 use std::path::Path;
 
 /// A base's file, a built-in base, or the default one.
 pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
     match file {
-        Some(file) => match BuiltInBase::at(file) {
-            Some(built_in) => Ok(built_in.base()?),
-            None => {
-                let base = BaseSpec::load(file)?;
-                note_named(&base);
-                Ok(base)
-            }
-        },
+        Some(file) => {
+            let base = RobotFile::load(file)?.base;
+            note_named(&base);
+            Ok(base)
+        }
         None => Ok(BaseSpec::default()),
     }
 }
