@@ -59,6 +59,7 @@ pub mod mission;
 pub mod monitor;
 pub mod motion;
 mod names;
+mod numbers;
 #[cfg(not(target_family = "wasm"))]
 pub mod part;
 #[cfg(not(target_family = "wasm"))]

@@ -1,5 +1,6 @@
 //! Robots that cannot be, whatever they are for. What is wrong are mostly units.
 
+use crate::numbers::{digits, least, most, refused};
 use controller_core::wheels::WheelGeometry;
 use std::fmt;
 
@@ -40,28 +41,29 @@ impl fmt::Display for Impossible {
             limit,
             wheels,
         } = self;
-        let (track, radius) = (wheels.track_m, radius(wheels));
+        let (track, radius) = (digits(wheels.track_m), digits(radius(wheels)));
+        let (told, least, most) = (refused(*value, *limit), least(*limit), most(*limit));
         match quantity {
             Quantity::Mass if value < limit => {
                 write!(
                     f,
-                    "{value:.4} kg is less than the air between its wheels weighs, {limit:.4} kg"
+                    "{told} kg is less than the air between its wheels weighs, {least} kg"
                 )
             }
             Quantity::Mass => write!(
                 f,
-                "{value:.4} kg is more than solid steel weighs that is {SPAN} times as long, wide and high as such wheels \
-                 and their distance, {limit:.4} kg"
+                "{told} kg is more than solid steel weighs that is {SPAN} times as long, wide and high as such wheels \
+                 and their distance, {most} kg"
             ),
             Quantity::Inertia => write!(
                 f,
-                "{value:.4} kg m² is more than its mass has {SPAN} times as far out as such wheels and their distance, \
-                 {limit:.4} kg m²"
+                "{told} kg m² is more than its mass has {SPAN} times as far out as such wheels and their distance, \
+                 {most} kg m²"
             ),
         }?;
         write!(
             f,
-            " (wheels of radius {radius:.4} m, {track:.4} m apart); lengths are in m, masses in kg"
+            " (wheels of radius {radius} m, {track} m apart); lengths are in m, masses in kg"
         )
     }
 }

@@ -687,25 +687,25 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
         (
             "\nm = 1.0",
             "\nm = 2300.0",
-            "robot.m: 2300.0000 kg is more than solid steel weighs",
+            "robot.m: 2300 kg is more than solid steel weighs",
         ),
         // Lengths in centimetres.
         (
             "\nr = 0.035\nl = 0.14",
             "\nr = 3.5\nl = 14.0",
-            "robot.m: 1.0000 kg is less than the air between its wheels weighs",
+            "robot.m: 1 kg is less than the air between its wheels weighs",
         ),
         // In kg cm².
         (
             "\nI = 0.005",
             "\nI = 40.0",
-            "robot.I: 40.0000 kg m² is more than its mass has",
+            "robot.I: 40 kg m² is more than its mass has",
         ),
         // In mm/s, and by the key's own name.
         (
             "\nspeed = 0.8",
             "\nspeed = 800.0",
-            "limits.speed: is above its largest value 1e2",
+            "limits.speed: is above its largest value 100",
         ),
         // 34 of 0.75 times 10.5 mN m/A by 3 A, less 0.04 N m.
         (

@@ -56,11 +56,16 @@ fn messages_name_line_field_and_reason() -> Result<(), String> {
         ),
         (
             format!("{CSV}1,0,0,0\n0.5,0,0,0\n"),
-            "line 4, sample 2, field `t`: time goes back by 5e-1 s",
+            "line 4, sample 2, field `t`: time goes back by 0.5 s",
+        ),
+        // 0.09999999999999998 in binary.
+        (
+            format!("{CSV}1,0,0,0\n0.9,0,0,0\n"),
+            "line 4, sample 2, field `t`: time goes back by 0.1 s",
         ),
         (
             format!("{CSV}0,0.3,0,0\n"),
-            "line 3, sample 1: a jump: 0.3000 m and 0.0000 rad within 0e0 s",
+            "line 3, sample 1: a jump: 0.3000 m and 0.0000 rad within 0 s",
         ),
         (format!("{CSV}1e-6,0.3,0,0\n"), "line 3, sample 1: a jump"),
         (

@@ -3,6 +3,7 @@
 use super::mirror::{Mirror, MirrorError};
 use super::{PlantHal, convert};
 use crate::mission::{BaseSpec, Mission};
+use crate::numbers::param;
 use crate::world::{ActuationError, World, WorldError, WorldSetup};
 use controller_core::base::{BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
@@ -19,7 +20,7 @@ use protocol::{Command, RejectReason};
 #[non_exhaustive]
 pub enum ClosedLoopError {
     /// A parameter of the base.
-    #[error("{0}")]
+    #[error("{}", param(.0))]
     Param(ParamError),
     /// A parameter of the base, or a response to a fault.
     #[error("{0}")]

@@ -16,6 +16,7 @@ mod literal;
 
 use crate::closed_loop;
 use crate::mission::BaseSpec;
+use crate::numbers::param;
 use controller_core::error::ParamError;
 use controller_core::motor::DriverParams;
 
@@ -112,7 +113,7 @@ pub const BASE: BaseParams<f32> = {};
 #[non_exhaustive]
 pub enum ConstantsError {
     /// A parameter that the core refuses.
-    #[error("{0}")]
+    #[error("{}", param(.0))]
     Param(ParamError),
     /// A parameter of a type that has no literal.
     #[error(transparent)]

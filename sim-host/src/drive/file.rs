@@ -7,6 +7,7 @@ use crate::import::{
 use crate::mission::{
     BaseSpec, Course, End, HandOverRule, Mission, Route, TooLong, When, check_length,
 };
+use crate::numbers::{least, most};
 use crate::precision::Precision;
 use controller_core::types::{Measured, Pose, Twist};
 
@@ -101,7 +102,7 @@ pub enum FileError {
     #[error(transparent)]
     Limits(#[from] LimitError),
     /// An option is out of its range.
-    #[error("{0} must be a number in {1} to {2}")]
+    #[error("{} must be a number in {} to {}", .0, least(*.1), most(*.2))]
     Option(&'static str, f64, f64),
     /// The run would not fit a small machine's memory.
     #[error("the run {0}")]

@@ -55,6 +55,7 @@ pub use quantity::{Known, KnownError, Quantity, Stated};
 pub use stretches::{LONGEST_S, SHORTEST_S};
 pub use structure::Given;
 
+use crate::numbers::{digits, least, most, refused};
 use crate::plausible::{self, Impossible};
 use controller_core::error::{Field, ParamError, Problem};
 use controller_core::paper::params::Params;
@@ -284,7 +285,7 @@ pub enum IdentifyError {
         commands: &'static str,
     },
     /// A quantity that no file of a base can have.
-    #[error("{quantity} comes out as {value:.4e} {unit}, {}: {UNITS}", beyond(.problem))]
+    #[error("{quantity} comes out as {}: {UNITS}", beyond(*value, unit, problem))]
     Implausible {
         /// Its name.
         quantity: &'static str,
@@ -312,12 +313,13 @@ pub enum IdentifyError {
 /// What makes robots that there are not.
 const UNITS: &str = "is the log in SI units (t in s, x and y in m, theta in rad, torques in N m) and --counts-per-turn that of the wheel?";
 
-fn beyond(problem: &Problem) -> String {
-    match problem {
-        Problem::Below(limit) => format!("and a robot has at least {limit:e}"),
-        Problem::Above(limit) => format!("and a robot has at most {limit:e}"),
-        _ => "which no robot has".to_owned(),
-    }
+fn beyond(value: f64, unit: &str, problem: &Problem) -> String {
+    let (limit, taken) = match problem {
+        Problem::Below(limit) => (*limit, format!("at least {}", least(*limit))),
+        Problem::Above(limit) => (*limit, format!("at most {}", most(*limit))),
+        _ => return format!("{} {unit}, which no robot has", digits(value)),
+    };
+    format!("{} {unit}, and a robot has {taken}", refused(value, limit))
 }
 
 const SIDES: [&str; 2] = ["right", "left"];

@@ -1,6 +1,7 @@
 //! Why a file is not driven, and where.
 
 use super::{Closeness, Format};
+use crate::numbers::{digits, most, refused};
 use std::fmt;
 use thiserror::Error;
 
@@ -157,7 +158,7 @@ pub enum Reason {
     #[error("`{0}` is not a number")]
     NotANumber(String),
     /// NaN, infinite, or beyond what the field can mean.
-    #[error("{value:e} is not within ±{limit:e}")]
+    #[error("{} is not within ±{}", refused(*value, limit.copysign(*value)), most(*limit))]
     OutOfRange {
         /// The value.
         value: f64,
@@ -168,16 +169,16 @@ pub enum Reason {
     #[error("too few samples ({0}); at least two are needed")]
     TooFewSamples(usize),
     /// All samples within a moment.
-    #[error("the samples span {0:e} s, too short to drive")]
+    #[error("the samples span {} s, too short to drive", digits(*.0))]
     TooShort(f64),
     /// Time runs backwards.
-    #[error("time goes back by {0:e} s")]
+    #[error("time goes back by {} s", digits(*.0))]
     TimeGoesBack(f64),
     /// Nothing known for too long.
     #[error("a gap of {0:.1} s since the sample before; up to 30 s are bridged")]
     Gap(f64),
     /// Two poses at one instant, or as good as that.
-    #[error("a jump: {apart_m:.4} m and {apart_rad:.4} rad within {dt_s:e} s")]
+    #[error("a jump: {apart_m:.4} m and {apart_rad:.4} rad within {} s", digits(*dt_s))]
     Jump {
         /// Distance.
         apart_m: f64,

@@ -26,6 +26,7 @@ pub(crate) use {motion::MotionLaw, paper_rival::PaperRival, rival::RivalLaw, wor
 use crate::closed_loop::ClosedLoopError;
 use crate::controller_port::{self, ControllerPort, ControllerPortError};
 use crate::mission::{AccelerationAt, End, Mission, Sequencer};
+use crate::numbers::{digits, param};
 use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::trace::{HandOver, Trace, TraceRow};
@@ -40,7 +41,7 @@ use recorder::{Keep, Recorder};
 #[non_exhaustive]
 pub enum RunError {
     /// The controller refused a tick, or cannot be reached.
-    #[error("{name}: stopped at t = {time_s} s: {cause}")]
+    #[error("{name}: stopped at t = {} s: {cause}", digits(*time_s))]
     ControllerPort {
         /// The scenario.
         name: String,
@@ -51,7 +52,7 @@ pub enum RunError {
         cause: ControllerPortError,
     },
     /// Parameters that the core refuses.
-    #[error("{name}: {cause}")]
+    #[error("{name}: {}", param(cause))]
     Params {
         /// The scenario.
         name: String,

@@ -2,6 +2,7 @@
 
 use super::file;
 use super::source::{Checked, Source};
+use crate::numbers;
 use controller_core::error::{Field, ParamError};
 use controller_core::paper::params::Params;
 use controller_core::robot::Robot;
@@ -52,7 +53,7 @@ pub(super) fn params(keys: &file::File, place: &Source<'_>) -> Checked<Params<f6
     }
     match params.validate() {
         Ok(_) => Ok(params),
-        Err(error) => Err(place.error(&key_of(&error, robot.r.is_some()), error)),
+        Err(error) => Err(place.error(&key_of(&error, robot.r.is_some()), numbers::param(&error))),
     }
 }
 

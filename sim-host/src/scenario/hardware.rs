@@ -3,6 +3,7 @@
 use super::ScenarioError;
 use super::source::{Checked, Source};
 use crate::mission::{BaseSpec, Drivers, Gyro, Hardware, OLDEST_POSE, breakaway_nm};
+use crate::numbers::{outside, param};
 use crate::world::{
     BatteryParams, FrictionParams, GyroParams, MotorParams, PoseSourceParams, WorldError,
 };
@@ -241,12 +242,12 @@ fn check(hardware: &Hardware, base: &BaseSpec, place: &Source<'_>) -> Checked<()
     if let Some(gyro) = &hardware.gyro {
         let params = gyro.params::<f64>();
         let checked = params.check();
-        checked.map_err(|error| place.error(&gyro_key(error.field), error))?;
+        checked.map_err(|error| place.error(&gyro_key(error.field), param(&error)))?;
     }
     hardware
         .localiser::<f64>(wheels)
         .validate_with::<controller_core::maths::Libm>()
-        .map_err(|error| place.error(localiser_key(error.field), error))?;
+        .map_err(|error| place.error(localiser_key(error.field), param(&error)))?;
     let period = hardware.period_s;
     if !(1.0e-4..=0.1).contains(&period) {
         return Err(place.error("control.period_s", "must be in 1e-4 to 0.1"));
@@ -271,7 +272,7 @@ pub(super) fn plant_error(key: &str, error: &WorldError, place: &Source<'_>) -> 
         value, low, high, ..
     } = error;
     if key.ends_with(&error.key) {
-        place.error(key, format!("{value} is not in {low} to {high}"))
+        place.error(key, outside(*value, *low, *high))
     } else {
         place.error(key, error)
     }

@@ -1,5 +1,6 @@
 //! Where in a file a key stands, and errors that show the place.
 
+use crate::numbers;
 use controller_core::error::ParamError;
 use std::fmt;
 use std::io::{self, ErrorKind};
@@ -80,11 +81,9 @@ impl<'a> Source<'a> {
 
     /// The core's error of a key, or of a table; the core's name of a parameter is not always the key's.
     pub fn param_error(&self, path: &str, error: &ParamError) -> ScenarioError {
-        let text = error.to_string();
-        let rest = text.strip_prefix(error.field.name());
-        match rest.filter(|_| path.contains('.')) {
-            Some(rest) => self.error(path, rest.trim_start()),
-            None => self.error(path, &text),
+        match path.contains('.') {
+            true => self.error(path, numbers::problem(&error.problem)),
+            false => self.error(path, numbers::param(error)),
         }
     }
 

@@ -1,10 +1,11 @@
 //! What can be wrong with a world.
 
+use crate::numbers::outside;
 use thiserror::Error;
 
 /// A parameter that no plant can have.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{key}: {value} is not in {low} to {high}")]
+#[error("{key}: {}", outside(*value, *low, *high))]
 pub struct WorldError {
     /// The key with its table, `motor.gear_ratio`, as in a file below `[world]`.
     pub key: String,
