@@ -196,7 +196,7 @@ Examples:
         runs: NonZeroU64,
         #[command(flatten)]
         seed: SeedArgs,
-        /// Only troubles whose name contains this; may be given several times
+        /// Only troubles whose name contains this; may be given several times, each with a word or a whole name
         #[arg(long, value_name = "TEXT")]
         only: Vec<String>,
         /// Begin with this run, and write its trace

@@ -532,3 +532,33 @@ fn a_robot_that_cannot_be_put_to_the_campaign_is_refused() {
         assert!(output.stdout.is_empty() && !here.path().join("out").exists());
     }
 }
+
+/// A name with a comma is one name, and each word of several has to be one of a trouble.
+#[test]
+fn troubles_are_chosen_by_their_whole_names() {
+    let here = tempfile::tempdir().expect("a directory");
+    let faults = |only: &[&str]| {
+        let only = only.iter().flat_map(|word| ["--only", word]);
+        let words: Vec<_> = ["faults", "--runs", "2", "--seed", "5"]
+            .into_iter()
+            .chain(only)
+            .collect();
+        sim_host(here.path(), &words)
+    };
+    let output = faults(&["driver fails, coasts"]);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    let runs = fs::read_to_string(here.path().join("out/faults.csv")).expect("runs");
+    assert_eq!(
+        runs.matches("\"driver fails, coasts\"").count(),
+        2,
+        "{runs}"
+    );
+    let output = faults(&["ice", "driver fails, melts"]);
+    assert_eq!(output.status.code(), Some(1));
+    let refused = said(&output.stderr);
+    assert!(
+        refused.contains("no trouble has `driver fails, melts` in its name; there are: nothing; ")
+            && refused.contains("; driver fails, coasts; driver fails, holds; "),
+        "{refused}"
+    );
+}

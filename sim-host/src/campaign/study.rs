@@ -17,24 +17,33 @@ use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-/// No kind of trouble has one of the words in its name.
+/// No kind of trouble has this word in its name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no trouble has such a word in its name; there are: {}", .0.join(", "))]
-pub struct NoTrouble(pub Vec<&'static str>);
+#[error("no trouble has `{word}` in its name; there are: {}", names.join("; "))]
+pub struct NoTrouble {
+    /// The word.
+    pub word: String,
+    /// All troubles; some have a comma in their name.
+    pub names: Vec<&'static str>,
+}
 
 /// Numbers of `count` runs from `first` on, of troubles whose name has one of the words `only`; of all if there is none.
 ///
 /// # Errors
-/// Words that no trouble has.
+/// A word that no trouble has.
 fn numbers(bases: &Bases, first: u64, count: u64, only: &[String]) -> Result<Vec<u64>, NoTrouble> {
-    let chosen = |kind: FaultInjectionKind| {
-        only.is_empty() || only.iter().any(|text| kind.name().contains(text.as_str()))
-    };
-    if !bases.kinds().iter().copied().any(chosen) {
-        return Err(NoTrouble(
-            bases.kinds().iter().map(|kind| kind.name()).collect(),
-        ));
+    let has = |kind: FaultInjectionKind, word: &String| kind.name().contains(word.as_str());
+    let kinds = bases.kinds();
+    if let Some(word) = only
+        .iter()
+        .find(|word| !kinds.iter().any(|kind| has(*kind, word)))
+    {
+        return Err(NoTrouble {
+            word: word.clone(),
+            names: kinds.iter().map(|kind| kind.name()).collect(),
+        });
     }
+    let chosen = |kind| only.is_empty() || only.iter().any(|word| has(kind, word));
     let count = usize::try_from(count).unwrap_or(usize::MAX);
     let all = (first..).filter(|number| chosen(bases.trouble(*number)));
     Ok(all.take(count).collect())
@@ -128,7 +137,7 @@ impl Campaign {
     /// Its bases, and the numbers of its runs.
     ///
     /// # Errors
-    /// Words that no trouble has, a number above its limit, a robot without hardware.
+    /// A word that no trouble has, a number above its limit, a robot without hardware.
     pub fn numbers(&self) -> Result<(Bases, Vec<u64>), CampaignError> {
         let limits = [
             ("runs", "runs", self.runs, MAX_RUNS),
