@@ -12,7 +12,7 @@ mod seed_args;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 use sim_host::plain_text::written_out;
-use std::error::Error as _;
+use std::error::Error;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -22,19 +22,25 @@ fn main() -> ExitCode {
     match commands::execute(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let mut text = String::new();
-            for error in error.each() {
-                text += &format!("error: {error}\n");
-                let mut cause = error.source();
-                while let Some(inner) = cause {
-                    text += &format!("  because: {inner}\n");
-                    cause = inner.source();
-                }
-            }
-            commands::tell(&text);
+            let told: String = error.each().iter().map(|error| told(error)).collect();
+            commands::tell(&told);
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error with its causes, those that it does not say itself.
+fn told(error: &dyn Error) -> String {
+    let mut text = format!("error: {error}\n");
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let why = inner.to_string();
+        if !text.contains(&why) {
+            text += &format!("  because: {why}\n");
+        }
+        cause = inner.source();
+    }
+    text
 }
 
 /// What was typed. A refusal repeats it, and a terminal would obey its control signs: what is refused is parsed again with these written

@@ -3,6 +3,7 @@
 use crate::robot::{RECORDER, Robot, random, recommended};
 use std::fmt::Write as _;
 use std::fs;
+use std::path::Path;
 use std::process::{Command, Output};
 
 fn csv() -> String {
@@ -109,6 +110,26 @@ fn a_log_becomes_a_table_and_files() {
     assert!(
         error.contains("drive.csv") && error.contains("--counts-per-turn"),
         "{error}"
+    );
+}
+
+fn refusal(directory: &Path, arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
+        .arg("identify")
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .expect("the program runs");
+    assert_eq!(output.status.code(), Some(1));
+    String::from_utf8(output.stderr).expect("UTF-8")
+}
+
+#[test]
+fn a_statement_that_is_refused_says_so_once() {
+    let here = tempfile::tempdir().expect("a directory");
+    assert_eq!(
+        refusal(here.path(), &["drive.csv", "--known", "mass=-1"]),
+        "error: --known: mass=-1: must be finite and positive\n"
     );
 }
 
