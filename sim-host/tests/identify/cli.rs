@@ -133,6 +133,24 @@ fn a_statement_that_is_refused_says_so_once() {
     );
 }
 
+/// In a second wheels may still look like ones that go against their commands, which was the reason then.
+#[test]
+fn a_short_log_is_refused_as_short() {
+    let here = tempfile::tempdir().expect("a directory");
+    let within = |line: &&str| {
+        let time = line.split(',').next().and_then(|t| t.parse::<f64>().ok());
+        time.is_none_or(|t| t <= 1.0)
+    };
+    let all = csv();
+    let second: Vec<_> = all.lines().take_while(within).collect();
+    fs::write(here.path().join("second.csv"), second.join("\n")).expect("written");
+    let said = refusal(here.path(), &["second.csv", "--counts-per-turn", "2048"]);
+    assert!(
+        said.starts_with("error: second.csv: the log lasts 1 s, and at least 2 s are needed: "),
+        "{said}"
+    );
+}
+
 /// Seeds and rates are printed and written; the rest is `bases.rs`.
 #[test]
 fn coverage_names_its_seeds() {
