@@ -114,6 +114,10 @@ fn messages_name_line_field_and_reason() -> Result<(), String> {
             "line 1, field `trajectory.samples`: invalid type: integer `3`, expected an array of samples",
         ),
         (
+            "{\"samples\":[]}".to_owned(),
+            "field `samples`: too few samples (0); at least two are needed",
+        ),
+        (
             "{\"a\":1}".to_owned(),
             "field `trajectory`: not a trajectory file",
         ),

@@ -78,13 +78,15 @@ struct SampleNames {
     pose: Option<IgnoredAny>,
 }
 
-/// Whether the samples of an object are those of WPILib since 2027.
+/// Whether the samples of an object are those of WPILib since 2027. None at all are: then it is said that there are too few.
 pub(super) fn has_samples(samples: &RawValue) -> bool {
-    let elements: Result<Elements<'_>, _> = serde_json::from_str(samples.get());
-    let first = elements.ok().and_then(|all| all.0.first().copied());
-    first
-        .and_then(|first| serde_json::from_str::<SampleNames>(first.get()).ok())
-        .is_some_and(|names| names.time.is_some() && names.pose.is_some())
+    let Ok(Elements(all)) = serde_json::from_str(samples.get()) else {
+        return false;
+    };
+    all.first().is_none_or(|first| {
+        serde_json::from_str::<SampleNames>(first.get())
+            .is_ok_and(|names| names.time.is_some() && names.pose.is_some())
+    })
 }
 
 /// Reads a file of either kind.
