@@ -7,6 +7,7 @@ use sim_host::import::{
     import,
 };
 use sim_host::mission::BaseSpec;
+use sim_host::scenario::BASES;
 use std::error::Error;
 use std::path::Path;
 use tests::fixtures;
@@ -149,6 +150,33 @@ fn file_within_limits_is_untouched() -> Result<(), Box<dyn Error>> {
         );
         assert_eq!(run.samples(), file.samples(), "{name}");
     }
+    Ok(())
+}
+
+/// Where a file exceeds nothing, those limits are named that the run is nearest to there, several if they share it.
+#[test]
+fn every_slowed_piece_has_a_reason() -> Result<(), Box<dyn Error>> {
+    let mut shared = 0;
+    for name in NAMES {
+        let file = trajectory(&fixtures::read(name)?, &Retiming::default())?;
+        for built_in in BASES {
+            let base = built_in.base()?;
+            let (_, scaling) = Retiming::default().of(&file, &base)?;
+            for place in &scaling.places {
+                let (exceeds, shares) = (place.exceeded.is_some(), place.nearest.len());
+                assert_ne!(exceeds, shares > 0, "{name} {}: {scaling}", built_in.name);
+                shared += usize::from(shares > 1);
+            }
+            if (name, built_in.name) == ("table_spin.csv", "lab-10kg") {
+                let said = scaling.to_string();
+                assert!(
+                    said.contains("s: nearest to the limits of turn rate and angular jerk\n"),
+                    "{said}"
+                );
+            }
+        }
+    }
+    assert!(shared > 0);
     Ok(())
 }
 

@@ -93,6 +93,9 @@ pub enum Bound {
     AngularJerk,
 }
 
+/// Limits share a piece whose loads differ by this part at most: a search leaves some thousandths of each that it is on.
+const SHARED: f64 = 0.02;
+
 /// What a motion uses of every limit, by [`Bound`]: 1 is on the limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Loads([f64; 9]);
@@ -135,6 +138,15 @@ impl Loads {
                 *tight = tight.max(1.0) * load * more;
             }
         }
+    }
+
+    /// The largest, and those that are as large but for [`SHARED`].
+    pub(super) fn nearest(&self) -> Vec<Bound> {
+        let (_, most) = self.largest();
+        let all = Self::BOUNDS.into_iter().zip(self.0);
+        all.filter(|(_, load)| *load > 0.0 && *load >= (1.0 - SHARED) * most)
+            .map(|(bound, _)| bound)
+            .collect()
     }
 
     /// The largest, and what it is a load of.

@@ -9,7 +9,7 @@ use super::{Closeness, Sample, Trajectory};
 use std::fmt;
 
 /// A part of the trajectory that is run more slowly.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ScaledSpan {
     /// From and to, in the file's time \[s\].
     pub file_s: (f64, f64),
@@ -18,6 +18,8 @@ pub struct ScaledSpan {
     /// What the file exceeds most there, and by which factor; none where it only slows down
     /// towards a neighbour.
     pub exceeded: Option<(Bound, f64)>,
+    /// Where it exceeds nothing: the limits that the run is nearest to there, which share it.
+    pub nearest: Vec<Bound>,
 }
 
 /// What was scaled, where and by how much.
@@ -227,6 +229,7 @@ impl Trajectory {
                 file_s: (from.t, s),
                 run_s: (before, t),
                 exceeded: None,
+                nearest: Vec::new(),
             });
             (here.file_s.1, here.run_s.1) = (s, t);
             let mut loads = limits.loads(&sample);
@@ -237,7 +240,36 @@ impl Trajectory {
             }
         }
         scaling.places.extend(open);
+        for span in &mut scaling.places {
+            if span.exceeded.is_none() {
+                span.nearest = run.loads_within(limits, span.run_s, places).nearest();
+            }
+        }
         scaling
+    }
+
+    /// What a run uses of the limits from one time of it to another.
+    fn loads_within(
+        &self,
+        limits: &ReferenceLimits,
+        (from, to): (f64, f64),
+        places: &[(f64, f64, f64)],
+    ) -> Loads {
+        let times = places.iter().map(|(_, t, _)| *t);
+        let samples: Vec<Sample> = times
+            .filter(|t| (from..=to).contains(t))
+            .map(|t| self.at(t))
+            .collect();
+        let mut most = Loads::default();
+        for sample in &samples {
+            most.merge(&limits.loads(sample));
+        }
+        for pair in samples.windows(2) {
+            if let [from, to] = pair {
+                most.merge(&limits.jerk_loads(from, to));
+            }
+        }
+        most
     }
 
     /// What a trajectory uses of the limits.
@@ -507,6 +539,10 @@ impl fmt::Display for TimeScaling {
             )?;
             if let Some((bound, load)) = place.exceeded {
                 write!(f, ": {bound} {load:.2} times the limit")?;
+            }
+            if !place.nearest.is_empty() {
+                let nearest: Vec<_> = place.nearest.iter().map(Bound::to_string).collect();
+                write!(f, ": nearest to the limits of {}", nearest.join(" and "))?;
             }
         }
         Ok(())
