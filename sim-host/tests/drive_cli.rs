@@ -434,3 +434,36 @@ fn files_are_compiled_for_a_chip() -> Result<(), Box<dyn Error>> {
     assert_eq!(output.status.code(), Some(1));
     Ok(())
 }
+
+/// A base that brakes harder than it accelerates, and reverses: the jerk limit lets the one go over into the other.
+#[test]
+fn a_peak_beyond_its_limit_is_explained() -> Result<(), Box<dyn Error>> {
+    let here = tempfile::tempdir()?;
+    let text = "\
+base = \"lab-10kg\"
+[run]
+duration = 3.0
+period = 0.01
+[controller]
+kind = \"motion\"
+[[event]]
+at = 0.0
+drive = { v = 1.0 }
+[[event]]
+at = 1.5
+drive = { v = -1.0 }
+";
+    fs::write(here.path().join("reverses.toml"), text)?;
+    let said = String::from_utf8(sim_host(here.path(), &["run", "reverses.toml"]).stdout)?;
+    let peaks = said.lines().find(|line| line.starts_with("peaks"));
+    let peaks = peaks.ok_or("no peaks")?;
+    for part in [
+        "peaks      of their limits: commanded speed 1 of 1.2 m/s, ",
+        "acceleration 1.5 of 1 m/s2 (beyond it for some ticks: ",
+        "braking 1.5 of 1.5 m/s2, ",
+    ] {
+        assert!(peaks.contains(part), "{peaks}");
+    }
+    assert_eq!(peaks.matches("beyond").count(), 1, "{peaks}");
+    Ok(())
+}

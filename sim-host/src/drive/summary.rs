@@ -1,6 +1,6 @@
 //! A run in a few lines, for people.
 
-use super::metrics::DriveMetrics;
+use super::metrics::{DriveMetrics, LimitUse};
 use std::fmt::Write as _;
 
 /// What came of a run, a line for each thing.
@@ -61,16 +61,22 @@ pub fn summary(metrics: &DriveMetrics) -> String {
             format!("{} at {:.2} s", stop.cause, stop.time_s),
         );
     }
-    let uses = metrics.limits.iter().map(|use_| {
-        format!(
-            "{} {} of {}",
-            use_.name,
-            short(use_.peak),
-            short(use_.limit)
-        )
-    });
-    line("peaks", uses.collect::<Vec<_>>().join(", "));
+    let uses: Vec<_> = metrics.limits.iter().map(peak).collect();
+    line("peaks", format!("of their limits: {}", uses.join(", ")));
     text
+}
+
+/// The peak of what is limited.
+fn peak(of: &LimitUse) -> String {
+    let (name, unit) = of.name.split_once(" [").unwrap_or((of.name, ""));
+    let [peak, limit] = [of.peak, of.limit].map(short);
+    let unit = unit.trim_end_matches(']');
+    // Of the commands only accelerations are, and only there.
+    let beyond = match peak > limit {
+        true => " (beyond it for some ticks: braking went through rest, and jerk is limited)",
+        false => "",
+    };
+    format!("{name} {peak} of {limit} {unit}{beyond}")
 }
 
 /// With one digit, and 0 without a sign.
@@ -78,8 +84,8 @@ fn tenths(value: f64) -> String {
     format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
-fn short(value: f64) -> String {
-    format!("{}", (value * 1e3).round() / 1e3)
+fn short(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
 }
 
 #[cfg(test)]
