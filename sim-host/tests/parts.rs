@@ -1,6 +1,7 @@
 //! Studies in parts: the same bytes as in one piece, and nothing that does not belong together.
 
 use crate::program::sim_host;
+use crc::{CRC_64_XZ, Crc};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use sim_host::campaign::{Campaign, Robots, RunOutcome};
@@ -511,4 +512,72 @@ fn the_kubernetes_job_does_the_whole_study() {
         );
     }
     as_whole(here.path(), &["faults", "--runs", "8", "--seed", "77"]);
+}
+
+/// The part as a program of another version writes it: its header, with its checksum.
+fn by_another_version(path: &Path) {
+    let file = SerializedFileReader::new(fs::File::open(path).expect("a part")).expect("Parquet");
+    let about = file.metadata().file_metadata().key_value_metadata();
+    let entries = about.expect("a header").iter();
+    let values: BTreeMap<_, _> = entries
+        .map(|entry| (entry.key.as_str(), entry.value.clone().expect("a value")))
+        .collect();
+    let header = &values["two-wheeled-base.part"];
+    let version = concat!("\"version\":\"", env!("CARGO_PKG_VERSION"), "\"");
+    let length = env!("CARGO_PKG_VERSION").len();
+    let other = header.replace(version, &format!("\"version\":\"{}\"", "9".repeat(length)));
+    assert_ne!(header, &other);
+    let check = Crc::<u64>::new(&CRC_64_XZ).checksum(other.as_bytes());
+    let mut bytes = fs::read(path).expect("a part");
+    for (from, to) in [
+        (header, other),
+        (
+            &values["two-wheeled-base.part.check"],
+            format!("{check:016x}"),
+        ),
+    ] {
+        let at = bytes
+            .windows(from.len())
+            .position(|window| window == from.as_bytes())
+            .expect("in the file");
+        bytes[at..at + from.len()].copy_from_slice(to.as_bytes());
+    }
+    fs::write(path, bytes).expect("written");
+}
+
+#[test]
+fn parts_of_another_version_are_refused_by_name_before_their_settings_are_looked_at() {
+    let here = tempfile::tempdir().expect("a directory");
+    let (campaign, shard, runs) = small();
+    let path = |name: &str| here.path().join(name);
+    write(&path("ours"), &campaign, shard, &runs).expect("written");
+    let other = Campaign {
+        seed: campaign.seed + 1,
+        ..campaign
+    };
+    write(&path("theirs"), &other, shard, &runs).expect("written");
+    by_another_version(&path("theirs"));
+    let refusal = |names: &[&str]| {
+        let paths: Vec<_> = names.iter().map(|name| path(name)).collect();
+        let merged = Parts::read(&paths).and_then(Parts::merge::<Campaign>);
+        merged.expect_err("another version").to_string()
+    };
+    let (theirs, ours) = (
+        path("theirs").display().to_string(),
+        env!("CARGO_PKG_VERSION"),
+    );
+    let version = "9".repeat(ours.len());
+    assert_eq!(
+        refusal(&["ours", "theirs"]),
+        format!(
+            "{theirs} does not belong to {}: the version is {version} there, {ours} here",
+            path("ours").display()
+        )
+    );
+    assert_eq!(
+        refusal(&["theirs"]),
+        format!(
+            "{theirs}: made by another program: the version is {version} there, {ours} here; merge with the program that made the parts"
+        )
+    );
 }

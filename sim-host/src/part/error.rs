@@ -65,11 +65,18 @@ pub enum MergeError {
         ours: String,
     },
     /// Made by a program that is not this one.
-    #[error("made by {theirs}, and this is {ours}: merge with the program that made the parts")]
+    #[error(
+        "{}: made by another program: {what} is {theirs} there, {ours} here; merge with the program that made the parts",
+        path.display()
+    )]
     OtherProgram {
-        /// Theirs.
+        /// The first of its parts.
+        path: PathBuf,
+        /// In what they differ.
+        what: &'static str,
+        /// What the part has.
         theirs: String,
-        /// This one's.
+        /// What this one has.
         ours: String,
     },
     /// The same part, twice, and not the same.

@@ -45,6 +45,9 @@ pub(super) struct Header {
     pub columns: u64,
 }
 
+/// Of this program.
+pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
 /// As far as programs may differ between parts of one study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Program {
@@ -60,16 +63,9 @@ impl Program {
             field(&mut digest, text.as_bytes());
         }
         Self {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: VERSION.to_owned(),
             built_in: digest.finalize(),
         }
-    }
-}
-
-impl std::fmt::Display for Program {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let built_in = hexadecimal(self.built_in);
-        write!(f, "version {} with built-in files {built_in}", self.version)
     }
 }
 

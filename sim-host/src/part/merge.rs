@@ -1,7 +1,7 @@
 //! Files put together.
 
 use super::error::{FileProblem, MergeError};
-use super::file::{self, Header, Part, Program};
+use super::file::{self, Header, Part, Program, VERSION};
 use super::{Shard, Study};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -59,15 +59,24 @@ impl Parts {
             }
         }
         let first = first.header.clone();
+        let other = |what, theirs, ours| MergeError::OtherProgram {
+            path: first_path.clone(),
+            what,
+            theirs,
+            ours,
+        };
+        // Before anything that another version may write otherwise.
+        if first.program.version != VERSION {
+            let theirs = first.program.version;
+            return Err(other("the version", theirs, VERSION.to_owned()));
+        }
         let wrong = |error: &dyn std::fmt::Display| MergeError::Study(error.to_string());
         let mut study: S = serde_json::from_value(first.settings.clone()).map_err(|e| wrong(&e))?;
         study.made_by(&first.arguments);
-        let ours = Program::of(&study);
-        if first.program != ours {
-            return Err(MergeError::OtherProgram {
-                theirs: first.program.to_string(),
-                ours: ours.to_string(),
-            });
+        let checks = [first.program.built_in, Program::of(&study).built_in];
+        if checks[0] != checks[1] {
+            let [theirs, ours] = checks.map(file::hexadecimal);
+            return Err(other(BUILT_IN, theirs, ours));
         }
         let (runs, count) = (first.runs, first.shard.count());
         let mut by_number: BTreeMap<usize, (PathBuf, Part)> = BTreeMap::new();
@@ -110,6 +119,9 @@ impl Parts {
     }
 }
 
+/// What programs of one version may differ in.
+const BUILT_IN: &str = "the checksum of its built-in files";
+
 /// The runs of a part, if they are those that were written.
 fn decode<S: Study>(study: &S, runs: usize, part: &Part) -> Result<Vec<S::Run>, FileProblem> {
     let places = part.header.shard.places(runs);
@@ -137,9 +149,19 @@ fn decode<S: Study>(study: &S, runs: usize, part: &Part) -> Result<Vec<S::Run>, 
 fn difference(part: &Part, first: &Part) -> Option<(String, String, String)> {
     let (a, b) = (&part.header, &first.header);
     let named = |what: &str, a: String, b: String| (a != b).then(|| (what.to_owned(), a, b));
+    let checks = [a, b].map(|header| file::hexadecimal(header.program.built_in));
+    let [built_in, of_first] = checks;
     named("the command", a.command.clone(), b.command.clone())
+        // Another version may have other settings.
+        .or_else(|| {
+            named(
+                "the version",
+                a.program.version.clone(),
+                b.program.version.clone(),
+            )
+        })
         .or_else(|| setting(&a.settings, &b.settings))
-        .or_else(|| named("the program", a.program.to_string(), b.program.to_string()))
+        .or_else(|| named(BUILT_IN, built_in, of_first))
         .or_else(|| {
             let parts = |count: usize| count.to_string();
             named(
