@@ -348,7 +348,8 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         return Err(IdentifyError::Short(length_s));
     }
     rows::check(log)?;
-    let missing = rows::missing(log);
+    let lengths = rows::lengths(log);
+    let missing = rows::missing(log, &lengths);
     let speeds = stretches::speeds(log, stretches::HALF_S);
     let stretches = |limited: &[bool]| {
         stretches::stretches(log, &speeds, options.slow_rad_s, limited, &missing)
@@ -388,7 +389,8 @@ pub fn identify(log: &Log, options: &Options) -> Result<Identified, IdentifyErro
         }
     }
     // Of commands or voltages that are not those that acted, motion determines nothing.
-    let spoilt = rows::lost(log).or_else(|| train.as_ref().and_then(|train| train.spoilt(log)));
+    let spoilt =
+        rows::lost(log, &lengths).or_else(|| train.as_ref().and_then(|train| train.spoilt(log)));
     let motion = motion.filter(|_| spoilt.is_none());
     let given = Given {
         drive: log.drive,

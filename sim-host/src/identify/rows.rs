@@ -19,7 +19,7 @@ const OFTEN_S: f64 = 1.0;
 const LOST: f64 = 0.8;
 
 /// How long each row lasts, over those about it.
-fn lengths(log: &Log) -> Vec<f64> {
+pub(super) fn lengths(log: &Log) -> Vec<f64> {
     let lasts: Vec<f64> = log.t.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let over_usual = |row: usize| {
         let end = (row + ABOUT + 1).min(lasts.len());
@@ -35,20 +35,19 @@ fn several(length: f64) -> bool {
 }
 
 /// Rows whose command may not have acted until the next row, for rows between them are not in the log.
-pub(super) fn missing(log: &Log) -> Vec<bool> {
+pub(super) fn missing(log: &Log, lengths: &[f64]) -> Vec<bool> {
     let largest = [0, 1].map(|i| log.command.iter().fold(0.0, |most, c| c[i].abs().max(most)));
-    let gap = |(row, length): (usize, f64)| {
+    let gap = |(row, &length): (usize, &f64)| {
         let (now, next) = (log.command[row], log.command[row + 1]);
         let changed = (0..2).any(|i| (next[i] - now[i]).abs() > SAME * largest[i]);
         length > PAUSE || (changed && several(length))
     };
-    let gaps = lengths(log).into_iter().enumerate().map(gap);
+    let gaps = lengths.iter().enumerate().map(gap);
     gaps.chain([false]).collect()
 }
 
 /// Why the motion says nothing, if rows are lost so often that commands which are not in the log acted everywhere.
-pub(super) fn lost(log: &Log) -> Option<&'static str> {
-    let lengths = lengths(log);
+pub(super) fn lost(log: &Log, lengths: &[f64]) -> Option<&'static str> {
     let lost = lengths.iter().filter(|length| several(**length)).count() as f64;
     let long = lengths.iter().filter(|length| **length > LONGER).count() as f64;
     let time_s = log.t[log.t.len() - 1] - log.t[0];
