@@ -1,6 +1,8 @@
 //! What a user should know of a scenario or a base before the robot finds out.
 
-use crate::mission::{BaseSpec, Hardware};
+use crate::mission::{BaseSpec, Change, Course, Hardware, Mission, Route};
+use crate::motion::ReferenceMotion;
+use crate::numbers::digits;
 use crate::scenario::{ControlLaw, Scenario};
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
@@ -8,12 +10,19 @@ use controller_core::paper::stability::{
 };
 use controller_core::tuning::motion::margins;
 use controller_core::wheels::WheelGeometry;
+use std::f64::consts::TAU;
 
-/// Warnings about gains and speeds, each one sentence.
+/// Warnings about headings, gains and speeds, each one sentence.
 ///
-/// They come from the linearised loop of the neural law; plain backstepping has no such limits.
+/// Those about gains come from the linearised loop of the neural law; plain backstepping has no such limits.
 pub fn warnings(scenario: &Scenario) -> Vec<String> {
-    let mut warnings = Vec::new();
+    let goal = scenario.hand_over.as_ref();
+    let mut headings = vec![("start.theta", scenario.start.pose.theta)];
+    headings.extend(of_motion(
+        &scenario.motion,
+        goal.map(|plan| (plan.hand_over_s, plan.goal.theta)),
+    ));
+    let mut warnings: Vec<_> = heading_warning(&headings).into_iter().collect();
     if scenario.controller.kind == ControlLaw::Plain {
         return warnings;
     }
@@ -63,6 +72,66 @@ pub fn period_warning(base: &BaseSpec, period_s: f64) -> Option<String> {
              slower gains"
         )
     })
+}
+
+/// Warnings about a mission, each one sentence.
+pub fn mission_warnings(mission: &Mission) -> Vec<String> {
+    let period = period_warning(&mission.base, mission.period_s);
+    period
+        .into_iter()
+        .chain(heading_warning(&headings(mission)))
+        .collect()
+}
+
+/// Keys of headings \[rad\] that a scenario's file states, and what they are. Those of a trajectory file its importer compares with its motion.
+fn headings(mission: &Mission) -> Vec<(&'static str, f64)> {
+    let start = ("start.theta", mission.start.pose.theta);
+    let mut headings = match &mission.course {
+        Course::Park(goal) => vec![start, ("goal.theta", goal.theta)],
+        Course::Drive => vec![start],
+        Course::Follow {
+            route: Route::Motion(motion),
+            hand_over,
+        } => {
+            let goal = hand_over.map(|rule| (rule.end_s, rule.goal.theta));
+            [start].into_iter().chain(of_motion(motion, goal)).collect()
+        }
+        Course::Follow {
+            route: Route::File(_),
+            ..
+        } => Vec::new(),
+    };
+    headings.extend(
+        mission
+            .events
+            .iter()
+            .filter_map(|event| match event.change {
+                Change::Goal(pose) => Some(("event.goal.theta", pose.theta)),
+                Change::Jump(pose) => Some(("event.jump.theta", pose.theta)),
+                Change::Follow | Change::Drive(_) => None,
+            }),
+    );
+    headings
+}
+
+/// Of a reference, and of a goal beside it at a time; one that the reference itself turns to is no statement of a user.
+fn of_motion(motion: &ReferenceMotion, goal: Option<(f64, f64)>) -> Vec<(&'static str, f64)> {
+    let theta = |time_s: f64| motion.at(time_s).pose().theta;
+    let goal = goal.filter(|(time_s, heading)| (heading - theta(*time_s)).abs() > TAU);
+    let goal = goal.map(|(_, heading)| ("hand_over.target.theta", heading));
+    [("reference.start.theta", theta(0.0))]
+        .into_iter()
+        .chain(goal)
+        .collect()
+}
+
+/// A warning about the first heading of more than a turn, which are degrees mostly.
+fn heading_warning(headings: &[(&str, f64)]) -> Option<String> {
+    let (key, heading) = headings.iter().find(|(_, heading)| heading.abs() > TAU)?;
+    let [radians, degrees] = [*heading, heading.to_radians()].map(digits);
+    Some(format!(
+        "{key} = {radians} is more than a turn: headings are in rad, and {radians}° are {degrees} rad"
+    ))
 }
 
 /// What rubber holds on a dry floor at best \[m/s²\]: 2 g.

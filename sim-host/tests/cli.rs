@@ -437,6 +437,49 @@ fn warnings_go_to_standard_error() {
     assert!(!text(&output.stdout).contains("warning"));
 }
 
+/// Degrees are taken for radians, and that is said.
+#[test]
+fn headings_of_more_than_a_turn_are_warned_of() {
+    let here = directory();
+    let warned = |scenario: &str| {
+        fs::write(here.path().join("turned.toml"), scenario).expect("written");
+        text(&sim_host(here.path(), &["run", "turned.toml"]).stderr)
+    };
+    let rad = "is more than a turn: headings are in rad, and";
+    for (scenario, key) in [
+        (format!("{BY_NAME}theta = 90\n"), "goal.theta"),
+        (format!("{BY_NAME}[start]\ntheta = -90\n"), "start.theta"),
+        (
+            format!("{BY_NAME}[[event]]\nat = 0.5\ngoal = {{ x = 0.1, y = 0.0, theta = 90 }}\n"),
+            "event.goal.theta",
+        ),
+        (format!("{MINE}[start]\ntheta = 90\n"), "start.theta"),
+        (
+            MINE.replace(
+                "target_at = 0.8",
+                "target = { x = 0.4, y = 0.0, theta = 90 }",
+            ),
+            "hand_over.target.theta",
+        ),
+    ] {
+        let said = warned(&scenario);
+        assert!(
+            said.contains(&format!("warning: turned: {key} = ")),
+            "{said}"
+        );
+        assert!(
+            said.contains(rad) && said.contains("90° are ") && said.contains("1.5708 rad"),
+            "{said}"
+        );
+    }
+    // A goal on a reference that has turned more than once is nobody's mistake.
+    let winds = MINE.replace("v = 0.4", "v = 0.4\nw = 20.0");
+    for scenario in [&format!("{BY_NAME}theta = 6.28\n"), &winds] {
+        let said = warned(scenario);
+        assert!(!said.contains(rad), "{said}");
+    }
+}
+
 #[test]
 fn a_bad_file_is_an_error_with_file_line_and_key() {
     let here = directory();

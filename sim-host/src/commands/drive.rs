@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::log::{finish, started};
 use super::write::Writer;
-use super::{note, note_named, say, warn_of_period};
+use super::{note, note_named, say, warn_of};
 use crate::cli::Output;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
@@ -69,7 +69,7 @@ pub fn announce(mission: &Mission, file: Option<&Trajectory>) -> Result<(), Comm
         "{}: {}\n",
         mission.name, mission.description
     )))?;
-    warn_of_period(&mission.name, &mission.base, mission.period_s);
+    warn_of(mission);
     if let Some(Trajectory { scaling, read }) = file {
         say(&format!(
             "{}\nbase       {}: {scaling}\n",

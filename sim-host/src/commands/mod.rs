@@ -24,7 +24,7 @@ mod write;
 
 use crate::cli::{Cli, Command, LawArg};
 use error::CommandError;
-use sim_host::advice::{base_warnings, period_warning, warnings};
+use sim_host::advice::{base_warnings, mission_warnings, period_warning, warnings};
 use sim_host::campaign::{Campaign, Robots};
 use sim_host::datalog::check_name;
 use sim_host::mission::{BaseSpec, Mission};
@@ -139,7 +139,7 @@ fn simulate(scenario: &Scenario) -> Result<Finished, CommandError> {
 }
 
 fn drive_alone(mission: &Mission) -> Result<Finished, CommandError> {
-    warn_of_period(&mission.name, &mission.base, mission.period_s);
+    warn_of(mission);
     let trace = sim_host::run::drive(mission)?;
     Finished::mission(mission, trace).ok_or(CommandError::NoRows)
 }
@@ -178,6 +178,12 @@ fn note_named(base: &BaseSpec) {
 fn warn_of_period(name: &str, base: &BaseSpec, period_s: f64) {
     if let Some(warning) = period_warning(base, period_s) {
         tell(&format!("warning: {name}: {warning}\n"));
+    }
+}
+
+fn warn_of(mission: &Mission) {
+    for warning in mission_warnings(mission) {
+        tell(&format!("warning: {}: {warning}\n", mission.name));
     }
 }
 
