@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::robot::load;
 use super::write::Writer;
-use super::{part, say};
+use super::{part, say, tell};
 use crate::cli::Output;
 use crate::robot_args::TuneArgs;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use sim_host::part::Study as _;
 use sim_host::scenario::BuiltInBase;
 use sim_host::tune::{
     Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, check,
-    conclude, gain_table, score_table, update, verdict,
+    conclude, damping_warning, gain_table, least_damping, score_table, update, verdict,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -84,14 +84,20 @@ pub fn report(
     }
     let tuned = conclude(&problem, &how, finds)?;
     let (before, after) = (tuned.unseen[0].total(), tuned.unseen[1].total());
+    let damping = least_damping(&robot.base, &tuned);
     say(&format!(
-        "{}: {}\n{}\n{}\n{}\n",
+        "{}: {}\n{}\n{}\n{}\nleast damping of following: {:.2} before, {:.2} after\n",
         robot.name,
         robot.base.name,
         gain_table(&tuned),
         score_table(&tuned),
-        verdict(before, after)
+        verdict(before, after),
+        damping[0],
+        damping[1]
     ))?;
+    if let Some(warning) = damping_warning(damping[1]) {
+        tell(&format!("warning: {}: {warning}\n", robot.name));
+    }
     let name = study.name();
     draw(&problem, &how, &tuned, &robot.name, &name, &writer)?;
     let values = |gains| {

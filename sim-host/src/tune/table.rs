@@ -3,6 +3,9 @@
 use super::knobs::KNOBS;
 use super::score::Score;
 use super::search::Tuned;
+use crate::mission::BaseSpec;
+use crate::numbers::refused;
+use crate::verify::{StabilityMap, WEAVES};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 
@@ -40,6 +43,28 @@ pub fn score_table(tuned: &Tuned) -> Table {
     table
 }
 
+/// Least damping of following with the gains before and after, as [`StabilityMap`] has it.
+pub fn least_damping(base: &BaseSpec, tuned: &Tuned) -> [f64; 2] {
+    tuned.gains.map(|gains| {
+        let base = BaseSpec {
+            gains: Some(gains),
+            ..base.clone()
+        };
+        StabilityMap::of(&base, 0, 0).least_damping()
+    })
+}
+
+/// A warning if gains with this damping let a robot weave.
+pub fn damping_warning(after: f64) -> Option<String> {
+    (after < WEAVES).then(|| {
+        format!(
+            "with the gains after, the least damping of following, {}, is below {WEAVES}: the robot weaves for long; less `lateral` or `heading` \
+             helps",
+            refused(after, WEAVES)
+        )
+    })
+}
+
 /// How much better the gains are by their points in worlds that the search did not see.
 pub fn verdict(before: f64, after: f64) -> String {
     let share = 100.0 * (before - after) / before;
@@ -75,7 +100,14 @@ fn right(value: f64) -> Cell {
 
 #[cfg(test)]
 mod tests {
-    use super::verdict;
+    use super::{damping_warning, verdict};
+
+    #[test]
+    fn what_weaves_is_warned_of() {
+        assert_eq!(damping_warning(0.1), None);
+        let warning = damping_warning(0.099_999_99).expect("below the bound");
+        assert!(warning.contains("0.09999999, is below 0.1:"), "{warning}");
+    }
 
     #[test]
     fn better_is_never_by_nothing() {

@@ -20,6 +20,9 @@ const TURNS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 0.95];
 /// True mass and inertia over those that are believed.
 const RATIOS: [f64; 3] = [0.7, 1.0, 1.3];
 
+/// With less damping than this a robot weaves for long.
+pub const WEAVES: f64 = 0.1;
+
 /// Following at constant speed and turn rate, linearised: (e_x, e_y, e_θ, v, w, s₁, s₂, d_F/m, d_N/I), the last two of the
 /// disturbance estimate. With μ the true over the believed mass:
 ///
@@ -150,6 +153,12 @@ impl StabilityMap {
         }
     }
 
+    /// Damping of the worst pair of modes anywhere, with masses of ±30 %.
+    pub fn least_damping(&self) -> f64 {
+        let damping = self.places.iter().map(|place| place.damping.1);
+        damping.fold(1.0, f64::min)
+    }
+
     /// The place whose slowest mode is the slowest with masses of ±30 %.
     pub fn worst(&self) -> Option<&Place> {
         self.places
@@ -243,8 +252,7 @@ impl fmt::Display for StabilityMap {
                 )?;
             }
         }
-        let damping = self.places.iter().map(|place| place.damping.1);
-        writeln!(f, "\nleast damping {:.2}", damping.fold(1.0, f64::min))?;
+        writeln!(f, "\nleast damping {:.2}", self.least_damping())?;
         write!(
             f,
             "starts within 2 m, any heading, 20 to 90 % of the speed, that did not get on the path: {}",

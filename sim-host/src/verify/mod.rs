@@ -11,7 +11,7 @@ mod study;
 mod table;
 
 pub use csv::{run_sheet, write as write_csv};
-pub use margins::{Place, StabilityMap};
+pub use margins::{Place, StabilityMap, WEAVES};
 pub use part::VerifyStudy;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
