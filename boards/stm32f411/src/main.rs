@@ -9,10 +9,11 @@
 //! | line to the host | PA2 out, PA3 in (USART2) |
 //! | microseconds, tick | TIM2, TIM5 |
 //! | stored parameters | sectors 1 and 2 of the flash |
+//! | lamp: the clock is not the crystal's | PC13 |
 #![no_std]
 #![no_main]
 
-mod crystal;
+mod clocks;
 mod encoders;
 mod flash;
 mod micros;
@@ -34,6 +35,7 @@ use stm32f4xx_hal::serial::{self, Rx};
 use stm32f4xx_hal::timer::{CounterUs, ErasedChannel, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use clocks::Clocks;
 use encoders::Encoders;
 use flash::Sectors;
 use micros::Micros;
@@ -73,14 +75,23 @@ fn run() -> Option<()> {
     let device = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
     // Pins are inputs from reset on, and the resistors of the wiring table hold the bridges off.
-    crystal::start(&device.RCC);
+    let clocks = Clocks::start(&device.RCC, &device.PWR, &device.FLASH)?;
     let mut rcc = device.RCC.constrain();
     let a = device.GPIOA.split(&mut rcc);
     let b = device.GPIOB.split(&mut rcc);
+    let c = device.GPIOC.split(&mut rcc);
+    // The board's lamp shines while its pin is low: then the clock is not the crystal's, for which the line has no message.
+    c.pc13
+        .into_push_pull_output_in_state(PinState::from(clocks.from_crystal));
     let enable = b.pb10.into_push_pull_output_in_state(PinState::Low);
 
     let (_, (right, left, ..)) = device.TIM1.pwm_hz(config::PWM_HZ.Hz(), &mut rcc);
     let (mut right, mut left) = (right.with(a.pa8), left.with(a.pa9));
+    let mut timer = device.TIM5.counter_us(&mut rcc);
+    let pins = (a.pa2, a.pa3);
+    let port = serial::config::Config::default().baudrate(BAUD.bps());
+    let port = device.USART2.serial::<u8>(pins, port, &mut rcc).ok()?;
+    clocks.correct();
     right.set_duty(0);
     left.set_duty(0);
     right.enable();
@@ -101,18 +112,14 @@ fn run() -> Option<()> {
             device.TIM4.qei((b.pb6, b.pb7), &mut rcc),
         ),
         gyro: NoGyro,
-        clock: Micros::start(device.TIM2, &mut rcc),
+        clock: Micros::start(device.TIM2, clocks, &mut rcc),
         memory: Sectors::prepared(device.FLASH),
     };
     let queues = cortex_m::singleton!(: Queues = Queues::default())?;
     let (robot, mut line) = start(parts, queues).ok()?;
 
-    let pins = (a.pa2, a.pa3);
-    let port = serial::config::Config::default().baudrate(BAUD.bps());
-    let port = device.USART2.serial::<u8>(pins, port, &mut rcc).ok()?;
     let (mut transmitter, mut receiver) = port.split();
     receiver.listen();
-    let mut timer = device.TIM5.counter_us(&mut rcc);
     timer.start(robot::PERIOD_US.micros()).ok()?;
     timer.listen(Event::Update);
     critical_section::with(|token| {

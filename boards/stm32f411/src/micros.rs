@@ -2,21 +2,21 @@
 
 use board_common::Clock;
 use stm32f4xx_hal::pac::TIM2;
-use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+use crate::clocks::Clocks;
 
 /// TIM2, counting up at 1 MHz and around at the end of 32 bits.
 pub struct Micros(TIM2);
 
 impl Micros {
     /// Starts at 0.
-    pub fn start(timer: TIM2, rcc: &mut Rcc) -> Self {
+    pub fn start(timer: TIM2, clocks: Clocks, rcc: &mut Rcc) -> Self {
         TIM2::enable(rcc);
         TIM2::reset(rcc);
-        // A multiple of 1 MHz, at most 96.
-        let ticks_per_us = TIM2::timer_clock(&rcc.clocks).raw() / 1_000_000;
         timer
             .psc()
-            .write(|w| w.psc().set(ticks_per_us.saturating_sub(1) as u16));
+            .write(|w| w.psc().set(clocks.per_us().wrapping_sub(1)));
         timer.arr().write(|w| w.arr().set(u32::MAX));
         // Takes over the prescaler.
         timer.egr().write(|w| w.ug().set_bit());

@@ -18,9 +18,11 @@ fn off() {
     // peripherals which have no clock yet.
     unsafe {
         (*pac::GPIOB::ptr()).bsrr().write(|w| w.br10().set_bit());
-        (*pac::TIM1::ptr())
-            .bdtr()
-            .modify(|_, w| w.moe().clear_bit());
+        // The library lets every period switch them on again.
+        (*pac::TIM1::ptr()).bdtr().modify(|_, w| {
+            w.aoe().clear_bit();
+            w.moe().clear_bit()
+        });
     }
 }
 
