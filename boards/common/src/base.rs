@@ -134,8 +134,8 @@ where
         &self.server
     }
 
-    /// One tick: reads, computes, drives. The bridges are on only while a torque is applied to the wheels, if one of 0 as when armed: enable is the
-    /// motors' own.
+    /// One tick: reads, computes, drives. The bridges are on only while a torque is applied to the wheels, if one of 0 as when armed, or
+    /// they are braked: enable is the motors' own.
     pub fn tick(&mut self) {
         let now_us = self.clock.now_us();
         let sensed = Sensed {

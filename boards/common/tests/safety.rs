@@ -16,7 +16,7 @@ use controller_core::maths::Single;
 use controller_core::queue::TimedReference;
 use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Cause, State, Then};
-use controller_core::safety::{StopPlan, controlled_stop};
+use controller_core::safety::{Fault, Side, StopPlan, controlled_stop};
 use controller_core::types::{Accel, Pose, Twist};
 use firmware_demo::control::ControlTask;
 use firmware_demo::drive::MotorPair;
@@ -34,6 +34,8 @@ struct World {
     /// Of both wheels.
     counts: Rc<Cell<f32>>,
     speed_rad_s: Rc<Cell<f32>>,
+    /// What the left encoder still says once it is unplugged.
+    unplugged: Rc<Cell<Option<i32>>>,
 }
 
 impl Clock for World {
@@ -51,7 +53,7 @@ impl WheelEncoders for World {
         let turned = self.counts.get() as i32;
         Ok(WheelCounts {
             right: turned,
-            left: turned,
+            left: self.unplugged.get().unwrap_or(turned),
         })
     }
 }
@@ -288,6 +290,52 @@ fn the_button_shorts_the_motors_in_the_next_tick() {
         [1, 0, 0],
         "shorted by the bridges' low phase"
     );
+}
+
+/// What step 7 of the boards' bring-up says.
+#[test]
+fn an_unplugged_encoder_shorts_the_motors_until_a_reset() {
+    for (speed, within_ms) in [(0.3, 600), (0.05, 1300)] {
+        let mut board = Board::new();
+        board.tick();
+        board.send(&Command::Arm);
+        board.tick();
+        let drive = Command::Drive {
+            twist: (&Twist::new(speed, 0.0)).into(),
+            hold_heading: false,
+        };
+        let drive_on = |board: &mut Board| {
+            board.send(&drive);
+            board.tick();
+        };
+        for _ in 0..2000 {
+            drive_on(&mut board);
+        }
+        assert_eq!(board.task().state(), State::Tracking);
+        let world = &board.world;
+        world.unplugged.set(Some(world.counts.get() as i32));
+        let mut took_ms = 0;
+        while board.task().state() == State::Tracking {
+            drive_on(&mut board);
+            took_ms += 1;
+            assert!(took_ms <= within_ms, "{speed} m/s");
+        }
+        println!("{speed} m/s: after {took_ms} ms");
+        let cause = Cause::Fault(Fault::EncoderStuck(Side::Left));
+        assert_eq!(board.task().cause(), cause);
+        for _ in 0..8000 {
+            assert_eq!(board.outputs(), [1, 0, 0], "shorted");
+            board.send(&Command::Heartbeat);
+            board.tick();
+        }
+        assert_eq!(board.task().state(), State::Fault);
+        board.send(&Command::Arm);
+        board.tick();
+        assert_eq!(board.outputs(), [1, 0, 0], "latched");
+        board.send(&Command::ResetFault);
+        board.tick();
+        assert_eq!(board.outputs(), [0; 3]);
+    }
 }
 
 /// 921,600 baud: bytes that the line carries each way in a tick, rounded down.
