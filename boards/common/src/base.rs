@@ -13,10 +13,11 @@ use firmware_demo::drive::{Bridges, MotorPair, MotorSide};
 use firmware_demo::storage::{Memory, NoMemory};
 
 use crate::line::Line;
+use crate::supply::{NoSupply, Supply};
 use crate::{config, robot};
 
 /// What a board is made of.
-pub struct Parts<P, D, N, E, C, M = NoMemory, G = NoGyro> {
+pub struct Parts<P, D, N, E, C, M = NoMemory, G = NoGyro, S = NoSupply> {
     /// PWM and direction of the right motor.
     pub right: MotorSide<P, D>,
     /// PWM and direction of the left motor.
@@ -27,6 +28,9 @@ pub struct Parts<P, D, N, E, C, M = NoMemory, G = NoGyro> {
     pub encoders: E,
     /// A gyro, or [`NoGyro`].
     pub gyro: G,
+    /// What measures the motor supply, or [`NoSupply`]: then torques are worked out with the nominal one, and an empty battery
+    /// is not found.
+    pub supply: S,
     /// Microseconds.
     pub clock: C,
     /// What keeps parameters while the power is off, its room made: nothing that takes longer than a tick may be left to do.
@@ -57,16 +61,17 @@ impl Display for StartError {
 impl core::error::Error for StartError {}
 
 /// Everything that happens once a tick.
-pub struct BoardBase<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro> {
+pub struct BoardBase<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro, S = NoSupply> {
     server: ControlServer<'queue, MotorPair<P, D, N>, M>,
     encoders: E,
     gyro: G,
+    supply: S,
     clock: C,
 }
 
 /// The two halves of a board: for the timer's interrupt, and for the background.
-pub type Halves<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro> =
-    (BoardBase<'queue, P, D, N, E, C, M, G>, Line<'queue>);
+pub type Halves<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro, S = NoSupply> =
+    (BoardBase<'queue, P, D, N, E, C, M, G, S>, Line<'queue>);
 
 /// Makes the outputs safe and puts a robot together from its parts.
 ///
@@ -75,10 +80,10 @@ pub type Halves<'queue, P, D, N, E, C, M = NoMemory, G = NoGyro> =
 /// [`StartError`]; the outputs are then as safe as they could be made.
 // Every parameter is a part of the board.
 #[allow(clippy::type_complexity)]
-pub fn start<'queue, P, D, N, E, C, M, G>(
-    parts: Parts<P, D, N, E, C, M, G>,
+pub fn start<'queue, P, D, N, E, C, M, G, S>(
+    parts: Parts<P, D, N, E, C, M, G, S>,
     queues: &'queue mut Queues,
-) -> Result<Halves<'queue, P, D, N, E, C, M, G>, StartError>
+) -> Result<Halves<'queue, P, D, N, E, C, M, G, S>, StartError>
 where
     P: SetDutyCycle,
     D: OutputPin,
@@ -87,6 +92,7 @@ where
     C: Clock,
     M: Memory,
     G: YawGyro,
+    S: Supply,
 {
     let Parts {
         right,
@@ -94,6 +100,7 @@ where
         mut enable,
         mut encoders,
         gyro,
+        supply,
         clock,
         memory,
     } = parts;
@@ -114,12 +121,13 @@ where
         server: ControlServer::with_memory(task, ends, memory),
         encoders,
         gyro,
+        supply,
         clock,
     };
     Ok((base, Line::new(receiver)))
 }
 
-impl<'queue, P, D, N, E, C, M, G> BoardBase<'queue, P, D, N, E, C, M, G>
+impl<'queue, P, D, N, E, C, M, G, S> BoardBase<'queue, P, D, N, E, C, M, G, S>
 where
     P: SetDutyCycle,
     D: OutputPin,
@@ -128,6 +136,7 @@ where
     C: Clock,
     M: Memory,
     G: YawGyro,
+    S: Supply,
 {
     /// Control task and line, to look at.
     pub const fn server(&self) -> &ControlServer<'queue, MotorPair<P, D, N>, M> {
@@ -143,8 +152,8 @@ where
             fix: None,
             // One that does not answer is silent: the base finds that by itself.
             gyro: self.gyro.reading().unwrap_or(None),
-            // No board measures supply or currents yet.
-            supply_v: None,
+            supply_v: self.supply.volts(),
+            // No board measures them yet.
             currents: None,
             driver: Ok(()),
         };

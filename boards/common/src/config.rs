@@ -10,3 +10,6 @@ pub const WATCHDOG_MS: u32 = 50;
 pub const PWM_HZ: u32 = 20_000;
 /// What the bridges do while their PWM is low; those of the board's README short the motors.
 pub const OFF_PHASE: OffPhase = OffPhase::Shorted;
+/// Volts of the motor supply for each volt at the board's pin that measures it: 11 behind 100 kΩ to the supply and 10 kΩ to
+/// ground. `None` where nothing is wired to that pin, and for boards without one: what an open pin says is no supply.
+pub const SUPPLY_DIVIDER: Option<f32> = None;

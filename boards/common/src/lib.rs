@@ -14,6 +14,7 @@ mod bytes;
 pub mod config;
 mod entry;
 mod line;
+mod supply;
 
 /// The robot that is driven, as `sim-host constants` writes it.
 pub mod robot {
@@ -23,6 +24,7 @@ pub mod robot {
 pub use base::{BoardBase, Halves, Parts, StartError, start};
 pub use bytes::Bytes;
 pub use line::{BAUD, Line};
+pub use supply::{NoSupply, Supply};
 
 // What a board needs of the workspace, so that it depends on this crate only.
 pub use controller_core::hal::{

@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 use std::rc::Rc;
 
 use board_common::{
-    Bytes, Clock, ErrorType, Halves, MotorSide, NoGyro, Parts, Queues, Slots, WheelCounts,
+    Bytes, Clock, ErrorType, Halves, MotorSide, NoGyro, Parts, Queues, Slots, Supply, WheelCounts,
     WheelEncoders, robot, start,
 };
 use controller_core::maths::Single;
@@ -36,6 +36,14 @@ struct World {
     speed_rad_s: Rc<Cell<f32>>,
     /// What the left encoder still says once it is unplugged.
     unplugged: Rc<Cell<Option<i32>>>,
+    /// Measured, while something does.
+    supply_v: Rc<Cell<Option<f32>>>,
+}
+
+impl Supply for World {
+    fn volts(&mut self) -> Option<f32> {
+        self.supply_v.get()
+    }
 }
 
 impl Clock for World {
@@ -59,7 +67,7 @@ impl WheelEncoders for World {
 }
 
 struct Board {
-    halves: Halves<'static, Wire, Wire, Wire, World, World, Slots<RamFlash>>,
+    halves: Halves<'static, Wire, Wire, Wire, World, World, Slots<RamFlash>, NoGyro, World>,
     wires: [Wire; 3],
     backward: Wire,
     world: World,
@@ -85,6 +93,7 @@ impl Board {
             enable,
             encoders: world.clone(),
             gyro: NoGyro,
+            supply: world.clone(),
             clock: world.clone(),
             memory,
         };
@@ -335,6 +344,38 @@ fn an_unplugged_encoder_shorts_the_motors_until_a_reset() {
         board.send(&Command::ResetFault);
         board.tick();
         assert_eq!(board.outputs(), [0; 3]);
+    }
+}
+
+/// Measured or not, a supply acts on duties and is watched; the wheels of this board are on 12 V whatever is said.
+#[test]
+fn a_low_supply_stops_the_base_where_it_is_measured() {
+    let duty = |supply_v| {
+        let mut board = Board::driving();
+        board.world.supply_v.set(supply_v);
+        board.send(&Command::Heartbeat);
+        board.tick();
+        let [_, right, _] = board.outputs();
+        f32::from(right)
+    };
+    let nominal = duty(None);
+    assert_eq!(duty(Some(12.0)), nominal);
+    assert!((duty(Some(10.0)) - nominal * 1.2).abs() <= 1.0);
+
+    for (supply_v, state) in [
+        (None, State::Tracking),
+        (Some(8.0), State::Stopping(Then::Fault)),
+    ] {
+        let mut board = Board::driving();
+        board.world.supply_v.set(supply_v);
+        for _ in 0..510 {
+            board.send(&Command::Heartbeat);
+            board.tick();
+        }
+        assert_eq!(board.task().state(), state);
+        if supply_v.is_some() {
+            assert_eq!(board.task().cause(), Cause::Fault(Fault::UnderVoltage));
+        }
     }
 }
 

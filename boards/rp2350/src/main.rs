@@ -23,7 +23,7 @@ use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use board_common::{
-    BoardBase, Bytes, MotorSide, NoGyro, NoMemory, Parts, Queues, config, robot, start,
+    BoardBase, Bytes, MotorSide, NoGyro, NoMemory, NoSupply, Parts, Queues, config, robot, start,
 };
 use critical_section::Mutex;
 use rp_pac::interrupt;
@@ -87,6 +87,7 @@ fn run() -> Option<()> {
         enable,
         encoders: Encoders::start::<10, 11, 12, 13>(),
         gyro: NoGyro,
+        supply: NoSupply,
         clock: Micros,
         memory: NoMemory,
     };

@@ -6,6 +6,7 @@
 //! | direction right, left | PB0, PB1 |
 //! | enable of both bridges | PB10 |
 //! | encoder right, left | PA6 PA7 (TIM3), PB6 PB7 (TIM4) |
+//! | supply, if `config::SUPPLY_DIVIDER` says so | PA1 (ADC1) |
 //! | line to the host | PA2 out, PA3 in (USART2) |
 //! | microseconds, tick | TIM2, TIM5 |
 //! | stored parameters | sectors 1 and 2 of the flash |
@@ -18,6 +19,7 @@ mod encoders;
 mod flash;
 mod micros;
 mod safe;
+mod supply;
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -39,6 +41,7 @@ use clocks::Clocks;
 use encoders::Encoders;
 use flash::Sectors;
 use micros::Micros;
+use supply::Adc;
 
 type Direction = stm32f4xx_hal::gpio::AnyPin<Output>;
 type Robot = BoardBase<
@@ -49,6 +52,8 @@ type Robot = BoardBase<
     Encoders,
     Micros,
     Slots<Sectors>,
+    NoGyro,
+    Option<Adc>,
 >;
 
 /// What the timer's interrupt takes over from `main`.
@@ -112,6 +117,8 @@ fn run() -> Option<()> {
             device.TIM4.qei((b.pb6, b.pb7), &mut rcc),
         ),
         gyro: NoGyro,
+        supply: config::SUPPLY_DIVIDER
+            .map(|divider| Adc::start(device.ADC1, &device.ADC_COMMON, a.pa1, divider, &mut rcc)),
         clock: Micros::start(device.TIM2, clocks, &mut rcc),
         memory: Sectors::prepared(device.FLASH),
     };
