@@ -10,9 +10,7 @@ use controller_core::localiser::LocaliserParams;
 use controller_core::motor::DriverParams;
 use controller_core::odometry::{Calibration, OdometryParams};
 use controller_core::safety::supervisor::{Event, State};
-use controller_core::{
-    BaseController, BaseParams, Order, Pose, Robot, Sensed, WheelAction, WheelTorques,
-};
+use controller_core::{BaseController, BaseParams, Order, Pose, Robot, Sensed, WheelTorques};
 use plant::{LIMITS, Plant};
 
 const TICK_US: u32 = 10_000;
@@ -83,7 +81,7 @@ impl Clock for Board {
     }
 }
 
-/// One tick on any hardware: read, decide, set. What the driver answers is input of the next tick.
+/// One tick on any hardware: read, decide, carry out. What the driver answers is input of the next tick.
 fn tick<H: WheelDrive + WheelEncoders + Clock>(
     board: &mut H,
     controller: &mut BaseController,
@@ -96,14 +94,11 @@ fn tick<H: WheelDrive + WheelEncoders + Clock>(
         counts: board.counts().map_err(|error| error.kind()),
         ..Sensed::of_counts(WheelCounts::default())
     };
-    let report = controller.tick(now.wrapping_sub(last.0), order, &sensed);
-    let set = match report.action {
-        WheelAction::Drive(drive) => board.set_torques(drive.torques),
-        WheelAction::Brake => board.brake(),
-        WheelAction::Release => board.release(),
-    };
-    *last = (now, set.map_err(|error| error.kind()));
-    report.state
+    let state = controller
+        .tick(now.wrapping_sub(last.0), order, &sensed)
+        .state;
+    *last = (now, controller.apply(board, sensed.supply_v));
+    state
 }
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {

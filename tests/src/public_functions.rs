@@ -143,10 +143,11 @@ fn is_short(remaining: &Remaining<f32>, command: &Twist<f32>, distance: fn(f32) 
 }
 
 type Drives = hal::BySpeed<&'static mut dyn hal::WheelSpeedDrive<Error = hal::ErrorKind>>;
+type Base = BaseController<f32>;
 
 fn others() {
     keep![
-        is_short, Field::name, tuning::DesignParameter::name, hal::accepts, hal::accepts_speeds, Drives::new, Drives::drive, Drives::drive_mut, Drives::asked, hal::Widened::new, hal::Widened::update,
+        is_short, Field::name, tuning::DesignParameter::name, hal::accepts, hal::accepts_speeds, Drives::new, Drives::drive, Drives::drive_mut, Drives::asked, Base::apply::<Drives>, hal::Widened::new, hal::Widened::update,
         motor::MotorLimited::torque, motor::Motor::<f32>::commands, DriveCommand::<f32>::observed, motor::WheelCommands::exerted, motor::WheelCommands::is_invalid,
         single::asin, single::atan2, single::exp_m1, single::inverse_sqrt, single::sin_cos, single::sin_cos_near, single::sqrt, single::wrap,
         safety::Side::of, safety::Fault::kind, safety::FaultKind::code, safety::FaultKind::name, safety::FaultKind::from_code,

@@ -72,6 +72,22 @@ fn noise(random: &mut Random) -> f64 {
     4.9e-5 * f64::sqrt(1.0 / DT) * random.normal()
 }
 
+/// A clock that steps back by a microsecond makes a tick of 4,294 s, and no rate turned the base for so long.
+#[test]
+fn a_reading_says_nothing_of_a_tick_that_is_too_long() {
+    let gyro = sensor::<f32>();
+    let mut heading = GyroHeading::new(&gyro);
+    drive(&mut heading, &gyro, (0.2, 0.3, 0.3), 1.0, || 0.0);
+    let long = Rolled {
+        dt: 4294.0,
+        ..rolled::<f32>(0.2, 0.3)
+    };
+    let turned = heading.advance(&gyro, &long, Some(&reading(0.3, 0.0)));
+    assert_eq!(turned, long.turn);
+    let next = drive(&mut heading, &gyro, (0.2, 0.3, 0.3), 1.0, || 0.0);
+    assert!((next - 0.3).abs() < 1e-3, "{next}");
+}
+
 #[test]
 fn gyro_parameters_out_of_range_are_named() {
     let refused = |change: &dyn Fn(&mut GyroParams<f64>)| {

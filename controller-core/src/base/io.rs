@@ -11,12 +11,14 @@ use crate::types::{Pose, Twist, WheelSpeeds, WheelTorques};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Order<T = f32> {
     /// Nothing new: a base that parks goes on parking; one that follows goes on along its last
-    /// reference, as that moved, and one that drives by velocity with its last order, until the command is stale.
+    /// reference, as that moved, and one that drives by velocity with its last order, until the command is stale: after
+    /// [`DetectorParams::command`](crate::safety::DetectorParams), 0.1 s. Where nobody calls
+    /// [`watch_link`](super::BaseController::watch_link) that is so in every state, and a goal is to be repeated as well.
     #[default]
     None,
     /// Follow this sample, of the present instant.
     Follow(Reference<T>),
-    /// Go to this pose and stay.
+    /// Go to this pose and stay; repeated in every tick, or at least as often as a command becomes stale.
     Park(Pose<T>),
     /// Drive with this speed and turn rate until the next order, which is due within the same time as the next sample
     /// of a reference ([`DetectorParams::command`](crate::safety::DetectorParams)).

@@ -18,6 +18,7 @@
 //! A tick never fails. Whatever comes in, what goes out is one [`WheelAction`]: torques within their
 //! limit, an electrical brake, or a release; what was wrong stands in [`BaseReport`].
 
+mod apply;
 mod controller;
 mod driving;
 mod host_watch;

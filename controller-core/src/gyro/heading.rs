@@ -238,7 +238,8 @@ impl<T: Scalar> GyroHeading<T> {
         } else {
             GyroOutcome::Compared
         };
-        if !self.begun {
+        // Over so long a tick, or over none, no rate says what was turned.
+        if !self.begun || t > T::ONE {
             self.begun = true;
             if self.fault == Some(GyroFault::Silent) {
                 self.believe();

@@ -8,7 +8,6 @@
 mod commands;
 mod course;
 mod settings;
-mod wheels;
 
 pub use settings::{SetError, SettingError};
 
@@ -136,17 +135,26 @@ impl<'queue, D: WheelDrive> ControlTask<'queue, D> {
             driver: self.answer,
             ..*sensed
         };
-        let action = self.controller.tick(elapsed_us, order, &sensed).action;
-        self.apply(&action, sensed.supply_v);
+        self.controller.tick(elapsed_us, order, &sensed);
+        self.apply(sensed.supply_v);
         self.tidy();
         self.controller.report()
     }
 
     /// The button: what it asks reaches the wheels in this call, and stays until a reset.
     pub fn emergency_stop(&mut self, brake: bool) {
-        let action = self.controller.emergency_stop_by(brake);
-        self.apply(&action, None);
+        self.controller.emergency_stop_by(brake);
+        self.apply(None);
         self.tidy();
+    }
+
+    /// Has the wheels do what the base asks of them.
+    fn apply(&mut self, supply_v: Option<f32>) {
+        self.answer = self.controller.apply(&mut self.drive, supply_v);
+        self.output = match self.answer {
+            Ok(()) => self.controller.report().action,
+            Err(_) => WheelAction::Release,
+        };
     }
 
     /// After a change of state: nothing is left of a course that ended.
