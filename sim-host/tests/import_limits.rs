@@ -170,7 +170,7 @@ fn every_slowed_piece_has_a_reason() -> Result<(), Box<dyn Error>> {
             if (name, built_in.name) == ("table_spin.csv", "lab-10kg") {
                 let said = scaling.to_string();
                 assert!(
-                    said.contains("s: nearest to the limits of turn rate and angular jerk\n"),
+                    said.contains("s: nearest to the limits of turn rate\n"),
                     "{said}"
                 );
             }

@@ -144,7 +144,6 @@ impl<T: Scalar> Disagreement<T> {
     }
 
     /// For so long a wheel slides \[s\]; 0 if none does. `same` equal readings may be those of a gyro that is stuck.
-    #[inline(never)]
     pub(super) fn slides_s(&self, same: u8) -> T {
         let now = self.over_s <= T::ZERO && self.lasts_s > T::from_f64(SIGNATURE_S);
         let signed = || same >= SAME || self.mirrors() || self.may_be_encoder();

@@ -478,19 +478,29 @@ impl<T: Scalar> GyroHeading<T> {
 
     /// What is known after the tick.
     pub fn report(&self) -> GyroReport<T> {
-        let counts = |quiet_s: T| quiet_s < T::from_f64(COUNTS_S);
-        let turns = counts(self.quiet_s.0) && counts(self.quiet_s.1);
         GyroReport {
             outcome: self.outcome,
             bias: self.bias,
             slid: -self.disagreement.apart,
-            // Counts that have just ceased may come again.
-            slides_s: if turns || self.ceased().is_some() {
-                self.disagreement.slides_s(self.same)
+            slides_s: if self.disagreement.lasts() {
+                self.slides_s()
             } else {
                 T::ZERO
             },
             fault: self.fault,
+        }
+    }
+
+    /// For so long a wheel has been sliding, or an encoder dead. Counts that have just ceased may come again.
+    #[cold]
+    #[inline(never)]
+    fn slides_s(&self) -> T {
+        let counts = |quiet_s: T| quiet_s < T::from_f64(COUNTS_S);
+        let turns = counts(self.quiet_s.0) && counts(self.quiet_s.1);
+        if turns || self.ceased().is_some() {
+            self.disagreement.slides_s(self.same)
+        } else {
+            T::ZERO
         }
     }
 
