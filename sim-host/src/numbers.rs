@@ -67,6 +67,7 @@ pub(crate) fn problem(problem: &Problem) -> String {
         Problem::NotFinite => "is not a finite number".to_owned(),
         Problem::Below(limit) => format!("is below its smallest value {}", least(limit)),
         Problem::Above(limit) => format!("is above its largest value {}", most(limit)),
+        Problem::Differs => "is not what other parameters say".to_owned(),
         _ => "cannot be inverted".to_owned(),
     }
 }

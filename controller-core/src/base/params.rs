@@ -224,7 +224,7 @@ fn own_loop_breaks_loose<T: Scalar>(
 }
 
 /// That drivers give what the limits ask of them.
-// Apart: within its caller, three versions of it would be in flash.
+// Apart: within its caller it takes a kilobyte more of flash.
 #[inline(never)]
 fn fits<T: Scalar>(driver: &Driver<T>, motion: &MotionParams<T>) -> Result<(), ParamError> {
     let limits = &motion.limits;
