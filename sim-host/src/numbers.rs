@@ -58,23 +58,27 @@ fn written(value: f64) -> String {
 
 /// What the core says of a parameter, in numbers as above.
 pub(crate) fn param(error: &ParamError) -> String {
-    format!("{} {}", error.field.name(), problem(&error.problem))
+    format!("{} {}", error.field.name(), problem(error))
 }
 
 /// The same without its name.
-pub(crate) fn problem(problem: &Problem) -> String {
-    match *problem {
-        Problem::NotFinite => "is not a finite number".to_owned(),
+pub(crate) fn problem(error: &ParamError) -> String {
+    match error.problem {
         Problem::Below(limit) => format!("is below its smallest value {}", least(limit)),
         Problem::Above(limit) => format!("is above its largest value {}", most(limit)),
-        Problem::Differs => "is not what other parameters say".to_owned(),
-        _ => "cannot be inverted".to_owned(),
+        // What has no number is in the core's own words.
+        _ => {
+            let text = error.to_string();
+            let rest = text.strip_prefix(error.field.name()).unwrap_or(&text);
+            rest.trim_start().to_owned()
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{digits, least, most, outside, refused};
+    use super::{digits, least, most, outside, param, refused};
+    use controller_core::error::{Field, ParamError, Problem};
 
     #[test]
     fn rounding_shows_nowhere() {
@@ -114,6 +118,19 @@ mod tests {
         );
         assert_eq!(least(0.1 + 0.2), "0.300001");
         assert_eq!(most(0.1 + 0.2), "0.3");
+    }
+
+    #[test]
+    fn the_core_says_what_is_wrong() {
+        for (problem, text) in [
+            (Problem::Above(100.0), "is above its largest value 100"),
+            (Problem::NotFinite, "is not a finite number"),
+            (Problem::Differs, "is not what other parameters say"),
+        ] {
+            let field = Field::Track;
+            let said = param(&ParamError { field, problem });
+            assert_eq!(said, format!("{} {text}", field.name()));
+        }
     }
 
     #[test]

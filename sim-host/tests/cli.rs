@@ -744,7 +744,7 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "\nI = 40.0",
             "robot.I: 40 kg m² is more than its mass has",
         ),
-        // In mm/s, and by the key's own name.
+        // In mm/s, and by the key's own name. Limits are said as a user writes them, without exponents or zeros that only fill up.
         (
             "\nspeed = 0.8",
             "\nspeed = 800.0",

@@ -54,6 +54,7 @@ fn messages_name_line_field_and_reason() -> Result<(), String> {
             CSV.to_owned(),
             "field `samples`: too few samples (1); at least two",
         ),
+        // Numbers as a file has them, without exponents.
         (
             format!("{CSV}1,0,0,0\n0.5,0,0,0\n"),
             "line 4, sample 2, field `t`: time goes back by 0.5 s",

@@ -21,9 +21,9 @@ impl<M: Maths<f32>, U: NeuronUpdate<f32>, const N: usize> BaseController<f32, M,
     ) -> Result<(), ErrorKind> {
         let action = &self.report().action;
         let applied = match action {
-            WheelAction::Drive(torques) => {
-                drive.observe(&torques.observed(supply_v));
-                drive.set_torques(torques.torques)
+            WheelAction::Drive(command) => {
+                drive.observe(&command.observed(supply_v));
+                drive.set_torques(command.torques)
             }
             WheelAction::Brake => drive.brake(),
             WheelAction::Release => drive.release(),

@@ -82,7 +82,7 @@ impl<'a> Source<'a> {
     /// The core's error of a key, or of a table; the core's name of a parameter is not always the key's.
     pub fn param_error(&self, path: &str, error: &ParamError) -> ScenarioError {
         match path.contains('.') {
-            true => self.error(path, numbers::problem(&error.problem)),
+            true => self.error(path, numbers::problem(error)),
             false => self.error(path, numbers::param(error)),
         }
     }

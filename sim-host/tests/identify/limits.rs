@@ -134,6 +134,7 @@ fn robots_that_cannot_be_on_their_wheels_are_refused() {
         current_sd: None,
         ..RECORDER
     };
+    // The limit as a user writes it, without an exponent.
     let light = [
         "the air between its wheels",
         "and a robot has at least 0.001",
