@@ -18,6 +18,7 @@
 
 mod cobs;
 mod command;
+mod content;
 mod convert;
 mod decoder;
 mod encoder;
@@ -30,6 +31,7 @@ mod tick;
 mod values;
 
 pub use command::Command;
+pub use content::take_content;
 pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
 pub use encoder::{EncodeError, encode};
 pub use field::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};

@@ -1,6 +1,6 @@
 //! The record: bytes that are whole, or none.
 
-use protocol::{CRC, FieldParams};
+use protocol::{CRC, FieldParams, take_content};
 
 /// Bytes of a record: a multiple of every flash's write unit.
 pub const RECORD: usize = 256;
@@ -64,7 +64,7 @@ impl Record {
         if *version != RECORD_VERSION {
             return Err(RecordError::Version(*version));
         }
-        match postcard::take_from_bytes(content) {
+        match take_content(content) {
             Ok((params, rest)) if rest.iter().all(|byte| *byte == 0) => Ok(Self {
                 sequence: u32::from_le_bytes([*a, *b, *c, *d]),
                 params,

@@ -229,7 +229,7 @@ fn build(
     let library = cargo_build("staticlib", core.target, opt, &flags(core))?.join("libcapi.a");
     let folder = out.join("lib").join(core.name);
     fs::create_dir_all(&folder)?;
-    let (linked, object) = (folder.join("linked.o"), folder.join("twb.o"));
+    let [linked, named, object] = ["linked.o", "named.o", "twb.o"].map(|name| folder.join(name));
     let needed = api.iter().map(|name| format!("--undefined={name}"));
     run(tools
         .run("rust-lld")
@@ -251,8 +251,19 @@ fn build(
         ])
         .args(kept)
         .args(short_names(&linked, tools)?)
-        .args([&linked, &object]))?;
-    fs::remove_file(&linked)?;
+        .args([&linked, &named]))?;
+    // Sections of one name become one.
+    run(tools
+        .run("rust-lld")
+        .args(["-flavor", "gnu", "-r", "-o"])
+        .args([&object, &named]))?;
+    run(tools
+        .run("llvm-objcopy")
+        .arg("--strip-unneeded")
+        .arg(&object))?;
+    for file in [&linked, &named] {
+        fs::remove_file(file)?;
+    }
     check_symbols(core, api, tools, &object)?;
     let archive = folder.join("libtwb.a");
     if archive.exists() {
@@ -273,7 +284,8 @@ fn build(
     Ok((flash(&sections), size, archive))
 }
 
-/// What gives functions and constants that nobody calls by name, and their sections, short names: paths and hashes would take 20 kB.
+/// What gives functions and constants that nobody calls by name, and their sections, short names: paths and hashes would take 20 kB. Sections
+/// of constants get one name, under which they become one section: a header for each would take 3 kB.
 fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Error>> {
     let mut arguments = Vec::new();
     let mut shorts = Vec::new();
@@ -300,14 +312,13 @@ fn short_names(object: &Path, tools: &Tools) -> Result<Vec<String>, Box<dyn Erro
     let sections = sections
         .lines()
         .filter_map(|line| line.split_whitespace().next());
-    for (number, section) in sections.enumerate() {
+    for section in sections {
         let of_function = shorts.iter().find(|(name, _)| section.ends_with(name));
-        if let Some((name, short)) = of_function {
+        if section.starts_with(".rodata..L") {
+            arguments.push(format!("--rename-section={section}=.rodata.c"));
+        } else if let Some((name, short)) = of_function {
             let renamed = section.replace(name, short);
             arguments.push(format!("--rename-section={section}={renamed}"));
-        } else if section.starts_with(".rodata..Lanon.") {
-            // The assembler for x86-64 leaves out symbols of constants that code reaches by their sections.
-            arguments.push(format!("--rename-section={section}=.rodata.{number}"));
         }
     }
     Ok(arguments)
