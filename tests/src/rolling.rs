@@ -53,10 +53,11 @@ pub struct Rig {
     /// How it really moves.
     pub twist: Twist<f32>,
     turned: [f32; 2],
-    /// The last counts, of wheels whose encoders are dead.
+    /// Marks of the encoders that have passed, and what was counted.
+    marks: [i32; 2],
     counts: [i32; 2],
-    /// Encoders that count, right and left.
-    pub counting: [bool; 2],
+    /// Counts of a mark, right and left: 1, of a dead encoder 0, of one that counts the wrong way -1.
+    pub counts_per_mark: [i32; 2],
     /// Its turn rate is measured as well.
     pub gyro: bool,
 }
@@ -71,8 +72,9 @@ impl Rig {
             truth,
             twist: Twist::default(),
             turned: [0.0; 2],
+            marks: [0; 2],
             counts: [0; 2],
-            counting: [true; 2],
+            counts_per_mark: [1; 2],
             gyro: false,
         };
         rig.tick(&Order::None);
@@ -102,9 +104,9 @@ impl Rig {
         let (robot, truth, dt) = (self.params.motion.robot, self.truth, self.dt());
         let per_radian = self.params.localiser.odometry.counts_per_turn / core::f32::consts::TAU;
         for i in 0..2 {
-            if self.counting[i] {
-                self.counts[i] = (self.turned[i] * per_radian).floor() as i32;
-            }
+            let marks = (self.turned[i] * per_radian).floor() as i32;
+            self.counts[i] += self.counts_per_mark[i] * (marks - self.marks[i]);
+            self.marks[i] = marks;
         }
         let [right, left] = self.counts;
         let mut sensed = Sensed::of_counts(WheelCounts { right, left });

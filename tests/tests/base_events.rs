@@ -5,10 +5,10 @@ use controller_core::error::{Field, ParamError, Problem};
 use controller_core::gyro::GyroParams;
 use controller_core::maths::Single;
 use controller_core::reference::Reference;
-use controller_core::safety::supervisor::{Action, Event, State};
+use controller_core::safety::supervisor::{Action, Cause, Event, State};
 use controller_core::safety::{Fault, FaultKind, Side, Timeout};
 use controller_core::types::{Accel, Pose, Twist};
-use tests::rolling::{AS_STATED, Rig, shipped};
+use tests::rolling::{AS_STATED, Rig, Truth, shipped};
 use tests::stated::{At, Stated};
 
 fn drive(v: f32, w: f32) -> Order {
@@ -147,7 +147,7 @@ fn a_dead_encoder_beside_a_gyro_is_found() {
                 for _ in 0..rig.ticks(3.0) {
                     rig.tick(&drive(v, w));
                 }
-                rig.counting[i] = false;
+                rig.counts_per_mark[i] = 0;
                 let ticks = (0..rig.ticks(20.0)).find(|_| {
                     let found = rig.tick(&drive(v, w)).active_faults;
                     found.get(FaultKind::EncoderStuck) == Some(Fault::EncoderStuck(side))
@@ -163,5 +163,53 @@ fn a_dead_encoder_beside_a_gyro_is_found() {
     page.about(
         At::Phrase("a gyro shows a dead encoder within # s in all of # such drives"),
         &[longest_s.into(), runs.into()],
+    );
+}
+
+/// An encoder that counts the wrong way from when a slow base is told to stop, beside a gyro that holds the heading: one wheel's way takes the other's
+/// away, so that the base believes that it stands, and what keeps it rolling is taken for a load. Told to go on, it pushes the wheel, which its own
+/// detector sees.
+#[test]
+fn a_reversed_encoder_beside_a_gyro_is_found() {
+    let (mut longest_s, mut farthest_m, mut runs) = (0.0_f32, 0.0_f32, 0_u32);
+    for (name, mut params) in shipped() {
+        params.localiser.gyro = Some(GyroParams::icm_42688_p());
+        for i in 0..2 {
+            for v in [0.005_f32, 0.01, 0.015, -0.015, 0.02, 0.03, 0.1, 0.3] {
+                for then in [0.0, v] {
+                    let truth = Truth {
+                        loads: -0.5 * v.signum(),
+                        ..AS_STATED
+                    };
+                    let mut rig = Rig::new(params, truth);
+                    rig.gyro = true;
+                    for _ in 0..rig.ticks(3.0) {
+                        rig.tick(&drive(v, 0.0));
+                    }
+                    rig.counts_per_mark[i] = -1;
+                    let mut way = 0.0;
+                    let mut found = None;
+                    let ticks = (0..rig.ticks(20.0)).find(|_| {
+                        way += rig.dt() * rig.twist.linear;
+                        let report = rig.tick(&drive(then, 0.0));
+                        found = (!report.state.drives()).then_some(report.cause);
+                        found.is_some()
+                    });
+                    let side = [Side::Right, Side::Left][i];
+                    let reversed = Cause::Fault(Fault::EncoderReversed(side));
+                    assert_eq!(found, Some(reversed), "{name}: {v} m/s, then {then}");
+                    longest_s = longest_s.max(ticks.unwrap_or(0) as f32 * rig.dt());
+                    farthest_m = farthest_m.max(way.abs());
+                    runs += 1;
+                }
+            }
+        }
+    }
+    let mut page = Stated::of("docs/faults.md");
+    page.about(
+        At::Phrase(
+            "told to stop or to go on, it is found within # s and # m in all of # such drives",
+        ),
+        &[longest_s.into(), farthest_m.into(), runs.into()],
     );
 }

@@ -14,6 +14,7 @@ use controller_core::odometry::OdometryParams;
 use controller_core::scalar::Scalar;
 use controller_core::types::{Accel, Pose};
 use proptest::prelude::*;
+use std::f64::consts::PI;
 use tests::encoded::{bases, odometry};
 use tests::random::Random;
 
@@ -124,6 +125,38 @@ fn learns_at_rest<T: Scalar>(bias: f64, seed: u64) {
     assert!(turned.abs() < 5.0 * 7.0e-4 * 0.3, "{turned:e}");
     let variance = heading.bias_variance().to_f64();
     assert!(variance < f64::powi(1.5 * 4.9e-5, 2), "{variance:e}");
+}
+
+/// A body that rocks on its tyres after a stop gives no steady readings, so that nothing is learnt of its bias yet; but its wheels stand, and the heading
+/// is held to what they may have turned unseen. Who turns such a base by hand turns it.
+#[test]
+fn a_base_that_rocks_does_not_turn_by_its_bias() {
+    let gyro = sensor::<f32>();
+    let wheels = wheels::<f64>();
+    let unseen = 2.0 * wheels.travel_per_count_m() / wheels.track_m();
+    for bias in [-0.011, 0.004, 0.011] {
+        let mut heading = GyroHeading::new(&gyro);
+        let mut random = Random(3);
+        drive(&mut heading, &gyro, (0.1, 0.2, 0.2), 0.1, || bias);
+        let (amplitude, rad_s) = (0.06, 40.0);
+        let mut t = 0.0;
+        let stood = drive(&mut heading, &gyro, (0.0, 0.0, 0.0), 1.5, || {
+            t += DT;
+            let rocking = amplitude * f64::sin(rad_s * t) * f64::exp(-t);
+            bias + rocking + noise(&mut random)
+        });
+        assert!(
+            stood.abs() < unseen + 2.0 * amplitude / rad_s,
+            "{bias}: {stood:e}"
+        );
+        let mut t = 0.0;
+        let by_hand = drive(&mut heading, &gyro, (0.0, 0.0, 0.0), 0.4, || {
+            t += DT;
+            bias + 1.0 * f64::sin(PI * t / 0.4)
+        });
+        let turned = 1.0 * 0.8 / PI;
+        assert!((by_hand - turned).abs() < 0.03, "{bias}: {by_hand}");
+    }
 }
 
 /// One of the readings of this rest is more than five standard deviations off, as one of 1.7 million is.

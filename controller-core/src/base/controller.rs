@@ -12,6 +12,7 @@ use super::report::BaseReport;
 use super::speed_drive::{SpeedDrive, SpeedTick};
 use super::wheel_friction::{Creeps, Turning};
 use crate::error::{Input, StepFault};
+use crate::gyro::Encoder;
 use crate::maths::{Maths, Single};
 use crate::motion::{Mode, Outcome};
 use crate::motor::{Motor, SpeedLimited};
@@ -240,11 +241,15 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     #[inline(never)]
     fn yield_to_slide(&mut self) {
         let slid = self.report.gyro.slid;
-        let (fault, yields_s) = match self.locator.ceased() {
+        let (fault, yields_s) = match self.locator.encoder() {
             // Lifted or turned by hand a base has such wheels as well.
             Some(_) if !self.supervisor.state().drives() => return,
-            Some(true) => (Fault::EncoderStuck(Side::Right), T::ZERO),
-            Some(false) => (Fault::EncoderStuck(Side::Left), T::ZERO),
+            Some(Encoder::Dead { right: true }) => (Fault::EncoderStuck(Side::Right), T::ZERO),
+            Some(Encoder::Dead { right: false }) => (Fault::EncoderStuck(Side::Left), T::ZERO),
+            // Turned on the spot to make up for a gyro's bias, wheels do the same.
+            Some(Encoder::Reversed) if self.exerted.right * self.exerted.left <= T::ZERO => return,
+            // What it counts is against its wheel's torque.
+            Some(Encoder::Reversed) => (Fault::EncoderReversed(self.sliding(-slid)), T::ZERO),
             None => {
                 self.driving.declare_slide();
                 (Fault::WheelSlip(self.sliding(slid)), self.yields_s())

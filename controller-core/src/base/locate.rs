@@ -3,7 +3,7 @@
 use super::io::Sensed;
 use super::report::BaseReport;
 use crate::error::StepFault;
-use crate::gyro::GyroReport;
+use crate::gyro::{Encoder, GyroReport};
 use crate::localiser::{Estimator, FixOutcome, ValidLocaliserParams};
 use crate::maths::Maths;
 use crate::odometry::{Accelerations, Odometry};
@@ -100,9 +100,9 @@ impl<T: Scalar, const N: usize> Locator<T, N> {
         }
     }
 
-    /// Of [`GyroHeading::ceased`](crate::gyro::GyroHeading): the wheel, right or not.
-    pub(super) fn ceased(&self) -> Option<bool> {
-        self.localiser.as_ref()?.ceased()
+    /// Of [`GyroHeading::encoder`](crate::gyro::GyroHeading).
+    pub(super) fn encoder(&self) -> Option<Encoder> {
+        self.localiser.as_ref()?.encoder()
     }
 
     /// `accelerations` are those since the last tick, `rim_speed` is the largest of [`Limits`](crate::motion::Limits). Where the base is goes into `report`.

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | the same reading, again and again, while the wheels turn the base | the gyro: stuck |
 //! | turns of the same size the other way, and the gyro's are not those that both had before | the gyro: reversed |
-//! | turns as if one wheel had turned the other way | perhaps its encoder, which counts the wrong way: its own detector has to say |
+//! | turns as if one wheel had turned the other way | its encoder, which counts the wrong way: its own detector says so sooner, but not of a wheel that is hardly pushed |
 //! | external headings side with the wheels | the gyro |
 //! | none of these for 0.05 s, and a wheel turns | a wheel slides |
 
@@ -14,6 +14,8 @@ use crate::scalar::Scalar;
 
 /// The gyro's own signatures show within this time \[s\].
 const SIGNATURE_S: f64 = 0.05;
+/// So long an encoder that counts the wrong way is left to its own detector \[s\]: twice as long as that takes.
+const ENCODER_S: f64 = 1.0;
 /// Over for so long, and it has ended \[s\].
 const OVER_S: f64 = 0.1;
 /// Equal readings in a row that no gyro gives that is turned.
@@ -146,8 +148,9 @@ impl<T: Scalar> Disagreement<T> {
     /// For so long a wheel slides \[s\]; 0 if none does. `same` equal readings may be those of a gyro that is stuck.
     pub(super) fn slides_s(&self, same: u8) -> T {
         let now = self.over_s <= T::ZERO && self.lasts_s > T::from_f64(SIGNATURE_S);
-        let signed = || same >= SAME || self.mirrors() || self.may_be_encoder();
-        if now && !signed() {
+        let signed = || same >= SAME || self.mirrors();
+        let early = self.lasts_s < T::from_f64(ENCODER_S);
+        if now && !signed() && !(early && self.may_be_encoder()) {
             self.lasts_s
         } else {
             T::ZERO
@@ -156,7 +159,8 @@ impl<T: Scalar> Disagreement<T> {
 
     /// The way of a wheel whose encoder counts the wrong way counts twice: what the gyro turns is then −2 way/track on the right and
     /// +2 way/track on the left, against the turn of the wheels.
-    fn may_be_encoder(&self) -> bool {
+    #[inline(never)]
+    pub(super) fn may_be_encoder(&self) -> bool {
         let f = T::from_f64;
         let (gyro, wheels) = (self.gyro, self.wheels);
         let near = |way: T| (gyro + way).abs() < f(MIRRORED) * wheels.abs();

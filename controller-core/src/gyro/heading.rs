@@ -33,6 +33,27 @@ const CEASED_S: f64 = 0.3;
 /// The bias is held to what the wheels say with this time constant \[s\], while it is known worse than that.
 const WHEELS_S: f64 = 1.0;
 
+/// An encoder that a gyro shows to be wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Encoder {
+    /// Of the right wheel, or of the left one.
+    Dead { right: bool },
+    /// It counts the wrong way.
+    Reversed,
+}
+
+/// Since a wheel counted last.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Standing<T> {
+    /// What the gyro turned beyond the wheels, and what of it the heading did \[rad\].
+    read: T,
+    taken: T,
+    /// More than its bias explains.
+    turned: bool,
+    /// The heading is held.
+    holds: bool,
+}
+
 /// What the wheels did in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rolled<T> {
@@ -113,6 +134,7 @@ pub struct GyroHeading<T> {
     steady_s: T,
     steady: T,
     steady_turn: T,
+    standing: Standing<T>,
     disagreement: Disagreement<T>,
     fault: Option<GyroFault>,
     /// Since it lied, or failed to prove the contrary: turn of the wheels, gyro less wheels.
@@ -154,6 +176,7 @@ impl<T: Scalar> GyroHeading<T> {
             steady_s: zero,
             steady: zero,
             steady_turn: zero,
+            standing: Standing::default(),
             disagreement: Disagreement::default(),
             fault: None,
             proof: (zero, zero),
@@ -250,15 +273,16 @@ impl<T: Scalar> GyroHeading<T> {
             (Some(now), Some(before)) => Some(wrap(now - before)),
             _ => None,
         };
+        let read = (T::ONE + self.scale) * fused.unwrap_or((reading.rate - self.bias) * t);
+        self.off += read - wheels;
+        let apart = self.while_standing(gyro, read - wheels, t);
         let turned = Turned {
             t,
-            gyro: (T::ONE + self.scale) * fused.unwrap_or((reading.rate - self.bias) * t),
+            gyro: wheels + apart,
             wheels,
             travel,
             same: self.same,
         };
-        let apart = turned.gyro - turned.wheels;
-        self.off += apart;
         self.stretch.2 += apart;
         if let Some(taken_back) = self.rest(gyro, &turned, fused.is_some()) {
             return taken_back;
@@ -276,10 +300,37 @@ impl<T: Scalar> GyroHeading<T> {
                 .pass(T::ZERO, turned.gyro, gyro.noise * t, T::ZERO);
         } else {
             let (noise, walk) = (gyro.noise * t, gyro.walk * t);
-            self.spread.pass(t, turned.gyro, noise, walk);
-            self.hold_to_wheels(gyro, apart, t);
+            // A bias that was not taken is in no heading.
+            let biased_s = if self.standing.holds { T::ZERO } else { t };
+            self.spread.pass(biased_s, turned.gyro, noise, walk);
+            self.hold_to_wheels(gyro, read - wheels, t);
         }
         apart
+    }
+
+    /// Of the turn `apart` from the wheels, in `t`, what the heading takes. Between two counts no wheel turns by more than one: what goes on beyond
+    /// that is bias, as long as what is not known of the bias explains it, and is held. Beyond it somebody turns a base whose wheels stand.
+    fn while_standing(&mut self, gyro: &ValidGyroParams<T>, apart: T, t: T) -> T {
+        let still_s = self.still_s();
+        let standing = &mut self.standing;
+        if still_s < t {
+            *standing = Standing::default();
+            return apart;
+        }
+        let most = T::HALF * gyro.rounding + self.lag.abs();
+        standing.read += apart;
+        let beyond = standing.read.abs() - most;
+        let bias = T::from_f64(9.0) * still_s * still_s * self.spread.bb;
+        standing.turned |= beyond > T::ZERO && beyond * beyond > gyro.honest + bias;
+        standing.holds = beyond > T::ZERO && !standing.turned;
+        let taken = if standing.holds {
+            clamp(standing.read, most)
+        } else {
+            standing.read
+        };
+        let more = taken - standing.taken;
+        standing.taken = taken;
+        more
     }
 
     /// The turn apart in the window, where it is more than noise, biases, radii and rounding explain.
@@ -491,7 +542,7 @@ impl<T: Scalar> GyroHeading<T> {
         }
     }
 
-    /// For so long a wheel has been sliding, or an encoder dead. Counts that have just ceased may come again.
+    /// For so long a wheel has been sliding, or an encoder wrong. Counts that have just ceased may come again.
     #[cold]
     #[inline(never)]
     fn slides_s(&self) -> T {
@@ -507,12 +558,23 @@ impl<T: Scalar> GyroHeading<T> {
     /// The wheel, right or not, that has not counted for so long that its encoder is dead if the gyro disagrees, while the other one counts.
     #[cold]
     #[inline(never)]
-    pub(crate) fn ceased(&self) -> Option<bool> {
+    fn ceased(&self) -> Option<bool> {
         let (right, left) = self.quiet_s;
         let (counts, ceased) = (T::from_f64(COUNTS_S), T::from_f64(CEASED_S));
         let right_ceased = right > ceased && left < counts;
         let left_ceased = left > ceased && right < counts;
         (right_ceased || left_ceased).then_some(right_ceased)
+    }
+
+    /// The encoder that is the cause where wheels and gyro disagree, if one is.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn encoder(&self) -> Option<Encoder> {
+        match self.ceased() {
+            Some(right) => Some(Encoder::Dead { right }),
+            None if self.disagreement.may_be_encoder() => Some(Encoder::Reversed),
+            None => None,
+        }
     }
 
     /// Both wheels have stood for so long.

@@ -21,6 +21,7 @@ mod params;
 mod reading;
 mod spread;
 
+pub(crate) use heading::Encoder;
 pub use heading::{GyroHeading, GyroReport, Rolled};
 pub use params::{GyroParams, ValidGyroParams};
 pub use reading::{GyroFault, GyroOutcome, GyroReading, GyroRefusal};

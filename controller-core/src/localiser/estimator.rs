@@ -5,7 +5,7 @@ use super::history::History;
 use super::{Estimate, Fix, FixOutcome, Refusal, SURE, ValidLocaliserParams};
 use crate::error::{Input, StepFault};
 use crate::gyro::{
-    GyroHeading, GyroOutcome, GyroParams, GyroReading, GyroRefusal, GyroReport, Rolled,
+    Encoder, GyroHeading, GyroOutcome, GyroParams, GyroReading, GyroRefusal, GyroReport, Rolled,
 };
 use crate::hal::WheelCounts;
 use crate::maths::Maths;
@@ -36,9 +36,9 @@ pub(crate) struct Tick<T> {
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
-    /// Of [`GyroHeading::ceased`].
-    pub(crate) fn ceased(&self) -> Option<bool> {
-        self.gyro.as_ref()?.ceased()
+    /// Of [`GyroHeading::encoder`].
+    pub(crate) fn encoder(&self) -> Option<Encoder> {
+        self.gyro.as_ref()?.encoder()
     }
 
     /// A pose to start from.

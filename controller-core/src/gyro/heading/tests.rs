@@ -179,3 +179,29 @@ fn a_gyro_that_is_reversed_from_the_start_is_named() {
     }
     assert_eq!(heading.report().fault, Some(GyroFault::Reversed));
 }
+
+/// Straight on with the right encoder reversed: the wheels seem to turn the base on the spot, and the gyro says that it does not. For a second that is
+/// left to the detector of encoders.
+#[test]
+fn a_reversed_encoder_is_named_after_a_second() {
+    let gyro = sensor();
+    let mut heading = GyroHeading::new(&gyro);
+    let speed = 0.015;
+    let mut drive = |(travel, turn): (f64, f64), ticks: u32| {
+        for tick in 0..ticks {
+            let reading = GyroReading {
+                rate: 1e-4 * f64::from(tick % 3),
+                heading: None,
+                age_s: 0.0,
+            };
+            heading.advance(&gyro, &rolled(travel, turn), Some(&reading));
+        }
+        (heading.report().slides_s, heading.encoder())
+    };
+    assert_eq!(drive((speed, 0.0), 200), (0.0, None));
+    let reversed = (0.0, -2.0 * speed / 0.14);
+    assert_eq!(drive(reversed, 180).0, 0.0);
+    let (slides_s, encoder) = drive(reversed, 40);
+    assert!(slides_s > 1.0, "{slides_s}");
+    assert_eq!(encoder, Some(Encoder::Reversed));
+}
