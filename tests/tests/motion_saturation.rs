@@ -1,9 +1,9 @@
 //! Wheels at their limit: nothing winds up, nothing is lost.
 
 use controller_core::motion::{Limits, Outcome, SaturationPolicy, Task};
-use controller_core::types::{Pose, Wrench};
+use controller_core::types::{Pose, Twist, WheelTorques, Wrench};
 use tests::motion_base::{Base, Body};
-use tests::motion_loop::{goal, steady};
+use tests::motion_loop::{Order, goal, steady};
 use tests::motion_tracking::{Exact, follow};
 use tests::stated::{At, Stated};
 use tests::tolerance::ARRIVED;
@@ -148,4 +148,84 @@ fn overrated_base_still_parks() {
         );
         assert_eq!(drive.report().outcome, Outcome::Parked);
     }
+}
+
+/// Drives at `order` \[m/s\] for 6 s and stops, on drivers whose supply turns the wheels no faster than at `fastest` \[m/s\]: what a wheel can exert
+/// falls to nothing over the last tenth of that speed. The way from the stop to rest \[m\]; the law is `told` what is exerted.
+fn stops_within(order: f64, fastest: f64, told: bool) -> f64 {
+    let base = Base::STANDARD;
+    let motion = base.exact().validate().expect("valid");
+    let order = |t: f64| Task::Drive {
+        twist: Twist::new(if t < 6.0 { order } else { 0.0 }, 0.0),
+        hold_heading: true,
+    };
+    let mut drive = Exact::start(&motion, base, Body::default(), &order(0.0), 0.01);
+    let mut from = 0.0;
+    while drive.t < 12.0 {
+        let left = ((fastest - drive.body.twist.linear) / (0.1 * fastest)).max(0.0);
+        let most = base.limits.wheel_torque_nm * left;
+        let asked = drive.report().torques;
+        let exerted = WheelTorques {
+            right: asked.right.min(most),
+            left: asked.left.min(most),
+        };
+        let wheels = motion.wheels();
+        let (is, due) = (wheels.wrench(&exerted), wheels.wrench(&asked));
+        if told && exerted != asked {
+            drive.controller.note_applied(&exerted).expect("finite");
+        }
+        drive.coast(&Wrench {
+            force: is.force - due.force,
+            moment: is.moment - due.moment,
+        });
+        if drive.t <= 6.0 {
+            from = drive.body.pose.x;
+        }
+        drive.take(&order(drive.t), &drive.body.measured());
+    }
+    assert!(drive.body.twist.linear.abs() < 1e-3, "it goes on");
+    drive.body.pose.x - from
+}
+
+/// The command does not run ahead of what a weak supply turns the wheels with: ordered faster, a base stops within 2 % of the way that it takes from
+/// the same speed by order. Who does not tell what is exerted goes on for as long as the command takes to come down.
+#[test]
+fn a_command_does_not_run_ahead_of_a_weak_supply() {
+    for fastest in [0.8, 1.2, 1.6] {
+        let by_order = stops_within(fastest, 1e9, false);
+        let told = stops_within(2.0, fastest, true);
+        let silent = stops_within(2.0, fastest, false);
+        println!("{fastest} m/s: {told:.3} m told, {silent:.3} silent, {by_order:.3} by order");
+        assert!(told < 1.02 * by_order && silent > 1.2 * by_order);
+    }
+}
+
+/// A driver that measures its torque, 20 % less than it is asked for, is no driver at its limit: the base gets as fast as asked, and its command
+/// goes by its own limits.
+#[test]
+fn a_motor_constant_that_is_off_holds_nothing_back() {
+    let base = Base::STANDARD;
+    let motion = base.exact().validate().expect("valid");
+    let order: Order = Task::Drive {
+        twist: Twist::new(1.0, 0.5),
+        hold_heading: true,
+    };
+    let mut drive = Exact::start(&motion, base, Body::default(), &order, 0.01);
+    while drive.t < 3.0 {
+        let asked = drive.report().torques;
+        let less = drive.applied();
+        let exerted = WheelTorques {
+            right: 0.8 * asked.right,
+            left: 0.8 * asked.left,
+        };
+        drive.controller.note_applied(&exerted).expect("finite");
+        assert!(!drive.report().limited.torque, "held at {} s", drive.t);
+        drive.coast(&Wrench {
+            force: -0.2 * less.force,
+            moment: -0.2 * less.moment,
+        });
+        drive.take(&order, &drive.body.measured());
+    }
+    println!("{:?}", drive.body.twist);
+    assert!((drive.body.twist.linear - 1.0).abs() < 0.01);
 }

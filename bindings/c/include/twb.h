@@ -75,7 +75,7 @@ typedef struct twb_wheels {
 #define TWB_ORDER_VELOCITY 3u /* drive with twist until the next order, which is due in time */
 
 /* What this tick is asked. Fields that the kind does not name are not looked at. What is beyond the base's limits is driven at
- * the limits; a velocity of more than 100 m/s or rad/s, or a goal from some 1e9 m on, is TWB_FAULT_STEP_REFUSED: a latched brake. */
+ * the limits; a velocity of more than 100 m/s or rad/s, or a goal or a reference from 10 km off on, is TWB_FAULT_STEP_REFUSED: a latched brake. */
 typedef struct twb_order {
     uint32_t kind;
     uint32_t hold_heading; /* velocity: 1 keeps the heading that the turn rates lead to, else 0 */

@@ -567,8 +567,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// # Errors
     /// A torque that is not finite, or above ten times [`Limits::wheel_torque_nm`](crate::motion::Limits); nothing is noted then.
     pub fn note_exerted(&mut self, torques: &WheelTorques<T>) -> Result<(), StepFault> {
-        if self.report.motion.is_some() {
-            self.driving.note_exerted(&self.base.motion, torques)?;
+        if let Some(report) = &mut self.report.motion {
+            self.driving
+                .note_exerted(&self.base.motion, torques, report)?;
             if self.base.driver.speeds().is_some() {
                 self.driving.note_not_driven();
             }

@@ -198,7 +198,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         self.law.note_not_driven();
     }
 
-    /// What the wheels really exert until the next tick, for a law at work.
+    /// What the wheels really exert until the next tick, for the law whose last report this is.
     ///
     /// # Errors
     /// A torque that is not finite.
@@ -206,8 +206,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         &mut self,
         motion: &ValidMotionParams<T>,
         torques: &WheelTorques<T>,
+        report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
-        self.law.note_applied(motion, torques)
+        self.law.note_applied(motion, torques, report)
     }
 }
 
@@ -523,11 +524,18 @@ mod tests {
             right: f64::NAN,
             left: 0.0,
         };
-        let noted = bench.driving.note_exerted(&bench.motion, &torques);
+        let Bench {
+            driving,
+            motion,
+            report: Some(report),
+            ..
+        } = &mut bench
+        else {
+            panic!("the law is at work");
+        };
+        let noted = driving.note_exerted(motion, &torques, report);
         assert_eq!(noted, Err(StepFault::NotFinite(Input::Applied)));
-        let noted = bench
-            .driving
-            .note_exerted(&bench.motion, &WheelTorques::default());
+        let noted = driving.note_exerted(motion, &WheelTorques::default(), report);
         assert_eq!(noted, Ok(()));
     }
 }

@@ -131,7 +131,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionController<T, M, U> {
     /// # Errors
     /// A torque that is not finite, or above ten times [`Limits::wheel_torque_nm`](super::Limits); nothing is noted then.
     pub fn note_applied(&mut self, applied: &WheelTorques<T>) -> Result<(), StepFault> {
-        self.law.note_applied(&self.motion, applied)
+        self.law
+            .note_applied(&self.motion, applied, &mut self.report)
     }
 
     /// Until the next tick the wheels are not driven, or nobody knows with what torque (a brake, a

@@ -31,6 +31,17 @@ impl<T: Scalar> Command<T> {
         }
     }
 
+    /// The same for a robot that accelerates.
+    pub(crate) fn of_moving(
+        motion: &ValidMotionParams<T>,
+        twist: &Twist<T>,
+        accel: &Accel<T>,
+    ) -> Self {
+        let robot = Self::of_robot(motion, twist);
+        let rate = robot.within_accel(motion, accel).unwrap_or(*accel);
+        Self { rate, ..robot }
+    }
+
     /// The command one tick on: a copy of the setpoint, slewed. With no limit at work it is the setpoint,
     /// value and rate, without lag.
     ///

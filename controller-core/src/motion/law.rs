@@ -21,20 +21,31 @@ use crate::error::{Input, StepFault};
 use crate::maths::Maths;
 use crate::pose_error::PoseError;
 use crate::range::clamp;
+use crate::robot::acceleration;
 use crate::scalar::Scalar;
 use crate::scalar::residue;
 use crate::shunting::NeuronUpdate;
 use crate::types::{Measured, Twist, WheelTorques, Wrench};
 use core::marker::PhantomData;
 
-/// How far off a goal, and how fast a robot that parks, may be, and how large a force or a moment that is noted \[m, m/s, rad/s, N, N m\]. Nothing that parking makes of less overflows, whatever
+/// How far off its goal or its reference a robot may be, and how fast, added up \[m, m/s, rad/s\]: beyond two poses that may be
+/// [stated](crate::types::FARTHEST_M), as which of another frame or unit would have a robot drive away. Nothing that parking makes of less overflows, whatever
 /// the parameters are: such a tick is not refused after it has changed a manoeuvre, which so need not be kept to be brought back.
-const REACH: f64 = 1.0e9;
+const REACH: f64 = 1.0e4;
+
+/// Largest force and moment that are noted, added up \[N, N m\]: of less nothing overflows.
+const MOST_NOTED: f64 = 1.0e9;
 
 /// Largest torque of a wheel that is noted, in limits of the parameters. A driver exerts less than it is asked for, or, while it brakes wheels that are
 /// turned faster than its supply turns them, what its current limit allows: a few times the limit. Torques in another unit, N cm or N mm, are
 /// beyond it from a tenth of the limit on: believed, they would be taken for accelerations that are not there, and the base would run away.
 const MOST_EXERTED: f64 = 10.0;
+
+/// What a wheel may be said to exert more or less than it was asked for before that is taken for a limit of its driver: a share of what was asked,
+/// by which the constant of a motor may be off whose current is measured (data sheets state 10 %, warm magnets lose as much again), and a share of the
+/// parameters' limit for the measurement's noise. A base whose command is set back in every tick gets nowhere.
+const ASTRAY: f64 = 0.25;
+const NOISE: f64 = 0.01;
 
 /// What the law remembers from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,8 +170,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let view = ErrorView::of::<M>(task, &measured.pose, || T::ZERO);
         let observer = Observer::start(&measured.twist);
         let observed = observer.residue();
-        let parks = matches!(task, Task::Park(_));
-        if parks && !is_within_reach(&view.error, &measured.twist, observed) {
+        if !is_within_reach(&view.error, &measured.twist, observed) {
             return Err(StepFault::Overflow);
         }
         let command = Command::of_robot(motion, &measured.twist);
@@ -253,7 +263,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let renewed = new.then_some(Renewed { goes_on: parked });
         let observed = observer.residue();
         let parks = matches!(task, Task::Park(_));
-        if parks && !is_within_reach(&view.error, &measured.twist, observed) {
+        if !is_within_reach(&view.error, &measured.twist, observed) {
             task.check()?;
             return Err(StepFault::Overflow);
         }
@@ -401,7 +411,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         self.parking.is_beside()
     }
 
-    /// What the wheels really exert until the next tick; see
+    /// What the wheels really exert until the next tick, instead of what the last `report` asks for; see
     /// [`MotionController::note_applied`](super::MotionController::note_applied).
     ///
     /// # Errors
@@ -410,17 +420,49 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         &mut self,
         motion: &ValidMotionParams<T>,
         applied: &WheelTorques<T>,
+        report: &mut MotionReport<T>,
     ) -> Result<(), StepFault> {
         let exerted = motion.wheels.wrench(applied);
         let most = T::from_f64(MOST_EXERTED) * motion.params().limits.wheel_torque_nm;
         let is_a_wheels = applied.right.abs() <= most && applied.left.abs() <= most;
-        if is_a_wheels && exerted.force.abs() + exerted.moment.abs() < T::from_f64(REACH) {
+        if is_a_wheels && exerted.force.abs() + exerted.moment.abs() < T::from_f64(MOST_NOTED) {
             self.exerted = Some(exerted);
+            self.set_back(motion, applied, report);
             Ok(())
         } else if applied.right.is_finite() && applied.left.is_finite() {
             Err(StepFault::OutOfRange(Input::Applied))
         } else {
             Err(StepFault::NotFinite(Input::Applied))
+        }
+    }
+
+    /// A wheel is not `applied` what it was asked for: the command goes on from how the robot moves instead, so that it does not wind up where a
+    /// driver is at its limit.
+    fn set_back(
+        &mut self,
+        motion: &ValidMotionParams<T>,
+        applied: &WheelTorques<T>,
+        report: &mut MotionReport<T>,
+    ) {
+        let noise = T::from_f64(NOISE) * motion.params().limits.wheel_torque_nm;
+        let differ = |asked: T, applied: T| {
+            (asked - applied).abs() > T::from_f64(ASTRAY) * asked.abs() + noise
+        };
+        let asked = &report.torques;
+        if differ(asked.right, applied.right) || differ(asked.left, applied.left) {
+            let (command, error) = (&report.command, &report.velocity_error);
+            let twist = Twist {
+                linear: command.linear + error.linear,
+                angular: command.angular + error.angular,
+            };
+            let Wrench { force, moment } = motion.wheels.wrench(applied);
+            let driving = Wrench {
+                force: force + report.disturbance.force,
+                moment: moment + report.disturbance.moment,
+            };
+            let accel = acceleration(&motion.params().robot, &driving);
+            self.command = Command::of_moving(motion, &twist, &report.load.slowed(&accel));
+            report.limited.torque = true;
         }
     }
 

@@ -710,8 +710,8 @@ mod tests {
             motion.gains.lateral = lateral;
             motion.gains.slow = slow;
             let motion = motion.validate().expect("valid");
-            for away in [0.0, 1.0, 1.0e4, 3.0e8] {
-                for speed in [0.0, 1.0, 1.0e8] {
+            for away in [0.0, 1.0, 100.0, 3.0e3] {
+                for speed in [0.0, 1.0, 1.0e3] {
                     let task = Task::Park(Pose::new(away, -away, 2.0));
                     let mut now = Measured::default();
                     let mut controller: MotionController =
@@ -728,7 +728,7 @@ mod tests {
                         );
                     }
                     let before = controller;
-                    now.twist.angular = 2.0e9;
+                    now.twist.angular = 2.0e4;
                     let result = controller.step(0.01, &task, &now).copied();
                     assert_eq!(result, Err(StepFault::Overflow));
                     assert_eq!(controller, before);

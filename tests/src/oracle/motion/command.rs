@@ -154,7 +154,7 @@ impl Command {
     }
 
     /// Braking is towards rest.
-    fn within_accel(&self, k: &Constants, rate: &Pair) -> Pair {
+    pub fn within_accel(&self, k: &Constants, rate: &Pair) -> Pair {
         let v = self.twist.x;
         let most = |direction: f64| {
             if v * direction < 0.0 {
