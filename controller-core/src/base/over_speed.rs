@@ -88,6 +88,11 @@ impl OverSpeed {
         twist: &Twist<T>,
         dt_us: u32,
     ) -> Option<Fault> {
+        // Of a tick that took too long, as by a clock that steps, no speed is known.
+        let Timeout::AfterUs(after_us) = limits.after else {
+            return None;
+        };
+        let dt_us = dt_us.min(after_us / UNNOTICED.0);
         self.slow_enough = self.slow_enough.after(dt_us, false);
         if !self.slow_enough.exceeds(limits.after) {
             return None;
