@@ -175,6 +175,8 @@ pub struct Odometry<T> {
     right: Wheel<T>,
     left: Wheel<T>,
     pose: Pose<T>,
+    /// What rounding has taken off that.
+    lost: Pose<T>,
     /// Turn per way that the right wheel is ahead of the left one \[rad/m\], learnt bias included.
     turn_per_lead: T,
     /// Turn to add per way \[rad/m\].
@@ -221,6 +223,7 @@ impl<T: Scalar> Odometry<T> {
             right: Wheel::default(),
             left: Wheel::default(),
             pose,
+            lost: Pose::default(),
             curvature_bias: T::ZERO,
             slip: T::ZERO,
         }
@@ -228,7 +231,8 @@ impl<T: Scalar> Odometry<T> {
 
     /// Starts what was not updated yet elsewhere.
     pub(crate) fn begin(&mut self, pose: Pose<T>, counts: WheelCounts) {
-        (self.pose, self.counts) = (pose, counts);
+        self.set_pose(pose);
+        self.counts = counts;
     }
 
     /// From now on the encoders count from elsewhere: these counts are what wheels of the present speeds come to `dt` \[s\] after the last call.
@@ -347,11 +351,12 @@ impl<T: Scalar> Odometry<T> {
         let course = self.pose.theta + half_turn + drift_angle(self.slip, &twist);
         let (sine, cosine) = M::sin_cos(course);
         let chord = travel * sinc::<T, M>(half_turn);
-        self.pose = Pose {
-            x: self.pose.x + chord * cosine,
-            y: self.pose.y + chord * sine,
-            theta: self.pose.theta + turn,
+        let step = Pose {
+            x: chord * cosine,
+            y: chord * sine,
+            theta: turn,
         };
+        self.pose.advance(&step, &mut self.lost);
         let measured = Measured {
             pose: self.pose,
             twist,
@@ -393,6 +398,7 @@ impl<T: Scalar> Odometry<T> {
     /// ([`declare_jump`](crate::motion::MotionController::declare_jump)) takes it without a jump of torque.
     pub fn set_pose(&mut self, pose: Pose<T>) {
         self.pose = pose;
+        self.lost = Pose::default();
     }
 
     /// The pose of the last update.

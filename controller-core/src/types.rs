@@ -4,8 +4,16 @@
 //! from x. Body frame: x forward, y left. Where wheels come in pairs, right comes before left.
 
 use crate::cast::cast;
+use crate::error::{Input, StepFault};
 use crate::scalar::Scalar;
 use crate::scalar::residue;
+
+/// Farthest from the origin of its frame that a pose may be stated in x and in y \[m\]: the next number in single precision is 0.12 mm away there,
+/// a quarter of the tolerance of [`Arrival::exact`](crate::motion::Arrival). Maps in metres from a far datum (UTM, say) need an origin of their own.
+pub const FARTHEST_M: f64 = 2000.0;
+
+/// Largest heading that may be stated \[rad\], all turns counted: the next number in single precision is 8 mrad away there.
+const MOST_TURNED: f64 = 1.0e5;
 
 /// Position and heading in the world frame: the q = (x, y, θ)ᵀ of Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,8 +113,44 @@ impl<T: Scalar> Pose<T> {
         self.residue() == T::ZERO
     }
 
+    /// Finite, and no farther than single precision can tell places apart: ±[`FARTHEST_M`], ±10⁵ rad.
+    pub fn is_near(&self) -> bool {
+        let most = T::from_f64(FARTHEST_M);
+        let turned = T::from_f64(MOST_TURNED);
+        self.x.abs() <= most && self.y.abs() <= most && self.theta.abs() <= turned
+    }
+
+    /// Looks whether it [is near](Self::is_near), by the name of an input.
+    ///
+    /// # Errors
+    /// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`].
+    pub fn check(&self, input: Input) -> Result<(), StepFault> {
+        if self.is_near() {
+            Ok(())
+        } else if self.is_finite() {
+            Err(StepFault::OutOfRange(input))
+        } else {
+            Err(StepFault::NotFinite(input))
+        }
+    }
+
     pub(crate) fn residue(&self) -> T {
         residue([self.x, self.y, self.theta])
+    }
+
+    /// Moves by `step` and by what rounding `lost` of the steps before it (Kahan's sum): a kilometre from the origin, or after a hundred turns, a
+    /// slow base's way in a tick is less than the last digit.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self, step: &Self, lost: &mut Self) {
+        let add = |sum: &mut T, step: T, lost: &mut T| {
+            let before = *sum;
+            let step = step + *lost;
+            *sum = before + step;
+            *lost = step - (*sum - before);
+        };
+        add(&mut self.x, step.x, &mut lost.x);
+        add(&mut self.y, step.y, &mut lost.y);
+        add(&mut self.theta, step.theta, &mut lost.theta);
     }
 }
 

@@ -291,17 +291,19 @@ fn a_small_order_is_obeyed_at_once() {
 
 /// What is no goal is a typed error, by whoever asks before it is one.
 #[test]
-fn goals_are_finite_and_not_beyond_a_thousand_kilometres() {
+fn goals_are_finite_and_not_beyond_two_kilometres() {
     for (wrong, fault) in [
         (f32::NAN, StepFault::NotFinite(Input::Goal)),
         (f32::NEG_INFINITY, StepFault::NotFinite(Input::Goal)),
-        (1.1e6, StepFault::OutOfRange(Input::Goal)),
+        (2001.0, StepFault::OutOfRange(Input::Goal)),
         (-1e30, StepFault::OutOfRange(Input::Goal)),
     ] {
         assert_eq!(check_goal(&Pose::new(wrong, 0.0, 0.0)), Err(fault));
         assert_eq!(check_goal(&Pose::new(0.0, wrong, 0.0)), Err(fault));
     }
-    assert_eq!(check_goal(&Pose::new(1e6_f32, -1e6, 90.0)), Ok(()));
+    assert_eq!(check_goal(&Pose::new(2000.0_f32, -2000.0, 90.0)), Ok(()));
+    let turned = check_goal(&Pose::new(0.0_f32, 0.0, 1.1e5));
+    assert_eq!(turned, Err(StepFault::OutOfRange(Input::Goal)));
 }
 
 /// What is no order is a typed error and changes nothing; what is beyond the limits is driven at the limits, and said.

@@ -90,7 +90,7 @@ pub unsafe extern "C" fn twb_init(
             return Err(Status::RobotLength);
         }
         let start: controller_core::types::Pose<f32> = (&at).into();
-        if !start.is_finite() {
+        if !start.is_near() {
             return Err(Status::NotFinite);
         }
         // SAFETY: of the caller; the length is a blob's, so that no address wraps around.

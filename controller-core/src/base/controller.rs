@@ -235,7 +235,7 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
         report.map_or_else(Twist::default, |report| report.command)
     }
 
-    /// A wheel slides, or its encoder is dead. Of a slide the law is told. Either is a fault for longer than [`SLIDES_S`], and a slide where the law
+    /// A wheel slides, or its encoder is wrong. Of a slide the law is told. Either is a fault for longer than [`SLIDES_S`], and a slide where the law
     /// yields, for longer than that takes as well: 2 a/j, at half the jerk of a manoeuvre that begins in motion.
     #[cold]
     #[inline(never)]
@@ -519,11 +519,9 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>, const N: usize> BaseController<
     /// Puts the base elsewhere on the map. Command and torque go on without a step, and no [`Fault::PoseJump`] comes of it.
     ///
     /// # Errors
-    /// A pose that is not finite; nothing has changed then.
+    /// Of [`Pose::check`]; nothing has changed then.
     pub fn set_pose(&mut self, pose: Pose<T>) -> Result<(), StepFault> {
-        if !pose.is_finite() {
-            return Err(StepFault::NotFinite(Input::Pose));
-        }
+        pose.check(Input::Pose)?;
         self.locator.set_pose(&self.base.localisation, pose);
         Ok(())
     }

@@ -43,11 +43,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// A pose to start from.
     pub(crate) fn check(pose: &Pose<T>) -> Result<(), StepFault> {
-        if pose.is_finite() {
-            Ok(())
-        } else {
-            Err(StepFault::NotFinite(Input::Pose))
-        }
+        pose.check(Input::Pose)
     }
 
     /// Of a robot at the origin that has not [begun](Self::begin).
@@ -245,7 +241,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// The pose of odometry at the time of a fix.
     #[inline(always)]
     fn then(&self, fix: &Fix<T>) -> Result<Pose<T>, Refusal<T>> {
-        if !(fix.pose.is_finite() && fix.age_s.is_finite()) {
+        if !(fix.pose.is_near() && fix.age_s.is_finite()) {
             return Err(Refusal::NotFinite);
         }
         if fix.age_s < T::ZERO {

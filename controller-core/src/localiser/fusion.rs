@@ -47,6 +47,8 @@ struct Candidate<T> {
 pub(super) struct Correction<T> {
     /// The pose that is reported. With the pose of odometry it is the map between the frames.
     pub(super) pose: Pose<T>,
+    /// What rounding has taken off that.
+    lost: Pose<T>,
     /// What is still to be corrected.
     pending: Pose<T>,
     /// What drift may have added to the error since fixes last took it away.
@@ -83,6 +85,7 @@ impl<T: Scalar> Correction<T> {
     pub(super) fn new(fusion: Option<&Fusion<T>>, pose: Pose<T>) -> Self {
         Self {
             pose,
+            lost: Pose::default(),
             pending: Pose::default(),
             slack: Slack::default(),
             mean: MeanInnovation::default(),
@@ -112,6 +115,7 @@ impl<T: Scalar> Correction<T> {
 
     fn put(&mut self, pose: Pose<T>) {
         self.pose = pose;
+        self.lost = Pose::default();
         self.pending = Pose::default();
         self.slack = Slack::default();
         self.mean = MeanInnovation::default();
@@ -134,9 +138,8 @@ impl<T: Scalar> Correction<T> {
         carried: Option<&Carried<T>>,
         dt: T,
     ) {
-        let before = self.pose;
-        self.pose = moved_along::<T, M>(&self.pose, moved.from, moved.to);
-        let (dx, dy) = (self.pose.x - before.x, self.pose.y - before.y);
+        let way = displacement::<T, M>(&self.pose, moved.from, moved.to);
+        let (dx, dy) = (way.x, way.y);
         let since = &mut self.since;
         since.x += dx;
         since.y += dy;
@@ -159,7 +162,7 @@ impl<T: Scalar> Correction<T> {
             y: position.step(self.pending.y, share, dt),
             theta: heading.step(self.pending.theta, share, dt),
         };
-        self.pose = sum(&self.pose, &step, T::ONE);
+        self.pose.advance(&sum(&way, &step, T::ONE), &mut self.lost);
         self.pending = sum(&self.pending, &step, -T::ONE);
         let driven = fusion.driven(moved);
         match carried {
@@ -409,12 +412,18 @@ impl<T: Scalar> Slack<T> {
 /// less.
 #[inline(always)]
 fn moved_along<T: Scalar, M: Maths<T>>(pose: &Pose<T>, from: &Pose<T>, to: &Pose<T>) -> Pose<T> {
+    sum(pose, &displacement::<T, M>(pose, from, to), T::ONE)
+}
+
+/// The way of that, in the frame of `pose`.
+#[inline(always)]
+fn displacement<T: Scalar, M: Maths<T>>(pose: &Pose<T>, from: &Pose<T>, to: &Pose<T>) -> Pose<T> {
     let (sine, cosine) = M::sin_cos(pose.theta - from.theta);
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     Pose {
-        x: pose.x + (dx * cosine - dy * sine),
-        y: pose.y + (dx * sine + dy * cosine),
-        theta: pose.theta + (to.theta - from.theta),
+        x: dx * cosine - dy * sine,
+        y: dx * sine + dy * cosine,
+        theta: to.theta - from.theta,
     }
 }
 

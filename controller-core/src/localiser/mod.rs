@@ -100,7 +100,7 @@ pub enum FixOutcome<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refusal<T> {
-    /// A coordinate or the age is NaN or infinite.
+    /// A coordinate or the age is NaN or infinite, or the pose farther than one [may be](Pose::is_near).
     NotFinite,
     /// It is from the future.
     NegativeAge,

@@ -45,17 +45,13 @@ fn within<T: Scalar>(
     }
 }
 
-/// Farthest goal from the origin of its frame in x and in y \[m\]: in single precision a pose out there is known to 6 cm, so that
-/// what is farther is a mistake in the unit or in the sender.
-pub const FARTHEST_M: f64 = 1.0e6;
-
-/// Looks whether a goal is one, or a pose that somebody states: finite, and within ±1e6 m. A controller parks at any finite goal, and
-/// refuses one so far that a torque comes out infinite as [`StepFault::Overflow`]; this is to be asked where goals come in.
+/// Looks whether a goal is one, or a pose that somebody states: see [`Pose::check`]. A controller parks at any goal within 10 km of the
+/// robot, and refuses one that is not as [`StepFault::Overflow`]; this is to be asked where goals come in.
 ///
 /// # Errors
 /// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`] of [`Input::Goal`].
 pub fn check_goal<T: Scalar>(goal: &Pose<T>) -> Result<(), StepFault> {
-    within([goal.x, goal.y], FARTHEST_M, goal.is_finite(), Input::Goal)
+    goal.check(Input::Goal)
 }
 
 /// A robot that is ordered to stand does so below this speed and turn rate \[m/s, rad/s\].

@@ -54,7 +54,7 @@ mod velocity_loop;
 pub(crate) use arrival::HEADING_DEVIATIONS;
 pub use arrival::{Arrival, AtRest, Parking};
 pub use controller::MotionController;
-pub use drive::{FARTHEST_M, check_goal, check_order};
+pub use drive::{check_goal, check_order};
 pub use gains::MotionGains;
 pub(crate) use gains::{BEARING, COUPLING, NOISE_HEADING_RAD, lateral_pair, turning_limits};
 pub use hand_over::Remaining;

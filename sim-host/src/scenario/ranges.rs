@@ -3,7 +3,7 @@
 use super::file::{File, MotionKeys, PoseKeys, Profile, Start};
 use super::source::{Checked, Source};
 use crate::motion::ReferenceMotion;
-use controller_core::motion::FARTHEST_M;
+use controller_core::types::FARTHEST_M;
 use controller_core::types::Pose;
 
 /// Largest coordinate \[m, rad\]: that of goals.
