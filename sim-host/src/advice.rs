@@ -1,5 +1,8 @@
 //! What a user should know of a scenario or a base before the robot finds out.
+//!
+//! What front ends say is [`of_base`] where a base is loaded, and [`of_job`] of what is to be run.
 
+use crate::job::Job;
 use crate::mission::{BaseSpec, Change, Course, Hardware, Mission, Route};
 use crate::motion::ReferenceMotion;
 use crate::numbers::digits;
@@ -11,6 +14,76 @@ use controller_core::paper::stability::{
 use controller_core::tuning::motion::margins;
 use controller_core::wheels::WheelGeometry;
 use std::f64::consts::TAU;
+use std::fmt;
+
+/// A sentence for the owner of a file. Its `Display` is the line for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Advice {
+    /// What to change in a base's file, which it names.
+    Note(String),
+    /// What can be, but hardly is meant.
+    Warning {
+        /// Of which base or scenario.
+        of: String,
+        /// The sentence.
+        text: String,
+    },
+}
+
+impl Advice {
+    fn warnings(of: &str, texts: Vec<String>) -> impl Iterator<Item = Self> {
+        texts.into_iter().map(move |text| Self::Warning {
+            of: of.to_owned(),
+            text,
+        })
+    }
+
+    /// The sentence alone.
+    pub fn text(&self) -> &str {
+        match self {
+            Self::Note(text) | Self::Warning { text, .. } => text,
+        }
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Note(text) => write!(f, "note: {text}"),
+            Self::Warning { of, text } => write!(f, "warning: {of}: {text}"),
+        }
+    }
+}
+
+/// What is to be said of a base, whatever it is to do.
+pub fn of_base(base: &BaseSpec) -> Vec<Advice> {
+    let notes = base.notes.iter().cloned().map(Advice::Note);
+    notes
+        .chain(Advice::warnings(&base.name, base_warnings(base)))
+        .collect()
+}
+
+/// What is to be said of a scenario with a controller of the paper.
+pub fn of_scenario(scenario: &Scenario) -> Vec<Advice> {
+    Advice::warnings(&scenario.name, warnings(scenario)).collect()
+}
+
+/// What is to be said of a mission beside what [`of_base`] says of its base.
+pub fn of_mission(mission: &Mission) -> Vec<Advice> {
+    Advice::warnings(&mission.name, mission_warnings(mission)).collect()
+}
+
+/// All that is to be said of a job, its base included.
+pub fn of_job(job: &Job) -> Vec<Advice> {
+    match job {
+        Job::Scenario(scenario) => of_scenario(scenario),
+        Job::Mission { mission, .. } => {
+            let mut advice = of_base(&mission.base);
+            advice.extend(of_mission(mission));
+            advice
+        }
+    }
+}
 
 /// Warnings about headings, gains and speeds, each one sentence.
 ///
@@ -75,9 +148,12 @@ pub fn period_warning(base: &BaseSpec, period_s: f64) -> Option<String> {
 }
 
 /// Warnings about a mission, each one sentence.
-pub fn mission_warnings(mission: &Mission) -> Vec<String> {
-    let period = period_warning(&mission.base, mission.period_s);
+fn mission_warnings(mission: &Mission) -> Vec<String> {
+    let Mission { base, period_s, .. } = mission;
+    // The base's own is said of the base.
+    let period = (*period_s != base.period_s()).then(|| period_warning(base, *period_s));
     period
+        .flatten()
         .into_iter()
         .chain(heading_warning(&headings(mission)))
         .collect()
@@ -140,7 +216,7 @@ const RUBBER_M_S2: f64 = 20.0;
 const HEADING_RAD: f64 = 0.5;
 
 /// Warnings about a base that can be, but hardly is meant as its file has it; each one sentence.
-pub fn base_warnings(base: &BaseSpec) -> Vec<String> {
+fn base_warnings(base: &BaseSpec) -> Vec<String> {
     let mut warnings = Vec::new();
     // Wheels turn the rotors of their motors along.
     let (robot, limits) = (&base.robot_with_rotors(), &base.limits);
@@ -174,6 +250,7 @@ pub fn base_warnings(base: &BaseSpec) -> Vec<String> {
         warnings.extend(stuck(hardware, limits.wheel_torque_nm));
         warnings.extend(arrives_anywhere(hardware, wheels));
     }
+    warnings.extend(period_warning(base, base.period_s()));
     warnings
 }
 

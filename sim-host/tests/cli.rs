@@ -480,6 +480,39 @@ fn headings_of_more_than_a_turn_are_warned_of() {
     }
 }
 
+/// What is odd about a base and what to change in its file is said by whatever takes it, however it is named; of a scenario by whatever takes that.
+#[test]
+fn the_same_is_said_whatever_takes_a_file() {
+    let here = directory();
+    let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let odd = base.replace("static_nm = 0.06", "static_nm = 0.81");
+    let odd = odd.replace("longitudinal = ", "along = ");
+    fs::write(here.path().join("odd.toml"), odd).expect("written");
+    let by_name = BY_NAME.replace("hobby-1kg", "odd.toml");
+    let by_name = format!("{by_name}theta = 90\n");
+    fs::write(here.path().join("by.toml"), by_name).expect("written");
+    let gaps: &str = &gaps();
+    let of_base = [
+        "note: odd.toml: `gains.along` is `gains.longitudinal` now; the old name is read for one release more",
+        "warning: 1 kg hobby base: friction.static_nm = 0.81 N m is not less than the 0.803 N m that a motor gives at rest: the base does not move",
+    ];
+    let of_scenario = "warning: by: goal.theta = 90 is more than a turn: headings are in rad, and 90° are 1.5708 rad";
+    for (arguments, scenario) in [
+        (&["constants", "odd.toml"][..], None),
+        (&["check", gaps, "--base", "odd.toml"], None),
+        (&["compile", gaps, "--base", "odd.toml"], None),
+        (&["run", gaps, "--base", "odd.toml"], None),
+        (&["check", "by.toml"], Some(of_scenario)),
+        (&["run", "by.toml"], Some(of_scenario)),
+        (&["compare", "by.toml"], Some(of_scenario)),
+    ] {
+        let said = text(&sim_host(here.path(), arguments).stderr);
+        let lines = said.lines().filter(|line| !line.starts_with("error: "));
+        let expected: Vec<_> = of_base.into_iter().chain(scenario).collect();
+        assert_eq!(lines.collect::<Vec<_>>(), expected, "{arguments:?}");
+    }
+}
+
 #[test]
 fn a_bad_file_is_an_error_with_file_line_and_key() {
     let here = directory();

@@ -1,11 +1,11 @@
 //! What a robot is to do.
 
-use crate::robot::Robot;
+use crate::robot::{Robot, texts};
 use crate::trajectory::{Trajectory, retiming};
 use crate::{arguments, error};
 use controller_core::types::{Measured, Pose, Twist};
 use pyo3::prelude::*;
-use sim_host::advice::{period_warning, warnings};
+use sim_host::advice::of_job;
 use sim_host::drive::FileRun;
 use sim_host::job::{Content, Job};
 use sim_host::mission::{BaseSpec, Course, End, Mission as Plan, check_length};
@@ -307,13 +307,7 @@ impl Mission {
     /// What a user should know before the robot finds out.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        match &*self.job {
-            Job::Scenario(scenario) => warnings(scenario),
-            Job::Mission { mission, .. } => {
-                let warning = period_warning(&mission.base, mission.period_s);
-                mission.base.notes.iter().cloned().chain(warning).collect()
-            }
-        }
+        texts(&of_job(&self.job))
     }
 
     fn __repr__(&self) -> String {

@@ -3,6 +3,7 @@
 use crate::{error, sheet};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use sim_host::advice::{Advice, of_base};
 use sim_host::constants;
 use sim_host::job::RobotFile;
 use sim_host::mission::BaseSpec;
@@ -60,6 +61,11 @@ pub fn numbers<'py>(
     Ok(dict)
 }
 
+/// Sentences for people.
+pub fn texts(advice: &[Advice]) -> Vec<String> {
+    advice.iter().map(|a| a.text().to_owned()).collect()
+}
+
 #[pymethods]
 impl Robot {
     /// A file if there is one, else a shipped robot of that name.
@@ -106,6 +112,12 @@ impl Robot {
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.file.base.notes.clone()
+    }
+
+    /// What a user should know before the robot finds out, notes included.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        texts(&of_base(&self.file.base))
     }
 
     #[getter]

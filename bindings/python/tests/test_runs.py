@@ -131,6 +131,14 @@ def test_laws_and_worlds_can_be_chosen() -> None:
     for period_s, warned in ((0.01, False), (0.5, True)):
         warnings = twb.Mission.park((0, 0, 0), (1, 0, 0), period_s=period_s).warnings
         assert any("a period of 0.5 s" in warning for warning in warnings) == warned, warnings
+    lab = twb.Robot.load("lab-10kg")
+    assert not lab.warnings
+    stuck = lab.text.replace("static_nm = 0.35", "static_nm = 9.0").replace("\nlateral = ", "\nacross = ")
+    told = twb.Robot.parse(stuck).warnings
+    assert len(told) == 2 and "`gains.lateral`" in told[0] and "does not move" in told[1], told
+    assert twb.Mission.park((0, 0, 7), (1, 0, 0), robot=twb.Robot.parse(stuck)).warnings[:2] == told
+    turned = twb.Mission.park((0, 0, 7), (1, 0, 0), robot=lab).warnings
+    assert len(turned) == 1 and "start.theta = 7 is more than a turn" in turned[0], turned
 
 
 BAD_GAIN = twb.Robot.load("lab-10kg").text.replace("\nheading = ", "\nheading = -")

@@ -14,6 +14,7 @@ use controller_core::safety::supervisor::State;
 use controller_core::wheels::WheelMap;
 use protocol::{BaseTick, Command, FieldParams, Hello, Telemetry, WireTwist};
 use ros2_client::RmwRequestId;
+use sim_host::advice::of_base;
 use sim_host::closed_loop;
 use sim_host::constants::period_us;
 use sim_host::datalog::Sample;
@@ -21,6 +22,7 @@ use sim_host::datalog::messages::{diagnosis, header, joints, odometry, transform
 use sim_host::job::{JobError, RobotFile};
 use sim_host::mission::BaseSpec;
 use sim_host::monitor::{LatestTelemetry, Monitor, MonitorError, Port, Received};
+use sim_host::plain_text::written_out;
 use sim_host::ros::messages::{DiagnosticArray, DiagnosticStatus, TfMessage, Time};
 use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -66,6 +68,9 @@ pub enum BridgeError {
 /// [`BridgeError`].
 pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
     let base = RobotFile::load(&args.base)?.base;
+    for advice in of_base(&base) {
+        eprintln!("{}", written_out(&advice.to_string()));
+    }
     let params = closed_loop::params(&base, period_us(&base))?;
     let field = FieldParams::from(&params);
     let settings = Settings {

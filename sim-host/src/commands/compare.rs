@@ -2,8 +2,9 @@
 
 use super::error::CommandError;
 use super::write::Writer;
-use super::{drive_alone, say, simulate, warn};
+use super::{advise, advise_of, drive_alone, say, simulate};
 use crate::cli::{LawArg, Output};
+use sim_host::advice::{of_mission, of_scenario};
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::job::Job;
@@ -61,15 +62,18 @@ fn runs_of(
 ) -> Result<Vec<Finished>, CommandError> {
     match job {
         Job::Scenario(scenario) if laws.is_empty() => {
-            warn(scenario);
+            advise(&of_scenario(scenario));
             Ok(vec![simulate(scenario)?])
         }
         Job::Scenario(scenario) => laws.iter().map(|&law| under(scenario, law, base)).collect(),
-        Job::Mission { mission, .. } => {
+        Job::Mission { mission, file } => {
             match laws.iter().find(|&&law| law != LawArg::Motion) {
                 // What the paper's laws know of limits, worlds and events is nothing.
                 Some(_) => Err(CommandError::OnlyMotion(mission.name.clone())),
-                None => Ok(vec![drive_alone(mission)?]),
+                None => {
+                    advise_of(mission, file.as_ref());
+                    Ok(vec![drive_alone(mission)?])
+                }
             }
         }
     }
@@ -86,12 +90,14 @@ fn under(
         LawArg::Plain => ControlLaw::Plain,
         LawArg::Motion => {
             let base = base.cloned().unwrap_or_else(|| scenario.believed_base());
-            return drive_alone(&scenario.mission(base));
+            let mission = scenario.mission(base);
+            advise(&of_mission(&mission));
+            return drive_alone(&mission);
         }
     };
     let scenario = scenario.with_law(kind);
     if law == LawArg::Neural {
-        warn(&scenario);
+        advise(&of_scenario(&scenario));
     }
     simulate(&scenario)
 }

@@ -3,32 +3,28 @@
 use super::error::CommandError;
 use super::log::{finish, started};
 use super::write::Writer;
-use super::{note, note_named, say, warn_of};
+use super::{advise, advise_of, robot, say};
 use crate::cli::Output;
 use crate::drive_args::{DriveArgs, TrajectoryArgs};
 use crate::log_args::LogArgs;
+use sim_host::advice::of_job;
 use sim_host::csv_out::Columns;
 use sim_host::drive::{ChipTable, DriveMetrics, summary, trajectory};
 use sim_host::figure::Labelled;
 use sim_host::import::FileVerdict;
-use sim_host::job::{Content, Job, RobotFile, Trajectory};
+use sim_host::job::{Content, Job, Trajectory};
 use sim_host::mission::{BaseSpec, Mission};
 use sim_host::pil::BaseCost;
 use sim_host::plain_text::written_out;
 use sim_host::record::{ChipRecord, DriveRecord};
 use sim_host::run;
-use sim_host::scenario::Scenario;
 use sim_host::trace::Trace;
 use std::path::Path;
 
 /// A base's file, a built-in base, or the default one.
 pub fn base(file: Option<&Path>) -> Result<BaseSpec, CommandError> {
     match file {
-        Some(file) => {
-            let base = RobotFile::load(file)?.base;
-            note_named(&base);
-            Ok(base)
-        }
+        Some(file) => Ok(robot::load(file)?.base),
         None => Ok(BaseSpec::default()),
     }
 }
@@ -69,15 +65,13 @@ pub fn announce(mission: &Mission, file: Option<&Trajectory>) -> Result<(), Comm
         "{}: {}\n",
         mission.name, mission.description
     )))?;
-    warn_of(mission);
+    advise_of(mission, file);
     if let Some(Trajectory { scaling, read }) = file {
         say(&format!(
             "{}\nbase       {}: {scaling}\n",
             FileVerdict(Ok(read)),
             mission.base.name
         ))?;
-    } else {
-        note(&mission.base);
     }
     if mission.setup.is_none() {
         say(
@@ -147,13 +141,11 @@ fn judged(file: &Path, arguments: &TrajectoryArgs, base: &BaseSpec) -> (String, 
         Err(error) => return (format!("verdict    refused\n  {error}"), false),
         Ok(Content::Trajectory { bytes, .. }) => bytes,
         Ok(Content::Scenario { file, text }) => {
-            let parsed = if Mission::is_motion(&text) {
-                Mission::parse(&file, &text).map(|_| ())
-            } else {
-                Scenario::parse(&file, &text).map(|_| ())
-            };
-            return match parsed {
-                Ok(()) => ("format     scenario\nverdict    in order".to_owned(), true),
+            return match Job::parse(&file, &text) {
+                Ok(job) => {
+                    advise(&of_job(&job));
+                    ("format     scenario\nverdict    in order".to_owned(), true)
+                }
                 Err(error) => (
                     format!("format     scenario\nverdict    refused\n{error}"),
                     false,

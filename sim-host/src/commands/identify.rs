@@ -3,10 +3,11 @@
 use super::drive::base;
 use super::error::CommandError;
 use super::identify_live as live;
-use super::say;
 use super::write::Writer;
+use super::{advise, say};
 use crate::cli::{IdentifyArgs, Output};
 use serde::Serialize;
+use sim_host::advice::of_base;
 use sim_host::identify::coverage::{self, Rate};
 use sim_host::identify::profile::{self, Updated};
 use sim_host::identify::{Identified, Known, Log, LogError, Options, Topics, identify, report};
@@ -159,7 +160,10 @@ fn update(path: &Path, found: &Identified, gear: Option<f64>) -> Result<(), Comm
     }
     // The numbers are the robot's all the same; what contradicts them is for its owner to change.
     match BaseSpec::load(path) {
-        Ok(_) => Ok(()),
+        Ok(base) => {
+            advise(&of_base(&base));
+            Ok(())
+        }
         Err(error) => say(&format!("note: this is not a whole base yet: {error}\n")),
     }
 }

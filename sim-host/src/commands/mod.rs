@@ -24,10 +24,11 @@ mod write;
 
 use crate::cli::{Cli, Command, LawArg};
 use error::CommandError;
-use sim_host::advice::{base_warnings, mission_warnings, period_warning, warnings};
+use sim_host::advice::{Advice, of_base, of_mission};
 use sim_host::campaign::{Campaign, Robots};
 use sim_host::datalog::check_name;
-use sim_host::mission::{BaseSpec, Mission};
+use sim_host::job::Trajectory;
+use sim_host::mission::Mission;
 use sim_host::plain_text::written_out;
 use sim_host::record::Finished;
 use sim_host::robustness::Robustness;
@@ -139,7 +140,6 @@ fn simulate(scenario: &Scenario) -> Result<Finished, CommandError> {
 }
 
 fn drive_alone(mission: &Mission) -> Result<Finished, CommandError> {
-    warn_of(mission);
     let trace = sim_host::run::drive(mission)?;
     Finished::mission(mission, trace).ok_or(CommandError::NoRows)
 }
@@ -159,36 +159,17 @@ pub fn tell(text: &str) {
     let _ = std::io::stderr().write_all(written_out(text).as_bytes());
 }
 
-/// Tells what the owner of a base's file should change in it.
-fn note(base: &BaseSpec) {
-    for note in &base.notes {
-        tell(&format!("note: {note}\n"));
+/// Tells what a user should know before the robot finds out.
+fn advise(advice: &[Advice]) {
+    for sentence in advice {
+        tell(&format!("{sentence}\n"));
     }
 }
 
-/// As [`note`], of a base that was named, and what is unlikely about it.
-fn note_named(base: &BaseSpec) {
-    note(base);
-    for warning in base_warnings(base) {
-        tell(&format!("warning: {}: {warning}\n", base.name));
+/// As [`advise`], of what is about to be driven. The base of a trajectory `file` had its part where it was loaded.
+fn advise_of(mission: &Mission, file: Option<&Trajectory>) {
+    if file.is_none() {
+        advise(&of_base(&mission.base));
     }
-}
-
-/// Warns of a period that is too long for a base's gains.
-fn warn_of_period(name: &str, base: &BaseSpec, period_s: f64) {
-    if let Some(warning) = period_warning(base, period_s) {
-        tell(&format!("warning: {name}: {warning}\n"));
-    }
-}
-
-fn warn_of(mission: &Mission) {
-    for warning in mission_warnings(mission) {
-        tell(&format!("warning: {}: {warning}\n", mission.name));
-    }
-}
-
-fn warn(scenario: &Scenario) {
-    for warning in warnings(scenario) {
-        tell(&format!("warning: {}: {warning}\n", scenario.name));
-    }
+    advise(&of_mission(mission));
 }

@@ -4,10 +4,11 @@ use super::drive::{self, Done};
 use super::error::CommandError;
 use super::log::watched;
 use super::write::Writer;
-use super::{say, tell, warn};
+use super::{advise, say, tell};
 use crate::cli::Output;
 use crate::log_args::LogArgs;
 use firmware_demo::host::{LinkKind, Machine};
+use sim_host::advice::of_scenario;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::job::Job;
@@ -131,7 +132,7 @@ fn law(
     let image = bench.footprint()?;
     let (mut exact, mut total) = (true, Total::default());
     for &scenario in scenarios {
-        warn(scenario);
+        advise(&of_scenario(scenario));
         note(scenario);
         let log = log(&scenario.name);
         let flight = watched(&log, Columns::Paper, &scenario.name, |watch| {

@@ -3,9 +3,10 @@
 use super::error::CommandError;
 use super::log::{finish, started};
 use super::write::Writer;
-use super::{drive, say, warn};
+use super::{advise, drive, say};
 use crate::cli::Output;
 use crate::log_args::LogArgs;
+use sim_host::advice::of_scenario;
 use sim_host::csv_out::Columns;
 use sim_host::figure::Labelled;
 use sim_host::job::Job;
@@ -44,7 +45,7 @@ fn paper(
     (csv, log): (bool, &LogArgs),
     writer: &Writer<'_>,
 ) -> Result<(), CommandError> {
-    warn(scenario);
+    advise(&of_scenario(scenario));
     let (trace, pending) = started(log, Columns::Paper, &scenario.name, |watch| {
         run_watched(scenario, watch)
     })?;
