@@ -892,10 +892,18 @@ fn a_robot_without_poses_is_neither_tuned_nor_verified() {
             let said = String::from_utf8_lossy(&output.stderr);
             assert!(
                 said.starts_with("error: blind.toml:1: pose_source: is missing: ")
-                    && said.contains(asked),
+                    && said.contains(asked)
+                    && said.contains("`faults ROBOT.toml`"),
                 "{said}"
             );
             assert!(output.stdout.is_empty() && !here.path().join("out").exists());
         }
     }
+    // What is advised is so: these keys suffice, and faults need none of them.
+    fs::write(here.path().join("blind.toml"), &blind).expect("written");
+    succeeds(here.path(), &["faults", "blind.toml", "--runs", "3"]);
+    let keys = "rate_hz = 20.0\nlatency_s = 0.02\nnoise_m = 0.005\nnoise_rad = 0.005\n";
+    let seeing = format!("{blind}\n[pose_source]\n{keys}");
+    fs::write(here.path().join("seeing.toml"), seeing).expect("written");
+    succeeds(here.path(), &["verify", "seeing.toml", "--seeds", "1"]);
 }

@@ -48,8 +48,9 @@ pub(crate) fn check_poses(robot: &RobotFile, asked: &str) -> Result<(), Scenario
         return Ok(());
     }
     let message = format!(
-        "is missing: {asked}, and encoders alone do not tell a base where that is, whatever its gains are; state \
-         rate, age and noise of its localisation"
+        "is missing: {asked}, and encoders alone do not tell a base where that is, whatever its gains are. Append \
+         [pose_source] with rate_hz, latency_s, noise_m and noise_rad of its localisation; bases/lab-10kg.toml has \
+         those of a camera. A robot that has none is tested by `faults ROBOT.toml`, and its gains follow from [limits]"
     );
     let (file, text) = (&robot.file, &robot.text);
     Err(ScenarioError::of_key(file, text, "pose_source", &message))
