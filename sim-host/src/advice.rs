@@ -7,6 +7,7 @@ use crate::mission::{BaseSpec, Change, Course, Hardware, Mission, Route};
 use crate::motion::ReferenceMotion;
 use crate::numbers::digits;
 use crate::scenario::{ControlLaw, Scenario};
+use crate::trials;
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
     longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
@@ -248,6 +249,7 @@ fn base_warnings(base: &BaseSpec) -> Vec<String> {
     }
     if let Some(hardware) = base.hardware.as_ref() {
         warnings.extend(stuck(hardware, limits.wheel_torque_nm));
+        warnings.extend(coarse_encoders(hardware, wheels));
         warnings.extend(arrives_anywhere(hardware, wheels));
     }
     warnings.extend(period_warning(base, base.period_s()));
@@ -271,6 +273,21 @@ fn stuck(hardware: &Hardware, wheel_torque_nm: f64) -> Option<String> {
         format!(
             "friction.static_nm = {static_nm} N m is not less than limits.wheel_torque = {wheel_torque_nm} N m: wheels break loose with a jerk or \
              not at all"
+        )
+    })
+}
+
+/// One count more on one wheel turns the base out of what `verify` asks for. Bases of 1 and 10 kg with 90 counts a turn, 17 and 15 mrad each, fail
+/// in 10 of 72 runs, none with 180.
+pub(crate) fn coarse_encoders(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Option<String> {
+    let counts = hardware.counts_per_turn;
+    let way_m = TAU * wheels.radius_right_m.max(wheels.radius_left_m) / counts;
+    let turn_rad = way_m / wheels.track_m;
+    (turn_rad > trials::HEADING_RAD || way_m > trials::DISTANCE_M).then(|| {
+        format!(
+            "[encoder] counts_per_turn = {counts}: one count is {:.1} mm of a wheel's way and turns the base by {:.1} mrad",
+            1e3 * way_m,
+            1e3 * turn_rad
         )
     })
 }

@@ -829,6 +829,12 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "counts_per_turn = 1.0",
             "encoder.counts_per_turn = 1: the base takes any place within ",
         ),
+        // 2 pi 35 mm/44, over 140 mm.
+        (
+            "counts_per_turn = 2048.0",
+            "counts_per_turn = 44.0",
+            "[encoder] counts_per_turn = 44: one count is 5.0 mm of a wheel's way and turns the base by 35.7 mrad",
+        ),
         (
             "static_nm = 0.06",
             "static_nm = 0.81",

@@ -19,6 +19,11 @@ use crate::scenario::ScenarioError;
 use crate::trace::Trace;
 use crate::world::WorldSetup;
 
+/// Largest true distance to the goal at the end \[m\].
+pub const DISTANCE_M: f64 = 5.0e-3;
+/// Largest true heading error at the end \[rad\].
+pub const HEADING_RAD: f64 = 10.0e-3;
+
 /// Runs a mission in a world and observes the base at rest for [`REST_S`].
 ///
 /// # Errors

@@ -16,18 +16,16 @@ pub use part::VerifyStudy;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{case_table, verdict};
 
+use crate::advice::coarse_encoders;
 use crate::job::RobotFile;
 use crate::mission::{BaseSpec, Drivers, Hardware};
 use crate::scenario::ScenarioError;
 use crate::trials::{self, Condition, Course, Figures};
 use controller_core::maths::Libm;
 use controller_core::wheels::WheelGeometry;
-use std::f64::consts::TAU;
 
-/// Largest true distance to the goal \[m\].
-pub const DISTANCE_M: f64 = 5.0e-3;
-/// Largest true heading error \[rad\].
-pub const HEADING_RAD: f64 = 10.0e-3;
+pub use crate::trials::{DISTANCE_M, HEADING_RAD};
+
 /// What largest and least torque of a wheel at rest may differ by, over its limit.
 pub const RIPPLE: f64 = 0.01;
 
@@ -55,21 +53,6 @@ pub fn likely_causes(base: &BaseSpec) -> Vec<String> {
         ]
     });
     causes.into_iter().flatten().flatten().collect()
-}
-
-/// One count more on one wheel turns the base out of tolerance. Bases of 1 and 10 kg with 90 counts a turn, 17 and 15 mrad each, fail in
-/// 10 of 72 runs, none with 180.
-fn coarse_encoders(hardware: &Hardware, wheels: &WheelGeometry<f64>) -> Option<String> {
-    let counts = hardware.counts_per_turn;
-    let way_m = TAU * wheels.radius_right_m.max(wheels.radius_left_m) / counts;
-    let turn_rad = way_m / wheels.track_m;
-    (turn_rad > HEADING_RAD || way_m > DISTANCE_M).then(|| {
-        format!(
-            "[encoder] counts_per_turn = {counts}: one count is {:.1} mm of a wheel's way and turns the base by {:.1} mrad",
-            1e3 * way_m,
-            1e3 * turn_rad
-        )
-    })
 }
 
 /// The tolerance of arrival that follows from the noise, and the noise that the filter leaves on top of it, are more than is asked. With poses of
