@@ -223,6 +223,8 @@ LOG = {"t": [1.0], "angle_right": [0.0], "angle_left": [0.0]}
         (lambda: twb.missions(start=(0, 0, 0), goal=(1, 0, 0), seed=np.array([-1])), "seed", "0 to"),
         (lambda: twb.missions(start=(0, 0, 0), goal=(1, 0, 0), seed=[[1]]), "seed", "a row"),
         (lambda: twb.Mission.park((0, 0, 0), (1, 0, 0), seed=-1), "seed", "18446744073709551615"),
+        (lambda: twb.Mission.park((0, 0, 0), (1, 0, 0), longest_s=0), "longest_s", "at least one control period"),
+        (lambda: twb.Mission.park((0, 0, 0), (1, 0, 0), longest_s=math.nan), "longest_s", "a finite number"),
         # Traces that no machine has the memory for.
         (
             lambda: twb.simulate(start=(0, 0, 0), goal=(1, 0, 0), longest_s=1e4, period_s=1e-4),

@@ -5,7 +5,7 @@ use crate::import::{
     format, import,
 };
 use crate::mission::{
-    BaseSpec, Course, End, HandOverRule, Mission, Route, TooLong, When, check_length,
+    BaseSpec, Course, End, HandOverRule, LengthError, Mission, Route, When, check_length,
 };
 use crate::numbers::{least, most};
 use crate::precision::Precision;
@@ -104,9 +104,9 @@ pub enum FileError {
     /// An option is out of its range.
     #[error("{} must be a number in {} to {}", .0, least(*.1), most(*.2))]
     Option(&'static str, f64, f64),
-    /// The run would not fit a small machine's memory.
+    /// The run is shorter than a tick, or would not fit a small machine's memory.
     #[error("the run {0}")]
-    TooLong(#[from] TooLong),
+    Length(#[from] LengthError),
 }
 
 /// How long parking may take before a run is given up \[s\].

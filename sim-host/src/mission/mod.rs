@@ -50,18 +50,27 @@ pub struct Mission {
 /// Longest run, in control periods: the trace of a longer one would not fit a small machine's memory.
 pub const MAX_TICKS: f64 = 2.0e6;
 
-/// A run longer than [`MAX_TICKS`]; its `Display` goes on after what the run's length is called.
+/// A length that no run has; its `Display` goes on after what the run's length is called.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("is {0:.0} control periods; at most {MAX_TICKS:.0} are kept: choose a longer period")]
-pub struct TooLong(f64);
+pub enum LengthError {
+    /// Not a tick, or no number.
+    #[error("must be a finite number and at least one control period")]
+    NoTick,
+    /// More than [`MAX_TICKS`].
+    #[error("is {0:.0} control periods; at most {MAX_TICKS:.0} are kept: choose a longer period")]
+    TooLong(f64),
+}
 
 /// # Errors
-/// A run longer than [`MAX_TICKS`].
-pub fn check_length(longest_s: f64, period_s: f64) -> Result<(), TooLong> {
+/// A run of less than one tick or more than [`MAX_TICKS`].
+pub fn check_length(longest_s: f64, period_s: f64) -> Result<(), LengthError> {
     let ticks = longest_s / period_s;
-    match ticks <= MAX_TICKS {
-        true => Ok(()),
-        false => Err(TooLong(ticks)),
+    if !(ticks.is_finite() && longest_s >= period_s) {
+        Err(LengthError::NoTick)
+    } else if ticks > MAX_TICKS {
+        Err(LengthError::TooLong(ticks))
+    } else {
+        Ok(())
     }
 }
 

@@ -85,11 +85,6 @@ pub(super) fn timing(keys: &file::Run, max_tick: f64, place: &Source<'_>) -> Che
         let message = format!("is above controller.max_tick = {max_tick} s");
         return Err(place.error("run.period", message));
     }
-    let ticks = duration / period;
-    if !(ticks.is_finite() && duration >= period) {
-        let message = "must be a finite number and at least one run.period";
-        return Err(place.error("run.duration", message));
-    }
     let length = check_length(duration, period);
     length.map_err(|error| place.error("run.duration", error))?;
     Ok((duration, period))
