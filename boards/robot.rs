@@ -1,7 +1,7 @@
-//! Robot constants: 1.5 kg bring-up base
-//!
-//! Made by `sim-host constants` from `robot.toml`: change that file, not this one. SI units, radians; what a field is
-//! stands at its type.
+// Robot constants: 1.5 kg bring-up base
+//
+// Made by `sim-host constants` from `robot.toml`: change that file, not this one. SI units, radians; what a field is
+// stands at its type.
 
 use controller_core::base::BaseParams;
 use controller_core::localiser::LocaliserParams;

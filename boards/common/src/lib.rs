@@ -18,7 +18,7 @@ mod supply;
 
 /// The robot that is driven, as `sim-host constants` writes it.
 pub mod robot {
-    include!(concat!(env!("OUT_DIR"), "/robot.rs"));
+    include!(env!("ROBOT_CONSTANTS"));
 }
 
 pub use base::{BoardBase, Halves, Parts, StartError, start};

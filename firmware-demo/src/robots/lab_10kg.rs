@@ -1,7 +1,7 @@
-//! Robot constants: 10 kg lab base
-//!
-//! Made by `sim-host constants` from `lab-10kg.toml`: change that file, not this one. SI units, radians; what a field is
-//! stands at its type.
+// Robot constants: 10 kg lab base
+//
+// Made by `sim-host constants` from `lab-10kg.toml`: change that file, not this one. SI units, radians; what a field is
+// stands at its type.
 
 use controller_core::base::BaseParams;
 use controller_core::localiser::{FusionParams, LocaliserParams};

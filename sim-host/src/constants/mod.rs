@@ -52,7 +52,7 @@ pub fn period_us(base: &BaseSpec) -> u32 {
     (1.0e6 * base.period_s()).round() as u32
 }
 
-/// The file: `PERIOD_US` and `BASE`, as rustfmt leaves it. `source` is the name of the robot's file.
+/// The file: `PERIOD_US` and `BASE`, as rustfmt leaves it, for a module of its own: `mod robot;`, or `include!` in one, which takes no `//!`. `source` is the name of the robot's file.
 ///
 /// # Errors
 /// Parameters that the core refuses.
@@ -77,10 +77,10 @@ pub fn rust(source: &str, base: &BaseSpec) -> Result<String, ConstantsError> {
     let jump = params.motion.jump.map_or("", |_| "JumpThreshold, ");
     Ok(format!(
         "\
-//! Robot constants: {name}
-//!
-//! Made by `sim-host constants` from `{source}`: change that file, not this one. SI units, radians; what a field is
-//! stands at its type.
+// Robot constants: {name}
+//
+// Made by `sim-host constants` from `{source}`: change that file, not this one. SI units, radians; what a field is
+// stands at its type.
 
 use controller_core::base::BaseParams;
 {gyro}use controller_core::localiser::{localiser};
