@@ -237,6 +237,42 @@ fn samples_of_2027_are_the_same_reference() -> Outcome {
     Ok(())
 }
 
+/// A table from rest to rest, 2 m in 8 s and no faster than 0.47 m/s: its columns are used if its poses bear them out.
+#[test]
+fn columns_of_a_table_that_contradict_its_poses_are_not_used() -> Outcome {
+    let contradicting = |noise: f64, stated: fn(f64) -> [f64; 2]| {
+        let mut text = "t,x,y,theta,v,w\n".to_owned();
+        for i in 0..=200_u32 {
+            let u = f64::from(i) / 200.0;
+            let x = 2.0 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+            let off = if i % 2 == 0 { noise } else { -noise };
+            let [v, w] = stated(7.5 * (u * (1.0 - u)).powi(2));
+            text += &format!("{},{},{off},0,{v},{w}\n", 8.0 * u, x + off);
+        }
+        let options = Options {
+            tube_m: Some(0.05),
+            ..Options::default()
+        };
+        let read = import(text.as_bytes(), &options)?;
+        let columns = read
+            .repairs()
+            .iter()
+            .filter_map(|repair| match repair.what {
+                Fix::ColumnContradicts { column, .. } => Some(column),
+                _ => None,
+            });
+        Ok::<_, Box<dyn Error>>(columns.collect::<Vec<_>>())
+    };
+    assert!(contradicting(0.0, |v| [v, 0.0])?.is_empty());
+    assert_eq!(contradicting(0.0, |_| [5.0, 0.0])?, ["v"]);
+    assert_eq!(contradicting(0.0, |v| [v, 1.0])?, ["w"]);
+    assert_eq!(contradicting(0.0, |_| [-0.3, 1.0])?, ["v", "w"]);
+    // Of a localiser, 0.25 m/s to and fro from pose to pose.
+    assert!(contradicting(5.0e-3, |v| [v, 0.0])?.is_empty());
+    assert_eq!(contradicting(5.0e-3, |_| [5.0, 0.0])?, ["v"]);
+    Ok(())
+}
+
 /// Lines end in LF, CR LF or, of old programs, CR, also after a comment; they are counted alike.
 #[test]
 fn line_ends_make_no_difference() -> Outcome {

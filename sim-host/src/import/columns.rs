@@ -1,9 +1,11 @@
-//! Whether the columns of a file hold what their names say: between versions of Choreo's schema some moved.
+//! Whether the columns of a file hold what their names say: between versions of Choreo's schema some moved, and tables are of
+//! anybody's making.
 //!
 //! Each column is compared with what it is the derivative or the cause of. The reference itself is
 //! built from time and poses, so a shifted column costs nothing but a line in the verdict.
 
-use super::raw::wrap;
+use super::noise::Noise;
+use super::raw::{RawSample, wrap};
 use super::refusal::Place;
 use super::repair::{Fix, Repairs};
 
@@ -17,6 +19,8 @@ const SLACK: f64 = 0.05;
 /// The comparable columns.
 pub(super) struct Columns {
     rows: Vec<Row>,
+    /// By how far two poses may lie apart by noise: ahead \[m\], and in heading \[rad\].
+    noise: [f64; 2],
 }
 
 struct Row {
@@ -25,8 +29,8 @@ struct Row {
     x: f64,
     y: f64,
     heading: f64,
-    vl: f64,
-    vr: f64,
+    vl: Option<f64>,
+    vr: Option<f64>,
     omega: Option<f64>,
     al: Option<f64>,
     ar: Option<f64>,
@@ -69,8 +73,8 @@ impl Columns {
                     x,
                     y,
                     heading,
-                    vl: vl.unwrap_or(0.0),
-                    vr: vr.unwrap_or(0.0),
+                    vl: vl.or(Some(0.0)),
+                    vr: vr.or(Some(0.0)),
                     omega,
                     al,
                     ar,
@@ -79,7 +83,33 @@ impl Columns {
                 }
             })
             .collect();
-        Self { rows }
+        Self {
+            rows,
+            noise: [0.0; 2],
+        }
+    }
+
+    /// Rows of a table, whose poses may be recorded. What it does not state contradicts nothing.
+    fn of_samples(samples: &[RawSample]) -> Self {
+        let rows = samples.iter().map(|sample| Row {
+            place: sample.place.clone(),
+            t: sample.t,
+            x: sample.x,
+            y: sample.y,
+            heading: sample.theta,
+            vl: sample.v,
+            vr: sample.v,
+            omega: sample.w,
+            al: None,
+            ar: None,
+            fl: None,
+            fr: None,
+        });
+        Self {
+            rows: rows.collect(),
+            // Each of the two poses may be off.
+            noise: Noise::of(samples).expected().map(|off| 2.0 * off),
+        }
     }
 
     /// Whether every row has a turn rate.
@@ -87,8 +117,13 @@ impl Columns {
         self.rows.iter().all(|r| r.omega.is_some())
     }
 
-    /// The worst row of a column: pairs (stated, derived) over intervals, compared as means.
-    fn worst(&self, pair: impl Fn(&Row, &Row, f64) -> Option<(f64, f64)>) -> Option<(usize, f64)> {
+    /// The worst row of a column: pairs (stated, derived) over intervals, compared as means. `noise` is that of what is derived,
+    /// over an interval.
+    fn worst(
+        &self,
+        noise: f64,
+        pair: impl Fn(&Row, &Row, f64) -> Option<(f64, f64)>,
+    ) -> Option<(usize, f64)> {
         let mut scale: f64 = 0.0;
         let mut worst = (0, 0.0);
         for (i, ends) in self.rows.windows(2).enumerate() {
@@ -101,11 +136,21 @@ impl Columns {
                 continue;
             };
             scale = scale.max(derived.abs());
-            if (stated - derived).abs() > worst.1 {
-                worst = (i, (stated - derived).abs());
+            let by = (stated - derived).abs() - noise / dt;
+            if by > worst.1 {
+                worst = (i, by);
             }
         }
         (worst.1 > SLACK + PART * scale).then_some(worst)
+    }
+}
+
+/// Takes speeds and turn rates from samples whose poses contradict them, and lists that.
+pub(super) fn believe(samples: &mut [RawSample], names: Names, repairs: &mut Repairs) {
+    let bad = contradictions(&Columns::of_samples(samples), names, repairs);
+    for sample in samples {
+        sample.v = sample.v.filter(|_| !bad.speeds);
+        sample.w = sample.w.filter(|_| !bad.omega);
     }
 }
 
@@ -123,20 +168,21 @@ pub(super) fn contradictions(
         }
         true
     };
-    let speeds = columns.worst(|a, b, dt| {
-        let mean = 0.25 * (a.vl + a.vr + b.vl + b.vr);
+    let [ahead, turned] = columns.noise;
+    let speeds = columns.worst(ahead, |a, b, dt| {
+        let mean = 0.25 * (a.vl? + a.vr? + b.vl? + b.vr?);
         let heading = a.heading + 0.5 * wrap(b.heading - a.heading);
         let along = (b.x - a.x) * libm::cos(heading) + (b.y - a.y) * libm::sin(heading);
         Some((mean, along / dt))
     });
-    let omega = columns.worst(|a, b, dt| {
+    let omega = columns.worst(turned, |a, b, dt| {
         let mean = 0.5 * (a.omega? + b.omega?);
         let expected = mean * dt;
         let turn = expected + wrap(b.heading - a.heading - expected);
         Some((mean, turn / dt))
     });
-    let left = columns.worst(|a, b, dt| Some((a.al?, (b.vl - a.vl) / dt)));
-    let right = columns.worst(|a, b, dt| Some((a.ar?, (b.vr - a.vr) / dt)));
+    let left = columns.worst(0.0, |a, b, dt| Some((a.al?, (b.vl? - a.vl?) / dt)));
+    let right = columns.worst(0.0, |a, b, dt| Some((a.ar?, (b.vr? - a.vr?) / dt)));
     // Newton: the forces add up to mass times mean acceleration, with one mass for all rows.
     let sums = |r: &Row| Some((r.fl? + r.fr?, 0.5 * (r.al? + r.ar?)));
     let (mut fa, mut aa) = (0.0, 0.0);
@@ -145,7 +191,7 @@ pub(super) fn contradictions(
         aa += a * a;
     }
     let mass = if aa > 0.0 { fa / aa } else { 0.0 };
-    let forces = columns.worst(|a, _, _| {
+    let forces = columns.worst(0.0, |a, _, _| {
         let (force, accel) = sums(a)?;
         (mass > 0.0).then_some((force / mass, accel))
     });

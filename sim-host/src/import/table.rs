@@ -8,7 +8,10 @@
 //! | `v` | speed, negative when backing up | m/s | no |
 //! | `w` | turn rate | rad/s | no |
 //! | `a`, `alpha` | their rates; must be numbers, the reference has its own | m/s², rad/s² | no |
+//!
+//! Speeds and turn rates that contradict the poses are not used.
 
+use super::columns::{Names, believe};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::Repairs;
@@ -77,10 +80,16 @@ pub(super) fn read(text: &str) -> Result<Raw, Refusal> {
             w,
         });
     }
+    let names = Names {
+        speeds: "v",
+        omega: "w",
+    };
+    let mut repairs = Repairs::default();
+    believe(&mut samples, names, &mut repairs);
     Ok(Raw {
         format: Format::Csv,
         samples,
-        repairs: Repairs::default(),
+        repairs,
     })
 }
 

@@ -2,7 +2,7 @@
 //! `{"samples": [{time, pose, velocity, acceleration, leftVelocity, rightVelocity}]}`, for differential drives.
 
 use super::Format;
-use super::columns::{Columns, Names, contradictions};
+use super::columns::{Columns, Names, believe, contradictions};
 use super::json::{Elements, Lenient, document, samples};
 use super::raw::{Raw, RawSample};
 use super::refusal::{Reason, Refusal};
@@ -191,6 +191,11 @@ fn read_states(text: &str) -> Result<Raw, Refusal> {
             w,
         });
     }
+    let names = Names {
+        speeds: "velocity",
+        omega: "curvature",
+    };
+    believe(&mut list, names, &mut repairs);
     Ok(Raw {
         format: Format::WpilibJson,
         samples: list,
