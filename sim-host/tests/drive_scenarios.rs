@@ -188,27 +188,27 @@ fn what_is_wrong_is_named_with_its_line() {
         (
             "x = 1\n",
             "x = 1\n[[event]]\nat = 9\nfollow = true\n",
-            "event",
+            "event[0].at",
         ),
         (
             "x = 1\n",
             "x = 1\n[[event]]\nat = 1\nfollow = true\n",
-            "event",
+            "event[0]",
         ),
         (
             "x = 1\n",
             "x = 1\n[[event]]\nat = 1\ndrive = { v = 101 }\n",
-            "event",
+            "event[0].drive.v",
         ),
         (
             "x = 1\n",
             "x = 1\n[[event]]\nat = 1\nfollow = true\ndrive = { v = 0.1 }\n",
-            "event",
+            "event[0]",
         ),
         (
             "x = 1\n",
             "x = 1\n[[event]]\nat = 1\ndrive = { w = inf }\n",
-            "event",
+            "event[0].drive.w",
         ),
         (
             "x = 1\n",
@@ -227,6 +227,44 @@ fn what_is_wrong_is_named_with_its_line() {
         assert!(error.line.is_some(), "{error}");
     }
     assert!(Mission::parse("mine.toml", GOOD).is_ok());
+}
+
+/// Each error of an event names the line of that one, whichever others there are.
+#[test]
+fn events_are_named_one_by_one() {
+    for (third, key, line, says) in [
+        (
+            "at = 9\njump = {}",
+            "event[2].at",
+            15,
+            "within run.duration",
+        ),
+        ("at = 1\njump = {}", "event[2].at", 15, "before"),
+        ("at = 3\nfollow = true", "event[2]", 14, "no [reference]"),
+        ("at = 3", "event[2]", 14, "needs one of"),
+        (
+            "at = 3\ngoal = { y = nan }",
+            "event[2].goal.y",
+            16,
+            "number",
+        ),
+        (
+            "at = 3\ndrive = { v = nan }",
+            "event[2].drive.v",
+            16,
+            "a number in -100 to 100",
+        ),
+    ] {
+        let others = "[[event]]\nat = 1\njump = {}\n[[event]]\nat = 2\njump = {}\n";
+        let text = format!("{GOOD}{others}[[event]]\n{third}\n");
+        let error = Mission::parse("mine.toml", &text).expect_err(third);
+        assert_eq!(
+            (error.key.as_str(), error.line),
+            (key, Some(line)),
+            "{error}"
+        );
+        assert!(error.message.contains(says), "{error}");
+    }
 }
 
 /// Of a world as well, each in the one table or list where it stands.

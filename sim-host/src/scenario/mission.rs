@@ -296,16 +296,17 @@ fn hand_over_rule(
 
 fn events(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Vec<Event>> {
     let mut events: Vec<Event> = Vec::new();
-    for keys_of in &keys.event {
-        let error = |message: &str| {
-            let (number, message) = (events.len() + 1, message.to_owned());
-            Err(place.error("event", format!("number {number} {message}")))
+    for (number, keys_of) in keys.event.iter().enumerate() {
+        let error = |message: &str| Err(place.error(&event_key(number), message));
+        let misplaced = |message: &str| {
+            let key = format!("{}.at", event_key(number));
+            Err(place.error(&key, message))
         };
         if !(0.0..=duration).contains(&keys_of.at) {
-            return error("is not within run.duration");
+            return misplaced("is not within run.duration");
         }
         if events.last().is_some_and(|last| last.at_s > keys_of.at) {
-            return error("is before the one above it");
+            return misplaced("is before that of the event above it");
         }
         let change = match (keys_of.goal, keys_of.jump, keys_of.follow, keys_of.drive) {
             (Some(goal), None, false, None) => Change::Goal(pose(goal)),
@@ -313,12 +314,14 @@ fn events(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Vec<Event>>
             (None, None, true, None) if keys.reference.is_some() => Change::Follow,
             (None, None, true, None) => return error("follows, but there is no [reference]"),
             (None, None, false, Some(drive)) => {
-                let twist = Twist::new(drive.v, drive.w);
-                if check_order(&twist).is_err() {
-                    return error("drives with more than 100 m/s or 100 rad/s");
+                for (key, alone) in [("v", [drive.v, 0.0]), ("w", [0.0, drive.w])] {
+                    if check_order(&Twist::new(alone[0], alone[1])).is_err() {
+                        let key = format!("{}.drive.{key}", event_key(number));
+                        return Err(place.error(&key, "must be a number in -100 to 100"));
+                    }
                 }
                 Change::Drive(VelocityOrder {
-                    twist,
+                    twist: Twist::new(drive.v, drive.w),
                     hold_heading: drive.hold_heading,
                 })
             }
@@ -332,6 +335,11 @@ fn events(keys: &File, duration: f64, place: &Source<'_>) -> Checked<Vec<Event>>
     Ok(events)
 }
 
+/// Of an `[[event]]`.
+fn event_key(number: usize) -> String {
+    format!("event[{number}]")
+}
+
 fn check_ranges(keys: &File, place: &Source<'_>) -> Checked<()> {
     let mut values = ranges::start(&keys.start);
     if let Some(reference) = &keys.reference {
@@ -339,11 +347,15 @@ fn check_ranges(keys: &File, place: &Source<'_>) -> Checked<()> {
     }
     let target = keys.hand_over.as_ref().and_then(|h| h.target);
     let poses = [("goal", keys.goal), ("hand_over.target", target)];
-    let events = keys.event.iter();
-    let of_events = events.flat_map(|e| [("event", e.goal), ("event", e.jump)]);
+    let poses = poses.map(|(table, keys)| (table.to_owned(), keys));
+    let events = keys.event.iter().enumerate();
+    let of_events = events.flat_map(|(number, event)| {
+        let key = |name| format!("{}.{name}", event_key(number));
+        [(key("goal"), event.goal), (key("jump"), event.jump)]
+    });
     for (table, keys) in poses.into_iter().chain(of_events) {
         if let Some(PoseKeys { x, y, theta }) = keys {
-            values.extend(ranges::pose(table, x, y, theta));
+            values.extend(ranges::pose(&table, x, y, theta));
         }
     }
     ranges::refuse(&values, place)

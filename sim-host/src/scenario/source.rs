@@ -182,9 +182,9 @@ fn span_in(table: &DeTable<'_>, path: &[&str]) -> Option<Range<usize>> {
     let (key, value) = table.iter().find(|(key, _)| key.get_ref() == name)?;
     match value.get_ref() {
         DeValue::Array(all) => {
-            let item = place.and_then(|place| all.get(place)?.get_ref().as_table());
-            item.and_then(|inner| span_in(inner, rest))
-                .or_else(|| Some(value.span()))
+            let item = place.and_then(|place| all.get(place));
+            let inner = item.and_then(|item| span_in(item.get_ref().as_table()?, rest));
+            inner.or_else(|| Some(item.map_or_else(|| value.span(), |item| item.span())))
         }
         // The name of a table says more than its whole body.
         DeValue::Table(inner) => span_in(inner, rest).or_else(|| Some(key.span())),
