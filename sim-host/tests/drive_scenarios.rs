@@ -3,6 +3,7 @@
 use controller_core::types::Pose;
 use sim_host::drive::DriveMetrics;
 use sim_host::mission::{Change, Course, Event, Mission};
+use sim_host::precision::Precision;
 use sim_host::run::drive;
 use sim_host::scenario::{BuiltInBase, MISSIONS, Scenario};
 use sim_host::trace::Trace;
@@ -265,6 +266,27 @@ fn events_are_named_one_by_one() {
         );
         assert!(error.message.contains(says), "{error}");
     }
+}
+
+/// The whole base is the chip's, in single precision, and what it computes in is what the mission says.
+#[test]
+fn no_whole_base_computes_in_double_precision() {
+    let parse = |precision: &str, world: &str| {
+        let kind = format!("kind = \"motion\"\n{precision}");
+        let text = GOOD.replacen("kind = \"motion\"\n", &kind, 1) + world;
+        Mission::parse("mine.toml", &text)
+    };
+    let double = "precision = \"f64\"\n";
+    let world = "[world.floor]\nmu = 0.5\n";
+    let error = parse(double, world).expect_err("f64 in a world");
+    assert_eq!(
+        (error.key.as_str(), error.line),
+        ("controller.precision", Some(6)),
+        "{error}"
+    );
+    let computes = |mission: Result<Mission, _>| mission.map(|mission| mission.precision);
+    assert_eq!(computes(parse("", world)), Ok(Precision::F32));
+    assert_eq!(computes(parse(double, "")), Ok(Precision::F64));
 }
 
 /// Of a world as well, each in the one table or list where it stands.

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use sim_host::advice::of_job;
 use sim_host::drive::FileRun;
 use sim_host::job::{Content, Job};
-use sim_host::mission::{BaseSpec, Course, End, Mission as Plan, check_length};
+use sim_host::mission::{BaseSpec, Course, End, Mission as Plan, check_length, check_precision};
 use sim_host::precision::Precision;
 use sim_host::scenario::{ControlLaw, FAR};
 use sim_host::trials::{self, Condition};
@@ -62,6 +62,12 @@ fn precision(name: &str) -> PyResult<Precision> {
     }
 }
 
+/// Refuses a precision that nothing computes in.
+fn allowed(precision: Precision, setup: Option<&WorldSetup>) -> PyResult<()> {
+    let checked = check_precision(precision, setup);
+    checked.map_err(|e| error::argument("precision", &format!("precision \"f64\" {e}")))
+}
+
 /// A pose within what scenario files may say.
 pub fn pose(key: &str, [x, y, theta]: [f64; 3]) -> PyResult<Pose<f64>> {
     if [x, y, theta].iter().all(|v| (-FAR..=FAR).contains(v)) {
@@ -113,6 +119,7 @@ impl Mission {
         match &mut job {
             Job::Mission { mission, .. } => {
                 mission.setup = world(&mission.base, name, seed)?;
+                allowed(mission.precision, mission.setup.as_ref())?;
                 Ok(job)
             }
             Job::Scenario(_) => {
@@ -195,8 +202,13 @@ impl Mission {
             let message = "a scenario names its robot itself: one of the paper's takes another with law=\"motion\"";
             return Err(error::argument("robot", message));
         }
+        let of_paper = job.scenario().is_some();
         if let Some(law) = law {
             job = Self::under(job, law, robot)?;
+        }
+        if let (Job::Mission { mission, .. }, true, Some(_)) = (&mut job, of_paper, world) {
+            // The file says what the paper's laws compute in.
+            mission.precision = Precision::F32;
         }
         Ok(Self::of(Self::within(job, world, seed)?))
     }
@@ -257,11 +269,16 @@ impl Mission {
         }
         check_length(longest_s, period_s)
             .map_err(|e| error::argument("longest_s", &format!("longest_s {e}")))?;
+        let (precision, setup) = (
+            self::precision(precision)?,
+            self::world(&base, world, seed)?,
+        );
+        allowed(precision, setup.as_ref())?;
         let mission = Plan {
             name: "park".to_owned(),
             description: format!("park of a {}", base.name),
             robot: base.robot,
-            precision: self::precision(precision)?,
+            precision,
             start: Measured {
                 pose: pose("start", start)?,
                 twist: Twist::default(),
@@ -270,7 +287,7 @@ impl Mission {
             events: Vec::new(),
             period_s,
             end: End::Parked(longest_s),
-            setup: self::world(&base, world, seed)?,
+            setup,
             base,
         };
         Ok(Self::of(Job::Mission {

@@ -173,6 +173,8 @@ def bad_scenario() -> object:
         (lambda: twb.simulate("park-beside", law="neural"), None, None, "law"),
         (lambda: twb.simulate("paper-line", world="even"), None, None, "world"),
         (lambda: twb.simulate("park-beside", world="moon"), None, None, "world"),
+        (lambda: twb.simulate(start=(0, 0, 0), goal=(1, 0, 0), world="even", precision="f64"), None, None, "precision"),
+        (lambda: twb.simulate(GAPS, world="drawn", precision="f64"), None, None, "precision"),
         (lambda: twb.simulate("park-beside", robot="lab-10kg"), None, None, "robot"),
         (lambda: twb.simulate("park-beside", fastest=True), None, None, "fastest"),
         (lambda: twb.simulate(GAPS, period_s=3.0), None, None, "period_s"),

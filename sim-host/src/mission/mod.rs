@@ -74,6 +74,27 @@ pub fn check_length(longest_s: f64, period_s: f64) -> Result<(), LengthError> {
     }
 }
 
+/// A precision that nothing computes in; its `Display` goes on after what the precision is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "is that of the law alone, on the ideal plant: in a world the whole base runs, as on a chip, in \"f32\""
+)]
+pub struct SingleOnly;
+
+/// Whether a mission computes in this precision in this world, or without one.
+///
+/// # Errors
+/// A whole base in double precision.
+pub const fn check_precision(
+    precision: Precision,
+    setup: Option<&WorldSetup>,
+) -> Result<(), SingleOnly> {
+    match (precision, setup) {
+        (Precision::F64, Some(_)) => Err(SingleOnly),
+        _ => Ok(()),
+    }
+}
+
 /// What the robot does.
 #[derive(Clone, Debug)]
 pub enum Course {

@@ -9,6 +9,7 @@ use super::source::{Checked, Source};
 use super::{BuiltInBase, Scenario, ScenarioError, belief, ranges};
 use crate::mission::{
     BaseSpec, Change, Course, End, Event, HandOverRule, Mission, Route, VelocityOrder, When,
+    check_precision,
 };
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;
@@ -50,8 +51,8 @@ struct File {
 struct Controller {
     #[allow(dead_code)] // `is_motion` has read it.
     kind: String,
-    #[serde(default)]
-    precision: Precision,
+    /// Double, or single in a world.
+    precision: Option<Precision>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -128,6 +129,14 @@ impl Mission {
             return Err(place.error("plant", message));
         }
         let robot = belief::true_robot(&base.robot, &keys.plant, &place)?;
+        let setup = world_setup(keys.world.as_ref(), keys.seed, &robot, &place)?;
+        let precision = keys.controller.precision;
+        let precision = precision.unwrap_or(match setup {
+            Some(_) => Precision::F32,
+            None => Precision::default(),
+        });
+        check_precision(precision, setup.as_ref())
+            .map_err(|error| place.error("controller.precision", error))?;
         let (duration, period_s) = timing(&keys.run, base.motion().max_tick_s, &place)?;
         let start = &keys.start;
         let stem = Path::new(file).file_stem();
@@ -138,14 +147,14 @@ impl Mission {
             description: keys.description,
             base,
             robot,
-            precision: keys.controller.precision,
+            precision,
             start: Measured {
                 pose: Pose::new(start.x, start.y, start.theta),
                 twist: Twist::new(start.v, start.w),
             },
             period_s,
             end: End::At(duration),
-            setup: world_setup(keys.world, keys.seed, &robot, &place)?,
+            setup,
         })
     }
 }
@@ -201,7 +210,7 @@ fn named_base(file: &str, named: &str, place: &Source<'_>) -> Checked<BaseSpec> 
 }
 
 fn world_setup(
-    world: Option<WorldKeys>,
+    world: Option<&WorldKeys>,
     seed: Option<u64>,
     robot: &Robot<f64>,
     place: &Source<'_>,
@@ -215,7 +224,7 @@ fn world_setup(
                 plant_error(&format!("world.{}", world_key(&error)), &error, place)
             })?;
             Ok(Some(WorldSetup {
-                world,
+                world: world.clone(),
                 seed: seed.unwrap_or(1),
             }))
         }
