@@ -5,7 +5,7 @@ use crate::drive::{FileError, FileRun, trajectory};
 use crate::import::{self, TimeScaling};
 use crate::mission::{BaseSpec, Mission};
 use crate::run::{self, RunError, Watch};
-use crate::scenario::{BuiltIn, BuiltInBase, Scenario, ScenarioError, if_named};
+use crate::scenario::{self, BuiltIn, BuiltInBase, Scenario, ScenarioError, if_named};
 use crate::trace::Trace;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -316,10 +316,11 @@ impl RobotFile {
                 base: built_in.base()?,
             });
         }
-        let text = std::fs::read_to_string(path).map_err(|cause| JobError::Read {
+        let bytes = std::fs::read(path).map_err(|cause| JobError::Read {
             path: path.to_owned(),
             cause,
         })?;
+        let text = scenario::text(&path.display().to_string(), bytes)?;
         Ok(Self {
             name: part(path.file_stem()),
             file: part(path.file_name()),

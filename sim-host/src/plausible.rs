@@ -2,6 +2,7 @@
 
 use crate::numbers::{digits, least, most, refused};
 use controller_core::wheels::WheelGeometry;
+use std::f64::consts::PI;
 use std::fmt;
 
 /// Density of air at sea level \[kg/m³\], ISO 2533. No robot is lighter than the air between its wheels.
@@ -55,6 +56,11 @@ impl fmt::Display for Impossible {
                 "{told} kg is more than solid steel weighs that is {SPAN} times as long, wide and high as such wheels \
                  and their distance, {most} kg"
             ),
+            Quantity::Inertia if value < limit => write!(
+                f,
+                "{told} kg m² is less than its mass has as a column of solid steel {SPAN} times as high as such wheels \
+                 and their distance, {least} kg m²"
+            ),
             Quantity::Inertia => write!(
                 f,
                 "{told} kg m² is more than its mass has {SPAN} times as far out as such wheels and their distance, \
@@ -101,8 +107,11 @@ pub fn body(
     if mass_kg > most {
         return beyond(Quantity::Mass, mass_kg, most);
     }
+    // Of a round column m = ρ π r² h, and its inertia is m r²/2.
+    let least = mass_kg.powi(2) / (2.0 * PI * STEEL_KG_M3 * edge);
     let most = mass_kg * edge.powi(2);
     match inertia_kg_m2 {
+        Some(inertia) if inertia < least => beyond(Quantity::Inertia, inertia, least),
         Some(inertia) if inertia > most => beyond(Quantity::Inertia, inertia, most),
         _ => Ok(()),
     }

@@ -748,6 +748,17 @@ fn the_page_shows_the_constants() {
     Stated::of("docs/your-robot.md").rust("4. Constants", &shown);
 }
 
+/// A robot's file in another encoding is refused with line and byte, as any other file is.
+#[test]
+fn a_robot_in_another_encoding_is_refused_with_its_line() {
+    let here = directory();
+    fs::write(here.path().join("odd.toml"), b"# mine\n# na\xefve\n").expect("written");
+    let output = sim_host(here.path(), &["constants", "odd.toml"]);
+    let said = text(&output.stderr);
+    let told = "error: odd.toml:2: not text: byte 11 is not UTF-8";
+    assert!(!output.status.success() && said.contains(told), "{said}");
+}
+
 /// A robot that cannot be is refused with its line; of one that hardly is meant so, what is odd is said. The shipped ones are neither.
 #[test]
 fn impossible_robots_are_refused_and_unlikely_ones_named() {
@@ -777,6 +788,23 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
             "\nI = 40.0",
             "robot.I: 40 kg m² is more than its mass has",
         ),
+        // In g cm², beyond which the core finds no gains; and in t m².
+        (
+            "\nI = 0.005",
+            "\nI = 50000.0",
+            "odd.toml:6: robot.I: 50000 kg m²",
+        ),
+        (
+            "\nI = 0.005",
+            "\nI = 5e-6",
+            "odd.toml:6: robot.I: 5e-6 kg m² is less than its mass has as a column",
+        ),
+        // In mm: no whole base takes it.
+        (
+            "noise_m = 0.005",
+            "noise_m = 5.0",
+            "odd.toml:46: pose_source.noise_m: is too much",
+        ),
         // In mm/s, and by the key's own name. Limits are said as a user writes them, without exponents or zeros that only fill up.
         (
             "\nspeed = 0.8",
@@ -799,8 +827,8 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
     for (from, to, told) in [
         (
             "noise_m = 0.005",
-            "noise_m = 5.0",
-            "pose_source.noise_m = 5: the base takes any place within ",
+            "noise_m = 0.5",
+            "pose_source.noise_m = 0.5: the base takes any place within ",
         ),
         (
             "noise_rad = 0.005",

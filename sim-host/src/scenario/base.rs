@@ -6,9 +6,13 @@ use super::hardware::{
 };
 use super::source::{self, Checked, Source};
 use super::{ScenarioError, renamed};
+use crate::closed_loop;
+use crate::constants::period_us;
 use crate::mission::BaseSpec;
+use crate::numbers;
 use crate::plausible::{self, Quantity};
 use crate::world;
+use controller_core::base::BaseError;
 use controller_core::error::{Field, ParamError};
 use controller_core::motion::{Limits, SaturationPolicy};
 use controller_core::robot::Robot;
@@ -133,9 +137,28 @@ impl BaseSpec {
             return Err(place.error(&format!("policy.{}", error.kind.name()), error));
         }
         base.policy = keys.policy;
+        check_noise(&base, &place)?;
         base.idle_output = keys.stops.idle_output;
         base.notes = renamed::notes(file, text);
         Ok(base)
+    }
+}
+
+/// Whether poses are precise enough for the whole base, whose floor of the speed in the law grows with their noise.
+fn check_noise(base: &BaseSpec, place: &Source<'_>) -> Checked<()> {
+    let params = closed_loop::params(base, period_us(base));
+    let checked = params
+        .map_err(BaseError::Param)
+        .and_then(|params| params.validate());
+    match checked {
+        Err(BaseError::Param(error)) if error.field == Field::SlowSpeed => {
+            let message = format!(
+                "is too much: the law's floor of the speed, `slow`, that follows from it {}; lengths are in m",
+                numbers::problem(&error)
+            );
+            Err(place.error("pose_source.noise_m", message))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -157,21 +180,27 @@ pub(super) fn base(
         base.limits = keys.limits(base.robot.wheels.track_m);
     }
     let one_radius = robot.is_some_and(|keys| keys.r.is_some());
-    if let Err(error) = base.validate() {
-        return Err(place.param_error(&key_of(&error, one_radius), &error));
-    }
     let Robot {
         mass_kg,
         inertia_kg_m2,
         wheels,
     } = &base.robot;
-    plausible::body(wheels, *mass_kg, Some(*inertia_kg_m2)).map_err(|error| {
+    let body = plausible::body(wheels, *mass_kg, Some(*inertia_kg_m2)).map_err(|error| {
         let key = match error.quantity {
             Quantity::Mass => "robot.m",
             Quantity::Inertia => "robot.I",
         };
         place.error(key, error)
-    })?;
+    });
+    if let Err(error) = base.validate() {
+        let key = key_of(&error, one_radius);
+        // What follows from numbers of the file, such as gains, is at the end of the way; the body is at its beginning.
+        return Err(match body {
+            Err(body) if !key.contains('.') => body,
+            _ => place.param_error(&key, &error),
+        });
+    }
+    body?;
     Ok(base)
 }
 

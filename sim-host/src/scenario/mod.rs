@@ -22,7 +22,7 @@ pub use built_in_base::{BASES, BuiltInBase, GYRO, SPEED_DRIVER};
 pub use ranges::FAR;
 pub use renamed::RENAMED_KEYS;
 pub use source::ScenarioError;
-pub(crate) use source::if_named;
+pub(crate) use source::{if_named, text};
 
 use crate::motion::ReferenceMotion;
 use crate::precision::Precision;

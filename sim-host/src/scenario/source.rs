@@ -1,5 +1,6 @@
 //! Where in a file a key stands, and errors that show the place.
 
+use crate::import::Reason;
 use crate::numbers;
 use controller_core::error::ParamError;
 use std::fmt;
@@ -218,14 +219,30 @@ pub(crate) fn if_named(path: &Path, cause: &io::Error) -> &'static str {
     }
 }
 
+/// The text of a file; `file` is the name that errors show.
+pub(crate) fn text(file: &str, bytes: Vec<u8>) -> Checked<String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let bytes = error.as_bytes();
+        let offset = error.utf8_error().valid_up_to();
+        let before = bytes.iter().take(offset);
+        ScenarioError {
+            file: file.to_owned(),
+            line: Some(1 + before.filter(|&&byte| byte == b'\n').count()),
+            key: String::new(),
+            message: Reason::NotText { offset }.to_string(),
+            excerpt: String::new(),
+        }
+    })
+}
+
 /// What `parse` makes of a file; it gets the file's name and text.
 pub(super) fn load<T>(
     path: &Path,
     parse: impl FnOnce(&str, &str) -> Result<T, ScenarioError>,
 ) -> Result<T, ScenarioError> {
     let file = path.display().to_string();
-    match std::fs::read_to_string(path) {
-        Ok(text) => parse(&file, &text),
+    match std::fs::read(path) {
+        Ok(bytes) => parse(&file, &text(&file, bytes)?),
         Err(error) => Err(ScenarioError {
             file,
             line: None,

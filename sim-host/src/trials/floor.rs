@@ -3,6 +3,7 @@
 use crate::mission::{BaseSpec, OLDEST_POSE};
 use crate::world::WorldSetup;
 use crate::world::{WorldKeys, presets};
+use controller_core::robot::Robot;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64Mcg;
@@ -111,9 +112,16 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
         body.load_right = 1.0 - body.load_right;
     }
     world.floor.downhill_rad = downhill;
-    // Off the axle by no more than a tenth of the track, where a small base has little room.
-    let track_m = base.robot.wheels.track_m;
-    world.body.com_ahead_m = bad.body.com_ahead_m.min(0.1 * track_m);
+    // Off the axle by no more than a tenth of the track, where a small base has little room, and than half of how far out its
+    // mass is on average: I > m d², of whatever mass and inertia are drawn, 0.7 I > 1.3 m d².
+    let Robot {
+        mass_kg,
+        inertia_kg_m2,
+        wheels,
+    } = &base.robot;
+    let out_m = (inertia_kg_m2 / mass_kg).sqrt();
+    let ahead_m = bad.body.com_ahead_m;
+    world.body.com_ahead_m = ahead_m.min(0.1 * wheels.track_m).min(0.5 * out_m);
     if let Some(hardware) = &base.hardware {
         let late = &mut world.tick.late_probability;
         *late = late.min(LATE_HZ * hardware.period_s);
