@@ -91,7 +91,7 @@ impl Case {
                     .then(|| setup(&base, Condition::Drawn, seed as u64)),
                 base: base.clone(),
             };
-            let run = finish(&mission).unwrap_or_else(|error| panic!("{error}"));
+            let run = finish(&mission, &mut || {}).unwrap_or_else(|error| panic!("{error}"));
             let run = run.expect("some ticks");
             assert!(run.parked_since_s.is_some(), "park {seed} of {}", self.name);
             ticks += run.ticks;

@@ -2,7 +2,7 @@
 
 use crate::figure::Figure;
 use crate::mission::{Mission, law};
-use crate::work::work;
+use crate::work::{Progress, work};
 use crate::{arguments, error, sheet};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -225,7 +225,9 @@ pub fn run_all(
     let jobs = jobs(&missions);
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
-        let one = |job: &Arc<Job>| progress.part(|| job.run());
+        // A run alone takes minutes as well.
+        let one =
+            |job: &Arc<Job>| progress.part(|| job.run_watched(Some(&mut |_| progress.obey())));
         of_each(&jobs, one)
     })?;
     let traces = in_order(results)?;
@@ -240,15 +242,17 @@ struct Ended {
     parked_since_s: Option<f64>,
 }
 
-fn ended(job: &Job) -> Result<Option<Ended>, RunError> {
+fn ended(job: &Job, progress: &Progress) -> Result<Option<Ended>, RunError> {
     Ok(match job {
-        Job::Mission { mission, .. } => finish(mission)?.map(|finish| Ended {
-            last: finish.last,
-            ticks: finish.ticks,
-            parked_since_s: finish.parked_since_s,
-        }),
+        Job::Mission { mission, .. } => {
+            finish(mission, &mut || progress.obey())?.map(|finish| Ended {
+                last: finish.last,
+                ticks: finish.ticks,
+                parked_since_s: finish.parked_since_s,
+            })
+        }
         Job::Scenario(_) => {
-            let trace = job.run()?;
+            let trace = job.run_watched(Some(&mut |_| progress.obey()))?;
             trace.rows.last().map(|last| Ended {
                 last: *last,
                 ticks: trace.rows.len(),
@@ -276,7 +280,7 @@ pub fn finish_all<'py>(
     }
     let total = jobs.len() as u64;
     let results = work(py, threads, (progress, total), |progress| {
-        let one = |job: &Arc<Job>| progress.part(|| ended(job));
+        let one = |job: &Arc<Job>| progress.part(|| ended(job, progress));
         of_each(&jobs, one)
     })?;
     let ends: Option<Vec<Ended>> = in_order(results)?.into_iter().collect();

@@ -37,8 +37,8 @@ impl Progress {
     }
 
     /// Unwinds if the work is to stop. It is no panic: no hook is called and nothing is printed. Rayon goes on with what
-    /// it has already handed out, so this has to come before the work of each part.
-    fn obey(&self) {
+    /// it has already handed out, so this has to come before the work of each part, and where one takes long, during it.
+    pub fn obey(&self) {
         if self.stop.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Stopped));
         }

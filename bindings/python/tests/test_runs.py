@@ -321,14 +321,12 @@ def test_progress_is_told_and_an_error_in_it_stops() -> None:
     assert time.monotonic() - began < 20
 
 
-@pytest.mark.parametrize("study", ["faults(1_000_000, ", "verify('hobby-1kg', seeds=100_000, "])
-def test_ctrl_c_stops_a_long_study(study: str) -> None:
+def interrupted(call: str) -> None:
+    """That Ctrl-C ends a program, which says when it is at work."""
     # Tests that are started in the background have the signal ignored, and so would their children.
     heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    tells = "progress=lambda done, total: print(done, flush=True))"
-    program = f"{heeds}; import twb; twb.{study}{tells}"
     child = subprocess.Popen(
-        [sys.executable, "-c", program],
+        [sys.executable, "-c", f"{heeds}; import twb; {call}"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -343,6 +341,18 @@ def test_ctrl_c_stops_a_long_study(study: str) -> None:
     assert "panicked" not in errors
     # On two cores that nothing else uses 0.1 s.
     assert child.returncode != 0 and time.monotonic() - began < 5
+
+
+@pytest.mark.parametrize("study", ["faults(1_000_000, ", "verify('hobby-1kg', seeds=100_000, "])
+def test_ctrl_c_stops_a_long_study(study: str) -> None:
+    interrupted(f"twb.{study}progress=lambda done, total: print(done, flush=True))")
+
+
+@pytest.mark.parametrize("runs", ["outcomes", "simulate"])
+def test_ctrl_c_stops_a_long_run(runs: str) -> None:
+    # A run alone makes no progress before its end, after 2 million ticks.
+    way = "start=(0, 0, 0), goal=(9e5, 0, 0), robot='lab-10kg', world='drawn', period_s=0.005, longest_s=1e4"
+    interrupted(f"mission = twb.missions({way})[0]; print(1, flush=True); twb.{runs}([mission])")
 
 
 def test_other_threads_run_meanwhile() -> None:

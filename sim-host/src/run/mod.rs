@@ -143,12 +143,13 @@ pub struct Finish {
     pub parked_since_s: Option<f64>,
 }
 
-/// As [`drive`], for runs by the thousand: the same ticks, of which only the last is kept; none of a run without ticks.
+/// As [`drive`], for runs by the thousand: the same ticks, of which only the last is kept; none of a run without ticks. `each` is
+/// called at every tick.
 ///
 /// # Errors
 /// As [`drive`].
-pub fn finish(mission: &Mission) -> Result<Option<Finish>, RunError> {
-    let recorder = driven(mission, Keep::Last)?;
+pub fn finish(mission: &Mission, each: &mut dyn FnMut()) -> Result<Option<Finish>, RunError> {
+    let recorder = driven(mission, Keep::Last(each))?;
     Ok(recorder.trace.rows.last().map(|last| Finish {
         last: *last,
         ticks: recorder.ticks,

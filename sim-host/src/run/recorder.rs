@@ -21,8 +21,8 @@ pub(super) struct Recorder<'w> {
 pub(super) enum Keep<'w> {
     /// Every row, which somebody may see as it comes.
     All(Watch<'w>),
-    /// The last row, for runs by the thousand.
-    Last,
+    /// The last row, for runs by the thousand. It is called at every tick.
+    Last(&'w mut dyn FnMut()),
 }
 
 impl<'w> Recorder<'w> {
@@ -43,6 +43,9 @@ impl<'w> Recorder<'w> {
     /// Whether the run ends with the tick at `t` \[s\]: the base has been parked for long enough.
     pub(super) fn ends_at(&mut self, t: f64, parked: bool) -> bool {
         self.ticks += 1;
+        if let Keep::Last(each) = &mut self.keep {
+            each();
+        }
         self.parked_since = parked.then(|| self.parked_since.unwrap_or(t));
         let observed = |since: f64| t >= since.max(self.last_event_s) + self.observe_s;
         self.parked_since.is_some_and(observed)
@@ -63,7 +66,7 @@ impl<'w> Recorder<'w> {
     ) {
         self.trace.hand_over = hand_over.or(self.trace.hand_over);
         match &mut self.keep {
-            Keep::Last => self.trace.rows.clear(),
+            Keep::Last(_) => self.trace.rows.clear(),
             Keep::All(None) => {}
             Keep::All(Some(watch)) => watch(&Seen {
                 line: Line {
