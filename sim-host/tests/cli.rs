@@ -160,6 +160,30 @@ fn legends_name_what_is_drawn() {
     }
 }
 
+/// Of a whole base, too, whose first ticks only wake it; and where, when and why it was stopped on its way is shown.
+#[test]
+fn figures_of_a_whole_base_show_its_goal_and_its_stop() {
+    let here = directory();
+    let park = "base = \"lab-10kg\"\n[run]\nduration = 8.0\nperiod = 0.01\n[controller]\nkind = \"motion\"\n[goal]\nx = 1.0\n[world.floor]\nmu = 0.9\n";
+    // A battery of 24 V that has no more.
+    let stops = format!("{park}[world.battery]\nnominal_v = 24.0\nopen_circuit_v = 15.0\n");
+    for (name, text) in [("parks", park), ("stops", &stops)] {
+        fs::write(here.path().join(format!("{name}.toml")), text).expect("written");
+        let output = sim_host(here.path(), &["run", &format!("{name}.toml")]);
+        let said = self::text(&output.stdout);
+        assert!(!said.contains("moving reference"), "{said}");
+        let svg = here.path().join("out").join(format!("{name}.svg"));
+        let svg = fs::read_to_string(svg).expect("a figure");
+        assert!(
+            svg.contains(">target<") && !svg.contains("goal given"),
+            "{name}"
+        );
+        let stopped = svg.matches(">stop, under voltage").count();
+        // In the legend of the plane, and by the time in four panels.
+        assert_eq!(stopped, if name == "stops" { 5 } else { 0 }, "{said}");
+    }
+}
+
 #[test]
 fn csv_files_hold_every_signal_in_full_precision() {
     let here = directory();

@@ -2,9 +2,9 @@
 
 use crate::csv_out::outcome_name;
 use crate::metrics::Metrics;
-use crate::mission::Mission;
+use crate::mission::{Course, Mission};
 use crate::names::{self, Name};
-use crate::trace::{BaseNote, Trace, TraceRow, cause, state_name};
+use crate::trace::{Trace, TraceRow, cause, state_name};
 use controller_core::angle::wrap;
 use controller_core::maths::{Libm, Maths};
 use controller_core::motion::{Mode, Outcome};
@@ -79,6 +79,9 @@ pub struct DriveMetrics {
     pub stopped: Option<StopFigures>,
     /// From when on the robot was parked; none if it was not at the end.
     pub parked_s: Option<f64>,
+    /// Whether there is a path to follow.
+    #[serde(skip)]
+    pub has_path: bool,
     /// While following; none if the robot never came onto the path.
     pub tracking: Option<TrackingFigures>,
     /// What the robot still had to go at the hand-over.
@@ -103,8 +106,9 @@ impl DriveMetrics {
         let count = |limited: fn(&TraceRow) -> bool| rows.iter().filter(|r| limited(r)).count();
         Some(Self {
             outcome: outcome_name(last.report.outcome),
-            stopped: stopped(rows),
+            stopped: stopped(trace),
             parked_s: parked.map(|row| row.t),
+            has_path: matches!(mission.course, Course::Follow { .. }),
             tracking: tracking(trace),
             hand_over_distance_m: trace.hand_over.map(|h| h.distance_m),
             moment_sign_changes: sign_changes(rows),
@@ -121,10 +125,9 @@ impl DriveMetrics {
 }
 
 /// The stop that a run ended with.
-fn stopped(rows: &[TraceRow]) -> Option<StopFigures> {
-    let stops = |row: &&TraceRow| row.base.as_ref().is_some_and(BaseNote::has_stopped);
-    let first = rows.iter().rev().take_while(stops).last()?;
-    let base = rows.last()?.base?;
+fn stopped(trace: &Trace) -> Option<StopFigures> {
+    let first = trace.stop()?;
+    let base = trace.rows.last()?.base?;
     Some(StopFigures {
         time_s: first.t,
         state: state_name(base.state),

@@ -23,7 +23,7 @@ pub fn summary(metrics: &DriveMetrics) -> String {
                 1e3 * t.heading_peak_rad
             ),
         ),
-        None if metrics.hand_over_distance_m.is_none() && metrics.run.hand_over.is_some() => {}
+        None if !metrics.has_path => {}
         None => line(
             "tracking",
             "none: never within 5 mm of a moving reference".into(),

@@ -29,7 +29,7 @@ pub use drawing::Drawing;
 pub use robustness::robustness;
 pub use thin_out::thin_out;
 
-use crate::trace::Trace;
+use crate::trace::{self, Trace, TraceRow};
 
 /// A run with the name that the legends show.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,9 @@ pub enum FigureError {
 
 /// The row from which a run parks, if it does not from the start, and what made it.
 fn last_parking(trace: &Trace) -> Option<(usize, &'static str)> {
-    let row = trace.parks_from().filter(|row| *row > 0)?;
+    let row = trace
+        .parks_from()
+        .filter(|row| !trace.parks_at_once(*row))?;
     let handed_over = trace
         .hand_over
         .is_some_and(|hand_over| hand_over.row == row);
@@ -66,6 +68,12 @@ fn last_parking(trace: &Trace) -> Option<(usize, &'static str)> {
             "goal given"
         },
     ))
+}
+
+/// Why a base began to stop in this row. In figures an underscore begins a subscript.
+fn stop_name(row: &TraceRow) -> String {
+    let cause = row.base.map(|base| trace::cause(&base.cause));
+    format!("stop, {}", cause.unwrap_or_default().replace('_', " "))
 }
 
 /// Draws a run, and another one to compare it with.

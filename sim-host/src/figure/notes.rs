@@ -17,17 +17,29 @@ pub(super) struct Canvas {
     pub legend_size: (f64, f64),
     /// When the robot began to park, and by what.
     pub parking: Option<(f64, &'static str)>,
+    /// When the base began to stop, and why.
+    pub stop: Option<(f64, String)>,
 }
 
+/// From a label to one below it, as a share of the panel's height.
+const BELOW: f64 = 0.09;
 /// Beside a label \[px\].
 const AIR: f64 = 5.0;
 
 impl Canvas {
-    /// Marks where parking begins, beside its line and away from the legend.
-    pub fn mark_parking(&self, chart: &mut Chart) {
-        let Some((time, name)) = self.parking else {
-            return;
-        };
+    /// Marks where parking and a stop begin, beside their lines and away from the legend.
+    pub fn mark(&self, chart: &mut Chart) {
+        if let Some((time, name)) = self.parking {
+            self.mark_time(chart, time, name, 0.0);
+        }
+        if let Some((time, name)) = &self.stop {
+            // They may be close together.
+            let below = if self.parking.is_some() { BELOW } else { 0.0 };
+            self.mark_time(chart, *time, name, below);
+        }
+    }
+
+    fn mark_time(&self, chart: &mut Chart, time: f64, name: &str, below: f64) {
         chart.uprights.push(Upright {
             at: time,
             dashes: &[2.0, 3.0],
@@ -36,7 +48,8 @@ impl Canvas {
         // A time of the user's, without the noise of its last digits.
         let text = format!("{name} {} s", (time * 1.0e3).round() / 1.0e3);
         let half = 0.5 * font::width(&text, SMALL_SIZE) + AIR;
-        self.write(chart, text, self.beside(time, half));
+        let (across, up) = self.beside(time, half);
+        self.write(chart, text, (across, up - below));
     }
 
     /// The middle of a label of this half width \[px\] at the upper end, beside an instant and clear of the legend.
@@ -105,6 +118,7 @@ mod tests {
                     legend: Corner { right, top },
                     legend_size: (0.25, 0.2),
                     parking: None,
+                    stop: None,
                 };
                 let (across, up) = canvas.beside(f64::from(percent), HALF);
                 let half = HALF / canvas.width;

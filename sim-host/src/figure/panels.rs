@@ -9,7 +9,7 @@ use super::limits::Span;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, Ink, ORANGE, STRONG};
 use super::thin_out::thin_out;
 use super::time_panel::{Signal, TimePanel};
-use super::{Labelled, last_parking};
+use super::{Labelled, last_parking, stop_name};
 use crate::trace::{Trace, TraceRow};
 use controller_core::motion::Mode;
 
@@ -24,8 +24,13 @@ pub(super) fn trajectories(main: Labelled<'_>, other: Option<Labelled<'_>>) -> C
     if let Some((row, name)) = last_parking(main.trace) {
         marks.push((name, Marker::Diamond, point(&rows[row])));
     }
-    if let (Some(last), Some(_)) = (rows.last(), main.trace.parks_from()) {
-        marks.push(("target", Marker::Star, reference_point(last)));
+    if let Some(aim) = main.trace.aim() {
+        marks.push(("target", Marker::Star, reference_point(aim)));
+    }
+    let stop = main.trace.stop();
+    let stopped = stop.map_or_else(String::new, stop_name);
+    if let Some(last) = rows.last().filter(|_| stop.is_some()) {
+        marks.push((&stopped, Marker::Cross, point(last)));
     }
     let path: Vec<_> = rows.iter().map(point).collect();
     let below: Vec<_> = other.map_or_else(Vec::new, |o| o.trace.rows.iter().map(point).collect());
@@ -186,7 +191,7 @@ pub(super) fn angular_velocity(main: Labelled<'_>, other: Option<Labelled<'_>>) 
 /// (e).
 pub(super) fn torques(main: Labelled<'_>, other: Option<Labelled<'_>>) -> Chart {
     TimePanel {
-        title: "Linear and angular torques",
+        title: "Force and moment",
         y_label: "τ_1 [N], τ_2 [N m]",
         size: (2.0 * style::CELL.0 + style::SPACING, style::CELL.1),
         signals: &[

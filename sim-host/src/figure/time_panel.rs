@@ -9,7 +9,7 @@ use super::limits::Span;
 use super::notes::Canvas;
 use super::style::{self, Ink, stroke};
 use super::thin_out::thin_out;
-use super::{Labelled, last_parking};
+use super::{Labelled, last_parking, stop_name};
 use crate::trace::{Trace, TraceRow};
 use controller_core::motion::Mode;
 
@@ -79,7 +79,7 @@ impl TimePanel<'_> {
             place: Place::Inside(canvas.legend),
             ..Chart::new(Axis::new(x, "t [s]"), Axis::new(y, self.y_label), items)
         };
-        canvas.mark_parking(&mut chart);
+        canvas.mark(&mut chart);
         if let Some((text, above)) = other.and_then(|other| self.off_scale(other, y)) {
             canvas.remark(&mut chart, text, above);
         }
@@ -111,6 +111,7 @@ impl TimePanel<'_> {
             y.1 = Corner::room_above(y, entries, height);
         }
         let parking = last_parking(main.trace);
+        let stop = main.trace.stop();
         Canvas {
             x,
             y,
@@ -118,6 +119,7 @@ impl TimePanel<'_> {
             legend,
             legend_size: Corner::legend_share(entries, (width, height)),
             parking: parking.map(|(row, name)| (main.trace.rows[row].t, name)),
+            stop: stop.map(|row| (row.t, stop_name(row))),
         }
     }
 

@@ -8,6 +8,7 @@ use controller_core::motion::{Mode, MotionReport};
 use controller_core::paper::report::NeuronStates;
 use controller_core::pose_error::PoseError;
 use controller_core::reference::Reference;
+use controller_core::safety::supervisor::State;
 use controller_core::types::{Measured, Pose, Wrench};
 
 /// One control tick. Torques hold from this tick to the next.
@@ -66,6 +67,11 @@ impl TraceRow {
             || offset.angular.abs() > TRANSITION_OFFSET_THRESHOLD
     }
 
+    /// A whole base is coming to a stop that nobody asked for, or has come to one.
+    fn has_stopped(&self) -> bool {
+        self.base.as_ref().is_some_and(BaseNote::has_stopped)
+    }
+
     fn parks(&self) -> bool {
         self.report.mode == Mode::Parking
     }
@@ -104,6 +110,28 @@ impl Trace {
             goal: *last.reference.pose(),
             ..begun
         })
+    }
+
+    /// The row in which the stop begins that the run ends with, of a whole base that nobody told to.
+    pub fn stop(&self) -> Option<&TraceRow> {
+        let rows = self.rows.iter().rev();
+        rows.take_while(|row| row.has_stopped()).last()
+    }
+
+    /// The last row in which the robot was on the way to a goal, if it was at last, whether it got there or was stopped.
+    pub fn aim(&self) -> Option<&TraceRow> {
+        let last = self.rows.iter().rfind(|row| !row.has_stopped())?;
+        last.parks().then_some(last)
+    }
+
+    /// Whether a parking from this row on is from the start: of a whole base the first ticks only wake it.
+    pub fn parks_at_once(&self, row: usize) -> bool {
+        let goal = self.rows.get(row).map(|row| *row.reference.pose());
+        let waits = |row: &TraceRow| {
+            let wakes = |base: BaseNote| matches!(base.state, State::Idle | State::Armed);
+            row.base.is_some_and(wakes) && goal == Some(*row.reference.pose())
+        };
+        self.rows.iter().take(row).all(waits)
     }
 
     /// The first row of the parking that the run ends with, after a hand-over or for a goal that was given on the way; none if
