@@ -13,7 +13,7 @@ pub const SHORTEST_S: f64 = 0.3;
 /// Half of the time over which a speed is taken from the angles \[s\].
 pub(super) const HALF_S: f64 = 0.05;
 /// Fewest samples for the start state of four and something beside it.
-const FEWEST: usize = 12;
+pub(super) const FEWEST: usize = 12;
 
 /// Rows first to last, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]

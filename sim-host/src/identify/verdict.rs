@@ -7,9 +7,10 @@ use super::kinematics::WINDOW_S;
 use super::log::{Drive, Log};
 use super::products::combinations;
 use super::quantity::Quantity;
-use super::stretches::{SHORTEST_S, Stretch};
+use super::stretches::{FEWEST, LONGEST_S, SHORTEST_S, Stretch};
 use super::structure::Given;
 use super::{Entry, Identified, Options, VAGUE, Verdict};
+use crate::numbers::digits;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 /// Friction is identified, too, where its interval is below this part of all damping: "nearly none"
@@ -19,6 +20,9 @@ const SMALL: f64 = 0.1;
 const CHANCE: f64 = 1.0e-4;
 /// Wheel motion less than this part of the other kind was not driven.
 const HARDLY: f64 = 0.1;
+
+/// Of rows further apart no stretch has enough: no log that shows a motor has such ones, and one in ms always \[s\].
+const LONGEST_PERIOD_S: f64 = LONGEST_S / FEWEST as f64;
 
 /// What was driven, to say what was not.
 pub(super) struct Driven {
@@ -30,6 +34,8 @@ pub(super) struct Driven {
     /// Whether rows are missing.
     gaps: bool,
     step_rad: Option<f64>,
+    /// From row to row, on average \[s\].
+    period_s: f64,
     /// Why the motion determines nothing.
     spoilt: Option<&'static str>,
 }
@@ -53,6 +59,7 @@ impl Driven {
             stretches: used.len(),
             gaps: missing.contains(&true),
             step_rad: log.step_rad,
+            period_s: (log.t[log.t.len() - 1] - log.t[0]) / (log.t.len() - 1) as f64,
             spoilt,
         }
     }
@@ -61,7 +68,14 @@ impl Driven {
         use Quantity as Q;
         let lengths = matches!(quantity, Q::RadiusRight | Q::RadiusLeft | Q::Track);
         if self.together + self.apart < 0.1 * self.slow_rad_s {
-            return "the wheels hardly ever turned".to_owned();
+            return if self.period_s > LONGEST_PERIOD_S {
+                let period = digits(self.period_s);
+                format!(
+                    "the wheels hardly ever turned, and rows are {period} s apart: is `t` in s?"
+                )
+            } else {
+                "the wheels hardly ever turned".to_owned()
+            };
         }
         if self.stretches == 0 && !lengths {
             return format!(

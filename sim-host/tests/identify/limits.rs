@@ -74,6 +74,23 @@ fn a_robot_that_stands_shows_nothing() {
     assert!(found.combinations.is_empty(), "{:?}", found.combinations);
 }
 
+/// One that stands is only told so.
+#[test]
+fn a_log_in_milliseconds_is_asked_for_its_unit() {
+    let asks = |log: &Log| {
+        let found = identify(log, &options()).expect("nothing contradicts");
+        let why = why(&found, Q::Mass);
+        assert!(why.starts_with("the wheels hardly ever turned"), "{why}");
+        why.ends_with("rows are 10 s apart: is `t` in s?")
+    };
+    let mut log = recorded(recommended);
+    for t in &mut log.t {
+        *t *= 1.0e3;
+    }
+    assert!(asks(&log));
+    assert!(!asks(&recorded(|_| [0.0; 2])));
+}
+
 #[test]
 fn stated_values_that_contradict_the_log_are_reported() {
     let mut options = options();
