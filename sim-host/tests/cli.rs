@@ -851,8 +851,8 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
     for (from, to, told) in [
         (
             "noise_m = 0.005",
-            "noise_m = 0.5",
-            "pose_source.noise_m = 0.5: the base takes any place within ",
+            "noise_m = 0.2",
+            "pose_source.noise_m = 0.2: the base takes any place within ",
         ),
         (
             "noise_rad = 0.005",

@@ -26,7 +26,7 @@ macro_rules! numbers {
                 Neuron::<T>::new, Neuron::<T>::state,
                 WheelMap::<T>::from_geometry, WheelMap::<T>::from_matrix, WheelMap::<T>::torques, WheelMap::<T>::wrench,
                 WheelMap::<T>::wheel_speeds, WheelMap::<T>::twist, limit_torques::<T>,
-                Pose::<T>::new, Pose::<T>::is_finite, Twist::<T>::minus, Twist::<T>::new, Twist::<T>::is_finite,
+                Pose::<T>::new, Pose::<T>::is_finite, Pose::<T>::is_near, Pose::<T>::check, Twist::<T>::minus, Twist::<T>::new, Twist::<T>::is_finite,
                 Accel::<T>::new, Accel::<T>::is_finite, Measured::<T>::is_finite, Pose::<T>::cast::<f32>, Pose::<T>::cast::<f64>,
                 Reference::<T>::new_with::<M>, Reference::<T>::at_rest_with::<M>, Reference::<T>::cast_with::<f32, Single>,
                 Reference::<T>::new, Reference::<T>::at_rest, Reference::<T>::with_left, Reference::<T>::left_m,
