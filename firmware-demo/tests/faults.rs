@@ -225,10 +225,12 @@ fn wall_stops() {
 /// A tolerance that encoders of 0.3 mm a count cannot meet, and no second try.
 #[test]
 fn goal_out_of_reach_stops() {
-    let rig = with(|params| {
+    let mut rig = with(|params| {
         params.motion.arrival.distance_m = 1.0e-5;
         params.motion.arrival.heading_rad = 1.0e-5;
         params.motion.arrival.retries = 0;
     });
+    // Aside, where no whole number of counts leads to within that; straight ahead one does.
+    rig.park(4.0, 0.3, 0.0).unwrap();
     reaches(FaultKind::GoalUnreachable, 60_000, rig, |rig, _| rig.tick());
 }

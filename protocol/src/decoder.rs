@@ -7,7 +7,7 @@ use core::marker::PhantomData;
 use serde::de::DeserializeOwned;
 
 use super::cobs::{Unstuff, Unstuffed};
-use super::{CHECK_LEN, CRC, HEADER_LEN, VERSION, take_content};
+use super::{CHECK_LEN, CRC, HEADER_LEN, VERSION};
 
 /// A frame that passed every check.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,7 +176,7 @@ impl<M: DeserializeOwned, const N: usize> Decoder<M, N> {
         }
         let content = self.content.get(..self.len).ok_or(FrameError::Length)?;
         let (sequence, payload) = open(content)?;
-        match take_content(payload) {
+        match postcard::take_from_bytes(payload) {
             Ok((message, [])) => Ok(Frame { sequence, message }),
             _ => Err(FrameError::Payload),
         }

@@ -18,7 +18,6 @@
 
 mod cobs;
 mod command;
-mod content;
 mod convert;
 mod decoder;
 mod encoder;
@@ -31,7 +30,6 @@ mod tick;
 mod values;
 
 pub use command::Command;
-pub use content::take_content;
 pub use decoder::{Decoder, Frame, FrameCounters, FrameError};
 pub use encoder::{EncodeError, encode};
 pub use field::{FieldParams, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};

@@ -16,8 +16,6 @@ use core::fmt::{self, Display, Formatter};
 use controller_core::base::BaseParams;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
-use super::take_content;
-
 /// How every blob begins.
 const MAGIC: [u8; 4] = *b"BASE";
 /// Version of the content: whatever changes the fields of [`BaseParams`] raises it.
@@ -100,7 +98,7 @@ pub fn decode_robot(blob: &[u8]) -> Result<BaseParams<f32>, RobotBlobError> {
     if version != ROBOT_BLOB_VERSION {
         return Err(RobotBlobError::Version(version));
     }
-    match take_content(content) {
+    match postcard::take_from_bytes(content) {
         Ok((params, [])) => Ok(params),
         _ => Err(RobotBlobError::Content),
     }

@@ -8,6 +8,7 @@ use sim_host::mission::{BaseSpec, Mission};
 use sim_host::precision::Precision;
 use sim_host::run::drive;
 use sim_host::scenario::{BASES, BuiltInBase, MISSIONS, Scenario};
+use sim_host::trials::{Condition, setup};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -185,9 +186,16 @@ fn far_from_the_origin_single_precision_parks_as_well() -> Result<(), Box<dyn Er
         format!("{},{},{},0\n", 10.0 * s, 500_000.0 + x, 5_400_000.0)
     });
     let text = format!("t,x,y,theta\n{}", rows.collect::<String>());
-    let (mission, _) = FileRun::default().mission("utm", text.as_bytes(), &BaseSpec::default())?;
+    let base = BASES[1].base()?;
+    let (mut mission, _) = FileRun::default().mission("utm", text.as_bytes(), &base)?;
     let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
     assert_parked("utm", &metrics);
+    // The law alone gets places relative to its start; a whole base is told those of its map.
+    mission.setup = Some(setup(&base, Condition::Drawn, 1));
+    let told = drive(&mission)
+        .expect_err("far from the origin")
+        .to_string();
+    assert!(told.contains("more than 2000 m from the origin"), "{told}");
     Ok(())
 }
 

@@ -79,7 +79,7 @@ fn messages_name_line_field_and_reason() -> Result<(), String> {
         ),
         (
             format!("{CSV}1,1e300,0,0\n"),
-            "line 3, sample 1, field `x`: 1e300 is not within ±2000",
+            "line 3, sample 1, field `x`: 1e300 is not within ±1e9",
         ),
         (
             format!("{CSV}1.7e18,0,0,0\n"),

@@ -6,9 +6,7 @@ use crate::work::work;
 use crate::{arguments, error};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sim_host::tune::{
-    Search, Tuned as Found, TuningProblem, check, gain_table, score_table, search,
-};
+use sim_host::tune::{Search, Tuned as Found, TuningProblem, check, report, search};
 use std::path::Path;
 
 /// What came of a search; of each pair the first is before.
@@ -55,10 +53,15 @@ impl Tuned {
         (before.total(), after.total())
     }
 
-    /// Both tables, for people.
+    /// What the command line prints: tables, verdict, least damping; its warning, if there is one, is the last line.
     #[getter]
-    fn report(&self) -> String {
-        format!("{}\n{}", gain_table(&self.found), score_table(&self.found))
+    fn report(&self, py: Python<'_>) -> String {
+        let base = &self.robot.get().file.base;
+        let (text, warning) = py.detach(|| report(base, &self.found));
+        match warning {
+            Some(warning) => format!("{text}\nwarning: {warning}"),
+            None => text,
+        }
     }
 
     fn __repr__(&self) -> String {

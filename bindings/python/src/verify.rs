@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use sim_host::job::{Job, RobotFile};
 use sim_host::verify::{
-    Verification as Found, case_table, check, run_sheet, runs, verdict, verify as study, write_csv,
+    Verification as Found, check, report, run_sheet, runs, verify as study, write_csv,
 };
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -18,6 +18,8 @@ use std::sync::Arc;
 pub struct Verification {
     found: Found,
     robot: Arc<RobotFile>,
+    /// Of the first world.
+    seed: u64,
 }
 
 #[pymethods]
@@ -47,10 +49,10 @@ impl Verification {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Table and verdict, for people.
+    /// What the command line prints: table, verdict, how stable the robot follows.
     #[getter]
-    fn report(&self) -> String {
-        format!("{}\n{}", case_table(&self.found), verdict(&self.found))
+    fn report(&self, py: Python<'_>) -> String {
+        py.detach(|| report(&self.robot.base, &self.found, self.seed))
     }
 
     /// The worst run again, with its trace.
@@ -91,5 +93,6 @@ pub fn verify(
     Ok(Verification {
         found: found.map_err(|e| error::run(&e.to_string()))?,
         robot: Arc::clone(&robot.file),
+        seed,
     })
 }

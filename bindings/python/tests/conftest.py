@@ -14,13 +14,14 @@ ROOT = pathlib.Path(os.environ["TWB_ROOT"])
 WHEELS = pathlib.Path(os.environ["TWB_WHEELS"])
 
 
-def command_line(*arguments: str, out: pathlib.Path) -> None:
-    """Runs the simulator's command line."""
+def command_line(*arguments: str, out: pathlib.Path) -> str:
+    """Runs the simulator's command line; what it prints."""
     program = os.environ["TWB_SIM_HOST"]
     command = [program, *arguments, "--out", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     # 1: a run did not park, or is against the rules; the files are written all the same.
     assert done.returncode in (0, 1) and "error: " not in done.stdout, done.stderr
+    return done.stdout
 
 
 @pytest.fixture(autouse=True, scope="session")

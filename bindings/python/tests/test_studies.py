@@ -59,18 +59,19 @@ def test_a_campaign_on_one_robot_is_the_command_lines(tmp_path: pathlib.Path) ->
 
 
 def test_verification_is_the_command_lines(tmp_path: pathlib.Path) -> None:
-    command_line("verify", "hobby-1kg", "--seeds", "1", "--seed", "5", out=tmp_path)
+    printed = command_line("verify", "hobby-1kg", "--seeds", "1", "--seed", "5", out=tmp_path)
     found = twb.verify("hobby-1kg", seeds=1, seed=5)
     assert found.csv() == (tmp_path / "hobby-1kg-verify.csv").read_bytes()
     assert found.worst().csv() == (tmp_path / "hobby-1kg-verify-worst.csv").read_bytes()
     record = json.loads((tmp_path / "hobby-1kg-verify.json").read_text())[0]
     assert found.cases == record["cases"] and found.passed == record["passed"]
     assert len(found.rows["seed"]) == 18 and set(found.rows["seed"]) == {5}
+    assert found.report in printed and "least damping" in found.report
     assert ("PASS" in found.report) == found.passed
 
 
 def test_tuning_is_the_command_lines(tmp_path: pathlib.Path) -> None:
-    command_line("tune", "hobby-1kg", "--evaluations", "4", "--seed", "3", out=tmp_path)
+    printed = command_line("tune", "hobby-1kg", "--evaluations", "4", "--seed", "3", out=tmp_path)
     calls: list[tuple[int, int]] = []
     found = twb.tune(
         "hobby-1kg", evaluations=4, seed=3, progress=lambda *done: calls.append(done)
@@ -80,6 +81,7 @@ def test_tuning_is_the_command_lines(tmp_path: pathlib.Path) -> None:
     assert list(found.training) == record["training"] and list(found.unseen) == record["unseen"]
     assert found.scores == tuple(sum(score.values()) for score in record["unseen"])
     assert found.robot.gains == record["gains_after"]
+    assert found.report in printed and "least damping of following" in found.report
     assert calls and all(total == 4 for _, total in calls)
 
 

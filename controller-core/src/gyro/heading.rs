@@ -33,6 +33,9 @@ const CEASED_S: f64 = 0.3;
 /// The bias is held to what the wheels say with this time constant \[s\], while it is known worse than that.
 const WHEELS_S: f64 = 1.0;
 
+/// A body may rock on its tyres so far after a stop \[rad\]: three times what simulated ones do.
+const ROCKS: f64 = 5.0e-3;
+
 /// An encoder that a gyro shows to be wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Encoder {
@@ -320,8 +323,9 @@ impl<T: Scalar> GyroHeading<T> {
         let most = T::HALF * gyro.rounding + self.lag.abs();
         standing.read += apart;
         let beyond = standing.read.abs() - most;
+        let turned = beyond - T::from_f64(ROCKS);
         let bias = T::from_f64(9.0) * still_s * still_s * self.spread.bb;
-        standing.turned |= beyond > T::ZERO && beyond * beyond > gyro.honest + bias;
+        standing.turned |= turned > T::ZERO && turned * turned > gyro.honest + bias;
         standing.holds = beyond > T::ZERO && !standing.turned;
         let taken = if standing.holds {
             clamp(standing.read, most)

@@ -41,7 +41,7 @@ const MOST_NOTED: f64 = 1.0e9;
 /// beyond it from a tenth of the limit on: believed, they would be taken for accelerations that are not there, and the base would run away.
 const MOST_EXERTED: f64 = 10.0;
 
-/// What a wheel may be said to exert more or less than it was asked for before that is taken for a limit of its driver: a share of what was asked,
+/// What a wheel may be said to exert less than it was asked for before that is taken for a limit of its driver: a share of what was asked,
 /// by which the constant of a motor may be off whose current is measured (data sheets state 10 %, warm magnets lose as much again), and a share of the
 /// parameters' limit for the measurement's noise. A base whose command is set back in every tick gets nowhere.
 const ASTRAY: f64 = 0.25;
@@ -263,7 +263,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         let renewed = new.then_some(Renewed { goes_on: parked });
         let observed = observer.residue();
         let parks = matches!(task, Task::Park(_));
-        if !is_within_reach(&view.error, &measured.twist, observed) {
+        // No reference gets there without a jump.
+        if (parks || jumped) && !is_within_reach(&view.error, &measured.twist, observed) {
             task.check()?;
             return Err(StepFault::Overflow);
         }
@@ -436,8 +437,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         }
     }
 
-    /// A wheel is not `applied` what it was asked for: the command goes on from how the robot moves instead, so that it does not wind up where a
-    /// driver is at its limit.
+    /// Where a wheel is `applied` less than it was asked for the command goes on from how the robot moves: it does not wind up where a driver is at
+    /// its limit.
     fn set_back(
         &mut self,
         motion: &ValidMotionParams<T>,
@@ -445,11 +446,16 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> MotionLaw<T, M, U> {
         report: &mut MotionReport<T>,
     ) {
         let noise = T::from_f64(NOISE) * motion.params().limits.wheel_torque_nm;
-        let differ = |asked: T, applied: T| {
-            (asked - applied).abs() > T::from_f64(ASTRAY) * asked.abs() + noise
+        // Not where it exerts more: of a driver that runs away the velocity loop is not to give in to.
+        let short = |asked: T, applied: T| {
+            let (asked, along) = (
+                asked.abs(),
+                if asked < T::ZERO { -applied } else { applied },
+            );
+            T::from_f64(1.0 - ASTRAY) * asked - along > noise
         };
         let asked = &report.torques;
-        if differ(asked.right, applied.right) || differ(asked.left, applied.left) {
+        if short(asked.right, applied.right) || short(asked.left, applied.left) {
             let (command, error) = (&report.command, &report.velocity_error);
             let twist = Twist {
                 linear: command.linear + error.linear,

@@ -1,6 +1,6 @@
 //! The record: bytes that are whole, or none.
 
-use protocol::{CRC, FieldParams, take_content};
+use protocol::{CRC, FieldParams};
 
 /// Bytes of a record: a multiple of every flash's write unit.
 pub const RECORD: usize = 256;
@@ -64,7 +64,7 @@ impl Record {
         if *version != RECORD_VERSION {
             return Err(RecordError::Version(*version));
         }
-        match take_content(content) {
+        match postcard::take_from_bytes(content) {
             Ok((params, rest)) if rest.iter().all(|byte| *byte == 0) => Ok(Self {
                 sequence: u32::from_le_bytes([*a, *b, *c, *d]),
                 params,

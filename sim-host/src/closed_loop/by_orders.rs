@@ -10,7 +10,7 @@ use controller_core::error::ParamError;
 use controller_core::hal::Clock;
 use controller_core::queue::ReferenceConsumer;
 use controller_core::robot::Robot;
-use controller_core::types::{Measured, Pose};
+use controller_core::types::{FARTHEST_M, Measured, Pose};
 use firmware_demo::control::{ControlTask, SettingError};
 use protocol::pil::{BaseInput, BaseTicked};
 use protocol::{Command, RejectReason};
@@ -34,6 +34,11 @@ pub enum ClosedLoopError {
     /// A command that the world refuses: an error of the base.
     #[error("{0}")]
     Actuation(ActuationError),
+    /// The start is farther from the origin than a base may be told.
+    #[error(
+        "the start, ({0}, {1}), is more than {FARTHEST_M} m from the origin; the whole base computes in single precision: take an origin of your own"
+    )]
+    Far(f64, f64),
     /// The base somewhere else does not answer.
     #[error("{0}")]
     Mirror(String),
@@ -111,6 +116,10 @@ impl<'a> ClosedLoop<'a> {
         setup: &WorldSetup,
         mut mirror: Option<&'a mut dyn Mirror>,
     ) -> Result<Self, ClosedLoopError> {
+        let at = &mission.start.pose;
+        if !at.is_near() {
+            return Err(ClosedLoopError::Far(at.x, at.y));
+        }
         let base = (&mission.base, mission.period_s);
         let Parts {
             hal,

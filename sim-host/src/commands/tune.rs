@@ -12,7 +12,7 @@ use sim_host::part::Study as _;
 use sim_host::scenario::BuiltInBase;
 use sim_host::tune::{
     Find, KNOBS, Score, Search, Seeds, TrajectoryText, TuneStudy, Tuned, TuningProblem, check,
-    conclude, damping_warning, gain_table, least_damping, score_table, update, verdict,
+    conclude, report as report_text, update,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -84,18 +84,9 @@ pub fn report(
     }
     let tuned = conclude(&problem, &how, finds)?;
     let (before, after) = (tuned.unseen[0].total(), tuned.unseen[1].total());
-    let damping = least_damping(&robot.base, &tuned);
-    say(&format!(
-        "{}: {}\n{}\n{}\n{}\nleast damping of following: {:.2} before, {:.2} after\n",
-        robot.name,
-        robot.base.name,
-        gain_table(&tuned),
-        score_table(&tuned),
-        verdict(before, after),
-        damping[0],
-        damping[1]
-    ))?;
-    if let Some(warning) = damping_warning(damping[1]) {
+    let (text, warning) = report_text(&robot.base, &tuned);
+    say(&format!("{}: {}\n{text}\n", robot.name, robot.base.name))?;
+    if let Some(warning) = warning {
         tell(&format!("warning: {}: {warning}\n", robot.name));
     }
     let name = study.name();

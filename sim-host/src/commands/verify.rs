@@ -14,12 +14,8 @@ use sim_host::figure::Labelled;
 use sim_host::job::RobotFile;
 use sim_host::part::Study as _;
 use sim_host::verify::{
-    Case, Run, StabilityMap, Verification, VerifyStudy, case_table, check, likely_causes,
-    shortcoming, verdict, write_csv,
+    Case, Run, Verification, VerifyStudy, check, report as report_text, shortcoming, write_csv,
 };
-
-/// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
-const STARTS: usize = 300;
 
 /// A verification as it stands in a JSON file.
 #[derive(Serialize)]
@@ -63,19 +59,8 @@ pub fn report(
         robot.name,
         base.name,
         seed.wrapping_add(u64::from(study.seeds.get() - 1)),
-        case_table(&verification)
+        report_text(base, &verification, seed)
     ))?;
-    say(
-        "errors and times of the runs that parked, of all if none did; worst over the seeds. !: beyond what \
-         is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n",
-    )?;
-    say(&format!("{}\n", verdict(&verification)))?;
-    if !verification.holds() {
-        for cause in likely_causes(base) {
-            say(&format!("likely     {cause}\n"))?;
-        }
-    }
-    say(&format!("{}\n", StabilityMap::of(base, STARTS, seed)))?;
     let name = study.name();
     draw_worst(&verification, robot, (&name, log), &writer)?;
     let record = Record {

@@ -3,11 +3,10 @@
 use super::file::{File, MotionKeys, PoseKeys, Profile, Start};
 use super::source::{Checked, Source};
 use crate::motion::ReferenceMotion;
-use controller_core::types::FARTHEST_M;
 use controller_core::types::Pose;
 
-/// Largest coordinate \[m, rad\]: that of goals.
-pub const FAR: f64 = FARTHEST_M;
+/// Largest coordinate \[m, rad\]: beyond, double precision is worse than a nanometre, and somebody took another unit.
+pub const FAR: f64 = 1.0e6;
 /// Latest time on a reference that a robot may be parked at \[s\]: bounds the work of integrating (6).
 const LATEST_S: f64 = 1.0e4;
 /// Largest speed, turn rate, angular frequency \[m/s, rad/s\]: bounds the work of integrating (6).

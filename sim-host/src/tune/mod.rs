@@ -20,7 +20,7 @@ pub use problem::{Seeds, TuneError, TuningProblem};
 pub use profile::update;
 pub use score::{POSE_DELAY_S, Score, health, torque_delay_s};
 pub use search::{Find, MAX_EVALUATIONS, Search, Tuned, conclude, finds, search};
-pub use table::{damping_warning, gain_table, least_damping, score_table, verdict};
+pub use table::report;
 
 use crate::job::RobotFile;
 use crate::scenario::ScenarioError;

@@ -9,8 +9,23 @@ use crate::verify::{StabilityMap, WEAVES};
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 
+/// All that a search for this base says, and a warning if gains after it let the robot weave.
+pub fn report(base: &BaseSpec, tuned: &Tuned) -> (String, Option<String>) {
+    let damping = least_damping(base, tuned);
+    let [before, after] = &tuned.unseen;
+    let text = format!(
+        "{}\n{}\n{}\nleast damping of following: {:.2} before, {:.2} after",
+        gain_table(tuned),
+        score_table(tuned),
+        verdict(before.total(), after.total()),
+        damping[0],
+        damping[1]
+    );
+    (text, damping_warning(damping[1]))
+}
+
 /// Gains before and after.
-pub fn gain_table(tuned: &Tuned) -> Table {
+fn gain_table(tuned: &Tuned) -> Table {
     let mut table = begin(&["gain", "unit", "before", "after"]);
     for knob in KNOBS {
         let mut row = vec![Cell::new(knob.key), Cell::new(knob.unit)];
@@ -21,7 +36,7 @@ pub fn gain_table(tuned: &Tuned) -> Table {
 }
 
 /// Scores before and after, where the search looked and where it did not.
-pub fn score_table(tuned: &Tuned) -> Table {
+fn score_table(tuned: &Tuned) -> Table {
     let mut table = begin(&[
         "points",
         "training\nbefore",
@@ -44,7 +59,7 @@ pub fn score_table(tuned: &Tuned) -> Table {
 }
 
 /// Least damping of following with the gains before and after, as [`StabilityMap`] has it.
-pub fn least_damping(base: &BaseSpec, tuned: &Tuned) -> [f64; 2] {
+fn least_damping(base: &BaseSpec, tuned: &Tuned) -> [f64; 2] {
     tuned.gains.map(|gains| {
         let base = BaseSpec {
             gains: Some(gains),
@@ -55,7 +70,7 @@ pub fn least_damping(base: &BaseSpec, tuned: &Tuned) -> [f64; 2] {
 }
 
 /// A warning if gains with this damping let a robot weave.
-pub fn damping_warning(after: f64) -> Option<String> {
+fn damping_warning(after: f64) -> Option<String> {
     (after < WEAVES).then(|| {
         format!(
             "with the gains after, the least damping of following, {}, is below {WEAVES}: the robot weaves for long; less `lateral` or `heading` \
@@ -66,7 +81,7 @@ pub fn damping_warning(after: f64) -> Option<String> {
 }
 
 /// How much better the gains are by their points in worlds that the search did not see.
-pub fn verdict(before: f64, after: f64) -> String {
+fn verdict(before: f64, after: f64) -> String {
     let share = 100.0 * (before - after) / before;
     if after < before {
         // Never 0 %, which would be no better.

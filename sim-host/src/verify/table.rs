@@ -1,12 +1,16 @@
 //! A verification for people.
 
 use super::study::{Case, Verification};
-use super::{DISTANCE_M, HEADING_RAD, RIPPLE, shortcoming};
+use super::{DISTANCE_M, HEADING_RAD, RIPPLE, StabilityMap, likely_causes, shortcoming};
+use crate::mission::BaseSpec;
 use crate::trials::Course;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{Attribute, Cell, CellAlignment, ContentArrangement, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+
+/// Random starts beside the path: none lost says with 95 % confidence that less than 1 % are.
+const STARTS: usize = 300;
 
 const HEADER: [&str; 9] = [
     "course",
@@ -20,8 +24,25 @@ const HEADER: [&str; 9] = [
     "stopped for; found",
 ];
 
+/// All that a verification of this base with worlds from `seed` on says: table, verdict, likely causes of failures, and how stable it follows.
+pub fn report(base: &BaseSpec, verification: &Verification, seed: u64) -> String {
+    let mut text = format!(
+        "{}\nerrors and times of the runs that parked, of all if none did; worst over the seeds. !: beyond what \
+         is asked.\nstopped for; found: faults with the number of runs, found ones may have been ignored.\n\n{}\n",
+        case_table(verification),
+        verdict(verification)
+    );
+    if !verification.holds() {
+        for cause in likely_causes(base) {
+            let _ = writeln!(text, "likely     {cause}");
+        }
+    }
+    let _ = write!(text, "{}", StabilityMap::of(base, STARTS, seed));
+    text
+}
+
 /// A row for each case. Errors, times: of the runs that parked, or of all if none did.
-pub fn case_table(verification: &Verification) -> Table {
+fn case_table(verification: &Verification) -> Table {
     let mut table = Table::new();
     table
         .load_preset(UTF8_FULL_CONDENSED)

@@ -143,7 +143,7 @@ fn ticks(input: &[u8], met: &mut Met) {
                 // A pose that is refused changes nothing, and neither does a torque.
                 let (pose, last) = (pose(&mut bytes), base);
                 let refused = base.set_pose(pose).is_err();
-                assert!(refused != pose.is_finite() && (!refused || same(&base, &last)));
+                assert!(refused != pose.is_near() && (!refused || same(&base, &last)));
             }
             4 => {
                 let (right, left) = (bytes.float(limit), bytes.float(limit));

@@ -195,7 +195,8 @@ impl Law {
         let (k, last) = (self.k, self.last);
         self.observer.exerted = torques.map(|torques| k.wheels_to_wrench() * torques);
         let Some(torques) = torques else { return };
-        let missed = (last.torques - torques).abs() - 0.25 * last.torques.abs();
+        let along = torques.component_mul(&last.torques.map(f64::signum));
+        let missed = 0.75 * last.torques.abs() - along;
         if missed.max() > 0.01 * k.torque {
             let heavier = k.inertia.component_mul(&last.load.add_scalar(1.0));
             let driving = k.wheels_to_wrench() * torques + last.disturbance;
