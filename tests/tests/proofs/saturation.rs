@@ -88,13 +88,14 @@ fn a_shared_wrench_fits_the_wheels_at_the_corners_of_all_arguments() {
 
 type Controller = MotionController<f32, Single, RationalMean>;
 
-/// From here on a speed and a turn rate, added up, are refused; the goal, two metres away, is nothing beside it.
+/// From here on parking refuses a speed and a turn rate, added up; the goal, two metres away, is nothing beside it.
 const REACH: f32 = 1.0e4;
 
 /// Theorem 3 by trial: finite measurements of any size, on the largest and the smallest bases there may be, give torques within the
-/// limit or a refusal that changes nothing, of just what is beyond reach.
+/// limit or a refusal that changes nothing. Parking refuses just what is beyond its reach.
 #[test]
 fn torques_are_within_the_limit_or_the_tick_is_refused_at_the_corners_of_all_measurements() {
+    // While following; what parking takes and refuses is known of every tick.
     let (mut refused, mut taken) = (0_u64, 0_u64);
     // Sizes of all kinds, and every binade near the largest number: what gains and masses make of it overflows at one of them.
     let large = (207..=254_u32).map(|exponent| f32::from_bits(exponent << 23));
@@ -127,10 +128,11 @@ fn torques_are_within_the_limit_or_the_tick_is_refused_at_the_corners_of_all_mea
                                 ..start
                             };
                             let mut controller = fresh;
+                            let parks = matches!(task, Task::Park(_));
                             match controller.step(0.01, task, &measured) {
                                 Ok(report) => {
-                                    taken += 1;
-                                    assert!(v.abs() + w.abs() < REACH, "{v:e} {w:e}");
+                                    taken += u64::from(!parks);
+                                    assert!(!parks || v.abs() + w.abs() < REACH, "{v:e} {w:e}");
                                     let limit = params.limits.wheel_torque_nm;
                                     let torques = report.torques;
                                     let within = |torque: f32| (-limit..=limit).contains(&torque);
@@ -141,8 +143,8 @@ fn torques_are_within_the_limit_or_the_tick_is_refused_at_the_corners_of_all_mea
                                     );
                                 }
                                 Err(fault) => {
-                                    refused += 1;
-                                    assert!(v.abs() + w.abs() >= REACH, "{v:e} {w:e}");
+                                    refused += u64::from(!parks);
+                                    assert!(!parks || v.abs() + w.abs() >= REACH, "{v:e} {w:e}");
                                     assert_eq!(fault, StepFault::Overflow);
                                     assert_eq!(controller, fresh, "a refusal changes nothing");
                                 }
@@ -153,6 +155,6 @@ fn torques_are_within_the_limit_or_the_tick_is_refused_at_the_corners_of_all_mea
             }
         }
     }
-    println!("{taken} ticks taken, {refused} refused");
-    assert!(refused > 0 && taken > 0);
+    println!("following: {taken} ticks taken, {refused} refused");
+    assert!(refused > 0 && taken > refused);
 }
