@@ -148,8 +148,8 @@ def test_the_wheel_is_small_and_for_every_python() -> None:
     assert "-cp310-abi3-" in wheel.name
     size = wheel.stat().st_size
     print(f"{size / 1e6:.2f} MB")
-    # 3 MB were asked for. It may not grow (2.04 MB): docs/python.md says what it is made of.
-    assert size <= 2_115_000
+    # 3 MB were asked for. It may not grow (2.12 MB, with the reports and warnings of the command line): docs/python.md says what it is made of.
+    assert size <= 2_140_000
     # Such as a bill of materials that names folders of the machine that built it.
     assert not [name for name in zipfile.ZipFile(wheel).namelist() if "sboms" in name]
 
