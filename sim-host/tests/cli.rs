@@ -851,6 +851,7 @@ fn impossible_robots_are_refused_and_unlikely_ones_named() {
     for (from, to, told) in [
         (
             "noise_m = 0.005",
+            // The most that the shipped bases take: of more no gain follows, and the file is refused.
             "noise_m = 0.2",
             "pose_source.noise_m = 0.2: the base takes any place within ",
         ),

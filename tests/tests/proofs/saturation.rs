@@ -89,6 +89,7 @@ fn a_shared_wrench_fits_the_wheels_at_the_corners_of_all_arguments() {
 type Controller = MotionController<f32, Single, RationalMean>;
 
 /// From here on parking refuses a speed and a turn rate, added up; the goal, two metres away, is nothing beside it.
+// Farther apart than any two poses that may be stated.
 const REACH: f32 = 1.0e4;
 
 /// Theorem 3 by trial: finite measurements of any size, on the largest and the smallest bases there may be, give torques within the
