@@ -8,6 +8,7 @@
 #![allow(unsafe_code)]
 
 use core::ffi::c_char;
+use core::mem::MaybeUninit;
 use core::slice;
 
 use controller_core::base::{
@@ -54,9 +55,21 @@ unsafe fn on(base: *mut Base, event: Event) -> i32 {
 }
 
 /// Bytes to parameters that were validated.
+#[inline(never)]
 fn robot(blob: &[u8]) -> Result<ValidBaseParams<f32>, Status> {
     let params: BaseParams<f32> = decode_robot(blob)?;
     params.validate().map_err(|_| Status::RobotContent)
+}
+
+/// A base that is disarmed, at `start`.
+#[inline(never)]
+fn make(place: &mut MaybeUninit<Body>, params: &ValidBaseParams<f32>, start: Pose) {
+    place.write(Body {
+        controller: BaseController::new(params, (&start).into()),
+        ticks: 0,
+        start,
+        answer: Ok(()),
+    });
 }
 
 /// The version of calls and structs.
@@ -94,15 +107,11 @@ pub unsafe extern "C" fn twb_init(
             return Err(Status::NotFinite);
         }
         // SAFETY: of the caller; the length is a blob's, so that no address wraps around.
-        let params = robot(unsafe { slice::from_raw_parts(blob.as_ptr(), length) })?;
-        let body = Body {
-            controller: BaseController::new(&params, start),
-            ticks: 0,
-            start: at,
-            answer: Ok(()),
-        };
+        let robot = robot(unsafe { slice::from_raw_parts(blob.as_ptr(), length) });
+        let params = robot.as_ref().map_err(|status| *status)?;
+        let period_us = params.detectors().params().period_us;
         // SAFETY: of the caller.
-        unsafe { handle.put(body, params.detectors().params().period_us) };
+        unsafe { handle.put(period_us, |place| make(place, params, at)) };
         Ok(())
     };
     code(result())

@@ -150,11 +150,11 @@ impl Handle {
     }
 
     /// Makes a base of the memory, whatever its mark says: that of a call which a reset of the chip cut short would stay for ever.
-    /// `period_us` is that of `body`, which is a number of its own here, for the whole body would be copied to look into it.
+    /// `period_us` is the base's, a number of its own here. `write` makes the body where it stays: moved, it would be on the stack as well.
     ///
     /// # Safety
     /// Not from within another call on the same base. Calls from within this one are as from within any other.
-    pub unsafe fn put(self, body: Body, period_us: u32) {
+    pub unsafe fn put(self, period_us: u32, write: impl FnOnce(&mut MaybeUninit<Body>)) {
         self.period().store(period_us, Ordering::Relaxed);
         // Before the mark: a stop that sees it is for the new base.
         self.asked().store(NO_STOP, Ordering::Relaxed);
@@ -163,7 +163,7 @@ impl Handle {
         fence();
         // SAFETY: room for a `Base` by the promise at `new`; no other call has the body by the caller's, and the mark keeps every one
         // from an interrupt away from it.
-        unsafe { ptr::addr_of_mut!((*self.0.as_ptr()).body).write(MaybeUninit::new(body)) };
+        write(unsafe { &mut *ptr::addr_of_mut!((*self.0.as_ptr()).body) });
         self.close_apart();
     }
 
