@@ -170,9 +170,10 @@ impl Rig {
             OutputMode::Drive | OutputMode::Hold => *order,
             OutputMode::ControlledStop => {
                 if self.plan.is_none() {
-                    let command = self.drive.report().command;
-                    self.plan =
-                        Some((StopPlan::new::<Libm>(self.motion(), &command), self.drive.t));
+                    let report = self.drive.report();
+                    let (command, rate) = (report.command, report.command_rate);
+                    let plan = StopPlan::new::<Libm>(self.motion(), &command, &rate);
+                    self.plan = Some((plan, self.drive.t));
                     self.drive.controller.declare_jump();
                 }
                 let (plan, begin) = self.plan.expect("just made");

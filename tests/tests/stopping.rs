@@ -45,7 +45,7 @@ fn stop(drive: &mut Exact) -> (f64, f64, f64, Stopping<f64>) {
     let report = drive.report();
     let (command, error) = (report.command, drive.body.twist.minus(&report.command));
     let bound = controlled_stop::<f64, Libm>(&motion, &command, &report.command_rate, &error);
-    let plan = StopPlan::new::<Libm>(&motion, &command);
+    let plan = StopPlan::new::<Libm>(&motion, &command, &report.command_rate);
     drive.controller.declare_jump();
     let (mut way, mut turn, mut rest, mut k) = (0.0, 0.0, 0.0, 0);
     let (mut furthest, mut most) = (0.0_f64, 0.0_f64);
@@ -242,7 +242,8 @@ fn a_jumping_pose_does_not_disturb_the_stop() {
     let motion = Base::STANDARD.exact().validate().expect("valid");
     let stop = |wild: f64| {
         let mut drive = start(&motion, Twist::new(1.0, 0.5), 0.01);
-        let plan = StopPlan::new::<Libm>(&motion, &Twist::new(1.0, 0.5));
+        let rate = drive.report().command_rate;
+        let plan = StopPlan::new::<Libm>(&motion, &Twist::new(1.0, 0.5), &rate);
         drive.controller.declare_jump();
         let mut random = Random(7);
         for k in 0..300 {

@@ -223,14 +223,14 @@ fn first_refusal(
     sensed: *const Sensed,
     action: *const Action,
 ) -> Status {
-    let refusals = [
-        checked(base).err(),
-        checked(order).err(),
-        checked(sensed).err(),
-        checked(action).err(),
-    ];
-    let first = refusals.into_iter().flatten().next();
-    first.unwrap_or(Status::Null)
+    let sound = || -> Result<(), Status> {
+        checked(base)?;
+        checked(order)?;
+        checked(sensed)?;
+        checked(action)?;
+        Ok(())
+    };
+    sound().err().unwrap_or(Status::Null)
 }
 
 /// An action without duties; `flags` are those of a drive.

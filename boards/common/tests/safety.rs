@@ -248,7 +248,7 @@ fn an_armed_board_drives_and_a_silent_host_stops_it() {
     let fastest = motion.command.linear + fading(1.0 / gains.decay) + 1.0e-3 * rate.abs();
     // With the plan at its end, what is left is that and the velocity error, which fades as e^(-kappa t). Rest is believed
     // below a speed, less the half count that encoders are off times the bandwidth of the estimate.
-    let plan = StopPlan::new::<Single>(law, &motion.command);
+    let plan = StopPlan::new::<Single>(law, &motion.command, &motion.command_rate);
     let bound = controlled_stop::<f32, Single>(
         law,
         &motion.command,

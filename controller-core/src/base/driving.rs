@@ -8,7 +8,7 @@ use crate::motion::{Asked, MotionLaw, MotionReport, Outcome, PathEnd, Task, Vali
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
-use crate::types::{Measured, Twist, WheelSpeeds, WheelTorques};
+use crate::types::{Accel, Measured, Twist, WheelSpeeds, WheelTorques};
 
 /// What is driven, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,11 +146,11 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         let (plan, t) = match self.stop {
             Some((plan, t)) => (plan, t + dt),
             None => {
-                let command = match report {
-                    Some(report) => report.command,
-                    None => measured.twist,
+                let (command, rate) = match report {
+                    Some(report) => (report.command, report.command_rate),
+                    None => (measured.twist, Accel::default()),
                 };
-                (StopPlan::new::<M>(motion, &command), T::ZERO)
+                (StopPlan::new::<M>(motion, &command, &rate), T::ZERO)
             }
         };
         let first = self.stop.is_none();

@@ -19,7 +19,7 @@
 
 use crate::motion::ValidMotionParams;
 use crate::range::{larger, smaller};
-use crate::safety::{Fault, LOADS, Side, Silence, Timeout, UNNOTICED, ValidDetectorParams};
+use crate::safety::{Fault, LOADS, Side, Silence, UNNOTICED, ValidDetectorParams};
 use crate::scalar::Scalar;
 use crate::types::Twist;
 
@@ -32,7 +32,7 @@ const SHARE: f64 = 0.25;
 pub(super) struct OverSpeedLimits<T> {
     /// \[m/s\].
     above: T,
-    after: Timeout,
+    after_us: u32,
 }
 
 impl<T: Scalar> OverSpeedLimits<T> {
@@ -49,7 +49,7 @@ impl<T: Scalar> OverSpeedLimits<T> {
         Self {
             above: T::from_f64(1.0 + SHARE) * motion.limits.rim_speed
                 + accel / smaller(gains.speed_loop, gains.turn_loop),
-            after: Timeout::AfterUs(ticks_us.max(UNNOTICED.1)),
+            after_us: ticks_us.max(UNNOTICED.1),
         }
     }
 }
@@ -89,12 +89,9 @@ impl OverSpeed {
         dt_us: u32,
     ) -> Option<Fault> {
         // Of a tick that took too long, as by a clock that steps, no speed is known.
-        let Timeout::AfterUs(after_us) = limits.after else {
-            return None;
-        };
-        let dt_us = dt_us.min(after_us / UNNOTICED.0);
+        let dt_us = dt_us.min(limits.after_us / UNNOTICED.0);
         self.slow_enough = self.slow_enough.after(dt_us, false);
-        if !self.slow_enough.exceeds(limits.after) {
+        if self.slow_enough.us() < limits.after_us {
             return None;
         }
         let speeds = motion.wheels().wheel_speeds(twist);

@@ -24,22 +24,11 @@ const LARGEST: f64 = 100.0;
 /// # Errors
 /// [`StepFault::NotFinite`] or [`StepFault::OutOfRange`] of [`Input::Order`].
 pub fn check_order<T: Scalar>(twist: &Twist<T>) -> Result<(), StepFault> {
-    let both = [twist.linear, twist.angular];
-    within(both, LARGEST, twist.is_finite(), Input::Order)
-}
-
-/// Numbers of an input that is finite, within ±`most`.
-fn within<T: Scalar>(
-    numbers: [T; 2],
-    most: f64,
-    finite: bool,
-    input: Input,
-) -> Result<(), StepFault> {
-    let most = T::from_f64(most);
-    if !finite {
-        Err(StepFault::NotFinite(input))
-    } else if numbers.iter().any(|number| number.abs() > most) {
-        Err(StepFault::OutOfRange(input))
+    let largest = T::from_f64(LARGEST);
+    if !twist.is_finite() {
+        Err(StepFault::NotFinite(Input::Order))
+    } else if twist.linear.abs() > largest || twist.angular.abs() > largest {
+        Err(StepFault::OutOfRange(Input::Order))
     } else {
         Ok(())
     }

@@ -5,9 +5,13 @@
 //!
 //! | symbol | what | unit |
 //! | --- | --- | --- |
-//! | P = max(\|v₀\|/(0.85 brake), \|w₀\|/(0.85 turn_accel), τ/(0.64 τ_max)) | 1/P is the largest s′ that the limits allow; τ: torque of the harder worked wheel at s′ = 1/s | s |
+//! | P₀ = max(\|v₀\|/brake, \|w₀\|/turn_accel, τ/(0.75 τ_max)) | 1/P₀ is the largest s′ that the limits allow; τ: torque of the harder worked wheel at s′ = 1/s | s |
+//! | P = P₀/(1 − 0.15 min(1, p)) | the same beside the acceleration under way, that fades; p: P₀ of it in place of the speeds, the share of the limits that it uses | s |
 //! | Q = 2 max(\|v₀\|/jerk, \|w₀\|/turn_jerk) | 1/Q is the largest s″: half of the jerk, the rest is for the acceleration that was under way | s² |
 //! | T = P + Q/P, or 2 √Q where Q > P² | duration; by symmetry ∫ s dt = T/2 | s |
+//!
+//! An acceleration a under way fades by the transition offset as a (1 − A t) e^(−A t), down to −0.135 a. That much has to be left, or the governor would hold
+//! the command back and the stop would go further than planned.
 //!
 //! The plan is followed as a reference that is anew at the measured pose in every tick: the stop goes by the
 //! twist alone. A pose that jumps, drifts or is missing does not disturb it, and no base backs up to where it
@@ -22,21 +26,17 @@
 
 use crate::maths::Maths;
 use crate::motion::{Task, ValidMotionParams};
-use crate::range::larger;
+use crate::range::{larger, smaller};
 use crate::reference::Reference;
 use crate::scalar::Scalar;
 use crate::types::{Accel, Pose, Twist, Wrench};
 
-/// Share of braking and turning acceleration that the plan uses. An acceleration a under way fades by the
-/// transition offset as a (1 − A t) e^(−A t), which falls to −0.135 a: that much has to be left, or the governor would
-/// hold the command back and the stop would go further than planned.
-const RATE_SHARE: f64 = 0.85;
-/// The same share of the 0.75 of the wheels' torque that the governor leaves to a command.
-const TORQUE_SHARE: f64 = 0.64;
+/// How far below zero an acceleration of 1 under way falls while it fades: (1 − A t) e^(−A t) is −e⁻² at A t = 2; a tenth of that is for rounding and ticks.
+const FADE: f64 = 0.15;
 
 /// A controlled stop under way: a twist that comes to rest within the limits.
 ///
-/// Made once from the last command ([`crate::motion::MotionReport::command`]); from then on each tick steps the
+/// Made once from the last command and its rate ([`crate::motion::MotionReport::command`]); from then on each tick steps the
 /// controller with [`StopPlan::task`], after one [`crate::motion::MotionController::declare_jump`], which lets
 /// command and torque go on from where they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,23 +50,21 @@ pub struct StopPlan<T> {
 }
 
 impl<T: Scalar> StopPlan<T> {
-    /// The plan from a commanded twist. A twist that is not finite gives a plan that is at rest at once.
-    pub fn new<M: Maths<T>>(motion: &ValidMotionParams<T>, command: &Twist<T>) -> Self {
-        let params = motion.params();
-        let limits = &params.limits;
-        let (v, w) = (command.linear.abs(), command.angular.abs());
-        let torques = motion.wheels().torques(&Wrench {
-            force: params.robot.mass_kg * command.linear,
-            moment: params.robot.inertia_kg_m2 * command.angular,
-        });
-        let torque = larger(torques.right.abs(), torques.left.abs());
-        let most = T::from_f64(TORQUE_SHARE) * limits.wheel_torque_nm;
-        let share = T::from_f64(RATE_SHARE);
-        let slowing = larger(v / limits.brake, w / limits.turn_accel) / share;
-        let p = larger(slowing, torque / most);
-        let q = T::from_f64(2.0) * larger(v / limits.jerk, w / limits.turn_jerk);
-        let usable = |value: T| value > T::ZERO && value.is_finite();
-        if !(command.is_finite() && usable(p) && usable(q)) {
+    /// The plan from a commanded twist and its `rate`. A twist that is not finite gives a plan that is at rest at once; a rate that is no number counts
+    /// as one at its limit.
+    pub fn new<M: Maths<T>>(
+        motion: &ValidMotionParams<T>,
+        command: &Twist<T>,
+        rate: &Accel<T>,
+    ) -> Self {
+        let limits = &motion.params().limits;
+        let (v, w) = (command.linear, command.angular);
+        let used = at_limits(motion, rate.linear, rate.angular);
+        let left = T::ONE - T::from_f64(FADE) * smaller(used, T::ONE);
+        let p = at_limits(motion, v, w) / left;
+        let q = T::from_f64(2.0) * larger(v.abs() / limits.jerk, w.abs() / limits.turn_jerk);
+        let sum = p + q;
+        if !(command.is_finite() && sum > T::ZERO && sum.is_finite()) {
             return Self::default();
         }
         // The rate that the jerk allows is reached in the middle and left again.
@@ -126,6 +124,25 @@ impl<T: Scalar> StopPlan<T> {
     }
 }
 
+/// How long a change of speeds takes with an acceleration at its limit \[s\]; of accelerations that is the share of the limits that they use.
+// Apart: it is asked twice.
+#[inline(never)]
+fn at_limits<T: Scalar>(motion: &ValidMotionParams<T>, linear: T, angular: T) -> T {
+    let (limits, robot) = (&motion.params().limits, &motion.params().robot);
+    let torques = motion.wheels().torques(&Wrench {
+        force: robot.mass_kg * linear,
+        moment: robot.inertia_kg_m2 * angular,
+    });
+    let torque = larger(torques.right.abs(), torques.left.abs());
+    larger(
+        larger(
+            linear.abs() / limits.brake,
+            angular.abs() / limits.turn_accel,
+        ),
+        torque / limits.command_torque_nm(),
+    )
+}
+
 /// Bounds on a controlled stop on a level floor, for a base that is what its parameters say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopping<T> {
@@ -163,7 +180,7 @@ pub fn controlled_stop<T: Scalar, M: Maths<T>>(
     rate: &Accel<T>,
     error: &Twist<T>,
 ) -> Stopping<T> {
-    let plan = StopPlan::new::<M>(motion, command);
+    let plan = StopPlan::new::<M>(motion, command, rate);
     let gains = motion.gains();
     let half = T::HALF * plan.duration_s;
     let area = gains.decay * gains.decay;
@@ -239,11 +256,21 @@ mod tests {
         params.validate().expect("valid")
     }
 
-    /// Summed in steps of 1 ms: way v₀ T/2, limits kept, and value and rate belong together.
+    /// Summed in steps of 1 ms: way v₀ T/2, limits kept, and value and rate belong together. `rate` is a share of each limit.
     #[test]
     fn plan_keeps_the_limits_and_its_way_is_half_of_its_time() {
-        for torque in [15.0, 1.0] {
+        for (torque, rate) in [
+            (15.0, 0.0),
+            (1.0, 0.0),
+            (15.0, 0.3),
+            (15.0, 1.0),
+            (1.0, 1.0),
+        ] {
             let motion = motion(torque);
+            let left = 1.0 - 0.15 * rate;
+            let rate = Accel::new(rate * 1.2, rate * 3.0);
+            // At 1 N m the acceleration takes all of the torque.
+            let torque_left = 0.75 * torque * if torque > 1.0 { 1.0 } else { left };
             for (v, w) in [
                 (2.5, 0.0),
                 (-1.0, 0.0),
@@ -251,7 +278,7 @@ mod tests {
                 (0.0, 3.0),
                 (1.0, -2.0),
             ] {
-                let plan = StopPlan::new::<Libm>(&motion, &Twist::new(v, w));
+                let plan = StopPlan::new::<Libm>(&motion, &Twist::new(v, w), &rate);
                 let (mut way, dt) = (0.0, 1e-3);
                 let (mut last, mut last_accel) = plan.at(0.0);
                 assert_eq!(last, Twist::new(v, w));
@@ -259,7 +286,8 @@ mod tests {
                     let (twist, accel) = plan.at(f64::from(k) * dt);
                     way += 0.5 * dt * (twist.linear + last.linear);
                     // One rounding above the limits.
-                    assert!(accel.linear.abs() <= 1.2 + 1e-9 && accel.angular.abs() <= 3.0 + 1e-9);
+                    assert!(accel.linear.abs() <= left * 1.2 + 1e-9);
+                    assert!(accel.angular.abs() <= left * 3.0 + 1e-9);
                     let jerk = (accel.linear - last_accel.linear).abs() / dt;
                     assert!(jerk <= 10.0 + 1e-6, "half of the limit, {jerk}");
                     let mean = 0.5 * (accel.linear + last_accel.linear);
@@ -269,7 +297,7 @@ mod tests {
                         force: 30.0 * accel.linear,
                         moment: 15.0 * accel.angular,
                     });
-                    assert!(wheels.right.abs().max(wheels.left.abs()) <= 0.64 * torque + 1e-9);
+                    assert!(wheels.right.abs().max(wheels.left.abs()) <= torque_left + 1e-9);
                     (last, last_accel) = (twist, accel);
                 }
                 assert_eq!(last, Twist::default());
@@ -284,7 +312,8 @@ mod tests {
     /// The twist of now, and the acceleration of the middle of the tick but in the first one.
     #[test]
     fn a_tick_of_the_plan_has_the_acceleration_of_its_middle() {
-        let plan = StopPlan::new::<Libm>(&motion(15.0), &Twist::new(1.0, -2.0));
+        let plan =
+            StopPlan::new::<Libm>(&motion(15.0), &Twist::new(1.0, -2.0), &Accel::new(1.2, 3.0));
         let pose = Pose::new(0.3, -0.7, 2.0);
         for (t, dt, middle) in [(0.0, 0.02, 0.0), (0.1, 0.02, 0.11), (0.4, 0.1, 0.45)] {
             let Task::Follow(reference) = plan.task::<Libm>(t, dt, &pose) else {
@@ -309,7 +338,7 @@ mod tests {
             let command = Twist::new(-1.5, 2.0);
             let (rate, error) = (Accel::new(0.7, -1.1), Twist::new(-0.05, 0.08));
             let found = controlled_stop::<_, Libm>(&motion, &command, &rate, &error);
-            let duration = StopPlan::new::<Libm>(&motion, &command).duration_s();
+            let duration = StopPlan::new::<Libm>(&motion, &command, &rate).duration_s();
             let square = decay * decay;
             let Limits {
                 jerk, turn_jerk, ..
@@ -328,7 +357,8 @@ mod tests {
                 assert!((found - expected).abs() < 1e-12, "{found} {expected}");
             }
             // Straight on from a speed, with the larger of both accelerations, 1.5 m/s².
-            let straight = StopPlan::new::<Libm>(&motion, &Twist::new(2.0, 0.0));
+            let straight =
+                StopPlan::new::<Libm>(&motion, &Twist::new(2.0, 0.0), &Accel::new(1.5, 0.0));
             let distance = controlled_stop_distance::<_, Libm>(&motion, 2.0);
             let passed = held_back(1.5, jerk, decay) / speed_loop;
             assert!((distance - (straight.duration_s() + 1.5 / square + passed)).abs() < 1e-12);
@@ -360,6 +390,20 @@ mod tests {
         }
     }
 
+    /// Of 2 m/s with brake 1.2, half of a jerk of 20: 2/1.2 + 1.2/10 s from a steady speed, 2/1.02 + 1.02/10 s from an acceleration at its limit.
+    #[test]
+    fn a_steady_base_has_all_of_its_brake_to_stop() {
+        let motion = motion(15.0);
+        for (rate, duration) in [(0.0, 2.0 / 1.2 + 0.12), (1.2, 2.0 / 1.02 + 0.102)] {
+            let rate = Accel::new(rate, 0.0);
+            let plan = StopPlan::new::<Libm>(&motion, &Twist::new(2.0, 0.0), &rate);
+            assert!((plan.duration_s() - duration).abs() < 1e-12);
+        }
+        let nonsense = Accel::new(f64::NAN, 0.0);
+        let plan = StopPlan::new::<Libm>(&motion, &Twist::new(2.0, 0.0), &nonsense);
+        assert!(plan.duration_s().is_finite());
+    }
+
     #[test]
     fn a_plan_for_nothing_or_nonsense_is_at_rest() {
         let motion = motion(15.0);
@@ -368,7 +412,7 @@ mod tests {
             Twist::new(f64::NAN, 1.0),
             Twist::new(1.0, f64::INFINITY),
         ] {
-            let plan = StopPlan::new::<Libm>(&motion, &twist);
+            let plan = StopPlan::new::<Libm>(&motion, &twist, &Accel::default());
             assert_eq!(plan.duration_s(), 0.0);
             let (twist, accel) = plan.at(0.0);
             assert_eq!((twist, accel), (Twist::default(), Accel::default()));
