@@ -567,6 +567,33 @@ fn time_alone_is_that_without_a_gyro() {
     is(alone(&base), (0.5, 0.5));
 }
 
+/// A gyro carries a base for as long as its heading is in doubt by less than 20 mrad: one whose bias may be 20°/s and was never learnt for a tenth of a
+/// second, after a second of rest for all of `carry_s`.
+#[test]
+fn a_gyro_whose_bias_is_unknown_carries_no_base() {
+    let gyro = GyroParams {
+        bias_limit: 0.35,
+        ..GyroParams::icm_42688_p()
+    };
+    for rests in [false, true] {
+        let mut base = Carried::start(camera(), Some(gyro));
+        if rests {
+            base.drive((0.0, 0.0), Some(0.0), 1.0);
+        }
+        let at = *base.localiser.pose();
+        base.advance((0.1, 0.0), Some(0.0), Some(&at));
+        base.drive((0.1, 0.0), Some(0.0), 20.0);
+        let (uncarried, age) = (base.localiser.uncarried_s(), base.localiser.fix_age_s());
+        assert!((age - 20.0).abs() < 1e-9);
+        // A deviation of 0.35/√3 rad/s is 20 mrad after 99 ms, to a tick.
+        let expected = if rests { 0.0 } else { 20.0 - 0.099 };
+        assert!(
+            (uncarried - expected).abs() < 1.1 * DT,
+            "{uncarried} {rests}"
+        );
+    }
+}
+
 /// Without fixes too the heading is the gyro's, wheels of unlike radii are learnt, and the estimate says so.
 #[test]
 fn a_gyro_is_reported_without_fixes() {

@@ -240,7 +240,7 @@ impl<T: Scalar, const N: usize> Localiser<T, N> {
         self.estimator.fix_age_s()
     }
 
-    /// The same for whoever watches over how long a base drives without fixes: while a gyro carries the heading, and for at most
+    /// The same for whoever watches over how long a base drives without fixes: while a gyro carries the heading to 20 mrad (a standard deviation), and for at most
     /// [`carry_s`](crate::gyro::GyroParams::carry_s), the time since it last did not.
     pub fn uncarried_s(&self) -> T {
         self.estimator.uncarried_s(&self.localisation)
