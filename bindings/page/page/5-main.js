@@ -128,7 +128,7 @@ const step = () => { running = false; showPlay(); wasm.advance(1); };
 const sumOf = (text) => { let sum = 0x811c9dc5; for (const c of text) sum = Math.imul(sum ^ c.charCodeAt(0), 0x01000193); return (sum >>> 0).toString(36); };
 async function through(stream, bytes) { return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer()); }
 async function link() {
-  wasm.share();
+  if (!wasm.share()) throw new Error(said());
   let bytes = view().slice(), kind = "r";
   if (typeof CompressionStream === "function") { bytes = await through(new CompressionStream("deflate-raw"), bytes); kind = "z"; }
   const text = toBase64(bytes).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
@@ -136,7 +136,8 @@ async function link() {
 }
 async function share() {
   running = false; showPlay();
-  const url = await link();
+  let url;
+  try { url = await link(); } catch (error) { return hint(`No link: ${error.message}`, true); }
   window.history.replaceState(null, "", url);
   try { await navigator.clipboard.writeText(url); hint("Link copied: it plays this run again, bit for bit, up to this tick"); }
   catch { hint("The link is in the address bar: it plays this run again, bit for bit, up to this tick"); }

@@ -130,8 +130,12 @@ extern "C" fn replay() -> u32 {
 
 /// The run as bytes.
 #[unsafe(no_mangle)]
-extern "C" fn share() {
-    page(|page| page.output = page.session.as_ref().map_or(Vec::new(), Session::share));
+extern "C" fn share() -> u32 {
+    page(|page| {
+        let shared = page.session().and_then(|session| session.share());
+        let result = shared.map(|bytes| page.output = bytes);
+        outcome(page, result)
+    })
 }
 
 /// Lets ticks pass.

@@ -355,7 +355,11 @@ impl Session {
     }
 
     /// Everything that was done, and when: what [`Session::replay`] takes.
-    pub fn share(&self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// A run that is too long for it, for people.
+    pub fn share(&self) -> Result<Vec<u8>, String> {
+        short_enough(self.ticks)?;
         let mut bytes = vec![SHARED];
         input::count(&mut bytes, self.ticks);
         let mut before = 0;
@@ -364,7 +368,7 @@ impl Session {
             before = *tick;
             input.encode(&mut bytes);
         }
-        bytes
+        Ok(bytes)
     }
 
     /// The run that was shared, at the tick at which it was.
@@ -377,9 +381,7 @@ impl Session {
             return Err(DAMAGED.to_owned());
         };
         let ticks = input::count_of(&mut rest).ok_or(DAMAGED)?;
-        if ticks > MAX_TICKS {
-            return Err(DAMAGED.to_owned());
-        }
+        short_enough(ticks)?;
         let mut session: Option<Self> = None;
         while !rest.is_empty() {
             let since = input::count_of(&mut rest).ok_or(DAMAGED)?;
@@ -520,6 +522,16 @@ fn seen_by(mut base: BaseSpec, floor: Floor) -> BaseSpec {
     base
 }
 
+/// Whether a run of so many ticks can be played again.
+fn short_enough(ticks: u32) -> Result<(), String> {
+    match ticks {
+        0..=MAX_TICKS => Ok(()),
+        _ => Err(format!(
+            "the run is too long to be played again: {ticks} ticks, {MAX_TICKS} are the most"
+        )),
+    }
+}
+
 fn refused_or_not<E: std::fmt::Display>(answer: Result<(), E>) -> Result<(), String> {
     answer.map_err(|reason| format!("the base refuses: {reason}"))
 }
@@ -591,6 +603,27 @@ mod tests {
         session.main().report().state
     }
 
+    fn shared(session: &Session) -> Vec<u8> {
+        session.share().expect("short enough")
+    }
+
+    fn played_again(session: &Session) -> Session {
+        Session::replay(&shared(session)).expect("a run")
+    }
+
+    #[test]
+    fn a_run_that_is_too_long_to_be_played_again_is_not_shared() {
+        let mut session = session(1, Floor::File);
+        session.ticks = MAX_TICKS;
+        assert!(session.share().is_ok());
+        session.ticks += 1;
+        let told = |why: &String| why.contains("too long") && why.contains("3600001");
+        assert!(session.share().is_err_and(|why| told(&why)));
+        let mut link = vec![SHARED];
+        input::count(&mut link, MAX_TICKS + 1);
+        assert!(Session::replay(&link).is_err_and(|why| told(&why)));
+    }
+
     #[test]
     fn every_base_parks_on_every_floor_and_plays_again_with_the_same_bits() {
         for base in 0..BASES.len() as u8 {
@@ -606,7 +639,7 @@ mod tests {
                 // The bound of `verify`.
                 let off = (truth.x - 1.0).hypot(truth.y - 0.5);
                 assert!(off < 5.0e-3, "base {base}, {floor:?}: {off} m");
-                let again = Session::replay(&session.share()).expect("a run");
+                let again = played_again(&session);
                 assert_eq!(again.ticks(), session.ticks());
                 assert_eq!(again.hash(), session.hash());
                 assert_eq!(session.robots().count(), 3);
@@ -636,12 +669,12 @@ mod tests {
     fn a_dragged_goal_is_one_input_in_a_tick_and_an_order_that_is_refused_is_none() {
         let mut session = session(1, Floor::File);
         session.advance(5).expect("ticks");
-        let before = session.share().len();
+        let before = shared(&session).len();
         for x in 0..100 {
             session.apply(Input::Goal([x, 0, 0])).expect("a goal");
         }
-        assert_eq!(session.share().len(), before + 8);
-        let held = session.share();
+        assert_eq!(shared(&session).len(), before + 8);
+        let held = shared(&session);
         let refused = [
             Input::Begin(Setting {
                 base: 9,
@@ -657,7 +690,7 @@ mod tests {
         for input in refused {
             let why = session.apply(input.clone());
             assert!(why.is_err_and(|why| !why.is_empty()), "{input:?}");
-            assert_eq!(session.share(), held, "{input:?}");
+            assert_eq!(shared(&session), held, "{input:?}");
         }
     }
 
@@ -668,7 +701,7 @@ mod tests {
             session.apply(input).expect("done");
             session.advance(3).expect("ticks");
         }
-        let whole = session.share();
+        let whole = shared(&session);
         for cut in 0..whole.len() {
             // Cut between two inputs it is a shorter run.
             if let Ok(shorter) = Session::replay(&whole[..cut]) {
