@@ -16,7 +16,7 @@ use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 fn frame(sequence: u16, message: &Telemetry) -> Vec<u8> {
@@ -261,9 +261,16 @@ fn the_program_logs_a_terminal_until_it_is_unplugged() {
     }
     drop(board);
     let output = child.wait_with_output().expect("ends");
-    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{output:?}");
+    let shown = ended(&output);
     assert!(shown.contains("3 reports, 6 good frames, 2 bad"), "{shown}");
+}
+
+/// What a program has printed whose line ended though nobody asked it to: it says so, and with another code than one that was asked.
+fn ended(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("the line ended"), "{said}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 /// What the program prints in `folder` that listens to a board on a socket, until the board is gone.
@@ -276,9 +283,7 @@ fn hears_the_script(folder: &Path, socket: &Path, more: &[&str]) -> String {
     let (mut board, _) = listener.accept().expect("connected");
     board.write_all(&script()).expect("written");
     drop(board);
-    let output = child.wait_with_output().expect("ends");
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    ended(&child.wait_with_output().expect("ends"))
 }
 
 #[test]
@@ -362,7 +367,8 @@ fn it_serves_a_page_and_what_the_board_says() {
     );
     let mut rest = String::new();
     shown.read_to_string(&mut rest).expect("text");
-    assert!(child.wait().expect("ends").success(), "{rest}");
+    // The board is gone, and nobody asked it to go.
+    assert_eq!(child.wait().expect("ends").code(), Some(1), "{rest}");
 
     let output = monitor(here.path(), &["uart", "--serve", "0", "--page", "no.html"])
         .output()

@@ -37,7 +37,7 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
     let start = Instant::now();
     let (mut next_line, mut next_poll) = (start + redraw, start);
     let mut next_chunk = start + CHUNK;
-    loop {
+    let asked_to_end = loop {
         let now = Instant::now();
         if arguments.poll && now >= next_poll {
             port.ask(&Command::GetCounters)?;
@@ -55,11 +55,11 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         }
         let time_s = now.duration_since(start).as_secs_f64();
         if limit.is_some_and(|limit| time_s >= limit) {
-            break;
+            break true;
         }
         match port.receive(&mut buffer, PATIENCE)? {
             Received::Silence => {}
-            Received::End => break,
+            Received::End => break false,
             Received::Bytes(count) => {
                 let time_s = start.elapsed().as_secs_f64();
                 let bytes = buffer.get(..count).unwrap_or_default();
@@ -69,7 +69,7 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
                 take(&mut monitor, bytes, time_s, &mut logs)?;
             }
         }
-    }
+    };
     if let Some(server) = &server {
         server.end();
     }
@@ -84,7 +84,12 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         monitor.reports(),
         frames.good,
         frames.rejected()
-    ))
+    ))?;
+    if asked_to_end {
+        Ok(())
+    } else {
+        Err(MonitorError::Ended(arguments.port.clone()).into())
+    }
 }
 
 /// The server that is asked for, and where it is.

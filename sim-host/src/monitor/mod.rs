@@ -54,6 +54,9 @@ pub enum MonitorError {
         /// Why.
         cause: io::Error,
     },
+    /// The line ended before it was asked to.
+    #[error("{}: the line ended: the board is unplugged, or its emulator is gone", .0.display())]
+    Ended(PathBuf),
     /// The line failed.
     #[error("the line failed: {0}")]
     Line(io::Error),
