@@ -317,7 +317,12 @@ $("reset").onclick = () => { window.history.replaceState(null, "", location.href
 $("share").onclick = share;
 $("fit").onclick = fit; $("in").onclick = () => zoom(1.3); $("out").onclick = () => zoom(1 / 1.3);
 $("help").onclick = () => $("keys").showModal();
-$("stop").onclick = () => apply(INPUT.stop()); $("estop").onclick = () => apply(INPUT.estop()); $("arm").onclick = () => { running = true; showPlay(); apply(INPUT.arm()); };
+$("stop").onclick = () => apply(INPUT.stop()); $("estop").onclick = () => apply(INPUT.estop()); $("arm").onclick = () => {
+  running = true; showPlay(); readStatus();
+  // The base refuses it until it stands.
+  if (/^(stopping|braking)$/.test(status.state)) hint(`It is ${status.state}: arm it once it stands`, true);
+  else apply(INPUT.arm());
+};
 $("host").onclick = () => { if (apply(INPUT.host(!status.host))) refresh(); };
 for (const id of ["base", "floor", "seed", "gyro"]) $(id).onchange = () => begin();
 $("file").onchange = (e) => { for (const file of e.target.files) take(file); e.target.value = ""; };

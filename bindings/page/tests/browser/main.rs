@@ -434,6 +434,30 @@ fn it_runs_at_least_fifty_times_faster_than_real_time_with_all_laws() {
 }
 
 #[test]
+fn what_the_page_cannot_do_now_is_said() {
+    let _turn = one_at_a_time();
+    let mut browser = opened();
+    browser.evaluate("setGoal([3, 0.5, 0]), true");
+    browser.until("history.last && history.last.main.v > 0.3");
+    browser.evaluate("running = false, $('estop').click(), wasm.advance(1), hint(''), true");
+    browser.key("a", 0, Duration::ZERO);
+    assert_eq!(
+        browser.evaluate("$('hint').textContent"),
+        json!("It is braking: arm it once it stands")
+    );
+    browser.until("status.state === 'fault'");
+    browser.key("a", 0, Duration::ZERO);
+    browser.until("status.state === 'parking'");
+    // A run of which no link can be: the reason is the program's, and the address stays as it is.
+    browser.evaluate(
+        "wasm = { ...wasm, share: wasm.apply }, send([99]), $('share').click(), true",
+    );
+    browser.until("$('hint').textContent === 'No link: not an input'");
+    assert_eq!(browser.evaluate("location.hash"), json!(""));
+    assert_eq!(browser.errors, Vec::<String>::new());
+}
+
+#[test]
 fn what_is_broken_shows() {
     let _turn = one_at_a_time();
     let mut browser = opened();
