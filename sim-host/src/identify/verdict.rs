@@ -166,6 +166,11 @@ fn quantile(freedom: f64) -> f64 {
     }
 }
 
+/// Friction whose whole interval is below 0. Less than its interval below, what was found may be none.
+pub(in crate::identify) fn pushes(value: f64, half_width: f64) -> bool {
+    value + half_width < 0.0
+}
+
 fn numeric(
     found: &Combined,
     driven: &Driven,
@@ -183,8 +188,7 @@ fn numeric(
     } else {
         (wide * value, wide <= VAGUE)
     };
-    // Not by chance: three standard deviations.
-    let pushes = quantity.is_friction() && value + 3.0 * half_width / quantile < 0.0;
+    let pushes = quantity.is_friction() && pushes(value, half_width);
     if sharp && !pushes {
         return Verdict::Identified { value, half_width };
     }

@@ -185,21 +185,46 @@ fn friction_that_pushes_is_no_number() {
         current_sd: None,
         ..RECORDER
     };
-    let mut log = robot.record(&recorder, &mut random(8), recommended);
+    let recorded = robot.record(&recorder, &mut random(8), recommended);
     let coulomb = [Q::CoulombRight, Q::CoulombLeft];
-    for row in 1..log.t.len() {
-        for (i, &quantity) in coulomb.iter().enumerate() {
-            let turned = log.angle[row][i] - log.angle[row - 1][i];
-            if turned != 0.0 {
-                log.command[row][i] -= 2.0 * robot.truth(quantity) * turned.signum();
-            }
-        }
-    }
     let options = Options {
         latency_s: recorder.latency_s,
         ..Options::default()
     };
-    let found = identify(&log, &options).expect("signs agree");
+    let made_up_for = |times: f64| {
+        let mut log = recorded.clone();
+        for row in 1..log.t.len() {
+            for (i, &quantity) in coulomb.iter().enumerate() {
+                let turned = log.angle[row][i] - log.angle[row - 1][i];
+                if turned != 0.0 {
+                    log.command[row][i] -= times * robot.truth(quantity) * turned.signum();
+                }
+            }
+        }
+        identify(&log, &options).expect("signs agree")
+    };
+    // What is found is below 0 by a little more in each: no value has its whole interval there, for either wheel.
+    let (mut values, mut below, mut none) = (0, 0, 0);
+    for step in 0..40 {
+        let found = made_up_for(1.0 + 1.0e-4 * f64::from(step));
+        for quantity in coulomb {
+            match found.of(quantity) {
+                Some(Verdict::Identified { value, half_width }) => {
+                    assert!(value + half_width >= 0.0, "{value} ± {half_width}");
+                    values += 1;
+                    below += usize::from(*value < 0.0);
+                }
+                Some(Verdict::NotIdentifiable { .. }) => none += 1,
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+    println!("{values} values, {below} of them below 0; {none} not identifiable");
+    assert!(
+        below > 0 && none > 0,
+        "{values} values, {none} not identifiable"
+    );
+    let found = made_up_for(2.0);
     for quantity in coulomb {
         match found.of(quantity) {
             Some(Verdict::NotIdentifiable { why, .. }) => {

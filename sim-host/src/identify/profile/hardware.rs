@@ -1,5 +1,6 @@
 //! Motors, battery and friction of a base's file.
 
+use super::super::verdict::pushes;
 use super::super::{Quantity as Q, Verdict};
 use super::document::rounded;
 use super::{Estimate, Update};
@@ -73,7 +74,7 @@ impl Update<'_> {
             };
             if value >= 0.0 {
                 self.file.set("friction", key, value);
-            } else if value + half_width >= 0.0 {
+            } else if !pushes(value, half_width) {
                 self.notes.push(format!(
                     "{name} is 0: {value:.2e} ± {half_width:.1e} was found, and friction does not push"
                 ));
