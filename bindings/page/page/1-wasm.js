@@ -106,6 +106,9 @@ async function load() {
 }
 
 // Inputs as bytes: see `input.rs`.
+// Places are words of millimetres: so far from its middle the floor ends.
+const FLOOR = 32.767;
+const onFloor = ([x, y, ...more]) => [...[x, y].map((v) => Math.max(-FLOOR, Math.min(FLOOR, v))), ...more];
 const clamp = (v, most) => Math.max(-most, Math.min(most, Math.round(v)));
 const word = (v) => { const n = clamp(v, 32767) & 0xffff; return [n & 255, n >> 8]; };
 const wrap = (a) => Math.atan2(Math.sin(a), Math.cos(a));

@@ -114,6 +114,8 @@ function drawMap() {
   pen.lineWidth = 1; drawGrid(w, h);
   const base = (status && status.base) || { track: 0.35, radius: 0.075 }, now = history.last;
   if (!board.on && status) {
+    const [left, top] = toScreen(-FLOOR, FLOOR);
+    pen.strokeStyle = ink.soft; pen.strokeRect(left, top, 2 * FLOOR * camera.scale, 2 * FLOOR * camera.scale);
     status.patches.forEach(drawIce);
     polyline(path, ink.soft, 1.5, [2, 6]);
   }

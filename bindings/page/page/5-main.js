@@ -41,7 +41,13 @@ function begin(s = choice()) {
   setGoal([1.6, 0.8, Math.PI / 4]);
   refresh(); fit();
 }
-function setGoal(p) { goal = [p[0], p[1], wrap(p[2])]; if (apply(INPUT.goal(goal))) path = []; }
+// What is put beyond the floor's end comes to lie on its edge.
+function within(p) {
+  const q = onFloor(p);
+  if (q[0] !== p[0] || q[1] !== p[1]) hint(`The floor ends ${FLOOR} m from its middle`, true);
+  return q;
+}
+function setGoal(p) { p = within(p); goal = [p[0], p[1], wrap(p[2])]; if (apply(INPUT.goal(goal))) path = []; }
 function refresh() { readStatus(); showControls(); }
 
 // Everything that depends on inputs, not on time.
@@ -186,8 +192,8 @@ map.addEventListener("pointerdown", (e) => {
   pointers.set(e.pointerId, [px, py]);
   if (pointers.size === 2) { const [a, b] = [...pointers.values()]; grip = { kind: "pinch", span: Math.hypot(a[0] - b[0], a[1] - b[1]), middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2] }; sketch.line = []; sketch.ice = sketch.push = null; return; }
   const m = history.last && history.last.main;
-  if (!board.on && tool === "line") { grip = { kind: "line" }; sketch.line = [floor]; if (m && Math.hypot(floor[0] - m.x, floor[1] - m.y) < 1.2 * status.base.track) sketch.line = [[m.x, m.y]]; }
-  else if (!board.on && tool === "ice") grip = { kind: "ice", from: floor };
+  if (!board.on && tool === "line") { grip = { kind: "line" }; sketch.line = [within(floor)]; if (m && Math.hypot(floor[0] - m.x, floor[1] - m.y) < 1.2 * status.base.track) sketch.line = [[m.x, m.y]]; }
+  else if (!board.on && tool === "ice") grip = { kind: "ice", from: within(floor) };
   else if (!board.on && tool === "push" && m) { grip = { kind: "push", from: [m.x, m.y] }; sketch.push = [[m.x, m.y], floor]; }
   else grip = gripAt(px, py, e.shiftKey) || { kind: "view", at: [px, py], begun: [px, py], tap: !board.on && tool === "move" };
 });
@@ -209,11 +215,12 @@ map.addEventListener("pointermove", (e) => {
   else if (grip.kind === "goal-turn") setGoal([goal[0], goal[1], Math.atan2(y - goal[1], x - goal[0])]);
   else if (grip.kind === "robot") carry([x + grip.off[0], y + grip.off[1], grip.from[2]], !e.altKey);
   else if (grip.kind === "robot-turn") carry([grip.from[0], grip.from[1], Math.atan2(grip.from[1] - y, grip.from[0] - x)], !e.altKey);
-  else if (grip.kind === "line") { const last = sketch.line[sketch.line.length - 1]; if (Math.hypot(x - last[0], y - last[1]) * camera.scale > 4) sketch.line.push([x, y]); }
-  else if (grip.kind === "ice") sketch.ice = [Math.min(x, grip.from[0]), Math.max(x, grip.from[0]), Math.min(y, grip.from[1]), Math.max(y, grip.from[1])];
+  else if (grip.kind === "line") { const last = sketch.line[sketch.line.length - 1], p = within([x, y]); if (Math.hypot(p[0] - last[0], p[1] - last[1]) * camera.scale > 4) sketch.line.push(p); }
+  else if (grip.kind === "ice") { const [a, b] = within([x, y]), [c, d] = grip.from; sketch.ice = [Math.min(a, c), Math.max(a, c), Math.min(b, d), Math.max(b, d)]; }
   else if (grip.kind === "push") sketch.push = [grip.from, [x, y]];
 });
 function carry(p, announced) {
+  p = within(p);
   if (!apply(INPUT.place(p, announced))) return;
   // Seen at once, also in a pause.
   const last = history.last;

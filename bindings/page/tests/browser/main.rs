@@ -433,6 +433,39 @@ fn it_runs_at_least_fifty_times_faster_than_real_time_with_all_laws() {
     assert!(times >= 50.0, "{times}");
 }
 
+/// The floor is as large as places can be stated; whoever points beyond its end is told, and sees what the robot gets.
+#[test]
+fn places_beyond_the_floor_are_put_on_its_edge_and_that_is_said() {
+    let _turn = one_at_a_time();
+    let mut browser = opened();
+    browser.evaluate("running = false, showPlay(), $('floor').value = 0, begin(), true");
+    let told = |browser: &mut Chromium, does: &str| {
+        browser.evaluate("hint('')");
+        browser.evaluate(does);
+        let said = browser.evaluate("$('hint').textContent");
+        assert_eq!(
+            said,
+            json!("The floor ends 32.767 m from its middle"),
+            "{does}"
+        );
+    };
+    told(&mut browser, "setGoal([50, 1, 0]), readStatus(), true");
+    assert_eq!(browser.evaluate("goal"), json!([32.767, 1, 0]));
+    assert_eq!(browser.evaluate("status.goal"), json!([32.767, 1, 0]));
+    told(
+        &mut browser,
+        "carry([2, -40, 0], true), wasm.advance(1), readStatus(), true",
+    );
+    assert_eq!(
+        browser.evaluate("[history.last.main.y, status.y].map((y) => +y.toFixed(5))"),
+        json!([-32.767, -32.767])
+    );
+    // One within the floor is not reported.
+    browser.evaluate("hint(''), setGoal([32.767, -32.767, 0]), true");
+    assert_eq!(browser.evaluate("$('hint').textContent"), json!(""));
+    assert_eq!(browser.errors, Vec::<String>::new());
+}
+
 #[test]
 fn what_the_page_cannot_do_now_is_said() {
     let _turn = one_at_a_time();
@@ -449,9 +482,7 @@ fn what_the_page_cannot_do_now_is_said() {
     browser.key("a", 0, Duration::ZERO);
     browser.until("status.state === 'parking'");
     // A run of which no link can be: the reason is the program's, and the address stays as it is.
-    browser.evaluate(
-        "wasm = { ...wasm, share: wasm.apply }, send([99]), $('share').click(), true",
-    );
+    browser.evaluate("wasm = { ...wasm, share: wasm.apply }, send([99]), $('share').click(), true");
     browser.until("$('hint').textContent === 'No link: not an input'");
     assert_eq!(browser.evaluate("location.hash"), json!(""));
     assert_eq!(browser.errors, Vec::<String>::new());
