@@ -5,6 +5,7 @@ use super::wheel_friction::{Creeps, FrictionWatch, Turning};
 use crate::error::StepFault;
 use crate::maths::Maths;
 use crate::motion::{Asked, MotionLaw, MotionReport, Outcome, PathEnd, Task, ValidMotionParams};
+use crate::range::smaller;
 use crate::safety::{OutputMode, StopPlan};
 use crate::scalar::Scalar;
 use crate::shunting::NeuronUpdate;
@@ -143,6 +144,8 @@ impl<T: Scalar, M: Maths<T>, U: NeuronUpdate<T>> Driving<T, M, U> {
         report: &'r mut Option<MotionReport<T>>,
     ) -> Result<&'r MotionReport<T>, StepFault> {
         let &Tick { motion, dt, .. } = tick;
+        // Of a tick that is too long for a step as much as one takes: who stops is not let go for being late.
+        let dt = smaller(dt, motion.params().max_tick_s);
         let (plan, t) = match self.stop {
             Some((plan, t)) => (plan, t + dt),
             None => {
