@@ -6,7 +6,7 @@ use controller_core::error::StepFault;
 use controller_core::motion::check_order;
 use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{Fault, Timeout};
-use protocol::{Command, FieldParams, Frame, RejectReason, Telemetry, WirePose, WireTwist};
+use protocol::{Command, FieldParams, Frame, Origin, RejectReason, Telemetry, WirePose, WireTwist};
 use sim_host::monitor::{AHEAD_S, Questions};
 use std::collections::VecDeque;
 
@@ -20,6 +20,11 @@ const TRANSITION_US: u64 = 8_000_000;
 const WAIT_US: u64 = 5_000_000;
 /// A velocity that is held is repeated so often \[µs\].
 const REPEAT_US: u64 = sim_host::teleop::ORDER_PERIOD.as_micros() as u64;
+
+/// A live base sends 50 ticks a second; after so long without \[µs\] nothing is known of its state.
+pub const SILENCE_US: u64 = 500_000;
+/// Velocities whose answers are waited for: more than come in the time that a line takes.
+const UNDER_WAY: usize = 16;
 
 /// How it is to be.
 #[derive(Clone, Copy, Debug)]
@@ -103,17 +108,25 @@ pub struct Bridge {
     events: VecDeque<Event>,
     /// As far as the base has said.
     state: Option<(State, Cause)>,
+    /// When that was confirmed last, or asked for.
+    known_us: u64,
+    /// The base's ticks, as it has counted them last.
+    tick: Option<u32>,
+    /// The base has the parameters that it is to have. One that starts again has its own.
+    has_field: bool,
     greeted: bool,
     /// Of the last sign of life.
     beat_us: Option<u64>,
     /// The last velocity, when it came, and when it was sent.
     velocity: Option<(WireTwist, u64, u64)>,
+    /// The numbers of the last velocities without an answer.
+    unanswered: VecDeque<u16>,
     target: Option<(Target, u64)>,
     /// Samples under way, and since when.
     stream: Option<(Box<Samples>, u64)>,
     /// A goal or the end of a path has been sent and is not reached.
     bound: bool,
-    /// Arming was refused in this state.
+    /// Arming was refused in this state, or a stop asked for: nothing more is.
     refused: bool,
 }
 
@@ -128,9 +141,13 @@ impl Bridge {
             said: VecDeque::new(),
             events: VecDeque::new(),
             state: None,
+            known_us: 0,
+            tick: None,
+            has_field: false,
             greeted: false,
             beat_us: None,
             velocity: None,
+            unanswered: VecDeque::new(),
             target: None,
             stream: None,
             bound: false,
@@ -175,7 +192,7 @@ impl Bridge {
         let step = match transition {
             Transition::Configure => Step::Hello,
             Transition::Activate => {
-                self.questions.ask(Command::Arm, Purpose::Transition);
+                self.arm(Purpose::Transition);
                 Step::Answer
             }
             Transition::Deactivate => {
@@ -207,6 +224,16 @@ impl Bridge {
         });
     }
 
+    /// Arms the base, with its parameters first where it may have others.
+    fn arm(&mut self, purpose: Purpose) {
+        if let Some(field) = self.settings.field
+            && (!self.has_field || self.state.is_none())
+        {
+            self.questions.ask(Command::SetParameters(field), purpose);
+        }
+        self.questions.ask(Command::Arm, purpose);
+    }
+
     /// Says something that needs no answer, by the numbers of the questions: answers cannot be mistaken.
     pub fn say(&mut self, command: Command) {
         self.said.push_back(command);
@@ -232,7 +259,6 @@ impl Bridge {
         }
         self.supersede();
         self.velocity = Some((twist, now_us, now_us));
-        self.events.push_back(Event::Taken);
         self.order(twist);
     }
 
@@ -288,27 +314,87 @@ impl Bridge {
         });
     }
 
-    /// A frame of the base.
-    pub fn hear(&mut self, frame: &Frame<Telemetry>) {
+    /// A frame of the base, which came now.
+    pub fn hear(&mut self, frame: &Frame<Telemetry>, now_us: u64) {
         match &frame.message {
             Telemetry::Hello(_) => self.greeted = true,
-            Telemetry::State { state, cause, .. } => self.turned(*state, *cause),
-            // A change whose own message was lost.
-            Telemetry::Tick(tick) if self.state.is_none_or(|(state, _)| state != tick.state) => {
-                self.turned(tick.state, Cause::Host);
+            Telemetry::State { tick, state, cause } => {
+                self.counted(*tick, now_us);
+                self.turned(*state, *cause);
+            }
+            Telemetry::Tick(tick) => {
+                self.counted(tick.tick, now_us);
+                // A change whose own message was lost.
+                if self.state.is_none_or(|(state, _)| state != tick.state) {
+                    self.turned(tick.state, Cause::Host);
+                }
+            }
+            // Said at power-on, or by a base that is disarmed.
+            Telemetry::Origin(origin) if *origin != Origin::Host => {
+                self.has_field = false;
+                self.tick = None;
+                self.turned(State::Idle, Cause::PowerOn);
             }
             Telemetry::Ack | Telemetry::Nack(_) => {
                 if let Some((command, purpose, result)) = self.questions.answered(frame) {
-                    self.answered(&command, purpose, result);
+                    self.answered(&command, purpose, result, now_us);
+                } else if let Some(at) = self.unanswered.iter().position(|n| *n == frame.sequence) {
+                    // Those before it were answered too, or their answers are lost.
+                    self.unanswered.drain(..=at);
+                    self.driven(&frame.message, now_us);
                 }
             }
             _ => {}
         }
     }
 
-    fn turned(&mut self, state: State, cause: Cause) {
-        self.state = Some((state, cause));
+    /// Ticks that count back are of a base that has started again, whose own word of it was lost.
+    fn counted(&mut self, tick: u32, now_us: u64) {
+        self.known_us = now_us;
+        let before = self.tick.replace(tick);
+        if before.is_some_and(|before| tick.wrapping_sub(before).cast_signed() < 0) {
+            self.has_field = false;
+        }
+    }
+
+    /// What became of a velocity.
+    fn driven(&mut self, answer: &Telemetry, now_us: u64) {
+        if self.stage != Stage::Active || self.under.is_some() {
+            return;
+        }
+        match answer {
+            Telemetry::Nack(why) => {
+                self.refuse(format!("the velocity is refused: {why}"));
+                if *why == RejectReason::State {
+                    self.doubt(now_us);
+                }
+            }
+            _ => self.events.push_back(Event::Taken),
+        }
+    }
+
+    /// What the base was taken for it is not, if that was one that takes orders.
+    fn doubt(&mut self, now_us: u64) {
+        let takes = |(state, _): (State, Cause)| {
+            matches!(state, State::Armed | State::Parked) || state.drives()
+        };
+        if self.state.is_some_and(takes) {
+            self.forget_state(now_us);
+        }
+    }
+
+    /// Nothing is known of the state: arming, which moves nothing, shows it.
+    fn forget_state(&mut self, now_us: u64) {
+        self.state = None;
+        self.known_us = now_us;
         self.refused = false;
+    }
+
+    fn turned(&mut self, state: State, cause: Cause) {
+        // It says so again where it refuses something for its state: that is no reason to ask it again.
+        if self.state.replace((state, cause)) != Some((state, cause)) {
+            self.refused = false;
+        }
         if state == State::Parked {
             self.bound = false;
         }
@@ -323,7 +409,21 @@ impl Bridge {
         }
     }
 
-    fn answered(&mut self, command: &Command, purpose: Purpose, result: Result<(), RejectReason>) {
+    fn answered(
+        &mut self,
+        command: &Command,
+        purpose: Purpose,
+        result: Result<(), RejectReason>,
+        now_us: u64,
+    ) {
+        let sets = matches!(command, Command::SetParameters(_));
+        if sets && result.is_ok() {
+            self.has_field = true;
+        }
+        if *command == Command::Arm && result.is_ok() {
+            self.state = Some((State::Armed, Cause::Host));
+            self.known_us = now_us;
+        }
         match purpose {
             Purpose::Reset => {
                 let result = result.map_err(|why| why.to_string());
@@ -333,15 +433,27 @@ impl Bridge {
                 }
                 self.events.push_back(Event::Reset(result));
             }
-            Purpose::Ready => match result {
-                Ok(()) => self.state = Some((State::Armed, Cause::Host)),
-                Err(_) => self.refused = true,
+            Purpose::Ready => match (command, result) {
+                (_, Ok(())) => {}
+                // It is armed, or in a fault: arming shows which.
+                (Command::SetParameters(_), Err(RejectReason::State)) => {}
+                (command, Err(why)) => {
+                    self.refused = true;
+                    if sets {
+                        // Not armed with others than it is to have.
+                        self.questions.clear();
+                        self.refuse(format!("{}: {why}", name(command)));
+                    }
+                }
             },
             Purpose::Order => match result {
                 Ok(()) => self.events.push_back(Event::Taken),
                 Err(why) => {
                     self.supersede();
                     self.refuse(format!("{}: {why}", name(command)));
+                    if why == RejectReason::State {
+                        self.doubt(now_us);
+                    }
                 }
             },
             Purpose::Transition => self.advance(command, result),
@@ -352,10 +464,17 @@ impl Bridge {
         let Some(under) = &mut self.under else {
             return;
         };
+        let configures = under.transition == Transition::Configure;
         match (command, result) {
             (Command::Stop, _) => under.step = Step::Rest,
+            // Arming is still to be answered.
+            (Command::SetParameters(_), Ok(())) if !configures => {}
             // It comes to rest still.
-            (Command::SetParameters(_), Err(RejectReason::State)) => under.step = Step::Rest,
+            (Command::SetParameters(_), Err(RejectReason::State)) => {
+                if configures {
+                    under.step = Step::Rest;
+                }
+            }
             (_, result) => {
                 let under = *under;
                 let why = |why| match (why, command) {
@@ -379,6 +498,7 @@ impl Bridge {
         }
         if self.stage == Stage::Unconfigured {
             self.greeted = false;
+            self.has_field = false;
         }
         self.events.push_back(Event::Transition {
             transition: under.transition,
@@ -393,6 +513,10 @@ impl Bridge {
             self.go_on(under, now_us);
         }
         if self.stage == Stage::Active && self.under.is_none() {
+            let speaks = self.state.is_none_or(|(state, _)| state.is_live());
+            if speaks && now_us >= self.known_us + SILENCE_US {
+                self.forget_state(now_us);
+            }
             self.be_ready();
             self.set_out(now_us);
             self.stream(now_us);
@@ -456,8 +580,19 @@ impl Bridge {
     /// Arms the base again where that moves nothing and hides nothing: after a stop for want of orders or of this host, or
     /// one that was ordered here. A stop by any other fault stays until somebody activates the node anew.
     fn be_ready(&mut self) {
+        let lacks_field = self.settings.field.is_some() && !self.has_field;
         let again = match self.state {
-            Some((State::Idle, _)) => true,
+            None | Some((State::Idle, _)) => true,
+            Some((state, _)) if state.is_live() && lacks_field => {
+                // It was armed before it was known that it had started again.
+                let stops = matches!(state, State::Stopping(_) | State::Braking(_));
+                if self.questions.is_empty() && !stops && !self.refused {
+                    self.supersede();
+                    self.refused = true;
+                    self.questions.ask(Command::Stop, Purpose::Ready);
+                }
+                false
+            }
             Some((State::Stopped, cause)) => matches!(
                 cause,
                 Cause::LinkLost
@@ -468,7 +603,7 @@ impl Bridge {
             _ => false,
         };
         if again && !self.refused && self.questions.is_empty() {
-            self.questions.ask(Command::Arm, Purpose::Ready);
+            self.arm(Purpose::Ready);
         }
     }
 
@@ -536,6 +671,12 @@ impl Bridge {
             }
             None => (self.questions.number(), self.said.pop_front()?),
         };
+        if matches!(due.1, Command::Drive { .. }) {
+            if self.unanswered.len() == UNDER_WAY {
+                self.unanswered.pop_front();
+            }
+            self.unanswered.push_back(due.0);
+        }
         self.beat_us = Some(now_us);
         Some(due)
     }

@@ -1,7 +1,7 @@
 //! The loop: the line on one side, ROS on the other, the bridge in between.
 
 use crate::args::Args;
-use crate::bridge::{Bridge, Event, Settings};
+use crate::bridge::{Bridge, Event, SILENCE_US, Settings};
 use crate::clock::TickClock;
 use crate::course::{Refused, Samples, goal};
 use crate::lifecycle::{
@@ -34,8 +34,6 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 const PATIENCE: Duration = Duration::from_millis(4);
 /// Between two diagnostics, and two questions for the base's counters \[µs\].
 const DIAGNOSTICS_US: u64 = 1_000_000;
-/// An armed base that has said nothing for so long \[µs\] is stale.
-const SILENCE_US: u64 = 500_000;
 /// A board's, until it has said its own.
 const TICK_HZ: u16 = Hello::OURS.tick_hz;
 
@@ -185,7 +183,7 @@ impl Loop<'_> {
         let mut ticks = Vec::new();
         let mut hello = None;
         self.monitor.take_frames(bytes, |frame, latest| {
-            bridge.hear(frame);
+            bridge.hear(frame, now_us);
             match &frame.message {
                 Telemetry::Tick(tick) => ticks.push((*tick, *latest)),
                 Telemetry::Hello(said) => hello = Some(said.tick_hz),
@@ -363,7 +361,10 @@ impl Loop<'_> {
     }
 
     fn problem(&mut self, why: String) {
-        eprintln!("{why}");
+        // A velocity may be refused for one reason twenty times a second.
+        if self.published.problem != why {
+            eprintln!("{why}");
+        }
         self.published.problem = why;
     }
 
@@ -397,7 +398,7 @@ impl Loop<'_> {
         let sample = Sample::of_board(0.0, &tick, latest);
         let mut status = diagnosis(&self.base.name, &sample.status);
         status.name = format!("{}: base", self.args.name);
-        let live = state.is_some_and(State::is_live);
+        let live = state.is_none_or(State::is_live);
         let heard_us = self.published.report.map_or(0, |(_, at)| at);
         let silent = now_us > heard_us.max(self.active_us) + SILENCE_US;
         match self.bridge.stage() {

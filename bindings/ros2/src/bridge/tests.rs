@@ -3,7 +3,9 @@
 use super::*;
 use controller_core::safety::supervisor::Then;
 use controller_core::safety::{DetectorParams, PolicyParams};
-use protocol::{Hello, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield};
+use protocol::{
+    BaseTick, Hello, NotLoaded, WireCalibration, WireGains, WireLimits, WireTimeouts, WireYield,
+};
 
 type Which = fn(&Command) -> bool;
 
@@ -16,6 +18,10 @@ struct Rig {
     refuses: Option<(Which, RejectReason)>,
     /// It says nothing.
     is_dead: bool,
+    /// As it has said last; a live one sends ticks.
+    state: State,
+    /// Ticks that it has counted.
+    ticks: u32,
 }
 
 /// Values do not matter here.
@@ -74,6 +80,8 @@ impl Rig {
             sent: Vec::new(),
             refuses: None,
             is_dead: false,
+            state: State::Idle,
+            ticks: 0,
         }
     }
 
@@ -102,21 +110,41 @@ impl Rig {
     }
 
     fn says(&mut self, state: State, cause: Cause) {
-        let message = Telemetry::State {
-            tick: 0,
+        self.state = state;
+        self.tells(Telemetry::State {
+            tick: self.ticks,
             state,
             cause,
-        };
-        self.bridge.hear(&Frame {
+        });
+    }
+
+    fn tells(&mut self, message: Telemetry) {
+        let frame = Frame {
             sequence: u16::MAX,
             message,
-        });
+        };
+        self.bridge.hear(&frame, self.now_us);
+    }
+
+    /// The base starts again, and says so.
+    fn starts_again(&mut self) {
+        self.state = State::Idle;
+        self.ticks = 0;
+        self.tells(Telemetry::Origin(Origin::Defaults(NotLoaded::NoMemory)));
     }
 
     /// In steps of 4 ms, as the loop has them.
     fn run(&mut self, seconds: f64) {
         for _ in 0..(250.0 * seconds).round() as u32 {
             self.now_us += 4_000;
+            self.ticks += 4;
+            if self.state.is_live() && !self.is_dead && self.ticks % 20 == 0 {
+                self.tells(Telemetry::Tick(BaseTick {
+                    tick: self.ticks,
+                    state: self.state,
+                    ..BaseTick::default()
+                }));
+            }
             self.bridge.step(self.now_us);
             while let Some((sequence, command)) = self.bridge.due(self.now_us) {
                 self.sent.push(command);
@@ -129,7 +157,7 @@ impl Rig {
                     (_, Some((_, why))) => Telemetry::Nack(why),
                     _ => Telemetry::Ack,
                 };
-                self.bridge.hear(&Frame { sequence, message });
+                self.bridge.hear(&Frame { sequence, message }, self.now_us);
             }
         }
     }
@@ -363,6 +391,7 @@ fn whoever_gave_a_goal_is_told_that_it_is_given_up() {
         rig.run(0.02);
         if ended {
             rig.bridge.drive(TWIST, rig.now_us);
+            rig.run(0.02);
         } else {
             rig.says(State::Parked, Cause::Reached);
         }
@@ -392,6 +421,96 @@ fn nobody_drives_a_node_that_is_not_active() {
     );
     rig.run(0.1);
     assert_eq!(rig.count(is_drive), 0);
+}
+
+/// It has its own parameters then, and nothing is armed with those.
+#[test]
+fn a_base_that_starts_again_gets_its_parameters_before_it_is_armed() {
+    let set = Command::SetParameters(field());
+    let is_set: Which = |c| matches!(c, Command::SetParameters(_));
+    let mut rig = Rig::parking();
+    rig.sent.clear();
+    rig.starts_again();
+    let event = rig.bridge.event();
+    assert!(matches!(event, Some(Event::Refused(_))), "{event:?}");
+    rig.run(0.02);
+    rig.says(State::Armed, Cause::Host);
+    rig.run(0.1);
+    let orders: Vec<_> = rig
+        .sent
+        .iter()
+        .filter(|c| **c != Command::Heartbeat)
+        .collect();
+    assert_eq!(orders, [&set, &Command::Arm]);
+
+    // Inactive, and activated afterwards.
+    rig.bridge.change(Transition::Deactivate, rig.now_us);
+    rig.says(State::Stopped, Cause::Host);
+    rig.run(0.1);
+    rig.starts_again();
+    rig.sent.clear();
+    rig.bridge.change(Transition::Activate, rig.now_us);
+    rig.run(0.02);
+    assert_eq!(rig.bridge.stage(), Stage::Active);
+    assert_eq!(rig.sent[..2], [set, Command::Arm]);
+
+    // Its own word of it is lost: it counts from 0.
+    rig.says(State::Armed, Cause::Host);
+    rig.run(0.1);
+    rig.ticks = 0;
+    rig.says(State::Armed, Cause::Host);
+    rig.sent.clear();
+    rig.run(0.02);
+    assert_eq!(
+        (rig.count(|c| *c == Command::Stop), rig.count(is_arm)),
+        (1, 0)
+    );
+    rig.says(State::Stopped, Cause::Host);
+    rig.run(0.02);
+    assert_eq!((rig.count(is_set), rig.count(is_arm)), (1, 1));
+    // One that does not take them is not armed.
+    rig.refuses = Some((is_set, RejectReason::Value));
+    rig.starts_again();
+    rig.sent.clear();
+    rig.run(1.0);
+    assert_eq!((rig.count(is_set), rig.count(is_arm)), (1, 0));
+}
+
+/// A change of state is said once, and a base that is not armed sends no ticks.
+#[test]
+fn a_base_whose_state_was_lost_is_armed_again() {
+    let mut rig = Rig::active(0);
+    rig.state = State::Stopped;
+    rig.run(0.4);
+    assert_eq!(rig.count(is_arm), 0);
+    rig.run(0.2);
+    assert_eq!(rig.count(is_arm), 1);
+    rig.says(State::Armed, Cause::Host);
+    // An order shows it sooner, and is not called taken.
+    rig.state = State::Stopped;
+    rig.refuses = Some((is_drive, RejectReason::State));
+    rig.bridge.drive(TWIST, rig.now_us);
+    assert_eq!(rig.bridge.event(), None);
+    rig.run(0.02);
+    let event = rig.bridge.event();
+    let said = matches!(&event, Some(Event::Refused(why)) if why.contains("velocity"));
+    assert!(said, "{event:?}");
+    assert_eq!(rig.count(is_arm), 2);
+    rig.refuses = None;
+    rig.says(State::Armed, Cause::Host);
+    rig.bridge.drive(TWIST, rig.now_us);
+    rig.run(0.02);
+    assert_eq!(rig.bridge.event(), Some(Event::Taken));
+    assert_eq!(rig.count(is_arm), 2, "one that obeys is not asked");
+    // The answers are lost as well: it is asked until it says something.
+    rig.is_dead = true;
+    rig.run(3.0);
+    rig.is_dead = false;
+    rig.refuses = Some((is_arm, RejectReason::State));
+    rig.run(1.2);
+    rig.refuses = None;
+    rig.run(0.6);
+    assert_eq!(rig.bridge.state(), Some((State::Armed, Cause::Host)));
 }
 
 /// The default of the core, which the base's files do not change.
