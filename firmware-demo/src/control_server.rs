@@ -289,6 +289,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             self.task.heartbeat_seen();
         }
         let mut stops = self.stops.news(&self.ends.shared.stops);
+        let mut told = false;
         // As many as there can be, and no more, however fast they come. The commands before a stop seen above were in the
         // queues by then, which hold less than there are rounds: the stop is obeyed within them.
         for _ in 0..REQUESTS + PERIODIC {
@@ -303,6 +304,11 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             };
             let Frame { sequence, message } = frame;
             let message = self.answer(&message);
+            if message == Telemetry::Nack(RejectReason::State) && !told {
+                // Before the refusal, so that whoever reads that knows of which state. Once a tick: the queue is short.
+                told = true;
+                self.tell_state();
+            }
             self.ends.telemetry.push(Frame { sequence, message });
         }
         self.task.tick(now_us, sensed);
@@ -386,22 +392,31 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
         self.task.drive_mut()
     }
 
+    fn tell_state(&mut self) {
+        let task = &self.task;
+        let message = Telemetry::State {
+            tick: task.ticks(),
+            state: task.state(),
+            cause: task.cause(),
+        };
+        if self.ends.telemetry.push(Frame {
+            sequence: UNASKED,
+            message,
+        }) {
+            self.changes = task.changes();
+        }
+    }
+
     fn publish(&mut self) {
+        // Where there is no room the next tick tries again: what the base does now is the last thing to keep from a host.
+        if self.task.changes() != self.changes {
+            self.tell_state();
+        }
         let Self { task, ends, .. } = self;
         let unasked = |message| Frame {
             sequence: UNASKED,
             message,
         };
-        // Where there is no room the next tick tries again: what the base does now is the last thing to keep from a host.
-        if task.changes() != self.changes
-            && ends.telemetry.push(unasked(Telemetry::State {
-                tick: task.ticks(),
-                state: task.state(),
-                cause: task.cause(),
-            }))
-        {
-            self.changes = task.changes();
-        }
         if self.reported != Some(self.origin)
             && ends.telemetry.push(unasked(Telemetry::Origin(self.origin)))
         {

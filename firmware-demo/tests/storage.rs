@@ -3,6 +3,7 @@
 use crate::commands;
 use controller_core::base::Sensed;
 use controller_core::hal::WheelCounts;
+use controller_core::safety::supervisor::State;
 use controller_core::types::Pose;
 use firmware_demo::control::ControlTask;
 use firmware_demo::control_server::{CommandReceiver, ControlServer, Queues, UNASKED};
@@ -306,7 +307,19 @@ fn what_is_saved_is_in_force_after_the_next_power_on() {
     assert_eq!(robot.ask(&Command::Arm).0, Telemetry::Ack);
     for command in [set, Command::SaveParameters, Command::LoadDefaults] {
         let refused = Telemetry::Nack(RejectReason::State);
-        assert_eq!(robot.ask(&command).0, refused);
+        let (answer, unasked) = robot.ask(&command);
+        assert_eq!(answer, refused);
+        // With the state that it is refused for, whether or not its change was heard of.
+        let told = |message: &Telemetry| {
+            matches!(
+                message,
+                Telemetry::State {
+                    state: State::Armed,
+                    ..
+                }
+            )
+        };
+        assert!(unasked.iter().any(told), "{unasked:?}");
     }
 
     // The same flash under a robot that has just been switched on.

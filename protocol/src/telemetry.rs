@@ -120,7 +120,7 @@ pub enum Telemetry {
     Origin(Origin),
     /// Answer to the request for parameters.
     Parameters(FieldParams),
-    /// The supervisor changed its state.
+    /// The supervisor changed its state, or a command was refused for it: then before the refusal.
     State {
         /// Ticks since power-on; wraps around.
         tick: u32,

@@ -8,6 +8,7 @@ use controller_core::safety::supervisor::{Cause, State};
 use controller_core::safety::{Fault, Timeout};
 use protocol::{Command, FieldParams, Frame, Origin, RejectReason, Telemetry, WirePose, WireTwist};
 use sim_host::monitor::{AHEAD_S, Questions};
+use sim_host::trace::cause;
 use std::collections::VecDeque;
 
 /// Signs of life in the time in which a base takes a silent host for gone.
@@ -163,6 +164,32 @@ impl Bridge {
     /// The supervisor's state, as far as it is known.
     pub const fn state(&self) -> Option<(State, Cause)> {
         self.state
+    }
+
+    /// Why the base does nothing before a reset, if it is in a fault.
+    fn fault(&self) -> Option<String> {
+        match &self.state {
+            Some((State::Fault, why)) => Some(format!(
+                "the base is in a fault ({}), which `reset_fault` leaves",
+                cause(why)
+            )),
+            _ => None,
+        }
+    }
+
+    /// Whether the base has to be reset.
+    pub const fn is_in_fault(&self) -> bool {
+        matches!(self.state, Some((State::Fault, _)))
+    }
+
+    /// What leads towards an active node, if the base is not in a fault.
+    pub const fn onward(&self) -> Option<Transition> {
+        match self.stage {
+            _ if self.is_in_fault() => None,
+            Stage::Unconfigured => Some(Transition::Configure),
+            Stage::Inactive => Some(Transition::Activate),
+            Stage::Active | Stage::Finalized => None,
+        }
     }
 
     /// The next thing that happened.
@@ -461,6 +488,7 @@ impl Bridge {
     }
 
     fn advance(&mut self, command: &Command, result: Result<(), RejectReason>) {
+        let fault = self.fault();
         let Some(under) = &mut self.under else {
             return;
         };
@@ -470,7 +498,7 @@ impl Bridge {
             // Arming is still to be answered.
             (Command::SetParameters(_), Ok(())) if !configures => {}
             // It comes to rest still.
-            (Command::SetParameters(_), Err(RejectReason::State)) => {
+            (Command::SetParameters(_), Err(RejectReason::State)) if fault.is_none() => {
                 if configures {
                     under.step = Step::Rest;
                 }
@@ -478,8 +506,9 @@ impl Bridge {
             (_, result) => {
                 let under = *under;
                 let why = |why| match (why, command) {
+                    (RejectReason::State, _) if fault.is_some() => fault.unwrap_or_default(),
                     (RejectReason::State, Command::Arm) => {
-                        "the base does not arm: it is in a fault, or still moves".to_owned()
+                        "the base does not arm: it still moves".to_owned()
                     }
                     (why, command) => format!("{}: {why}", name(command)),
                 };

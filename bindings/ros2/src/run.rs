@@ -94,6 +94,7 @@ pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
         active_us: 0,
         asked: None,
         resets: Vec::new(),
+        waits: false,
     };
     loops.run(stop)
 }
@@ -130,6 +131,8 @@ struct Loop<'a> {
     asked: Option<RmwRequestId>,
     /// Who asked for resets.
     resets: Vec<RmwRequestId>,
+    /// Until the base is reset, to go on by itself.
+    waits: bool,
 }
 
 impl Loop<'_> {
@@ -151,6 +154,13 @@ impl Loop<'_> {
             if stop.load(Ordering::Relaxed) && !ending {
                 ending = true;
                 self.bridge.change(Transition::ShutDown, now_us);
+            }
+            if self.waits
+                && !ending
+                && let Some(transition) = self.bridge.onward()
+            {
+                self.waits = false;
+                self.bridge.change(transition, now_us);
             }
             if now_us >= counters_us && self.bridge.stage() == Stage::Active {
                 self.bridge.say(Command::GetCounters);
@@ -326,6 +336,7 @@ impl Loop<'_> {
                         publish(&self.ros.transition_event, event, &mut self.published.lost);
                         eprintln!("{}", to.label());
                         if to == Stage::Active {
+                            self.published.problem.clear();
                             self.active_us = self.now_us();
                         }
                         if to == Stage::Inactive
@@ -334,6 +345,10 @@ impl Loop<'_> {
                         {
                             self.bridge.change(Transition::Activate, self.now_us());
                         }
+                    }
+                    Err(why) if !self.args.managed && !ending && self.bridge.is_in_fault() => {
+                        self.waits = true;
+                        self.problem(why);
                     }
                     // Nobody manages it who could try again.
                     Err(why) if !self.args.managed && !ending => {
@@ -407,7 +422,13 @@ impl Loop<'_> {
                 status.message = "no reports of the base".to_owned();
             }
             Stage::Active => {}
-            stage => status.message = format!("{}: {}", stage.label(), status.message),
+            stage => {
+                let said = match state {
+                    Some(_) => &status.message,
+                    None => "what the base does is not known",
+                };
+                status.message = format!("{}: {said}", stage.label());
+            }
         }
         let frames = self.monitor.frames();
         let counters = latest.counters.unwrap_or_default();

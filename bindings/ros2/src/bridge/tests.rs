@@ -513,6 +513,45 @@ fn a_base_whose_state_was_lost_is_armed_again() {
     assert_eq!(rig.bridge.state(), Some((State::Armed, Cause::Host)));
 }
 
+/// It says which fault before it refuses what it was asked, and a reset leads on.
+#[test]
+fn a_base_in_a_fault_at_the_beginning_is_one_to_reset() {
+    for keeps in [false, true] {
+        let mut rig = Rig::new(0);
+        if keeps {
+            rig.bridge.settings.field = None;
+        }
+        rig.says(State::Fault, Cause::Fault(Fault::PoseStale));
+        rig.refuses = Some((
+            |c| matches!(c, Command::SetParameters(_) | Command::Arm),
+            RejectReason::State,
+        ));
+        rig.bridge.change(Transition::Configure, 0);
+        rig.run(0.2);
+        if keeps {
+            assert_eq!(rig.ended(), Ok(Stage::Inactive));
+            rig.bridge.change(Transition::Activate, rig.now_us);
+            rig.run(0.2);
+        }
+        let why = rig.ended().expect_err("in a fault");
+        assert!(
+            why.contains("pose_stale") && why.contains("reset_fault"),
+            "{why}"
+        );
+        assert_eq!(rig.bridge.onward(), None);
+        rig.bridge.reset();
+        rig.run(0.02);
+        assert_eq!(rig.bridge.event(), Some(Event::Reset(Ok(()))));
+        rig.refuses = None;
+        while let Some(onward) = rig.bridge.onward() {
+            rig.bridge.change(onward, rig.now_us);
+            rig.run(0.2);
+            assert!(rig.ended().is_ok());
+        }
+        assert_eq!(rig.bridge.stage(), Stage::Active);
+    }
+}
+
 /// The default of the core, which the base's files do not change.
 #[test]
 fn the_patience_of_these_tests_is_a_bases() {
