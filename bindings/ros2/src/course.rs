@@ -98,6 +98,10 @@ impl Samples {
         let (sec, nanosec) = path.poses.first().map_or((0, 0), stamp);
         let mut rows = Vec::with_capacity(path.poses.len());
         for pose in &path.poses {
+            // Many leave those of the poses empty.
+            if !pose.header.frame_id.is_empty() {
+                framed(&pose.header, frame)?;
+            }
             let (s, ns) = stamp(pose);
             let t = (s - sec) as f64 + 1.0e-9 * (ns - nanosec) as f64;
             rows.push((t, planar(&pose.value)?));
@@ -245,6 +249,17 @@ mod tests {
         );
         assert_eq!(last.left, 0.0);
         assert!(samples.is_over());
+    }
+
+    #[test]
+    fn a_path_with_a_pose_of_another_frame_is_refused() {
+        let mut path = line(2.0);
+        path.poses[3].header.frame_id.clear();
+        let samples = Samples::of(&path, "odom", &BaseSpec::default());
+        assert!(samples.is_ok(), "{samples:?}");
+        path.poses[7].header.frame_id = "map".to_owned();
+        let refused = Samples::of(&path, "odom", &BaseSpec::default()).expect_err("a pose in map");
+        assert!(matches!(refused, Refused::Frame { .. }), "{refused}");
     }
 
     #[test]
