@@ -271,10 +271,10 @@ impl Bridge {
         self.questions.ask(Command::ResetFault, Purpose::Reset);
     }
 
-    /// Drives by velocity, in place of what the base does now.
-    pub fn drive(&mut self, twist: WireTwist, now_us: u64) {
+    /// Drives by velocity, in place of what the base does now. Whether it is to: one that is none changes nothing.
+    pub fn drive(&mut self, twist: WireTwist, now_us: u64) -> bool {
         if self.stage != Stage::Active || self.under.is_some() {
-            return;
+            return false;
         }
         // The base would refuse it too, but a velocity is said, not asked.
         if let Err(why) = check_order::<f32>(&(&twist).into()) {
@@ -282,11 +282,12 @@ impl Bridge {
                 StepFault::OutOfRange(_) => "a velocity beyond 100 m/s or 100 rad/s",
                 _ => "a velocity that is not a number",
             });
-            return;
+            return false;
         }
         self.supersede();
         self.velocity = Some((twist, now_us, now_us));
         self.order(twist);
+        true
     }
 
     /// Parks.

@@ -266,20 +266,23 @@ impl Loop<'_> {
             }
         }
         if let Some(message) = newest(&self.ros.goal_pose) {
-            self.fitted = None;
             match goal(&message, &self.args.odom_frame) {
-                Ok(goal) => self.bridge.park(goal, now_us),
+                Ok(goal) => {
+                    self.fitted = None;
+                    self.bridge.park(goal, now_us);
+                }
                 Err(why) => self.bridge.refuse(format!("goal: {why}")),
             }
         }
         // What comes at the same time as a goal prevails: a stick in somebody's hand.
         if let Some(twist) = self.ros.cmd_vel.newest() {
-            self.fitted = None;
             let twist = WireTwist {
                 v: twist.linear.x as f32,
                 w: twist.angular.z as f32,
             };
-            self.bridge.drive(twist, now_us);
+            if self.bridge.drive(twist, now_us) {
+                self.fitted = None;
+            }
         }
     }
 

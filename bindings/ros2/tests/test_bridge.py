@@ -312,6 +312,21 @@ def test_what_cannot_be_driven_is_refused_and_said(active: Bridge, peer: Peer) -
     assert peer.status().of("state") == "armed"
 
 
+def test_a_refused_goal_leaves_a_path_that_is_being_fitted(active: Bridge, peer: Peer) -> None:
+    # So many poses that fitting takes longer than the messages that follow.
+    def share(t: float) -> float:
+        s = min(t / 4, 1)
+        return s**3 * (10 - 15 * s + 6 * s**2)
+
+    poses = [pose_stamped(0.6 * share(0.002 * n), 0, 0, t=0.002 * n) for n in range(2001)]
+    peer.writers["trajectory"].write(ros.Path(ros.Header(ros.Time(), "odom"), poses))
+    peer.listen(0.02)
+    peer.writers["goal_pose"].write(pose_stamped(1, 0, 0, frame="map"))
+    peer.drive(math.nan)
+    assert peer.listen(20, lambda: peer.status().of("state") == "parked"), peer.status()
+    assert away(peer.odom(), 0.6, 0) < 0.005
+
+
 def test_a_signal_stops_the_base_and_ends_the_bridge(active: Bridge, peer: Peer) -> None:
     peer.drive_for(1.5, 0.4)
     began = time.monotonic()

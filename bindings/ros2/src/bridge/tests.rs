@@ -274,7 +274,7 @@ fn signs_of_life_are_even() {
 fn a_velocity_is_sent_once_or_as_long_as_it_is_held() {
     for (hold_us, times) in [(0, 1), (200_000, 6)] {
         let mut rig = Rig::active(hold_us);
-        rig.bridge.drive(TWIST, rig.now_us);
+        assert!(rig.bridge.drive(TWIST, rig.now_us));
         rig.run(1.0);
         assert_eq!(rig.count(is_drive), times, "held for {hold_us} us");
     }
@@ -286,7 +286,8 @@ fn a_velocity_that_is_none_is_refused_and_changes_nothing() {
     let mut rig = Rig::parking();
     for (v, told) in [(f32::NAN, "not a number"), (1.0e4, "beyond 100 m/s")] {
         for twist in [WireTwist { v, w: 0.0 }, WireTwist { v: 0.0, w: v }] {
-            rig.bridge.drive(twist, rig.now_us);
+            let drives = rig.bridge.drive(twist, rig.now_us);
+            assert!(!drives, "a path that is being fitted would be given up");
             rig.run(0.02);
             let event = rig.bridge.event();
             assert!(
