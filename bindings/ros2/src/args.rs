@@ -23,7 +23,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value = "/")]
     pub namespace: String,
     /// DDS domain
-    #[arg(long, value_name = "N", env = "ROS_DOMAIN_ID", default_value = "0")]
+    #[arg(long, value_name = "N", env = "ROS_DOMAIN_ID", default_value = "0", value_parser = domain)]
     pub domain: u16,
     /// At most so many odometries a second; the base sends 50
     #[arg(long, value_name = "HZ", default_value = "50", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -48,6 +48,20 @@ pub struct Args {
     pub keep_parameters: bool,
 }
 
+/// Ports of higher ones are past 65535.
+const LAST_DOMAIN: u16 = 232;
+
+fn domain(text: &str) -> Result<u16, String> {
+    // As rcl has it for the variable.
+    if text.is_empty() {
+        return Ok(0);
+    }
+    match text.parse() {
+        Ok(domain @ 0..=LAST_DOMAIN) => Ok(domain),
+        _ => Err(format!("not in 0 to {LAST_DOMAIN}")),
+    }
+}
+
 /// More than that is no repetition but a motion that nobody orders.
 const LONGEST_HOLD_S: f64 = 1.0;
 
@@ -57,5 +71,20 @@ fn seconds(text: &str) -> Result<f64, String> {
         Ok(seconds)
     } else {
         Err(format!("not in 0 to {LONGEST_HOLD_S} s"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::domain;
+
+    #[test]
+    fn a_domain_has_ports() {
+        for (text, number) in [("", 0), ("0", 0), ("232", 232)] {
+            assert_eq!(domain(text), Ok(number), "{text:?}");
+        }
+        for text in ["233", "65536", "-1", "x"] {
+            assert!(domain(text).is_err(), "{text}");
+        }
     }
 }
