@@ -133,8 +133,8 @@ struct Shared {
     stops: Stops,
     /// Heartbeats, written by the command receiver.
     heartbeats: AtomicU32,
-    /// Ticks per second, written once.
-    tick_hz: AtomicU32,
+    /// Time between ticks \[µs\], written once.
+    period_us: AtomicU32,
     overruns: AtomicU32,
     dropped: AtomicU32,
 }
@@ -250,11 +250,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             Err(why) => Origin::Defaults(why),
         };
         let period_us = task.params().detectors.period_us;
-        let tick_hz = (1_000_000 + period_us / 2).checked_div(period_us);
-        let shared = ends.shared;
-        shared
-            .tick_hz
-            .store(tick_hz.unwrap_or(0), Ordering::Relaxed);
+        ends.shared.period_us.store(period_us, Ordering::Relaxed);
         Self {
             task,
             ends,

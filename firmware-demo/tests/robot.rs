@@ -114,7 +114,7 @@ fn short_mission_over_the_serial_port() {
     for machine in MACHINES {
         let mut remote = Remote::start(machine);
         let hello = remote.ask(&Command::Heartbeat);
-        assert!(matches!(hello, Telemetry::Hello(hello) if hello.tick_hz == 1000));
+        assert!(matches!(hello, Telemetry::Hello(hello) if hello.period_us == 1000));
         let goal = WirePose::default();
         let refused = remote.ask(&Command::Park { goal });
         assert_eq!(refused, Telemetry::Nack(RejectReason::State));

@@ -47,7 +47,7 @@ pub use values::{TimedSample, WirePose, WireReference, WireTwist};
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
 /// Version of frame layout and message set; a receiver rejects any other.
-pub const VERSION: u8 = 9;
+pub const VERSION: u8 = 10;
 /// Most bytes of content in a frame.
 pub const MAX_CONTENT: usize = 254;
 /// Most bytes of a frame on the wire: content, one byte of stuffing, the delimiter.

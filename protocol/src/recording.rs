@@ -20,11 +20,12 @@ const LINE_SHARE: u64 = 80;
 /// Bits of a byte on a serial line: start, eight, stop.
 const BITS: u64 = 10;
 
-/// Bits per second that a line needs for a recording at so many ticks per second.
-pub const fn least_baud(tick_hz: u16) -> u32 {
-    let bits = tick_hz as u64 * ROWS_FRAME as u64 * BITS * 100;
-    // At most 65,535 times some 2,600.
-    bits.div_ceil(ROWS as u64 * LINE_SHARE) as u32
+/// Bits per second that a line needs for a recording with a tick every so many µs.
+pub const fn least_baud(period_us: u32) -> u32 {
+    let bits = 1_000_000 * ROWS_FRAME as u64 * BITS * 100;
+    let period_us = if period_us == 0 { 1 } else { period_us as u64 };
+    // At most a million times some 223.
+    bits.div_ceil(period_us * ROWS as u64 * LINE_SHARE) as u32
 }
 
 /// What to drive for a recording: levels of speed and turn rate, within a rectangle about the base and its bounds.
@@ -253,9 +254,9 @@ mod tests {
     #[test]
     fn the_line_that_a_recording_needs() {
         // 9 rows in 160 bytes of ten bits, of four fifths of the line.
-        assert_eq!(least_baud(100), 22_223);
-        assert_eq!(least_baud(200), 44_445);
-        assert_eq!(least_baud(1000), 222_223);
-        assert!(least_baud(u16::MAX) > least_baud(u16::MAX - 1));
+        assert_eq!(least_baud(10_000), 22_223);
+        assert_eq!(least_baud(5_000), 44_445);
+        assert_eq!(least_baud(1_000), 222_223);
+        assert!(least_baud(1) > least_baud(2));
     }
 }

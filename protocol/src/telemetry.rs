@@ -16,8 +16,8 @@ pub struct Hello {
     pub protocol: u8,
     /// Firmware version: major, minor, patch.
     pub firmware: [u8; 3],
-    /// Control ticks per second, to the nearest.
-    pub tick_hz: u16,
+    /// From one control tick to the next, µs: of few periods a whole number goes into a second.
+    pub period_us: u32,
 }
 
 impl Hello {
@@ -25,7 +25,7 @@ impl Hello {
     pub const OURS: Self = Self {
         protocol: super::VERSION,
         firmware: [0, 1, 0],
-        tick_hz: 1000,
+        period_us: 1000,
     };
 }
 

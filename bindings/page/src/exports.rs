@@ -334,8 +334,8 @@ extern "C" fn board_status() {
             None => (String::new(), String::new()),
         };
         let frames = monitor.frames();
-        let hello = monitor.latest().hello.filter(|hello| hello.tick_hz > 0);
-        let period = hello.map_or(f64::NAN, |hello| 1.0 / f64::from(hello.tick_hz));
+        let hello = monitor.latest().hello.filter(|hello| hello.period_us > 0);
+        let period = hello.map_or(f64::NAN, |hello| 1.0e-6 * f64::from(hello.period_us));
         page.output = format!(
             "{{\"reports\":{},\"period\":{},\"good\":{},\"bad\":{},\"state\":{},\"cause\":{},\"line\":{}}}",
             monitor.reports(),

@@ -24,10 +24,10 @@ struct Last {
 }
 
 impl TickClock {
-    /// Of a base with so many ticks a second.
-    pub fn new(tick_hz: u16) -> Self {
+    /// Of a base with a tick every so many microseconds.
+    pub fn new(period_us: u32) -> Self {
         Self {
-            tick_ns: 1_000_000_000 / i64::from(tick_hz.max(1)),
+            tick_ns: 1_000 * i64::from(period_us),
             last: None,
         }
     }
@@ -67,7 +67,7 @@ mod tests {
     /// Reports that come up to 15 ms late are stamped 20 ms apart, within the drift allowed for, and never later than they came.
     #[test]
     fn stamps_are_as_even_as_ticks() {
-        let mut clock = TickClock::new(1000);
+        let mut clock = TickClock::new(1_000);
         let mut before = None;
         for report in 0..500_u32 {
             let late_ns = i64::from(report * 7919 % 16) * 1_000_000;
@@ -84,10 +84,21 @@ mod tests {
         }
     }
 
+    /// A tick every 15 ms, of which a second has no whole number: two minutes later stamps are still those of the arrival.
+    #[test]
+    fn a_period_that_does_not_divide_a_second_is_kept() {
+        let mut clock = TickClock::new(15_000);
+        for report in 0..8_000_u32 {
+            let now_ns = 5_000_000_000 + 15_000_000 * i64::from(report);
+            let (stamp, base) = clock.stamp(report, now_ns);
+            assert_eq!((stamp, base), (now_ns, now_ns - 5_000_000_000));
+        }
+    }
+
     /// The first report was 90 ms under way.
     #[test]
     fn time_does_not_go_back() {
-        let mut clock = TickClock::new(1000);
+        let mut clock = TickClock::new(1_000);
         let mut before = clock.stamp(20, 1_090_000_000).0;
         for report in 1..20_i64 {
             let (stamp, _) =
@@ -101,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_base_that_begins_anew_is_stamped_by_its_arrival() {
-        let mut clock = TickClock::new(1000);
+        let mut clock = TickClock::new(1_000);
         clock.stamp(60_000, 1_000_000_000);
         assert_eq!(clock.stamp(20, 9_000_000_000).0, 9_000_000_000);
     }

@@ -35,7 +35,7 @@ const PATIENCE: Duration = Duration::from_millis(4);
 /// Between two diagnostics, and two questions for the base's counters \[µs\].
 const DIAGNOSTICS_US: u64 = 1_000_000;
 /// A board's, until it has said its own.
-const TICK_HZ: u16 = Hello::OURS.tick_hz;
+const PERIOD_US: u32 = Hello::OURS.period_us;
 
 /// Why there is no bridge.
 #[derive(Debug, thiserror::Error)]
@@ -87,7 +87,7 @@ pub fn run(args: &Args, stop: &AtomicBool) -> Result<(), BridgeError> {
         monitor: Monitor::default(),
         bridge: Bridge::new(settings),
         began: Instant::now(),
-        clock: TickClock::new(TICK_HZ),
+        clock: TickClock::new(PERIOD_US),
         wheels,
         published: Published::default(),
         fitted: None,
@@ -196,17 +196,17 @@ impl Loop<'_> {
             bridge.hear(frame, now_us);
             match &frame.message {
                 Telemetry::Tick(tick) => ticks.push((*tick, *latest)),
-                Telemetry::Hello(said) => hello = Some(said.tick_hz),
+                Telemetry::Hello(said) => hello = Some(said.period_us),
                 _ => {}
             }
         });
         for (tick, latest) in ticks {
             self.report(&tick, &latest, now_us);
         }
-        if let Some(tick_hz) = hello
+        if let Some(period_us) = hello
             && self.published.report.is_none()
         {
-            self.clock = TickClock::new(tick_hz);
+            self.clock = TickClock::new(period_us);
         }
         Ok(())
     }

@@ -60,9 +60,8 @@ impl<'queue> CommandReceiver<'queue> {
                 let heartbeats = &self.shared.heartbeats;
                 let count = heartbeats.load(Ordering::Relaxed);
                 heartbeats.store(count.wrapping_add(1), Ordering::Relaxed);
-                let tick_hz = self.shared.tick_hz.load(Ordering::Relaxed);
                 Telemetry::Hello(Hello {
-                    tick_hz: u16::try_from(tick_hz).unwrap_or(u16::MAX),
+                    period_us: self.shared.period_us.load(Ordering::Relaxed),
                     ..Hello::OURS
                 })
             }

@@ -39,13 +39,13 @@ pub enum BenchError {
     Silent(u32),
     /// A line that cannot carry every tick.
     #[error(
-        "a line of {baud} baud is too slow for a row of every tick at {tick_hz} Hz: it needs {least} baud"
+        "a line of {baud} baud is too slow for a row of every tick, {period_us} us apart: it needs {least} baud"
     )]
     TooSlow {
         /// Its speed.
         baud: u32,
-        /// Ticks per second.
-        tick_hz: u16,
+        /// From tick to tick \[µs\].
+        period_us: u32,
         /// What would do.
         least: u32,
     },
@@ -181,11 +181,11 @@ fn greet(line: &mut impl Line, monitor: &mut Monitor, bench: &Bench) -> Result<E
         pass(line, monitor, 5 * ORDER_PERIOD)?;
         let latest = monitor.latest();
         if let (Some(hello), Some(parameters)) = (latest.hello, &latest.parameters) {
-            let least = least_baud(hello.tick_hz);
+            let least = least_baud(hello.period_us);
             return match bench.baud {
                 Some(baud) if baud < least => Err(BenchError::TooSlow {
                     baud,
-                    tick_hz: hello.tick_hz,
+                    period_us: hello.period_us,
                     least,
                 }),
                 _ => Ok(bench.order(&parameters.limits)),

@@ -453,7 +453,7 @@ fn what_cannot_be_driven_or_recorded_is_refused_before_anything_moves() {
         matches!(
             slow,
             BenchError::TooSlow {
-                tick_hz: 100,
+                period_us: 10_000,
                 least: 22_223,
                 ..
             }
