@@ -5,6 +5,12 @@ const DRIFT: f64 = 1.0e-3;
 /// Reports later than that on their clock are of another run of it \[ns\].
 const LOST_NS: i64 = 1_000_000_000;
 
+/// Reports that all come later than that \[ns\], for [`LATE_FOR_NS`], are not late: the clock here was set forward. A line or
+/// a machine that is held up delivers what has waited, and the last of it is on time.
+const LATE_NS: i64 = 50_000_000;
+/// Longer than anything holds up a line that does not end \[ns\].
+const LATE_FOR_NS: i64 = 1_000_000_000;
+
 /// When a tick was, as far as it can be known: as far apart as the ticks, whatever the line and this machine do in between.
 #[derive(Clone, Copy, Debug)]
 pub struct TickClock {
@@ -21,6 +27,8 @@ struct Last {
     offset_ns: i64,
     /// What came of it.
     stamp_ns: i64,
+    /// Where the last reports were all late: since when on the base's clock, and the offset of the earliest of them.
+    late: Option<(i64, i64)>,
 }
 
 impl TickClock {
@@ -39,7 +47,15 @@ impl TickClock {
             let base_ns = last.base_ns + passed_ns;
             // The way of the fastest report counts; it ages, since crystals differ.
             let aged_ns = last.offset_ns + (passed_ns as f64 * DRIFT) as i64;
-            let offset_ns = aged_ns.min(now_ns - base_ns);
+            let here_ns = now_ns - base_ns;
+            let late = (here_ns > aged_ns + LATE_NS).then(|| {
+                let (since_ns, least_ns) = last.late.unwrap_or((base_ns, here_ns));
+                (since_ns, least_ns.min(here_ns))
+            });
+            let (offset_ns, late) = match late {
+                Some((since_ns, least_ns)) if base_ns - since_ns >= LATE_FOR_NS => (least_ns, None),
+                late => (aged_ns.min(here_ns), late),
+            };
             let lost = now_ns - base_ns - last.offset_ns;
             (lost.abs() < LOST_NS).then_some(Last {
                 tick,
@@ -47,6 +63,7 @@ impl TickClock {
                 offset_ns,
                 // A report on a faster way shows that those before it were stamped late: time does not go back for that.
                 stamp_ns: (base_ns + offset_ns).max(last.stamp_ns + passed_ns / 2),
+                late,
             })
         };
         let last = self.last.as_ref().and_then(of).unwrap_or(Last {
@@ -54,6 +71,7 @@ impl TickClock {
             base_ns: 0,
             offset_ns: now_ns,
             stamp_ns: now_ns,
+            late: None,
         });
         self.last = Some(last);
         (last.stamp_ns, last.base_ns)
@@ -92,6 +110,39 @@ mod tests {
             let now_ns = 5_000_000_000 + 15_000_000 * i64::from(report);
             let (stamp, base) = clock.stamp(report, now_ns);
             assert_eq!((stamp, base), (now_ns, now_ns - 5_000_000_000));
+        }
+    }
+
+    /// As by NTP. A line that is held up for 0.9 s is none: its last report is on time.
+    #[test]
+    fn a_clock_that_is_set_forward_is_followed_after_a_second() {
+        for held_up in [false, true] {
+            let mut clock = TickClock::new(1_000);
+            for report in 0..200_i64 {
+                let at_ns = 5_000_000_000 + 20_000_000 * report;
+                let now_ns = match report {
+                    ..100 => at_ns,
+                    _ if !held_up => at_ns + 900_000_000,
+                    // All at once.
+                    100..145 => 5_000_000_000 + 20_000_000 * 145,
+                    _ => at_ns,
+                };
+                let (stamp, _) = clock.stamp(20 * report as u32, now_ns);
+                if held_up {
+                    // No more than the drift that is allowed for, in 0.9 s.
+                    assert!(
+                        (stamp - at_ns).abs() <= 900_000,
+                        "{report}: {}",
+                        stamp - at_ns
+                    );
+                } else if report > 150 {
+                    assert!(
+                        (now_ns - stamp).abs() < 1_000_000,
+                        "{report}: {}",
+                        now_ns - stamp
+                    );
+                }
+            }
         }
     }
 
