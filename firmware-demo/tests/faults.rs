@@ -104,11 +104,15 @@ fn one_long_tick_stops() {
     reaches(FaultKind::TickTooLong, 1, Rig::tracking(), |rig, _| {
         rig.tick_with(60_000, |_| {});
     });
-    // Beyond what the law steps over there is no torque that could stop the base.
+    // So does one beyond what the law steps over, in that tick: the wheels are not let go in between.
     let mut rig = Rig::tracking();
     rig.tick_with(600_000, |_| {});
-    assert_eq!(rig.task.applied(), None);
-    assert_eq!(rig.task.drive_mut().output(), Call::Release);
+    assert_eq!(rig.task.state(), State::Stopping(Then::Fault));
+    for _ in 0..10 {
+        assert!(rig.task.applied().is_some());
+        assert_ne!(rig.task.drive_mut().output(), Call::Release);
+        rig.tick();
+    }
 }
 
 #[test]

@@ -213,3 +213,35 @@ fn a_reversed_encoder_beside_a_gyro_is_found() {
         &[longest_s.into(), farthest_m.into(), runs.into()],
     );
 }
+
+/// A tick longer than the law takes a step for, within a controlled stop: the base goes on stopping and does not let its wheels go.
+#[test]
+fn a_late_tick_does_not_interrupt_a_stop() {
+    for (name, params) in shipped() {
+        let mut rig = Rig::new(params, AS_STATED);
+        let order = drive(0.5 * params.motion.limits.speed, 0.0);
+        for _ in 0..rig.ticks(2.0) {
+            rig.tick(&order);
+        }
+        rig.base.on(Event::Stop);
+        for _ in 0..3 {
+            let report = rig.tick(&Order::None);
+            assert!(matches!(report.state, State::Stopping(_)), "{name}");
+        }
+        rig.params.detectors.period_us = (1.1e6 * params.motion.max_tick_s) as u32;
+        let report = rig.tick(&Order::None);
+        assert!(matches!(report.state, State::Stopping(_)), "{name}");
+        assert!(
+            report.action.torques().is_some(),
+            "{name}: {:?}",
+            report.action
+        );
+        // What it asks for is still within the limits.
+        let torques = report.action.torques().unwrap_or_default();
+        let most = params.motion.limits.wheel_torque_nm;
+        assert!(
+            torques.right.abs().max(torques.left.abs()) <= most,
+            "{name}: {torques:?}"
+        );
+    }
+}

@@ -715,6 +715,28 @@ mod tests {
         }
     }
 
+    /// Along the axes and aslant, with the points of a browser and two only.
+    #[test]
+    fn a_straight_line_is_followed_to_its_end() {
+        for (x, y) in [(1700, 0), (0, 1700), (-1200, 900)] {
+            for pieces in [1, 17] {
+                let mut session = session(1, Floor::File);
+                let point = |n| [(x * n / pieces) as i16, (y * n / pieces) as i16];
+                let points = (0..=pieces).map(point).collect();
+                session.apply(Input::Line(points)).expect("a line");
+                session.advance(3000).expect("ticks");
+                assert_eq!(state(&session), State::Parked, "{x} {y} {pieces}");
+                let pose = session.main().world().truth().pose;
+                let (dx, dy) = (pose.x - 1e-3 * f64::from(x), pose.y - 1e-3 * f64::from(y));
+                // The tolerance of its noisy poses.
+                assert!(
+                    dx.abs().max(dy.abs()) < 0.02,
+                    "{pose:?} for {x} {y} {pieces}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn what_is_no_run_is_refused() {
         let mut session = session(2, Floor::Bad);
