@@ -107,7 +107,11 @@ impl Problem {
             }
         };
         for row in &self.rows {
-            lower(row.piece, row.h / row.g.iter().sum::<f64>().max(0.0));
+            let steady = row.g.iter().sum::<f64>();
+            // Not by the larger one of it and 0: of -0, as on a path that is exactly straight, machines differ in which that is.
+            if steady > 0.0 {
+                lower(row.piece, row.h / steady);
+            }
         }
         for row in &self.jerks {
             let steady = row.g.iter().sum::<f64>();

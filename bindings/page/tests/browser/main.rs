@@ -383,6 +383,16 @@ fn a_drawn_line_and_dropped_files_are_followed_with_the_bits_of_the_native_run()
         "the line ends {there} m from where it was drawn to"
     );
 
+    // Exactly straight, along an axis: every number of it that turns is 0 or -0.
+    browser.evaluate("running = false, apply(INPUT.line([[0, 0], [1.7, 0]])), readPath(), true");
+    let end =
+        browser.number("Math.hypot(path[path.length - 1][0] - 1.7, path[path.length - 1][1])");
+    assert!(
+        browser.number("path.length") > 100.0 && end < 1.0e-3,
+        "it ends {end} m before its end"
+    );
+    browser.evaluate("running = true, true");
+
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../sim-host/tests/fixtures/wpilib_gaps.json");
     let text = std::fs::read_to_string(fixture).expect("a fixture");
