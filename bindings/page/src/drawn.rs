@@ -122,27 +122,6 @@ mod tests {
         }
     }
 
-    /// As a browser gives them: two ends, or a point every few pixels.
-    #[test]
-    fn a_straight_line_is_followed_to_its_end() {
-        let base = BASES[0].base().expect("a base");
-        for (x, y) in [(0.0, 0.0), (10.0, 10.0), (31.0, -3.217)] {
-            for pieces in [1, 17, 100] {
-                let point = |n| [x + 1.7 * f64::from(n) / f64::from(pieces), y];
-                let points: Vec<_> = (0..=pieces).map(point).collect();
-                let text = table(&points, 0.5 * base.limits.speed).expect("long enough");
-                let (trajectory, _) = fitted(text.as_bytes(), &base, &Retiming::default())
-                    .unwrap_or_else(|error| panic!("{x} {pieces}: {error}"));
-                let last = trajectory.at(trajectory.duration());
-                assert!(
-                    (last.x - x - 1.7).abs() < 2.0e-3,
-                    "{x} {pieces}: {}",
-                    last.x
-                );
-            }
-        }
-    }
-
     #[test]
     fn a_click_is_no_line() {
         assert_eq!(table(&[[0.0, 0.0], [0.05, 0.0]], 0.5), None);

@@ -138,7 +138,7 @@ impl Rig {
         for _ in 0..(250.0 * seconds).round() as u32 {
             self.now_us += 4_000;
             self.ticks += 4;
-            if self.state.is_live() && !self.is_dead && self.ticks % 20 == 0 {
+            if self.state.is_live() && !self.is_dead && self.ticks.is_multiple_of(20) {
                 self.tells(Telemetry::Tick(BaseTick {
                     tick: self.ticks,
                     state: self.state,
