@@ -14,12 +14,12 @@ use core::slice;
 use controller_core::base::{
     self, BaseController, BaseParams, DriveCommand, ValidBaseParams, WheelAction,
 };
-use controller_core::hal::{ErrorKind, WheelCounts};
+use controller_core::hal::WheelCounts;
 use controller_core::safety::supervisor::{self, Event};
 use controller_core::types::WheelTorques;
 use protocol::{BaseTick, decode_robot};
 
-use crate::abi::{self, Action, Order, Pose, Report, Sensed, Status, Wheels, action};
+use crate::abi::{self, Action, Order, Pose, Report, Sensed, Status, Wheels, action, device};
 use crate::memory::{self, Base, Body, Handle, checked, read};
 use crate::{convert, names};
 
@@ -68,7 +68,7 @@ fn make(place: &mut MaybeUninit<Body>, params: &ValidBaseParams<f32>, start: Pos
         controller: BaseController::new(params, (&start).into()),
         ticks: 0,
         start,
-        answer: Ok(()),
+        answer: device::OK,
     });
 }
 
@@ -182,36 +182,62 @@ pub unsafe extern "C" fn twb_tick(
     sensed: *const Sensed,
     action: *mut Action,
 ) -> i32 {
-    let result = || {
-        // All at once, for most calls are right; in turn only to say what is wrong. A base is aligned twice as strictly as the rest.
-        const { assert!(align_of::<Base>() == 2 * align_of::<u32>()) };
-        let addresses = base as usize | (order as usize | sensed as usize | action as usize) << 1;
-        let aligned = addresses & (align_of::<Base>() - 1) == 0;
-        if !aligned || base.is_null() || order.is_null() || sensed.is_null() || action.is_null() {
-            return Err(first_refusal(base, order, sensed, action));
-        }
-        // SAFETY: neither NULL nor misaligned, the rest is the caller's.
-        let handle = unsafe { Handle::new_unchecked(base) };
-        let work = |body: &mut Body| {
-            // SAFETY: of the caller; nobody else looks at them during the call. They are not copied, which would take longer than
-            // all that is done with them.
-            let (asked, found) = unsafe { (&*order, &*sensed) };
-            let mut order = base::Order::None;
-            convert::order(asked, &mut order)?;
-            let mut sensed = base::Sensed::of_counts(WheelCounts::default());
-            convert::sensed(found, body.answer, &mut sensed)?;
-            body.controller.tick(dt_us, &order, &sensed);
-            body.ticks = body.ticks.wrapping_add(1);
-            // SAFETY: of the caller.
-            unsafe { drive(body, sensed.supply_v, action) };
-            Ok(())
-        };
-        // SAFETY: of the caller.
-        handle.with(work, |stop| unsafe {
-            action.write(without_duties(stop, 0))
-        })
-    };
-    code(result())
+    // SAFETY: of the caller.
+    code(unsafe { tick(base, dt_us, order, sensed, action) })
+}
+
+/// A tick. A function, since only those can be asked to be in line whatever their size: a call of what is done in every tick
+/// takes some 20 instructions.
+///
+/// # Safety
+/// As the [module](self) says.
+#[inline(always)]
+unsafe fn tick(
+    base: *mut Base,
+    dt_us: u32,
+    order: *const Order,
+    sensed: *const Sensed,
+    action: *mut Action,
+) -> Result<(), Status> {
+    // All at once, for most calls are right; in turn only to say what is wrong. A base is aligned twice as strictly as the rest.
+    const { assert!(align_of::<Base>() == 2 * align_of::<u32>()) };
+    let addresses = base as usize | (order as usize | sensed as usize | action as usize) << 1;
+    let aligned = addresses & (align_of::<Base>() - 1) == 0;
+    if !aligned || base.is_null() || order.is_null() || sensed.is_null() || action.is_null() {
+        return Err(first_refusal(base, order, sensed, action));
+    }
+    // SAFETY: neither NULL nor misaligned, the rest is the caller's; nobody else looks at them during the call. Order and sensors are not
+    // copied, which would take longer than all that is done with them.
+    unsafe {
+        let handle = Handle::new_unchecked(base);
+        let body = handle.open()?;
+        let result = tick_of(body, dt_us, &*order, &*sensed, action);
+        handle.close(|stop| action.write(without_duties(stop, 0)));
+        result
+    }
+}
+
+/// A tick of an open base.
+///
+/// # Safety
+/// `action` may be written.
+#[inline(always)]
+unsafe fn tick_of(
+    body: &mut Body,
+    dt_us: u32,
+    order: &Order,
+    sensed: &Sensed,
+    action: *mut Action,
+) -> Result<(), Status> {
+    let mut place = MaybeUninit::uninit();
+    let order = convert::order(order, &mut place)?;
+    let mut found = base::Sensed::of_counts(WheelCounts::default());
+    convert::sensed(sensed, &mut body.answer, &mut found)?;
+    body.controller.tick(dt_us, order, &found);
+    body.ticks = body.ticks.wrapping_add(1);
+    // SAFETY: of the caller.
+    unsafe { drive(body, found.supply_v, action) };
+    Ok(())
 }
 
 /// What is wrong with the first of a tick's pointers that something is wrong with.
@@ -275,7 +301,6 @@ unsafe fn write_drive(drive: &DriveCommand<f32>, flags: u32, out: *mut Action) {
 /// `out` may be written.
 #[inline]
 unsafe fn drive(body: &mut Body, supply_v: Option<f32>, out: *mut Action) {
-    body.answer = Ok(());
     let report = body.controller.report();
     let (WheelAction::Drive(drive), Some(motor)) = (&report.action, body.controller.base().motor())
     else {
@@ -313,7 +338,7 @@ unsafe fn limited(body: &mut Body, invalid: bool, exerted: WheelTorques<f32>, ou
     let exerted = if invalid {
         // SAFETY: of the caller.
         unsafe { out.write(without_duties(&WheelAction::Release, 0)) };
-        body.answer = Err(ErrorKind::Other);
+        body.answer = device::OTHER;
         WheelTorques::default()
     } else {
         // SAFETY: of the caller.

@@ -1,5 +1,7 @@
 //! Between the header's structs and the core's types.
 
+use core::mem::MaybeUninit;
+
 use controller_core::base::{self, WheelAction};
 use controller_core::gyro::GyroReading;
 use controller_core::hal::{ErrorKind, WheelCounts};
@@ -60,34 +62,38 @@ pub(crate) const fn flag(value: u32) -> Result<bool, Status> {
 /// An order, written to where the tick reads it: by value the numbers of all kinds would be copied. Values are the tick's to judge,
 /// only kinds are judged here.
 #[inline]
-pub(crate) fn order(order: &abi::Order, to: &mut base::Order<f32>) -> Result<(), Status> {
-    match order.kind {
-        order::NONE => {}
+pub(crate) fn order<'a>(
+    order: &abi::Order,
+    to: &'a mut MaybeUninit<base::Order<f32>>,
+) -> Result<&'a base::Order<f32>, Status> {
+    Ok(match order.kind {
+        order::NONE => to.write(base::Order::None),
         order::FOLLOW => follow(order, to),
-        order::PARK => *to = base::Order::Park((&order.pose).into()),
+        order::PARK => to.write(base::Order::Park((&order.pose).into())),
         order::VELOCITY => {
             // Judged first: with a decision between, the twist would be copied number by number.
             let hold_heading = flag(order.hold_heading)?;
-            *to = base::Order::Drive {
+            to.write(base::Order::Drive {
                 twist: (&order.twist).into(),
                 hold_heading,
-            };
+            })
         }
         _ => return Err(Status::BadValue),
-    }
-    Ok(())
+    })
 }
 
 /// A sample to follow. Apart, for the compiler would make one piece of the stores of all kinds, with addresses that it works out.
 #[inline(never)]
-fn follow(order: &abi::Order, to: &mut base::Order<f32>) {
+fn follow<'a>(
+    order: &abi::Order,
+    to: &'a mut MaybeUninit<base::Order<f32>>,
+) -> &'a base::Order<f32> {
     let accel = Accel::new(order.accel.v, order.accel.w);
     let reference = Reference::new((&order.pose).into(), (&order.twist).into(), accel);
-    *to = base::Order::Follow(reference.with_left(order.left));
+    to.write(base::Order::Follow(reference.with_left(order.left)))
 }
 
-/// What is wrong with a device that is not well.
-#[cold]
+/// What is wrong with a device.
 const fn device(status: u32) -> Result<Result<(), ErrorKind>, Status> {
     Ok(Err(match status {
         device::OK => return Ok(Ok(())),
@@ -100,12 +106,12 @@ const fn device(status: u32) -> Result<Result<(), ErrorKind>, Status> {
     }))
 }
 
-/// What was sensed, written to where the tick reads it, so that what is not there is not copied. `answer` is what a driver would have
-/// answered to the last duties.
+/// What was sensed, written to where the tick reads it, so that what is not there is not copied. `answer` is the [`device`] code that a driver
+/// would have answered the last duties with; it is cleared with what it is told in.
 #[inline]
 pub(crate) fn sensed(
     sensed: &abi::Sensed,
-    answer: Result<(), ErrorKind>,
+    answer: &mut u32,
     to: &mut base::Sensed<f32>,
 ) -> Result<(), Status> {
     let there = |flag| sensed.flags & flag != 0;
@@ -113,25 +119,17 @@ pub(crate) fn sensed(
         right: sensed.right,
         left: sensed.left,
     });
-    to.driver = answer;
-    // Nearly always both are well.
-    if sensed.encoders | sensed.driver != device::OK {
-        if let Err(error) = device(sensed.encoders)? {
-            to.counts = Err(error);
-        }
-        to.driver = device(sensed.driver)?.and(answer);
-    }
     if there(sensed::FIX) {
         to.fix = Some(Fix {
             pose: (&sensed.fix).into(),
             age_s: sensed.fix_age_s,
         });
     }
-    if there(sensed::SUPPLY) {
-        to.supply_v = Some(sensed.supply_v);
-    }
-    // One look for what most bases have not, and for what no flag stands for.
-    if there(!(sensed::FIX | sensed::SUPPLY)) {
+    to.supply_v = there(sensed::SUPPLY).then_some(sensed.supply_v);
+    // One look for what most bases have not, for what no flag stands for, and for what is not well.
+    let more = sensed.flags & !(sensed::FIX | sensed::SUPPLY);
+    let unwell = sensed.encoders | sensed.driver | *answer;
+    if more | unwell != 0 {
         let no_rate = there(sensed::GYRO_HEADING) && !there(sensed::GYRO);
         if there(!sensed::KNOWN) || no_rate {
             return Err(Status::BadValue);
@@ -149,7 +147,26 @@ pub(crate) fn sensed(
                 left: sensed.currents.left,
             });
         }
+        if unwell != device::OK {
+            devices(sensed, answer, to)?;
+        }
     }
+    Ok(())
+}
+
+/// What is wrong with encoders and driver.
+#[cold]
+fn devices(
+    sensed: &abi::Sensed,
+    answer: &mut u32,
+    to: &mut base::Sensed<f32>,
+) -> Result<(), Status> {
+    let (encoders, driver) = (device(sensed.encoders)?, device(sensed.driver)?);
+    if let Err(error) = encoders {
+        to.counts = Err(error);
+    }
+    to.driver = driver.and(device(*answer)?);
+    *answer = device::OK;
     Ok(())
 }
 

@@ -7,7 +7,6 @@ use core::ptr::{self, NonNull};
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use controller_core::base::{BaseController, WheelAction};
-use controller_core::hal::ErrorKind;
 
 use crate::abi::{Pose, Status};
 
@@ -53,15 +52,16 @@ pub struct Base {
 
 const _: () = assert!(size_of::<Base>() <= SIZE && align_of::<Base>() == ALIGN);
 
-/// The base proper.
+/// The base proper. What is small comes first: RV32 reaches the first 2 kB of it in one instruction.
+#[repr(C)]
 pub(crate) struct Body {
-    pub controller: BaseController,
     /// Ticks so far.
     pub ticks: u32,
+    /// The [`device`](crate::abi::device) code that a driver would have answered the last duties with, until a tick was told.
+    pub answer: u32,
+    pub controller: BaseController,
     /// Where the base was put, which its report says until the encoders gave a first reading.
     pub start: Pose,
-    /// The last duties could not be worked out: what a driver would answer.
-    pub answer: Result<(), ErrorKind>,
 }
 
 impl Body {
@@ -175,20 +175,8 @@ impl Handle {
         }
     }
 
-    /// Works on an initialised base that no other call is under way on. `stopped` gets what an emergency stop that came meanwhile
-    /// asks of the wheels.
-    #[inline]
-    pub fn with<R>(
-        self,
-        work: impl FnOnce(&mut Body) -> Result<R, Status>,
-        stopped: impl Fn(&WheelAction<f32>),
-    ) -> Result<R, Status> {
-        let result = work(self.open()?);
-        self.close(stopped);
-        result
-    }
-
-    /// As [`with`](Self::with); what is done before and after the work is in flash once, which takes a few instructions longer.
+    /// Works on an initialised base that no other call is under way on. What is done before and after the work is in flash once, which
+    /// takes a few instructions longer than [`open`](Self::open) and [`close`](Self::close).
     pub fn with_apart<R>(
         self,
         work: impl FnOnce(&mut Body) -> Result<R, Status>,
@@ -208,9 +196,9 @@ impl Handle {
         self.close(|_| ());
     }
 
-    /// The body, which is this call's until [`close`](Self::close).
+    /// The body of an initialised base that no other call is under way on, which is this call's until [`close`](Self::close).
     #[inline]
-    fn open<'a>(self) -> Result<&'a mut Body, Status> {
+    pub fn open<'a>(self) -> Result<&'a mut Body, Status> {
         let mark = self.mark();
         let found = mark.load(Ordering::Relaxed);
         if found != READY {
@@ -222,8 +210,9 @@ impl Handle {
         Ok(unsafe { (*ptr::addr_of_mut!((*self.0.as_ptr()).body)).assume_init_mut() })
     }
 
+    /// Gives the body back. `stopped` gets what an emergency stop that came meanwhile asks of the wheels.
     #[inline]
-    fn close(self, stopped: impl Fn(&WheelAction<f32>)) {
+    pub fn close(self, stopped: impl Fn(&WheelAction<f32>)) {
         self.give_back();
         // Looked for once the mark is off: an interrupt that stopped before it saw a base in a call, one after it does it itself.
         if self.asked().load(Ordering::Relaxed) != NO_STOP {

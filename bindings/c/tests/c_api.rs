@@ -763,7 +763,12 @@ impl Image<'_> {
         let more: Vec<i64> = more.collect();
         let mean = more.iter().sum::<i64>() as f64 / more.len() as f64;
         let most = *more.iter().max().expect("ticks");
-        println!("{}: {mean:.1} more, at most {most}", self.board.core);
+        let rust: u32 = both.iter().map(|[rust, _]| rust).sum();
+        let rust = f64::from(rust) / both.len() as f64;
+        println!(
+            "{}: {mean:.1} more than {rust:.1}, at most {most}",
+            self.board.core
+        );
         (most, mean)
     }
 }

@@ -32,7 +32,7 @@ struct Memory<T> {
     /// The robot left the reference of a manoeuvre to this goal once already.
     departed: bool,
     grip: Grip,
-    /// Manoeuvres to this goal that were planned anew because the pose had jumped.
+    /// How often the way to this goal was begun anew because the pose had jumped.
     jumps: u8,
 }
 
@@ -83,7 +83,7 @@ enum Approach<T> {
 /// follower takes back what is less: at these errors its demands are at their bounds.
 const DEPARTURE: (f64, f64) = (0.1, 0.5);
 
-/// How often a manoeuvre to a goal is planned anew because the pose has jumped. A pose that goes on jumping is no reason to go on planning.
+/// How often the way to a goal is begun anew because the pose has jumped. A pose that goes on jumping is no reason to go on planning.
 const JUMPS: u8 = 3;
 
 /// How a tick goes on along an approach.
@@ -217,15 +217,14 @@ impl<T: Scalar> ParkingLaw<T> {
     ) -> Next<T> {
         let dt = step.dt;
         let jumped = step.two_per_dt.is_none();
+        let anew = jumped && self.forgets_attempts();
         if self.is_driving() {
             self.memory.drives();
-            if self.memory.jumps >= JUMPS {
-                return Next::GoOn(Way::on(step));
-            }
-            self.memory.jumps = self.memory.jumps.saturating_add(1);
-            // If the robot left the reference, it was the pose that was wrong.
-            self.memory.departed = false;
-            return Next::Begin(Attempt::Manoeuvre);
+            return if anew {
+                Next::Begin(Attempt::Manoeuvre)
+            } else {
+                Next::GoOn(Way::on(step))
+            };
         }
         let (was_parked, was_resting) = (self.memory.checker.parked, self.is_resting());
         let at = GoalView::of(motion, view, moving, (self.is_backing(), self.ending()));
@@ -236,6 +235,9 @@ impl<T: Scalar> ParkingLaw<T> {
         } else {
             self.memory.checker.advance(motion, &at, dt)
         };
+        if self.memory.checker.parked {
+            self.memory.jumps = 0;
+        }
         let rest = match (was_parked && !jumped, self.memory.checker.parked) {
             (_, true) => Rest::Parked,
             (true, false) => Rest::Lost,
@@ -267,7 +269,7 @@ impl<T: Scalar> ParkingLaw<T> {
         }
         // Pushed off its goal, or beside it, the robot starts afresh.
         let attempt = match attempt {
-            Attempt::GoOn if was_resting => Attempt::Manoeuvre,
+            Attempt::GoOn if was_resting || anew => Attempt::Manoeuvre,
             _ => attempt,
         };
         let begins = match self.approach {
@@ -290,6 +292,19 @@ impl<T: Scalar> ParkingLaw<T> {
         } else {
             way
         })
+    }
+
+    /// After a jump on the way to the goal, or at it: what was tried from a pose that was wrong says nothing of the goal. `false` where nothing
+    /// has been tried, and where the pose has jumped too often without the robot having parked between.
+    fn forgets_attempts(&mut self) -> bool {
+        let tried = matches!(self.approach, Approach::Manoeuvre(_) | Approach::Regulate);
+        if !tried || self.memory.retry.given_up || self.memory.jumps >= JUMPS {
+            return false;
+        }
+        self.memory.jumps = self.memory.jumps.saturating_add(1);
+        self.memory.departed = false;
+        self.memory.retry = Retry::NEW;
+        true
     }
 
     /// Begins an approach.
@@ -838,6 +853,37 @@ mod tests {
                 assert_eq!(most > 0.0, moves, "{off:?}: {most}");
                 assert!(stands(&mut exact, 50, |_| off) > 0.0, "{off:?}");
             }
+        }
+    }
+
+    /// A robot that is held 20 mm aside of its goal, until it has spent an attempt.
+    fn spends_an_attempt(controller: &mut MotionController<f64, Libm>) {
+        for _ in 0..100 {
+            stands(controller, 100, |_| Pose::new(0.0, 20.0e-3, 0.0));
+            if controller.report().retries > 0 {
+                return;
+            }
+        }
+        panic!("no attempt within 100 s");
+    }
+
+    /// What was tried from a wrong pose is forgotten when the pose jumps, three times, and as often again once the robot has parked there.
+    #[test]
+    fn a_pose_that_jumped_forgets_attempts() {
+        let motion = noisy(0.0);
+        let aside = |_| Pose::new(0.0, 20.0e-3, 0.0);
+        let mut controller = at_home(&motion);
+        for round in 0..2 {
+            for jump in 0..4 {
+                spends_an_attempt(&mut controller);
+                controller.declare_jump();
+                stands(&mut controller, 1, aside);
+                let left = u8::from(jump == 3);
+                assert_eq!(controller.report().retries, left, "{round} {jump}");
+            }
+            // It may be driving out, and gives that up first.
+            stands(&mut controller, 4000, |_| Pose::default());
+            assert_eq!(controller.report().outcome, Outcome::Parked, "{round}");
         }
     }
 

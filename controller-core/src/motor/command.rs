@@ -114,32 +114,26 @@ impl<T: Scalar> Motor<T> {
     /// All inputs zero give exactly zero.
     #[inline]
     pub fn command(&self, demand: &WheelDemand<T>, supply_v: T) -> MotorCommand<T> {
-        self.command_from(demand, self.believed(supply_v))
+        let supply = self.believed(supply_v);
+        match self.unlimited_command(demand, supply) {
+            Some(command) => command,
+            None => self.limited_command(demand, supply),
+        }
     }
 
-    /// [`command`](Self::command) from a supply that is [`believed`](Self::believed). Nearly always neither current nor supply limits.
+    /// [`command`](Self::command) from a supply that is [`believed`](Self::believed), where neither it nor the current limits, as nearly always.
     #[inline(always)]
-    pub(super) fn command_from(
+    pub(super) fn unlimited_command(
         &self,
         demand: &WheelDemand<T>,
         (supply, supply_unknown): (T, bool),
-    ) -> MotorCommand<T> {
+    ) -> Option<MotorCommand<T>> {
         let asked = self.asked(demand);
         let voltage = self.params.resistance_ohm * asked.current + asked.back_emf;
         // What is no number is within nothing. Without a limit there is no overspeed: the back-EMF is within what both limits leave.
         let unlimited = asked.current.abs() <= self.params.max_current_a
             && voltage.abs() <= supply * self.dead_band.most();
-        if !unlimited {
-            // Number by number, in registers: what a pointer refers to would be in memory in every tick.
-            return self.limited_command(
-                demand.torque_nm,
-                demand.desired_speed_rad_s,
-                demand.speed_rad_s,
-                demand.beyond_coulomb_nm,
-                (supply, supply_unknown),
-            );
-        }
-        MotorCommand {
+        unlimited.then(|| MotorCommand {
             torque_nm: asked.torque,
             friction_nm: asked.friction,
             current_a: asked.current,
@@ -149,7 +143,7 @@ impl<T: Scalar> Motor<T> {
                 supply_unknown,
                 ..MotorLimited::default()
             },
-        }
+        })
     }
 
     /// What a demand takes without limits.
@@ -172,23 +166,16 @@ impl<T: Scalar> Motor<T> {
         }
     }
 
-    /// The command where current or supply limits it, or where it is no number. Apart, so that a tick does not carry it along.
+    /// The command where current or supply may limit it, or where it is no number; without a limit that of
+    /// [`unlimited_command`](Self::unlimited_command). Apart, so that a tick does not carry it along.
     #[cold]
     #[inline(never)]
-    fn limited_command(
+    pub(super) fn limited_command(
         &self,
-        torque_nm: T,
-        desired_speed_rad_s: T,
-        speed_rad_s: T,
-        beyond_coulomb_nm: Option<T>,
+        demand: &WheelDemand<T>,
         (supply, supply_unknown): (T, bool),
     ) -> MotorCommand<T> {
-        let asked = self.asked(&WheelDemand {
-            torque_nm,
-            desired_speed_rad_s,
-            speed_rad_s,
-            beyond_coulomb_nm,
-        });
+        let asked = self.asked(demand);
         let MotorParams {
             max_current_a,
             resistance_ohm,

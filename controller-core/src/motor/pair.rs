@@ -25,28 +25,38 @@ impl Motor<f32> {
             supply_v,
         } = observed;
         let supply = self.believed(*supply_v);
-        let command = |torque_nm, desired_speed_rad_s, speed_rad_s, beyond_coulomb_nm| {
-            let demand = WheelDemand {
-                torque_nm,
-                desired_speed_rad_s,
-                speed_rad_s,
-                beyond_coulomb_nm,
-            };
-            self.command_from(&demand, supply)
+        let right = WheelDemand {
+            torque_nm: torques.right,
+            desired_speed_rad_s: desired.right,
+            speed_rad_s: speeds.right,
+            beyond_coulomb_nm: beyond_coulomb.map(|beyond| beyond.right),
         };
+        let left = WheelDemand {
+            torque_nm: torques.left,
+            desired_speed_rad_s: desired.left,
+            speed_rad_s: speeds.left,
+            beyond_coulomb_nm: beyond_coulomb.map(|beyond| beyond.left),
+        };
+        // Where one is limited both are worked out anew, so that without limits nothing has to be kept of what was limited.
+        let unlimited = |demand| self.unlimited_command(demand, supply);
+        if let Some(right) = unlimited(&right)
+            && let Some(left) = unlimited(&left)
+        {
+            return WheelCommands { right, left };
+        }
+        self.limited_commands(&(right, left), supply)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn limited_commands(
+        &self,
+        (right, left): &(WheelDemand<f32>, WheelDemand<f32>),
+        supply: (f32, bool),
+    ) -> WheelCommands {
         WheelCommands {
-            right: command(
-                torques.right,
-                desired.right,
-                speeds.right,
-                beyond_coulomb.map(|beyond| beyond.right),
-            ),
-            left: command(
-                torques.left,
-                desired.left,
-                speeds.left,
-                beyond_coulomb.map(|beyond| beyond.left),
-            ),
+            right: self.limited_command(right, supply),
+            left: self.limited_command(left, supply),
         }
     }
 }

@@ -33,6 +33,8 @@ const BODY_SPREAD: f64 = 0.3;
 const BATTERY: (f64, f64) = (0.8, 1.0);
 /// A worn bearing in the cold, and one that ran in: factors on the file's friction.
 const FRICTION: (f64, f64) = (0.7, 1.3);
+/// Dead band of the motors' drivers: a factor on the file's. Dead times and the drops of diodes follow current and temperature.
+const DEAD_BAND: (f64, f64) = (0.7, 1.3);
 /// Lag of a driver's own speed loop: a factor on the file's, which the base makes up for. With the load a loop is quicker and slower.
 const LAG: (f64, f64) = (0.7, 1.3);
 /// Age of poses, a factor on the file's.
@@ -82,7 +84,7 @@ const LATE_HZ: f64 = 4.0;
 /// [`presets::bad_floor`] has what does not depend on the size of a base: grip, slope, tyres, wheels that
 /// are not quite as believed, glitches, supply and current noise, late ticks. Motors, battery, bearings,
 /// encoders and pose source are the base's own; drawn on top are mass and inertia (±30 %), where the slope
-/// goes down, friction (±30 %), the lag of drivers with a speed loop (±30 %), battery (80 to 100 %), the pose source's age (up to half more), of which
+/// goes down, friction (±30 %), drivers' dead bands (±30 %), the lag of drivers with a speed loop (±30 %), battery (80 to 100 %), the pose source's age (up to half more), of which
 /// one pose in twenty is lost, and which side has the larger wheel, the stronger motor and more of the weight: what they do to a base adds up
 /// or cancels. The same seed draws the same for every condition but for what it fixes.
 pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
@@ -97,6 +99,7 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
     let (battery, latency) = (draw(BATTERY), draw(LATENCY));
     let [left_larger, left_stronger, left_heavier] = [(); 3].map(|()| draw((-1.0, 1.0)) < 0.0);
     let lag = draw(LAG);
+    let dead_band = draw(DEAD_BAND);
     let bad = presets::bad_floor();
     let mut world = WorldKeys {
         motor: None,
@@ -128,15 +131,16 @@ pub fn setup(base: &BaseSpec, condition: Condition, seed: u64) -> WorldSetup {
         let own = hardware.world();
         world.motor = own.motor;
         world.speed_loop_s = lag * own.speed_loop_s;
-        if let Some(motor) = &mut world.motor
-            && motor.strength == [1.0, 1.0]
-        {
-            // Brushed motors of one lot differ by 5 to 10 %.
-            motor.strength = if left_stronger {
-                [0.97, 1.03]
-            } else {
-                [1.03, 0.97]
-            };
+        if let Some(motor) = &mut world.motor {
+            motor.dead_band *= dead_band;
+            if motor.strength == [1.0, 1.0] {
+                // Brushed motors of one lot differ by 5 to 10 %.
+                motor.strength = if left_stronger {
+                    [0.97, 1.03]
+                } else {
+                    [1.03, 0.97]
+                };
+            }
         }
         world.battery = hardware.battery;
         let share = match condition {

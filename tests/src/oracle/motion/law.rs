@@ -11,6 +11,9 @@ use super::follow::{Follower, Sample, error};
 use super::velocity::Heading;
 use super::{Pair, follow};
 
+/// How often attempts at a goal are forgotten because the pose jumped.
+const JUMPS: u8 = 3;
+
 /// What the robot is to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Task {
@@ -75,6 +78,8 @@ pub struct Law {
     parks: bool,
     latch: Latch,
     attempts: Attempts,
+    /// Jumps of the pose that attempts were forgotten for.
+    jumps: u8,
     heading: Heading,
     stalled: f64,
     observer: Observer,
@@ -116,6 +121,7 @@ impl Law {
             parks: false,
             latch: Latch::default(),
             attempts: Attempts::default(),
+            jumps: 0,
             heading: Heading::default(),
             stalled: 0.0,
             observer: Observer {
@@ -231,6 +237,7 @@ impl Law {
         if new && matches!(task, Task::Park(_)) {
             self.attempts = Attempts::default();
             self.parks = false;
+            self.jumps = 0;
             if !was_parking {
                 self.latch = Latch::default();
             }
@@ -343,6 +350,10 @@ impl Law {
             }
             Task::Park(_) => {
                 let was_parked = self.latch.parked;
+                if jumped && self.parks && !self.attempts.given_up && self.jumps < JUMPS {
+                    self.jumps += 1;
+                    self.attempts = Attempts::default();
+                }
                 let was_resting = was_parked || self.attempts.given_up;
                 let at = View {
                     e: *e,
@@ -355,6 +366,9 @@ impl Law {
                     (true, Some(_)) => self.latch.after(&k, &at, dt),
                     (true, None) => Latch::default().after(&k, &at, dt),
                 };
+                if self.latch.parked {
+                    self.jumps = 0;
+                }
                 let lost = was_parked && since.is_some() && !self.latch.parked;
                 let afresh = self.attempts.advance(&k, &at, &self.latch, lost, dt);
                 if self.latch.parked || self.attempts.given_up {
