@@ -9,11 +9,19 @@ use controller_core::types::{Pose, Twist, WheelTorques, Wrench};
 use controller_core::wheels::WheelMap;
 use sim_host::closed_loop;
 use sim_host::constants::period_us;
+use sim_host::mission::BaseSpec;
 use sim_host::scenario::BASES;
 
 /// The bases as they are shipped, but that nobody gives them poses.
 pub fn shipped() -> impl Iterator<Item = (&'static str, BaseParams)> {
-    BASES.iter().map(|built_in| {
+    with_period(period_us)
+}
+
+/// The same bases with another period \[µs\].
+pub fn with_period(
+    period_us: impl Fn(&BaseSpec) -> u32,
+) -> impl Iterator<Item = (&'static str, BaseParams)> {
+    BASES.iter().map(move |built_in| {
         let file = built_in.base().expect("in order");
         let mut params = closed_loop::params(&file, period_us(&file)).expect("in range");
         params.detectors.pose = Timeout::Off;
@@ -101,7 +109,12 @@ impl Rig {
 
     /// A tick, and what the base does in it.
     pub fn tick(&mut self, order: &Order) -> BaseReport {
-        let (robot, truth, dt) = (self.params.motion.robot, self.truth, self.dt());
+        self.tick_after(self.params.detectors.period_us, order)
+    }
+
+    /// A tick that is as late as this after the last one.
+    pub fn tick_after(&mut self, dt_us: u32, order: &Order) -> BaseReport {
+        let (robot, truth, dt) = (self.params.motion.robot, self.truth, 1e-6 * dt_us as f32);
         let per_radian = self.params.localiser.odometry.counts_per_turn / core::f32::consts::TAU;
         for i in 0..2 {
             let marks = (self.turned[i] * per_radian).floor() as i32;
@@ -115,9 +128,7 @@ impl Rig {
             heading: None,
             age_s: 0.0,
         });
-        let report = *self
-            .base
-            .tick(self.params.detectors.period_us, order, &sensed);
+        let report = *self.base.tick(dt_us, order, &sensed);
         let torques = report.action.torques().unwrap_or_default();
         let noted = WheelTorques {
             right: truth.noted * torques.right,

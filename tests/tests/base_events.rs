@@ -1,6 +1,6 @@
 //! What a base is told beside its orders, what does not fit it, and a dead encoder beside a gyro.
 
-use controller_core::base::{BaseError, BaseReport, Order};
+use controller_core::base::{BaseError, BaseReport, Order, WheelAction};
 use controller_core::error::{Field, ParamError, Problem};
 use controller_core::gyro::GyroParams;
 use controller_core::maths::Single;
@@ -8,7 +8,7 @@ use controller_core::reference::Reference;
 use controller_core::safety::supervisor::{Action, Cause, Event, State};
 use controller_core::safety::{Fault, FaultKind, Side, Timeout};
 use controller_core::types::{Accel, Pose, Twist};
-use tests::rolling::{AS_STATED, Rig, Truth, shipped};
+use tests::rolling::{AS_STATED, Rig, Truth, shipped, with_period};
 use tests::stated::{At, Stated};
 
 fn drive(v: f32, w: f32) -> Order {
@@ -68,6 +68,33 @@ fn events_are_no_orders() {
         }
     }
     assert_eq!(said, 3 * 2 * 10);
+}
+
+/// A tick of which the law takes no step is too long whatever the period: the base stops from that tick on, and is not let go in between.
+#[test]
+fn a_tick_beyond_the_laws_longest_begins_a_stop() {
+    let mut stops = 0;
+    for period_us in [10_000, 49_000, 60_000, 100_000] {
+        for (name, params) in with_period(|_| period_us) {
+            for late_us in [501_000, 700_000, 999_000, 1_000_000, 3_000_000] {
+                let mut rig = Rig::new(params, AS_STATED);
+                let order = drive(0.3 * params.motion.limits.speed, 0.0);
+                for _ in 0..rig.ticks(3.0) {
+                    assert_eq!(rig.tick(&order).state, State::Tracking);
+                }
+                let mut report = rig.tick_after(late_us, &order);
+                let said = format!("{name}, {late_us} us late of {period_us}: {report:?}");
+                assert_eq!(report.cause, Cause::Fault(Fault::TickTooLong), "{said}");
+                for _ in 0..3 {
+                    assert!(matches!(report.state, State::Stopping(_)), "{said}");
+                    assert!(matches!(report.action, WheelAction::Drive(_)), "{said}");
+                    report = rig.tick(&order);
+                }
+                stops += 1;
+            }
+        }
+    }
+    assert_eq!(stops, 4 * 3 * 5);
 }
 
 #[test]

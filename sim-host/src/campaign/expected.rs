@@ -49,7 +49,9 @@ impl Clock {
             Self::None => "–",
             Self::All => "from its beginning",
             Self::Beyond => "from its beginning, before any way, beyond twice the gate",
-            Self::Long => "from its beginning, if it lasts for 10 periods and 50 ms",
+            Self::Long => {
+                "from its beginning, if it lasts for 10 periods and 50 ms, or for more than 0.5 s"
+            }
             Self::SinceFrame => "since the last sound frame, armed or on its way",
             Self::Pushed => "commanded and pushed above `stuck`, without a break",
         }

@@ -5,7 +5,7 @@ use super::{
     SupplyDetectorParams, TickDetectorParams, Timeout, UNNOTICED, WheelDetectorParams,
 };
 use crate::motion::MotionParams;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, microseconds};
 
 /// A supply is too low below this share of its nominal voltage, and good again above the other.
 /// Lead and lithium batteries are empty at 0.8 to 0.85 and sag by a tenth under load.
@@ -42,10 +42,8 @@ impl<T: Scalar> DetectorParams<T> {
             f(0.02) / radius,
             f(3.3 / 0.25) * (T::PI + T::PI) / counts_per_turn,
         );
-        let ticks = |n: u32, least: u32| {
-            let us = period_us.saturating_mul(n);
-            Timeout::AfterUs(if us < least { least } else { us })
-        };
+        let us = |n: u32, least: u32| period_us.saturating_mul(n).max(least);
+        let ticks = |n: u32, least: u32| Timeout::AfterUs(us(n, least));
         Self {
             period_us,
             robot: motion.robot,
@@ -58,7 +56,8 @@ impl<T: Scalar> DetectorParams<T> {
                 row: 5,
                 of_64: 16,
                 // The gains of faster loops are those of ticks of 20 ms and less: what one of 5 ms can stand, its ten periods, they can.
-                long: ticks(10, 50_000),
+                // A tick of which the law takes no step is too long for any.
+                long: Timeout::AfterUs(us(10, 50_000).min(microseconds(motion.max_tick_s))),
             },
             wheels: WheelDetectorParams {
                 counts_per_turn,
