@@ -1,6 +1,7 @@
 //! Numbers in messages: of six digits at most, without those that only rounding left.
 
 use controller_core::error::{ParamError, Problem};
+use controller_core::types::FARTHEST_M;
 
 /// Behind the point of the scientific notation.
 const DECIMALS: usize = 5;
@@ -54,6 +55,13 @@ fn written(value: f64) -> String {
         size if size == 0.0 || (1.0e-4..1.0e6).contains(&size) => value.to_string(),
         _ => format!("{value:e}"),
     }
+}
+
+/// What is wrong with a place that is too far off for a base.
+pub(crate) fn far() -> String {
+    format!(
+        "is more than {FARTHEST_M} m from the origin; the whole base computes in single precision: take an origin of your own"
+    )
 }
 
 /// What the core says of a parameter, in numbers as above.

@@ -179,23 +179,30 @@ fn any_side_and_any_base() -> Result<(), Box<dyn Error>> {
 }
 
 #[test]
-fn far_from_the_origin_single_precision_parks_as_well() -> Result<(), Box<dyn Error>> {
-    let rows = (0..=40).map(|i| {
-        let s = f64::from(i) / 40.0;
-        let x = 2.0 * s * s * (3.0 - 2.0 * s);
-        format!("{},{},{},0\n", 10.0 * s, 500_000.0 + x, 5_400_000.0)
-    });
-    let text = format!("t,x,y,theta\n{}", rows.collect::<String>());
+fn two_kilometres_from_the_origin_single_precision_parks_as_well() -> Result<(), Box<dyn Error>> {
+    let line = |x_m: f64, y_m: f64| {
+        let rows = (0..=40).map(|i| {
+            let s = f64::from(i) / 40.0;
+            let x = 2.0 * s * s * (3.0 - 2.0 * s);
+            format!("{},{},{y_m},0\n", 10.0 * s, x_m + x)
+        });
+        format!("t,x,y,theta\n{}", rows.collect::<String>())
+    };
     let base = BASES[1].base()?;
-    let (mut mission, _) = FileRun::default().mission("utm", text.as_bytes(), &base)?;
+    let (mut mission, _) =
+        FileRun::default().mission("far", line(1998.0, -2000.0).as_bytes(), &base)?;
     let metrics = DriveMetrics::of(&mission, &drive(&mission)?).ok_or("no rows")?;
-    assert_parked("utm", &metrics);
-    // The law alone gets places relative to its start; a whole base is told those of its map.
+    assert_parked("far", &metrics);
+    // Farther, as in UTM metres, no file is driven, and nothing in a world.
+    let utm = line(500_000.0, 5_400_000.0);
+    let told = FileRun::default().mission("utm", utm.as_bytes(), &base);
+    let told = told.expect_err("far from the origin").to_string();
+    mission.start.pose.x = 500_000.0;
     mission.setup = Some(setup(&base, Condition::Drawn, 1));
-    let told = drive(&mission)
-        .expect_err("far from the origin")
-        .to_string();
-    assert!(told.contains("more than 2000 m from the origin"), "{told}");
+    let start = drive(&mission).expect_err("far from the origin");
+    for told in [told, start.to_string()] {
+        assert!(told.contains("more than 2000 m from the origin"), "{told}");
+    }
     Ok(())
 }
 

@@ -78,8 +78,12 @@ fn messages_name_line_field_and_reason() -> Result<(), String> {
             "line 3, sample 1, field `t`: a gap of 60.0 s",
         ),
         (
-            format!("{CSV}1,1e300,0,0\n"),
-            "line 3, sample 1, field `x`: 1e300 is not within ±1e9",
+            format!("{CSV}1,0,1e300,0\n"),
+            "line 3, sample 1, field `y`: 1e300 is more than 2000 m from the origin",
+        ),
+        (
+            CSV.replace("0,0,0,0", "0,-2000.01,0,0"),
+            "line 2, sample 0, field `x`: -2000.01 is more than 2000 m from the origin; the whole base computes in single precision: take an origin",
         ),
         (
             format!("{CSV}1.7e18,0,0,0\n"),

@@ -3,14 +3,14 @@
 use super::mirror::{Mirror, MirrorError};
 use super::{PlantHal, convert};
 use crate::mission::{BaseSpec, Mission};
-use crate::numbers::param;
+use crate::numbers::{far, param};
 use crate::world::{ActuationError, World, WorldError, WorldSetup};
 use controller_core::base::{BaseError, BaseParams, BaseReport, Order};
 use controller_core::error::ParamError;
 use controller_core::hal::Clock;
 use controller_core::queue::ReferenceConsumer;
 use controller_core::robot::Robot;
-use controller_core::types::{FARTHEST_M, Measured, Pose};
+use controller_core::types::{Measured, Pose};
 use firmware_demo::control::{ControlTask, SettingError};
 use protocol::pil::{BaseInput, BaseTicked};
 use protocol::{Command, RejectReason};
@@ -35,9 +35,7 @@ pub enum ClosedLoopError {
     #[error("{0}")]
     Actuation(ActuationError),
     /// The start is farther from the origin than a base may be told.
-    #[error(
-        "the start, ({0}, {1}), is more than {FARTHEST_M} m from the origin; the whole base computes in single precision: take an origin of your own"
-    )]
+    #[error("the start, ({0}, {1}), {too_far}", too_far = far())]
     Far(f64, f64),
     /// The base somewhere else does not answer.
     #[error("{0}")]

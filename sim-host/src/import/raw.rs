@@ -3,10 +3,9 @@
 use super::refusal::{Place, Reason, Refusal};
 use super::repair::{Fix, Repairs};
 use super::{Format, MAX_SAMPLES};
+use controller_core::types::FARTHEST_M;
 use std::f64::consts::{PI, TAU};
 
-/// Farthest coordinate taken \[m\]; beyond, double precision is worse than 1 µm.
-const MAX_COORDINATE: f64 = 1e9;
 /// Latest time taken \[s\]; beyond, it is not in seconds.
 const MAX_TIME: f64 = 1e11;
 /// Largest heading taken \[rad\].
@@ -61,10 +60,13 @@ impl Raw {
         for sample in &self.samples {
             for (field, value, limit) in [
                 ("t", sample.t, MAX_TIME),
-                ("x", sample.x, MAX_COORDINATE),
-                ("y", sample.y, MAX_COORDINATE),
+                ("x", sample.x, FARTHEST_M),
+                ("y", sample.y, FARTHEST_M),
                 ("theta", sample.theta, MAX_HEADING),
             ] {
+                if value.is_finite() && value.abs() > limit && matches!(field, "x" | "y") {
+                    return refuse(&sample.place, field, Reason::Far(value));
+                }
                 if value.is_nan() || value.abs() > limit {
                     return refuse(&sample.place, field, Reason::OutOfRange { value, limit });
                 }

@@ -1,7 +1,7 @@
 //! Why a file is not driven, and where.
 
 use super::{Closeness, Format};
-use crate::numbers::{digits, most, refused};
+use crate::numbers::{digits, far, most, refused};
 use std::fmt;
 use thiserror::Error;
 
@@ -165,6 +165,9 @@ pub enum Reason {
         /// Largest magnitude taken.
         limit: f64,
     },
+    /// A coordinate farther from the origin than a base may be told \[m\].
+    #[error("{} {}", digits(*.0), far())]
+    Far(f64),
     /// Less than two samples.
     #[error("too few samples ({0}); at least two are needed")]
     TooFewSamples(usize),
