@@ -739,6 +739,24 @@ fn coarse_encoders_noisy_poses_and_soft_drivers_are_named_as_the_likely_cause() 
     }
 }
 
+/// Of a campaign on a robot of one's own as of its verification: where a rule is broken.
+#[test]
+fn a_campaign_names_the_likely_cause_as_well() {
+    let here = directory();
+    let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let soft = format!("{base}\n[speed_driver]\nlag_s = 0.15\n");
+    for (robot, is_soft) in [(&soft, true), (&base, false)] {
+        fs::write(here.path().join("mine.toml"), robot).expect("written");
+        let run = ["faults", "mine.toml", "--runs", "150", "--seed", "1"];
+        let output = sim_host(here.path(), &run);
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(i32::from(is_soft)), "{said}");
+        let causes = said.lines().filter(|line| line.starts_with("likely "));
+        let named: Vec<_> = causes.map(|line| line.contains("lag_s = 0.15")).collect();
+        assert_eq!(named, [true].repeat(usize::from(is_soft)), "{said}");
+    }
+}
+
 /// From 7.2 mm at 20 Hz on, five times what the filter leaves is more than the 5 mm that are asked; of shipped bases nothing is.
 #[test]
 fn noise_is_a_cause_from_where_tolerance_and_noise_are_more_than_is_asked() {

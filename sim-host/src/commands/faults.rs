@@ -12,6 +12,7 @@ use sim_host::campaign::{
 };
 use sim_host::datalog::{DataLog, Source};
 use sim_host::part::{Study as _, quoted};
+use sim_host::verify::likely;
 
 /// So many violations are printed; all are in the file.
 const PRINTED: usize = 20;
@@ -71,6 +72,9 @@ pub fn report(
     let violations: Vec<_> = outcomes.iter().filter_map(violation).collect();
     for text in violations.iter().take(PRINTED) {
         say(&format!("{text}\n"))?;
+    }
+    if let (Some(robot), false) = (campaign.on.own(), violations.is_empty()) {
+        say(&likely(&robot.base))?;
     }
     if let Some(first) = outcomes.iter().find(|outcome| outcome.end.is_err()) {
         let run = first.run;

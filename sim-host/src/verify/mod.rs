@@ -14,7 +14,7 @@ pub use csv::{run_sheet, write as write_csv};
 pub use margins::{Place, StabilityMap, WEAVES};
 pub use part::VerifyStudy;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
-pub use table::{report, verdict};
+pub use table::{likely, report, verdict};
 
 use crate::advice::coarse_encoders;
 use crate::job::RobotFile;

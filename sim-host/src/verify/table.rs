@@ -33,12 +33,18 @@ pub fn report(base: &BaseSpec, verification: &Verification, seed: u64) -> String
         verdict(verification)
     );
     if !verification.holds() {
-        for cause in likely_causes(base) {
-            let _ = writeln!(text, "likely     {cause}");
-        }
+        text += &likely(base);
     }
     let _ = write!(text, "{}", StabilityMap::of(base, STARTS, seed));
     text
+}
+
+/// A line for each likely cause of failures.
+pub fn likely(base: &BaseSpec) -> String {
+    let causes = likely_causes(base).into_iter();
+    causes
+        .map(|cause| format!("likely     {cause}\n"))
+        .collect()
 }
 
 /// A row for each case. Errors, times: of the runs that parked, or of all if none did.
