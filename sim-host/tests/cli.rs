@@ -1,6 +1,8 @@
 //! The program from outside, in an empty directory.
 
 use crate::program::sim_host;
+use sim_host::advice::of_base;
+use sim_host::mission::Drivers;
 use sim_host::verify::likely_causes;
 use std::fs;
 use std::path::Path;
@@ -726,6 +728,12 @@ fn coarse_encoders_noisy_poses_and_soft_drivers_are_named_as_the_likely_cause() 
             "period_s = 0.005\n\n[speed_driver]\nlag_s = 0.06",
             "[speed_driver] lag_s = 0.06: so soft a loop breaks a wheel that 0.06 N m hold loose after 49.4 mm of its way",
         ),
+        // Of 34 of 0.75 times 10.5 mN m/A by 12 V/2.15 Ohm.
+        (
+            "dead_band = 0.03",
+            "dead_band = 0.4",
+            "motor.dead_band = 0.4 takes 0.598 N m of a motor at rest, more than limits.wheel_torque = 0.15 N m: the base hardly parks; most of so wide a dead band is friction of the gear: state that as friction.static_nm, and see `identify`",
+        ),
     ] {
         assert!(base.contains(from), "{from}");
         fs::write(here.path().join("odd.toml"), base.replacen(from, to, 1)).expect("written");
@@ -754,6 +762,38 @@ fn a_campaign_names_the_likely_cause_as_well() {
         let causes = said.lines().filter(|line| line.starts_with("likely "));
         let named: Vec<_> = causes.map(|line| line.contains("lag_s = 0.15")).collect();
         assert_eq!(named, [true].repeat(usize::from(is_soft)), "{said}");
+    }
+}
+
+/// Bases with a dead band, what holds a wheel at rest and the torque's limit \[N m\], and how many of 360 runs of `verify` each fail: it is warned of
+/// those of which more than one does.
+#[test]
+fn dead_bands_are_warned_of_that_keep_a_base_from_its_goal() {
+    for (name, dead_band, static_nm, torque_nm, failing) in [
+        ("hobby-1kg", 0.1, 0.06, 0.15, 0),
+        ("hobby-1kg", 0.15, 0.06, 0.15, 16),
+        ("hobby-1kg", 0.4, 0.06, 0.15, 193),
+        ("lab-10kg", 0.07, 0.35, 2.0, 0),
+        ("lab-10kg", 0.08, 0.35, 2.0, 3),
+        ("lab-10kg", 0.08, 0.35, 3.0, 0),
+        ("lab-10kg", 0.1, 0.6, 2.0, 6),
+        ("lab-10kg", 0.17, 0.35, 2.0, 163),
+        ("paper-30kg", 0.1, 0.75, 15.0, 0),
+        ("paper-30kg", 0.12, 0.75, 15.0, 10),
+        ("paper-30kg", 0.2, 0.75, 15.0, 155),
+    ] {
+        let built_in = sim_host::scenario::BuiltInBase::find(name).expect("built in");
+        let mut base = built_in.base().expect("valid");
+        base.limits.wheel_torque_nm = torque_nm;
+        let hardware = base.hardware.as_mut().expect("hardware");
+        let Drivers::Bridges(motor) = &mut hardware.drivers else {
+            panic!("{name} has bridges");
+        };
+        motor.dead_band = dead_band;
+        hardware.friction.static_nm = static_nm;
+        let said: Vec<_> = of_base(&base).iter().map(ToString::to_string).collect();
+        let warned = said.iter().any(|line| line.contains("motor.dead_band = "));
+        assert_eq!(warned, failing > 1, "{name} {dead_band}: {said:?}");
     }
 }
 

@@ -16,7 +16,7 @@ pub use part::VerifyStudy;
 pub use study::{Case, Run, Verification, VerifyError, runs, verify};
 pub use table::{likely, report, verdict};
 
-use crate::advice::coarse_encoders;
+use crate::advice::{coarse_encoders, wide_dead_band};
 use crate::job::RobotFile;
 use crate::mission::{BaseSpec, Drivers, Hardware};
 use crate::scenario::ScenarioError;
@@ -50,6 +50,7 @@ pub fn likely_causes(base: &BaseSpec) -> Vec<String> {
             coarse_encoders(hardware, wheels),
             noisy_poses(hardware, wheels),
             soft_drivers(hardware, base),
+            wide_dead_band(hardware, base.limits.wheel_torque_nm),
         ]
     });
     causes.into_iter().flatten().flatten().collect()
