@@ -418,3 +418,25 @@ fn every_rival_has_tuned_gains_on_every_base() {
         }
     }
 }
+
+/// A file is driven, or said not to be.
+#[test]
+fn a_file_that_no_class_drives_is_refused() {
+    let here = tempfile::tempdir().expect("a directory");
+    std::fs::write(here.path().join("empty.json"), "").expect("written");
+    for (only, told) in [
+        (
+            "parking, ideal",
+            "error: empty.json: none of the classes that `--only` leaves drives files\n",
+        ),
+        (
+            "files, ideal",
+            "error: empty.json: the file: the file is empty\n",
+        ),
+    ] {
+        let run = ["bench", "--quick", "--file", "empty.json", "--only", only];
+        let output = crate::program::sim_host(here.path(), &run);
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(String::from_utf8_lossy(&output.stderr), told);
+    }
+}

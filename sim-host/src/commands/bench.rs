@@ -7,8 +7,8 @@ use crate::bench_args::BenchArgs;
 use crate::cli::Output;
 use indicatif::ProgressBar;
 use sim_host::bench::{
-    ARRIVED, Class, DRIVEN, FILES, LawKind, Settings, TrackFile, Tuned, console, evaluations, html,
-    markdown, runs, study, summaries, tune, verdict, write_csv,
+    ARRIVED, Class, DRIVEN, FILES, LawKind, Settings, Track, TrackFile, Tuned, console,
+    evaluations, html, markdown, runs, study, summaries, tune, verdict, write_csv,
 };
 use sim_host::figure::pareto;
 use sim_host::scenario::{BASES, BuiltInBase};
@@ -34,6 +34,12 @@ pub fn bench(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError>
 
 fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
     let writer = Writer::new(output)?;
+    let classes = classes(&arguments.only)?;
+    if let Some(path) = arguments.file.first()
+        && !classes.iter().any(|class| class.track == Track::Files)
+    {
+        return Err(CommandError::FileOfNoClass(path.clone()));
+    }
     let mut owned = Vec::new();
     for path in &arguments.file {
         let bytes = fs::read(path).map_err(|cause| CommandError::Read {
@@ -49,7 +55,7 @@ fn compare(arguments: &BenchArgs, output: &Output) -> Result<(), CommandError> {
     let seed = arguments.seed.draw()?;
     let settings = Settings {
         bases: bases(&arguments.bases)?,
-        classes: classes(&arguments.only)?,
+        classes,
         files: FILES.iter().copied().chain(more).collect(),
         runs: if arguments.quick {
             QUICK

@@ -110,6 +110,8 @@ pub enum CommandError {
     },
     #[error("no class has {word} in its name; there are: {}", names.join("; "))]
     NoClass { word: String, names: Vec<String> },
+    #[error("{}: none of the classes that `--only` leaves drives files", .0.display())]
+    FileOfNoClass(PathBuf),
     #[error(transparent)]
     Verify(#[from] VerifyError),
     #[error(transparent)]
