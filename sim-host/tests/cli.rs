@@ -815,6 +815,24 @@ fn noise_is_a_cause_from_where_tolerance_and_noise_are_more_than_is_asked() {
     }
 }
 
+/// A robot that no board takes is said to be one, where constants are written for boards.
+#[test]
+fn constants_of_a_robot_with_speed_drivers_say_that_no_board_takes_them() {
+    let here = directory();
+    let base = fs::read_to_string(tests::root().join("bases/hobby-1kg.toml")).expect("a base");
+    let speeds = format!("{base}\n[speed_driver]\nlag_s = 0.02\n");
+    fs::write(here.path().join("speeds.toml"), speeds).expect("written");
+    let told = "note: 1 kg hobby base: no board of boards/ takes a robot with [speed_driver]: they have PWM outputs for motors only\n";
+    for (arguments, told) in [
+        (&["constants", "speeds.toml"][..], told),
+        (&["constants", "speeds.toml", "--c"], ""),
+    ] {
+        let output = sim_host(here.path(), arguments);
+        assert!(output.status.success());
+        assert_eq!(text(&output.stderr), told);
+    }
+}
+
 /// `docs/your-robot.md` has the beginning of what `constants` writes.
 #[test]
 fn the_page_shows_the_constants() {
