@@ -180,6 +180,29 @@ fn sample(ms: u16) -> Command {
     Command::Sample(TimedSample { t, reference })
 }
 
+/// A sample that no base can follow is refused on the line, and the trajectory goes on without it; in the tick it would be a fault.
+#[test]
+fn a_sample_that_no_base_follows_is_refused_by_name() {
+    let mut rig = Rig::reached(State::Armed);
+    let wrong: [fn(&mut WireReference); 5] = [
+        |reference| reference.pose.y = 1.0e30,
+        |reference| reference.twist.v = -1.0e30,
+        |reference| reference.twist.w = 1.0e30,
+        |reference| reference.accel.v = 1.0e30,
+        |reference| reference.accel.w = -1.0e30,
+    ];
+    for set in wrong {
+        let mut reference = WireReference::default();
+        set(&mut reference);
+        // Later than those that are taken below.
+        let wrong = Command::Sample(TimedSample { t: 9.0, reference });
+        assert_eq!(refusal(rig.say(&wrong)), Some(RejectReason::Value));
+    }
+    for ms in [0, 20] {
+        assert_eq!(refusal(rig.say(&sample(ms))), None);
+    }
+}
+
 /// The finding: the queue holds seven commands, and the stop was the ninth.
 #[test]
 fn a_full_queue_refuses_no_stop() {

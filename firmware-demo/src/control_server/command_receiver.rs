@@ -2,7 +2,9 @@
 
 use core::sync::atomic::Ordering;
 
-use controller_core::queue::{PushError, ReferenceProducer};
+use controller_core::motion::{check_goal, check_order};
+use controller_core::queue::{PushError, ReferenceProducer, TimedReference};
+use controller_core::reference::Reference;
 
 use super::{Answer, PERIODIC, Periodic, REPORTS, REQUESTS, Request, Shared, outcome};
 use crate::queue::{Receiver, Sender};
@@ -122,16 +124,30 @@ impl<'queue> CommandReceiver<'queue> {
         if state & 1 == 0 {
             return Err(RejectReason::State);
         }
+        let sample: TimedReference<f32> = sample.into();
+        if !is_one(&sample.reference) {
+            return Err(RejectReason::Value);
+        }
         // The first one after the robot came to accept samples begins a trajectory, at whatever time.
         if self.trajectory != state {
             self.samples.restart();
             self.trajectory = state;
         }
-        self.samples
-            .push(sample.into())
-            .map_err(|error| match error {
-                PushError::Full => RejectReason::Full,
-                _ => RejectReason::Value,
-            })
+        self.samples.push(sample).map_err(|error| match error {
+            PushError::Full => RejectReason::Full,
+            _ => RejectReason::Value,
+        })
     }
+}
+
+/// Largest accelerations of a sample \[m/s², rad/s²\]: as of [`Limits`](controller_core::motion::Limits).
+const LARGEST: (f32, f32) = (1.0e3, 1.0e4);
+
+/// Beyond these a sample is a mistake in the unit or in the sender; in the tick it would be a fault.
+fn is_one(reference: &Reference<f32>) -> bool {
+    let accel = reference.accel();
+    check_goal(reference.pose()).is_ok()
+        && check_order(reference.twist()).is_ok()
+        && accel.linear.abs() <= LARGEST.0
+        && accel.angular.abs() <= LARGEST.1
 }
