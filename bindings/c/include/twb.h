@@ -279,9 +279,10 @@ int32_t twb_reset(twb_base *base);
 int32_t twb_emergency_stop(twb_base *base, uint32_t brake, twb_action *action);
 
 /* One tick, dt_us after the last one that answered TWB_OK, as measured: of another time than was, speeds are wrong. From 1.5
- * periods on it is late, too often TWB_FAULT_TICK_JITTER; from 10 periods and 50 ms on it is TWB_FAULT_TICK_TOO_LONG, a latched
- * stop, beyond 0.5 s without torques. 0 is TWB_FAULT_STEP_REFUSED, a latched brake, but in the first tick. Orders are the host's
- * sign of life: see twb_watch_host. After an error *action is not of this tick: release the wheels. */
+ * periods on it is late, too often TWB_FAULT_TICK_JITTER; from 10 periods on, at least 50 ms and at most 0.5 s, it is
+ * TWB_FAULT_TICK_TOO_LONG, a latched controlled stop, which goes on with torques along its plan. More than 0.5 s are taken for
+ * 0.5 s. 0 is TWB_FAULT_STEP_REFUSED, a latched brake, but in the first tick. Orders are the host's sign of life: see
+ * twb_watch_host. After an error *action is not of this tick: release the wheels. */
 int32_t twb_tick(twb_base *base, uint32_t dt_us, const twb_order *order, const twb_sensed *sensed, twb_action *action);
 
 /* What the wheels really exert until the next tick, N m at the wheel and positive forward as action.torque, where the driver could

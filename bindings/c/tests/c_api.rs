@@ -312,6 +312,22 @@ fn an_emergency_stop_from_an_interrupt_is_obeyed_by_the_tick_that_it_interrupts(
     }
 }
 
+/// As `twb_tick` says in the header.
+#[test]
+fn a_tick_that_comes_too_late_is_a_latched_stop_with_torques() {
+    let program = program("late", "gcc", "-std=c99", &["late.c"]);
+    let output = succeed(&mut Command::new(program));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let stop = "stopping for a fault, tick_too_long, driven, 6.667 rad/s";
+    let lines: Vec<_> = text.lines().collect();
+    // A pose is missing then, as ever.
+    assert_eq!(lines[0], "90000 stopping, pose_stale, driven, 6.667 rad/s");
+    assert_eq!(
+        lines[1..],
+        [100_000, 500_000, 600_000, 2_000_000].map(|us| format!("{us} {stop}"))
+    );
+}
+
 #[test]
 fn the_class_parks_a_base() {
     let program = program("park", "g++", "-std=c++17", &["park.cpp"]);
@@ -465,6 +481,32 @@ fn archives_are_as_large_as_stated() {
         }
     }
     assert_eq!(cores, CORES.len());
+}
+
+/// Whoever asks the builder what it takes is told; and so is who asks for what there is not.
+#[test]
+fn the_builder_says_what_it_takes() {
+    for (argument, code, told) in [
+        (
+            "--help",
+            0,
+            "usage: archives [--opt LEVEL] [--out FOLDER] [CORE]...",
+        ),
+        ("--help", 0, "rv32imafc, portable"),
+        ("--cores", 1, "no option --cores: see --help"),
+        ("z80", 1, "no core z80: there are host, cortex-m0plus, "),
+    ] {
+        let mut builder = Command::new(env!("CARGO_BIN_EXE_archives"));
+        let output = builder.arg(argument).output().expect("it runs");
+        let said = if code == 0 {
+            &output.stdout
+        } else {
+            &output.stderr
+        };
+        let said = String::from_utf8_lossy(said);
+        assert_eq!(output.status.code(), Some(code));
+        assert!(said.contains(told), "{said}");
+    }
 }
 
 /// Xtensa is what the portable C is for; the compiler of the ESP8266 has neither floats nor divisions in its library.

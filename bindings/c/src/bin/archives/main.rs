@@ -105,14 +105,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         match argument.as_str() {
             "--opt" => opt = value()?,
             "--out" => out = PathBuf::from(value()?),
+            "-h" | "--help" => {
+                println!("{}", usage());
+                return Ok(());
+            }
+            _ if argument.starts_with('-') => {
+                return Err(format!("no option {argument}: see --help").into());
+            }
             _ => names.push(argument),
         }
     }
     for name in &names {
         if !CORES.iter().any(|core| core.name == name) && name != portable::NAME {
-            let cores = CORES.iter().map(|core| core.name);
-            let known: Vec<&str> = cores.chain([portable::NAME]).collect();
-            return Err(format!("no core {name}: there are {}", known.join(", ")).into());
+            return Err(format!("no core {name}: there are {}", known()).into());
         }
     }
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -145,6 +150,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
+}
+
+/// All that can be built.
+fn known() -> String {
+    let cores = CORES.iter().map(|core| core.name);
+    cores.chain([portable::NAME]).collect::<Vec<_>>().join(", ")
+}
+
+fn usage() -> String {
+    format!(
+        "usage: archives [--opt LEVEL] [--out FOLDER] [CORE]...\nbuilds libtwb.a, into target/twb, for optimisation level 3, for all cores: {}",
+        known()
+    )
 }
 
 fn root() -> PathBuf {
