@@ -477,7 +477,7 @@ fn archives_are_as_large_as_stated() {
             ("flash, opt-level 3 \\[B\\]", flash),
             ("archive \\[B\\]", size),
         ] {
-            page.about(At::Cell("Cost", &core, column), &[bytes]);
+            page.exactly(At::Cell("Cost", &core, column), &[bytes]);
         }
     }
     assert_eq!(cores, CORES.len());
