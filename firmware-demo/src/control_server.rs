@@ -62,6 +62,9 @@ pub const PERIODIC: usize = 4;
 /// Slots for telemetry under way to the line.
 pub const REPORTS: usize = 16;
 
+/// A base that stands, and so does not report, says its state again after so long \[µs\].
+const STATE_US: u32 = 1_000_000;
+
 /// A command, and its place among all that is on its way to the tick.
 struct Request<M = Command> {
     number: u32,
@@ -221,6 +224,8 @@ pub struct ControlServer<'queue, D, M = NoMemory> {
     heartbeats: u32,
     stops: Seen,
     changes: u32,
+    /// When the state was told last.
+    told_us: u32,
     /// The state word of the trajectory under way.
     word: u32,
     recorder: Recorder,
@@ -261,6 +266,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             heartbeats: 0,
             stops: Seen::default(),
             changes: 0,
+            told_us: 0,
             word: 0,
             recorder: Recorder::default(),
         }
@@ -309,7 +315,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
         }
         self.task.tick(now_us, sensed);
         self.record(now_us, sensed);
-        self.publish();
+        self.publish(now_us);
     }
 
     /// A row of this tick, if the base drives for a recording. One that cannot be sent ends the drive.
@@ -332,12 +338,7 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
             output: task.drive().output(),
             max_torque_nm: task.drive().max_torque_nm(),
         };
-        let recorded = recorder.tick(&tick, |message| {
-            ends.telemetry.push(Frame {
-                sequence: UNASKED,
-                message,
-            })
-        });
+        let recorded = recorder.tick(&tick, |message| ends.telemetry.push(unasked(message)));
         if let Err(end) = recorded {
             task.end_excitation(end);
         }
@@ -390,29 +391,25 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
 
     fn tell_state(&mut self) {
         let task = &self.task;
-        let message = Telemetry::State {
+        let told = self.ends.telemetry.push(unasked(Telemetry::State {
             tick: task.ticks(),
             state: task.state(),
             cause: task.cause(),
-        };
-        if self.ends.telemetry.push(Frame {
-            sequence: UNASKED,
-            message,
-        }) {
+        }));
+        if told {
             self.changes = task.changes();
         }
     }
 
-    fn publish(&mut self) {
+    fn publish(&mut self, now_us: u32) {
+        // One that does not report is silent to a host that has come since its last change.
+        let again = now_us.wrapping_sub(self.told_us) >= STATE_US && !self.task.state().is_live();
         // Where there is no room the next tick tries again: what the base does now is the last thing to keep from a host.
-        if self.task.changes() != self.changes {
+        if self.task.changes() != self.changes || again {
             self.tell_state();
+            self.told_us = now_us;
         }
         let Self { task, ends, .. } = self;
-        let unasked = |message| Frame {
-            sequence: UNASKED,
-            message,
-        };
         if self.reported != Some(self.origin)
             && ends.telemetry.push(unasked(Telemetry::Origin(self.origin)))
         {
@@ -438,6 +435,13 @@ impl<'queue, D: DriveOutput, M: Memory> ControlServer<'queue, D, M> {
         shared
             .dropped
             .store(ends.telemetry.dropped(), Ordering::Relaxed);
+    }
+}
+
+const fn unasked(message: Telemetry) -> Answer {
+    Frame {
+        sequence: UNASKED,
+        message,
     }
 }
 

@@ -341,6 +341,26 @@ fn a_full_line_to_the_host_stops_no_stop() {
     }
 }
 
+/// Whoever begins to listen then has no other word of it.
+#[test]
+fn a_base_that_stands_says_its_state_once_a_second() {
+    for state in [State::Idle, State::Stopped, State::Fault] {
+        let mut rig = Rig::reached(state);
+        rig.tick();
+        while rig.receiver.pending().is_some() {}
+        let mut told = Vec::new();
+        for _ in 0..3000 {
+            rig.tick();
+            told.extend(core::iter::from_fn(|| rig.receiver.pending()));
+        }
+        assert_eq!(told.len(), 3, "{state:?}: {told:?}");
+        for Frame { sequence, message } in told {
+            let says = matches!(message, Telemetry::State { state: said, .. } if said == state);
+            assert!(sequence == UNASKED && says, "{state:?}: {message:?}");
+        }
+    }
+}
+
 /// A delimiter before the stop ends what damage has left, of any kind.
 #[test]
 fn a_damaged_line_takes_a_stop_behind_a_delimiter() {

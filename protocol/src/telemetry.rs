@@ -120,11 +120,12 @@ pub enum Telemetry {
     Origin(Origin),
     /// Answer to the request for parameters.
     Parameters(FieldParams),
-    /// The supervisor changed its state, or a command was refused for it: then before the refusal.
+    /// The supervisor changed its state, or a command was refused for it: then before the refusal. Once a second while the base
+    /// sends no ticks.
     State {
         /// Ticks since power-on; wraps around.
         tick: u32,
-        /// Its new state.
+        /// Its state.
         state: State,
         /// Why.
         cause: Cause,

@@ -258,18 +258,17 @@ fn drive(
 /// Stops the base, and waits until it says so, for [`REST`] at most.
 fn stop(line: &mut impl Line, monitor: &mut Monitor) -> Result<(), BenchError> {
     let mut waited = Duration::ZERO;
-    loop {
+    while waited < REST {
+        // First of all, for what it said last may be older than what it does.
+        line.send(&Command::Stop)?;
+        pass(line, monitor, ORDER_PERIOD)?;
         let over = |(state, _): (State, Cause)| !state.is_live();
         if monitor.latest().state.is_some_and(over) {
             return Ok(());
         }
-        if waited >= REST {
-            return Err(BenchError::NotStopped);
-        }
-        line.send(&Command::Stop)?;
-        pass(line, monitor, ORDER_PERIOD)?;
         waited += ORDER_PERIOD;
     }
+    Err(BenchError::NotStopped)
 }
 
 fn pass(line: &mut impl Line, monitor: &mut Monitor, time: Duration) -> Result<(), BenchError> {
