@@ -211,6 +211,17 @@ fn a_terminal_is_raw_and_tells_silence_from_the_end() {
     assert_eq!(end, Received::End);
 }
 
+/// Two would take each other's bytes.
+#[test]
+fn a_port_belongs_to_one_program() {
+    let (_board, path) = terminal();
+    let port = Port::open(&path, 115_200).expect("opens");
+    let refused = Port::open(&path, 115_200).expect_err("taken").to_string();
+    assert!(refused.contains("in use by another program"), "{refused}");
+    drop(port);
+    Port::open(&path, 115_200).expect("opens again");
+}
+
 fn monitor(directory: &Path, arguments: &[&str]) -> Command {
     let mut command = program();
     command

@@ -3,7 +3,7 @@
 use super::MonitorError;
 use protocol::{Command, MAX_FRAME, encode};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::OFlags;
+use rustix::fs::{FlockOperation, OFlags, flock};
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
@@ -137,6 +137,13 @@ fn serial(path: &Path, baud: u32) -> io::Result<File> {
         .open(path)?;
     let mut settings = tcgetattr(&file)
         .map_err(|_| io::Error::other("neither a serial port nor a Unix socket"))?;
+    // Two would take each other's bytes. Not TIOCEXCL: it does not keep root out, and stays with a pseudo-terminal whose user was killed.
+    flock(&file, FlockOperation::NonBlockingLockExclusive).map_err(|error| match error {
+        rustix::io::Errno::WOULDBLOCK => {
+            io::Error::other("in use by another program: end that one first")
+        }
+        error => error.into(),
+    })?;
     settings.make_raw();
     settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD | ControlModes::CS8;
     settings.control_modes -= ControlModes::CRTSCTS | ControlModes::CSTOPB | ControlModes::PARENB;
