@@ -449,6 +449,36 @@ fn what_one_client_does_or_leaves_keeps_no_other_waiting() {
     }
 }
 
+/// Those who hold all places say as little as a browser that listens: the oldest of them gives way.
+#[test]
+fn clients_that_hold_every_place_keep_no_later_one_out() {
+    let server = BoardServer::start(0, b"page").expect("a server");
+    let address = server.address();
+    let mut held: Vec<_> = (0..256).map(|_| client(address, EVENTS)).collect();
+    while server.listeners() < held.len() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let mut answer = String::new();
+    let mut other = client(address, PAGE);
+    other.read_to_string(&mut answer).expect("answered");
+    assert!(answer.ends_with("page"), "{answer}");
+    let mut oldest = String::new();
+    held[0].read_to_string(&mut oldest).expect("ended");
+    let mut listener = client(address, EVENTS);
+    let mut events = String::new();
+    while !events.contains("data: AA==\n\n") {
+        server.send(&[0]);
+        let mut piece = [0; 256];
+        let count = listener.read(&mut piece).expect("an event");
+        assert!(count > 0, "{events}");
+        events += std::str::from_utf8(&piece[..count]).expect("text");
+    }
+    // Nobody else had to.
+    let mut last = [0; 256];
+    assert!(held[255].read(&mut last).expect("listens") > 0);
+    assert!(server.listeners() >= 255, "{}", server.listeners());
+}
+
 /// It gets neither all that it has not read, nor a place among those that listen.
 #[test]
 fn a_listener_that_reads_nothing_is_let_go() {

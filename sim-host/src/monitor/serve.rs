@@ -6,6 +6,7 @@
 //! asked for. So nothing that a client does or leaves keeps another one waiting.
 
 use super::MonitorError;
+use std::collections::VecDeque;
 use std::io::{self, BufRead as _, BufReader, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -21,7 +22,7 @@ const QUIET: Duration = Duration::from_secs(5);
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Longest head of a request \[bytes\].
 const HEAD: u64 = 1 << 14;
-/// Connections at once, listeners among them; a further one is closed at once.
+/// Connections at once, listeners among them; for a further one the oldest gives way.
 const CONNECTIONS: usize = 256;
 /// Where the system takes no connection, it is asked again after so long.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -62,22 +63,31 @@ impl BoardServer {
         // Weak, since this thread does not end.
         let (joining, writer) = (Arc::clone(&listeners), Arc::downgrade(&telling));
         thread::spawn(move || {
-            let open = Arc::new(());
+            // Of those that are answered, the oldest first.
+            let mut open = VecDeque::<Weak<TcpStream>>::new();
             loop {
                 let Ok((line, _)) = server.accept() else {
                     thread::sleep(PAUSE);
                     continue;
                 };
-                if Arc::strong_count(&open) > CONNECTIONS {
+                open.retain(|line| line.strong_count() > 0);
+                // Those that gave way need their time to end.
+                if open.len() >= 2 * CONNECTIONS {
                     continue;
                 }
+                let most = open.len().saturating_sub(CONNECTIONS - 1);
+                for old in open.iter().take(most).filter_map(Weak::upgrade) {
+                    // One that has gone by itself is no error.
+                    let _ = old.shutdown(Shutdown::Both);
+                }
+                let line = Arc::new(line);
+                open.push_back(Arc::downgrade(&line));
                 let (page, joining) = (Arc::clone(&page), Arc::clone(&joining));
-                let (writer, held) = (writer.clone(), Arc::clone(&open));
+                let writer = writer.clone();
                 // Without a thread for it, it is closed as well.
                 let _ = thread::Builder::new().spawn(move || {
                     // A client that has gone, or is not waited for any longer, is no error.
                     let _ = answer(line, &page, &joining, &writer);
-                    drop(held);
                 });
             }
         });
@@ -129,7 +139,7 @@ impl BoardServer {
 }
 
 /// A connection until an instant, after which reading and writing fail.
-struct Until(TcpStream, Instant);
+struct Until(Arc<TcpStream>, Instant);
 
 impl Until {
     /// Zero, which is no timeout, fails as well.
@@ -141,24 +151,24 @@ impl Until {
 impl Read for Until {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         self.0.set_read_timeout(self.left())?;
-        self.0.read(bytes)
+        (&*self.0).read(bytes)
     }
 }
 
 impl Write for Until {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.set_write_timeout(self.left())?;
-        self.0.write(bytes)
+        (&*self.0).write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.0.flush()
+        (&*self.0).flush()
     }
 }
 
 /// Answers the first request of a connection, and ends it.
 fn answer(
-    line: TcpStream,
+    line: Arc<TcpStream>,
     page: &[u8],
     listeners: &Listeners,
     telling: &Weak<()>,
