@@ -1,7 +1,7 @@
 //! `monitor`.
 
 use super::error::CommandError;
-use super::say;
+use super::{say, write};
 use crate::cli::MonitorArgs;
 use protocol::Command;
 use sim_host::datalog::{DataLog, DataLogError, Sample, Source};
@@ -21,6 +21,11 @@ const PATIENCE: Duration = Duration::from_millis(50);
 
 pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
     let mut port = Port::open(&arguments.port, arguments.baud)?;
+    for path in arguments.csv.iter().chain(&arguments.log.log) {
+        write::check(path)?;
+    }
+    let server = serve(arguments)?;
+    // Last, for it empties what was there.
     let mut logs = Logs {
         csv: match &arguments.csv {
             Some(path) => Some((open_log(path)?, path)),
@@ -28,7 +33,6 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         },
         log: begin(arguments)?,
     };
-    let server = serve(arguments)?;
     let terminal = stdout().is_terminal();
     let redraw = if terminal { REDRAW.0 } else { REDRAW.1 };
     let limit = arguments.seconds.map(|seconds| seconds.max(0.0));

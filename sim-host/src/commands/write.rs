@@ -8,7 +8,7 @@ use sim_host::figure::{Drawing, Labelled, five_panels};
 use sim_host::record;
 use sim_host::trace::Trace;
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -79,6 +79,26 @@ impl<'a> Writer<'a> {
         let text = record::text(records).map_err(|error| failed(&path, &error))?;
         fs::write(&path, text).map_err(|error| failed(&path, &error))
     }
+}
+
+/// Whether a file can be written later, which stays as it is: for those who would move a robot or end a file before they find out.
+pub fn check(path: &Path) -> Result<(), CommandError> {
+    // Its own argument names it once.
+    if named(path) > 1 {
+        return Err(CommandError::OverInput(path.to_owned()));
+    }
+    let is_new = path.symlink_metadata().is_err();
+    // A pipe is for one writer.
+    if path.exists() && !path.is_file() && !path.is_dir() {
+        return Ok(());
+    }
+    let mut open = OpenOptions::new();
+    let opened = open.append(true).create(true).open(path).map(drop);
+    let tried = opened.and_then(|()| match is_new {
+        true => fs::remove_file(path),
+        false => Ok(()),
+    });
+    tried.map_err(|error| failed(path, &error))
 }
 
 /// How many arguments of the command are this file, or a part of it, as `BAG:TOPIC` is.
