@@ -264,16 +264,20 @@ fn the_program_logs_a_terminal_until_it_is_unplugged() {
     };
     assert_eq!(asked, Ask::GetCounters);
     board.write_all(&script()).expect("written");
-    let log = here.path().join("bench.csv");
-    let until = Instant::now() + Duration::from_secs(20);
-    while std::fs::read_to_string(&log).map_or(0, |text| text.lines().count()) < 4 {
-        assert!(Instant::now() < until, "no rows");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    wait_for_rows(&here.path().join("bench.csv"));
     drop(board);
     let output = child.wait_with_output().expect("ends");
     let shown = ended(&output);
     assert!(shown.contains("3 reports, 6 good frames, 2 bad"), "{shown}");
+}
+
+/// Those of the script, and the header.
+fn wait_for_rows(csv: &Path) {
+    let until = Instant::now() + Duration::from_secs(20);
+    while std::fs::read_to_string(csv).map_or(0, |text| text.lines().count()) < 4 {
+        assert!(Instant::now() < until, "no rows");
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// What a program has printed whose line ended though nobody asked it to: it says so, and with another code than one that was asked.
@@ -340,6 +344,68 @@ fn logs_of_a_board_have_every_report() {
         .output()
         .expect("runs");
     assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+fn ctrl_c_finishes_the_files() {
+    let here = tempfile::tempdir().expect("a directory");
+    let listener = UnixListener::bind(here.path().join("uart")).expect("bound");
+    let arguments = ["uart", "--csv", "board.csv", "--log", "board.mcap"];
+    let child = monitor(here.path(), &arguments).spawn().expect("runs");
+    let (mut board, _) = listener.accept().expect("connected");
+    board.write_all(&script()).expect("written");
+    wait_for_rows(&here.path().join("board.csv"));
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.expect("kill runs").success());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let shown = String::from_utf8_lossy(&output.stdout);
+    assert!(shown.contains("3 reports, 6 good frames"), "{shown}");
+    let bag = std::fs::read(here.path().join("board.mcap")).expect("written");
+    assert_eq!(Messages::read(&bag).expect("a bag").cut, None);
+}
+
+#[test]
+fn one_that_cannot_begin_leaves_files_as_they_are() {
+    let here = tempfile::tempdir().expect("a directory");
+    let (_board, path) = terminal();
+    let path = path.to_str().expect("UTF-8");
+    let files = ["old.csv", "old.mcap"].map(|name| here.path().join(name));
+    for file in &files {
+        std::fs::write(file, "mine").expect("written");
+    }
+    let logs = ["--csv", "old.csv", "--log", "old.mcap"];
+    for (arguments, word) in [
+        (
+            [&logs[..], &["--serve", "0", "--page", "no.html"]].concat(),
+            "no.html",
+        ),
+        (
+            vec!["--csv", "old.csv", "--log", "no/such.mcap"],
+            "no/such.mcap",
+        ),
+        (
+            vec!["--csv", "new.csv", "--log", "no/such.mcap"],
+            "no/such.mcap",
+        ),
+    ] {
+        let output = monitor(here.path(), &[&[path], &arguments[..]].concat())
+            .output()
+            .expect("runs");
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(word), "{said}");
+        for file in &files {
+            assert_eq!(
+                std::fs::read(file).expect("there"),
+                b"mine",
+                "{arguments:?}"
+            );
+        }
+        assert!(!here.path().join("new.csv").exists());
+    }
 }
 
 /// What is served beyond that is tested in browsers, with the page.

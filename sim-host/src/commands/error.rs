@@ -146,6 +146,8 @@ pub enum CommandError {
     },
     #[error("--topic: {0}")]
     Topic(String),
+    #[error("Ctrl-C cannot be caught: {0}")]
+    Signals(std::io::Error),
     #[error("cannot print: {0}")]
     Print(std::io::Error),
     #[error("the run has no ticks")]

@@ -4,17 +4,21 @@ use super::error::CommandError;
 use super::{say, write};
 use crate::cli::MonitorArgs;
 use protocol::Command;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use sim_host::datalog::{DataLog, DataLogError, Sample, Source};
 use sim_host::monitor::{BoardServer, Log, Monitor, MonitorError, Port, Received, report_fields};
 use std::fs::File;
-use std::io::{IsTerminal as _, stdout};
+use std::io::{self, IsTerminal as _, Write as _, stdout};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// How often a terminal sees new numbers, and everything else a new line.
 const REDRAW: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(1));
 const POLL: Duration = Duration::from_secs(1);
-/// What Ctrl-C, the usual end of a monitor, may cost a log. Shorter chunks are larger in sum.
+/// What a program that is killed may cost a log. Shorter chunks are larger in sum.
 const CHUNK: Duration = Duration::from_secs(1);
 /// Longest wait for bytes before the display and the end are looked at.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -33,6 +37,7 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
         },
         log: begin(arguments)?,
     };
+    let interrupted = interrupts().map_err(CommandError::Signals)?;
     let terminal = stdout().is_terminal();
     let redraw = if terminal { REDRAW.0 } else { REDRAW.1 };
     let limit = arguments.seconds.map(|seconds| seconds.max(0.0));
@@ -58,7 +63,7 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
             next_chunk = now + CHUNK;
         }
         let time_s = now.duration_since(start).as_secs_f64();
-        if limit.is_some_and(|limit| time_s >= limit) {
+        if limit.is_some_and(|limit| time_s >= limit) || interrupted.load(Ordering::Relaxed) {
             break true;
         }
         match port.receive(&mut buffer, PATIENCE)? {
@@ -94,6 +99,17 @@ pub fn listen(arguments: &MonitorArgs) -> Result<(), CommandError> {
     } else {
         Err(MonitorError::Ended(arguments.port.clone()).into())
     }
+}
+
+/// Set by Ctrl-C, the usual end of a monitor, so that its files are finished; the second one ends it at once.
+fn interrupts() -> io::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // In this order, for the first one is to set what the second one finds.
+        flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&interrupted))?;
+        flag::register(signal, Arc::clone(&interrupted))?;
+    }
+    Ok(interrupted)
 }
 
 /// The server that is asked for, and where it is.
@@ -136,7 +152,7 @@ fn take(
     });
     logged?;
     if let Some((log, path)) = &mut logs.csv {
-        // At once: the usual end of a monitor is Ctrl-C.
+        // At once, for those who read it meanwhile.
         written
             .and_then(|()| log.flush())
             .map_err(|error| failed(path, &error))?;
@@ -149,7 +165,7 @@ fn show(monitor: &Monitor, terminal: bool) -> Result<(), CommandError> {
     if terminal {
         // Over the line before, and what is left of it erased.
         say(&format!("\r{line}\u{1b}[K"))?;
-        std::io::Write::flush(&mut stdout()).map_err(CommandError::Print)
+        stdout().flush().map_err(CommandError::Print)
     } else {
         say(&format!("{line}\n"))
     }
