@@ -3,7 +3,7 @@
 use super::drive::base;
 use super::error::CommandError;
 use super::identify_live as live;
-use super::write::Writer;
+use super::write::{self, Writer};
 use super::{advise, say};
 use crate::cli::{IdentifyArgs, Output};
 use serde::Serialize;
@@ -13,6 +13,7 @@ use sim_host::identify::profile::{self, Updated};
 use sim_host::identify::{Identified, Known, Log, LogError, Options, Topics, identify, report};
 use sim_host::mission::BaseSpec;
 use sim_host::ros::read::{Messages, is_bag};
+use std::error::Error;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -70,11 +71,10 @@ fn of_one(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), 
     for text in &arguments.known {
         known.state(text)?;
     }
-    // A file that is not there is begun.
-    let profile = arguments.profile.as_ref();
-    let profile = profile.map_or_else(String::new, |path| {
-        fs::read_to_string(path).unwrap_or_default()
-    });
+    let profile = match &arguments.profile {
+        Some(path) => before(path)?,
+        None => String::new(),
+    };
     known.current_limit_a = known
         .current_limit_a
         .or_else(|| profile::current_limit_a(&profile));
@@ -85,9 +85,15 @@ fn of_one(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), 
         path: path.to_owned(),
         cause,
     };
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let result = format!("{name}-identify");
     let bytes = if arguments.live.port.is_some() {
         // Before anything moves for nothing.
         counts_per_turn.ok_or_else(|| failed(LogError::CountsPerTurn))?;
+        for path in arguments.live.record.iter().chain(&arguments.profile) {
+            write::check(path)?;
+        }
+        Writer::new(output)?.check_json(&result)?;
         live::drive(path, &arguments.live, arguments.seed.draw()? as u32)?
     } else {
         fs::read(path).map_err(|cause| read(path, cause))?
@@ -107,8 +113,7 @@ fn of_one(path: &Path, arguments: &IdentifyArgs, output: &Output) -> Result<(), 
         cause,
     })?;
     say(&report::text(&found))?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    Writer::new(output)?.json(&format!("{name}-identify"), &[&found])?;
+    Writer::new(output)?.json(&result, &[&found])?;
     match &arguments.profile {
         Some(path) => update(path, &found, options.known.gear),
         None => Ok(()),
@@ -143,17 +148,10 @@ fn of_bag(
 
 /// Updates a base's file, or begins one; prints what stands there now and what is odd about it.
 fn update(path: &Path, found: &Identified, gear: Option<f64>) -> Result<(), CommandError> {
-    let before = match fs::read_to_string(path) {
-        Err(cause) if cause.kind() == ErrorKind::NotFound => String::new(),
-        text => text.map_err(|cause| read(path, cause))?,
-    };
-    let written = |cause: String| CommandError::Write {
-        path: path.to_owned(),
-        cause,
-    };
+    let written = |cause: &dyn Error| written(path, cause);
     let Updated { text, notes } =
-        profile::update(&before, found, gear).map_err(|error| written(error.to_string()))?;
-    fs::write(path, &text).map_err(|error| written(error.to_string()))?;
+        profile::update(&before(path)?, found, gear).map_err(|error| written(&error))?;
+    fs::write(path, &text).map_err(|error| written(&error))?;
     say(&text)?;
     for note in notes {
         say(&format!("note: {note}\n"))?;
@@ -165,6 +163,23 @@ fn update(path: &Path, found: &Identified, gear: Option<f64>) -> Result<(), Comm
             Ok(())
         }
         Err(error) => say(&format!("note: this is not a whole base yet: {error}\n")),
+    }
+}
+
+/// A base's file as it is, one that can be updated; one that is not there is begun.
+fn before(path: &Path) -> Result<String, CommandError> {
+    let text = match fs::read_to_string(path) {
+        Err(cause) if cause.kind() == ErrorKind::NotFound => String::new(),
+        text => text.map_err(|cause| read(path, cause))?,
+    };
+    profile::check(&text).map_err(|error| written(path, &error))?;
+    Ok(text)
+}
+
+fn written(path: &Path, cause: &dyn Error) -> CommandError {
+    CommandError::Write {
+        path: path.to_owned(),
+        cause: cause.to_string(),
     }
 }
 

@@ -74,6 +74,11 @@ impl<'a> Writer<'a> {
         fs::write(&path, bytes).map_err(|error| failed(&path, &error))
     }
 
+    /// Before there are any records.
+    pub fn check_json(&self, name: &str) -> Result<(), CommandError> {
+        check(&self.place(&format!("{name}.json"))?)
+    }
+
     pub fn json(&self, name: &str, records: &[impl Serialize]) -> Result<(), CommandError> {
         let path = self.place(&format!("{name}.json"))?;
         let text = record::text(records).map_err(|error| failed(&path, &error))?;

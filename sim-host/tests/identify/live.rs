@@ -640,6 +640,19 @@ fn the_program_identifies_a_base_over_a_socket() {
     }
 }
 
+/// What the program says that refuses this before anything moves.
+fn refused(here: &Path, arguments: &[&str]) -> String {
+    let output = Program::new(env!("CARGO_BIN_EXE_sim-host"))
+        .arg("identify")
+        .args(arguments)
+        .current_dir(here)
+        .output()
+        .expect("the program runs");
+    assert!(!output.status.success(), "{arguments:?}");
+    assert!(output.stdout.is_empty(), "{arguments:?}: {output:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
 #[test]
 fn a_port_needs_a_space_and_counts() {
     let here = tempfile::tempdir().expect("a directory");
@@ -659,5 +672,67 @@ fn a_port_needs_a_space_and_counts() {
         assert!(!output.status.success(), "{arguments:?}");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(said.contains(expected), "{arguments:?}: {said}");
+    }
+}
+
+/// A drive is a danger and takes its time: not for nothing.
+#[test]
+fn what_cannot_be_written_is_found_before_anything_moves() {
+    let here = tempfile::tempdir().expect("a directory");
+    let at = |name: &str| here.path().join(name);
+    let _listener = UnixListener::bind(at("base")).expect("a socket");
+    fs::create_dir(at("folder")).expect("made");
+    fs::create_dir_all(at("full/base-identify.json")).expect("made");
+    for (name, text) in [
+        ("bad.toml", &b"[robot\n"[..]),
+        ("latin.toml", b"# \xe9\n"),
+        ("good.toml", b"# mine\n"),
+        ("old.csv", b"mine"),
+        ("plain", b""),
+    ] {
+        fs::write(at(name), text).expect("written");
+    }
+    for (arguments, expected) in [
+        (
+            ["--record", "no/such/rec.csv"],
+            "no/such/rec.csv: cannot be written",
+        ),
+        (["--record", "folder"], "folder: cannot be written"),
+        (
+            ["--record", "good.toml"],
+            "good.toml: is read by this command",
+        ),
+        (
+            ["--profile", "bad.toml"],
+            "bad.toml: cannot be written: not TOML",
+        ),
+        (["--profile", "latin.toml"], "latin.toml: cannot be read"),
+        (["--profile", "folder"], "folder: cannot be read"),
+        (
+            ["--profile", "no/such/robot.toml"],
+            "no/such/robot.toml: cannot be written",
+        ),
+        (["--out", "plain"], "plain: is a file"),
+        (["--out", "full"], "base-identify.json: cannot be written"),
+    ] {
+        // Of an option that is there twice clap says so, and not what this is about.
+        let mut all = vec![
+            "--port",
+            "base",
+            "--space",
+            "2x1",
+            "--counts-per-turn",
+            "2048",
+        ];
+        for usual in [["--record", "old.csv"], ["--profile", "good.toml"]] {
+            if usual[0] != arguments[0] {
+                all.extend(usual);
+            }
+        }
+        all.extend(arguments);
+        let said = refused(here.path(), &all);
+        assert!(said.contains(expected), "{all:?}: {said}");
+        assert_eq!(fs::read(at("old.csv")).expect("there"), b"mine");
+        assert_eq!(fs::read(at("good.toml")).expect("there"), b"# mine\n");
     }
 }

@@ -78,6 +78,14 @@ pub fn update(text: &str, found: &Identified, gear: Option<f64>) -> Result<Updat
     })
 }
 
+/// Whether a file can be updated.
+///
+/// # Errors
+/// As of [`update`].
+pub fn check(text: &str) -> Result<(), ProfileError> {
+    Document::parse(text).map(drop)
+}
+
 /// Counts of a whole turn of a wheel, if this base's file says so.
 pub fn counts_per_turn(text: &str) -> Option<f64> {
     positive(text, "encoder", "counts_per_turn")
