@@ -31,9 +31,9 @@ pub const BEHIND: f32 = 0.1;
 /// Share of the shorter side at which a run turns round before an edge.
 const MARGIN: f32 = 0.1;
 /// Sides of the rectangle \[m\].
-const SIDES: (f32, f32) = (0.3, 50.0);
+pub const SIDES: (f32, f32) = (0.3, 50.0);
 /// Lengths of a drive \[s\]: time for each kind of motion, and less than a clock of 32 bits of µs wraps around in.
-const DURATIONS: (f32, f32) = (5.0, 600.0);
+pub const DURATIONS: (f32, f32) = (5.0, 600.0);
 /// Steps in which a speed is sought that the space is long enough for, and the least one, as shares.
 const SLOWER: f32 = 0.95;
 const SLOWEST: f32 = 0.1;

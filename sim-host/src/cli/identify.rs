@@ -2,6 +2,7 @@
 
 use super::SeedArgs;
 use clap::Args;
+use firmware_demo::excitation::{DURATIONS, SIDES};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -65,8 +66,10 @@ pub struct LiveArgs {
     /// Largest turn rate [rad/s]; else 0.6 of the base's limit
     #[arg(long, value_name = "RAD/S", value_parser = positive, requires = "port")]
     pub turn_rate: Option<f64>,
-    /// Length of the drive [s]
-    #[arg(long, value_name = "S", default_value = "30", value_parser = positive, requires = "port")]
+    #[arg(
+        long, value_name = "S", default_value = "30", value_parser = |text: &str| within(text, DURATIONS), requires = "port",
+        help = format!("Length of the drive, {} to {} [s]", DURATIONS.0, DURATIONS.1)
+    )]
     pub duration: f64,
     /// Bits per second of a serial port
     #[arg(long, value_name = "N", default_value = "115200", requires = "port")]
@@ -78,7 +81,15 @@ pub struct LiveArgs {
 
 fn space(text: &str) -> Result<[f64; 2], String> {
     let (length, width) = text.split_once('x').ok_or("must be LENGTHxWIDTH, as 2x1")?;
-    Ok([positive(length)?, positive(width)?])
+    Ok([within(length, SIDES)?, within(width, SIDES)?])
+}
+
+/// What a base would refuse, and only when somebody has cleared the floor.
+fn within(text: &str, (least, most): (f32, f32)) -> Result<f64, String> {
+    match positive(text)? {
+        value if (least..=most).contains(&(value as f32)) => Ok(value),
+        _ => Err(format!("must be {least} to {most}")),
+    }
 }
 
 fn two(text: &str) -> Result<[String; 2], String> {

@@ -661,6 +661,15 @@ fn a_port_needs_a_space_and_counts() {
         (&["--port", "base"][..], "--space"),
         (&["--port", "base", "--space", "2"], "LENGTHxWIDTH"),
         (&["--port", "base", "--space", "2x1"], "--counts-per-turn"),
+        (&["--port", "base", "--space", "0.2x1"], "must be 0.3 to 50"),
+        (
+            &["--port", "base", "--space", "2x1", "--duration", "4"],
+            "must be 5 to 600",
+        ),
+        (
+            &["--port", "base", "--space", "2x1", "--duration", "700"],
+            "must be 5 to 600",
+        ),
         (&["--space", "2x1", "log.csv"], "cannot be used with"),
     ] {
         let output = Program::new(env!("CARGO_BIN_EXE_sim-host"))
