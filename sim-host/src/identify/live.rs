@@ -2,7 +2,7 @@
 
 use crate::monitor::{Lost, Monitor, MonitorError, RecordedDrive};
 use crate::teleop::{Line, ORDER_PERIOD};
-use controller_core::safety::FaultKind;
+use crate::trace::{cause, state_name};
 use controller_core::safety::supervisor::{Cause, State};
 use protocol::{Command, Excite, RecordingEnd, RejectReason, WireLimits, least_baud};
 use std::time::Duration;
@@ -37,6 +37,15 @@ pub enum BenchError {
     /// Nothing sound came.
     #[error("the base does not answer{}: is the port right, and its speed?", damaged(*.0))]
     Silent(u32),
+    /// Rows came, and then nothing.
+    #[error(
+        "after {rows} rows nothing came from the base for {} s, and the recording is not whole: the line stalled, or the base lost its power",
+        SILENCE.as_secs()
+    )]
+    FellSilent {
+        /// How many.
+        rows: usize,
+    },
     /// A line that cannot carry every tick.
     #[error(
         "a line of {baud} baud is too slow for a row of every tick, {period_us} us apart: it needs {least} baud"
@@ -99,13 +108,14 @@ fn ended(end: RecordingEnd, state: &Option<(State, Cause)>) -> String {
     match (end, state) {
         (RecordingEnd::Complete, _) => "its time was over".to_owned(),
         (RecordingEnd::LeftSpace, _) => "the base was about to leave its space".to_owned(),
-        (RecordingEnd::HostSilent, _) => "the base did not hear this host".to_owned(),
+        (RecordingEnd::HostSilent, _) | (RecordingEnd::Stopped, Some((_, Cause::LinkLost))) => {
+            "the base did not hear this host, and stopped".to_owned()
+        }
         (RecordingEnd::Unread, _) => "an encoder was not read".to_owned(),
         (RecordingEnd::Overflow, _) => "the line is too slow for every tick".to_owned(),
-        (RecordingEnd::Stopped, Some((state, Cause::Fault(fault)))) => {
-            format!("{state:?}, {}", FaultKind::name(fault.kind()))
+        (RecordingEnd::Stopped, Some((state, why))) => {
+            format!("state {}, cause {}", state_name(*state), cause(why))
         }
-        (RecordingEnd::Stopped, Some((state, cause))) => format!("{state:?} ({cause:?})"),
         (RecordingEnd::Stopped, None) => "the base stopped".to_owned(),
     }
 }
@@ -250,7 +260,7 @@ fn drive(
             _ => silent + ORDER_PERIOD,
         };
         if silent >= SILENCE {
-            return Err(BenchError::Silent(monitor.frames().rejected()));
+            return Err(BenchError::FellSilent { rows });
         }
     }
 }

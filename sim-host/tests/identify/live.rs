@@ -3,7 +3,7 @@
 #[path = "../socket_base/mod.rs"]
 mod socket_base;
 
-use controller_core::safety::supervisor::{Cause, State};
+use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::types::Pose;
 use firmware_demo::control_server::Queues;
 use firmware_demo::excitation::BEHIND;
@@ -19,6 +19,7 @@ use sim_host::monitor::{Lost, Monitor, MonitorError, RecordedDrive};
 use sim_host::scenario::BuiltInBase;
 use sim_host::teleop::{Line, Simulated};
 use sim_host::world::{PlantFault, Side, WorldSetup};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::net::UnixListener;
@@ -357,6 +358,49 @@ fn a_host_that_falls_silent_stops_the_base_within_its_timeout() {
 }
 
 #[test]
+fn a_line_that_stalls_is_told_from_a_base_that_never_answered() {
+    let stalls = Cell::new(false);
+    let (outcome, state, _, speed) = happens(
+        |_, passed| {
+            stalls.set((MIDST..MIDST + 38).contains(&passed));
+            true
+        },
+        |_| !stalls.get(),
+    );
+    let error = outcome.expect_err("rows are lost");
+    assert!(
+        matches!(error, BenchError::FellSilent { rows } if rows > 100),
+        "{error:?}"
+    );
+    let said = error.to_string();
+    assert!(
+        said.contains("nothing came from the base for 1 s"),
+        "{said}"
+    );
+    assert_eq!(state, State::Stopped);
+    assert!(speed < 0.01, "{speed}");
+}
+
+#[test]
+fn an_early_end_is_said_in_words() {
+    let said = |state, cause| {
+        let error = BenchError::Ended {
+            end: RecordingEnd::Stopped,
+            state: Some((state, cause)),
+        };
+        error.to_string()
+    };
+    assert_eq!(
+        said(State::Stopping(Then::Stopped), Cause::LinkLost),
+        "the recording ended early: the base did not hear this host, and stopped"
+    );
+    assert_eq!(
+        said(State::Braking(Then::Fault), Cause::EmergencyStop),
+        "the recording ended early: state braking, cause emergency-stop"
+    );
+}
+
+#[test]
 fn the_edge_of_the_space_stops_the_base() {
     let mut before = None;
     let (outcome, state, pose, speed) = happens(
@@ -672,14 +716,7 @@ fn a_port_needs_a_space_and_counts() {
         ),
         (&["--space", "2x1", "log.csv"], "cannot be used with"),
     ] {
-        let output = Program::new(env!("CARGO_BIN_EXE_sim-host"))
-            .arg("identify")
-            .args(arguments)
-            .current_dir(here.path())
-            .output()
-            .expect("the program runs");
-        assert!(!output.status.success(), "{arguments:?}");
-        let said = String::from_utf8_lossy(&output.stderr);
+        let said = refused(here.path(), arguments);
         assert!(said.contains(expected), "{arguments:?}: {said}");
     }
 }
