@@ -8,6 +8,7 @@ use crate::motion::ReferenceMotion;
 use crate::numbers::digits;
 use crate::scenario::{ControlLaw, Scenario};
 use crate::trials;
+use crate::world::MotorParams;
 use controller_core::maths::Libm;
 use controller_core::paper::stability::{
     longitudinal_tracking_is_stable, max_stable_speed, parking_is_stable,
@@ -257,14 +258,23 @@ fn base_warnings(base: &BaseSpec) -> Vec<String> {
     warnings
 }
 
+/// What the whole supply drives through a motor at rest \[A\].
+fn stall_a(hardware: &Hardware, motor: &MotorParams) -> f64 {
+    hardware.battery.nominal_v / motor.resistance_ohm
+}
+
+/// What a current gives a wheel at rest \[N m\].
+fn at_rest_nm(motor: &MotorParams, current_a: f64) -> f64 {
+    motor.gear_ratio * motor.gear_efficiency * motor.kt_nm_per_a * current_a
+}
+
 /// A warning about friction that wheels hardly break away from, or do not.
 fn stuck(hardware: &Hardware, wheel_torque_nm: f64) -> Option<String> {
     let static_nm = hardware.friction.static_nm;
-    let given_nm = hardware.drivers.motor().map(|motor| {
-        let nominal_a = hardware.battery.nominal_v / motor.resistance_ohm;
-        let current_a = motor.current_limit_a.min(nominal_a);
-        motor.gear_ratio * motor.gear_efficiency * motor.kt_nm_per_a * current_a
-    });
+    let given_nm = hardware
+        .drivers
+        .motor()
+        .map(|motor| at_rest_nm(motor, motor.current_limit_a.min(stall_a(hardware, motor))));
     if let Some(given_nm) = given_nm.filter(|given_nm| static_nm >= *given_nm) {
         return Some(format!(
             "friction.static_nm = {static_nm} N m is not less than the {given_nm:.3} N m that a motor gives at rest: the base does not move"
@@ -285,9 +295,7 @@ pub(crate) fn wide_dead_band(hardware: &Hardware, wheel_torque_nm: f64) -> Optio
     let Drivers::Bridges(motor) = &hardware.drivers else {
         return None;
     };
-    let nominal_a = hardware.battery.nominal_v / motor.resistance_ohm;
-    let at_rest_nm = motor.gear_ratio * motor.gear_efficiency * motor.kt_nm_per_a * nominal_a;
-    let taken_nm = motor.dead_band * at_rest_nm;
+    let taken_nm = motor.dead_band * at_rest_nm(motor, stall_a(hardware, motor));
     (taken_nm > wheel_torque_nm).then(|| {
         format!(
             "motor.dead_band = {} takes {taken_nm:.3} N m of a motor at rest, more than limits.wheel_torque = {wheel_torque_nm} N m: the base hardly \

@@ -64,11 +64,13 @@ impl Raw {
                 ("y", sample.y, FARTHEST_M),
                 ("theta", sample.theta, MAX_HEADING),
             ] {
-                if value.is_finite() && value.abs() > limit && matches!(field, "x" | "y") {
-                    return refuse(&sample.place, field, Reason::Far(value));
-                }
                 if value.is_nan() || value.abs() > limit {
-                    return refuse(&sample.place, field, Reason::OutOfRange { value, limit });
+                    let reason = if value.is_finite() && matches!(field, "x" | "y") {
+                        Reason::Far(value)
+                    } else {
+                        Reason::OutOfRange { value, limit }
+                    };
+                    return refuse(&sample.place, field, reason);
                 }
             }
         }

@@ -1,10 +1,11 @@
 //! The program from outside: a log file in, a table, a JSON file and a robot's file out.
 
+use crate::program::sim_host;
 use crate::robot::{RECORDER, Robot, random, recommended};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn csv() -> String {
     let mut random = random(5);
@@ -34,14 +35,7 @@ fn a_log_becomes_a_table_and_files() {
     fs::write(here.path().join("drive.csv"), csv()).expect("written");
     let mine = "# mine\n[robot]\nm = 1.0 # guessed\n";
     fs::write(here.path().join("robot.toml"), mine).expect("written");
-    let run = |arguments: &[&str]| -> Output {
-        Command::new(env!("CARGO_BIN_EXE_sim-host"))
-            .arg("identify")
-            .args(arguments)
-            .current_dir(here.path())
-            .output()
-            .expect("the program runs")
-    };
+    let run = |arguments: &[&str]| identify(here.path(), arguments);
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
     let turn = [
         "drive.csv",
@@ -113,13 +107,13 @@ fn a_log_becomes_a_table_and_files() {
     );
 }
 
+/// What comes of `identify` with these arguments.
+pub fn identify(directory: &Path, arguments: &[&str]) -> Output {
+    sim_host(directory, &[&["identify"], arguments].concat())
+}
+
 fn refusal(directory: &Path, arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_sim-host"))
-        .arg("identify")
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .expect("the program runs");
+    let output = identify(directory, arguments);
     assert_eq!(output.status.code(), Some(1));
     String::from_utf8(output.stderr).expect("UTF-8")
 }
@@ -158,11 +152,7 @@ fn coverage_names_its_seeds() {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../bases/paper-30kg.toml");
     let run = |base: &str| {
         let seed = ["--runs", "1", "--seed", "1200000000"];
-        Command::new(env!("CARGO_BIN_EXE_sim-host"))
-            .args([&["identify", "--coverage", base], &seed[..]].concat())
-            .current_dir(here.path())
-            .output()
-            .expect("the program runs")
+        identify(here.path(), &[&["--coverage", base], &seed[..]].concat())
     };
     let output = run(base);
     // The same one is built in.

@@ -3,6 +3,7 @@
 #[path = "../socket_base/mod.rs"]
 mod socket_base;
 
+use crate::cli;
 use controller_core::safety::supervisor::{Cause, State, Then};
 use controller_core::types::Pose;
 use firmware_demo::control_server::Queues;
@@ -24,7 +25,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::net::UnixListener;
 use std::path::Path;
-use std::process::Command as Program;
 use std::thread;
 use std::time::Duration;
 
@@ -596,12 +596,7 @@ fn the_program_identifies_a_base_over_a_socket() {
     let file = "[robot]\nm = 1.0 # guessed\n[motor]\ngear_ratio = 26.0\n[encoder]\ncounts_per_turn = 2048\n";
     fs::write(here.path().join("robot.toml"), file).expect("written");
     let run = |arguments: &[&str]| {
-        let output = Program::new(env!("CARGO_BIN_EXE_sim-host"))
-            .arg("identify")
-            .args(arguments)
-            .current_dir(here.path())
-            .output()
-            .expect("the program runs");
+        let output = cli::identify(here.path(), arguments);
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let (said, wrong) = (text(&output.stdout), text(&output.stderr));
         (output.status.code(), said, wrong)
@@ -686,12 +681,7 @@ fn the_program_identifies_a_base_over_a_socket() {
 
 /// What the program says that refuses this before anything moves.
 fn refused(here: &Path, arguments: &[&str]) -> String {
-    let output = Program::new(env!("CARGO_BIN_EXE_sim-host"))
-        .arg("identify")
-        .args(arguments)
-        .current_dir(here)
-        .output()
-        .expect("the program runs");
+    let output = cli::identify(here, arguments);
     assert!(!output.status.success(), "{arguments:?}");
     assert!(output.stdout.is_empty(), "{arguments:?}: {output:?}");
     String::from_utf8_lossy(&output.stderr).into_owned()

@@ -7,6 +7,8 @@ mod limits;
 mod live;
 mod plant;
 mod profile;
+#[path = "../program.rs"]
+mod program;
 mod robot;
 mod round_trip;
 mod structure;
